@@ -1,0 +1,78 @@
+//! Readings that do not tell the curvature.
+
+use thiserror::Error;
+
+/// Why a set of probes gives no curvature.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum Ep1Error {
+    /// Fewer than two probes: a curvature form has three components, a probe gives two.
+    #[error("{probes} probe(s); at least 2 in different directions are needed")]
+    TooFewProbes {
+        /// How many there were.
+        probes: usize,
+    },
+    /// The rotations do not span the tangent plane.
+    #[error(
+        "the {probes} probes do not span the tangent plane: their rotations lie within {spread:.1e} \
+         of one axis; add a probe across it"
+    )]
+    Unresolvable {
+        /// How many probes there were.
+        probes: usize,
+        /// Root-mean-square rotation across the main axis over that along it.
+        spread: f64,
+    },
+    /// In some direction the contact did not move: the object is too sharp to resolve.
+    #[error("{}", unresolved(*direction_rad, *radius_below))]
+    Unresolved {
+        /// The direction, from u towards v.
+        direction_rad: f64,
+        /// The radius of curvature in that direction is below this, length; unknown without a
+        /// stated resolution, or where even a flat object would not have moved the contact.
+        radius_below: Option<f64>,
+    },
+    /// In some direction the contact moved against the roll: no rolling contact does.
+    #[error(
+        "at {:.1} degrees from u the contact moved {travel_per_radian:e} per radian, against the \
+         roll: not a rolling contact",
+        direction_rad.to_degrees()
+    )]
+    NotRolling {
+        /// The direction, from u towards v.
+        direction_rad: f64,
+        /// Travel of the contact per radian, length; negative.
+        travel_per_radian: f64,
+    },
+    /// A reading, or what follows from it, is not a finite number.
+    #[error("probe {probe} (counting from 0): the reading is not finite")]
+    NotFinite {
+        /// Which probe.
+        probe: usize,
+    },
+    /// The numbers leave the range of doubles.
+    #[error("the readings are too large or too small to be worked with")]
+    OutOfRange,
+}
+
+impl Ep1Error {
+    /// The stable name of this kind of error.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::TooFewProbes { .. } => "too-few-probes",
+            Self::Unresolvable { .. } => "unresolvable-set",
+            Self::Unresolved { .. } => "unresolved",
+            Self::NotRolling { .. } => "not-rolling",
+            Self::NotFinite { .. } => "not-finite",
+            Self::OutOfRange => "out-of-range",
+        }
+    }
+}
+
+fn unresolved(direction_rad: f64, radius_below: Option<f64>) -> String {
+    let direction = direction_rad.to_degrees();
+    let bound = match radius_below {
+        Some(radius) => format!("radius below {radius}"),
+        None => "the radius is too small to say".to_owned(),
+    };
+    format!("at {direction:.1} degrees from u the contact did not move: {bound}")
+}

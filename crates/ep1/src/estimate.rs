@@ -1,0 +1,47 @@
+//! What the probes say of the object.
+
+use nalgebra::Matrix2;
+use palpate_geometry::CurvatureForm;
+
+/// A value with the standard deviation that the stated noise gives it, to first order.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// The value.
+    pub value: f64,
+    /// Its standard deviation, in the same unit; `None` if no noise was stated.
+    pub std: Option<f64>,
+}
+
+/// The object's curvature at the contact, in the probe's first contact frame (u, v).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The object's curvature form, 1/length, convex positive.
+    pub curvature: CurvatureForm,
+    /// Normal curvature along u, 1/length.
+    pub normal_curvature_u: Measured,
+    /// Normal curvature along v, 1/length.
+    pub normal_curvature_v: Measured,
+    /// Gaussian curvature, 1/length².
+    pub gaussian_curvature: Measured,
+    /// Mean curvature, 1/length.
+    pub mean_curvature: Measured,
+    /// Mean length of the shifts, length.
+    pub arc_length: f64,
+    pub(crate) probe_curvature: f64,
+    pub(crate) mobility: Matrix2<f64>,
+}
+
+impl Estimate {
+    /// How a small relative error of the readings grows in the object's normal curvature at
+    /// `angle_rad` from u: `1 + 1/RCR` (1996 paper, equation 7). `None` where the object is flat:
+    /// the growth has no bound.
+    pub fn amplification(&self, angle_rad: f64) -> Option<f64> {
+        let growth = 1.0 + self.probe_curvature / self.curvature.normal_curvature(angle_rad);
+        growth.is_finite().then_some(growth)
+    }
+
+    /// `(K₁ + K₂)⁻¹`, length: how far the contact moves per radian.
+    pub const fn mobility(&self) -> &Matrix2<f64> {
+        &self.mobility
+    }
+}

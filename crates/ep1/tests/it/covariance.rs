@@ -1,0 +1,137 @@
+//! The stated uncertainty against a Monte Carlo of the readings.
+
+use approx::assert_relative_eq;
+use nalgebra::Vector2;
+use palpate_ep1::{Estimate, LeastSquares, Measured, ProbeReading, ReadingNoise};
+use palpate_geometry::CurvatureForm;
+
+use crate::{eight, readings};
+
+/// A small congruential generator: the tests need no better.
+struct Draws(u64);
+
+impl Draws {
+    /// Sum of twelve uniforms less six: nearly normal, of unit variance.
+    fn normal(&mut self) -> f64 {
+        (0..12)
+            .map(|_| {
+                self.0 = self
+                    .0
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+            })
+            .sum::<f64>()
+            - 6.0
+    }
+
+    fn pair(&mut self) -> Vector2<f64> {
+        Vector2::new(self.normal(), self.normal())
+    }
+}
+
+fn quantities(estimate: &Estimate) -> [Measured; 4] {
+    [
+        estimate.normal_curvature_u,
+        estimate.normal_curvature_v,
+        estimate.gaussian_curvature,
+        estimate.mean_curvature,
+    ]
+}
+
+fn check(noise: ReadingNoise, form: CurvatureForm, rolls: &[(f64, f64)]) {
+    let exact = readings(1.0, &form, rolls);
+    let stated = quantities(&LeastSquares::of(1.0, noise, &exact).estimate().unwrap());
+    let trials = 20_000;
+    let mut draws = Draws(99);
+    let mut square = [0.0; 4];
+    for _ in 0..trials {
+        let noisy: Vec<ProbeReading> = exact
+            .iter()
+            .map(|reading| {
+                let rotation_std = (noise.relative_rotation_std * reading.rotation.norm())
+                    .hypot(noise.rotation_std_rad);
+                ProbeReading {
+                    rotation: reading.rotation + draws.pair() * rotation_std,
+                    shift: reading.shift + draws.pair() * noise.shift_std,
+                }
+            })
+            .collect();
+        let estimate = LeastSquares::of(1.0, noise, &noisy).estimate().unwrap();
+        for (sum, (found, stated)) in square
+            .iter_mut()
+            .zip(quantities(&estimate).iter().zip(&stated))
+        {
+            *sum += (found.value - stated.value).powi(2) / f64::from(trials);
+        }
+    }
+    for (square, stated) in square.iter().zip(&stated) {
+        assert_relative_eq!(square.sqrt(), stated.std.unwrap(), max_relative = 0.03);
+    }
+}
+
+const FORM: CurvatureForm = CurvatureForm {
+    k_uu: 0.4,
+    k_uv: 0.3,
+    k_vv: 1.2,
+};
+
+#[test]
+fn rotation_noise() {
+    let noise = ReadingNoise {
+        relative_rotation_std: 0.003,
+        ..Default::default()
+    };
+    check(noise, FORM, &eight(0.1));
+    check(noise, CurvatureForm::isotropic(0.2), &eight(0.1));
+}
+
+#[test]
+fn shift_noise() {
+    let noise = ReadingNoise {
+        shift_std: 2e-4,
+        ..Default::default()
+    };
+    check(noise, FORM, &eight(0.1));
+}
+
+#[test]
+fn all_noise_and_probes_of_every_length_and_direction() {
+    let noise = ReadingNoise {
+        relative_rotation_std: 0.002,
+        rotation_std_rad: 1e-4,
+        shift_std: 1e-4,
+        shift_resolution: 0.0,
+    };
+    check(
+        noise,
+        FORM,
+        &[(0.2, 0.1), (1.0, 0.2), (2.5, 0.05), (-1.7, 0.15)],
+    );
+}
+
+#[test]
+fn isotropic_std_is_the_formula() {
+    // Four of eight probes see each direction: std = e σ (1 + R₂/R₁)/√4 relative.
+    let noise = ReadingNoise {
+        relative_rotation_std: 0.01,
+        ..Default::default()
+    };
+    let exact = readings(1.0, &CurvatureForm::isotropic(0.2), &eight(0.1));
+    let estimate = LeastSquares::of(1.0, noise, &exact).estimate().unwrap();
+    let relative = estimate.normal_curvature_u.std.unwrap() / 0.2;
+    assert_relative_eq!(relative, 0.01 * 6.0 / 2.0, max_relative = 1e-12);
+}
+
+#[test]
+fn residual_sees_what_the_model_does_not_explain() {
+    let mut readings = readings(1.0, &FORM, &eight(0.1));
+    let fit = |readings: &[ProbeReading]| {
+        let sums = LeastSquares::of(1.0, ReadingNoise::default(), readings);
+        sums.residual(&sums.estimate().unwrap(), readings)
+    };
+    let (clean, freedom) = fit(&readings);
+    assert!(clean < 1e-16 && freedom == 13);
+    readings[3].shift.x += 0.01;
+    assert!(fit(&readings).0 > 1e-3);
+}

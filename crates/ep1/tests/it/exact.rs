@@ -1,0 +1,145 @@
+//! Noiseless readings give the curvature back.
+
+use approx::assert_relative_eq;
+use nalgebra::Vector2;
+use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
+use palpate_geometry::surfaces::{Graph, Sphere};
+use palpate_geometry::{CurvatureForm, Shape};
+use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
+use proptest::prelude::*;
+
+use crate::{eight, readings};
+
+const EXACT: ReadingNoise = ReadingNoise {
+    relative_rotation_std: 0.0,
+    rotation_std_rad: 0.0,
+    shift_std: 0.0,
+    shift_resolution: 0.0,
+};
+
+proptest! {
+    #[test]
+    fn any_spanning_probes_give_any_form(
+        k_min in -0.9..5.0_f64,
+        spread in 0.0..5.0_f64,
+        angle in -3.0..3.0_f64,
+        rolls in prop::collection::vec((-3.1..3.1_f64, 0.01..0.5_f64), 2..12),
+    ) {
+        prop_assume!(
+            rolls.iter().any(|(a, _)| (a - rolls[0].0).sin().abs() > 0.05)
+        );
+        let form = CurvatureForm { k_uu: k_min, k_uv: 0.0, k_vv: k_min + spread }.rotated(angle);
+        let readings = readings(1.0, &form, &rolls);
+        let estimate = LeastSquares::of(1.0, EXACT, &readings).estimate().unwrap();
+        let scale = 1.0 + form.curvedness();
+        prop_assert!((estimate.curvature.matrix() - form.matrix()).amax() < 1e-9 * scale);
+        prop_assert_eq!(estimate.normal_curvature_u.std, None);
+    }
+
+    #[test]
+    fn all_scales(exponent in -9..9_i32, ratio in -9..9_i32) {
+        let radius = 10.0_f64.powi(exponent);
+        let curvature = 10.0_f64.powi(ratio) / radius;
+        let readings = readings(radius, &CurvatureForm::isotropic(curvature), &eight(0.1));
+        let estimate = LeastSquares::of(radius, EXACT, &readings).estimate().unwrap();
+        // The error of the input's rounding, times the amplification.
+        let amplification = 1.0 + 10.0_f64.powi(-ratio) + 10.0_f64.powi(ratio);
+        let error = (estimate.curvature.k_uu / curvature - 1.0).abs();
+        prop_assert!(error < 1e-15 * amplification, "{error:e}");
+    }
+}
+
+#[test]
+fn readings_of_a_plane_give_exactly_zero() {
+    for radius in [10.0, 1.0, 0.3, 7e-9] {
+        let readings: Vec<_> = eight(0.1)
+            .iter()
+            .map(|&(direction, theta)| {
+                let motion = Motion::rolling(direction, theta, 1.0);
+                let rotation = motion.rotation();
+                let shift = Vector2::new(-rotation.y, rotation.x) * radius;
+                ProbeReading { rotation, shift }
+            })
+            .collect();
+        let estimate = LeastSquares::of(radius, EXACT, &readings)
+            .estimate()
+            .unwrap();
+        assert_eq!(estimate.curvature.k_uu, 0.0);
+        assert_eq!(estimate.curvature.k_vv, 0.0);
+        assert_eq!(estimate.amplification(0.0), None);
+    }
+}
+
+fn rolled(object: Shape, theta: f64, model: Model) -> Vec<ProbeReading> {
+    let rolls: Vec<Vec<Motion>> = eight(theta)
+        .iter()
+        .map(|&(direction, theta)| vec![Motion::rolling(direction, theta, 1.0)])
+        .collect();
+    let roller = Roller::new(
+        Probe::new(1.0).unwrap(),
+        object,
+        (0.0, 0.0),
+        model,
+        Rolls { rolls: &rolls },
+    )
+    .unwrap();
+    rolls
+        .iter()
+        .map(|roll| ProbeReading {
+            rotation: roll[0].rotation(),
+            shift: roller.shift(roll).unwrap().displacement,
+        })
+        .collect()
+}
+
+#[test]
+fn a_rolled_sphere_is_recovered() {
+    for radius in [500.0, 50.0, 5.0, 1.0, 0.5] {
+        let object = Shape::Sphere(Sphere::new(radius).unwrap());
+        let readings = rolled(object, 0.1, Model::ClosedForm);
+        let estimate = LeastSquares::of(1.0, EXACT, &readings).estimate().unwrap();
+        let precision = 1e-15 * (1.0 + radius) * 4.0;
+        assert_relative_eq!(
+            estimate.curvature.k_uu,
+            1.0 / radius,
+            max_relative = precision
+        );
+        assert_relative_eq!(
+            estimate.gaussian_curvature.value,
+            1.0 / (radius * radius),
+            max_relative = 2.0 * precision
+        );
+        assert_relative_eq!(
+            estimate.amplification(0.3).unwrap(),
+            1.0 + radius,
+            max_relative = 1e-11
+        );
+    }
+}
+
+#[test]
+fn a_rolled_saddle_has_its_signs() {
+    let object = Shape::Saddle(Graph::saddle(0.1).unwrap());
+    let model = Model::Dop853 {
+        tolerance: 1e-12,
+        chart: Chart::Free,
+    };
+    let estimate = LeastSquares::of(1.0, EXACT, &rolled(object, 1e-4, model))
+        .estimate()
+        .unwrap();
+    // z = a (x² − y²): hollow along x.
+    assert_relative_eq!(estimate.curvature.k_uu, -0.2, max_relative = 1e-6);
+    assert_relative_eq!(estimate.curvature.k_vv, 0.2, max_relative = 1e-6);
+}
+
+#[test]
+fn the_paraboloids_error_at_equal_arc_is_the_known_one() {
+    // c = 1 rolled by θ = α + s/R₁ over s = 0.1 errs by 1.9 %.
+    let theta = 0.296_15;
+    let object = Shape::Paraboloid(Graph::paraboloid(1.0).unwrap());
+    let estimate = LeastSquares::of(1.0, EXACT, &rolled(object, theta, Model::Meridian))
+        .estimate()
+        .unwrap();
+    assert_relative_eq!(estimate.arc_length, 0.1, max_relative = 1e-3);
+    assert_relative_eq!(1.0 - estimate.curvature.k_uu / 2.0, 0.019, epsilon = 5e-4);
+}

@@ -1,0 +1,34 @@
+//! Integration tests of EP1.
+#![allow(clippy::unwrap_used)]
+
+mod covariance;
+mod exact;
+mod refusals;
+
+use nalgebra::{Matrix2, Vector2};
+use palpate_ep1::ProbeReading;
+use palpate_geometry::CurvatureForm;
+
+/// Noiseless readings of a probe of `radius` on an object with curvature `form`, one for each
+/// direction (radians from u) and rotation (radians), from the linear law.
+pub fn readings(radius: f64, form: &CurvatureForm, rolls: &[(f64, f64)]) -> Vec<ProbeReading> {
+    let relative = Matrix2::identity() / radius + form.matrix();
+    let mobility = relative.try_inverse().unwrap();
+    rolls
+        .iter()
+        .map(|&(direction, theta)| {
+            let drive = Vector2::new(direction.cos(), direction.sin()) * theta;
+            ProbeReading {
+                rotation: Vector2::new(drive.y, -drive.x),
+                shift: mobility * drive,
+            }
+        })
+        .collect()
+}
+
+/// Two probes in each of ±u and ±v.
+pub fn eight(theta: f64) -> Vec<(f64, f64)> {
+    (0..8)
+        .map(|index| (f64::from(index / 2) * std::f64::consts::FRAC_PI_2, theta))
+        .collect()
+}

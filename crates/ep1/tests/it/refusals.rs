@@ -1,0 +1,137 @@
+//! Readings that do not tell the curvature are refused by name.
+
+use nalgebra::Vector2;
+use palpate_ep1::{Ep1Error, Estimate, LeastSquares, ProbeReading, ReadingNoise};
+use palpate_geometry::CurvatureForm;
+use proptest::prelude::*;
+
+use crate::{eight, readings};
+
+fn estimate(readings: &[ProbeReading]) -> Result<Estimate, Ep1Error> {
+    LeastSquares::of(1.0, ReadingNoise::default(), readings).estimate()
+}
+
+#[test]
+fn none_and_one() {
+    assert_eq!(
+        estimate(&[]).unwrap_err(),
+        Ep1Error::TooFewProbes { probes: 0 }
+    );
+    let one = readings(1.0, &CurvatureForm::isotropic(1.0), &[(0.0, 0.1)]);
+    assert_eq!(
+        estimate(&one).unwrap_err(),
+        Ep1Error::TooFewProbes { probes: 1 }
+    );
+}
+
+#[test]
+fn parallel_probes() {
+    for direction in [0.0, 0.7, 1.5] {
+        let rolls = [
+            (direction, 0.1),
+            (direction, 0.2),
+            (direction + std::f64::consts::PI, 0.1),
+        ];
+        let readings = readings(1.0, &CurvatureForm::isotropic(1.0), &rolls);
+        let error = estimate(&readings).unwrap_err();
+        assert_eq!(error.name(), "unresolvable-set", "{error}");
+    }
+    let still = [ProbeReading::default(); 8];
+    assert_eq!(estimate(&still).unwrap_err().name(), "unresolvable-set");
+}
+
+#[test]
+fn a_contact_that_did_not_move_bounds_the_radius() {
+    let mut readings = readings(1.0, &CurvatureForm::isotropic(1.0), &eight(0.1));
+    for reading in &mut readings {
+        reading.shift.x = 0.0;
+    }
+    let noise = ReadingNoise {
+        shift_resolution: 0.01,
+        ..Default::default()
+    };
+    let error = LeastSquares::of(1.0, noise, &readings)
+        .estimate()
+        .unwrap_err();
+    let Ep1Error::Unresolved {
+        direction_rad,
+        radius_below: Some(bound),
+    } = error
+    else {
+        panic!("{error}");
+    };
+    // 0.1 rad in four of eight probes; less than 0.01 of travel: at least 0.0707/0.01 relative.
+    assert!(direction_rad.abs() < 1e-6);
+    let relative = (0.1 / 2.0_f64.sqrt()) / 0.01;
+    assert!((bound - 1.0 / (relative - 1.0)).abs() < 1e-12, "{bound}");
+    assert!(error.to_string().contains("radius below 0.16"), "{error}");
+    // Without a resolution there is no number to give.
+    let error = estimate(&readings).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            Ep1Error::Unresolved {
+                radius_below: None,
+                ..
+            }
+        ),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_contact_that_moves_backwards_is_no_rolling() {
+    let mut readings = readings(1.0, &CurvatureForm::isotropic(1.0), &eight(0.1));
+    for reading in &mut readings {
+        reading.shift.y = -reading.shift.y;
+    }
+    let error = estimate(&readings).unwrap_err();
+    assert!(matches!(error, Ep1Error::NotRolling { .. }), "{error}");
+    assert!(
+        error.to_string().starts_with("at 90.0 degrees from u"),
+        "{error}"
+    );
+}
+
+#[test]
+fn readings_that_are_not_numbers_are_named() {
+    let good = readings(1.0, &CurvatureForm::isotropic(1.0), &eight(0.1));
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for place in 0..4 {
+            let mut readings = good.clone();
+            let reading = &mut readings[5];
+            match place {
+                0 => reading.rotation.x = bad,
+                1 => reading.rotation.y = bad,
+                2 => reading.shift.x = bad,
+                _ => reading.shift.y = bad,
+            }
+            assert_eq!(
+                estimate(&readings).unwrap_err(),
+                Ep1Error::NotFinite { probe: 5 }
+            );
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn never_a_number_that_is_none(
+        values in prop::collection::vec(prop::array::uniform4(prop::num::f64::ANY), 0..6),
+        radius in 1e-9..1e9_f64,
+    ) {
+        let readings: Vec<ProbeReading> = values
+            .iter()
+            .map(|&[a, b, c, d]| ProbeReading {
+                rotation: Vector2::new(a, b),
+                shift: Vector2::new(c, d),
+            })
+            .collect();
+        let noise = ReadingNoise { relative_rotation_std: 0.1, shift_std: 0.1, ..Default::default() };
+        if let Ok(estimate) = LeastSquares::of(radius, noise, &readings).estimate() {
+            for measured in [estimate.normal_curvature_u, estimate.gaussian_curvature] {
+                prop_assert!(measured.value.is_finite());
+            }
+        }
+    }
+}

@@ -1,0 +1,378 @@
+//! Curvature at a point: the form, its invariants and its classes.
+
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, FRAC_PI_2};
+
+use nalgebra::{Matrix2, Vector2};
+use thiserror::Error;
+
+/// The curvature form of a surface in an orthonormal tangent basis `(u, v)`, 1/length.
+///
+/// Symmetric; positive where the solid is convex. A sphere of radius `R` has `I/R`, a dish `−I/R`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CurvatureForm {
+    /// Normal curvature along `u`.
+    pub k_uu: f64,
+    /// Mixed term: turn of the normal towards `v` per length along `u`.
+    pub k_uv: f64,
+    /// Normal curvature along `v`.
+    pub k_vv: f64,
+}
+
+/// The two principal curvatures, ordered by signed value, and their directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrincipalCurvatures {
+    /// Smallest normal curvature, 1/length.
+    pub k_min: f64,
+    /// Largest normal curvature, 1/length.
+    pub k_max: f64,
+    /// Direction of `k_max`: angle from `u` towards `v`, in (−π/2, π/2]. That of `k_min` is
+    /// perpendicular. At an umbilic every direction is principal and this is 0.
+    pub angle_of_max_rad: f64,
+}
+
+impl CurvatureForm {
+    /// The form `curvature · I` of a sphere (or, with 0, of a plane).
+    pub const fn isotropic(curvature: f64) -> Self {
+        Self {
+            k_uu: curvature,
+            k_uv: 0.0,
+            k_vv: curvature,
+        }
+    }
+
+    /// The form as a symmetric matrix.
+    pub fn matrix(&self) -> Matrix2<f64> {
+        Matrix2::new(self.k_uu, self.k_uv, self.k_uv, self.k_vv)
+    }
+
+    /// The symmetric part of a matrix as a form.
+    pub fn from_matrix(matrix: &Matrix2<f64>) -> Self {
+        Self {
+            k_uu: matrix[(0, 0)],
+            k_uv: 0.5 * (matrix[(0, 1)] + matrix[(1, 0)]),
+            k_vv: matrix[(1, 1)],
+        }
+    }
+
+    /// Gaussian curvature `k_min k_max`, 1/length².
+    pub fn gaussian_curvature(&self) -> f64 {
+        self.k_uu * self.k_vv - self.k_uv * self.k_uv
+    }
+
+    /// Mean curvature `(k_min + k_max)/2`, 1/length.
+    pub fn mean_curvature(&self) -> f64 {
+        0.5 * self.k_uu + 0.5 * self.k_vv
+    }
+
+    /// Principal curvatures and directions.
+    pub fn principal(&self) -> PrincipalCurvatures {
+        let mean = self.mean_curvature();
+        let (half_difference, mixed) = (0.5 * self.k_uu - 0.5 * self.k_vv, self.k_uv);
+        let spread = half_difference.hypot(mixed);
+        let angle = 0.5 * mixed.atan2(half_difference);
+        // Both are the same direction; the range holds one of them.
+        let angle = if angle <= -FRAC_PI_2 {
+            FRAC_PI_2
+        } else {
+            angle
+        };
+        PrincipalCurvatures {
+            k_min: mean - spread,
+            k_max: mean + spread,
+            angle_of_max_rad: if spread == 0.0 { 0.0 } else { angle },
+        }
+    }
+
+    /// Normal curvature in the tangent direction at `angle_rad` from `u` towards `v`, 1/length.
+    pub fn normal_curvature(&self, angle_rad: f64) -> f64 {
+        let (sin, cos) = angle_rad.sin_cos();
+        self.along(&Vector2::new(cos, sin))
+    }
+
+    /// Normal curvature along a unit tangent vector with components `(u, v)`, 1/length.
+    pub fn along(&self, unit: &Vector2<f64>) -> f64 {
+        self.k_uu * unit.x * unit.x
+            + 2.0 * self.k_uv * unit.x * unit.y
+            + self.k_vv * unit.y * unit.y
+    }
+
+    /// The relative curvature ratio RCR: this (the object's) normal curvature over the probe's, in
+    /// the direction at `angle_rad`. `None` where the probe is flat.
+    pub fn relative_curvature_ratio(&self, probe: &Self, angle_rad: f64) -> Option<f64> {
+        let ratio = self.normal_curvature(angle_rad) / probe.normal_curvature(angle_rad);
+        ratio.is_finite().then_some(ratio)
+    }
+
+    /// The form seen in the basis turned by `angle_rad` from `u` towards `v`.
+    pub fn rotated(&self, angle_rad: f64) -> Self {
+        let (sin, cos) = angle_rad.sin_cos();
+        let (u, v) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
+        Self {
+            k_uu: self.along(&u),
+            k_uv: u.dot(&(self.matrix() * v)),
+            k_vv: self.along(&v),
+        }
+    }
+
+    /// The form seen in the other body's frame, whose normal is opposite and whose axes stand at
+    /// the contact angle ψ: `K̃ = R_ψ K R_ψ` with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
+    pub fn seen_from_other_body(&self, contact_angle_rad: f64) -> Self {
+        let (sin, cos) = contact_angle_rad.sin_cos();
+        let reflection = Matrix2::new(cos, -sin, -sin, -cos);
+        Self::from_matrix(&(reflection * self.matrix() * reflection))
+    }
+
+    /// Shape index `(2/π) atan((k_max + k_min)/(k_max − k_min))` in [−1, 1]: +1 for a convex cap,
+    /// 0 for a symmetric saddle, −1 for a cup. `None` on a flat point, which has none.
+    pub fn shape_index(&self) -> Option<f64> {
+        let PrincipalCurvatures { k_min, k_max, .. } = self.principal();
+        if k_min == 0.0 && k_max == 0.0 {
+            return None;
+        }
+        Some(FRAC_2_PI * (k_max + k_min).atan2(k_max - k_min))
+    }
+
+    /// Curvedness `√((k_min² + k_max²)/2)`, 1/length.
+    pub fn curvedness(&self) -> f64 {
+        let PrincipalCurvatures { k_min, k_max, .. } = self.principal();
+        k_min.hypot(k_max) * FRAC_1_SQRT_2
+    }
+}
+
+/// The eight surface primitives by the signs of Gaussian curvature K and mean curvature H.
+///
+/// |        | K > 0 | K = 0  | K < 0         |
+/// |--------|-------|--------|---------------|
+/// | H > 0  | peak  | ridge  | saddle ridge  |
+/// | H = 0  |       | flat   | minimal       |
+/// | H < 0  | pit   | valley | saddle valley |
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ShapeClass {
+    /// K > 0, H > 0.
+    Peak,
+    /// K = 0, H > 0.
+    Ridge,
+    /// K < 0, H > 0.
+    SaddleRidge,
+    /// K = 0, H = 0.
+    Flat,
+    /// K < 0, H = 0.
+    Minimal,
+    /// K > 0, H < 0.
+    Pit,
+    /// K = 0, H < 0.
+    Valley,
+    /// K < 0, H < 0.
+    SaddleValley,
+}
+
+impl ShapeClass {
+    /// All eight, in the order of the table above.
+    pub const ALL: [Self; 8] = [
+        Self::Peak,
+        Self::Ridge,
+        Self::SaddleRidge,
+        Self::Flat,
+        Self::Minimal,
+        Self::Pit,
+        Self::Valley,
+        Self::SaddleValley,
+    ];
+
+    /// The kebab-case name used in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Peak => "peak",
+            Self::Ridge => "ridge",
+            Self::SaddleRidge => "saddle-ridge",
+            Self::Flat => "flat",
+            Self::Minimal => "minimal",
+            Self::Pit => "pit",
+            Self::Valley => "valley",
+            Self::SaddleValley => "saddle-valley",
+        }
+    }
+}
+
+/// Below which K and H count as zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeThresholds {
+    gaussian: f64,
+    mean: f64,
+}
+
+/// Thresholds that cannot classify.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum InvalidThresholds {
+    /// A threshold is negative or not finite.
+    #[error("{name} threshold is {value}; it must be finite and at least 0")]
+    OutOfRange {
+        /// Which one.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// `K > 0` with `H = 0` would appear, which no surface has.
+    #[error(
+        "gaussian threshold {gaussian} is below the square of the mean threshold {mean} ({}); \
+         then the impossible class K > 0, H = 0 appears",
+        mean * mean
+    )]
+    ImpossibleClass {
+        /// The Gaussian threshold, 1/length².
+        gaussian: f64,
+        /// The mean threshold, 1/length.
+        mean: f64,
+    },
+}
+
+impl ShapeThresholds {
+    /// `|K| <= gaussian` (1/length²) and `|H| <= mean` (1/length) count as zero.
+    ///
+    /// # Errors
+    /// [`InvalidThresholds`] unless both are finite, at least 0, and `gaussian >= mean²`: since
+    /// `K <= H²`, a smaller Gaussian threshold would leave points with `K > 0` and `H = 0`.
+    pub fn new(gaussian: f64, mean: f64) -> Result<Self, InvalidThresholds> {
+        for (name, value) in [("gaussian", gaussian), ("mean", mean)] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(InvalidThresholds::OutOfRange { name, value });
+            }
+        }
+        // A decimal such as 0.1 and its square 0.01 meet only up to rounding.
+        if gaussian < mean * mean * (1.0 - 4.0 * f64::EPSILON) {
+            return Err(InvalidThresholds::ImpossibleClass { gaussian, mean });
+        }
+        Ok(Self { gaussian, mean })
+    }
+
+    /// The class of a point, whose curvatures must be finite. `K` is clamped to `H²`, which it
+    /// cannot exceed but for noise.
+    pub fn classify(&self, gaussian_curvature: f64, mean_curvature: f64) -> ShapeClass {
+        let gaussian = gaussian_curvature.min(mean_curvature * mean_curvature);
+        let sign =
+            |value: f64, threshold: f64| i8::from(value > threshold) - i8::from(value < -threshold);
+        match (
+            sign(mean_curvature, self.mean),
+            sign(gaussian, self.gaussian),
+        ) {
+            (1, 1) => ShapeClass::Peak,
+            (1, 0) => ShapeClass::Ridge,
+            (1, _) => ShapeClass::SaddleRidge,
+            (0, -1) => ShapeClass::Minimal,
+            (0, _) => ShapeClass::Flat,
+            (_, 1) => ShapeClass::Pit,
+            (_, 0) => ShapeClass::Valley,
+            (_, _) => ShapeClass::SaddleValley,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn invariants_survive_a_turn_of_the_basis() {
+        let form = CurvatureForm {
+            k_uu: 2.0,
+            k_uv: -0.7,
+            k_vv: -1.0,
+        };
+        let turned = form.rotated(0.9);
+        assert_relative_eq!(
+            form.gaussian_curvature(),
+            turned.gaussian_curvature(),
+            epsilon = 1e-14
+        );
+        assert_relative_eq!(
+            form.mean_curvature(),
+            turned.mean_curvature(),
+            epsilon = 1e-14
+        );
+        let (a, b) = (form.principal(), turned.principal());
+        assert_relative_eq!(a.k_max, b.k_max, epsilon = 1e-14);
+        assert_relative_eq!(
+            a.angle_of_max_rad,
+            b.angle_of_max_rad + 0.9,
+            epsilon = 1e-14
+        );
+    }
+
+    #[test]
+    fn principal_directions_carry_the_principal_curvatures() {
+        let form = CurvatureForm {
+            k_uu: 0.3,
+            k_uv: 0.4,
+            k_vv: 0.9,
+        };
+        let p = form.principal();
+        assert_relative_eq!(
+            form.normal_curvature(p.angle_of_max_rad),
+            p.k_max,
+            epsilon = 1e-15
+        );
+        let across = p.angle_of_max_rad + FRAC_PI_2;
+        assert_relative_eq!(form.normal_curvature(across), p.k_min, epsilon = 1e-15);
+        assert_relative_eq!(
+            p.k_min * p.k_max,
+            form.gaussian_curvature(),
+            epsilon = 1e-15
+        );
+        assert!(p.k_min <= p.k_max);
+    }
+
+    #[test]
+    fn shape_index_and_curvedness_of_known_shapes() {
+        let index = |k_uu, k_vv| {
+            CurvatureForm {
+                k_uu,
+                k_uv: 0.0,
+                k_vv,
+            }
+            .shape_index()
+        };
+        assert_relative_eq!(index(0.2, 0.2).unwrap(), 1.0);
+        assert_relative_eq!(index(0.2, 0.0).unwrap(), 0.5);
+        assert_relative_eq!(index(0.2, -0.2).unwrap(), 0.0);
+        assert_relative_eq!(index(-0.2, 0.0).unwrap(), -0.5);
+        assert_relative_eq!(index(-0.2, -0.2).unwrap(), -1.0);
+        assert_eq!(index(0.0, 0.0), None);
+        assert_relative_eq!(CurvatureForm::isotropic(-0.2).curvedness(), 0.2);
+    }
+
+    #[test]
+    fn relative_curvature_ratio_needs_a_curved_probe() {
+        let object = CurvatureForm::isotropic(0.2);
+        let ratio = |probe| object.relative_curvature_ratio(&CurvatureForm::isotropic(probe), 0.3);
+        assert_relative_eq!(ratio(1.0).unwrap(), 0.2);
+        assert_eq!(ratio(0.0), None);
+    }
+
+    #[test]
+    fn eight_classes() {
+        let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
+        let class = |k, h| thresholds.classify(k, h).name();
+        assert_eq!(class(1.0, 1.0), "peak");
+        assert_eq!(class(0.0, 1.0), "ridge");
+        assert_eq!(class(-1.0, 1.0), "saddle-ridge");
+        assert_eq!(class(0.0, 0.0), "flat");
+        assert_eq!(class(-1.0, 0.0), "minimal");
+        assert_eq!(class(1.0, -1.0), "pit");
+        assert_eq!(class(0.0, -1.0), "valley");
+        assert_eq!(class(-1.0, -1.0), "saddle-valley");
+        // Noise can bring K above H²; the pair is then read as the nearest possible one.
+        assert_eq!(class(1.0, 0.0), "flat");
+    }
+
+    #[test]
+    fn thresholds_that_would_admit_the_impossible_class_are_refused() {
+        assert!(ShapeThresholds::new(0.005, 0.03).is_ok());
+        let refused = ShapeThresholds::new(0.005, 0.1).unwrap_err();
+        assert!(matches!(refused, InvalidThresholds::ImpossibleClass { .. }));
+        for bad in [f64::NAN, f64::INFINITY, -1.0] {
+            assert!(ShapeThresholds::new(bad, 0.0).is_err());
+            assert!(ShapeThresholds::new(1.0, bad).is_err());
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! What can be wrong with a formula, and how it is shown.
+
+use std::fmt;
+use std::ops::Range;
+
+use super::Formula;
+
+/// Why a text is no formula, and where.
+///
+/// Displays as the reason; where a place in the formula is to blame, also the formula and a line that marks the place:
+///
+/// ```text
+/// unknown name `kk` (did you mean `k`?)
+///   A*sin(kk*x)
+///         ^^
+/// ```
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub struct FormulaError {
+    /// What is wrong.
+    pub kind: FormulaErrorKind,
+    /// The bytes of the text to blame, empty at its end; none if it is not a matter of one place.
+    pub span: Option<Range<usize>>,
+    text: String,
+}
+
+/// What can be wrong with a formula or its parameters.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FormulaErrorKind {
+    /// No text, or only white space.
+    #[error("the formula is empty")]
+    Empty,
+    /// Longer than [`Formula::MAX_CHARACTERS`].
+    #[error("the formula has {0} characters; at most {max} are allowed", max = Formula::MAX_CHARACTERS)]
+    TooLong(usize),
+    /// Nested deeper than [`Formula::MAX_NESTING`].
+    #[error("nested more than {} deep", Formula::MAX_NESTING)]
+    TooDeep,
+    /// A character that no formula contains.
+    #[error("unexpected character `{}`", .0.escape_debug())]
+    UnexpectedCharacter(char),
+    /// Something like `1.2.3` or `1e+`.
+    #[error("`{0}` is not a number")]
+    BadNumber(String),
+    /// A constant part whose value is infinite or undefined.
+    #[error("this part is not finite but {0}")]
+    NotFinite(f64),
+    /// A name that is neither a variable nor a parameter.
+    #[error("unknown name `{name}`{}", did_you_mean(.suggestion))]
+    UnknownName {
+        /// The name.
+        name: String,
+        /// What may have been meant.
+        suggestion: Option<String>,
+    },
+    /// A call of something that is no function.
+    #[error("unknown function `{name}`{}", did_you_mean(.suggestion))]
+    UnknownFunction {
+        /// The name.
+        name: String,
+        /// What may have been meant.
+        suggestion: Option<String>,
+    },
+    /// A function's name without parentheses.
+    #[error("`{0}` is a function: write `{0}(...)`")]
+    MissingArguments(String),
+    /// A call with too few or too many arguments.
+    #[error("`{function}` takes {expected} argument{}, not {found}", if *.expected == 1 { "" } else { "s" })]
+    WrongArity {
+        /// The function called.
+        function: String,
+        /// How many arguments it takes.
+        expected: usize,
+        /// How many it was given.
+        found: usize,
+    },
+    /// Two operands side by side, as in `2x`.
+    #[error("multiplication needs a sign: write `{left}*{right}`")]
+    ImplicitMultiplication {
+        /// The last word of the left operand.
+        left: String,
+        /// The first word of the right operand.
+        right: String,
+    },
+    /// `**` for a power.
+    #[error("write `^` for a power, not `**`")]
+    DoubleStar,
+    /// Something else where an operand should be.
+    #[error("expected a number, a name or `(`, found `{0}`")]
+    ExpectedOperand(String),
+    /// The end of the formula where an operand should be.
+    #[error("the formula ends where a number, a name or `(` should follow")]
+    UnexpectedEnd,
+    /// A `(` without its `)`.
+    #[error("this `(` is never closed")]
+    Unclosed,
+    /// A `)` without its `(`.
+    #[error("this `)` closes nothing")]
+    Unopened,
+    /// A comma outside a function's arguments.
+    #[error("a comma belongs only between the arguments of a function")]
+    StrayComma,
+    /// A parameter that is infinite or NaN.
+    #[error("parameter `{name}` is not finite but {value}")]
+    ParameterNotFinite {
+        /// The parameter.
+        name: String,
+        /// Its value.
+        value: f64,
+    },
+    /// A parameter with the name of a variable, a function or `pi`.
+    #[error("`{0}` has a meaning of its own in formulas and cannot name a parameter")]
+    ReservedParameter(String),
+    /// A parameter that the formula does not use.
+    #[error("parameter `{0}` does not occur in the formula")]
+    UnusedParameter(String),
+}
+
+impl FormulaError {
+    pub(super) fn new(kind: FormulaErrorKind, text: &str, span: Option<Range<usize>>) -> Self {
+        Self {
+            kind,
+            span,
+            text: text.into(),
+        }
+    }
+}
+
+fn did_you_mean(suggestion: &Option<String>) -> String {
+    suggestion
+        .as_ref()
+        .map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
+}
+
+impl fmt::Display for FormulaError {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        /// Characters shown of a long formula, and how many of them before the marked place.
+        const SHOWN: usize = 72;
+        const BEFORE: usize = 36;
+
+        write!(f, "{}", self.kind)?;
+        let Some(span) = &self.span else {
+            return Ok(());
+        };
+        let column = self.text[..span.start].chars().count();
+        let width = self.text[span.clone()].chars().count().max(1);
+        let total = self.text.chars().count();
+        let start = if total > SHOWN {
+            column.saturating_sub(BEFORE)
+        } else {
+            0
+        };
+        let excerpt: String = (self.text.chars().skip(start).take(SHOWN))
+            .map(|c| {
+                if c.is_control() || c.is_whitespace() {
+                    ' '
+                } else {
+                    c
+                }
+            })
+            .collect();
+        let (cut, more) = (
+            if start > 0 { "…" } else { "" },
+            if start + SHOWN < total { "…" } else { "" },
+        );
+        let indent = column - start + cut.chars().count();
+        let width = width.min((start + SHOWN - column).max(1));
+        write!(
+            f,
+            "\n  {cut}{}{more}\n  {:indent$}{:^<width$}",
+            excerpt.trim_end(),
+            "",
+            ""
+        )
+    }
+}

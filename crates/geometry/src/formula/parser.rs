@@ -1,0 +1,285 @@
+//! A Pratt parser: every operator has a binding power, and the tighter one takes the operand between two.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::Formula;
+use super::error::{FormulaError, FormulaErrorKind as Kind};
+use super::lexer::{Lexer, Span, Token};
+use super::operation::{Binary, FUNCTIONS, Function, Unary};
+use super::program::{Expression, Program};
+
+const X: &str = "x";
+const Y: &str = "y";
+const PI: &str = "pi";
+
+/// How tightly a sign holds its operand: tighter than `*`, looser than `^`.
+const SIGN: u8 = 5;
+
+type Result<T> = std::result::Result<T, (Kind, Span)>;
+
+pub(super) fn parse(
+    text: &str,
+    parameters: &BTreeMap<String, f64>,
+) -> std::result::Result<Program, FormulaError> {
+    let fail = |kind| Err(FormulaError::new(kind, text, None));
+    let characters = text.chars().count();
+    if characters > Formula::MAX_CHARACTERS {
+        return fail(Kind::TooLong(characters));
+    }
+    for (name, &value) in parameters {
+        if [X, Y, PI].contains(&name.as_str()) || Function::named(name).is_some() {
+            return fail(Kind::ReservedParameter(name.clone()));
+        }
+        if !value.is_finite() {
+            return fail(Kind::ParameterNotFinite {
+                name: name.clone(),
+                value,
+            });
+        }
+    }
+    if text.trim().is_empty() {
+        return fail(Kind::Empty);
+    }
+    let (program, used) = Parser::new(text, parameters)
+        .and_then(Parser::formula)
+        .map_err(|(kind, span)| FormulaError::new(kind, text, Some(span)))?;
+    match parameters.keys().find(|name| !used.contains(name.as_str())) {
+        Some(unused) => fail(Kind::UnusedParameter(unused.clone())),
+        None => Ok(program),
+    }
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    parameters: &'a BTreeMap<String, f64>,
+    used: BTreeSet<&'a str>,
+    lexer: Lexer<'a>,
+    /// The word to read next, and where it and the one before it lie.
+    token: Token<'a>,
+    span: Span,
+    previous: Span,
+    nesting: usize,
+}
+
+impl<'a> Parser<'a> {
+    fn new(text: &'a str, parameters: &'a BTreeMap<String, f64>) -> Result<Self> {
+        let mut lexer = Lexer::new(text);
+        let (token, span) = lexer.next()?;
+        Ok(Self {
+            text,
+            parameters,
+            used: BTreeSet::new(),
+            lexer,
+            token,
+            span,
+            previous: 0..0,
+            nesting: 0,
+        })
+    }
+
+    /// The whole text: its program and the parameters in it.
+    fn formula(mut self) -> Result<(Program, BTreeSet<&'a str>)> {
+        let expression = self.expression(0)?;
+        match self.token {
+            Token::Close => Err((Kind::Unopened, self.span)),
+            Token::Comma => Err((Kind::StrayComma, self.span)),
+            _ => Ok((expression.into_program(), self.used)),
+        }
+    }
+
+    /// An operand and all operators after it that bind at least as tightly as `least`.
+    fn expression(&mut self, least: u8) -> Result<Expression> {
+        self.nesting += 1;
+        if self.nesting > Formula::MAX_NESTING {
+            return Err((Kind::TooDeep, self.span.clone()));
+        }
+        let start = self.span.start;
+        let mut left = self.operand()?;
+        while let Some((operation, binding, right_binding)) = self.operator()? {
+            if binding < least {
+                break;
+            }
+            self.advance()?;
+            let right = self.expression(right_binding)?;
+            left = self.finite(left.binary(operation, right), start)?;
+        }
+        self.nesting -= 1;
+        Ok(left)
+    }
+
+    /// The operator to read next, if there is one, and its binding powers to the left and right.
+    fn operator(&self) -> Result<Option<(Binary, u8, u8)>> {
+        Ok(Some(match self.token {
+            Token::Plus => (Binary::Add, 1, 2),
+            Token::Minus => (Binary::Subtract, 1, 2),
+            Token::Star => (Binary::Multiply, 3, 4),
+            Token::Slash => (Binary::Divide, 3, 4),
+            Token::Caret => (Binary::Power, 7, 6),
+            Token::Close | Token::Comma | Token::End => return Ok(None),
+            Token::Number(_) | Token::Name(_) | Token::Open => {
+                let left = self.text[self.previous.clone()].into();
+                let right = self.text[self.span.clone()].into();
+                return Err((
+                    Kind::ImplicitMultiplication { left, right },
+                    self.span.clone(),
+                ));
+            }
+        }))
+    }
+
+    /// A number, a name, a call, something in parentheses, or a sign with its operand.
+    fn operand(&mut self) -> Result<Expression> {
+        let (token, span) = (self.token, self.span.clone());
+        let after_star = self.text[..span.start].ends_with('*');
+        self.advance()?;
+        match token {
+            Token::Number(value) => self.finite(Expression::Constant(value), span.start),
+            Token::Name(name) => match Function::named(name) {
+                Some(function) if self.token == Token::Open => {
+                    self.call(name, function, span.start)
+                }
+                _ => self.variable(name, span),
+            },
+            Token::Open => {
+                let inner = self.expression(0)?;
+                self.close(span)?;
+                Ok(inner)
+            }
+            Token::Plus => self.expression(SIGN),
+            Token::Minus => Ok(self.expression(SIGN)?.unary(Unary::Negate)),
+            Token::End => Err((Kind::UnexpectedEnd, span)),
+            Token::Star if after_star => Err((Kind::DoubleStar, span.start - 1..span.end)),
+            Token::Star | Token::Slash | Token::Caret | Token::Close | Token::Comma => {
+                Err((Kind::ExpectedOperand(self.text[span.clone()].into()), span))
+            }
+        }
+    }
+
+    fn variable(&mut self, name: &'a str, span: Span) -> Result<Expression> {
+        match name {
+            X => return Ok(Expression::x()),
+            Y => return Ok(Expression::y()),
+            PI => return Ok(Expression::Constant(std::f64::consts::PI)),
+            _ => {}
+        }
+        if let Some(&value) = self.parameters.get(name) {
+            self.used.insert(name);
+            return Ok(Expression::Constant(value));
+        }
+        let functions = FUNCTIONS.iter().map(|&(function, _)| function);
+        let kind = if self.token == Token::Open {
+            Kind::UnknownFunction {
+                name: name.into(),
+                suggestion: nearest(name, functions),
+            }
+        } else if Function::named(name).is_some() {
+            Kind::MissingArguments(name.into())
+        } else {
+            let names = self.parameters.keys().map(String::as_str).chain([X, Y, PI]);
+            Kind::UnknownName {
+                name: name.into(),
+                suggestion: nearest(name, names),
+            }
+        };
+        Err((kind, span))
+    }
+
+    /// The call of `function` at `start`, from its `(` on.
+    fn call(&mut self, name: &str, function: Function, start: usize) -> Result<Expression> {
+        let open = self.span.clone();
+        let mut arguments = Vec::new();
+        self.advance()?;
+        if self.token != Token::Close {
+            arguments.push(self.expression(0)?);
+        }
+        while self.token == Token::Comma {
+            self.advance()?;
+            arguments.push(self.expression(0)?);
+        }
+        self.close(open)?;
+        let found = arguments.len();
+        let (expected, value) = match function {
+            Function::Unary(operation) => (
+                1,
+                <[_; 1]>::try_from(arguments).map(|[a]| a.unary(operation)),
+            ),
+            Function::Binary(operation) => (
+                2,
+                <[_; 2]>::try_from(arguments).map(|[a, b]| a.binary(operation, b)),
+            ),
+        };
+        match value {
+            Ok(value) => self.finite(value, start),
+            Err(_) => Err((
+                Kind::WrongArity {
+                    function: name.into(),
+                    expected,
+                    found,
+                },
+                start..self.previous.end,
+            )),
+        }
+    }
+
+    fn close(&mut self, open: Span) -> Result<()> {
+        match self.token {
+            Token::Close => self.advance(),
+            Token::Comma => Err((Kind::StrayComma, self.span.clone())),
+            _ => Err((Kind::Unclosed, open)),
+        }
+    }
+
+    /// What was just read, from `start` on, if it is not a constant that is infinite or undefined.
+    fn finite(&self, expression: Expression, start: usize) -> Result<Expression> {
+        match expression {
+            Expression::Constant(value) if !value.is_finite() => {
+                Err((Kind::NotFinite(value), start..self.previous.end))
+            }
+            expression => Ok(expression),
+        }
+    }
+
+    fn advance(&mut self) -> Result<()> {
+        let (token, span) = self.lexer.next()?;
+        self.previous = std::mem::replace(&mut self.span, span);
+        self.token = token;
+        Ok(())
+    }
+}
+
+/// The candidate that `name` most likely misspells, if one is close enough: case does not count, and every third
+/// letter may be wrong, but not all.
+fn nearest<'n>(name: &str, candidates: impl Iterator<Item = &'n str>) -> Option<String> {
+    match name {
+        "log" => return Some("ln".into()),
+        "e" => return Some("exp(1)".into()),
+        _ => {}
+    }
+    let letters = name.chars().count();
+    let allowed = letters.div_ceil(3).min(letters - 1);
+    candidates
+        .map(|candidate| {
+            (
+                distance(&name.to_lowercase(), &candidate.to_lowercase()),
+                candidate,
+            )
+        })
+        .filter(|&(distance, _)| distance <= allowed)
+        .min()
+        .map(|(_, candidate)| candidate.into())
+}
+
+/// Levenshtein's distance: the fewest letters to insert, delete or replace.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.chars().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, &to) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(from != to);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}

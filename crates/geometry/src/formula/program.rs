@@ -1,0 +1,156 @@
+//! A formula compiled to postfix instructions for a small stack.
+
+use super::Formula;
+use super::jet::Number;
+use super::operation::{Binary, Unary};
+
+/// A binary operation evaluates first the operand that needs more slots, so n slots suffice for 2ⁿ − 1 operands
+/// (Sethi and Ullman 1970). A text of m characters holds at most (m + 1)/2 operands.
+const SLOTS: usize = 13;
+const _: () = assert!(Formula::MAX_CHARACTERS.div_ceil(2) < 1 << SLOTS);
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Instruction {
+    X,
+    Y,
+    Constant(f64),
+    Unary(Unary),
+    Binary(Binary),
+    /// Exchanges the two topmost operands.
+    Swap,
+}
+
+/// Instructions that leave one number on the stack.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Program {
+    instructions: Vec<Instruction>,
+    /// Stack slots it needs, at most [`SLOTS`].
+    slots: usize,
+}
+
+impl Program {
+    fn leaf(instruction: Instruction) -> Self {
+        Self {
+            instructions: vec![instruction],
+            slots: 1,
+        }
+    }
+
+    fn unary(mut self, operation: Unary) -> Self {
+        self.instructions.push(Instruction::Unary(operation));
+        self
+    }
+
+    fn binary(self, operation: Binary, right: Self) -> Self {
+        let swapped = right.slots > self.slots;
+        let (mut first, second) = if swapped {
+            (right, self)
+        } else {
+            (self, right)
+        };
+        first.slots = first.slots.max(second.slots + 1);
+        first.instructions.extend(second.instructions);
+        if swapped && !operation.commutes() {
+            first.instructions.push(Instruction::Swap);
+        }
+        first.instructions.push(Instruction::Binary(operation));
+        first
+    }
+
+    pub(super) fn run<N: Number>(&self, x: N, y: N) -> N {
+        // Most formulas need few slots, and filling the rest would take as long as the arithmetic.
+        if self.slots <= 4 {
+            self.run_in::<N, 4>(x, y)
+        } else {
+            self.run_in::<N, SLOTS>(x, y)
+        }
+    }
+
+    /// Keeps the topmost operand in registers; what the first one pushes below itself is never read.
+    fn run_in<N: Number, const SIZE: usize>(&self, x: N, y: N) -> N {
+        let mut below = [x; SIZE];
+        let mut depth = 0;
+        let mut top = x;
+        for instruction in &self.instructions {
+            match *instruction {
+                Instruction::X => {
+                    below[depth] = top;
+                    depth += 1;
+                    top = x;
+                }
+                Instruction::Y => {
+                    below[depth] = top;
+                    depth += 1;
+                    top = y;
+                }
+                Instruction::Constant(value) => {
+                    below[depth] = top;
+                    depth += 1;
+                    top = N::constant(value);
+                }
+                Instruction::Unary(operation) => top = operation.apply(top),
+                Instruction::Binary(operation) => {
+                    depth -= 1;
+                    top = operation.apply(below[depth], top);
+                }
+                Instruction::Swap => std::mem::swap(&mut below[depth - 1], &mut top),
+            }
+        }
+        top
+    }
+}
+
+/// A part of a formula while it is parsed: what does not depend on x or y is already a number.
+#[derive(Debug)]
+pub(super) enum Expression {
+    Constant(f64),
+    Varying(Program),
+}
+
+impl Expression {
+    pub(super) fn x() -> Self {
+        Self::Varying(Program::leaf(Instruction::X))
+    }
+
+    pub(super) fn y() -> Self {
+        Self::Varying(Program::leaf(Instruction::Y))
+    }
+
+    pub(super) fn unary(self, operation: Unary) -> Self {
+        match self {
+            Self::Constant(a) => Self::Constant(operation.apply(a)),
+            Self::Varying(a) => Self::Varying(a.unary(operation)),
+        }
+    }
+
+    pub(super) fn binary(self, operation: Binary, right: Self) -> Self {
+        use Expression::{Constant, Varying};
+        match (operation, self, right) {
+            (_, Constant(a), Constant(b)) => Constant(operation.apply(a, b)),
+            (Binary::Add, Varying(a), Constant(c)) | (Binary::Add, Constant(c), Varying(a)) => {
+                Varying(a.unary(Unary::Offset(c)))
+            }
+            (Binary::Subtract, Varying(a), Constant(c)) => Varying(a.unary(Unary::Offset(-c))),
+            (Binary::Subtract, Constant(c), Varying(a)) => {
+                Varying(a.unary(Unary::Negate).unary(Unary::Offset(c)))
+            }
+            (Binary::Multiply, Varying(a), Constant(c))
+            | (Binary::Multiply, Constant(c), Varying(a)) => Varying(a.unary(Unary::Scale(c))),
+            (Binary::Divide, Varying(a), Constant(c)) => Varying(a.unary(Unary::DivideBy(c))),
+            (Binary::Power, Varying(a), Constant(c)) => Varying(a.unary(Unary::Power(c))),
+            (Binary::Power, Constant(c), Varying(a)) if c > 0.0 => {
+                Varying(a.unary(Unary::Exponential(c)))
+            }
+            (_, left, right) => {
+                Varying(left.into_program().binary(operation, right.into_program()))
+            }
+        }
+    }
+
+    pub(super) fn into_program(self) -> Program {
+        match self {
+            Self::Constant(value) => Program::leaf(Instruction::Constant(value)),
+            Self::Varying(program) => program,
+        }
+    }
+}

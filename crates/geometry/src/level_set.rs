@@ -1,0 +1,55 @@
+//! Normal and curvature from a level set: the chart-free form.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::CurvatureForm;
+use crate::surface::SQUARABLE;
+
+/// Normal and curvature of the level set of a function `F` through a point, `F` growing outwards.
+///
+/// On the tangent plane the shape operator is `Hess F / |∇F|`; nothing here depends on a chart, so
+/// there are no poles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LevelSet {
+    /// Unit normal `∇F/|∇F|`, out of the solid.
+    pub normal: Vector3<f64>,
+    /// `Hess F / |∇F|`, symmetric, 1/length. Only its tangential part has a meaning.
+    pub second_form: Matrix3<f64>,
+}
+
+impl LevelSet {
+    /// From the gradient and Hessian of `F`.
+    ///
+    /// Returns `None` where the gradient vanishes, overflows when squared, or anything is not
+    /// finite: no normal is defined there.
+    #[inline]
+    pub fn new(gradient: Vector3<f64>, hessian: Matrix3<f64>) -> Option<Self> {
+        let norm = gradient.norm();
+        let inverse = 1.0 / norm;
+        let level_set = Self {
+            normal: gradient * inverse,
+            second_form: hessian * inverse,
+        };
+        // A sum is finite only if every term is, or, harmlessly rarely, it overflows.
+        let sum = level_set.normal.sum() + level_set.second_form.sum();
+        (SQUARABLE.contains(&norm) && sum.is_finite()).then_some(level_set)
+    }
+
+    /// The curvature form in the tangent basis `(x, y)`, which must be orthonormal.
+    #[inline]
+    pub fn curvature(&self, x: &Vector3<f64>, y: &Vector3<f64>) -> CurvatureForm {
+        let (along_x, along_y) = (self.second_form * x, self.second_form * y);
+        CurvatureForm {
+            k_uu: x.dot(&along_x),
+            k_uv: y.dot(&along_x),
+            k_vv: y.dot(&along_y),
+        }
+    }
+
+    /// The shape operator as a linear map of space: `dn = S dq` for tangent `dq`, zero along the
+    /// normal. Units 1/length.
+    pub fn shape_operator(&self) -> Matrix3<f64> {
+        let tangential = Matrix3::identity() - self.normal * self.normal.transpose();
+        tangential * self.second_form * tangential
+    }
+}

@@ -1,0 +1,99 @@
+//! Meridians of surfaces of revolution, from the apex outwards.
+
+use std::f64::consts::TAU;
+
+/// The meridian of a surface of revolution, from its apex.
+///
+/// A parameter `t`, 0 at the apex and growing along the meridian, gives the point, the slope angle
+/// and the arc-length element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Meridian {
+    /// `z = −c r²`; the parameter is `r`.
+    Paraboloid {
+        /// Coefficient, 1/length; negative for a bowl.
+        c: f64,
+    },
+    /// A spheroid with equatorial radius `a` and polar half-axis `c`, from its pole; the parameter
+    /// is the angle φ in `r = a sin φ`, `height = c cos φ`.
+    Spheroid {
+        /// Equatorial radius.
+        a: f64,
+        /// Polar half-axis.
+        c: f64,
+    },
+}
+
+/// A point of a [`Meridian`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeridianPoint {
+    /// Distance from the axis.
+    pub r: f64,
+    /// Height above the apex (negative: below), along the normal at the apex.
+    pub height: f64,
+    /// Angle by which the normal has turned from the axis, positive on a convex surface.
+    pub slope_rad: f64,
+    /// Arc length per parameter.
+    pub arc_per_parameter: f64,
+    /// Slope angle per parameter.
+    pub slope_per_parameter: f64,
+}
+
+impl Meridian {
+    /// The point at parameter `t`, which must be finite.
+    pub fn at(&self, t: f64) -> MeridianPoint {
+        match *self {
+            Self::Paraboloid { c } => {
+                let slope = 2.0 * c * t;
+                let stretch = 1.0 + slope * slope;
+                MeridianPoint {
+                    r: t,
+                    height: -c * t * t,
+                    slope_rad: slope.atan(),
+                    arc_per_parameter: stretch.sqrt(),
+                    slope_per_parameter: 2.0 * c / stretch,
+                }
+            }
+            Self::Spheroid { a, c } => {
+                let (sin, cos) = t.sin_cos();
+                let square = (a * cos).powi(2) + (c * sin).powi(2);
+                // The normal (c sin φ, a cos φ) never strays a quarter turn from φ, which tells the
+                // whole turns.
+                let within_turn = (c * sin).atan2(a * cos);
+                let turns = ((t - within_turn) / TAU).round();
+                MeridianPoint {
+                    r: a * sin,
+                    height: -2.0 * c * (0.5 * t).sin().powi(2),
+                    slope_rad: within_turn + turns * TAU,
+                    arc_per_parameter: square.sqrt(),
+                    slope_per_parameter: a * c / square,
+                }
+            }
+        }
+    }
+
+    /// The normal curvature along the meridian at the apex, 1/length; it is the same in every
+    /// direction there.
+    pub fn apex_curvature(&self) -> f64 {
+        match *self {
+            Self::Paraboloid { c } => 2.0 * c,
+            Self::Spheroid { a, c } => c / (a * a),
+        }
+    }
+
+    /// The arc length up to parameter `t`, where a closed form exists.
+    pub fn arc_length(&self, t: f64) -> Option<f64> {
+        match *self {
+            Self::Paraboloid { c } => {
+                let slope = 2.0 * c * t;
+                // asinh(q)/q → 1 as q → 0.
+                let ratio = if slope == 0.0 {
+                    1.0
+                } else {
+                    slope.asinh() / slope
+                };
+                Some(0.5 * t * ((1.0 + slope * slope).sqrt() + ratio))
+            }
+            Self::Spheroid { .. } => None,
+        }
+    }
+}

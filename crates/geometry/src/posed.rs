@@ -1,0 +1,94 @@
+//! A surface placed in the world.
+
+use nalgebra::{Isometry3, Point3};
+
+use crate::{
+    ChartGeometry, ChartJet, GaussFrame, LevelSet, Meridian, Parameters, Surface, SurfaceError,
+};
+
+/// A surface moved rigidly; its curvature does not change.
+///
+/// `contact_at` keeps its meaning in the surface's own frame.
+#[derive(Clone, Debug)]
+pub struct Posed<S> {
+    surface: S,
+    world_from_surface: Isometry3<f64>,
+}
+
+impl<S> Posed<S> {
+    /// `surface` placed so that its frame stands at `world_from_surface`.
+    pub const fn new(surface: S, world_from_surface: Isometry3<f64>) -> Self {
+        Self {
+            surface,
+            world_from_surface,
+        }
+    }
+}
+
+impl<S: Surface> Surface for Posed<S> {
+    fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
+        let pose = &self.world_from_surface;
+        let jet = self.surface.chart(at)?;
+        Ok(ChartJet {
+            point: pose * jet.point,
+            du: pose * jet.du,
+            dv: pose * jet.dv,
+            duu: pose * jet.duu,
+            duv: pose * jet.duv,
+            dvv: pose * jet.dvv,
+        })
+    }
+
+    fn chart_geometry(&self, at: Parameters) -> Result<ChartGeometry, SurfaceError> {
+        let pose = &self.world_from_surface;
+        let geometry = self.surface.chart_geometry(at)?;
+        Ok(ChartGeometry {
+            point: pose * geometry.point,
+            frame: GaussFrame {
+                x: pose * geometry.frame.x,
+                y: pose * geometry.frame.y,
+                normal: pose * geometry.frame.normal,
+            },
+            ..geometry
+        })
+    }
+
+    fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
+        let pose = &self.world_from_surface;
+        let level_set = self
+            .surface
+            .level_set(&pose.inverse_transform_point(point))?;
+        let rotation = pose.rotation.to_rotation_matrix();
+        Ok(LevelSet {
+            normal: pose * level_set.normal,
+            second_form: rotation * level_set.second_form * rotation.transpose(),
+        })
+    }
+
+    fn parameters(&self, point: &Point3<f64>) -> Parameters {
+        let local = self.world_from_surface.inverse_transform_point(point);
+        self.surface.parameters(&local)
+    }
+
+    fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
+        let local = self.world_from_surface.inverse_transform_point(point);
+        Ok(self.world_from_surface * self.surface.closest_point(&local)?)
+    }
+
+    fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
+        Ok(self.world_from_surface * self.surface.contact_at(x, y)?)
+    }
+
+    fn default_contact(&self) -> (f64, f64) {
+        self.surface.default_contact()
+    }
+
+    fn meridian(&self, apex: &Point3<f64>) -> Option<Meridian> {
+        let local = self.world_from_surface.inverse_transform_point(apex);
+        self.surface.meridian(&local)
+    }
+
+    fn is_homogeneous(&self) -> bool {
+        self.surface.is_homogeneous()
+    }
+}

@@ -1,0 +1,101 @@
+//! Any of the surfaces, chosen at run time.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::surfaces::{
+    Cylinder, Dish, Ellipsoid, Graph, HeightField, Paraboloid, Plane, Saddle, Sphere, Torus,
+};
+use crate::{ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, Surface, SurfaceError};
+
+/// Any of the surfaces.
+#[derive(Clone, Debug)]
+#[allow(missing_docs, reason = "each variant is the surface of the same name")]
+pub enum Shape {
+    Sphere(Sphere),
+    Dish(Dish),
+    Plane(Plane),
+    Cylinder(Cylinder),
+    Ellipsoid(Ellipsoid),
+    Torus(Torus),
+    Paraboloid(Graph<Paraboloid>),
+    Saddle(Graph<Saddle>),
+    HeightField(Graph<HeightField>),
+}
+
+/// Calls the same method on whichever surface it is.
+macro_rules! delegate {
+    ($shape:expr, $surface:ident => $call:expr) => {
+        match $shape {
+            Shape::Sphere($surface) => $call,
+            Shape::Dish($surface) => $call,
+            Shape::Plane($surface) => $call,
+            Shape::Cylinder($surface) => $call,
+            Shape::Ellipsoid($surface) => $call,
+            Shape::Torus($surface) => $call,
+            Shape::Paraboloid($surface) => $call,
+            Shape::Saddle($surface) => $call,
+            Shape::HeightField($surface) => $call,
+        }
+    };
+}
+
+impl Shape {
+    /// The kebab-case name used in configs.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Sphere(_) => "sphere",
+            Self::Dish(_) => "dish",
+            Self::Plane(_) => "plane",
+            Self::Cylinder(_) => "cylinder",
+            Self::Ellipsoid(_) => "ellipsoid",
+            Self::Torus(_) => "torus",
+            Self::Paraboloid(_) => "paraboloid",
+            Self::Saddle(_) => "saddle",
+            Self::HeightField(_) => "height-field",
+        }
+    }
+}
+
+impl Surface for Shape {
+    fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
+        delegate!(self, surface => surface.chart(at))
+    }
+
+    #[inline]
+    fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
+        delegate!(self, surface => surface.level_set(point))
+    }
+
+    #[inline]
+    fn curvature_along(
+        &self,
+        point: &Point3<f64>,
+        x: &Vector3<f64>,
+    ) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
+        delegate!(self, surface => surface.curvature_along(point, x))
+    }
+
+    fn parameters(&self, point: &Point3<f64>) -> Parameters {
+        delegate!(self, surface => surface.parameters(point))
+    }
+
+    fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
+        delegate!(self, surface => surface.closest_point(point))
+    }
+
+    fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
+        delegate!(self, surface => surface.contact_at(x, y))
+    }
+
+    fn default_contact(&self) -> (f64, f64) {
+        delegate!(self, surface => surface.default_contact())
+    }
+
+    fn meridian(&self, apex: &Point3<f64>) -> Option<Meridian> {
+        delegate!(self, surface => surface.meridian(apex))
+    }
+
+    fn is_homogeneous(&self) -> bool {
+        delegate!(self, surface => surface.is_homogeneous())
+    }
+}

@@ -1,0 +1,186 @@
+//! What every surface can be asked.
+
+use std::ops::RangeInclusive;
+
+use nalgebra::{Point3, Vector3};
+use thiserror::Error;
+
+use crate::{ChartGeometry, ChartJet, CurvatureForm, LevelSet, Meridian, Parameters};
+
+/// Lengths and slopes whose squares neither overflow nor vanish. Beyond them a direction is lost.
+pub(crate) const SQUARABLE: RangeInclusive<f64> = 1e-150..=1e150;
+
+/// Why a surface has no answer at a place.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum SurfaceError {
+    /// The surface does not reach there, or its formula is undefined there.
+    #[error("the surface is not defined at x = {x}, y = {y}")]
+    OffDomain {
+        /// Coordinate in the surface's frame.
+        x: f64,
+        /// Coordinate in the surface's frame.
+        y: f64,
+    },
+    /// The chart (not the surface) is singular there, or does not reach that far.
+    #[error("the chart is singular at u = {u}, v = {v}")]
+    ChartSingular {
+        /// First parameter.
+        u: f64,
+        /// Second parameter.
+        v: f64,
+    },
+    /// No single closest point: the centre of a sphere, the axis of a cylinder.
+    #[error("no single closest point to ({x}, {y}, {z})")]
+    NoClosestPoint {
+        /// Coordinate of the query point.
+        x: f64,
+        /// Coordinate of the query point.
+        y: f64,
+        /// Coordinate of the query point.
+        z: f64,
+    },
+}
+
+impl SurfaceError {
+    /// The stable name of this kind of error.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::OffDomain { .. } => "off-domain",
+            Self::ChartSingular { .. } => "chart-singular",
+            Self::NoClosestPoint { .. } => "no-closest-point",
+        }
+    }
+
+    pub(crate) fn no_closest_point(point: &Point3<f64>) -> Self {
+        Self::NoClosestPoint {
+            x: point.x,
+            y: point.y,
+            z: point.z,
+        }
+    }
+}
+
+/// A parameter that makes no surface.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{parameter} is {value}; it must be {expected}")]
+pub struct InvalidShape {
+    /// Name of the parameter, as in the config.
+    pub parameter: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// What would be right.
+    pub expected: &'static str,
+}
+
+impl InvalidShape {
+    pub(crate) fn unless_positive(
+        parameter: &'static str,
+        value: f64,
+    ) -> Result<f64, InvalidShape> {
+        if value > 0.0 && value.is_finite() {
+            return Ok(value);
+        }
+        let expected = "finite and > 0";
+        Err(InvalidShape {
+            parameter,
+            value,
+            expected,
+        })
+    }
+
+    pub(crate) fn unless_finite(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
+        if value.is_finite() {
+            return Ok(value);
+        }
+        let expected = "finite";
+        Err(InvalidShape {
+            parameter,
+            value,
+            expected,
+        })
+    }
+}
+
+/// The boundary of a solid: smooth, with its normal out of the solid.
+///
+/// Points are in the surface's own frame. Graph surfaces lie at z = f(x, y) with the solid below;
+/// closed surfaces are centred on the origin; a dish is the inside of a sphere.
+pub trait Surface {
+    /// The chart's point and derivatives at `at`.
+    ///
+    /// # Errors
+    /// [`SurfaceError::OffDomain`] where the surface is not defined;
+    /// [`SurfaceError::ChartSingular`] where the chart does not reach: parameters that are not
+    /// finite, or beyond a pole.
+    fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError>;
+
+    /// Normal and curvature at a point on (or very near) the surface, without a chart.
+    ///
+    /// # Errors
+    /// [`SurfaceError::OffDomain`] where the surface is not defined or has no normal.
+    fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError>;
+
+    /// Unit normal `n`, and the curvature form in the tangent basis `(x, x × n)`, at a point on the
+    /// surface; `x` must be a unit tangent. What an integrator asks for at every stage: surfaces
+    /// override it where that is cheaper than the whole level set.
+    ///
+    /// # Errors
+    /// As [`Surface::level_set`].
+    #[inline]
+    fn curvature_along(
+        &self,
+        point: &Point3<f64>,
+        x: &Vector3<f64>,
+    ) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
+        let level_set = self.level_set(point)?;
+        let y = x.cross(&level_set.normal);
+        Ok((level_set.normal, level_set.curvature(x, &y)))
+    }
+
+    /// The chart parameters of a point on (or very near) the surface: `chart` takes them back to
+    /// it. Of a point that is not finite they are meaningless.
+    fn parameters(&self, point: &Point3<f64>) -> Parameters;
+
+    /// The point of the surface closest to `point`.
+    ///
+    /// Graph surfaces return the closest point reached by descent from the vertical projection,
+    /// which is the closest one wherever that is unique within the radius of curvature.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NoClosestPoint`] where there is no single one, or `point` is not finite;
+    /// [`SurfaceError::OffDomain`] where a graph's descent cannot start.
+    fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError>;
+
+    /// The point that a probe from the solid's outside touches at `(x, y)`: on the graph, on the
+    /// upper half of a closed surface, on the lower half of a dish.
+    ///
+    /// # Errors
+    /// [`SurfaceError::OffDomain`] where there is none, or `x` or `y` is not finite.
+    fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError>;
+
+    /// Where a probe touches first unless told otherwise: `(x, y)` of the origin or the top.
+    fn default_contact(&self) -> (f64, f64) {
+        (0.0, 0.0)
+    }
+
+    /// Frame and forms of the chart at `at`.
+    ///
+    /// # Errors
+    /// As [`Surface::chart`], and [`SurfaceError::ChartSingular`] at a pole of the chart.
+    fn chart_geometry(&self, at: Parameters) -> Result<ChartGeometry, SurfaceError> {
+        self.chart(at)?.geometry(at)
+    }
+
+    /// The meridian through `apex`, if this is a surface of revolution about the normal there and
+    /// the meridian has a closed description.
+    fn meridian(&self, apex: &Point3<f64>) -> Option<Meridian> {
+        let _ = apex;
+        None
+    }
+
+    /// Whether the shape operator is constant along every geodesic in a parallel-transported
+    /// basis: planes, spheres and cylinders. A probe then rolls along geodesics.
+    fn is_homogeneous(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,107 @@
+//! Cylinders lying on their side.
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::surface::SQUARABLE;
+use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
+
+/// An endless cylinder whose axis passes through the origin, horizontally.
+///
+/// With `d` the axis and `b` the horizontal across it, the chart is `u d + r sin v b + r cos v z`:
+/// `u = v = 0` is the top. `M = diag(1, r)`, `K = diag(0, 1/r)`, `T = 0`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    radius: f64,
+    axis: Vector3<f64>,
+    across: Vector3<f64>,
+}
+
+impl Cylinder {
+    /// A cylinder of `radius` whose axis stands at `direction_rad` from +x towards +y.
+    ///
+    /// # Errors
+    /// [`InvalidShape`] unless the radius is finite and positive and the direction finite.
+    pub fn new(radius: f64, direction_rad: f64) -> Result<Self, InvalidShape> {
+        let radius = InvalidShape::unless_positive("radius", radius)?;
+        let (sin, cos) = InvalidShape::unless_finite("direction", direction_rad)?.sin_cos();
+        let axis = Vector3::new(cos, sin, 0.0);
+        let across = Vector3::new(-sin, cos, 0.0);
+        Ok(Self {
+            radius,
+            axis,
+            across,
+        })
+    }
+
+    /// Its radius.
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The unit vector along its axis.
+    pub const fn axis(&self) -> Vector3<f64> {
+        self.axis
+    }
+
+    /// `point` without its component along the axis.
+    fn radial(&self, point: &Point3<f64>) -> Vector3<f64> {
+        self.across * self.across.dot(&point.coords) + Vector3::z() * point.z
+    }
+}
+
+impl Surface for Cylinder {
+    fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
+        let at = at.unless_finite()?;
+        let (sin, cos) = at.v.sin_cos();
+        let radial = (self.across * sin + Vector3::z() * cos) * self.radius;
+        Ok(ChartJet {
+            point: Point3::from(self.axis * at.u + radial),
+            du: self.axis,
+            dv: (self.across * cos - Vector3::z() * sin) * self.radius,
+            duu: Vector3::zeros(),
+            duv: Vector3::zeros(),
+            dvv: -radial,
+        })
+    }
+
+    fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
+        let hessian = Matrix3::identity() - self.axis * self.axis.transpose();
+        LevelSet::new(self.radial(point), hessian).ok_or(SurfaceError::OffDomain {
+            x: point.x,
+            y: point.y,
+        })
+    }
+
+    fn parameters(&self, point: &Point3<f64>) -> Parameters {
+        Parameters::new(
+            self.axis.dot(&point.coords),
+            self.across.dot(&point.coords).atan2(point.z),
+        )
+    }
+
+    fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
+        let radial = self.radial(point);
+        let norm = radial.norm();
+        // On the axis a direction is only rounding.
+        let on_axis = norm <= f64::EPSILON * point.coords.norm();
+        if on_axis || !SQUARABLE.contains(&norm) {
+            return Err(SurfaceError::no_closest_point(point));
+        }
+        let along = self.axis * self.axis.dot(&point.coords);
+        Ok(Point3::from(along + radial / norm * self.radius))
+    }
+
+    fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
+        let across = self.across.dot(&Vector3::new(x, y, 0.0)).abs();
+        if across <= self.radius {
+            let z = ((self.radius - across) * (self.radius + across)).sqrt();
+            Ok(Point3::new(x, y, z))
+        } else {
+            Err(SurfaceError::OffDomain { x, y })
+        }
+    }
+
+    fn is_homogeneous(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,300 @@
+//! Graphs z = f(x, y): paraboloid, saddle, and height fields from formulas.
+
+use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
+
+use crate::formula::Formula;
+use crate::surface::SQUARABLE;
+use crate::{
+    ChartJet, CurvatureForm, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError,
+};
+
+/// Height with its first and second derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightJet {
+    /// `f`.
+    pub value: f64,
+    /// `(f_x, f_y)`.
+    pub gradient: [f64; 2],
+    /// `(f_xx, f_xy, f_yy)`.
+    pub hessian: [f64; 3],
+}
+
+impl HeightJet {
+    fn is_finite(&self) -> bool {
+        // A sum is finite only if every term is.
+        let [fx, fy] = self.gradient;
+        let [fxx, fxy, fyy] = self.hessian;
+        (self.value + fx + fy + fxx + fxy + fyy).is_finite()
+    }
+}
+
+/// A twice differentiable height over the plane.
+pub trait Height {
+    /// Slopes from here on count as a vertical wall, where the graph ends.
+    const STEEPEST: f64 = *SQUARABLE.end();
+
+    /// Height and derivatives at `(x, y)`; not finite where the height is undefined or not twice
+    /// differentiable.
+    fn jet(&self, x: f64, y: f64) -> HeightJet;
+
+    /// The meridian through the contact above `(x, y)`, as in [`Surface::meridian`].
+    fn meridian_at(&self, x: f64, y: f64) -> Option<Meridian> {
+        let _ = (x, y);
+        None
+    }
+}
+
+/// The graph of a height, solid below, in the Monge chart `(x, y, f(x, y))`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph<H> {
+    height: H,
+}
+
+/// `z = −c (x² + y²)`; a bowl where `c < 0`. The radius of curvature at the apex is `1/(2c)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paraboloid {
+    c: f64,
+}
+
+/// `z = a (x² − y²)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Saddle {
+    a: f64,
+}
+
+/// `z` from a [`Formula`].
+#[derive(Clone, Debug)]
+pub struct HeightField {
+    formula: Formula,
+}
+
+impl Graph<Paraboloid> {
+    /// # Errors
+    /// [`InvalidShape`] unless `c` (1/length) is finite.
+    pub fn paraboloid(c: f64) -> Result<Self, InvalidShape> {
+        let c = InvalidShape::unless_finite("c", c)?;
+        Ok(Self {
+            height: Paraboloid { c },
+        })
+    }
+}
+
+impl Graph<Saddle> {
+    /// # Errors
+    /// [`InvalidShape`] unless `a` (1/length) is finite.
+    pub fn saddle(a: f64) -> Result<Self, InvalidShape> {
+        let a = InvalidShape::unless_finite("a", a)?;
+        Ok(Self {
+            height: Saddle { a },
+        })
+    }
+}
+
+impl Graph<HeightField> {
+    /// The graph of a formula.
+    pub const fn of_formula(formula: Formula) -> Self {
+        Self {
+            height: HeightField { formula },
+        }
+    }
+}
+
+impl Height for Paraboloid {
+    #[inline]
+    fn jet(&self, x: f64, y: f64) -> HeightJet {
+        let twice = -2.0 * self.c;
+        HeightJet {
+            value: -self.c * (x * x + y * y),
+            gradient: [twice * x, twice * y],
+            hessian: [twice, 0.0, twice],
+        }
+    }
+
+    fn meridian_at(&self, x: f64, y: f64) -> Option<Meridian> {
+        (x == 0.0 && y == 0.0).then_some(Meridian::Paraboloid { c: self.c })
+    }
+}
+
+impl Height for Saddle {
+    #[inline]
+    fn jet(&self, x: f64, y: f64) -> HeightJet {
+        let twice = 2.0 * self.a;
+        HeightJet {
+            value: self.a * (x - y) * (x + y),
+            gradient: [twice * x, -twice * y],
+            hessian: [twice, 0.0, -twice],
+        }
+    }
+}
+
+impl Height for HeightField {
+    // Nearer to a wall such as that of sqrt(1 − x), x itself is no longer resolved.
+    const STEEPEST: f64 = 1e6;
+
+    fn jet(&self, x: f64, y: f64) -> HeightJet {
+        let jet = self.formula.jet(x, y);
+        HeightJet {
+            value: jet.value,
+            gradient: jet.gradient,
+            hessian: jet.hessian,
+        }
+    }
+}
+
+impl<H: Height> Graph<H> {
+    #[inline]
+    fn jet(&self, x: f64, y: f64) -> Result<HeightJet, SurfaceError> {
+        let jet = self.height.jet(x, y);
+        let [fx, fy] = jet.gradient;
+        let steep = fx.abs().max(fy.abs()) > H::STEEPEST;
+        if jet.is_finite() && !steep {
+            Ok(jet)
+        } else {
+            Err(SurfaceError::OffDomain { x, y })
+        }
+    }
+}
+
+/// A candidate for the point of a graph closest to a target.
+struct Foot {
+    at: Vector2<f64>,
+    height: f64,
+    slope: Vector2<f64>,
+    /// Half the squared distance, its gradient and its Hessian.
+    half_square: f64,
+    gradient: Vector2<f64>,
+    hessian: Matrix2<f64>,
+}
+
+impl Foot {
+    fn new<H: Height>(
+        graph: &Graph<H>,
+        target: &Point3<f64>,
+        at: Vector2<f64>,
+    ) -> Result<Self, SurfaceError> {
+        let jet = graph.jet(at.x, at.y)?;
+        let [fxx, fxy, fyy] = jet.hessian;
+        let slope = Vector2::from(jet.gradient);
+        let (aside, above) = (at - target.xy().coords, jet.value - target.z);
+        let gauss_newton = Matrix2::identity() + slope * slope.transpose();
+        Ok(Self {
+            at,
+            height: jet.value,
+            slope,
+            half_square: 0.5 * (aside.norm_squared() + above * above),
+            gradient: aside + slope * above,
+            hessian: gauss_newton + Matrix2::new(fxx, fxy, fxy, fyy) * above,
+        })
+    }
+
+    fn is_minimum(&self) -> bool {
+        self.hessian.m11 > 0.0 && self.hessian.determinant() > 0.0
+    }
+
+    /// Newton's step to the minimum; Gauss–Newton's where Newton's would not descend.
+    fn step(&self) -> Option<Vector2<f64>> {
+        let hessian = if self.is_minimum() {
+            self.hessian
+        } else {
+            Matrix2::identity() + self.slope * self.slope.transpose()
+        };
+        Some(-hessian.try_inverse()? * self.gradient)
+    }
+
+    /// Whether this is closer than `other`; or as close, as far as rounding tells, and much nearer
+    /// to stationary.
+    fn improves(&self, other: &Self) -> bool {
+        let settles = self.gradient.norm() < 0.5 * other.gradient.norm();
+        let allowance = if settles { 1.0 + 1e-6 } else { 1.0 };
+        self.half_square < other.half_square * allowance
+    }
+}
+
+impl<H: Height> Surface for Graph<H> {
+    fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
+        let jet = self.jet(at.u, at.v)?;
+        let [fx, fy] = jet.gradient;
+        let [fxx, fxy, fyy] = jet.hessian;
+        Ok(ChartJet {
+            point: Point3::new(at.u, at.v, jet.value),
+            du: Vector3::new(1.0, 0.0, fx),
+            dv: Vector3::new(0.0, 1.0, fy),
+            duu: Vector3::z() * fxx,
+            duv: Vector3::z() * fxy,
+            dvv: Vector3::z() * fyy,
+        })
+    }
+
+    #[inline]
+    fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
+        // F = z − f(x, y).
+        let jet = self.jet(point.x, point.y)?;
+        let [fx, fy] = jet.gradient;
+        let [fxx, fxy, fyy] = jet.hessian;
+        let hessian = Matrix3::new(-fxx, -fxy, 0.0, -fxy, -fyy, 0.0, 0.0, 0.0, 0.0);
+        LevelSet::new(Vector3::new(-fx, -fy, 1.0), hessian).ok_or(SurfaceError::OffDomain {
+            x: point.x,
+            y: point.y,
+        })
+    }
+
+    #[inline]
+    fn curvature_along(
+        &self,
+        point: &Point3<f64>,
+        x: &Vector3<f64>,
+    ) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
+        let jet = self.jet(point.x, point.y)?;
+        let [fx, fy] = jet.gradient;
+        let [fxx, fxy, fyy] = jet.hessian;
+        let w = 1.0 / (1.0 + fx * fx + fy * fy).sqrt();
+        let normal = Vector3::new(-fx * w, -fy * w, w);
+        let y = x.cross(&normal);
+        let (bend_x, bend_y) = (fxx * x.x + fxy * x.y, fxy * x.x + fyy * x.y);
+        let form = CurvatureForm {
+            k_uu: -w * (x.x * bend_x + x.y * bend_y),
+            k_uv: -w * (y.x * bend_x + y.y * bend_y),
+            k_vv: -w * (fxx * y.x * y.x + 2.0 * fxy * y.x * y.y + fyy * y.y * y.y),
+        };
+        Ok((normal, form))
+    }
+
+    fn parameters(&self, point: &Point3<f64>) -> Parameters {
+        Parameters::new(point.x, point.y)
+    }
+
+    /// Newton's method on the squared distance, damped to descend, Gauss–Newton where the Hessian
+    /// is not positive definite.
+    fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
+        let none = SurfaceError::no_closest_point(point);
+        let mut foot = Foot::new(self, point, point.xy().coords)?;
+        // NaN in z or a square that overflows.
+        if !foot.half_square.is_finite() {
+            return Err(none);
+        }
+        for _ in 0..200 {
+            let step = foot.step().ok_or(none)?;
+            let shorter = (0..40)
+                .map(|halvings| foot.at + step * 0.5_f64.powi(halvings))
+                .take_while(|next| *next != foot.at)
+                .filter_map(|next| Foot::new(self, point, next).ok())
+                .find(|next| next.improves(&foot));
+            let Some(next) = shorter else { break };
+            foot = next;
+        }
+        // Stationary, but on a ridge between two closest points.
+        if foot.is_minimum() {
+            Ok(Point3::new(foot.at.x, foot.at.y, foot.height))
+        } else {
+            Err(none)
+        }
+    }
+
+    fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
+        Ok(Point3::new(x, y, self.jet(x, y)?.value))
+    }
+
+    fn meridian(&self, apex: &Point3<f64>) -> Option<Meridian> {
+        self.height.meridian_at(apex.x, apex.y)
+    }
+}

@@ -1,0 +1,196 @@
+//! Spheres, touched from outside, and dishes, touched from inside.
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::surface::SQUARABLE;
+use crate::{ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
+
+/// A sphere about the origin.
+///
+/// Chart `(R sin u, R cos u sin v, R cos u cos v)` with |u| ≤ π/2: `u = v = 0` is the top, where the
+/// Gauss frame equals the axes; its poles lie on the x axis. `M = diag(R, R cos u)`, `K = I/R`,
+/// `T = [0, −tan(u)/R]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    radius: f64,
+}
+
+/// The inside of a sphere about the origin, touched on its lower half; curvature is negative.
+///
+/// Chart `(R sin u, R cos u sin v, −R cos u cos v)` with |u| ≤ π/2: `u = v = 0` is the bottom, where
+/// the Gauss frame equals the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dish {
+    radius: f64,
+}
+
+impl Sphere {
+    /// # Errors
+    /// [`InvalidShape`] unless the radius is finite and positive.
+    pub fn new(radius: f64) -> Result<Self, InvalidShape> {
+        let radius = InvalidShape::unless_positive("radius", radius)?;
+        Ok(Self { radius })
+    }
+
+    /// Its radius.
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+}
+
+impl Dish {
+    /// # Errors
+    /// [`InvalidShape`] unless the radius is finite and positive.
+    pub fn new(radius: f64) -> Result<Self, InvalidShape> {
+        let radius = InvalidShape::unless_positive("radius", radius)?;
+        Ok(Self { radius })
+    }
+
+    /// Its radius.
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+}
+
+/// The chart of a sphere whose height is `side · R cos u cos v`.
+fn spherical_chart(radius: f64, side: f64, at: Parameters) -> Result<ChartJet, SurfaceError> {
+    let at = at.unless_beyond_pole()?;
+    let (sin_u, cos_u) = at.u.sin_cos();
+    let (sin_v, cos_v) = at.v.sin_cos();
+    let around = Vector3::new(0.0, sin_v, side * cos_v);
+    let around_dv = Vector3::new(0.0, cos_v, -side * sin_v);
+    let outward = Vector3::x() * sin_u + around * cos_u;
+    Ok(ChartJet {
+        point: Point3::from(outward * radius),
+        du: (Vector3::x() * cos_u - around * sin_u) * radius,
+        dv: around_dv * (cos_u * radius),
+        duu: -outward * radius,
+        duv: around_dv * (-sin_u * radius),
+        dvv: around * (-cos_u * radius),
+    })
+}
+
+fn spherical_parameters(point: &Point3<f64>, side: f64) -> Parameters {
+    let height = side * point.z;
+    Parameters::new(point.x.atan2(point.y.hypot(height)), point.y.atan2(height))
+}
+
+/// The level set through `point` of the distance from the origin, growing outwards (`side` = 1)
+/// or inwards (−1).
+#[inline]
+fn spherical_level_set(point: &Point3<f64>, side: f64) -> Result<LevelSet, SurfaceError> {
+    LevelSet::new(point.coords * side, Matrix3::identity() * side).ok_or(SurfaceError::OffDomain {
+        x: point.x,
+        y: point.y,
+    })
+}
+
+/// Normal and curvature there, without the matrices.
+#[inline]
+fn spherical_curvature(
+    point: &Point3<f64>,
+    side: f64,
+) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
+    let norm = point.coords.norm();
+    if !SQUARABLE.contains(&norm) {
+        return Err(SurfaceError::OffDomain {
+            x: point.x,
+            y: point.y,
+        });
+    }
+    let curvature = side / norm;
+    Ok((
+        point.coords * curvature,
+        CurvatureForm::isotropic(curvature),
+    ))
+}
+
+fn radial_projection(radius: f64, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
+    let norm = point.coords.norm();
+    if SQUARABLE.contains(&norm) {
+        Ok(Point3::from(point.coords / norm * radius))
+    } else {
+        Err(SurfaceError::no_closest_point(point))
+    }
+}
+
+fn height_over(radius: f64, x: f64, y: f64) -> Result<f64, SurfaceError> {
+    let rim = x.hypot(y);
+    if rim <= radius {
+        Ok(((radius - rim) * (radius + rim)).sqrt())
+    } else {
+        Err(SurfaceError::OffDomain { x, y })
+    }
+}
+
+impl Surface for Sphere {
+    fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
+        spherical_chart(self.radius, 1.0, at)
+    }
+
+    #[inline]
+    fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
+        spherical_level_set(point, 1.0)
+    }
+
+    #[inline]
+    fn curvature_along(
+        &self,
+        point: &Point3<f64>,
+        _x: &Vector3<f64>,
+    ) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
+        spherical_curvature(point, 1.0)
+    }
+
+    fn parameters(&self, point: &Point3<f64>) -> Parameters {
+        spherical_parameters(point, 1.0)
+    }
+
+    fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
+        radial_projection(self.radius, point)
+    }
+
+    fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
+        Ok(Point3::new(x, y, height_over(self.radius, x, y)?))
+    }
+
+    fn is_homogeneous(&self) -> bool {
+        true
+    }
+}
+
+impl Surface for Dish {
+    fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
+        spherical_chart(self.radius, -1.0, at)
+    }
+
+    #[inline]
+    fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
+        spherical_level_set(point, -1.0)
+    }
+
+    #[inline]
+    fn curvature_along(
+        &self,
+        point: &Point3<f64>,
+        _x: &Vector3<f64>,
+    ) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
+        spherical_curvature(point, -1.0)
+    }
+
+    fn parameters(&self, point: &Point3<f64>) -> Parameters {
+        spherical_parameters(point, -1.0)
+    }
+
+    fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
+        radial_projection(self.radius, point)
+    }
+
+    fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
+        Ok(Point3::new(x, y, -height_over(self.radius, x, y)?))
+    }
+
+    fn is_homogeneous(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,132 @@
+//! Ring tori lying flat.
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::surface::SQUARABLE;
+use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
+
+/// A ring torus about the z axis.
+///
+/// With `ρ = R + r sin u` the chart is `(ρ cos v, ρ sin v, r cos u)`: `u = 0` is the top circle,
+/// growing outwards. `M = diag(r, ρ)`, `K = diag(1/r, sin(u)/ρ)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Torus {
+    major_radius: f64,
+    minor_radius: f64,
+}
+
+impl Torus {
+    /// A torus whose tube of `minor_radius` is centred on a circle of `major_radius`.
+    ///
+    /// # Errors
+    /// [`InvalidShape`] unless both are finite and positive and the tube does not meet itself
+    /// (`minor_radius < major_radius`).
+    pub fn new(major_radius: f64, minor_radius: f64) -> Result<Self, InvalidShape> {
+        InvalidShape::unless_positive("major_radius", major_radius)?;
+        InvalidShape::unless_positive("minor_radius", minor_radius)?;
+        if minor_radius >= major_radius {
+            return Err(InvalidShape {
+                parameter: "minor_radius",
+                value: minor_radius,
+                expected: "below major_radius",
+            });
+        }
+        Ok(Self {
+            major_radius,
+            minor_radius,
+        })
+    }
+
+    /// Radius of the circle that the tube's centre runs along.
+    pub const fn major_radius(&self) -> f64 {
+        self.major_radius
+    }
+
+    /// Radius of the tube.
+    pub const fn minor_radius(&self) -> f64 {
+        self.minor_radius
+    }
+}
+
+impl Surface for Torus {
+    fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
+        let at = at.unless_finite()?;
+        let (sin_u, cos_u) = at.u.sin_cos();
+        let (sin_v, cos_v) = at.v.sin_cos();
+        let (out, around) = (
+            Vector3::new(cos_v, sin_v, 0.0),
+            Vector3::new(-sin_v, cos_v, 0.0),
+        );
+        let r = self.minor_radius;
+        let rho = self.major_radius + r * sin_u;
+        Ok(ChartJet {
+            point: Point3::from(out * rho + Vector3::z() * (r * cos_u)),
+            du: (out * cos_u - Vector3::z() * sin_u) * r,
+            dv: around * rho,
+            duu: (-out * sin_u - Vector3::z() * cos_u) * r,
+            duv: around * (r * cos_u),
+            dvv: -out * rho,
+        })
+    }
+
+    fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
+        let off_domain = SurfaceError::OffDomain {
+            x: point.x,
+            y: point.y,
+        };
+        let rho = point.x.hypot(point.y);
+        if rho == 0.0 {
+            return Err(off_domain);
+        }
+        // F = ((ρ − R)² + z²)/2.
+        let (cos, sin) = (point.x / rho, point.y / rho);
+        let beyond = rho - self.major_radius;
+        let gradient = Vector3::new(beyond * cos, beyond * sin, point.z);
+        let ring = beyond / rho;
+        let hessian = Matrix3::new(
+            cos * cos + ring * sin * sin,
+            (1.0 - ring) * cos * sin,
+            0.0,
+            (1.0 - ring) * cos * sin,
+            sin * sin + ring * cos * cos,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+        );
+        LevelSet::new(gradient, hessian).ok_or(off_domain)
+    }
+
+    fn parameters(&self, point: &Point3<f64>) -> Parameters {
+        let beyond = point.x.hypot(point.y) - self.major_radius;
+        Parameters::new(beyond.atan2(point.z), point.y.atan2(point.x))
+    }
+
+    fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
+        let rho = point.x.hypot(point.y);
+        let out = Vector3::new(point.x / rho, point.y / rho, 0.0);
+        let centre = out * self.major_radius;
+        let radial = point.coords - centre;
+        let norm = radial.norm();
+        // On the core circle a direction is only rounding.
+        let on_core = norm <= f64::EPSILON * self.major_radius;
+        if on_core || rho == 0.0 || !SQUARABLE.contains(&norm) {
+            return Err(SurfaceError::no_closest_point(point));
+        }
+        Ok(Point3::from(centre + radial / norm * self.minor_radius))
+    }
+
+    fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
+        let beyond = (x.hypot(y) - self.major_radius).abs();
+        if beyond <= self.minor_radius {
+            let z = ((self.minor_radius - beyond) * (self.minor_radius + beyond)).sqrt();
+            Ok(Point3::new(x, y, z))
+        } else {
+            Err(SurfaceError::OffDomain { x, y })
+        }
+    }
+
+    fn default_contact(&self) -> (f64, f64) {
+        (self.major_radius, 0.0)
+    }
+}

@@ -1,0 +1,263 @@
+//! What every surface obeys, whatever it is, wherever it stands and through whichever type it is asked.
+
+use approx::{assert_abs_diff_eq, assert_relative_eq};
+use nalgebra::{Isometry3, Matrix2, Matrix2x3, Matrix3x2, Point3, Vector2, Vector3};
+use palpate_geometry::{ChartGeometry, Parameters, Posed, Shape, Surface, SurfaceError};
+
+use crate::specimens::{self, Specimen, on_concrete, point};
+
+#[test]
+fn every_surface_obeys_the_laws() {
+    for specimen in specimens::all() {
+        println!("{}", specimen.name);
+        let [home, near, far] = specimens::poses();
+        let shape = &specimen.shape;
+        obeys_the_laws(shape, &specimen, home);
+        obeys_the_laws(&Posed::new(shape.clone(), near), &specimen, near);
+        on_concrete!(shape, surface => {
+            obeys_the_laws(surface, &specimen, home);
+            obeys_the_laws(&Posed::new(surface.clone(), far), &specimen, far);
+            assert_eq!(surface.default_contact(), shape.default_contact());
+            assert_eq!(surface.is_homogeneous(), shape.is_homogeneous());
+        });
+    }
+}
+
+/// `surface` is the specimen's, standing at `pose`.
+fn obeys_the_laws(surface: &impl Surface, specimen: &Specimen, pose: Isometry3<f64>) {
+    let points: Vec<_> = specimen.at.iter().map(|&at| point(surface, at)).collect();
+    for &at in &specimen.at {
+        let here = Place::new(surface, specimen, pose, at);
+        here.the_frame_is_orthonormal_and_right_handed();
+        here.the_normal_points_out_of_the_solid();
+        here.the_forms_are_those_of_the_chart();
+        here.the_level_set_agrees_with_the_chart();
+        here.curvature_along_any_tangent_is_that_of_the_level_set();
+        here.parameters_invert_the_chart();
+        here.the_contact_at_a_place_seen_from_above_is_the_place();
+        here.a_point_within_reach_falls_back_on_its_foot();
+        here.none_of_these_is_closer(&points);
+        here.a_homogeneous_surface_curves_everywhere_the_same();
+        here.a_pose_changes_no_form();
+    }
+    the_default_contact_is_on_the_upper_side(surface, &pose);
+}
+
+struct Place<'a, S> {
+    surface: &'a S,
+    specimen: &'a Specimen,
+    pose: Isometry3<f64>,
+    at: Parameters,
+    geometry: ChartGeometry,
+    /// Lengths equal up to rounding differ by less.
+    tiny: f64,
+}
+
+impl<'a, S: Surface> Place<'a, S> {
+    fn new(surface: &'a S, specimen: &'a Specimen, pose: Isometry3<f64>, at: Parameters) -> Self {
+        let geometry = surface.chart_geometry(at).unwrap();
+        let tiny = 1e-13 * (specimen.size + geometry.point.coords.norm());
+        Self {
+            surface,
+            specimen,
+            pose,
+            at,
+            geometry,
+            tiny,
+        }
+    }
+
+    fn the_frame_is_orthonormal_and_right_handed(&self) {
+        let frame = &self.geometry.frame;
+        let (x, y, n) = (frame.x, frame.y, frame.normal);
+        for unit in [x, y, n] {
+            assert_relative_eq!(unit.norm(), 1.0, epsilon = 1e-14);
+        }
+        assert_abs_diff_eq!(x.dot(&y), 0.0, epsilon = 1e-14);
+        assert_relative_eq!(x.cross(&y), n, epsilon = 1e-14);
+    }
+
+    fn the_normal_points_out_of_the_solid(&self) {
+        let step = self.geometry.frame.normal * (1e-3 * self.specimen.reach);
+        let is_in_solid = |p| (self.specimen.solid)(&self.pose.inverse_transform_point(&p));
+        assert!(!is_in_solid(self.geometry.point + step));
+        assert!(is_in_solid(self.geometry.point - step));
+    }
+
+    /// M = Eᵀ J, K = Eᵀ N M⁻¹, T = yᵀ X M⁻¹, with J, N and X by differences of points and frames.
+    fn the_forms_are_those_of_the_chart(&self) {
+        let [unit_u, unit_v] = self.specimen.unit;
+        let to = |du: f64, dv: f64| {
+            let at = Parameters::new(self.at.u + du * unit_u, self.at.v + dv * unit_v);
+            self.surface.chart_geometry(at).unwrap()
+        };
+        let derivatives = |f: &dyn Fn(ChartGeometry) -> Vector3<f64>| {
+            Matrix3x2::from_columns(&[
+                difference(|h| f(to(h, 0.0))) / unit_u,
+                difference(|h| f(to(0.0, h))) / unit_v,
+            ])
+        };
+        let jacobian = derivatives(&|g| g.point.coords);
+        let normals = derivatives(&|g| g.frame.normal);
+        let tangents = derivatives(&|g| g.frame.x);
+
+        let ChartGeometry {
+            frame,
+            metric,
+            curvature,
+            torsion,
+            ..
+        } = self.geometry;
+        let in_frame = Matrix2x3::from_rows(&[frame.x.transpose(), frame.y.transpose()]);
+        let units = Matrix2::from_diagonal(&Vector2::new(unit_u, unit_v));
+        let inverse = metric.try_inverse().unwrap();
+        let size = self.specimen.size;
+        assert_relative_eq!(
+            metric * units,
+            in_frame * jacobian * units,
+            epsilon = 1e-9 * size
+        );
+        assert_eq!(metric.m21, 0.0);
+        assert!(metric.m11 > 0.0 && metric.m22 > 0.0);
+
+        // Symmetric, because both sides are: K holds one mixed term.
+        let (form, turn) = (
+            in_frame * normals * inverse,
+            frame.y.transpose() * tangents * inverse,
+        );
+        let largest = form.norm().max(1.0 / size);
+        assert_relative_eq!(curvature.matrix(), form, epsilon = 1e-9 * largest);
+        assert_relative_eq!(torsion, turn, epsilon = 1e-9 * turn.norm().max(1.0 / size));
+    }
+
+    fn the_level_set_agrees_with_the_chart(&self) {
+        let level_set = self.surface.level_set(&self.geometry.point).unwrap();
+        assert_relative_eq!(
+            level_set.normal,
+            self.geometry.frame.normal,
+            epsilon = 1e-12
+        );
+        let shape_operator = self.geometry.shape_operator();
+        let epsilon = 1e-12 * (shape_operator.norm() + 1.0 / self.specimen.size);
+        assert_relative_eq!(
+            level_set.shape_operator(),
+            shape_operator,
+            epsilon = epsilon
+        );
+        let form = level_set.curvature(&self.geometry.frame.x, &self.geometry.frame.y);
+        let chart = self.geometry.curvature.matrix();
+        assert_relative_eq!(form.matrix(), chart, epsilon = epsilon);
+    }
+
+    fn curvature_along_any_tangent_is_that_of_the_level_set(&self) {
+        let frame = &self.geometry.frame;
+        let level_set = self.surface.level_set(&self.geometry.point).unwrap();
+        for angle in [0.0_f64, 0.3, 1.7, 2.9, -1.1] {
+            let x = frame.x * angle.cos() + frame.y * angle.sin();
+            let along = self.surface.curvature_along(&self.geometry.point, &x);
+            let (normal, form) = along.unwrap();
+            assert_relative_eq!(normal, level_set.normal, epsilon = 1e-14);
+            let expected = level_set.curvature(&x, &x.cross(&normal)).matrix();
+            let epsilon = 1e-13 * level_set.second_form.norm();
+            assert_relative_eq!(form.matrix(), expected, epsilon = epsilon);
+        }
+    }
+
+    fn parameters_invert_the_chart(&self) {
+        let parameters = self.surface.parameters(&self.geometry.point);
+        let back = point(self.surface, parameters);
+        assert_abs_diff_eq!(back, self.geometry.point, epsilon = self.tiny);
+    }
+
+    fn the_contact_at_a_place_seen_from_above_is_the_place(&self) {
+        let local = self.pose.inverse_transform_point(&self.geometry.point);
+        let up = self
+            .pose
+            .inverse_transform_vector(&self.geometry.frame.normal)
+            .z;
+        let touched = self.surface.contact_at(local.x, local.y).unwrap();
+        // What faces down is covered by what faces up.
+        let same = (touched - self.geometry.point).norm() < self.tiny / up.abs().min(1.0);
+        assert_eq!(same, up > 0.0, "{touched} is not {}", self.geometry.point);
+    }
+
+    fn a_point_within_reach_falls_back_on_its_foot(&self) {
+        let ChartGeometry {
+            point: foot, frame, ..
+        } = self.geometry;
+        for share in [-0.9, -0.5, -1e-3, -1e-9, 0.0, 1e-9, 1e-3, 0.5, 0.9] {
+            let offset = frame.normal * (share * self.specimen.reach);
+            let closest = self.surface.closest_point(&(foot + offset)).unwrap();
+            assert_abs_diff_eq!(closest, foot, epsilon = 10.0 * self.tiny);
+        }
+    }
+
+    /// Anywhere, on surfaces that are not graphs; else within reach.
+    fn none_of_these_is_closer(&self, points: &[Point3<f64>]) {
+        let is_graph = matches!(
+            self.specimen.shape,
+            Shape::Paraboloid(_) | Shape::Saddle(_) | Shape::HeightField(_)
+        );
+        let ChartGeometry {
+            point: foot, frame, ..
+        } = self.geometry;
+        let far = if is_graph {
+            0.99 * self.specimen.reach
+        } else {
+            5.0 * self.specimen.size
+        };
+        for distance in [-far, -0.2 * far, 0.2 * far, far] {
+            let from = foot + frame.normal * distance;
+            let closest = match self.surface.closest_point(&from) {
+                Ok(closest) => closest,
+                Err(SurfaceError::NoClosestPoint { .. }) if !is_graph => continue,
+                Err(error) => panic!("{error}"),
+            };
+            let back = point(self.surface, self.surface.parameters(&closest));
+            assert_abs_diff_eq!(back, closest, epsilon = 10.0 * self.tiny);
+            let length = (closest - from).norm();
+            let nearest = points
+                .iter()
+                .map(|p| (p - from).norm())
+                .fold(f64::MAX, f64::min);
+            assert!(
+                length <= nearest + 10.0 * self.tiny,
+                "{length} is longer than {nearest}"
+            );
+        }
+    }
+
+    fn a_homogeneous_surface_curves_everywhere_the_same(&self) {
+        let first = self.surface.chart_geometry(self.specimen.at[0]).unwrap();
+        let (a, b) = (
+            first.curvature.principal(),
+            self.geometry.curvature.principal(),
+        );
+        let difference = (a.k_min - b.k_min).abs() + (a.k_max - b.k_max).abs();
+        if self.surface.is_homogeneous() {
+            assert!(difference * self.specimen.size < 1e-13);
+        }
+    }
+
+    fn a_pose_changes_no_form(&self) {
+        let at_home = self.specimen.shape.chart_geometry(self.at).unwrap();
+        assert_eq!(self.geometry.metric, at_home.metric);
+        assert_eq!(self.geometry.curvature, at_home.curvature);
+        assert_eq!(self.geometry.torsion, at_home.torsion);
+        assert_eq!(self.geometry.point, self.pose * at_home.point);
+        assert_eq!(self.geometry.frame.x, self.pose * at_home.frame.x);
+    }
+}
+
+fn the_default_contact_is_on_the_upper_side(surface: &impl Surface, pose: &Isometry3<f64>) {
+    let (x, y) = surface.default_contact();
+    let touched = surface.contact_at(x, y).unwrap();
+    let normal = surface.level_set(&touched).unwrap().normal;
+    assert!(pose.inverse_transform_vector(&normal).z > 0.5);
+}
+
+/// The derivative at 0, by central differences of fourth order.
+fn difference(f: impl Fn(f64) -> Vector3<f64>) -> Vector3<f64> {
+    let h = 1e-3;
+    ((f(h) - f(-h)) * 8.0 - (f(2.0 * h) - f(-2.0 * h))) / (12.0 * h)
+}

@@ -1,0 +1,9 @@
+//! The laws of geometry, run on every surface, and the closed forms each one must reach.
+
+mod closed_forms;
+mod closest_points;
+mod extremes;
+mod laws;
+mod meridians;
+mod scaling;
+mod specimens;

@@ -1,0 +1,168 @@
+//! Meridians against the charts of their surfaces, differences and quadrature.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use approx::{assert_abs_diff_eq, assert_relative_eq};
+use nalgebra::{Point3, Vector3};
+use palpate_geometry::surfaces::{Ellipsoid, Graph, Sphere, Torus};
+use palpate_geometry::{Meridian, Surface};
+
+const PARABOLOIDS: [f64; 4] = [5.0, 0.5, 0.01, -0.3];
+const SPHEROIDS: [[f64; 2]; 4] = [[1.0, 2.0], [2.0, 0.5], [1.0, 1.0], [0.3, 30.0]];
+
+/// The meridian from the top or the origin.
+fn from_apex(surface: &impl Surface) -> (Meridian, Point3<f64>) {
+    let apex = surface.contact_at(0.0, 0.0).unwrap();
+    (surface.meridian(&apex).unwrap(), apex)
+}
+
+/// Both charts hold the meridian in the plane y = 0 along their first parameter.
+fn follows_the_chart(surface: &impl Surface, t: f64) {
+    let (meridian, apex) = from_apex(surface);
+    let found = meridian.at(t);
+    let expected = apex + Vector3::new(found.r, 0.0, found.height);
+    let there = surface
+        .chart_geometry(surface.parameters(&expected))
+        .unwrap();
+    assert_relative_eq!(there.point, expected, epsilon = 1e-14, max_relative = 1e-14);
+    let (sin, cos) = found.slope_rad.sin_cos();
+    assert_relative_eq!(
+        there.frame.normal,
+        Vector3::new(sin, 0.0, cos),
+        epsilon = 1e-13
+    );
+    assert_relative_eq!(
+        there.metric.m11,
+        found.arc_per_parameter,
+        max_relative = 1e-14
+    );
+    let curvature = found.slope_per_parameter / found.arc_per_parameter;
+    assert_relative_eq!(there.curvature.k_uu, curvature, max_relative = 1e-12);
+    let start = meridian.at(0.0);
+    let at_apex = start.slope_per_parameter / start.arc_per_parameter;
+    assert_relative_eq!(meridian.apex_curvature(), at_apex, max_relative = 1e-15);
+}
+
+#[test]
+fn paraboloids_and_spheroids_follow_their_charts() {
+    for c in PARABOLOIDS {
+        for t in [0.0, 1e-6, 0.1, 1.0, 7.0] {
+            follows_the_chart(&Graph::paraboloid(c).unwrap(), t);
+        }
+    }
+    for [a, c] in SPHEROIDS {
+        // Not the poles of the chart, at the equator.
+        for t in [0.0, 1e-6, 0.1, 1.0, 1.5, 2.0, 3.0, PI, 4.0, 6.0] {
+            follows_the_chart(&Ellipsoid::new([a, a, c]).unwrap(), t);
+        }
+    }
+}
+
+#[test]
+fn derivatives_are_those_of_the_meridian() {
+    let spheroids = SPHEROIDS.map(|[a, c]| Meridian::Spheroid { a, c });
+    for meridian in PARABOLOIDS
+        .map(|c| Meridian::Paraboloid { c })
+        .into_iter()
+        .chain(spheroids)
+    {
+        for t in [0.01, 0.4, 1.0, FRAC_PI_2, 2.2, PI, 4.5, 9.0] {
+            let h = 1e-5;
+            let (before, here, after) = (meridian.at(t - h), meridian.at(t), meridian.at(t + h));
+            let slope = (after.slope_rad - before.slope_rad) / (2.0 * h);
+            assert_relative_eq!(
+                slope,
+                here.slope_per_parameter,
+                epsilon = 1e-8,
+                max_relative = 1e-5
+            );
+            let arc = (after.r - before.r).hypot(after.height - before.height) / (2.0 * h);
+            assert_relative_eq!(arc, here.arc_per_parameter, max_relative = 1e-5);
+        }
+    }
+}
+
+/// Simpson's rule with 2,000 intervals.
+fn integral(f: impl Fn(f64) -> f64, to: f64) -> f64 {
+    let h = to / 2000.0;
+    let weight = |i: i32| match i {
+        0 | 2000 => 1.0,
+        _ => 2.0 + 2.0 * f64::from(i % 2),
+    };
+    (0..=2000)
+        .map(|i| weight(i) * f(f64::from(i) * h))
+        .sum::<f64>()
+        * h
+        / 3.0
+}
+
+#[test]
+fn arc_lengths_are_the_integral_of_their_elements() {
+    for c in [5.0, 0.5, 0.01, 0.0, -0.3] {
+        let meridian = Meridian::Paraboloid { c };
+        for t in [1e-12, 1e-3, 0.3, 1.0, 10.0] {
+            let expected = integral(|t| meridian.at(t).arc_per_parameter, t);
+            assert_relative_eq!(
+                meridian.arc_length(t).unwrap(),
+                expected,
+                max_relative = 1e-10
+            );
+        }
+        assert_eq!(meridian.arc_length(0.0), Some(0.0));
+    }
+    let far = Meridian::Paraboloid { c: 1.0 }.arc_length(1e9).unwrap();
+    assert_relative_eq!(far, 1e18, max_relative = 1e-12);
+    assert_eq!(Meridian::Spheroid { a: 1.0, c: 2.0 }.arc_length(1.0), None);
+}
+
+#[test]
+fn the_slope_of_a_spheroid_turns_on_through_the_equator() {
+    for [a, c] in SPHEROIDS.into_iter().chain([[1.0, 1e-9], [1e-9, 1.0]]) {
+        let meridian = Meridian::Spheroid { a, c };
+        // It never strays a quarter turn from the parameter and equals it at quarter turns.
+        for step in 0..4000 {
+            let t = f64::from(step) * 0.01;
+            let slope = meridian.at(t).slope_rad;
+            assert!((slope - t).abs() < FRAC_PI_2, "{slope} at {t}");
+        }
+        for quarter in 0..24 {
+            let t = f64::from(quarter) * FRAC_PI_2;
+            for t in [t.next_down(), t, t.next_up()] {
+                let unresolved = 4.0 * f64::EPSILON * t.max(1.0) * (a / c).max(c / a);
+                let slope = meridian.at(t).slope_rad;
+                let tolerance = unresolved.min(FRAC_PI_2) + 1e-14;
+                assert_abs_diff_eq!(slope, t, epsilon = tolerance);
+            }
+        }
+        if a.max(c) < 10.0 * a.min(c) {
+            let turned = integral(|t| meridian.at(t).slope_per_parameter, 3.0 * TAU);
+            assert_relative_eq!(turned, 3.0 * TAU, max_relative = 1e-6);
+        }
+    }
+}
+
+#[test]
+fn only_an_apex_has_a_meridian() {
+    let top = Point3::new(0.0, 0.0, 2.0);
+    let spheroid = Ellipsoid::new([1.0, 1.0, 2.0]).unwrap();
+    assert_eq!(
+        spheroid.meridian(&top),
+        Some(Meridian::Spheroid { a: 1.0, c: 2.0 })
+    );
+    assert_eq!(spheroid.meridian(&Point3::new(1.0, 0.0, 0.0)), None);
+    assert_eq!(spheroid.meridian(&Point3::new(0.0, 0.0, -2.0)), None);
+    let triaxial = Ellipsoid::new([1.0, 1.5, 2.0]).unwrap();
+    assert_eq!(triaxial.meridian(&top), None);
+    let hill = Graph::paraboloid(0.5).unwrap();
+    assert_eq!(
+        hill.meridian(&Point3::origin()),
+        Some(Meridian::Paraboloid { c: 0.5 })
+    );
+    assert_eq!(hill.meridian(&Point3::new(0.1, 0.0, -0.005)), None);
+    assert_eq!(
+        Graph::saddle(0.5).unwrap().meridian(&Point3::origin()),
+        None
+    );
+    assert_eq!(Sphere::new(2.0).unwrap().meridian(&top), None);
+    assert_eq!(Torus::new(2.0, 1.0).unwrap().meridian(&top), None);
+}

@@ -1,0 +1,225 @@
+//! One or more of every surface, with what the laws need to know about it.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use palpate_geometry::formula::Formula;
+use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::{Parameters, Shape, Surface};
+
+/// A surface with places to ask it at and what it is known to be.
+pub(crate) struct Specimen {
+    pub(crate) name: String,
+    pub(crate) shape: Shape,
+    /// Places away from the poles of the chart.
+    pub(crate) at: Vec<Parameters>,
+    /// What changes a parameter by its natural unit: 1 for an angle, a length for a length.
+    pub(crate) unit: [f64; 2],
+    /// A length of the order of the surface.
+    pub(crate) size: f64,
+    /// Within this distance of the surface every point has one closest point.
+    pub(crate) reach: f64,
+    /// Whether a point is in the solid, from the solid's definition alone.
+    pub(crate) solid: Box<dyn Fn(&Point3<f64>) -> bool>,
+}
+
+/// Parameters on a grid of 9 by 9 that avoids round numbers.
+fn grid([u0, u1]: [f64; 2], [v0, v1]: [f64; 2]) -> Vec<Parameters> {
+    let along = |from: f64, to: f64, i: i32| from + (to - from) * (f64::from(i) + 0.43) / 9.0;
+    let pairs = (0..9).flat_map(|i| (0..9).map(move |j| (i, j)));
+    pairs
+        .map(|(i, j)| Parameters::new(along(u0, u1, i), along(v0, v1, j)))
+        .collect()
+}
+
+pub(crate) fn sphere(radius: f64) -> Specimen {
+    Specimen {
+        name: format!("sphere {radius}"),
+        shape: Shape::Sphere(Sphere::new(radius).unwrap()),
+        at: grid([-1.5, 1.5], [-PI, PI]),
+        unit: [1.0, 1.0],
+        size: radius,
+        reach: radius,
+        solid: Box::new(move |p| p.coords.norm() < radius),
+    }
+}
+
+pub(crate) fn dish(radius: f64) -> Specimen {
+    Specimen {
+        name: format!("dish {radius}"),
+        shape: Shape::Dish(Dish::new(radius).unwrap()),
+        solid: Box::new(move |p| p.coords.norm() > radius),
+        ..sphere(radius)
+    }
+}
+
+pub(crate) fn plane() -> Specimen {
+    Specimen {
+        name: "plane".into(),
+        shape: Shape::Plane(Plane),
+        at: grid([-2.0, 2.0], [-3.0, 3.0]),
+        unit: [1.0, 1.0],
+        size: 1.0,
+        reach: 1e3,
+        solid: Box::new(|p| p.z < 0.0),
+    }
+}
+
+pub(crate) fn cylinder(radius: f64, direction: f64) -> Specimen {
+    let axis = Vector3::new(direction.cos(), direction.sin(), 0.0);
+    Specimen {
+        name: format!("cylinder {radius} at {direction} rad"),
+        shape: Shape::Cylinder(Cylinder::new(radius, direction).unwrap()),
+        at: grid([-2.0 * radius, 3.0 * radius], [-PI, PI]),
+        unit: [radius, 1.0],
+        size: radius,
+        reach: radius,
+        solid: Box::new(move |p| p.coords.cross(&axis).norm() < radius),
+    }
+}
+
+pub(crate) fn ellipsoid(semi_axes: [f64; 3]) -> Specimen {
+    let [a, b, c] = semi_axes;
+    let (smallest, largest) = (a.min(b).min(c), a.max(b).max(c));
+    Specimen {
+        name: format!("ellipsoid {semi_axes:?}"),
+        shape: Shape::Ellipsoid(Ellipsoid::new(semi_axes).unwrap()),
+        at: grid([-1.5, 1.5], [-PI, PI]),
+        unit: [1.0, 1.0],
+        size: largest,
+        reach: smallest * smallest / largest,
+        solid: Box::new(move |p| (p.x / a).powi(2) + (p.y / b).powi(2) + (p.z / c).powi(2) < 1.0),
+    }
+}
+
+pub(crate) fn torus(major: f64, minor: f64) -> Specimen {
+    Specimen {
+        name: format!("torus {major}, {minor}"),
+        shape: Shape::Torus(Torus::new(major, minor).unwrap()),
+        at: grid([-PI, PI], [-PI, PI]),
+        unit: [1.0, 1.0],
+        size: major,
+        reach: minor.min(major - minor),
+        solid: Box::new(move |p| (p.x.hypot(p.y) - major).hypot(p.z) < minor),
+    }
+}
+
+pub(crate) fn paraboloid(c: f64) -> Specimen {
+    let radius = 0.5 / c.abs();
+    let shape = Shape::Paraboloid(Graph::paraboloid(c).unwrap());
+    graph(format!("paraboloid {c}"), shape, radius, move |x, y| {
+        -c * (x * x + y * y)
+    })
+}
+
+pub(crate) fn saddle(a: f64) -> Specimen {
+    let radius = 0.5 / a.abs();
+    let shape = Shape::Saddle(Graph::saddle(a).unwrap());
+    graph(format!("saddle {a}"), shape, radius, move |x, y| {
+        a * (x * x - y * y)
+    })
+}
+
+pub(crate) fn height_field(
+    formula: &str,
+    radius: f64,
+    height: impl Fn(f64, f64) -> f64 + 'static,
+) -> Specimen {
+    let parsed = Formula::parse(formula, &BTreeMap::new()).unwrap();
+    let shape = Shape::HeightField(Graph::of_formula(parsed));
+    graph(format!("height field {formula}"), shape, radius, height)
+}
+
+/// A graph whose smallest radius of curvature is `radius`.
+fn graph(
+    name: String,
+    shape: Shape,
+    radius: f64,
+    height: impl Fn(f64, f64) -> f64 + 'static,
+) -> Specimen {
+    Specimen {
+        name,
+        shape,
+        at: grid([-1.3 * radius, 1.1 * radius], [-1.2 * radius, 1.4 * radius]),
+        unit: [radius, radius],
+        size: radius,
+        reach: radius,
+        solid: Box::new(move |p| p.z < height(p.x, p.y)),
+    }
+}
+
+pub(crate) fn all() -> Vec<Specimen> {
+    vec![
+        sphere(1.0),
+        sphere(0.013),
+        dish(2.5),
+        plane(),
+        cylinder(1.0, 0.0),
+        cylinder(0.3, 0.7),
+        cylinder(40.0, -2.0),
+        ellipsoid([3.0, 2.0, 1.0]),
+        ellipsoid([0.7, 2.0, 1.3]),
+        ellipsoid([1.0, 1.0, 2.0]),
+        ellipsoid([1.5, 1.5, 0.5]),
+        ellipsoid([0.6, 1.2, 1.2]),
+        torus(2.0, 0.5),
+        torus(1.0, 0.9),
+        paraboloid(0.5),
+        paraboloid(5.0),
+        paraboloid(-0.2),
+        saddle(0.1),
+        saddle(-2.0),
+        height_field("0.15*sin(0.7*x)*cos(0.7*y)", 3.0, |x, y| {
+            0.15 * (0.7 * x).sin() * (0.7 * y).cos()
+        }),
+        height_field("exp(-(x^2 + y^2)/2)", 0.9, |x, y| {
+            (-0.5 * (x * x + y * y)).exp()
+        }),
+        height_field("0.2*x + 0.1*y - 0.05*x*y", 5.0, |x, y| {
+            0.2 * x + 0.1 * y - 0.05 * x * y
+        }),
+        height_field("sqrt(25 - x^2 - y^2) - 5", 2.0, |x, y| {
+            (25.0 - x * x - y * y).sqrt() - 5.0
+        }),
+        height_field("0.1*x^3 - 0.2*x*y + atan2(y, x + 9)", 0.7, |x, y| {
+            0.1 * x * x * x - 0.2 * x * y + y.atan2(x + 9.0)
+        }),
+    ]
+}
+
+/// Poses far from each other, the first at home.
+pub(crate) fn poses() -> [Isometry3<f64>; 3] {
+    let pose = |x, y, z, roll, pitch, yaw| {
+        let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        Isometry3::from_parts(Vector3::new(x, y, z).into(), turn)
+    };
+    [
+        Isometry3::identity(),
+        pose(0.3, -1.1, 0.6, 0.4, -1.2, 2.5),
+        pose(-4.0, 2.0, 7.0, -2.8, 0.3, -0.9),
+    ]
+}
+
+/// Calls the same on the concrete surface inside a [`Shape`].
+macro_rules! on_concrete {
+    ($shape:expr, $surface:ident => $call:expr) => {
+        match $shape {
+            Shape::Sphere($surface) => $call,
+            Shape::Dish($surface) => $call,
+            Shape::Plane($surface) => $call,
+            Shape::Cylinder($surface) => $call,
+            Shape::Ellipsoid($surface) => $call,
+            Shape::Torus($surface) => $call,
+            Shape::Paraboloid($surface) => $call,
+            Shape::Saddle($surface) => $call,
+            Shape::HeightField($surface) => $call,
+        }
+    };
+}
+pub(crate) use on_concrete;
+
+/// The point at `at`.
+pub(crate) fn point(surface: &impl Surface, at: Parameters) -> Point3<f64> {
+    surface.chart(at).unwrap().point
+}

@@ -1,0 +1,118 @@
+//! A whole trial: draws, rolls, least squares, covariance, and the statistics of the runner.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use palpate_scene::{Outcome, Scene, config};
+use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial};
+
+struct SceneTrial(Scene);
+
+impl Trial for SceneTrial {
+    fn quantities(&self) -> usize {
+        self.0.quantities().len()
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        self.0.trial(
+            trial,
+            |quantity,
+             Outcome {
+                 estimate,
+                 truth,
+                 std,
+             }| {
+                record.observe(
+                    quantity,
+                    Observation {
+                        estimate,
+                        truth,
+                        std,
+                    },
+                );
+            },
+        )
+    }
+}
+
+fn scene(object: &str, noise: &str, sensor: &str) -> SceneTrial {
+    let text = format!(
+        "name = \"bench\"\n[scene]\nkind = \"roll\"\nprobe = {{ kind = \"sphere\", radius = 1.0 }}\n\
+         object = {object}\nmotion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}\n\
+         noise = {{ {noise} }}\nsensor = {sensor}\n"
+    );
+    SceneTrial(
+        config::parse("bench.toml", &text)
+            .unwrap()
+            .scene(0)
+            .unwrap(),
+    )
+}
+
+fn benches(criterion: &mut Criterion) {
+    const TRIALS: u64 = 1 << 17;
+    let uniform = "angular_velocity = { kind = \"uniform\", fraction = 0.01 }";
+    let sphere = "{ kind = \"sphere\", radius = 5.0 }";
+    let cases = [
+        ("closed form", sphere, uniform, "{ kind = \"ideal\" }"),
+        (
+            "meridian",
+            "{ kind = \"paraboloid\", c = 1.0 }",
+            uniform,
+            "{ kind = \"ideal\" }",
+        ),
+        (
+            "integrated",
+            "{ kind = \"saddle\", a = 0.1 }",
+            uniform,
+            "{ kind = \"ideal\" }",
+        ),
+        (
+            "square pads",
+            sphere,
+            "",
+            "{ kind = \"pads\", pitch = 0.01, offset = \"random\" }",
+        ),
+        (
+            "uniform pads",
+            sphere,
+            "",
+            "{ kind = \"pads\", pitch = 0.01, layout = \"uniform\", offset = \"random\" }",
+        ),
+        ("wrist", sphere, "", "{ kind = \"wrist\", std = 0.01 }"),
+    ];
+    let options = RunOptions {
+        threads: std::num::NonZeroUsize::new(1),
+    };
+    let mut group = criterion.benchmark_group("trial");
+    group.throughput(Throughput::Elements(TRIALS));
+    group.sample_size(10);
+    for (name, object, noise, sensor) in cases {
+        let trial = scene(object, noise, sensor);
+        group.bench_function(name, |bencher| {
+            let cells = [Cell {
+                trials: TRIALS,
+                trial: &trial,
+            }];
+            bencher.iter(|| palpate_sweep::run(&cells, &options, &|_| ()).unwrap());
+        });
+    }
+    group.finish();
+    criterion.bench_function("trial without statistics", |bencher| {
+        let trial = scene(sphere, uniform, "{ kind = \"ideal\" }");
+        let mut number = 0;
+        bencher.iter(|| {
+            number += 1;
+            let mut sum = 0.0;
+            trial
+                .0
+                .trial(number, |_, outcome| {
+                    sum += outcome.estimate + outcome.std.unwrap_or(0.0)
+                })
+                .unwrap();
+            sum
+        });
+    });
+}
+
+criterion_group!(trial, benches);
+criterion_main!(trial);

@@ -1,0 +1,39 @@
+//! How a command fails.
+
+use std::fmt;
+use std::process::ExitCode;
+
+use anyhow::Error;
+
+/// Why a command failed, and so with which status.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Bad arguments or config: status 2.
+    Usage(Error),
+    /// The work failed or the readings are bad: status 1.
+    Work(Error),
+}
+
+impl Failure {
+    pub(crate) fn usage(error: impl Into<Error>) -> Self {
+        Self::Usage(error.into())
+    }
+
+    pub(crate) fn work(error: impl Into<Error>) -> Self {
+        Self::Work(error.into())
+    }
+
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Usage(_) => 2,
+            Self::Work(_) => 1,
+        })
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Self::Usage(error) | Self::Work(error)) = self;
+        write!(f, "{error:#}")
+    }
+}

@@ -1,0 +1,61 @@
+//! Files and standard output, written whole or not at all.
+
+use std::io::{ErrorKind, Write};
+use std::path::Path;
+
+use anyhow::{Context, Error};
+use tempfile::NamedTempFile;
+
+use crate::failure::Failure;
+
+/// Prints a text and a newline; a closed pipe is no error.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::work(
+            Error::new(error).context("cannot write to standard output"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Writes `files` (name and contents) into `dir`, made if missing.
+///
+/// All are written under temporary names first and renamed only when every byte is on disk, so that
+/// a full disk leaves what was there before.
+pub(crate) fn write_files(dir: &Path, files: &[(&str, String)]) -> Result<(), Failure> {
+    let write = || -> Result<(), Error> {
+        std::fs::create_dir_all(dir)
+            .with_context(|| format!("cannot make the directory {}", dir.display()))?;
+        let cannot = |name: &str| format!("cannot write {}", dir.join(name).display());
+        let mut written = Vec::new();
+        for (name, contents) in files {
+            let mut file =
+                NamedTempFile::with_prefix_in(".palpate-", dir).with_context(|| cannot(name))?;
+            file.write_all(contents.as_bytes())
+                .with_context(|| cannot(name))?;
+            file.as_file().sync_all().with_context(|| cannot(name))?;
+            written.push((name, file));
+        }
+        for (name, file) in written {
+            set_readable(&file).with_context(|| cannot(name))?;
+            file.persist(dir.join(name))
+                .map_err(|error| error.error)
+                .with_context(|| cannot(name))?;
+        }
+        Ok(())
+    };
+    write().map_err(Failure::work)
+}
+
+/// Temporary files are private; results are not.
+fn set_readable(file: &NamedTempFile) -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        file.as_file()
+            .set_permissions(std::fs::Permissions::from_mode(0o644))?;
+    }
+    let _ = file;
+    Ok(())
+}

@@ -1,0 +1,30 @@
+//! `palpate plot` and `palpate report`.
+
+use palpate_report::{Study, plot as draw, scorecard_text, write_claims, write_page};
+
+use crate::cli::{PlotArgs, ReportArgs};
+use crate::failure::Failure;
+use crate::output;
+
+pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
+    let study = Study::load(&args.dir).map_err(Failure::work)?;
+    for file in draw(&study).map_err(Failure::work)? {
+        output::print(&file.display().to_string())?;
+    }
+    Ok(())
+}
+
+pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
+    let studies = args
+        .dirs
+        .iter()
+        .map(Study::load)
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(Failure::work)?;
+    for study in &studies {
+        write_claims(study).map_err(Failure::work)?;
+    }
+    write_page(&studies, &args.out).map_err(Failure::work)?;
+    output::print(&scorecard_text(&palpate_report::score(&studies)))?;
+    output::print(&format!("page -> {}", args.out.display()))
+}

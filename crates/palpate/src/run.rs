@@ -1,0 +1,127 @@
+//! `palpate run`.
+
+use std::path::PathBuf;
+
+use palpate_scene::config::{self, Output, Study, StudyConfig};
+use palpate_scene::{Scene, Table};
+use palpate_sweep::{Cell, RunOptions};
+
+use crate::cli::RunArgs;
+use crate::failure::Failure;
+use crate::tables::{self, Ran};
+use crate::trial::SceneTrial;
+use crate::{output, progress};
+
+pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
+    let mut study = config::load(&args.config).map_err(Failure::usage)?;
+    if let Some(seed) = args.seed {
+        study.override_seed(seed).map_err(Failure::usage)?;
+    }
+    if let Some(trials) = args.trials {
+        study
+            .override_trials(trials.get())
+            .map_err(Failure::usage)?;
+    }
+    refuse_map(&study)?;
+    let numbers: Vec<usize> = (0..study.cells.len())
+        .step_by(args.every_nth_cell.get())
+        .collect();
+    let scenes = scenes(&study, &numbers)?;
+    let cells: Vec<Cell<'_>> = numbers
+        .iter()
+        .zip(&scenes)
+        .map(|(&number, trial)| Cell {
+            trials: trial.0.trials(study.cells[number].config.trials),
+            trial,
+        })
+        .collect();
+
+    let bar = progress::bar(cells.iter().map(|cell| cell.trials).sum());
+    let options = RunOptions {
+        threads: args.threads,
+    };
+    let statistics = palpate_sweep::run(&cells, &options, &|finished| bar.inc(finished))
+        .map_err(Failure::work)?;
+    bar.finish_and_clear();
+
+    let ran: Vec<Ran<'_>> = numbers
+        .iter()
+        .zip(&scenes)
+        .zip(&statistics)
+        .map(|((&cell, scene), statistics)| Ran {
+            cell,
+            scene: &scene.0,
+            statistics,
+        })
+        .collect();
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("out").join(&study.config.name));
+    let mut files = vec![
+        (
+            "cells.csv",
+            tables::cells(&study, &ran).map_err(Failure::work)?,
+        ),
+        (
+            "failures.csv",
+            tables::failures(&ran).map_err(Failure::work)?,
+        ),
+        ("run.toml", resolved(&study)),
+    ];
+    if study.config.outputs.contains(&Output::Trace) {
+        let (contacts, readings) = trace_tables(&study, &scenes[0].0, None)?;
+        files.push(("trace.csv", contacts.to_csv()));
+        files.push(("readings.csv", readings.to_csv()));
+    }
+    output::write_files(&out, &files)?;
+    output::print(&summary(&study, &ran, &out))
+}
+
+fn scenes(study: &Study, numbers: &[usize]) -> Result<Vec<SceneTrial>, Failure> {
+    numbers
+        .iter()
+        .map(|&cell| study.scene(cell).map(SceneTrial))
+        .collect::<Result<_, _>>()
+        .map_err(Failure::usage)
+}
+
+fn refuse_map(study: &Study) -> Result<(), Failure> {
+    if study.config.outputs.contains(&Output::Map) {
+        let message = "a roll has no map; \"cells\" and \"trace\" are possible";
+        return Err(Failure::usage(study.error_at(0, "outputs", message)));
+    }
+    Ok(())
+}
+
+/// The config with all defaults and overrides, as it was run.
+fn resolved(study: &Study) -> String {
+    config::to_toml(&StudyConfig {
+        crate_version: Some(env!("CARGO_PKG_VERSION").to_owned()),
+        ..study.config.clone()
+    })
+}
+
+/// Truth and readings of one pass.
+pub(crate) fn trace_tables(
+    study: &Study,
+    scene: &Scene,
+    trial: Option<u64>,
+) -> Result<(Table, Table), Failure> {
+    let Scene::Roll(roll) = scene;
+    let trace = roll
+        .trace(trial, study.config.length_unit)
+        .map_err(Failure::work)?;
+    Ok((trace.contacts, trace.readings))
+}
+
+fn summary(study: &Study, ran: &[Ran<'_>], out: &std::path::Path) -> String {
+    let trials: u64 = ran.iter().map(|ran| ran.statistics.trials).sum();
+    let failed: u64 = ran.iter().map(|ran| ran.statistics.failed()).sum();
+    format!(
+        "{}: {} cells, {trials} trials, {failed} failed -> {}",
+        study.config.name,
+        ran.len(),
+        out.display()
+    )
+}

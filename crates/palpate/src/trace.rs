@@ -1,0 +1,36 @@
+//! `palpate trace`.
+
+use anyhow::anyhow;
+use palpate_scene::config;
+
+use crate::cli::TraceArgs;
+use crate::failure::Failure;
+use crate::{output, run};
+
+pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
+    let study = config::load(&args.config).map_err(Failure::usage)?;
+    let cells = study.cells.len();
+    if args.cell >= cells {
+        let last = cells - 1;
+        return Err(Failure::Usage(anyhow!(
+            "--cell is {}; the study has cells 0 to {last}",
+            args.cell
+        )));
+    }
+    let scene = study.scene(args.cell).map_err(Failure::usage)?;
+    let (contacts, readings) = run::trace_tables(&study, &scene, args.trial)?;
+    let rows = contacts.rows.len();
+    output::write_files(
+        &args.out,
+        &[
+            ("trace.csv", contacts.to_csv()),
+            ("readings.csv", readings.to_csv()),
+        ],
+    )?;
+    output::print(&format!(
+        "{}: {rows} contacts of {} probes -> {}",
+        study.config.name,
+        readings.rows.len(),
+        args.out.display()
+    ))
+}

@@ -1,0 +1,196 @@
+//! Published claims, each held against the tables of a study that tests it.
+
+mod angular_velocity;
+mod edge;
+mod evidence;
+mod pads;
+mod roll_length;
+mod wrist;
+
+use crate::{ReportError, Study, file};
+use std::fmt;
+
+/// How a claim fared against the tables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// The tables show what the paper says, within the stated thresholds.
+    Holds,
+    /// They show something else.
+    Differs,
+    /// They lack what would show it either way.
+    NotTestable,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Holds => "holds",
+            Self::Differs => "differs",
+            Self::NotTestable => "not testable",
+        })
+    }
+}
+
+/// One claim against one study.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Score {
+    /// Number of the claim.
+    pub claim: u32,
+    /// Name of the study.
+    pub study: String,
+    /// What the paper says, in short.
+    pub paper_says: String,
+    /// What the tables show, with units; empty if not testable.
+    pub measured: String,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The thresholds behind the verdict, and what else is worth knowing; or what was missing.
+    pub why: String,
+}
+
+/// A claim and the function that reads the tables for it: a finding, or what they lack.
+struct Claim {
+    number: u32,
+    paper_says: &'static str,
+    judge: fn(&Study) -> Result<Finding, String>,
+}
+
+struct Finding {
+    holds: bool,
+    measured: String,
+    why: String,
+}
+
+const CLAIMS: [Claim; 10] = [
+    Claim {
+        number: 1,
+        paper_says: "The error for a given noise in angular velocity grows as the relative curvature falls, dramatically from R₂ of about 50 R₁ up.",
+        judge: angular_velocity::grows_as_rcr_falls,
+    },
+    Claim {
+        number: 2,
+        paper_says: "On a sphere the length of the roll does not matter for noise in angular velocity.",
+        judge: angular_velocity::length_does_not_matter,
+    },
+    Claim {
+        number: 3,
+        paper_says: "On a paraboloid the error grows rapidly with the length of the roll; c = 5 cannot be estimated at a reasonable length even without noise.",
+        judge: roll_length::grows_rapidly,
+    },
+    Claim {
+        number: 4,
+        paper_says: "Paraboloids of c from 1 to 0.01 are estimated within about 15 %.",
+        judge: roll_length::within_15_percent,
+    },
+    Claim {
+        number: 5,
+        paper_says: "The error grows with the size of the pads, more so at low relative curvature.",
+        judge: pads::error_grows_with_pitch,
+    },
+    Claim {
+        number: 6,
+        paper_says: "In many cases the estimate is zero curvature for R₂ above 5 cm and pads coarser than 0.1 mm (R₁ = 1 cm).",
+        judge: pads::zeros,
+    },
+    Claim {
+        number: 7,
+        paper_says: "A longer roll reduces the error from pads.",
+        judge: pads::longer_rolls_help,
+    },
+    Claim {
+        number: 8,
+        paper_says: "With 0.5 mm pads a roll of 0.5 rad gives a reasonable estimate for spheres from 5 to 0.2 cm (R₁ = 1 cm).",
+        judge: pads::half_millimetre_pads,
+    },
+    Claim {
+        number: 20,
+        paper_says: "An edge can be sensed, but not its radius.",
+        judge: edge::is_a_bound,
+    },
+    Claim {
+        number: 21,
+        paper_says: "A wrist sensor's contact error of 0.54 mm (2.7 % of a probe of R₁ = 10 mm across) acts like pads of that size.",
+        judge: wrist::acts_like_pads,
+    },
+];
+
+/// Scores the claims that each study names, in order of the claims' numbers, then of the studies.
+pub fn score(studies: &[Study]) -> Vec<Score> {
+    let mut scores: Vec<Score> = studies
+        .iter()
+        .flat_map(|study| {
+            study
+                .claims()
+                .iter()
+                .map(move |number| judge(study, *number))
+        })
+        .collect();
+    scores.sort_by_key(|score| score.claim);
+    scores
+}
+
+fn judge(study: &Study, number: u32) -> Score {
+    let claim = CLAIMS.iter().find(|claim| claim.number == number);
+    let outcome = match claim {
+        Some(claim) => (claim.judge)(study),
+        None => Err("no function scores a claim of this number".to_owned()),
+    };
+    let (verdict, measured, why) = match outcome {
+        Ok(Finding {
+            holds: true,
+            measured,
+            why,
+        }) => (Verdict::Holds, measured, why),
+        Ok(Finding {
+            holds: false,
+            measured,
+            why,
+        }) => (Verdict::Differs, measured, why),
+        Err(reason) => (Verdict::NotTestable, String::new(), reason),
+    };
+    let paper_says = claim.map_or("", |claim| claim.paper_says).to_owned();
+    Score {
+        claim: number,
+        study: study.name().to_owned(),
+        paper_says,
+        measured,
+        verdict,
+        why,
+    }
+}
+
+/// Writes `claims.csv` beside the study's tables: `claim,verdict,paper_says,measured,why`, one row per claim
+/// that the study names (only the header if it names none). Returns the scores.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_claims(study: &Study) -> Result<Vec<Score>, ReportError> {
+    let scores = score(std::slice::from_ref(study));
+    let path = study.dir().join("claims.csv");
+    let failed = |source| ReportError::Csv {
+        path: path.clone(),
+        source,
+    };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer
+        .write_record(["claim", "verdict", "paper_says", "measured", "why"])
+        .map_err(failed)?;
+    for score in &scores {
+        let (claim, verdict) = (score.claim.to_string(), score.verdict.to_string());
+        writer
+            .write_record([
+                &claim,
+                &verdict,
+                &score.paper_says,
+                &score.measured,
+                &score.why,
+            ])
+            .map_err(failed)?;
+    }
+    let bytes = writer.into_inner().map_err(|e| ReportError::Io {
+        path: path.clone(),
+        source: std::io::Error::other(e.to_string()),
+    })?;
+    file::write(&path, &bytes)?;
+    Ok(scores)
+}

@@ -1,0 +1,94 @@
+//! Finding the rows and numbers that a claim is about.
+
+use crate::{Study, words};
+
+/// Rows of `quantity` whose true value is defined and positive: convex along the direction in question.
+pub(super) fn convex_rows(study: &Study, quantity: &str) -> Result<Vec<usize>, String> {
+    let table = study.cells();
+    let rows: Vec<usize> = (0..table.rows())
+        .filter(|row| table.quantity(*row) == quantity)
+        .filter(|row| {
+            table
+                .statistic(*row, "truth")
+                .is_some_and(|truth| truth > 0.0)
+        })
+        .collect();
+    if rows.is_empty() {
+        Err(format!("the table has no {quantity} of a convex object"))
+    } else {
+        Ok(rows)
+    }
+}
+
+/// The number at `path` in every one of `rows`, or what is missing.
+pub(super) fn numbers(study: &Study, rows: &[usize], path: &str) -> Result<Vec<f64>, String> {
+    rows.iter()
+        .map(|row| {
+            study
+                .number(*row, path)
+                .ok_or_else(|| format!("no number for {path} in the table or the config"))
+        })
+        .collect()
+}
+
+/// Rows that agree in every swept path except those that begin with one of `free`.
+pub(super) fn groups(study: &Study, rows: &[usize], free: &[&str]) -> Vec<Vec<usize>> {
+    let fixed: Vec<_> = study
+        .cells()
+        .axes()
+        .iter()
+        .filter(|axis| !free.iter().any(|prefix| axis.header.starts_with(prefix)))
+        .collect();
+    let mut groups: Vec<(Vec<&str>, Vec<usize>)> = Vec::new();
+    for &row in rows {
+        let key: Vec<&str> = fixed.iter().map(|axis| axis.text(row)).collect();
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, group)) => group.push(row),
+            None => groups.push((key, vec![row])),
+        }
+    }
+    groups.into_iter().map(|(_, rows)| rows).collect()
+}
+
+/// The angle of a roll in rad (its rate times its duration) where it is given so, else its arc length.
+pub(super) fn roll(study: &Study, row: usize) -> Option<f64> {
+    let rate = study.number(row, "scene.motion.rate_rad_per_s");
+    let duration = study.number(row, "scene.motion.duration_s");
+    match (rate, duration) {
+        (Some(rate), Some(duration)) => Some(rate * duration),
+        _ => study.number(row, "scene.motion.arc_length"),
+    }
+}
+
+/// Equal up to what a decimal text loses.
+pub(super) fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+}
+
+/// A share as percent in three digits.
+pub(super) fn percent(share: f64) -> String {
+    format!("{} %", short(100.0 * share))
+}
+
+/// A number in three digits.
+pub(super) fn short(value: f64) -> String {
+    words::significant(value, 3)
+}
+
+/// The smallest and largest of some numbers.
+pub(super) fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+    values.into_iter().fold(None, |range, value| match range {
+        None => Some((value, value)),
+        Some((low, high)) => Some((value.min(low), value.max(high))),
+    })
+}
+
+/// `low to high`, or the one value if they show the same, each as `show` writes it.
+pub(super) fn span((low, high): (f64, f64), show: fn(f64) -> String) -> String {
+    let (low, high) = (show(low), show(high));
+    if low == high {
+        low
+    } else {
+        format!("{low} to {high}")
+    }
+}

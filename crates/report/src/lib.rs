@@ -1,0 +1,31 @@
+//! Tables to plots, scored claims and a self-contained page.
+//!
+//! A study is a folder that holds `cells.csv`, `failures.csv` and `run.toml`. Everything here is made from
+//! those three files and nothing else: no simulation, no clock, no network, no other crate of the workspace.
+//!
+//! | from | to | by |
+//! |---|---|---|
+//! | a folder | [`Study`] | [`Study::load`] |
+//! | its `[[plot]]` tables | `NAME.svg` and `NAME.png` beside the tables | [`plot`] |
+//! | its `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`write_claims`] |
+//! | several studies | one HTML page, one text for the terminal | [`write_page`], [`scorecard_text`] |
+
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
+mod claims;
+mod error;
+mod file;
+mod page;
+mod plot;
+mod scorecard;
+mod study;
+mod table;
+mod words;
+
+pub use claims::{Score, Verdict, score, write_claims};
+pub use error::ReportError;
+pub use page::{page, write_page};
+pub use plot::plot;
+pub use scorecard::scorecard_text;
+pub use study::{Failure, Study};
+pub use table::{Axis, Table};

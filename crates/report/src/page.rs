@@ -1,0 +1,111 @@
+//! One self-contained HTML page of several studies.
+
+use crate::words::{self, count};
+use crate::{ReportError, Score, Study, Verdict, file, plot, score};
+use minijinja::value::Value;
+use minijinja::{Environment, context};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Writes [`page`] to `out`.
+///
+/// # Errors
+/// As [`page`]; or `out` cannot be written, and is then as it was before.
+pub fn write_page(studies: &[Study], out: &Path) -> Result<(), ReportError> {
+    file::write(out, page(studies)?.as_bytes())
+}
+
+/// The page: the scorecard, then per study its source, sample size, figures, failures and config. It has no
+/// scripts and loads nothing.
+///
+/// # Errors
+/// A plot of a study is wrong, as for [`plot()`](crate::plot()).
+pub fn page(studies: &[Study]) -> Result<String, ReportError> {
+    let mut environment = Environment::new();
+    // A name in .html switches escaping on.
+    environment.add_template("page.html", include_str!("../templates/page.html"))?;
+    let sections = studies
+        .iter()
+        .map(section)
+        .collect::<Result<Vec<Value>, ReportError>>()?;
+    let scores: Vec<Value> = score(studies)
+        .iter()
+        .map(|score| row(score, studies))
+        .collect();
+    let template = environment.get_template("page.html")?;
+    Ok(template.render(context! { scores, studies => sections })?)
+}
+
+fn row(score: &Score, studies: &[Study]) -> Value {
+    let section = studies
+        .iter()
+        .position(|study| study.name() == score.study)
+        .map_or(0, |at| at + 1);
+    let class = match score.verdict {
+        Verdict::Holds => "holds",
+        Verdict::Differs => "differs",
+        Verdict::NotTestable => "open",
+    };
+    context! {
+        claim => score.claim,
+        study => &score.study,
+        section,
+        paper_says => &score.paper_says,
+        measured => &score.measured,
+        why => &score.why,
+        verdict => score.verdict.to_string(),
+        class,
+    }
+}
+
+fn section(study: &Study) -> Result<Value, ReportError> {
+    let figures: Vec<Value> = plot::svgs(study)?
+        .into_iter()
+        .map(|(title, svg)| context! { title, svg => Value::from_safe_string(inline(&svg)) })
+        .collect();
+    let mut kinds: BTreeMap<&str, (u64, usize)> = BTreeMap::new();
+    for failure in study.failures() {
+        let (trials, cells) = kinds.entry(&failure.kind).or_default();
+        *trials = trials.saturating_add(failure.count);
+        *cells += 1;
+    }
+    let failures: Vec<Value> = kinds
+        .into_iter()
+        .map(|(kind, (trials, cells))| context! { kind, trials => count(trials), cells => count(cells as u64) })
+        .collect();
+    let setting = |key: &str| {
+        study
+            .setting(key)
+            .map(|value| value.to_string().trim_matches('"').to_owned())
+    };
+    let table = study.cells();
+    let trials = (0..table.rows()).filter_map(|row| table.statistic(row, "trials"));
+    Ok(context! {
+        name => study.name(),
+        title => study.title(),
+        source => study.source(),
+        cells => count(cells(study)),
+        sample => words::sample(trials, "cell"),
+        seed => setting("seed"),
+        version => setting("crate_version"),
+        figures,
+        failures,
+        config => study.config_text(),
+    })
+}
+
+/// An SVG as it may stand within HTML: without what may only open a document.
+fn inline(svg: &str) -> String {
+    svg.lines()
+        .filter(|line| !line.starts_with("<?xml") && !line.starts_with("<!DOCTYPE"))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+fn cells(study: &Study) -> u64 {
+    let table = study.cells();
+    let mut cells: Vec<u64> = (0..table.rows()).map(|row| table.cell(row)).collect();
+    cells.sort_unstable();
+    cells.dedup();
+    cells.len() as u64
+}

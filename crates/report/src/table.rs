@@ -1,0 +1,285 @@
+//! `cells.csv`: one row per cell and quantity.
+
+use crate::{ReportError, file, words};
+use std::path::Path;
+
+/// The statistics every `cells.csv` has, in their order.
+pub(crate) const STATISTICS: [&str; 15] = [
+    "truth",
+    "trials",
+    "failures",
+    "mean",
+    "std",
+    "bias",
+    "rms_error",
+    "mean_abs_error",
+    "relative_rms_error",
+    "relative_mean_abs_error",
+    "q05",
+    "q50",
+    "q95",
+    "mean_reported_std",
+    "coverage95",
+];
+
+/// One swept path: a column of the table, between `cell` and `quantity`.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    /// The header of the column: the path, with its unit appended where it has one.
+    pub header: String,
+    cells: Vec<String>,
+    numbers: Vec<Option<f64>>,
+    /// The distinct texts in order of appearance, which is the order of the study's sweep.
+    values: Vec<String>,
+}
+
+impl Axis {
+    /// Whether `path` names this axis, with or without the unit.
+    pub fn is(&self, path: &str) -> bool {
+        self.header == path || words::split_unit(&self.header).0 == path
+    }
+
+    /// The text in `row`.
+    pub fn text(&self, row: usize) -> &str {
+        &self.cells[row]
+    }
+
+    /// The finite number in `row`, if it is one (a label is not).
+    pub fn number(&self, row: usize) -> Option<f64> {
+        self.numbers[row]
+    }
+
+    /// Whether every cell is a finite number.
+    pub fn is_numeric(&self) -> bool {
+        self.numbers.iter().all(Option::is_some)
+    }
+
+    /// The distinct values in the order of the study's sweep.
+    pub fn values(&self) -> &[String] {
+        &self.values
+    }
+}
+
+/// The contents of one `cells.csv`. Rows are numbered from 0; row `r` stands on line `r + 2` of the file
+/// unless a quoted cell spans lines.
+#[derive(Debug, Clone)]
+pub struct Table {
+    axes: Vec<Axis>,
+    cell: Vec<u64>,
+    quantity: Axis,
+    unit: Vec<String>,
+    statistics: Vec<(String, Vec<Option<f64>>)>,
+}
+
+impl Table {
+    /// Reads a `cells.csv`.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not CSV, has no rows, lacks a column or has one twice, or holds text or
+    /// a number that is not finite where a number must be.
+    pub fn read(path: &Path) -> Result<Self, ReportError> {
+        let Records {
+            header,
+            rows,
+            lines,
+        } = Records::read(path, &["cell", "quantity", "unit"])?;
+        if rows.is_empty() {
+            return Err(ReportError::EmptyTable {
+                path: path.to_owned(),
+            });
+        }
+        let place = |name: &str| {
+            header
+                .iter()
+                .position(|column| column == name)
+                .ok_or_else(|| ReportError::MissingColumn {
+                    path: path.to_owned(),
+                    column: name.to_owned(),
+                    found: header.clone(),
+                })
+        };
+        for name in STATISTICS {
+            place(name)?;
+        }
+        let (cell, quantity, unit) = (place("cell")?, place("quantity")?, place("unit")?);
+        let column = |at: usize| {
+            rows.iter()
+                .map(|row| row[at].clone())
+                .collect::<Vec<String>>()
+        };
+        let bad = |row: usize, at: usize, expected| ReportError::BadCell {
+            path: path.to_owned(),
+            line: lines[row],
+            column: header[at].clone(),
+            value: rows[row][at].clone(),
+            expected,
+        };
+
+        let axes = (cell + 1..quantity)
+            .map(|at| Axis::new(header[at].clone(), column(at)))
+            .collect();
+        let cells = (0..rows.len())
+            .map(|row| {
+                rows[row][cell]
+                    .parse()
+                    .map_err(|_| bad(row, cell, "the number of a cell"))
+            })
+            .collect::<Result<_, _>>()?;
+        let statistics = (unit + 1..header.len())
+            .map(|at| {
+                let values = (0..rows.len())
+                    .map(|row| match rows[row][at].as_str() {
+                        "" => Ok(None),
+                        text => finite(text)
+                            .map(Some)
+                            .ok_or_else(|| bad(row, at, "a finite number")),
+                    })
+                    .collect::<Result<_, _>>()?;
+                Ok((header[at].clone(), values))
+            })
+            .collect::<Result<_, ReportError>>()?;
+        Ok(Self {
+            axes,
+            cell: cells,
+            quantity: Axis::new(header[quantity].clone(), column(quantity)),
+            unit: column(unit),
+            statistics,
+        })
+    }
+
+    /// Number of rows, at least 1.
+    pub fn rows(&self) -> usize {
+        self.cell.len()
+    }
+
+    /// The swept paths, in the order of the study.
+    pub fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    /// The axis that `path` names, with or without its unit.
+    pub fn axis(&self, path: &str) -> Option<&Axis> {
+        self.axes.iter().find(|axis| axis.is(path))
+    }
+
+    /// The quantities as a column like an axis: its values are their names.
+    pub fn quantities(&self) -> &Axis {
+        &self.quantity
+    }
+
+    /// The cell that `row` belongs to.
+    pub fn cell(&self, row: usize) -> u64 {
+        self.cell[row]
+    }
+
+    /// Name of the quantity of `row`.
+    pub fn quantity(&self, row: usize) -> &str {
+        self.quantity.text(row)
+    }
+
+    /// Unit of the quantity of `row`, as written in the table.
+    pub fn unit(&self, row: usize) -> &str {
+        &self.unit[row]
+    }
+
+    /// Names of the statistics columns.
+    pub fn statistics(&self) -> impl Iterator<Item = &str> {
+        self.statistics.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// The statistic `name` of `row`; `None` if it is undefined there, or there is no such column.
+    pub fn statistic(&self, row: usize, name: &str) -> Option<f64> {
+        self.statistics
+            .iter()
+            .find(|(column, _)| column == name)
+            .and_then(|(_, values)| values[row])
+    }
+}
+
+impl Axis {
+    fn new(header: String, cells: Vec<String>) -> Self {
+        let mut values: Vec<String> = Vec::new();
+        for cell in &cells {
+            if !values.contains(cell) {
+                values.push(cell.clone());
+            }
+        }
+        let numbers = cells.iter().map(|cell| finite(cell)).collect();
+        Self {
+            header,
+            cells,
+            numbers,
+            values,
+        }
+    }
+}
+
+/// A finite number, or nothing.
+pub(crate) fn finite(text: &str) -> Option<f64> {
+    text.trim()
+        .parse()
+        .ok()
+        .filter(|number: &f64| number.is_finite())
+}
+
+/// A CSV file as text, its header checked for required and repeated columns.
+pub(crate) struct Records {
+    pub(crate) header: Vec<String>,
+    pub(crate) rows: Vec<Vec<String>>,
+    pub(crate) lines: Vec<u64>,
+}
+
+impl Records {
+    pub(crate) fn read(path: &Path, required: &[&str]) -> Result<Self, ReportError> {
+        let text = file::read(path)?;
+        let failed = |source| ReportError::Csv {
+            path: path.to_owned(),
+            source,
+        };
+        let mut reader = csv::Reader::from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+        let header: Vec<String> = reader
+            .headers()
+            .map_err(failed)?
+            .iter()
+            .map(|h| h.trim().to_owned())
+            .collect();
+        if header.iter().all(String::is_empty) {
+            return Err(ReportError::EmptyTable {
+                path: path.to_owned(),
+            });
+        }
+        for (at, column) in header.iter().enumerate() {
+            if header[..at].contains(column) {
+                return Err(ReportError::DuplicateColumn {
+                    path: path.to_owned(),
+                    column: column.clone(),
+                });
+            }
+        }
+        // In this order, too: sweep columns lie between `cell` and `quantity`, statistics after `unit`.
+        let mut next = 0;
+        for name in required {
+            match header[next..].iter().position(|column| column == name) {
+                Some(at) => next += at + 1,
+                None => {
+                    return Err(ReportError::MissingColumn {
+                        path: path.to_owned(),
+                        column: (*name).to_owned(),
+                        found: header,
+                    });
+                }
+            }
+        }
+        let (mut rows, mut lines) = (Vec::new(), Vec::new());
+        for record in reader.records() {
+            let record = record.map_err(failed)?;
+            lines.push(record.position().map_or(0, csv::Position::line));
+            rows.push(record.iter().map(|cell| cell.trim().to_owned()).collect());
+        }
+        Ok(Self {
+            header,
+            rows,
+            lines,
+        })
+    }
+}

@@ -1,0 +1,370 @@
+//! Each claim on tables that show it, tables that show the opposite, and tables that show nothing.
+
+use crate::fixture::{Cells, Numbers, angular_velocity, config};
+use palpate_report::{Score, Study, Verdict, score, write_claims};
+use std::fs;
+
+fn only(study: &Study) -> Score {
+    let scores = score(std::slice::from_ref(study));
+    assert_eq!(scores.len(), 1);
+    scores.into_iter().next().unwrap()
+}
+
+#[track_caller]
+fn judged(score: &Score, verdict: Verdict, parts: &[&str]) {
+    assert_eq!(score.verdict, verdict, "{score:?}");
+    for part in parts {
+        assert!(
+            score.measured.contains(part) || score.why.contains(part),
+            "{part:?} is not in {score:?}"
+        );
+    }
+}
+
+// ---- 1 and 2: noise in the angular velocity
+
+#[test]
+fn claim_1_holds_as_theory_has_it() {
+    let (_dir, study) = angular_velocity("claims = [1]");
+    judged(
+        &only(&study),
+        Verdict::Holds,
+        &["9 of 9 steps", "11.8 to 116 ×", "is 1 × the predicted"],
+    );
+}
+
+#[test]
+fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
+    let axes = "scene.object.radius_cm,scene.noise.angular_velocity.fraction";
+    let table = |error: fn(f64) -> f64| {
+        let mut cells = Cells::new(axes);
+        for radius in [500.0, 50.0, 5.0] {
+            cells.push(
+                &format!("{radius},0.01"),
+                Numbers::new(1.0 / radius, error(radius)),
+            );
+        }
+        cells.study(&config("sphere", "claims = [1]"))
+    };
+    judged(
+        &only(&table(|_| 0.1).1),
+        Verdict::Differs,
+        &["0 of 2 steps"],
+    );
+    // Grows enough, but the rms error is off by a tenth.
+    judged(
+        &only(&table(|r| 0.011 * (1.0 + r) / 12f64.sqrt()).1),
+        Verdict::Differs,
+        &["1.1 × the predicted"],
+    );
+}
+
+#[test]
+fn claim_1_needs_flat_objects_and_a_noise() {
+    let mut cells = Cells::new("scene.object.radius_cm");
+    cells.push("5", Numbers::new(0.2, 0.01));
+    let (_dir, study) = cells.study(&config("sphere", "claims = [1]"));
+    judged(&only(&study), Verdict::NotTestable, &["50"]);
+    let without = config("sphere", "claims = [1]").replace("fraction = 0.01", "std = 0.01");
+    judged(
+        &only(&cells.study(&without).1),
+        Verdict::NotTestable,
+        &["scene.noise.angular_velocity.fraction"],
+    );
+}
+
+#[test]
+fn claim_2_compares_lengths() {
+    let table = |growth: f64, kind: &str| {
+        let mut cells = Cells::new("scene.object.radius_cm,scene.motion.duration_s");
+        for radius in [5.0, 1.0] {
+            for duration in [1.0, 2.0, 5.0] {
+                cells.push(
+                    &format!("{radius},{duration}"),
+                    Numbers::new(1.0 / radius, 0.01 + growth * duration),
+                );
+            }
+        }
+        cells.study(&config(kind, "claims = [2]"))
+    };
+    judged(
+        &only(&table(0.0, "sphere").1),
+        Verdict::Holds,
+        &["0.1 to 0.5", "0 %", "2 combinations"],
+    );
+    judged(
+        &only(&table(0.001, "sphere").1),
+        Verdict::Differs,
+        &["26.7 %"],
+    );
+    judged(
+        &only(&table(0.0, "paraboloid").1),
+        Verdict::NotTestable,
+        &["paraboloid"],
+    );
+    let (_dir, study) = angular_velocity("claims = [2]");
+    judged(&only(&study), Verdict::NotTestable, &["one length"]);
+}
+
+// ---- 3 and 4: the length of the roll
+
+/// Noiseless errors of paraboloids rolled by their exact closed form, in table order.
+fn paraboloids(claims: &str, error: impl Fn(f64, f64) -> f64) -> (tempfile::TempDir, Study) {
+    let mut cells = Cells::new(
+        "scene.object.c_per_cm,scene.motion.arc_length_cm,scene.noise.angular_velocity.fraction",
+    );
+    for c in [5.0, 1.0, 0.5, 0.1, 0.01] {
+        for length in [0.01, 0.03, 0.1, 0.3, 1.0] {
+            for noise in [0.0, 0.01] {
+                let error = error(c, length).max(noise);
+                cells.push(
+                    &format!("{c},{length},{noise}"),
+                    Numbers::new(2.0 * c, error),
+                );
+            }
+        }
+    }
+    cells.study(&config("paraboloid", claims))
+}
+
+/// |relative error| of curvature from the apex over an arc length, with θ = α + s: the estimate is α/s.
+fn exact(c: f64, length: f64) -> f64 {
+    let arc =
+        |r: f64| 0.5 * r * (1.0 + 4.0 * c * c * r * r).sqrt() + (2.0 * c * r).asinh() / (4.0 * c);
+    let (mut low, mut high) = (0.0, length);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if arc(middle) < length {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    1.0 - (2.0 * c * low).atan() / length / (2.0 * c)
+}
+
+#[test]
+fn claims_3_and_4_hold_for_exact_paraboloids() {
+    let (_dir, study) = paraboloids("claims = [3, 4]", exact);
+    let scores = score(&[study]);
+    judged(
+        &scores[0],
+        Verdict::Holds,
+        &["27.1 % and 63 % (c = 5)", "1.93 % and 13.6 % (c = 1)"],
+    );
+    judged(
+        &scores[1],
+        Verdict::Holds,
+        &[
+            "13.6 %",
+            "(c = 5)",
+            "no length up to 1 R₁ (c = 0.01)",
+            "at 1 % noise",
+        ],
+    );
+}
+
+#[test]
+fn claims_3_and_4_differ_for_other_errors() {
+    let (_dir, study) = paraboloids("claims = [3, 4]", |_, length| 0.6 * length);
+    let scores = score(&[study]);
+    judged(&scores[0], Verdict::Differs, &["by 3"]);
+    judged(&scores[1], Verdict::Differs, &["18 %", "0.25 R₁ (c = 1)"]);
+}
+
+#[test]
+fn claims_3_and_4_name_the_cell_they_lack() {
+    let mut cells = Cells::new("scene.object.c_per_cm,scene.motion.arc_length_cm");
+    cells.push("1,0.1", Numbers::new(2.0, 0.02));
+    let noiseless =
+        config("paraboloid", "claims = [3, 4]").replace("fraction = 0.01", "fraction = 0.0");
+    let (_dir, study) = cells.study(&noiseless);
+    let scores = score(&[study]);
+    judged(&scores[0], Verdict::NotTestable, &["c = 1", "0.3 R₁"]);
+    judged(&scores[1], Verdict::NotTestable, &["fewer than two"]);
+}
+
+// ---- 5 to 8 and 20: pads
+
+/// A square grid of pads: exact from a pad's centre, a smooth law for random offsets.
+fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> (tempfile::TempDir, Study) {
+    let mut cells = Cells::new(
+        "scene.sensor.pitch_cm,scene.object.radius_cm,scene.sensor.offset,scene.motion.rate_rad_per_s",
+    );
+    for pitch in [0.001, 0.01, 0.05, 0.1] {
+        for radius in [500.0, 50.0, 5.0, 1.0, 0.5, 0.2] {
+            for rate in [0.1, 0.2, 0.5, 1.0] {
+                let shift = rate / (1.0 + 1.0 / radius);
+                let read = (shift / pitch + 1e-9_f64).round() * pitch;
+                let (estimate, truth) = (rate / read - 1.0, 1.0 / radius);
+                let error = (estimate - truth).abs() / truth;
+                let centred = if read == 0.0 {
+                    Numbers {
+                        trials: 1,
+                        failures: 1,
+                        mean: None,
+                        rms: None,
+                        abs: None,
+                        truth,
+                    }
+                } else {
+                    Numbers {
+                        trials: 1,
+                        mean: Some(estimate),
+                        ..Numbers::new(truth, error)
+                    }
+                };
+                cells.push(&format!("{pitch},{radius},centred,{rate}"), centred);
+                let random = Numbers::new(truth, random(pitch, radius, rate));
+                cells.push(&format!("{pitch},{radius},random,{rate}"), random);
+            }
+        }
+    }
+    cells.study(&config("sphere", claims))
+}
+
+/// Rounding of the shift, amplified.
+fn rounding(pitch: f64, radius: f64, rate: f64) -> f64 {
+    0.2 * pitch / rate * (1.0 + radius).powi(2) / radius
+}
+
+#[test]
+fn pad_claims_hold_for_a_square_grid() {
+    let (_dir, study) = pads("claims = [5, 6, 7, 8, 20]", rounding);
+    let scores = score(&[study]);
+    judged(
+        &scores[0],
+        Verdict::Holds,
+        &[
+            "72 of 72 steps",
+            "48 of 48 steps",
+            "Below R₁ it grows again",
+        ],
+    );
+    judged(
+        &scores[1],
+        Verdict::Holds,
+        &["19 of 24 cells", "3 of 8 at R₂ = 5 R₁"],
+    );
+    judged(
+        &scores[2],
+        Verdict::Holds,
+        &["0.1 to 1 rad", "24 of 24", "0.1 ×"],
+    );
+    judged(
+        &scores[3],
+        Verdict::Holds,
+        &[
+            "centred: 25 % (R₂ = 5 R₁), 0 % (R₂ = 1 R₁), 16.7 % (R₂ = 0.5 R₁), 20 %",
+            "random offsets: 14.4 %",
+        ],
+    );
+    judged(&scores[4], Verdict::Holds, &["R₂ = 0.2 R₁ 3 of 1,616"]);
+}
+
+#[test]
+fn pad_claims_differ_for_the_opposite() {
+    let (_dir, study) = pads("claims = [5, 7, 8]", |pitch, radius, rate| {
+        0.01 * rate / pitch / radius
+    });
+    let scores = score(&[study]);
+    judged(&scores[0], Verdict::Differs, &["0 of 72 steps"]);
+    judged(&scores[1], Verdict::Differs, &["in 0 of 24"]);
+    let (_dir, study) = pads("claims = [8]", |_, _, _| 0.26);
+    judged(&only(&study), Verdict::Differs, &["random offsets: 26 %"]);
+}
+
+#[test]
+fn claim_6_differs_without_zeros_and_claim_20_without_bounds() {
+    let mut cells = Cells::new("scene.object.radius_cm,scene.sensor.pitch_cm");
+    for radius in [50.0, 5.0] {
+        cells.push(&format!("{radius},0.1"), Numbers::new(1.0 / radius, 0.5));
+    }
+    let (_dir, study) = cells.study(&config("sphere", "claims = [6, 20]"));
+    let scores = score(&[study]);
+    judged(&scores[0], Verdict::Differs, &["0 of 2 cells"]);
+    judged(&scores[1], Verdict::Differs, &["0 of 100 trials"]);
+}
+
+#[test]
+fn pad_claims_need_pads() {
+    let (_dir, study) = angular_velocity("claims = [5, 6, 7, 8]");
+    for score in score(&[study]) {
+        judged(&score, Verdict::NotTestable, &["scene.sensor.pitch"]);
+    }
+}
+
+// ---- 21: the wrist
+
+fn wrist(factor: f64) -> (tempfile::TempDir, Study) {
+    let mut cells = Cells::new("scene.sensor,scene.object.radius_cm");
+    for (label, error) in [
+        ("wrist 0.54 mm", 0.54 * factor),
+        ("pads 0.5 mm", 0.5),
+        ("pads 1 mm", 1.0),
+        ("pads 2 mm", 2.0),
+    ] {
+        for radius in [5.0, 1.0] {
+            cells.push(
+                &format!("{label},{radius}"),
+                Numbers::new(1.0 / radius, error * (1.0 + radius)),
+            );
+        }
+    }
+    cells.study(&config("sphere", "claims = [21]"))
+}
+
+#[test]
+fn claim_21_holds_within_its_factor_and_finds_the_pads_it_acts_like() {
+    judged(
+        &only(&wrist(1.2).1),
+        Verdict::Holds,
+        &["1.3 ×", "pads of 0.648 mm at 2 of them"],
+    );
+    judged(
+        &only(&wrist(3.0).1),
+        Verdict::Differs,
+        &["3.24 ×", "pads of 1.62 mm"],
+    );
+    judged(
+        &only(&wrist(9.0).1),
+        Verdict::Differs,
+        &["outside what the pads span everywhere"],
+    );
+}
+
+#[test]
+fn claim_21_needs_its_labels() {
+    let (_dir, study) = angular_velocity("claims = [21]");
+    judged(&only(&study), Verdict::NotTestable, &["scene.sensor"]);
+}
+
+// ---- all of them
+
+#[test]
+fn unknown_claims_and_other_quantities_are_not_testable() {
+    let (_dir, study) = angular_velocity("claims = [14]");
+    judged(&only(&study), Verdict::NotTestable, &["no function"]);
+    let mut cells = Cells::new("scene.object.radius_cm");
+    cells.push("5", Numbers::new(-0.2, 0.1));
+    let (_dir, study) = cells.study(&config("dish", "claims = [1, 2, 3, 4, 5, 6, 7, 8, 20, 21]"));
+    for score in score(&[study]) {
+        assert_eq!(score.verdict, Verdict::NotTestable, "{score:?}");
+        assert!(!score.why.is_empty() && !score.paper_says.is_empty() && score.measured.is_empty());
+    }
+}
+
+#[test]
+fn claims_csv_has_a_row_per_claim() {
+    let (dir, study) = angular_velocity("claims = [2, 1]");
+    let scores = write_claims(&study).unwrap();
+    assert_eq!(
+        scores.iter().map(|score| score.claim).collect::<Vec<_>>(),
+        [1, 2]
+    );
+    let text = fs::read_to_string(dir.path().join("claims.csv")).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], "claim,verdict,paper_says,measured,why");
+    assert!(lines[1].starts_with("1,holds,"), "{text}");
+    assert!(lines[2].starts_with("2,not testable,"), "{text}");
+}

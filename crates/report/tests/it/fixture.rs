@@ -1,0 +1,133 @@
+//! Small studies in temporary folders.
+
+use palpate_report::Study;
+use std::fs;
+use tempfile::TempDir;
+
+pub(crate) const STATISTICS: &str = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,\
+    relative_rms_error,relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
+
+/// A config with a spherical probe of radius 1 and an object of `kind`.
+pub(crate) fn config(kind: &str, rest: &str) -> String {
+    format!(
+        "name = \"study\"\ntitle = \"A question?\"\nsource = \"somewhere\"\nseed = 7\ncrate_version = \"0.1.0\"\n{rest}\n\
+         [scene]\nkind = \"roll\"\nprobe = {{ kind = \"sphere\", radius = 1.0 }}\nobject = {{ kind = \"{kind}\" }}\n\
+         noise = {{ angular_velocity = {{ kind = \"uniform\", fraction = 0.01 }} }}\n\
+         motion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}\n"
+    )
+}
+
+/// A table in the making, with one row of `normal_curvature_u` per cell.
+pub(crate) struct Cells {
+    header: String,
+    rows: Vec<String>,
+    failures: Vec<String>,
+}
+
+/// What a row says beyond its place in the sweep.
+#[derive(Clone, Copy)]
+pub(crate) struct Numbers {
+    pub(crate) truth: f64,
+    pub(crate) trials: u64,
+    pub(crate) failures: u64,
+    pub(crate) mean: Option<f64>,
+    /// Relative rms error.
+    pub(crate) rms: Option<f64>,
+    /// Mean relative |error|.
+    pub(crate) abs: Option<f64>,
+}
+
+impl Numbers {
+    pub(crate) fn new(truth: f64, error: f64) -> Self {
+        let mean = Some(truth * (1.0 + error));
+        Self {
+            truth,
+            trials: 100,
+            failures: 0,
+            mean,
+            rms: Some(error),
+            abs: Some(error),
+        }
+    }
+}
+
+impl Cells {
+    pub(crate) fn new(axes: &str) -> Self {
+        Self {
+            header: format!("cell,{axes},quantity,unit,{STATISTICS}"),
+            rows: Vec::new(),
+            failures: Vec::new(),
+        }
+    }
+
+    pub(crate) fn push(&mut self, place: &str, numbers: Numbers) {
+        let Numbers {
+            truth,
+            trials,
+            failures,
+            mean,
+            rms,
+            abs,
+        } = numbers;
+        let cell = self.rows.len();
+        let text = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+        let times = |value: Option<f64>| text(value.map(|value| value * truth));
+        self.rows.push(format!(
+            "{cell},{place},normal_curvature_u,1/cm,{truth},{trials},{failures},{},,{},{},{},{},{},,,,{},0.95",
+            text(mean),
+            text(mean.map(|mean| mean - truth)),
+            times(rms),
+            times(abs),
+            text(rms),
+            text(abs),
+            times(rms),
+        ));
+        if failures > 0 {
+            self.failures
+                .push(format!("{cell},unresolved,{failures},0"));
+        }
+    }
+
+    pub(crate) fn text(&self) -> String {
+        format!("{}\n{}\n", self.header, self.rows.join("\n"))
+    }
+
+    pub(crate) fn study(&self, config: &str) -> (TempDir, Study) {
+        let failures = format!(
+            "cell,kind,count,first_trial\n{}\n",
+            self.failures.join("\n")
+        );
+        let dir = folder(config, &self.text(), &failures);
+        let study = Study::load(dir.path()).unwrap();
+        (dir, study)
+    }
+}
+
+/// A folder with these three files.
+pub(crate) fn folder(config: &str, cells: &str, failures: &str) -> TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    for (name, text) in [
+        ("run.toml", config),
+        ("cells.csv", cells),
+        ("failures.csv", failures),
+    ] {
+        fs::write(dir.path().join(name), text).unwrap();
+    }
+    dir
+}
+
+/// Three radii and three noises, errors as theory has them, and room for plots in the config.
+pub(crate) fn angular_velocity(rest: &str) -> (TempDir, Study) {
+    let mut cells = Cells::new("scene.object.radius_cm,scene.noise.angular_velocity.fraction");
+    for radius in [500.0, 50.0, 5.0, 0.5] {
+        for noise in [0.001, 0.01, 0.1] {
+            let rms = noise * (1.0 + radius) / 12f64.sqrt();
+            let numbers = Numbers {
+                abs: Some(0.8 * rms),
+                ..Numbers::new(1.0 / radius, rms)
+            };
+            cells.push(&format!("{radius},{noise}"), numbers);
+        }
+    }
+    cells.study(&config("sphere", rest))
+}

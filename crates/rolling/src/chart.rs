@@ -1,0 +1,156 @@
+//! Montana's chart form of the contact equations.
+//!
+//! ```text
+//! u̇₁ = M₁⁻¹ (K₁ + K̃₂)⁻¹ ([−ω_y, ω_x]ᵀ − K̃₂ v)
+//! u̇₂ = M₂⁻¹ R_ψ (K₁ + K̃₂)⁻¹ ([−ω_y, ω_x]ᵀ + K₁ v)
+//! ψ̇  = ω_z + T₁ M₁ u̇₁ + T₂ M₂ u̇₂ ,      K̃₂ = R_ψ K₂ R_ψ
+//! ```
+//!
+//! The probe's chart is laid so that the contact starts at its centre and moves first along its
+//! equator, which has no poles.
+
+use nalgebra::{Matrix2, Matrix3, Rotation2, Rotation3, UnitQuaternion, Vector2, Vector3};
+use palpate_geometry::surfaces::Sphere;
+use palpate_geometry::{ChartGeometry, Parameters, Surface};
+
+use crate::chart_free::contact_velocities;
+use crate::error::RollFault;
+use crate::integrator::System;
+use crate::{Contact, Motion};
+
+/// Components: `u₁, v₁, u₂, v₂`, contact angle ψ, angle φ from the probe's Gauss frame to the
+/// frame in which the motion is steady, arc length.
+pub(crate) const STATE: usize = 7;
+
+/// The frame in which a motion is steady.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HeldAxis {
+    /// Parallel-transported along the path: "a fixed axis in the instantaneous contact frame".
+    #[default]
+    Transported,
+    /// The Gauss frame of the probe's chart, which twists away from the poles of the path. The two
+    /// agree along a line of symmetry.
+    Chart,
+}
+
+pub(crate) struct ChartForm<'a, S> {
+    surface: &'a S,
+    probe: Sphere,
+    motion: &'a Motion,
+    held: HeldAxis,
+    body_from_chart: Rotation3<f64>,
+    weights: [f64; STATE],
+}
+
+impl<'a, S: Surface> ChartForm<'a, S> {
+    /// The system and its state at `from`.
+    pub(crate) fn new(
+        surface: &'a S,
+        probe: Sphere,
+        from: &Contact,
+        motion: &'a Motion,
+        held: HeldAxis,
+        length: f64,
+    ) -> Result<(Self, [f64; STATE]), RollFault> {
+        let path = motion.drive();
+        let path = path.try_normalize(0.0).unwrap_or_else(Vector2::x);
+        // Chart axes in the contact frame: y along the path, z out of the probe.
+        let chart_axes = Matrix3::from_columns(&[
+            Vector3::new(path.y, -path.x, 0.0),
+            Vector3::new(path.x, path.y, 0.0),
+            Vector3::z(),
+        ]);
+        let body_from_chart = from.body_from_contact.to_rotation_matrix()
+            * Rotation3::from_matrix_unchecked(chart_axes);
+
+        let object_at = surface.parameters(&from.on_object);
+        let object = surface.chart_geometry(object_at)?;
+        let x1 = from.x_axis * path.y - from.y_axis() * path.x;
+        let psi = (-x1.dot(&object.frame.y)).atan2(x1.dot(&object.frame.x));
+        let phi = path.x.atan2(path.y);
+
+        let state = [0.0, 0.0, object_at.u, object_at.v, psi, phi, from.arc_length];
+        let scale = 1.0 / length;
+        let on_probe = probe.radius() * scale;
+        let weights = [
+            on_probe,
+            on_probe,
+            object.metric[(0, 0)] * scale,
+            object.metric[(0, 1)].hypot(object.metric[(1, 1)]) * scale,
+            1.0,
+            1.0,
+            scale,
+        ];
+        let system = Self { surface, probe, motion, held, body_from_chart, weights };
+        Ok((system, state))
+    }
+
+    pub(crate) fn contact(&self, state: &[f64; STATE]) -> Result<Contact, RollFault> {
+        let [u1, v1, u2, v2, psi, phi, arc_length] = *state;
+        let probe = self.probe.chart_geometry(Parameters::new(u1, v1))?.frame;
+        let object = self.surface.chart_geometry(Parameters::new(u2, v2))?;
+        let (x2, y2) = (object.frame.x, object.frame.y);
+        let (sin, cos) = psi.sin_cos();
+        let (x1, y1) = (x2 * cos - y2 * sin, -x2 * sin - y2 * cos);
+        let (sin, cos) = phi.sin_cos();
+        let in_chart = Matrix3::from_columns(&[
+            probe.x * cos + probe.y * sin,
+            probe.y * cos - probe.x * sin,
+            probe.normal,
+        ]);
+        let body_from_contact = self.body_from_chart * Rotation3::from_matrix_unchecked(in_chart);
+        Ok(Contact {
+            on_object: object.point,
+            normal: object.frame.normal,
+            x_axis: x1 * cos + y1 * sin,
+            body_from_contact: UnitQuaternion::from_rotation_matrix(&body_from_contact),
+            arc_length,
+        })
+    }
+}
+
+/// `M⁻¹ w` for the upper triangular metric.
+fn parameter_rate(geometry: &ChartGeometry, velocity: &Vector2<f64>) -> Vector2<f64> {
+    let m = &geometry.metric;
+    let v = velocity.y / m[(1, 1)];
+    Vector2::new((velocity.x - m[(0, 1)] * v) / m[(0, 0)], v)
+}
+
+impl<S: Surface> System<STATE> for ChartForm<'_, S> {
+    fn derivative(&self, state: &[f64; STATE], rate: &mut [f64; STATE]) -> Result<(), RollFault> {
+        let [u1, v1, u2, v2, psi, phi, _] = *state;
+        let probe = self.probe.chart_geometry(Parameters::new(u1, v1))?;
+        let object = self.surface.chart_geometry(Parameters::new(u2, v2))?;
+        let seen = object.curvature.seen_from_other_body(psi);
+        let into_gauss = Rotation2::new(phi);
+        let (c, p) = contact_velocities(
+            1.0 / self.probe.radius(),
+            &seen,
+            &(into_gauss * self.motion.drive()),
+            &(into_gauss * self.motion.sliding),
+        )?;
+        let (sin, cos) = psi.sin_cos();
+        let on_object = Matrix2::new(cos, -sin, -sin, -cos) * c;
+        let rate1 = parameter_rate(&probe, &p);
+        let rate2 = parameter_rate(&object, &on_object);
+        let probe_twist = (probe.torsion * p).x;
+        let object_twist = (object.torsion * on_object).x;
+        *rate = [
+            rate1.x,
+            rate1.y,
+            rate2.x,
+            rate2.y,
+            self.motion.angular_velocity.z + probe_twist + object_twist,
+            match self.held {
+                HeldAxis::Transported => -probe_twist,
+                HeldAxis::Chart => 0.0,
+            },
+            p.norm(),
+        ];
+        Ok(())
+    }
+
+    fn error_weights(&self) -> [f64; STATE] {
+        self.weights
+    }
+}

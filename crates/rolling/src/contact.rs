@@ -1,0 +1,122 @@
+//! The state of a rolling contact.
+
+use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector2, Vector3};
+use palpate_geometry::{Surface, SurfaceError};
+
+/// A contact: where it is on both bodies, and the contact frame in which the motion is steady.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The contact on the object, in the object's frame.
+    pub on_object: Point3<f64>,
+    /// The object's unit normal there, out of the object.
+    pub normal: Vector3<f64>,
+    /// `x₁`, the first axis of the probe's contact frame, in the object's frame.
+    pub x_axis: Vector3<f64>,
+    /// The probe's contact frame `(x₁, y₁, z₁)` in the probe's body frame; `z₁` points at the
+    /// contact from the probe's centre.
+    pub body_from_contact: UnitQuaternion<f64>,
+    /// Length of the contact's path on the probe so far.
+    pub arc_length: f64,
+}
+
+/// A displacement of the contact on the probe, from its first contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shift {
+    /// Great-circle displacement (logarithm map) in the probe's first contact frame `(x₁, y₁)`.
+    pub displacement: Vector2<f64>,
+    /// Length of the path on the probe, which is longer than the displacement where it bends.
+    pub arc_length: f64,
+}
+
+impl Contact {
+    /// The first contact on `surface` at `(x, y)`, as in [`Surface::contact_at`].
+    ///
+    /// # Errors
+    /// As [`Surface::contact_at`].
+    pub fn first<S: Surface>(surface: &S, x: f64, y: f64) -> Result<Self, SurfaceError> {
+        let on_object = surface.contact_at(x, y)?;
+        let normal = surface.level_set(&on_object)?.normal;
+        // +x projected onto the tangent plane; on a wall facing x, +y.
+        let along = [Vector3::x(), Vector3::y()]
+            .into_iter()
+            .map(|axis| axis - normal * normal.dot(&axis))
+            .find(|projected| projected.norm() > 1e-6)
+            .ok_or(SurfaceError::OffDomain { x, y })?;
+        let x_axis = along.normalize();
+        Ok(Self {
+            on_object,
+            normal,
+            x_axis,
+            body_from_contact: frame_quaternion(&x_axis, &normal),
+            arc_length: 0.0,
+        })
+    }
+
+    /// `y₁`, the second axis of the probe's contact frame, in the object's frame.
+    pub fn y_axis(&self) -> Vector3<f64> {
+        self.x_axis.cross(&self.normal)
+    }
+
+    /// The contact on a probe of `radius`, in the probe's body frame (centred on the probe).
+    pub fn on_probe(&self, radius: f64) -> Point3<f64> {
+        Point3::from(self.probe_direction() * radius)
+    }
+
+    /// The direction of the contact from the probe's centre, in the probe's body frame.
+    pub fn probe_direction(&self) -> Vector3<f64> {
+        self.body_from_contact * Vector3::z()
+    }
+
+    /// The probe's orientation relative to the object.
+    pub fn object_from_probe(&self) -> Rotation3<f64> {
+        let object_from_contact = frame_quaternion(&self.x_axis, &self.normal);
+        (object_from_contact * self.body_from_contact.inverse()).to_rotation_matrix()
+    }
+
+    /// The displacement on a probe of `radius` from `first` to this contact.
+    ///
+    /// Past half a turn the logarithm map returns the shorter way round, as a sensor would see it.
+    pub fn shift_from(&self, first: &Self, radius: f64) -> Shift {
+        let in_first_frame = first.body_from_contact.inverse() * self.probe_direction();
+        Shift {
+            displacement: logarithm(&in_first_frame) * radius,
+            arc_length: self.arc_length,
+        }
+    }
+}
+
+/// The unit quaternion of the frame with axes `x`, `x × normal`, `−normal`.
+pub(crate) fn frame_quaternion(x: &Vector3<f64>, normal: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let axes = Matrix3::from_columns(&[*x, x.cross(normal), -normal]);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes))
+}
+
+/// Logarithm map on the unit sphere at +z: direction in the (x, y) plane times the angle from +z.
+/// At the opposite pole, where every direction is right, it is along +x.
+fn logarithm(direction: &Vector3<f64>) -> Vector2<f64> {
+    let across = direction.xy();
+    let sine = across.norm();
+    if sine == 0.0 {
+        return if direction.z >= 0.0 {
+            Vector2::zeros()
+        } else {
+            Vector2::x() * std::f64::consts::PI
+        };
+    }
+    across * (sine.atan2(direction.z) / sine)
+}
+
+impl Shift {
+    /// The shift after rolling along a great circle by `path` on a probe of `radius`.
+    pub(crate) fn along_great_circle(path: Vector2<f64>, radius: f64) -> Self {
+        let arc_length = path.norm();
+        let half_turn = std::f64::consts::PI * radius;
+        let displacement = if arc_length <= half_turn {
+            path
+        } else {
+            let angle = (arc_length + half_turn).rem_euclid(2.0 * half_turn) - half_turn;
+            path * (angle / arc_length)
+        };
+        Self { displacement, arc_length }
+    }
+}

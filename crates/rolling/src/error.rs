@@ -1,0 +1,57 @@
+//! How a roll can end early.
+
+use nalgebra::Point3;
+use palpate_geometry::SurfaceError;
+use thiserror::Error;
+
+/// What ended a roll.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum RollFault {
+    /// The relative curvature is singular or indefinite: the object is as hollow as the probe is
+    /// round, or more so, and there is no single point of contact.
+    #[error("the bodies conform: the smallest relative curvature is {relative_curvature}")]
+    Conforming {
+        /// The smaller eigenvalue of `K₁ + K̃₂`, 1/length.
+        relative_curvature: f64,
+    },
+    /// The contact left the object's domain.
+    #[error("the contact left the object: {0}")]
+    Surface(#[from] SurfaceError),
+    /// The integrator gave up.
+    #[error("not done after {steps} steps")]
+    TooManySteps {
+        /// Steps taken.
+        steps: usize,
+    },
+    /// The integrator's step shrank to nothing: the motion is singular here.
+    #[error("the motion is singular")]
+    Singular,
+    /// The numbers went out of range.
+    #[error("the motion is outside the range of numbers")]
+    NotFinite,
+}
+
+/// A roll that ended early: why, when and where.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error("{fault}, {time_s} s into the motion at ({}, {}, {})", on_object.x, on_object.y, on_object.z)]
+pub struct RollError {
+    /// What happened.
+    pub fault: RollFault,
+    /// Time since the motion began.
+    pub time_s: f64,
+    /// The last contact on the object, in its frame.
+    pub on_object: Point3<f64>,
+}
+
+impl RollFault {
+    /// The stable name of this kind of fault.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Conforming { .. } => "conforming",
+            Self::Surface(error) => error.name(),
+            Self::TooManySteps { .. } => "too-many-steps",
+            Self::Singular => "singular",
+            Self::NotFinite => "not-finite",
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! The classical fourth-order Runge–Kutta method with equal steps.
+
+use super::{Integrated, Stopped, System, stage, weighted};
+
+/// RK4 with a fixed number of equal steps; its global error is `O(h⁴)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rk4 {
+    /// How many steps; at least one is taken.
+    pub steps: usize,
+}
+
+impl Rk4 {
+    /// Integrates from `state` over `duration_s`.
+    ///
+    /// # Errors
+    /// [`Stopped`] with the last good state where a step left the domain.
+    pub fn integrate<const N: usize>(
+        &self,
+        system: &impl System<N>,
+        state: [f64; N],
+        duration_s: f64,
+    ) -> Result<Integrated<N>, Box<Stopped<N>>> {
+        let steps = self.steps.max(1);
+        let h = duration_s / steps as f64;
+        let mut y = state;
+        for step in 0..steps {
+            y = one_step(system, &y, h).map_err(|fault| {
+                Box::new(Stopped { fault, time_s: h * step as f64, state: y })
+            })?;
+        }
+        Ok(Integrated { state: y, evaluations: 4 * steps })
+    }
+}
+
+#[inline]
+fn one_step<const N: usize>(
+    system: &impl System<N>,
+    y: &[f64; N],
+    h: f64,
+) -> Result<[f64; N], crate::RollFault> {
+    let [mut k1, mut k2, mut k3, mut k4] = [[0.0; N]; 4];
+    system.derivative(y, &mut k1)?;
+    system.derivative(&stage(system, y, 0.5 * h, [(1.0, &k1)]), &mut k2)?;
+    system.derivative(&stage(system, y, 0.5 * h, [(1.0, &k2)]), &mut k3)?;
+    system.derivative(&stage(system, y, h, [(1.0, &k3)]), &mut k4)?;
+    let terms = [(1.0, &k1), (2.0, &k2), (2.0, &k3), (1.0, &k4)];
+    Ok(std::array::from_fn(|i| y[i] + h / 6.0 * weighted(i, terms)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::RollFault;
+
+    struct Oscillator;
+
+    impl System<2> for Oscillator {
+        fn derivative(&self, y: &[f64; 2], rate: &mut [f64; 2]) -> Result<(), RollFault> {
+            *rate = [y[1], -y[0]];
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn halving_the_step_divides_the_error_by_sixteen() {
+        let error = |steps| {
+            let end = Rk4 { steps }.integrate(&Oscillator, [0.0, 1.0], 2.0).unwrap();
+            (end.state[0] - 2.0_f64.sin()).abs()
+        };
+        let order = (error(40) / error(80)).log2();
+        assert!((order - 4.0).abs() < 0.1, "order {order}");
+    }
+}

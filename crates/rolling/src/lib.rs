@@ -1,0 +1,35 @@
+//! The forward law of a spherical probe that rolls on a surface.
+//!
+//! Montana's contact equations (1988) say how the contact moves over both bodies. Here they stand
+//! on a ladder of rungs, cheapest first, of which a [`Roller`] takes the cheapest that meets a
+//! tolerance, or the one it is told to:
+//!
+//! | rung | valid for | error, relative to the probe's radius |
+//! |---|---|---|
+//! | closed form | planes, spheres, dishes, cylinders; no spin | 1e-14 |
+//! | meridian | surfaces of revolution, through the apex; no spin or sliding | 1e-13 |
+//! | RK4 | all | measured against a finer integration when it is chosen |
+//! | DOP853 | all | its tolerance |
+//!
+//! The integrators work chart-free by default, which has no poles, or in Montana's chart form.
+//!
+//! Frames: the object stands still. The probe's contact frame has `x₁`, `y₁` tangent and `z₁` out
+//! of the probe; it starts with `x₁` along the object's +x (projected onto the tangent plane) and
+//! is parallel-transported along the path. The probe's body axes equal the object's at the first
+//! contact.
+
+mod chart;
+mod chart_free;
+mod closed_form;
+mod contact;
+mod error;
+pub mod integrator;
+mod meridian;
+mod motion;
+mod roller;
+
+pub use chart::HeldAxis;
+pub use contact::{Contact, Shift};
+pub use error::{RollError, RollFault};
+pub use motion::Motion;
+pub use roller::{Chart, Choice, InvalidRoll, Model, Probe, Roller, Rolls};

@@ -1,0 +1,58 @@
+//! What the probe is told to do.
+
+use nalgebra::{Vector2, Vector3};
+
+/// A motion of the probe relative to the object, steady in the probe's contact frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// `(ω_x, ω_y, ω_z)` in the probe's contact frame, rad/s; `ω_z` is spin about the contact
+    /// normal.
+    pub angular_velocity: Vector3<f64>,
+    /// `(v_x, v_y)`: sliding velocity of the probe in its contact frame, length/s.
+    pub sliding: Vector2<f64>,
+    /// How long, s.
+    pub duration_s: f64,
+}
+
+impl Motion {
+    /// Rolling at `rate` so that on an isotropic object the contact moves first at `direction_rad`
+    /// from the object's +x (projected onto the tangent plane) towards `n × x`.
+    ///
+    /// The rotation axis is the object's normal crossed with that direction.
+    pub fn rolling(direction_rad: f64, rate_rad_per_s: f64, duration_s: f64) -> Self {
+        let (sin, cos) = sin_cos_exact(direction_rad);
+        Self {
+            // y₁ = −n × x₁, hence the sign of both.
+            angular_velocity: Vector3::new(-sin, -cos, 0.0) * rate_rad_per_s,
+            sliding: Vector2::zeros(),
+            duration_s,
+        }
+    }
+
+    /// The rotation `(Δθ_x, Δθ_y)` summed over the motion, rad.
+    pub fn rotation(&self) -> Vector2<f64> {
+        self.angular_velocity.xy() * self.duration_s
+    }
+
+    /// `[−ω_y, ω_x]`, which drives the contact.
+    pub(crate) fn drive(&self) -> Vector2<f64> {
+        Vector2::new(-self.angular_velocity.y, self.angular_velocity.x)
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        self.angular_velocity.iter().all(|w| w.is_finite())
+            && self.sliding.iter().all(|v| v.is_finite())
+            && self.duration_s.is_finite()
+    }
+}
+
+/// Sine and cosine, exact at multiples of a quarter turn, so that a roll "along u" is along u.
+fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
+    let quarters = angle_rad / std::f64::consts::FRAC_PI_2;
+    let (sin, cos) = angle_rad.sin_cos();
+    if (quarters - quarters.round()).abs() < 1e-15 * quarters.abs().max(1.0) {
+        (sin.round(), cos.round())
+    } else {
+        (sin, cos)
+    }
+}

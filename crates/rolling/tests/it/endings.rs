@@ -1,0 +1,101 @@
+//! Rolls that end early, and rolls that cannot begin.
+
+use palpate_geometry::SurfaceError;
+use palpate_rolling::{Chart, InvalidRoll, Model, Motion, Probe, RollFault, Roller, Rolls};
+
+use crate::scenes::{DOP853, dish, height_field, paraboloid, plane, roller, saddle, sphere};
+
+fn refused(radius: f64, object: palpate_geometry::Shape, model: Model, motion: Motion) -> InvalidRoll {
+    let rolls = vec![vec![motion]];
+    let probe = Probe::new(radius).unwrap();
+    Roller::new(probe, object, (0.0, 0.0), model, Rolls { rolls: &rolls }).unwrap_err()
+}
+
+#[test]
+fn a_dish_as_tight_as_the_probe_conforms() {
+    for radius in [1.0, 0.5] {
+        let error = refused(1.0, dish(radius), DOP853, Motion::rolling(0.0, 0.1, 1.0));
+        assert!(matches!(error, InvalidRoll::Fault(RollFault::Conforming { .. })), "{error}");
+    }
+    // A little wider, and it rolls.
+    let motion = Motion::rolling(0.0, 0.1, 1.0);
+    let roller = roller(1.0, &dish(1.000_001), (0.0, 0.0), Model::ClosedForm, motion);
+    let travel = roller.roll(&[motion]).unwrap().arc_length;
+    assert!((travel / (0.1 * 1_000_001.0) - 1.0).abs() < 1e-9, "{travel}");
+}
+
+#[test]
+fn conforming_on_the_way_is_located() {
+    // A wave whose trough is tighter than the probe: along x the curvature is A k² cos(kx)…
+    let object = height_field("0.5*cos(2*x)", &[]);
+    let motion = Motion::rolling(0.0, 1.0, 10.0);
+    let roller = roller(1.0, &object, (0.0, 0.0), DOP853, motion);
+    let error = roller.roll(&[motion]).unwrap_err();
+    assert!(matches!(error.fault, RollFault::Conforming { .. }), "{error}");
+    // The place is where κ = −1: −2 cos(2x) … = −(1 + sin²(2x))^{3/2}.
+    let x = error.on_object.x;
+    let curvature = 2.0 * (2.0 * x).cos() / (1.0 + (2.0 * x).sin().powi(2)).powf(1.5);
+    assert!((curvature + 1.0).abs() < 1e-2, "x = {x}, curvature {curvature}");
+    assert!(error.time_s > 0.0 && error.time_s < 10.0);
+}
+
+#[test]
+fn leaving_the_domain_is_located() {
+    let object = height_field("sqrt(1 - x)", &[]);
+    let motion = Motion::rolling(0.0, 1.0, 10.0);
+    for chart in [Chart::Free, Chart::Montana(Default::default())] {
+        let model = Model::Dop853 { tolerance: 1e-9, chart };
+        let roller = roller(1.0, &object, (0.0, 0.0), model, motion);
+        let error = roller.roll(&[motion]).unwrap_err();
+        assert!(matches!(error.fault, RollFault::Surface(SurfaceError::OffDomain { .. })), "{error}");
+        assert!((error.on_object.x - 1.0).abs() < 1e-3, "{error}");
+    }
+}
+
+#[test]
+fn a_start_off_the_object_is_refused() {
+    let rolls = vec![vec![Motion::rolling(0.0, 1.0, 1.0)]];
+    let probe = Probe::new(1.0).unwrap();
+    let error = Roller::new(probe, sphere(5.0), (4.0, 4.0), DOP853, Rolls { rolls: &rolls });
+    assert!(matches!(error, Err(InvalidRoll::FirstContact(_))));
+}
+
+#[test]
+fn forced_rungs_say_why_not() {
+    let rolling = Motion::rolling(0.0, 0.1, 1.0);
+    let text = |object, model, motion| refused(1.0, object, model, motion).to_string();
+    assert_eq!(
+        text(saddle(0.1), Model::ClosedForm, rolling),
+        "the closed form rung cannot do this: a saddle has no closed form"
+    );
+    assert_eq!(
+        text(saddle(0.1), Model::Meridian, rolling),
+        "the meridian rung cannot do this: the first contact is not the apex of a surface of \
+         revolution"
+    );
+    let spinning = Motion { angular_velocity: nalgebra::Vector3::new(0.0, 0.1, 0.1), ..rolling };
+    assert_eq!(
+        text(plane(), Model::ClosedForm, spinning),
+        "the closed form rung cannot do this: the motion spins"
+    );
+    for tolerance in [0.0, -1.0, 1e-16, f64::NAN, f64::INFINITY] {
+        let model = Model::Auto { tolerance, chart: Chart::Free };
+        let error = refused(1.0, paraboloid(1.0), model, rolling);
+        assert!(matches!(error, InvalidRoll::Tolerance { .. }));
+    }
+}
+
+#[test]
+fn motions_that_are_not_numbers_are_errors() {
+    let motion = Motion::rolling(0.0, 0.1, 1.0);
+    for object in [plane(), paraboloid(1.0), saddle(0.1)] {
+        let model = Model::Auto { tolerance: 1e-9, chart: Chart::Free };
+        let roller = roller(1.0, &object, (0.0, 0.0), model, motion);
+        for bad in [f64::NAN, f64::INFINITY] {
+            for motion in [Motion { duration_s: bad, ..motion }, Motion::rolling(0.0, bad, 1.0)] {
+                assert_eq!(roller.roll(&[motion]).unwrap_err().fault, RollFault::NotFinite);
+            }
+        }
+        assert!(roller.roll(&[]).unwrap().arc_length == 0.0);
+    }
+}

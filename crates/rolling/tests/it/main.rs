@@ -1,0 +1,8 @@
+//! Integration tests of the rolling law.
+#![allow(clippy::unwrap_used)]
+
+mod endings;
+mod extremes;
+mod golden;
+mod rungs;
+mod scenes;

@@ -1,0 +1,218 @@
+//! Every rung against every other that can do the same roll, and against closed forms.
+
+use approx::assert_relative_eq;
+use nalgebra::{Vector2, Vector3};
+use palpate_geometry::Shape;
+use palpate_rolling::{Chart, HeldAxis, Model, Motion};
+
+use crate::scenes::{
+    DOP853, cylinder, difference, dish, ellipsoid, height_field, paraboloid, plane, roll, roller,
+    saddle, sphere, torus,
+};
+
+fn homogeneous() -> [(Shape, (f64, f64)); 6] {
+    [
+        (plane(), (0.3, -2.0)),
+        (sphere(5.0), (1.0, -2.0)),
+        (sphere(0.2), (0.0, 0.0)),
+        (dish(3.0), (0.5, 0.2)),
+        (cylinder(0.7, 30.0), (0.2, 0.1)),
+        (cylinder(4.0, 0.0), (1.0, 1.0)),
+    ]
+}
+
+#[test]
+fn closed_form_is_the_integrated_law() {
+    for (object, start) in homogeneous() {
+        for direction in [0.0_f64, 0.4, 2.0, -1.2] {
+            let motion = Motion::rolling(direction, 0.7, 2.0);
+            let closed = roll(1.0, &object, start, Model::ClosedForm, motion);
+            let integrated = roll(1.0, &object, start, DOP853, motion);
+            let off = difference(&closed, &integrated, 1.0);
+            assert!(off < 1e-12, "{} {direction}: {off:e}", object.name());
+        }
+    }
+}
+
+#[test]
+fn closed_form_slides_too() {
+    for (object, start) in homogeneous() {
+        let motion = Motion {
+            sliding: Vector2::new(0.05, -0.03),
+            ..Motion::rolling(0.3, 0.5, 1.5)
+        };
+        let closed = roll(1.0, &object, start, Model::ClosedForm, motion);
+        let integrated = roll(1.0, &object, start, DOP853, motion);
+        assert!(difference(&closed, &integrated, 1.0) < 1e-12, "{}", object.name());
+    }
+}
+
+#[test]
+fn sphere_on_sphere_travels_as_the_formula_says() {
+    // s = θ / (1/R₁ + 1/R₂), through many turns of the probe.
+    for (object, curvature) in
+        [(sphere(5.0), 0.2), (plane(), 0.0), (dish(3.0), -1.0 / 3.0), (sphere(0.01), 100.0)]
+    {
+        for theta in [1e-9, 0.1, 3.0, 40.0] {
+            let motion = Motion::rolling(0.3, 1.0, theta);
+            let travel = theta / (1.0 / 0.5 + curvature);
+            for model in [Model::ClosedForm, DOP853] {
+                let end = roll(0.5, &object, (0.0, 0.0), model, motion);
+                assert_relative_eq!(end.arc_length, travel, max_relative = 1e-11);
+            }
+        }
+    }
+}
+
+#[test]
+fn meridian_is_the_integrated_law() {
+    let objects = [
+        paraboloid(1.0),
+        paraboloid(5.0),
+        paraboloid(0.01),
+        paraboloid(-0.3),
+        paraboloid(0.0),
+        ellipsoid(2.0, 2.0, 1.0),
+        ellipsoid(1.0, 1.0, 3.0),
+    ];
+    for object in objects {
+        for theta in [1e-6, 0.1, 1.0, 4.0] {
+            let motion = Motion::rolling(2.3, 1.0, theta);
+            let meridian = roll(1.0, &object, (0.0, 0.0), Model::Meridian, motion);
+            let integrated = roll(1.0, &object, (0.0, 0.0), DOP853, motion);
+            let off = difference(&meridian, &integrated, 1.0);
+            assert!(off < 1e-11, "{:?} {theta}: {off:e}", object);
+        }
+    }
+}
+
+#[test]
+fn paraboloid_rolls_as_the_formula_says() {
+    // θ = α + s/R₁ with tan α = 2 c r.
+    let (c, radius) = (0.8, 1.3);
+    let end = roll(radius, &paraboloid(c), (0.0, 0.0), DOP853, Motion::rolling(0.0, 1.0, 1.7));
+    let r = end.on_object.x;
+    let slope: f64 = 2.0 * c * r;
+    let arc = 0.5 * r * (1.0 + slope * slope).sqrt() + slope.asinh() / (4.0 * c);
+    assert_relative_eq!(slope.atan() + arc / radius, 1.7, max_relative = 1e-12);
+    assert_relative_eq!(end.arc_length, arc, max_relative = 1e-12);
+}
+
+#[test]
+fn charts_agree_with_the_chart_free_form_under_spin_and_sliding() {
+    let objects = [
+        (saddle(0.1), (0.3, -0.2)),
+        (ellipsoid(5.0, 3.0, 2.0), (1.0, 0.5)),
+        (torus(3.0, 1.5), (3.0, 0.4)),
+        (height_field("0.1*x*x - 0.05*x*y + 0.02*y^3", &[]), (0.2, 0.1)),
+        (cylinder(2.0, 30.0), (0.1, 0.2)),
+    ];
+    let motion = Motion {
+        angular_velocity: Vector3::new(0.3, -0.4, 0.6),
+        sliding: Vector2::new(0.1, -0.05),
+        duration_s: 1.5,
+    };
+    let montana =
+        Model::Dop853 { tolerance: 1e-13, chart: Chart::Montana(HeldAxis::Transported) };
+    for (object, start) in objects {
+        let free = roll(1.0, &object, start, DOP853, motion);
+        let charts = roll(1.0, &object, start, montana, motion);
+        let off = difference(&free, &charts, 1.0);
+        assert!(off < 1e-10, "{}: {off:e}", object.name());
+    }
+}
+
+#[test]
+fn an_axis_held_in_the_chart_agrees_along_a_line_of_symmetry_only() {
+    let held = Model::Dop853 { tolerance: 1e-12, chart: Chart::Montana(HeldAxis::Chart) };
+    let along_symmetry = Motion::rolling(0.0, 1.0, 1.0);
+    let off = difference(
+        &roll(1.0, &saddle(0.1), (0.0, 0.0), held, along_symmetry),
+        &roll(1.0, &saddle(0.1), (0.0, 0.0), DOP853, along_symmetry),
+        1.0,
+    );
+    assert!(off < 1e-10, "{off:e}");
+    let oblique = Motion::rolling(0.6, 1.0, 2.0);
+    let off = difference(
+        &roll(1.0, &saddle(0.1), (0.4, -0.2), held, oblique),
+        &roll(1.0, &saddle(0.1), (0.4, -0.2), DOP853, oblique),
+        1.0,
+    );
+    assert!(off > 1e-3, "{off:e}");
+}
+
+#[test]
+fn rolling_back_returns() {
+    for (object, start) in [(saddle(0.2), (0.3, 0.1)), (torus(3.0, 1.0), (3.2, 0.0))] {
+        let there = Motion::rolling(0.7, 1.0, 1.2);
+        let back = Motion { angular_velocity: -there.angular_velocity, ..there };
+        let roller = roller(1.0, &object, start, DOP853, there);
+        let end = roller.roll(&[there, back]).unwrap();
+        let first = roller.first_contact();
+        assert!((end.on_object - first.on_object).norm() < 1e-11);
+        assert!(end.object_from_probe().angle() < 1e-11);
+    }
+}
+
+#[test]
+fn shift_is_the_displacement_of_the_contact() {
+    let motion = Motion::rolling(0.7, 0.4, 1.0);
+    for (object, model) in [
+        (sphere(5.0), Model::ClosedForm),
+        (paraboloid(0.5), Model::Meridian),
+        (saddle(0.3), DOP853),
+    ] {
+        let roller = roller(1.0, &object, (0.0, 0.0), model, motion);
+        let quick = roller.shift(&[motion]).unwrap();
+        let full = roller.roll(&[motion]).unwrap().shift_from(roller.first_contact(), 1.0);
+        assert!((quick.displacement - full.displacement).norm() < 1e-14);
+        assert!((quick.arc_length - full.arc_length).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn past_half_a_turn_the_shift_is_the_shorter_way_round() {
+    let motion = Motion::rolling(0.0, 1.0, 4.0);
+    for model in [Model::ClosedForm, DOP853] {
+        let roller = roller(1.0, &plane(), (0.0, 0.0), model, motion);
+        let shift = roller.shift(&[motion]).unwrap();
+        assert_relative_eq!(shift.arc_length, 4.0, max_relative = 1e-11);
+        let wrapped = 4.0 - 2.0 * std::f64::consts::PI;
+        assert_relative_eq!(shift.displacement.x, wrapped, max_relative = 1e-10);
+    }
+}
+
+#[test]
+fn duration_for_arc_inverts_the_arc_length() {
+    for (object, start, model) in [
+        (sphere(5.0), (0.0, 0.0), Model::ClosedForm),
+        (paraboloid(5.0), (0.0, 0.0), Model::Meridian),
+        (saddle(0.3), (0.2, 0.1), DOP853),
+    ] {
+        let motion = Motion::rolling(0.5, 0.3, 1.0);
+        let roller = roller(1.0, &object, start, model, motion);
+        for arc in [1e-6, 0.1, 1.0] {
+            let duration_s = roller.duration_for_arc(&motion, arc).unwrap();
+            let end = roller.roll(&[Motion { duration_s, ..motion }]).unwrap();
+            assert_relative_eq!(end.arc_length, arc, max_relative = 1e-12);
+        }
+    }
+}
+
+#[test]
+fn auto_meets_its_tolerance_and_takes_the_cheapest() {
+    let motion = Motion::rolling(0.5, 0.1, 1.0);
+    let rung = |object: &Shape, start, tolerance| {
+        let model = Model::Auto { tolerance, chart: Chart::Free };
+        let roller = roller(1.0, object, start, model, motion);
+        let end = roller.roll(&[motion]).unwrap();
+        let truth = roll(1.0, object, start, DOP853, motion);
+        let off = difference(&end, &truth, 1.0);
+        assert!(off <= tolerance.max(1e-13), "{off:e} > {tolerance:e}");
+        roller.choice().rung.clone()
+    };
+    assert!(rung(&sphere(5.0), (0.0, 0.0), 1e-9).starts_with("closed form"));
+    assert!(rung(&paraboloid(1.0), (0.0, 0.0), 1e-9).starts_with("meridian"));
+    assert!(rung(&paraboloid(1.0), (0.1, 0.0), 1e-12).starts_with("DOP853"));
+    assert!(rung(&saddle(0.1), (0.1, 0.0), 1e-4).starts_with("RK4"));
+}

@@ -1,0 +1,34 @@
+//! Study configs: TOML text in, validated cells out.
+//!
+//! A config passes through four steps, each with its own file:
+//!
+//! 1. `tree`: the text becomes a tree in which every key and value knows its bytes;
+//! 2. `sweep`, `grid`: the `[[sweep]]` axes multiply; a cell is the tree with one combination of values put in;
+//! 3. `validate`: each cell's tree is walked against the JSON Schema of the config ([`schema()`]), the one place where
+//!    keys, types, kinds and limits are known;
+//! 4. the tree becomes a [`StudyConfig`], and the few rules that join several fields are checked.
+//!
+//! Whatever fails becomes a [`ConfigError`] with file, line, column, field and an excerpt.
+
+mod error;
+mod grid;
+mod load;
+mod plot;
+mod roll;
+mod schema;
+mod study;
+mod sweep;
+mod tree;
+mod validate;
+
+pub use error::ConfigError;
+pub use load::{Cell, Study, load, parse};
+pub use plot::{Mark, MarkAxis, PlotConfig, STATISTICS, Scale};
+pub use roll::{
+    AngularVelocityNoise, Chart, EncoderConfig, ObjectConfig, PadLayout, PadOffset, ProbeConfig,
+    RollAxis, RollConfig, RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollNoiseConfig,
+    RollSensorConfig, Side, When,
+};
+pub use schema::schema;
+pub use study::{LengthUnit, Output, SceneConfig, StudyConfig, to_toml};
+pub use sweep::{Spacing, SweepConfig};

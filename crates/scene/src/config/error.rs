@@ -1,0 +1,162 @@
+//! What is wrong with a config, and where.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+/// Bytes of the config's text.
+pub(super) type Span = Range<usize>;
+
+/// A config that cannot be used: what is wrong, in which field, and where it stands.
+///
+/// ```text
+/// study.toml:9:40: scene.object.radius: must be > 0, is -5
+///   |
+/// 9 | object = { kind = "sphere", radius = -5.0 }
+///   |                                      ^^^^
+///   = in cell 3: scene.object.radius = -5
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {}{message}{details}", if path.is_empty() { String::new() } else { format!("{path}: ") })]
+pub struct ConfigError {
+    place: String,
+    path: String,
+    message: String,
+    details: String,
+}
+
+impl ConfigError {
+    /// An error that concerns the file as a whole.
+    pub(super) fn of_file(file: &str, message: impl Into<String>) -> Self {
+        Self {
+            place: file.into(),
+            path: String::new(),
+            message: message.into(),
+            details: String::new(),
+        }
+    }
+
+    /// Adds the cell, and the swept values that make it, to the message.
+    pub(super) fn in_cell(mut self, cell: usize, coordinates: &str) -> Self {
+        let indent = " ".repeat(
+            self.details
+                .lines()
+                .nth(1)
+                .map_or(1, |line| line.find('|').unwrap_or(1)),
+        );
+        let _ = write!(self.details, "\n{indent}= in cell {cell}: {coordinates}");
+        self
+    }
+
+    /// The field, as keys and array indices joined by dots; empty when the file as a whole is wrong.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// What is wrong, without the place and the excerpt.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+}
+
+/// A problem in a part of the tree, before the text is at hand to show it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Fault {
+    pub(super) span: Option<Span>,
+    pub(super) path: String,
+    pub(super) message: String,
+}
+
+impl Fault {
+    pub(super) fn at(span: &Span, message: impl Into<String>) -> Self {
+        Self {
+            span: Some(span.clone()),
+            path: String::new(),
+            message: message.into(),
+        }
+    }
+
+    /// Puts a key or an index in front of the path.
+    pub(super) fn under(mut self, key: impl std::fmt::Display) -> Self {
+        let dot = if self.path.is_empty() { "" } else { "." };
+        self.path = format!("{key}{dot}{}", self.path);
+        self
+    }
+}
+
+/// A config's file name and text.
+#[derive(Debug, Clone)]
+pub(super) struct Source {
+    pub(super) file: String,
+    pub(super) text: String,
+}
+
+/// An excerpt shows at most this many characters of a line.
+const EXCERPT: usize = 120;
+
+impl Source {
+    /// A byte order mark at the start of the text is dropped.
+    pub(super) fn new(file: &str, text: &str) -> Self {
+        Self {
+            file: file.into(),
+            text: text.strip_prefix('\u{feff}').unwrap_or(text).into(),
+        }
+    }
+
+    pub(super) fn error(&self, fault: Fault) -> ConfigError {
+        let (place, details) = match &fault.span {
+            None => (self.file.clone(), String::new()),
+            Some(span) => self.show(span),
+        };
+        ConfigError {
+            place,
+            path: fault.path,
+            message: fault.message,
+            details,
+        }
+    }
+
+    /// `file:line:column`, both from 1 and the column in characters, and the line with a caret under the span.
+    fn show(&self, span: &Span) -> (String, String) {
+        let text = &self.text;
+        let start = text.floor_char_boundary(span.start);
+        let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
+        let line_end = text[start..]
+            .find('\n')
+            .map_or(text.len(), |newline| start + newline);
+        let line_number = text[..start].matches('\n').count() + 1;
+        let column = text[line_start..start].chars().count();
+        let line: Vec<char> = text[line_start..line_end]
+            .trim_end_matches('\r')
+            .chars()
+            .collect();
+        let end = text.floor_char_boundary(span.end).clamp(start, line_end);
+        let width = text[start..end].trim_end().chars().count();
+
+        let first = if line.len() <= EXCERPT {
+            0
+        } else {
+            column.saturating_sub(EXCERPT / 2)
+        };
+        let last = line.len().min(first + EXCERPT);
+        let (head, tail) = (
+            if first > 0 { "…" } else { "" },
+            if last < line.len() { "…" } else { "" },
+        );
+        let shown: String = line[first.min(last)..last].iter().collect();
+        let before = line[first.min(last)..column.clamp(first.min(last), last)].iter();
+        // A tab stays a tab, so that the caret stands under its column.
+        let pad: String = head
+            .chars()
+            .map(|_| ' ')
+            .chain(before.map(|&c| if c == '\t' { c } else { ' ' }))
+            .collect();
+        let carets = "^".repeat(width.min(last.saturating_sub(column)).max(1));
+        let gutter = " ".repeat(line_number.to_string().len());
+        let details =
+            format!("\n{gutter} |\n{line_number} | {head}{shown}{tail}\n{gutter} | {pad}{carets}");
+        (
+            format!("{}:{line_number}:{}", self.file, column + 1),
+            details,
+        )
+    }
+}

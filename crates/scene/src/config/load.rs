@@ -1,0 +1,282 @@
+//! From a file or a text to a validated study.
+
+use super::error::{ConfigError, Fault, Source};
+use super::grid::Grid;
+use super::study::StudyConfig;
+use super::tree::{Node, Value};
+use super::{plot, schema, sweep, tree, validate};
+use serde_json::Value as Json;
+use std::io::ErrorKind;
+use std::ops::Range;
+use std::path::Path;
+
+/// A study: a valid config and all its cells.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// The config of the first cell, defaults filled in, with the sweeps and plots of the study: what `run.toml` holds.
+    /// It makes the same cells again.
+    pub config: StudyConfig,
+    /// The swept fields, in the order of the config.
+    pub paths: Vec<String>,
+    /// The columns of the swept fields: their paths with the unit appended where they have one.
+    pub columns: Vec<String>,
+    /// The cells; the first axis varies slowest.
+    pub cells: Vec<Cell>,
+    source: Source,
+    grid: Grid,
+}
+
+/// One combination of the swept values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// The swept values as results show them, one per column: labels of tables, numbers in their shortest form.
+    pub coordinates: Vec<String>,
+    /// The config with the swept values put in, without sweeps and plots.
+    pub config: StudyConfig,
+}
+
+/// Reads a study from a file.
+///
+/// # Errors
+/// When the file cannot be read, is not UTF-8, or as [`parse`].
+pub fn load(path: &Path) -> Result<Study, ConfigError> {
+    let file = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|error| {
+        let message = match error.kind() {
+            ErrorKind::NotFound => "no such file".to_string(),
+            ErrorKind::IsADirectory => "is a directory, not a config".to_string(),
+            _ => format!("cannot be read: {error}"),
+        };
+        ConfigError::of_file(&file, message)
+    })?;
+    match String::from_utf8(bytes) {
+        Ok(text) => parse(&file, &text),
+        Err(error) => {
+            let valid = error.utf8_error().valid_up_to();
+            let line = error.as_bytes()[..valid]
+                .iter()
+                .filter(|&&byte| byte == b'\n')
+                .count()
+                + 1;
+            let byte = error.as_bytes()[valid];
+            Err(ConfigError::of_file(
+                &file,
+                format!("is not UTF-8: byte 0x{byte:02x} in line {line}"),
+            ))
+        }
+    }
+}
+
+/// Reads a study from a text; `file` is the name that errors give.
+///
+/// # Errors
+/// The first thing that is wrong with the config: syntax, keys, types, limits, sweeps, plots, or fields that contradict
+/// each other, in any of the cells.
+pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
+    let source = Source::new(file, text);
+    let faulty = |fault| source.error(fault);
+    let mut base = tree::parse(&source.text).map_err(faulty)?;
+    if base.entries().is_empty() {
+        return Err(ConfigError::of_file(
+            file,
+            "the config is empty; it needs a `name` and a table `[scene]`",
+        ));
+    }
+    let schema = schema();
+    let mut section = |key: &str| -> Result<Node, ConfigError> {
+        let node = base.take(key).map_or(
+            Node {
+                value: Value::Array(Vec::new()),
+                span: 0..0,
+            },
+            |entry| entry.node,
+        );
+        validate::validate(&schema["properties"][key], &node)
+            .map_err(|fault| source.error(fault.under(key)))?;
+        Ok(node)
+    };
+    let (sweeps, plots) = (section("sweep")?, section("plot")?);
+    base.take("crate_version");
+    let axes = sweep::axes(&sweeps).map_err(faulty)?;
+    let grid = Grid { base, axes };
+
+    let cell = |index| -> Result<Cell, ConfigError> {
+        let config = cell_config(&schema, &grid, index).map_err(|fault| {
+            // The cell is named only when its swept values matter: the config without them is fine, or fails otherwise.
+            let alone = check(&schema, &grid.base);
+            let of_cell = alone.as_ref() != Err(&fault) && !grid.axes.is_empty();
+            let error = source.error(fault);
+            if of_cell {
+                error.in_cell(index, &grid.describe(index))
+            } else {
+                error
+            }
+        })?;
+        Ok(Cell {
+            coordinates: grid.coordinates(index),
+            config,
+        })
+    };
+    let cells = (0..grid.cells()).map(cell).collect::<Result<Vec<_>, _>>()?;
+    plot::check(&plots, &grid).map_err(faulty)?;
+
+    let config = StudyConfig {
+        sweep: deserialise(&sweeps).map_err(faulty)?,
+        plot: deserialise(&plots).map_err(faulty)?,
+        ..cells[0].config.clone()
+    };
+    let paths: Vec<String> = grid.targets().map(|target| target.path.clone()).collect();
+    let columns = paths
+        .iter()
+        .map(|path| schema::column(&schema, path, config.length_unit))
+        .collect();
+    Ok(Study {
+        config,
+        paths,
+        columns,
+        cells,
+        source,
+        grid,
+    })
+}
+
+fn cell_config(schema: &Json, grid: &Grid, cell: usize) -> Result<StudyConfig, Fault> {
+    match grid.tree(cell) {
+        Ok(tree) => check(schema, &tree),
+        // A key that is misspelt in the config itself explains why a sweep path names nothing.
+        Err((tree, fault)) => check(schema, &tree).and(Err(fault)),
+    }
+}
+
+/// Validates a cell's tree, which has no sweeps and plots, and reads it.
+fn check(schema: &Json, tree: &Node) -> Result<StudyConfig, Fault> {
+    validate::validate(schema, tree).map_err(|fault| match &fault.span {
+        // The root table begins nowhere in particular.
+        Some(span) if *span == tree.span => Fault {
+            span: None,
+            ..fault
+        },
+        _ => fault,
+    })?;
+    let config: StudyConfig = deserialise(tree)?;
+    match config.scene.check() {
+        Ok(()) => Ok(config),
+        Err((path, message)) => {
+            let span = tree.nearest(path).span.clone();
+            Err(Fault {
+                span: Some(span),
+                path: path.into(),
+                message: message.into(),
+            })
+        }
+    }
+}
+
+/// Reads a validated tree. What serde refuses after all has a field but no place in the text.
+fn deserialise<T: serde::de::DeserializeOwned>(tree: &Node) -> Result<T, Fault> {
+    serde_path_to_error::deserialize(tree.to_toml()).map_err(|error| Fault {
+        span: None,
+        path: error.path().to_string(),
+        message: error.inner().to_string().trim_end().into(),
+    })
+}
+
+impl Study {
+    /// An error in a field of a cell that shows only when the config is used, e.g. a pitch larger than the probe. It
+    /// points at the field, at the sweep where that has set it, or at the nearest parent that is written down.
+    pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
+        self.error_within(cell, path, None, message.into())
+    }
+
+    /// An error in a part of a field that is a text, given by its bytes, e.g. an unknown name in a formula.
+    pub fn error_in_text(
+        &self,
+        cell: usize,
+        path: &str,
+        part: Range<usize>,
+        message: impl Into<String>,
+    ) -> ConfigError {
+        self.error_within(cell, path, Some(part), message.into())
+    }
+
+    fn error_within(
+        &self,
+        cell: usize,
+        path: &str,
+        part: Option<Range<usize>>,
+        message: String,
+    ) -> ConfigError {
+        let tree = self.grid.tree(cell).unwrap_or_else(|(tree, _)| tree);
+        let node = tree.nearest(path);
+        let span = part
+            .and_then(|part| self.part_of(node, part))
+            .unwrap_or_else(|| node.span.clone());
+        let span = (span != tree.span).then_some(span);
+        let error = self.source.error(Fault {
+            span,
+            path: path.into(),
+            message,
+        });
+        if self.grid.axes.is_empty() {
+            error
+        } else {
+            error.in_cell(cell, &self.grid.describe(cell))
+        }
+    }
+
+    /// Where a part of a text stands, if the text is written without escapes.
+    fn part_of(&self, node: &Node, part: Range<usize>) -> Option<Range<usize>> {
+        let written = self.source.text.get(node.span.clone())?;
+        let start = node.span.start + written.find(node.as_text()?)?;
+        Some(start + part.start..start + part.end)
+    }
+
+    /// Replaces the seed of all cells.
+    ///
+    /// # Errors
+    /// When the config sweeps the seed, or it is larger than a TOML integer can be.
+    pub fn override_seed(&mut self, seed: u64) -> Result<(), ConfigError> {
+        self.check_override("seed", seed, 0)?;
+        self.config.seed = seed;
+        self.cells
+            .iter_mut()
+            .for_each(|cell| cell.config.seed = seed);
+        Ok(())
+    }
+
+    /// Replaces the number of trials of all cells.
+    ///
+    /// # Errors
+    /// When the config sweeps the number, or it is 0 or larger than a TOML integer can be.
+    pub fn override_trials(&mut self, trials: u64) -> Result<(), ConfigError> {
+        self.check_override("trials", trials, 1)?;
+        self.config.trials = trials;
+        self.cells
+            .iter_mut()
+            .for_each(|cell| cell.config.trials = trials);
+        Ok(())
+    }
+
+    fn check_override(&self, key: &str, value: u64, least: u64) -> Result<(), ConfigError> {
+        let fault = |span, message| {
+            Err(self.source.error(Fault {
+                span,
+                path: key.into(),
+                message,
+            }))
+        };
+        if let Some(target) = self.grid.targets().find(|target| target.path == key) {
+            return fault(
+                Some(target.span.clone()),
+                format!("is swept, and so cannot be set to {value}"),
+            );
+        }
+        if !(least..=i64::MAX as u64).contains(&value) {
+            return fault(
+                None,
+                format!("must be between {least} and {}, is {value}", i64::MAX),
+            );
+        }
+        Ok(())
+    }
+}

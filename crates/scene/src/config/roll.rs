@@ -1,0 +1,404 @@
+//! The config of a roll: a probe rolls on an object, and the curvature at the first contact is estimated.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A probe rolls on an object without sliding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RollConfig {
+    /// The fingertip.
+    pub probe: ProbeConfig,
+    /// The surface that is explored.
+    pub object: ObjectConfig,
+    /// Where the first contact lies: x and y of the object's frame. By default the origin or the top.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "length"))]
+    pub object_contact: Option<[f64; 2]>,
+    /// The commanded rotation.
+    pub motion: RollMotionConfig,
+    /// How the true roll is computed.
+    #[serde(default)]
+    pub model: RollModelConfig,
+    /// What the contact's place on the probe is read with.
+    #[serde(default)]
+    pub sensor: RollSensorConfig,
+    /// Errors of the rotation.
+    #[serde(default)]
+    pub noise: RollNoiseConfig,
+    /// How curvature follows from the readings.
+    #[serde(default)]
+    pub estimator: RollEstimatorConfig,
+}
+
+impl RollConfig {
+    pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
+        let motion = &self.motion;
+        match (motion.duration_s, motion.arc_length) {
+            (None, None) => return Err(("scene.motion", "needs `duration_s` or `arc_length`")),
+            (Some(_), Some(_)) => {
+                return Err((
+                    "scene.motion.arc_length",
+                    "cannot stand beside `duration_s`; keep one of them",
+                ));
+            }
+            _ => {}
+        }
+        let chart = match self.model {
+            RollModelConfig::Auto { chart, .. }
+            | RollModelConfig::Rk4 { chart, .. }
+            | RollModelConfig::Dop853 { chart, .. } => chart,
+            RollModelConfig::ClosedForm {} | RollModelConfig::Meridian {} => Chart::Free,
+        };
+        if motion.axis == RollAxis::Chart && chart != Chart::Montana {
+            return Err((
+                "scene.motion.axis",
+                "\"chart\" needs a model in the probe's chart: `scene.model` with chart = \"montana\"",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// The shape of the fingertip.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum ProbeConfig {
+    /// A ball.
+    Sphere {
+        /// Its radius.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        radius: f64,
+    },
+}
+
+/// The shape of the explored surface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum ObjectConfig {
+    /// The outside of a sphere, touched on its upper half.
+    Sphere {
+        /// Its radius.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        radius: f64,
+    },
+    /// The inside of a sphere, touched on its lower half.
+    Dish {
+        /// Its radius.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        radius: f64,
+    },
+    /// A plane.
+    Plane {},
+    /// The outside of a circular cylinder.
+    Cylinder {
+        /// Its radius.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        radius: f64,
+        /// Angle of its axis from x.
+        #[serde(default)]
+        direction_deg: f64,
+    },
+    /// An ellipsoid, touched on its upper half.
+    Ellipsoid {
+        /// Semi-axes along x, y and z.
+        #[schemars(extend("items" = { "type": "number", "exclusiveMinimum": 0 }, "x-unit" = "length"))]
+        semi_axes: [f64; 3],
+    },
+    /// A ring torus around z.
+    Torus {
+        /// Distance of the tube's centre from z.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        major_radius: f64,
+        /// Radius of the tube, less than the major radius.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        minor_radius: f64,
+    },
+    /// The paraboloid of revolution z = −c (x² + y²).
+    Paraboloid {
+        /// Half the curvature at the apex; positive is convex, negative is a bowl.
+        #[schemars(extend("x-unit" = "1/length"))]
+        c: f64,
+    },
+    /// The saddle z = a (x² − y²).
+    Saddle {
+        /// Half the curvature at the origin.
+        #[schemars(extend("x-unit" = "1/length"))]
+        a: f64,
+    },
+    /// The graph z = f(x, y) of a formula.
+    HeightField {
+        /// f, a formula in x, y and the parameters, e.g. `A*sin(k*x)*cos(k*y)`.
+        formula: String,
+        /// Values of the formula's parameters.
+        #[serde(default)]
+        parameters: BTreeMap<String, f64>,
+    },
+}
+
+/// The commanded rotation: one probe per direction, each from the same first contact.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RollMotionConfig {
+    /// Rate of rotation.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rate_rad_per_s: f64,
+    /// How long each probe rolls. Either this or `arc_length` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub duration_s: Option<f64>,
+    /// How far the contact moves on the object in each probe. Either this or `duration_s` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub arc_length: Option<f64>,
+    /// Rate of rotation about the contact normal.
+    #[serde(default)]
+    pub spin_rad_per_s: f64,
+    /// Directions of the probes: angles from +x in the tangent plane of the first contact.
+    #[serde(default = "four_directions_twice")]
+    #[schemars(extend("minItems" = 1))]
+    pub directions_deg: Vec<f64>,
+    /// What the axis of rotation keeps to while the contact moves.
+    #[serde(default)]
+    pub axis: RollAxis,
+}
+
+fn four_directions_twice() -> Vec<f64> {
+    vec![0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0]
+}
+
+/// What the axis of rotation keeps to while the contact moves.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum RollAxis {
+    /// Parallel-transported along the path of the contact.
+    #[default]
+    Transported,
+    /// Fixed in the frame of the probe's chart; needs a model with chart = "montana".
+    Chart,
+}
+
+/// How the true roll is computed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum RollModelConfig {
+    /// The cheapest model that meets the tolerance.
+    Auto {
+        /// Largest error of the contact's place, relative to the probe's size.
+        #[serde(default = "tolerance")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tolerance: f64,
+        /// Coordinates of the integration, where one is needed.
+        #[serde(default)]
+        chart: Chart,
+    },
+    /// The closed form, where the shapes have one.
+    ClosedForm {},
+    /// The quadrature along the meridian of a surface of revolution, rolled through its apex.
+    Meridian {},
+    /// The classical Runge–Kutta method of order 4 with equal steps.
+    Rk4 {
+        /// Steps per probe.
+        #[schemars(extend("minimum" = 1))]
+        steps: u32,
+        /// Coordinates of the integration.
+        #[serde(default)]
+        chart: Chart,
+    },
+    /// The Runge–Kutta method of Dormand and Prince of order 8 with step control.
+    Dop853 {
+        /// Tolerance of the step control.
+        #[serde(default = "tolerance")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tolerance: f64,
+        /// Coordinates of the integration.
+        #[serde(default)]
+        chart: Chart,
+    },
+}
+
+fn tolerance() -> f64 {
+    1e-9
+}
+
+impl Default for RollModelConfig {
+    fn default() -> Self {
+        Self::Auto {
+            tolerance: tolerance(),
+            chart: Chart::default(),
+        }
+    }
+}
+
+/// Coordinates in which contact kinematics are integrated.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Chart {
+    /// Points and frames in space, without singular places.
+    #[default]
+    Free,
+    /// Montana's form in the charts of the two surfaces.
+    Montana,
+}
+
+/// What the contact's place on the probe is read with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum RollSensorConfig {
+    /// Without error.
+    Ideal {},
+    /// A force sensor in the wrist, with an isotropic Gaussian error along the probe's surface.
+    Wrist {
+        /// Standard deviation in each of the two directions.
+        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+        std: f64,
+    },
+    /// An array of pads, of which the nearest reports its centre.
+    Pads {
+        /// Distance between neighbouring pads.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        pitch: f64,
+        /// How the pads are laid out.
+        #[serde(default)]
+        layout: PadLayout,
+        /// Where the first contact lies on the array.
+        #[serde(default)]
+        offset: PadOffset,
+        /// Polar angle of the last pad, from the middle of the array.
+        #[serde(default = "right_angle")]
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
+        cap_deg: f64,
+    },
+}
+
+fn right_angle() -> f64 {
+    90.0
+}
+
+impl Default for RollSensorConfig {
+    fn default() -> Self {
+        Self::Ideal {}
+    }
+}
+
+/// How pads are laid out on the probe.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PadLayout {
+    /// A square grid in the arc lengths of the surface.
+    #[default]
+    Square,
+    /// A nearly uniform lattice over the cap.
+    Uniform,
+}
+
+/// Where the first contact lies on the array of pads.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PadOffset {
+    /// At the centre of a pad.
+    #[default]
+    Centred,
+    /// Anywhere within a pad, drawn per trial.
+    Random,
+}
+
+/// Errors of the rotation; what is absent has none.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RollNoiseConfig {
+    /// Error of the angular velocity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angular_velocity: Option<AngularVelocityNoise>,
+    /// Quantisation of the measured rotation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub encoder: Option<EncoderConfig>,
+}
+
+/// Error of the angular velocity, each component drawn alone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum AngularVelocityNoise {
+    /// Uniform between −bound and +bound.
+    Uniform {
+        /// The bound as a fraction of the angular speed.
+        #[schemars(extend("minimum" = 0))]
+        fraction: f64,
+        /// How often the error is drawn.
+        #[serde(default)]
+        when: When,
+        /// What the error belongs to.
+        #[serde(default)]
+        side: Side,
+        /// Draws per probe; only used per instant.
+        #[serde(default = "hundred")]
+        #[schemars(extend("minimum" = 1))]
+        instants: u32,
+    },
+    /// Gaussian with mean 0.
+    Gaussian {
+        /// The standard deviation as a fraction of the angular speed.
+        #[schemars(extend("minimum" = 0))]
+        fraction: f64,
+        /// How often the error is drawn.
+        #[serde(default)]
+        when: When,
+        /// What the error belongs to.
+        #[serde(default)]
+        side: Side,
+        /// Draws per probe; only used per instant.
+        #[serde(default = "hundred")]
+        #[schemars(extend("minimum" = 1))]
+        instants: u32,
+    },
+}
+
+fn hundred() -> u32 {
+    100
+}
+
+/// How often an error is drawn.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum When {
+    /// Once per probe.
+    #[default]
+    PerProbe,
+    /// Anew at each of equally spaced instants.
+    PerInstant,
+}
+
+/// What an error of the rotation belongs to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Side {
+    /// The true motion errs; the estimator sees the command.
+    #[default]
+    Motion,
+    /// The motion is as commanded; the estimator sees a noisy measurement.
+    Measurement,
+}
+
+/// An encoder that rounds rotations.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EncoderConfig {
+    /// Its step.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub step_rad: f64,
+}
+
+/// How curvature follows from the readings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum RollEstimatorConfig {
+    /// Least squares over all probes.
+    LeastSquares {},
+}
+
+impl Default for RollEstimatorConfig {
+    fn default() -> Self {
+        Self::LeastSquares {}
+    }
+}

@@ -1,0 +1,122 @@
+//! The JSON Schema of a config: what editors complete from, what configs are validated against, and where units stand.
+
+use super::study::{LengthUnit, StudyConfig};
+use super::validate::kind_of;
+use schemars::generate::SchemaSettings;
+use serde_json::{Value as Json, json};
+
+/// The pattern of a name that is fit for a file.
+pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
+
+/// The JSON Schema (draft 7) of a study's config, without references.
+///
+/// `x-unit` states the unit of a number that has one: `length` or `1/length`, in the config's `length_unit`. Numbers
+/// whose key ends in `_rad`, `_deg`, `_s` or `_rad_per_s` carry their unit there.
+pub fn schema() -> Json {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    let mut schema = settings
+        .into_generator()
+        .into_root_schema_for::<StudyConfig>()
+        .to_value();
+    tidy(&mut schema);
+    schema["title"] = json!("palpate study");
+    schema
+}
+
+/// Leaves out what TOML cannot write (null) and writes the range of 32 bits as a limit.
+fn tidy(schema: &mut Json) {
+    match schema {
+        Json::Object(object) => {
+            if object.get("default").is_some_and(Json::is_null) {
+                object.remove("default");
+            }
+            if let Some(Json::Array(types)) = object.get_mut("type") {
+                types.retain(|name| name != "null");
+                if let [single] = &types[..] {
+                    let single = single.clone();
+                    object.insert("type".into(), single);
+                }
+            }
+            for key in ["enum", "oneOf", "anyOf"] {
+                if let Some(Json::Array(variants)) = object.get_mut(key) {
+                    variants.retain(|variant| !variant.is_null() && variant["type"] != "null");
+                }
+            }
+            if let Some(Json::Array(variants)) = object.get("anyOf")
+                && let [Json::Object(only)] = &variants[..]
+            {
+                let only = only.clone();
+                object.remove("anyOf");
+                for (key, value) in only {
+                    object.entry(key).or_insert(value);
+                }
+            }
+            if object.get("format") == Some(&json!("uint32")) {
+                object.entry("maximum").or_insert(json!(u32::MAX));
+            }
+            object.values_mut().for_each(tidy);
+        }
+        Json::Array(items) => items.iter_mut().for_each(tidy),
+        _ => {}
+    }
+}
+
+/// The header of a swept field's column: its path with its unit, e.g. `scene.object.c_per_cm`.
+pub(super) fn column(schema: &Json, path: &str, unit: LengthUnit) -> String {
+    let keys: Vec<&str> = path.split('.').collect();
+    let unit = match unit_of(schema, &keys) {
+        Some("length") => format!("_{}", unit.as_str()),
+        Some("1/length") => format!("_per_{}", unit.as_str()),
+        _ => String::new(),
+    };
+    format!("{path}{unit}")
+}
+
+/// The unit of a field. Kinds that share a key share its unit, and the items of an array have the array's.
+fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
+    let Some((key, rest)) = keys.split_first() else {
+        return schema["x-unit"].as_str();
+    };
+    if schema["type"] == "array" {
+        return schema["x-unit"].as_str();
+    }
+    let variants = schema["oneOf"]
+        .as_array()
+        .map_or(std::slice::from_ref(schema), Vec::as_slice);
+    variants
+        .iter()
+        .find_map(|variant| unit_of(variant["properties"].get(key)?, rest))
+}
+
+/// Leaves out those keys of the tagged table at a path that equal their default.
+pub(super) fn drop_defaults(schema: &Json, table: &mut toml::Table, path: &str) {
+    let (mut schema, mut table) = (schema, table);
+    for key in path.split('.') {
+        let variants = schema["oneOf"]
+            .as_array()
+            .map_or(std::slice::from_ref(schema), Vec::as_slice);
+        let kind = table.get("kind").and_then(toml::Value::as_str);
+        let Some(variant) = variants.iter().find(|variant| kind_of(variant) == kind) else {
+            return;
+        };
+        let Some(toml::Value::Table(inner)) = table.get_mut(key) else {
+            return;
+        };
+        (schema, table) = (&variant["properties"][key], inner);
+    }
+    let kind = table
+        .get("kind")
+        .and_then(toml::Value::as_str)
+        .map(String::from);
+    let variants = schema["oneOf"].as_array().into_iter().flatten();
+    let Some(variant) = variants
+        .into_iter()
+        .find(|variant| kind_of(variant) == kind.as_deref())
+    else {
+        return;
+    };
+    table.retain(|key, value| {
+        let default = variant["properties"][key].get("default");
+        default.is_none() || serde_json::to_value(&*value).ok().as_ref() != default
+    });
+}

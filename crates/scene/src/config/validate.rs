@@ -1,0 +1,202 @@
+//! The walk of a tree against a JSON Schema: the config's strictness, and all its messages on keys, types and limits.
+
+use super::error::Fault;
+use super::tree::{Node, Value, nearest, number_text, suggest};
+use serde_json::Value as Json;
+
+/// Checks a tree against a schema as [`super::schema()`] makes them: tagged tables (`oneOf` told apart by `kind`),
+/// objects, arrays, numbers, strings and choices; no references. The first fault in the order of the text is reported.
+pub(super) fn validate(schema: &Json, node: &Node) -> Result<(), Fault> {
+    if let Some(variants) = schema["oneOf"].as_array() {
+        return match variants.iter().all(|variant| kind_of(variant).is_some()) {
+            true => tagged(variants, node),
+            false => choice(variants, node),
+        };
+    }
+    match schema["type"].as_str() {
+        Some("object") => object(schema, node),
+        Some("array") => array(schema, node),
+        Some("number") => number(schema, node),
+        Some("integer") => match node.value {
+            Value::Integer(_) => number(schema, node),
+            _ => Err(wrong_type("an integer", node)),
+        },
+        Some("boolean") => match node.value {
+            Value::Boolean(_) => Ok(()),
+            _ => Err(wrong_type("true or false", node)),
+        },
+        Some("string") => string(schema, node),
+        _ => Ok(()),
+    }
+}
+
+/// The value of `kind` that a variant of a tagged table asks for.
+pub(super) fn kind_of(variant: &Json) -> Option<&str> {
+    variant["properties"]["kind"]["const"].as_str()
+}
+
+fn wrong_type(expected: &str, node: &Node) -> Fault {
+    Fault::at(
+        &node.span,
+        format!("expected {expected}, found {}", node.describe()),
+    )
+}
+
+fn tagged(variants: &[Json], node: &Node) -> Result<(), Fault> {
+    let Value::Table(_) = node.value else {
+        return Err(wrong_type("a table with `kind`", node));
+    };
+    let kinds: Vec<&str> = variants.iter().filter_map(kind_of).collect();
+    let Some(kind) = node.get("kind") else {
+        let message = format!("missing key, one of {}", kinds.join(", "));
+        return Err(Fault::at(&node.span, message).under("kind"));
+    };
+    let Some(name) = kind.as_text() else {
+        return Err(wrong_type("a string", kind).under("kind"));
+    };
+    match variants
+        .iter()
+        .find(|variant| kind_of(variant) == Some(name))
+    {
+        Some(variant) => object(variant, node),
+        None => Err(not_among("unknown kind", name, &kinds, kind).under("kind")),
+    }
+}
+
+fn choice(variants: &[Json], node: &Node) -> Result<(), Fault> {
+    let Some(text) = node.as_text() else {
+        return Err(wrong_type("a string", node));
+    };
+    let known: Vec<&str> = variants
+        .iter()
+        .filter_map(|variant| variant["const"].as_str())
+        .collect();
+    if known.contains(&text) {
+        Ok(())
+    } else {
+        Err(not_among("unknown choice", text, &known, node))
+    }
+}
+
+fn not_among(what: &str, word: &str, known: &[&str], node: &Node) -> Fault {
+    let did_you_mean = match nearest(word, known.iter().copied()) {
+        Some(nearest) => format!("; did you mean `{nearest}`?"),
+        None => String::new(),
+    };
+    let message = format!(
+        "{what} {word:?}{did_you_mean} (known: {})",
+        known.join(", ")
+    );
+    Fault::at(&node.span, message)
+}
+
+fn object(schema: &Json, node: &Node) -> Result<(), Fault> {
+    let Value::Table(entries) = &node.value else {
+        return Err(wrong_type("a table", node));
+    };
+    let properties = schema["properties"].as_object();
+    for entry in entries {
+        match properties.and_then(|properties| properties.get(&entry.key)) {
+            Some(property) => validate(property, &entry.node),
+            None if schema["additionalProperties"] == false => {
+                let known = properties
+                    .into_iter()
+                    .flat_map(|properties| properties.keys().map(String::as_str));
+                let of_kind =
+                    kind_of(schema).map_or(String::new(), |kind| format!(" for kind `{kind}`"));
+                let message = format!("unknown key{of_kind}; {}", suggest(&entry.key, known));
+                Err(Fault::at(&entry.key_span, message))
+            }
+            None => validate(&schema["additionalProperties"], &entry.node),
+        }
+        .map_err(|fault| fault.under(&entry.key))?;
+    }
+    let required = schema["required"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(Json::as_str);
+    match required.into_iter().find(|key| node.get(key).is_none()) {
+        Some(key) => {
+            let property = &schema["properties"][key];
+            let is_table = property["type"] == "object" || property["oneOf"][0]["type"] == "object";
+            let what = if is_table { "table" } else { "key" };
+            let message = format!("missing {what}");
+            Err(Fault::at(&node.span, message).under(key))
+        }
+        None => Ok(()),
+    }
+}
+
+fn array(schema: &Json, node: &Node) -> Result<(), Fault> {
+    let Value::Array(items) = &node.value else {
+        let expected = match schema["items"]["type"] == "object" {
+            true => "an array of tables, in [[double]] brackets",
+            false => "an array",
+        };
+        return Err(wrong_type(expected, node));
+    };
+    let length = items.len() as u64;
+    let min = schema["minItems"].as_u64().unwrap_or(0);
+    let max = schema["maxItems"].as_u64().unwrap_or(u64::MAX);
+    if !(min..=max).contains(&length) {
+        let at_least = if min == max { "" } else { "at least " };
+        let plural = if min == 1 { "" } else { "s" };
+        let message = format!("expected {at_least}{min} item{plural}, found {length}");
+        return Err(Fault::at(&node.span, message));
+    }
+    for (index, item) in items.iter().enumerate() {
+        validate(&schema["items"], item).map_err(|fault| fault.under(index))?;
+    }
+    Ok(())
+}
+
+fn number(schema: &Json, node: &Node) -> Result<(), Fault> {
+    let Some(number) = node.as_number() else {
+        return Err(wrong_type("a number", node));
+    };
+    let limit = |key: &str| schema[key].as_f64();
+    let violated = if !number.is_finite() {
+        Some("finite".to_string())
+    } else if let Some(limit) = limit("exclusiveMinimum").filter(|&limit| number <= limit) {
+        Some(format!("> {}", number_text(limit)))
+    } else if let Some(limit) = limit("minimum").filter(|&limit| number < limit) {
+        Some(format!(">= {}", number_text(limit)))
+    } else {
+        limit("maximum")
+            .filter(|&limit| number > limit)
+            .map(|limit| format!("<= {}", number_text(limit)))
+    };
+    match violated {
+        Some(rule) => Err(Fault::at(
+            &node.span,
+            format!("must be {rule}, is {}", node.text()),
+        )),
+        None => Ok(()),
+    }
+}
+
+fn string(schema: &Json, node: &Node) -> Result<(), Fault> {
+    let Some(text) = node.as_text() else {
+        return Err(wrong_type("a string", node));
+    };
+    // The only pattern in the schema is that of a name.
+    if schema.get("pattern").is_some() && !is_kebab_case(text) {
+        let message = format!(
+            "{text:?} is not a name: lower-case letters and digits, joined by single hyphens, at most 100"
+        );
+        return Err(Fault::at(&node.span, message));
+    }
+    Ok(())
+}
+
+/// Whether a text matches [`super::schema::NAME`] and is fit for a file's name.
+fn is_kebab_case(text: &str) -> bool {
+    text.len() <= 100
+        && text.split('-').all(|part| {
+            !part.is_empty()
+                && part
+                    .bytes()
+                    .all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit())
+        })
+}

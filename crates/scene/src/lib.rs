@@ -1,0 +1,103 @@
+//! Scene configs, the models they need, and one trial from truth to estimate.
+//!
+//! This is the only place where the truth of a trial and its estimate meet. [`config`] turns a TOML
+//! text into a validated [`config::Study`]; [`config::Study::scene`] builds the [`Scene`] of one of
+//! its cells, whose [`Scene::trial`] simulates a contact, reads it with a sensor and estimates from
+//! the reading. [`recorded`] estimates from readings that somebody measured.
+
+pub mod config;
+mod quantity;
+pub mod recorded;
+pub mod roll;
+mod table;
+
+pub use quantity::{Quantity, Unit};
+pub use roll::RollScene;
+pub use table::Table;
+
+use config::{ConfigError, SceneConfig, Study};
+
+/// A scene that is ready to run.
+#[derive(Clone, Debug)]
+pub enum Scene {
+    /// A probe rolls on an object.
+    Roll(RollScene),
+}
+
+/// One trial's estimate of a quantity, and its truth, in the quantity's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// The estimate.
+    pub estimate: f64,
+    /// The truth.
+    pub truth: f64,
+    /// The standard deviation that the estimator states; `None` if it states none.
+    pub std: Option<f64>,
+}
+
+impl Scene {
+    /// What the scene estimates, in the order of the indices that [`Scene::trial`] reports.
+    pub fn quantities(&self) -> &'static [Quantity] {
+        match self {
+            Self::Roll(_) => &roll::QUANTITIES,
+        }
+    }
+
+    /// How many trials make sense: `wanted`, or one if nothing in the scene is random.
+    pub fn trials(&self, wanted: u64) -> u64 {
+        match self {
+            Self::Roll(roll) if !roll.is_random() => 1,
+            Self::Roll(_) => wanted,
+        }
+    }
+
+    /// Runs trial number `trial` and reports each quantity's index and outcome.
+    ///
+    /// # Errors
+    /// The stable name of what went wrong; nothing of a failed trial counts.
+    #[inline]
+    pub fn trial(
+        &self,
+        trial: u64,
+        observe: impl FnMut(usize, Outcome),
+    ) -> Result<(), &'static str> {
+        match self {
+            Self::Roll(roll) => roll.trial(trial, observe),
+        }
+    }
+
+    /// The true value of the quantity with this index, where it is the same in every trial.
+    pub fn truth(&self, quantity: usize) -> Option<f64> {
+        match self {
+            Self::Roll(roll) => roll.truths().get(quantity).copied(),
+        }
+    }
+
+    /// The models that the scene needs and why, one line each.
+    pub fn needs(&self) -> Vec<String> {
+        match self {
+            Self::Roll(roll) => roll.needs(),
+        }
+    }
+}
+
+impl Study {
+    /// The scene of a cell.
+    ///
+    /// # Errors
+    /// A [`ConfigError`] at the field that makes no scene: a pitch larger than the probe, a formula
+    /// with a syntax error, a first contact off the object.
+    ///
+    /// # Panics
+    /// If `cell` is not the index of a cell.
+    pub fn scene(&self, cell: usize) -> Result<Scene, ConfigError> {
+        let config = &self.cells[cell].config;
+        match &config.scene {
+            SceneConfig::Roll(roll) => RollScene::new(roll, config.seed).map(Scene::Roll),
+        }
+        .map_err(|error| match error.part {
+            Some(part) => self.error_in_text(cell, &error.path, part, error.message),
+            None => self.error_at(cell, &error.path, error.message),
+        })
+    }
+}

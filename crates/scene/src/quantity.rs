@@ -1,0 +1,35 @@
+//! What a scene estimates, and in which unit.
+
+use crate::config::LengthUnit;
+
+/// A power of the study's length unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Length.
+    Length,
+    /// 1/length.
+    PerLength,
+    /// 1/length².
+    PerLengthSquared,
+}
+
+/// A quantity that a scene estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quantity {
+    /// Its name, as in `cells.csv` and the JSON of `estimate`.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: Unit,
+}
+
+impl Unit {
+    /// The unit in words, as in the `unit` column: `cm`, `1/cm`, `1/cm^2`.
+    pub fn of(self, length: LengthUnit) -> String {
+        let length = length.as_str();
+        match self {
+            Self::Length => length.to_owned(),
+            Self::PerLength => format!("1/{length}"),
+            Self::PerLengthSquared => format!("1/{length}^2"),
+        }
+    }
+}

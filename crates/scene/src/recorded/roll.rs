@@ -1,0 +1,355 @@
+//! Recorded rolls.
+
+use std::path::Path;
+
+use nalgebra::Vector2;
+use palpate_ep1::{Ep1Error, LeastSquares, Measured, ProbeReading, ReadingNoise};
+use serde::Serialize;
+
+use super::sheet::{Column, RecordedError, Sheet, header, read_text};
+use crate::config::LengthUnit;
+use crate::{Table, Unit};
+
+const fn plain(name: &'static str) -> Column {
+    Column {
+        name,
+        is_length: false,
+    }
+}
+
+const fn length(name: &'static str) -> Column {
+    Column {
+        name,
+        is_length: true,
+    }
+}
+
+/// One row per probe.
+const SUMMARY: [Column; 5] = [
+    plain("probe"),
+    plain("rotation_x_rad"),
+    plain("rotation_y_rad"),
+    length("shift_u"),
+    length("shift_v"),
+];
+
+/// A time series per probe.
+const SERIES: [Column; 6] = [
+    plain("probe"),
+    plain("t_s"),
+    plain("rotation_x_rad"),
+    plain("rotation_y_rad"),
+    length("pad_u"),
+    length("pad_v"),
+];
+
+/// How to estimate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RollMethod {
+    /// The least squares of the 1996 paper.
+    #[default]
+    LeastSquares,
+}
+
+/// What the readings do not say themselves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RollOptions {
+    /// The probe's radius, in the readings' length unit.
+    pub probe_radius: f64,
+    /// The unit of lengths, where the header does not state it.
+    pub length_unit: Option<LengthUnit>,
+    /// Pitch of the pads, in the same unit: how well shifts are known.
+    pub pitch: Option<f64>,
+    /// The estimator.
+    pub method: RollMethod,
+}
+
+/// Recorded readings of a roll.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RollReadings {
+    /// The file, for messages.
+    file: String,
+    /// The probes' numbers, as recorded.
+    probes: Vec<u64>,
+    /// Their readings.
+    readings: Vec<ProbeReading>,
+    /// The unit that the header states.
+    unit: Option<LengthUnit>,
+}
+
+/// A value with its standard deviation and unit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Value {
+    value: f64,
+    std: Option<f64>,
+    unit: String,
+}
+
+/// A probe whose contact did not move.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UnresolvedProbe {
+    probe: u64,
+    /// In the direction of that roll the object's radius of curvature is below this; `null` where
+    /// the pads' pitch is not given or too coarse to say.
+    radius_below: Option<f64>,
+    unit: String,
+}
+
+/// What `estimate roll` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RollEstimate {
+    method: &'static str,
+    probes: usize,
+    normal_curvature_u: Value,
+    normal_curvature_v: Value,
+    gaussian_curvature: Value,
+    mean_curvature: Value,
+    arc_length: Value,
+    principal_curvature_min: Value,
+    principal_curvature_max: Value,
+    /// Direction of the largest curvature, from +u towards +v of the readings.
+    principal_direction_max_deg: f64,
+    /// How a relative error of the readings grows: 1 + 1/RCR; `null` where the object is flat.
+    amplification_u: Option<f64>,
+    amplification_v: Option<f64>,
+    /// Root mean square of what the fit leaves of each component of a shift.
+    residual_rms: Value,
+    /// Where the standard deviations come from.
+    std_from: &'static str,
+    unresolved_probes: Vec<UnresolvedProbe>,
+}
+
+/// Reads recorded rolls: one row per probe, or a time series per probe, whose last row counts.
+///
+/// # Errors
+/// [`RecordedError`] with file, line, column and value.
+pub fn read_roll(path: &Path) -> Result<RollReadings, RecordedError> {
+    let (file, text) = read_text(path)?;
+    let is_series = header(&text)
+        .iter()
+        .any(|name| name == "t_s" || name.starts_with("pad_"));
+    let sheet = Sheet::parse(&file, &text, if is_series { &SERIES } else { &SUMMARY })?;
+    let unit = sheet.unit;
+    let rows = if is_series {
+        last_of_each(&sheet)?
+    } else {
+        one_of_each(&sheet)?
+    };
+    let (probes, readings) = rows.into_iter().unzip();
+    Ok(RollReadings {
+        file,
+        probes,
+        readings,
+        unit,
+    })
+}
+
+fn fail(sheet: &Sheet, line: u64, message: String) -> RecordedError {
+    RecordedError::Row {
+        file: sheet.file.clone(),
+        line,
+        message,
+    }
+}
+
+fn probe_number(sheet: &Sheet, line: u64, number: f64) -> Result<u64, RecordedError> {
+    if number >= 0.0 && number.fract() == 0.0 && number < 1e15 {
+        return Ok(number as u64);
+    }
+    Err(fail(
+        sheet,
+        line,
+        format!("column `probe`: must be a whole number from 0, is {number}"),
+    ))
+}
+
+fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {
+    ProbeReading {
+        rotation: Vector2::new(rotation_x, rotation_y),
+        shift: Vector2::new(u, v),
+    }
+}
+
+fn one_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError> {
+    let mut rows: Vec<(u64, ProbeReading)> = Vec::new();
+    for (line, numbers) in &sheet.rows {
+        let &[probe, x, y, u, v] = numbers.as_slice() else {
+            continue;
+        };
+        let probe = probe_number(sheet, *line, probe)?;
+        if rows.iter().any(|(known, _)| *known == probe) {
+            return Err(fail(sheet, *line, format!("probe {probe} stands twice")));
+        }
+        rows.push((probe, reading(x, y, u, v)));
+    }
+    Ok(rows)
+}
+
+fn last_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError> {
+    let mut rows: Vec<(u64, f64, ProbeReading)> = Vec::new();
+    for (line, numbers) in &sheet.rows {
+        let &[probe, t_s, x, y, u, v] = numbers.as_slice() else {
+            continue;
+        };
+        let probe = probe_number(sheet, *line, probe)?;
+        let reading = reading(x, y, u, v);
+        match rows.iter_mut().find(|(known, ..)| *known == probe) {
+            Some((_, before, _)) if t_s <= *before => {
+                let message =
+                    format!("column `t_s`: probe {probe} goes from {before} s back to {t_s} s");
+                return Err(fail(sheet, *line, message));
+            }
+            Some(row) => (row.1, row.2) = (t_s, reading),
+            None => rows.push((probe, t_s, reading)),
+        }
+    }
+    Ok(rows
+        .into_iter()
+        .map(|(probe, _, reading)| (probe, reading))
+        .collect())
+}
+
+/// Estimates the object's curvature from recorded rolls.
+///
+/// Standard deviations follow from the pitch where it is given, else from the residuals, where
+/// there are more readings than unknowns.
+///
+/// # Errors
+/// [`RecordedError::Readings`] where the options contradict the file or the readings do not tell
+/// the curvature.
+pub fn estimate_roll(
+    recorded: &RollReadings,
+    options: &RollOptions,
+) -> Result<RollEstimate, RecordedError> {
+    let fail = |message: String| RecordedError::Readings {
+        file: recorded.file.clone(),
+        message,
+    };
+    let unit = match (recorded.unit, options.length_unit) {
+        (Some(header), Some(option)) if header != option => {
+            let (header, option) = (header.as_str(), option.as_str());
+            return Err(fail(format!(
+                "the header says {header}, --length-unit says {option}"
+            )));
+        }
+        (header, option) => header.or(option).unwrap_or_default(),
+    };
+    let readings = &recorded.readings;
+    let refused = |error: Ep1Error| {
+        fail(match error {
+            Ep1Error::NotFinite { probe } => {
+                format!(
+                    "probe {}: the reading is not finite",
+                    recorded.probes[probe]
+                )
+            }
+            Ep1Error::Unresolved {
+                radius_below: Some(_),
+                ..
+            } => {
+                format!("{error} {}", unit.as_str())
+            }
+            _ => error.to_string(),
+        })
+    };
+
+    let pitch = options.pitch.unwrap_or(0.0);
+    // Both ends of a shift are quantised, and a contact may sit anywhere on its first pad.
+    let stated = ReadingNoise {
+        shift_std: pitch / 6.0_f64.sqrt(),
+        shift_resolution: pitch,
+        ..ReadingNoise::default()
+    };
+    let RollMethod::LeastSquares = options.method;
+    let sums = LeastSquares::of(options.probe_radius, stated, readings);
+    let mut estimate = sums.estimate().map_err(refused)?;
+    let (residual, freedom) = sums.residual(&estimate, readings);
+    let mut std_from = "the pads' pitch";
+    if !stated.is_stated() {
+        std_from = "none: as many unknowns as readings, and no pitch given";
+        if freedom > 0 {
+            std_from = "the residuals";
+            let scatter = ReadingNoise {
+                shift_std: residual.max(f64::MIN_POSITIVE),
+                ..stated
+            };
+            estimate = LeastSquares::of(options.probe_radius, scatter, readings)
+                .estimate()
+                .map_err(refused)?;
+        }
+    }
+
+    let value = |measured: Measured, power: Unit| Value {
+        value: measured.value,
+        std: measured.std,
+        unit: power.of(unit),
+    };
+    let bare = |value: f64, power: Unit| Value {
+        value,
+        std: None,
+        unit: power.of(unit),
+    };
+    let principal = estimate.curvature.principal();
+    Ok(RollEstimate {
+        method: "least-squares",
+        probes: readings.len(),
+        normal_curvature_u: value(estimate.normal_curvature_u, Unit::PerLength),
+        normal_curvature_v: value(estimate.normal_curvature_v, Unit::PerLength),
+        gaussian_curvature: value(estimate.gaussian_curvature, Unit::PerLengthSquared),
+        mean_curvature: value(estimate.mean_curvature, Unit::PerLength),
+        arc_length: bare(estimate.arc_length, Unit::Length),
+        principal_curvature_min: bare(principal.k_min, Unit::PerLength),
+        principal_curvature_max: bare(principal.k_max, Unit::PerLength),
+        principal_direction_max_deg: principal.angle_of_max_rad.to_degrees(),
+        amplification_u: estimate.amplification(0.0),
+        amplification_v: estimate.amplification(std::f64::consts::FRAC_PI_2),
+        residual_rms: bare(residual, Unit::Length),
+        std_from,
+        unresolved_probes: unresolved(recorded, options.probe_radius, pitch, unit),
+    })
+}
+
+/// The probes that rolled without a shift, with what that says of the object.
+fn unresolved(
+    recorded: &RollReadings,
+    probe_radius: f64,
+    pitch: f64,
+    unit: LengthUnit,
+) -> Vec<UnresolvedProbe> {
+    let still = |reading: &ProbeReading| {
+        reading.shift == Vector2::zeros() && reading.rotation != Vector2::zeros()
+    };
+    recorded
+        .probes
+        .iter()
+        .zip(&recorded.readings)
+        .filter(|(_, reading)| still(reading))
+        .map(|(&probe, reading)| {
+            let radius = 1.0 / (reading.rotation.norm() / pitch - 1.0 / probe_radius);
+            let radius_below =
+                (pitch > 0.0 && radius > 0.0 && radius.is_finite()).then_some(radius);
+            UnresolvedProbe {
+                probe,
+                radius_below,
+                unit: unit.as_str().to_owned(),
+            }
+        })
+        .collect()
+}
+
+/// Readings as a table that [`read_roll`] accepts, one row per probe.
+pub fn roll_readings_table(readings: &[ProbeReading], unit: LengthUnit) -> Table {
+    let unit = unit.as_str();
+    let mut table = Table::new(SUMMARY.iter().map(|column| {
+        if column.is_length {
+            format!("{}_{unit}", column.name)
+        } else {
+            column.name.to_owned()
+        }
+    }));
+    for (probe, reading) in readings.iter().enumerate() {
+        let (rotation, shift) = (reading.rotation, reading.shift);
+        table.push(probe, [rotation.x, rotation.y, shift.x, shift.y]);
+    }
+    table
+}

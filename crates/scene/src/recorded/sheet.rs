@@ -1,0 +1,227 @@
+//! A CSV file of numbers, with errors that say where.
+
+use std::path::Path;
+
+use thiserror::Error;
+
+use crate::config::LengthUnit;
+
+/// Readings that cannot be read.
+#[derive(Debug, Error)]
+pub enum RecordedError {
+    /// The file cannot be opened or is not text.
+    #[error("{file}: {message}")]
+    File {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        message: String,
+    },
+    /// The header lacks or adds a column.
+    #[error("{file}:1: {message}")]
+    Header {
+        /// The file.
+        file: String,
+        /// What is wrong, and what would be right.
+        message: String,
+    },
+    /// A row or a field is wrong.
+    #[error("{file}:{line}: {message}")]
+    Row {
+        /// The file.
+        file: String,
+        /// The line, from 1.
+        line: u64,
+        /// What is wrong, with the column and the value.
+        message: String,
+    },
+    /// The numbers are readable but tell nothing.
+    #[error("{file}: {message}")]
+    Readings {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        message: String,
+    },
+}
+
+/// A column that a table must have: its name, and whether a unit may follow it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Column {
+    pub(super) name: &'static str,
+    pub(super) is_length: bool,
+}
+
+/// A header and rows of numbers, in the order of the columns asked for.
+pub(super) struct Sheet {
+    pub(super) file: String,
+    /// Line and numbers.
+    pub(super) rows: Vec<(u64, Vec<f64>)>,
+    /// The unit that the header states.
+    pub(super) unit: Option<LengthUnit>,
+}
+
+const UNITS: [LengthUnit; 5] = [
+    LengthUnit::M,
+    LengthUnit::Cm,
+    LengthUnit::Mm,
+    LengthUnit::Um,
+    LengthUnit::Unit,
+];
+
+/// Reads a file's text; a byte order mark is dropped.
+pub(super) fn read_text(path: &Path) -> Result<(String, String), RecordedError> {
+    let file = path.display().to_string();
+    let fail = |message: String| RecordedError::File {
+        file: file.clone(),
+        message,
+    };
+    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => fail("no such file".to_owned()),
+        std::io::ErrorKind::IsADirectory => fail("is a directory, not a table".to_owned()),
+        _ => fail(format!("cannot be read: {error}")),
+    })?;
+    let text = String::from_utf8(bytes).map_err(|_| fail("is not UTF-8 text".to_owned()))?;
+    let text = text
+        .strip_prefix('\u{feff}')
+        .map_or(text.clone(), str::to_owned);
+    if text.trim().is_empty() {
+        return Err(fail(
+            "is empty; a header and one row per reading are needed".to_owned(),
+        ));
+    }
+    Ok((file, text))
+}
+
+/// The names in the header of a text.
+pub(super) fn header(text: &str) -> Vec<String> {
+    let first = text.lines().next().unwrap_or_default();
+    first
+        .split(',')
+        .map(|name| name.trim().trim_matches('"').to_owned())
+        .collect()
+}
+
+impl Sheet {
+    /// Reads the `columns` of a text, which may come in any order but must be all.
+    pub(super) fn parse(file: &str, text: &str, columns: &[Column]) -> Result<Self, RecordedError> {
+        let header = header(text);
+        let (places, unit) = places(&header, columns).map_err(|message| RecordedError::Header {
+            file: file.to_owned(),
+            message,
+        })?;
+        let mut reader = csv::ReaderBuilder::new()
+            .has_headers(true)
+            .flexible(true)
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let fail = |line, message| RecordedError::Row {
+                file: file.to_owned(),
+                line,
+                message,
+            };
+            let record = record.map_err(|error| {
+                fail(
+                    error.position().map_or(0, csv::Position::line),
+                    error.to_string(),
+                )
+            })?;
+            let line = record.position().map_or(0, csv::Position::line);
+            if record.len() != header.len() {
+                let (found, expected) = (record.len(), header.len());
+                return Err(fail(
+                    line,
+                    format!("{found} fields; the header has {expected}"),
+                ));
+            }
+            let numbers = places
+                .iter()
+                .map(|&place| {
+                    let (name, text) = (&header[place], &record[place]);
+                    match text.parse::<f64>() {
+                        Ok(number) if number.is_finite() => Ok(number),
+                        Ok(_) => Err(fail(
+                            line,
+                            format!("column `{name}`: must be finite, is {text}"),
+                        )),
+                        Err(_) => Err(fail(
+                            line,
+                            format!("column `{name}`: `{text}` is not a number"),
+                        )),
+                    }
+                })
+                .collect::<Result<_, _>>()?;
+            rows.push((line, numbers));
+        }
+        if rows.is_empty() {
+            let message = "has a header but no readings".to_owned();
+            return Err(RecordedError::Readings {
+                file: file.to_owned(),
+                message,
+            });
+        }
+        Ok(Self {
+            file: file.to_owned(),
+            rows,
+            unit,
+        })
+    }
+}
+
+/// Where each column stands, and the unit that the header states.
+fn places(
+    header: &[String],
+    columns: &[Column],
+) -> Result<(Vec<usize>, Option<LengthUnit>), String> {
+    let wanted = || {
+        columns
+            .iter()
+            .map(|column| column.name)
+            .collect::<Vec<_>>()
+            .join(",")
+    };
+    let mut unit: Option<LengthUnit> = None;
+    let mut places = Vec::new();
+    for column in columns {
+        let mut matching = header.iter().enumerate().filter_map(|(place, name)| {
+            let rest = name.strip_prefix(column.name)?;
+            if rest.is_empty() {
+                return Some((place, None));
+            }
+            let unit = UNITS
+                .into_iter()
+                .find(|unit| rest.strip_prefix('_') == Some(unit.as_str()))?;
+            column.is_length.then_some((place, Some(unit)))
+        });
+        let Some((place, stated)) = matching.next() else {
+            return Err(format!(
+                "no column `{}`; the columns must be {}",
+                column.name,
+                wanted()
+            ));
+        };
+        if matching.next().is_some() {
+            return Err(format!("column `{}` stands twice", column.name));
+        }
+        if let (Some(before), Some(stated)) = (unit, stated)
+            && before != stated
+        {
+            let (before, stated) = (before.as_str(), stated.as_str());
+            return Err(format!(
+                "lengths are in {before} and in {stated}; one unit is needed"
+            ));
+        }
+        unit = unit.or(stated);
+        places.push(place);
+    }
+    if let Some(extra) = (0..header.len()).find(|place| !places.contains(place)) {
+        let name = &header[extra];
+        return Err(format!(
+            "unknown column `{name}`; the columns must be {}",
+            wanted()
+        ));
+    }
+    Ok((places, unit))
+}

@@ -1,0 +1,166 @@
+//! Error of the angular velocity, in the motion or in its measurement.
+
+use nalgebra::Vector2;
+use palpate_rolling::{Motion, RollError, Roller, Shift};
+use palpate_sensing::{AngularVelocityError, Channel, Stream};
+
+/// Where and when an error of the angular velocity strikes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum MotionNoise {
+    /// Nowhere: nothing is drawn.
+    None,
+    /// The probe moves otherwise than commanded; the command is reported.
+    Motion {
+        error: AngularVelocityError,
+        instants: u32,
+    },
+    /// The probe moves as commanded; a noisy rotation is reported.
+    Measurement {
+        error: AngularVelocityError,
+        instants: u32,
+    },
+}
+
+/// The noise of one trial.
+pub(super) enum NoiseTrial {
+    None,
+    Motion {
+        error: AngularVelocityError,
+        instants: u32,
+        stream: Stream,
+    },
+    Measurement {
+        error: AngularVelocityError,
+        instants: u32,
+        stream: Stream,
+    },
+}
+
+impl MotionNoise {
+    pub(super) fn is_random(&self) -> bool {
+        !matches!(self, Self::None)
+    }
+
+    /// Into how many motions a roll falls.
+    pub(super) fn pieces(&self) -> u32 {
+        match self {
+            Self::Motion { instants, .. } => *instants,
+            Self::None | Self::Measurement { .. } => 1,
+        }
+    }
+
+    /// Standard deviation of each component of a summed rotation, as a fraction of its magnitude.
+    pub(super) fn relative_rotation_std(&self) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Motion { error, instants } | Self::Measurement { error, instants } => {
+                error.relative_std() / f64::from(*instants).sqrt()
+            }
+        }
+    }
+
+    #[inline]
+    pub(super) fn begin(&self, seed: u64, trial: u64) -> NoiseTrial {
+        let stream = || Stream::new(seed, trial, Channel::AngularVelocity);
+        match *self {
+            Self::None => NoiseTrial::None,
+            Self::Motion { error, instants } => NoiseTrial::Motion {
+                error,
+                instants,
+                stream: stream(),
+            },
+            Self::Measurement { error, instants } => NoiseTrial::Measurement {
+                error,
+                instants,
+                stream: stream(),
+            },
+        }
+    }
+
+    pub(super) fn need(&self) -> Option<String> {
+        let (error, instants, side) = match self {
+            Self::None => return None,
+            Self::Motion { error, instants } => {
+                (error, *instants, "the motion errs, the command is reported")
+            }
+            Self::Measurement { error, instants } => (
+                error,
+                *instants,
+                "the motion is perfect, its measurement errs",
+            ),
+        };
+        let when = if instants == 1 {
+            "once per probe".to_owned()
+        } else {
+            format!("at {instants} instants")
+        };
+        Some(format!(
+            "angular velocity noise of {} % {when}: {side}",
+            100.0 * error.fraction()
+        ))
+    }
+}
+
+impl NoiseTrial {
+    /// What a probe told `command` does, and the rotation it reports.
+    #[inline]
+    pub(super) fn roll(
+        &mut self,
+        roller: &Roller,
+        command: &Motion,
+        rotation: &Vector2<f64>,
+    ) -> Result<(Shift, Vector2<f64>), RollError> {
+        match self {
+            Self::None => Ok((roller.shift(&[*command])?, *rotation)),
+            Self::Motion {
+                error,
+                instants: 1,
+                stream,
+            } => {
+                let motion = disturbed(command, error, stream);
+                Ok((roller.shift(&[motion])?, *rotation))
+            }
+            Self::Motion { .. } => Ok((roller.shift(&self.motions(command))?, *rotation)),
+            Self::Measurement {
+                error,
+                instants,
+                stream,
+            } => {
+                let rate = command.angular_velocity.norm();
+                let sum: Vector2<f64> = (0..*instants).map(|_| error.draw(stream, rate)).sum();
+                let measured = sum * (command.duration_s / f64::from(*instants));
+                Ok((roller.shift(&[*command])?, rotation + measured))
+            }
+        }
+    }
+
+    /// The motions that the probe really makes when told `command`.
+    pub(super) fn motions(&mut self, command: &Motion) -> Vec<Motion> {
+        match self {
+            Self::None | Self::Measurement { .. } => vec![*command],
+            Self::Motion {
+                error,
+                instants,
+                stream,
+            } => {
+                let duration_s = command.duration_s / f64::from(*instants);
+                let piece = Motion {
+                    duration_s,
+                    ..*command
+                };
+                (0..*instants)
+                    .map(|_| disturbed(&piece, error, stream))
+                    .collect()
+            }
+        }
+    }
+}
+
+#[inline]
+fn disturbed(command: &Motion, error: &AngularVelocityError, stream: &mut Stream) -> Motion {
+    let draw = error.draw(stream, command.angular_velocity.norm());
+    let mut motion = *command;
+    motion.angular_velocity.x += draw.x;
+    motion.angular_velocity.y += draw.y;
+    motion
+}

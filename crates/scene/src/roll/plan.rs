@@ -1,0 +1,326 @@
+//! From a roll's config to a [`RollScene`].
+
+use std::ops::Range;
+
+use palpate_ep1::ReadingNoise;
+use palpate_geometry::formula::Formula;
+use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::{InvalidShape, Shape, Surface};
+use palpate_rolling::{Chart, HeldAxis, InvalidRoll, Model, Motion, Probe, Roller, Rolls};
+use palpate_sensing::{
+    AngularVelocityError, Distribution, Encoder, InvalidSensor, PadLayout, PadOffset, Pads, Wrist,
+};
+
+use super::noise::MotionNoise;
+use super::sensor::RollSensor;
+use super::{RollScene, Truth};
+use crate::config::{
+    self, AngularVelocityNoise, ObjectConfig, ProbeConfig, RollAxis, RollConfig,
+    RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollSensorConfig, Side, When,
+};
+
+/// A config that makes no scene: which field, and what is wrong with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanError {
+    /// Path of the field, `scene.object.radius`.
+    pub path: String,
+    /// What is wrong.
+    pub message: String,
+    /// The part of the field's text, in bytes, that is wrong.
+    pub part: Option<Range<usize>>,
+}
+
+impl PlanError {
+    fn at(path: impl Into<String>, message: impl ToString) -> Self {
+        Self {
+            path: path.into(),
+            message: message.to_string(),
+            part: None,
+        }
+    }
+
+    fn of_shape(error: InvalidShape) -> Self {
+        let message = format!("must be {}, is {}", error.expected, error.value);
+        Self::at(format!("scene.object.{}", error.parameter), message)
+    }
+
+    fn of_sensor(table: &str, error: InvalidSensor) -> Self {
+        let message = format!("must be {}, is {}", error.expected, error.value);
+        Self::at(format!("{table}.{}", error.parameter), message)
+    }
+
+    fn of_roll(object: &ObjectConfig, error: InvalidRoll) -> Self {
+        let path = match (&error, object) {
+            (InvalidRoll::FirstContact(_), ObjectConfig::HeightField { .. }) => {
+                "scene.object.formula"
+            }
+            (InvalidRoll::FirstContact(_), _) => "scene.object_contact",
+            (InvalidRoll::Fault(_), _) => "scene.object",
+            (InvalidRoll::Unsupported { .. }, _) => "scene.model.kind",
+            (InvalidRoll::Tolerance { .. }, _) => "scene.model.tolerance",
+        };
+        Self::at(path, error)
+    }
+}
+
+impl RollScene {
+    /// The scene that a config describes, with the random numbers of `seed`.
+    ///
+    /// # Errors
+    /// [`PlanError`] with the path of the field that makes no scene.
+    pub fn new(config: &RollConfig, seed: u64) -> Result<Self, PlanError> {
+        let ProbeConfig::Sphere { radius } = config.probe;
+        let probe = Probe::new(radius).map_err(|error| {
+            PlanError::at(
+                "scene.probe.radius",
+                format!("must be {}, is {}", error.expected, error.value),
+            )
+        })?;
+        let object = shape(&config.object)?;
+        let noise = motion_noise(config)?;
+        let sensor = sensor(&config.sensor, radius)?;
+        let encoder = config
+            .noise
+            .encoder
+            .as_ref()
+            .map(|encoder| Encoder::new(encoder.step_rad))
+            .transpose()
+            .map_err(|error| PlanError::of_sensor("scene.noise.encoder", error))?;
+        let RollEstimatorConfig::LeastSquares {} = config.estimator;
+
+        let (roller, commands) = roller(config, probe, object, noise.pieces())?;
+        let (shift_std, shift_resolution) = sensor.shift_noise();
+        let reading_noise = ReadingNoise {
+            relative_rotation_std: noise.relative_rotation_std(),
+            rotation_std_rad: encoder.map_or(0.0, |encoder| encoder.std_rad()),
+            shift_std,
+            shift_resolution,
+        };
+        let truth =
+            truth(&roller, &commands).map_err(|error| PlanError::at("scene.motion", error))?;
+        Ok(Self {
+            seed,
+            rotations: commands.iter().map(Motion::rotation).collect(),
+            roller,
+            commands,
+            noise,
+            sensor,
+            encoder,
+            reading_noise,
+            truth,
+        })
+    }
+}
+
+fn shape(config: &ObjectConfig) -> Result<Shape, PlanError> {
+    match config {
+        ObjectConfig::Sphere { radius } => Sphere::new(*radius).map(Shape::Sphere),
+        ObjectConfig::Dish { radius } => Dish::new(*radius).map(Shape::Dish),
+        ObjectConfig::Plane {} => Ok(Shape::Plane(Plane)),
+        ObjectConfig::Cylinder {
+            radius,
+            direction_deg,
+        } => Cylinder::new(*radius, direction_deg.to_radians()).map(Shape::Cylinder),
+        ObjectConfig::Ellipsoid { semi_axes } => Ellipsoid::new(*semi_axes).map(Shape::Ellipsoid),
+        ObjectConfig::Torus {
+            major_radius,
+            minor_radius,
+        } => Torus::new(*major_radius, *minor_radius).map(Shape::Torus),
+        ObjectConfig::Paraboloid { c } => Graph::paraboloid(*c).map(Shape::Paraboloid),
+        ObjectConfig::Saddle { a } => Graph::saddle(*a).map(Shape::Saddle),
+        ObjectConfig::HeightField {
+            formula,
+            parameters,
+        } => {
+            let formula = Formula::parse(formula, parameters).map_err(|error| PlanError {
+                path: "scene.object.formula".to_owned(),
+                message: error.to_string(),
+                part: error.span,
+            })?;
+            Ok(Shape::HeightField(Graph::of_formula(formula)))
+        }
+    }
+    .map_err(PlanError::of_shape)
+}
+
+fn motion_noise(config: &RollConfig) -> Result<MotionNoise, PlanError> {
+    let Some(noise) = &config.noise.angular_velocity else {
+        return Ok(MotionNoise::None);
+    };
+    let (distribution, fraction, when, side, instants) = match *noise {
+        AngularVelocityNoise::Uniform {
+            fraction,
+            when,
+            side,
+            instants,
+        } => (Distribution::Uniform, fraction, when, side, instants),
+        AngularVelocityNoise::Gaussian {
+            fraction,
+            when,
+            side,
+            instants,
+        } => (Distribution::Gaussian, fraction, when, side, instants),
+    };
+    let error = AngularVelocityError::new(distribution, fraction)
+        .map_err(|error| PlanError::of_sensor("scene.noise.angular_velocity", error))?;
+    if fraction == 0.0 {
+        return Ok(MotionNoise::None);
+    }
+    let instants = match when {
+        When::PerProbe => 1,
+        When::PerInstant => instants,
+    };
+    match side {
+        Side::Motion if instants > 1 && config.motion.axis == RollAxis::Chart => {
+            Err(PlanError::at(
+                "scene.noise.angular_velocity.when",
+                "\"per-instant\" noise of the motion needs axis = \"transported\": with the axis held \
+                 in the chart, a motion cannot be cut into pieces",
+            ))
+        }
+        Side::Motion => Ok(MotionNoise::Motion { error, instants }),
+        Side::Measurement => Ok(MotionNoise::Measurement { error, instants }),
+    }
+}
+
+fn sensor(config: &RollSensorConfig, radius: f64) -> Result<RollSensor, PlanError> {
+    match config {
+        RollSensorConfig::Ideal {} => Ok(RollSensor::Ideal),
+        RollSensorConfig::Wrist { std } => Wrist::new(*std, radius).map(RollSensor::Wrist),
+        RollSensorConfig::Pads {
+            pitch,
+            layout,
+            offset,
+            cap_deg,
+        } => {
+            let layout = match layout {
+                config::PadLayout::Square => PadLayout::Square,
+                config::PadLayout::Uniform => PadLayout::Uniform,
+            };
+            let offset = match offset {
+                config::PadOffset::Centred => PadOffset::Centred,
+                config::PadOffset::Random => PadOffset::Random,
+            };
+            Pads::new(radius, *pitch, layout, offset, cap_deg.to_radians()).map(RollSensor::Pads)
+        }
+    }
+    .map_err(|error| PlanError::of_sensor("scene.sensor", error))
+}
+
+fn model(config: &RollModelConfig, axis: RollAxis) -> Model {
+    let chart = |chart: config::Chart| match chart {
+        config::Chart::Free => Chart::Free,
+        config::Chart::Montana => Chart::Montana(match axis {
+            RollAxis::Transported => HeldAxis::Transported,
+            RollAxis::Chart => HeldAxis::Chart,
+        }),
+    };
+    match *config {
+        RollModelConfig::Auto {
+            tolerance,
+            chart: form,
+        } => Model::Auto {
+            tolerance,
+            chart: chart(form),
+        },
+        RollModelConfig::ClosedForm {} => Model::ClosedForm,
+        RollModelConfig::Meridian {} => Model::Meridian,
+        RollModelConfig::Rk4 { steps, chart: form } => Model::Rk4 {
+            steps: steps as usize,
+            chart: chart(form),
+        },
+        RollModelConfig::Dop853 {
+            tolerance,
+            chart: form,
+        } => Model::Dop853 {
+            tolerance,
+            chart: chart(form),
+        },
+    }
+}
+
+/// The roller and the commands. Where the config gives an arc length, the durations are those of
+/// the noiseless rolls that are so long.
+fn roller(
+    config: &RollConfig,
+    probe: Probe,
+    object: Shape,
+    pieces: u32,
+) -> Result<(Roller, Vec<Motion>), PlanError> {
+    let contact = config
+        .object_contact
+        .map_or(object.default_contact(), |[x, y]| (x, y));
+    let model = model(&config.model, config.motion.axis);
+    let of_roll = |error| PlanError::of_roll(&config.object, error);
+    let set_up = |commands: &[Motion]| {
+        let rolls: Vec<Vec<Motion>> = commands
+            .iter()
+            .map(|command| cut(command, pieces))
+            .collect();
+        Roller::new(
+            probe,
+            object.clone(),
+            contact,
+            model,
+            Rolls { rolls: &rolls },
+        )
+        .map_err(of_roll)
+    };
+    let mut commands = commands(&config.motion);
+    let mut roller = set_up(&commands)?;
+    if let Some(arc_length) = config.motion.arc_length {
+        for command in &mut commands {
+            command.duration_s = roller
+                .duration_for_arc(command, arc_length)
+                .map_err(|error| PlanError::at("scene.motion.arc_length", error))?;
+        }
+        // The choice of a rung depends on how far the probes roll.
+        roller = set_up(&commands)?;
+    }
+    Ok((roller, commands))
+}
+
+/// The commands, as long as the config says, or a radian long where it gives an arc length.
+fn commands(config: &RollMotionConfig) -> Vec<Motion> {
+    let rate = config.rate_rad_per_s;
+    let duration_s = config.duration_s.unwrap_or(1.0 / rate);
+    config
+        .directions_deg
+        .iter()
+        .map(|direction| {
+            let mut motion = Motion::rolling(direction.to_radians(), rate, duration_s);
+            motion.angular_velocity.z = config.spin_rad_per_s;
+            motion
+        })
+        .collect()
+}
+
+fn cut(command: &Motion, pieces: u32) -> Vec<Motion> {
+    let duration_s = command.duration_s / f64::from(pieces);
+    vec![
+        Motion {
+            duration_s,
+            ..*command
+        };
+        pieces as usize
+    ]
+}
+
+fn truth(roller: &Roller, commands: &[Motion]) -> Result<Truth, String> {
+    let first = roller.first_contact();
+    let (_, curvature) = roller
+        .object()
+        .curvature_along(&first.on_object, &first.x_axis)
+        .map_err(|error| error.to_string())?;
+    let mut sum = 0.0;
+    for (probe, command) in commands.iter().enumerate() {
+        let shift = roller
+            .shift(&[*command])
+            .map_err(|error| format!("probe {probe} cannot roll: {error}"))?;
+        sum += shift.arc_length;
+    }
+    Ok(Truth {
+        curvature,
+        arc_length: sum / commands.len() as f64,
+    })
+}

@@ -1,0 +1,84 @@
+//! What senses the contact on the probe.
+
+use nalgebra::Vector2;
+use palpate_sensing::{BeyondPads, Channel, PadPlacement, Pads, Stream, Wrist};
+
+#[derive(Clone, Debug)]
+pub(super) enum RollSensor {
+    Ideal,
+    Wrist(Wrist),
+    Pads(Pads),
+}
+
+/// The sensor in one trial.
+pub(super) enum SensorTrial<'a> {
+    Ideal,
+    Wrist(&'a Wrist, Stream),
+    Pads(&'a Pads, PadPlacement),
+}
+
+impl RollSensor {
+    pub(super) fn is_random(&self) -> bool {
+        match self {
+            Self::Ideal => false,
+            Self::Wrist(wrist) => wrist.shift_std() > 0.0,
+            Self::Pads(pads) => pads.is_random(),
+        }
+    }
+
+    /// Standard deviation of each component of a shift, and the longest shift that may read as
+    /// none.
+    pub(super) fn shift_noise(&self) -> (f64, f64) {
+        match self {
+            Self::Ideal => (0.0, 0.0),
+            Self::Wrist(wrist) => (wrist.shift_std(), 0.0),
+            Self::Pads(pads) => (pads.shift_std(), pads.resolution()),
+        }
+    }
+
+    #[inline]
+    pub(super) fn begin(&self, seed: u64, trial: u64) -> SensorTrial<'_> {
+        match self {
+            Self::Ideal => SensorTrial::Ideal,
+            Self::Wrist(wrist) => {
+                SensorTrial::Wrist(wrist, Stream::new(seed, trial, Channel::WristContact))
+            }
+            Self::Pads(pads) => {
+                let placement = pads.place(|| Stream::new(seed, trial, Channel::PadOffset));
+                SensorTrial::Pads(pads, placement)
+            }
+        }
+    }
+
+    /// The sensor without its noise: pads still quantise, from a pad's centre.
+    pub(super) fn noiseless(&self) -> Self {
+        match self {
+            Self::Ideal | Self::Wrist(_) => Self::Ideal,
+            Self::Pads(pads) => Self::Pads(pads.centred()),
+        }
+    }
+
+    pub(super) fn need(&self) -> String {
+        match self {
+            Self::Ideal => "ideal sensor: draws nothing".to_owned(),
+            Self::Wrist(_) => "wrist sensor: two contact points inferred per probe".to_owned(),
+            Self::Pads(pads) if pads.is_random() => {
+                "pads: the nearest one reports, at an offset drawn per trial".to_owned()
+            }
+            Self::Pads(_) => {
+                "pads: the nearest one reports, centred on the first contact".to_owned()
+            }
+        }
+    }
+}
+
+impl SensorTrial<'_> {
+    #[inline]
+    pub(super) fn read(&mut self, displacement: &Vector2<f64>) -> Result<Vector2<f64>, BeyondPads> {
+        match self {
+            Self::Ideal => Ok(*displacement),
+            Self::Wrist(wrist, stream) => Ok(wrist.read(stream, displacement)),
+            Self::Pads(pads, placement) => pads.read(placement, displacement),
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! One pass of a roll, written down.
+
+use palpate_ep1::ProbeReading;
+use palpate_rolling::{Contact, Motion, RollError};
+use palpate_sensing::BeyondPads;
+use thiserror::Error;
+
+use super::noise::{MotionNoise, NoiseTrial};
+use super::{RollScene, sensor::RollSensor};
+use crate::Table;
+use crate::config::LengthUnit;
+use crate::recorded::roll_readings_table;
+
+/// How many samples of each roll are written, besides the first contact.
+const SAMPLES: usize = 100;
+
+/// The contacts of one pass, and what the sensor says of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RollTrace {
+    /// Truth: `probe,t_s,object_x…,probe_x…,normal_x…,arc_length`.
+    pub contacts: Table,
+    /// What `estimate roll` accepts.
+    pub readings: Table,
+}
+
+/// A pass that could not be completed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum TraceError {
+    /// A roll ended early.
+    #[error("probe {probe}: {error}")]
+    Roll {
+        /// Which probe, from 0.
+        probe: usize,
+        /// Why, when and where.
+        error: RollError,
+    },
+    /// The sensor cannot read a contact.
+    #[error("probe {probe}: {error}")]
+    Sensor {
+        /// Which probe, from 0.
+        probe: usize,
+        /// Why.
+        error: BeyondPads,
+    },
+}
+
+impl RollScene {
+    /// Follows every probe: noiseless, or as in trial number `trial`.
+    ///
+    /// # Errors
+    /// [`TraceError`] where a roll ends early or the sensor cannot read it.
+    pub fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<RollTrace, TraceError> {
+        let noiseless = self.sensor.noiseless();
+        let sensor: &RollSensor = if trial.is_some() {
+            &self.sensor
+        } else {
+            &noiseless
+        };
+        let number = trial.unwrap_or_default();
+        let mut sensor = sensor.begin(self.seed, number);
+        let mut noise = match trial {
+            Some(trial) => self.noise.begin(self.seed, trial),
+            None => NoiseTrial::None,
+        };
+
+        let mut contacts = Table::new(header(unit));
+        let mut readings = Vec::new();
+        for (probe, command) in self.commands.iter().enumerate() {
+            let (motions, rotation) = match self.noise {
+                // The measurement's draws, without rolling.
+                MotionNoise::Measurement { .. } => {
+                    let (_, rotation) = noise
+                        .roll(&self.roller, command, &self.rotations[probe])
+                        .map_err(|error| TraceError::Roll { probe, error })?;
+                    (vec![*command], rotation)
+                }
+                _ => (noise.motions(command), self.rotations[probe]),
+            };
+            let mut last = *self.roller.first_contact();
+            for sample in 0..=SAMPLES {
+                let t_s = command.duration_s * sample as f64 / SAMPLES as f64;
+                let until = cut_at(
+                    &motions,
+                    if sample == SAMPLES {
+                        f64::INFINITY
+                    } else {
+                        t_s
+                    },
+                );
+                last = self
+                    .roller
+                    .roll(&until)
+                    .map_err(|error| TraceError::Roll { probe, error })?;
+                contacts.push(probe, row(&last, t_s, self.roller.probe().radius()));
+            }
+            let shift = last.shift_from(self.roller.first_contact(), self.roller.probe().radius());
+            let shift = sensor
+                .read(&shift.displacement)
+                .map_err(|error| TraceError::Sensor { probe, error })?;
+            let rotation = self
+                .encoder
+                .map_or(rotation, |encoder| encoder.read(&rotation));
+            readings.push(ProbeReading { rotation, shift });
+        }
+        Ok(RollTrace {
+            contacts,
+            readings: roll_readings_table(&readings, unit),
+        })
+    }
+}
+
+fn header(unit: LengthUnit) -> impl Iterator<Item = String> {
+    let unit = unit.as_str();
+    let lengths = [
+        "object_x", "object_y", "object_z", "probe_x", "probe_y", "probe_z",
+    ];
+    ["probe", "t_s"]
+        .into_iter()
+        .map(str::to_owned)
+        .chain(
+            lengths
+                .into_iter()
+                .map(move |name| format!("{name}_{unit}")),
+        )
+        .chain(
+            ["normal_x", "normal_y", "normal_z"]
+                .into_iter()
+                .map(str::to_owned),
+        )
+        .chain(std::iter::once(format!("arc_length_{unit}")))
+}
+
+fn row(contact: &Contact, t_s: f64, radius: f64) -> Vec<f64> {
+    let mut row = vec![t_s];
+    row.extend(contact.on_object.iter());
+    row.extend(contact.on_probe(radius).iter());
+    row.extend(contact.normal.iter());
+    row.push(contact.arc_length);
+    row
+}
+
+/// The motions up to time `t_s`.
+fn cut_at(motions: &[Motion], t_s: f64) -> Vec<Motion> {
+    let mut left = t_s;
+    let mut until = Vec::new();
+    for motion in motions {
+        let duration_s = motion.duration_s.min(left);
+        if duration_s <= 0.0 {
+            break;
+        }
+        until.push(Motion {
+            duration_s,
+            ..*motion
+        });
+        left -= motion.duration_s;
+    }
+    until
+}

@@ -1,0 +1,130 @@
+//! Bad plots, and what is said about them to the letter.
+
+use super::{BASE, message};
+
+fn with(sections: &str) -> String {
+    format!("{BASE}{sections}")
+}
+
+#[test]
+fn plots_of_columns_that_do_not_exist() {
+    assert_eq!(
+        message(&with(
+            r#"[[sweep]]
+path = "scene.object.radius"
+values = [1, 2]
+[[plot]]
+x = "scene.object.radus"
+y = "mean"
+"#
+        )),
+        r#"study.toml:13:5: plot.0.x: no column `scene.object.radus`; did you mean `scene.object.radius`?
+   |
+13 | x = "scene.object.radus"
+   |     ^^^^^^^^^^^^^^^^^^^^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[sweep]]
+path = "scene.object.radius"
+values = [1, 2]
+[[plot]]
+x = "scene.object.radius"
+y = "relative_rms"
+"#
+        )),
+        r#"study.toml:14:5: plot.0.y: no column `relative_rms`; did you mean `relative_rms_error`?
+   |
+14 | y = "relative_rms"
+   |     ^^^^^^^^^^^^^^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[sweep]]
+path = "scene.object.radius"
+values = [1, 2]
+[[plot]]
+x = "truth"
+y = "mean"
+compare = "scene.object.radius"
+"#
+        )),
+        r#"study.toml:15:11: plot.0.compare: no column `scene.object.radius`; known: truth, trials, failures, mean, std, bias, rms_error, mean_abs_error, relative_rms_error, relative_mean_abs_error, q05, q50, q95, mean_reported_std, coverage95
+   |
+15 | compare = "scene.object.radius"
+   |           ^^^^^^^^^^^^^^^^^^^^^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[sweep]]
+path = "scene.object.radius"
+values = [1, 2]
+[[plot]]
+x = "truth"
+y = "mean"
+series = "kind"
+"#
+        )),
+        r#"study.toml:15:10: plot.0.series: no column `kind`; known: scene.object.radius, truth, trials, failures, mean, std, bias, rms_error, mean_abs_error, relative_rms_error, relative_mean_abs_error, q05, q50, q95, mean_reported_std, coverage95, quantity
+   |
+15 | series = "kind"
+   |          ^^^^^^"#
+    );
+}
+
+#[test]
+fn plots_of_rows_that_do_not_exist() {
+    assert_eq!(
+        message(&with(
+            r#"[[sweep]]
+path = "scene.object.radius"
+values = [1, 2]
+[[plot]]
+x = "truth"
+y = "mean"
+where = { "scene.object.radius" = [1.0, 3] }
+"#
+        )),
+        r#"study.toml:15:41: plot.0.where.scene.object.radius: no cell has 3; the sweep has 1, 2
+   |
+15 | where = { "scene.object.radius" = [1.0, 3] }
+   |                                         ^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[sweep]]
+path = "scene.object.radius"
+values = [1, 2]
+[[plot]]
+x = "truth"
+y = "mean"
+where.scene.object.radius = 1
+"#
+        )),
+        r#"study.toml:15:7: plot.0.where.scene: no column `scene`; did you mean `scene.object.radius`?
+   |
+15 | where.scene.object.radius = 1
+   |       ^^^^^"#
+    );
+}
+
+#[test]
+fn two_plots_of_one_name() {
+    assert_eq!(
+        message(&with(
+            r#"[[plot]]
+name = "p"
+x = "truth"
+y = "mean"
+[[plot]]
+name = "p"
+x = "truth"
+y = "std"
+"#
+        )),
+        r#"study.toml:14:8: plot.1.name: another plot has this name
+   |
+14 | name = "p"
+   |        ^^^"#
+    );
+}

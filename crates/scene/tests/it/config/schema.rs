@@ -1,0 +1,113 @@
+//! The schema states every unit, once.
+
+use palpate_scene::config::schema;
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// Numbers without a unit, or in that of the field they speak of.
+const DIMENSIONLESS: [&str; 12] = [
+    "claims",     // their numbers
+    "seed",       //
+    "trials",     //
+    "instants",   // draws per probe
+    "steps",      // of an integrator
+    "fraction",   // of the angular speed
+    "tolerance",  // relative
+    "parameters", // of a formula: in whatever unit it needs
+    "from",       // in the unit of the swept field
+    "to",         //
+    "count",      //
+    "value",      // in the unit of the plot's axis
+];
+
+const UNIT_SUFFIXES: [&str; 4] = ["_rad", "_deg", "_s", "_rad_per_s"];
+
+/// Calls `visit` with the key and the schema of every property of every kind.
+fn properties(schema: &Value, visit: &mut impl FnMut(&str, &Value)) {
+    for variant in schema["oneOf"].as_array().into_iter().flatten() {
+        properties(variant, visit);
+    }
+    for (key, property) in schema["properties"].as_object().into_iter().flatten() {
+        visit(key, property);
+        properties(property, visit);
+    }
+    if schema["items"].is_object() {
+        properties(&schema["items"], visit);
+    }
+}
+
+fn is_number(schema: &Value) -> bool {
+    let candidates = [schema, &schema["items"], &schema["additionalProperties"]];
+    candidates
+        .iter()
+        .any(|candidate| candidate["type"] == "number" || candidate["type"] == "integer")
+}
+
+#[test]
+fn every_number_has_a_unit_or_is_known_to_have_none() {
+    let mut numbers = 0;
+    properties(&schema(), &mut |key, property| {
+        if is_number(property) {
+            numbers += 1;
+            let stated = [
+                property.get("x-unit").is_some(),
+                UNIT_SUFFIXES.iter().any(|suffix| key.ends_with(suffix)),
+                DIMENSIONLESS.contains(&key),
+            ];
+            assert_eq!(
+                stated.iter().filter(|&&stated| stated).count(),
+                1,
+                "{key}: {property}"
+            );
+        }
+    });
+    assert!(numbers > 30, "{numbers}");
+}
+
+#[test]
+fn units_are_those_that_headers_know() {
+    properties(&schema(), &mut |key, property| {
+        if let Some(unit) = property.get("x-unit") {
+            assert!(unit == "length" || unit == "1/length", "{key}: {unit}");
+        }
+    });
+}
+
+#[test]
+fn every_field_and_kind_is_described() {
+    properties(&schema(), &mut |key, property| {
+        assert!(
+            key == "kind" || property["description"].is_string(),
+            "{key}: {property}"
+        );
+        for variant in property["oneOf"].as_array().into_iter().flatten() {
+            assert!(variant["description"].is_string(), "{key}: {variant}");
+        }
+    });
+}
+
+/// Headers and `to_toml` rely on it.
+#[test]
+fn kinds_that_share_a_key_share_its_unit_and_default() {
+    properties(&schema(), &mut |key, property| {
+        let mut seen: BTreeMap<&str, (&Value, &Value)> = BTreeMap::new();
+        for variant in property["oneOf"].as_array().into_iter().flatten() {
+            for (name, field) in variant["properties"].as_object().into_iter().flatten() {
+                let now = (&field["x-unit"], &field["default"]);
+                assert_eq!(*seen.entry(name).or_insert(now), now, "{key}.{name}");
+            }
+        }
+    });
+}
+
+#[test]
+fn the_schema_is_for_editors() {
+    let schema = schema();
+    assert_eq!(schema["$schema"], "http://json-schema.org/draft-07/schema#");
+    assert_eq!(schema["title"], "palpate study");
+    let text = schema.to_string();
+    assert!(
+        !text.contains("null") && !text.contains("$ref") && !text.contains("anyOf"),
+        "{text}"
+    );
+}

@@ -1,0 +1,64 @@
+//! Error of the angular velocity.
+
+use nalgebra::Vector2;
+
+use crate::{InvalidSensor, Stream};
+
+/// How an error is distributed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distribution {
+    /// Uniform; the stated size is the bound.
+    Uniform,
+    /// Gaussian; the stated size is the standard deviation.
+    Gaussian,
+}
+
+/// An independent error on each of ω_x and ω_y, proportional to the rate of rotation (1996 paper,
+/// section 4.1.1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AngularVelocityError {
+    distribution: Distribution,
+    fraction: f64,
+}
+
+impl AngularVelocityError {
+    /// An error whose size is `fraction` of |ω|.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] unless the fraction is finite and at least 0.
+    pub fn new(distribution: Distribution, fraction: f64) -> Result<Self, InvalidSensor> {
+        let holds = fraction >= 0.0 && fraction.is_finite();
+        InvalidSensor::unless(holds, "fraction", fraction, "finite and at least 0")?;
+        Ok(Self {
+            distribution,
+            fraction,
+        })
+    }
+
+    /// The size, as a fraction of |ω|.
+    pub const fn fraction(&self) -> f64 {
+        self.fraction
+    }
+
+    /// Standard deviation of each component, as a fraction of |ω|.
+    pub fn relative_std(&self) -> f64 {
+        match self.distribution {
+            Distribution::Uniform => self.fraction / 3.0_f64.sqrt(),
+            Distribution::Gaussian => self.fraction,
+        }
+    }
+
+    /// Draws the errors of `(ω_x, ω_y)`, for a rate |ω| in rad/s.
+    #[inline]
+    pub fn draw(&self, stream: &mut Stream, rate_rad_per_s: f64) -> Vector2<f64> {
+        let size = self.fraction * rate_rad_per_s;
+        match self.distribution {
+            Distribution::Uniform => {
+                Vector2::new(stream.symmetric_uniform(), stream.symmetric_uniform()) * size
+            }
+            Distribution::Gaussian => {
+                Vector2::new(stream.standard_normal(), stream.standard_normal()) * size
+            }
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! Quantisation of the measured rotation.
+
+use nalgebra::Vector2;
+
+use crate::InvalidSensor;
+
+/// Joint encoders that report each component of the rotation to the nearest step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoder {
+    step_rad: f64,
+}
+
+impl Encoder {
+    /// # Errors
+    /// [`InvalidSensor`] unless the step is finite and positive.
+    pub fn new(step_rad: f64) -> Result<Self, InvalidSensor> {
+        let holds = step_rad > 0.0 && step_rad.is_finite();
+        InvalidSensor::unless(holds, "step_rad", step_rad, "finite and > 0")?;
+        Ok(Self { step_rad })
+    }
+
+    /// What the encoders report for a rotation.
+    pub fn read(&self, rotation: &Vector2<f64>) -> Vector2<f64> {
+        rotation.map(|angle| {
+            let steps = (angle / self.step_rad).round() * self.step_rad;
+            // A step too fine to count in doubles quantises nothing.
+            if steps.is_finite() { steps } else { angle }
+        })
+    }
+
+    /// Standard deviation of the quantisation error, rad.
+    pub fn std_rad(&self) -> f64 {
+        self.step_rad / 12.0_f64.sqrt()
+    }
+}

@@ -1,0 +1,216 @@
+//! Arrays of pads on a fingertip: the pad nearest the contact reports, and its centre is the
+//! reading (1996 paper, section 4.1.3).
+
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
+
+use crate::{
+    BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
+};
+
+/// How the pads tile the fingertip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PadLayout {
+    /// A square grid in the fingertip's own arc lengths, as in the paper. It crowds away from the
+    /// middle, as arc lengths do on a sphere.
+    Square,
+    /// A near-uniform lattice: a spherical Fibonacci lattice with one pad per pitch².
+    Uniform,
+}
+
+/// Where the first contact lies on the pads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PadOffset {
+    /// On a pad's centre.
+    Centred,
+    /// Anywhere, drawn for each trial.
+    Random,
+}
+
+/// An array of pads on a spherical cap of a fingertip, around the first contact.
+#[derive(Clone, Debug)]
+pub struct Pads {
+    radius: f64,
+    pitch: f64,
+    cap_rad: f64,
+    offset: PadOffset,
+    tiling: Tiling,
+}
+
+#[derive(Clone, Debug)]
+enum Tiling {
+    Square,
+    Uniform(UniformLattice),
+}
+
+/// Where the pads lie in one trial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PadPlacement(Placement);
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Placement {
+    /// The first contact's offset from the nearest centre, in pitches.
+    Square(Vector2<f64>),
+    /// The turn from the contact frame to the lattice's, and the first pad that reports.
+    Uniform {
+        lattice_from_contact: UnitQuaternion<f64>,
+        first_pad: Vector3<f64>,
+    },
+}
+
+impl Pads {
+    /// Pads of `pitch` on the cap of half-angle `cap_rad` of a fingertip of `radius`.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] unless the radius is finite and positive, the pitch positive and at most
+    /// the radius, and the cap in (0, π].
+    pub fn new(
+        radius: f64,
+        pitch: f64,
+        layout: PadLayout,
+        offset: PadOffset,
+        cap_rad: f64,
+    ) -> Result<Self, InvalidSensor> {
+        InvalidSensor::unless(
+            radius > 0.0 && radius.is_finite(),
+            "radius",
+            radius,
+            "finite and > 0",
+        )?;
+        let fits = pitch > 0.0 && pitch <= radius;
+        InvalidSensor::unless(
+            fits,
+            "pitch",
+            pitch,
+            &format!("> 0 and at most the probe's radius, {radius}"),
+        )?;
+        let cap = cap_rad > 0.0 && cap_rad <= std::f64::consts::PI;
+        InvalidSensor::unless(cap, "cap_deg", cap_rad.to_degrees(), "> 0 and at most 180")?;
+        let tiling = match layout {
+            PadLayout::Square => Tiling::Square,
+            PadLayout::Uniform => Tiling::Uniform(UniformLattice::with_pitch(pitch / radius)?),
+        };
+        Ok(Self {
+            radius,
+            pitch,
+            cap_rad,
+            offset,
+            tiling,
+        })
+    }
+
+    /// Whether the placement differs from trial to trial.
+    pub fn is_random(&self) -> bool {
+        self.offset == PadOffset::Random
+    }
+
+    /// The same pads with the first contact on a pad's centre.
+    pub fn centred(&self) -> Self {
+        Self {
+            offset: PadOffset::Centred,
+            ..self.clone()
+        }
+    }
+
+    /// A shift shorter than this may report no change of pad.
+    pub fn resolution(&self) -> f64 {
+        match self.offset {
+            PadOffset::Centred => 0.5 * self.pitch,
+            PadOffset::Random => self.pitch,
+        }
+    }
+
+    /// Standard deviation of a shift's error, as if quantisation were noise: uniform over a pad,
+    /// at the last contact and, where that is not centred, at the first.
+    pub fn shift_std(&self) -> f64 {
+        let one_end = self.pitch / 12.0_f64.sqrt();
+        match self.offset {
+            PadOffset::Centred => one_end,
+            PadOffset::Random => std::f64::consts::SQRT_2 * one_end,
+        }
+    }
+
+    /// Places the pads for a trial; draws only if the offset is random.
+    pub fn place(&self, stream: impl FnOnce() -> Stream) -> PadPlacement {
+        PadPlacement(match (&self.tiling, self.offset) {
+            (Tiling::Square, PadOffset::Centred) => Placement::Square(Vector2::zeros()),
+            (Tiling::Square, PadOffset::Random) => {
+                let mut stream = stream();
+                let mut half = || 0.5 * stream.symmetric_uniform();
+                Placement::Square(Vector2::new(half(), half()))
+            }
+            (Tiling::Uniform(lattice), PadOffset::Centred) => {
+                let first_pad = lattice.direction(0);
+                Placement::Uniform {
+                    lattice_from_contact: turn_to(&first_pad),
+                    first_pad,
+                }
+            }
+            (Tiling::Uniform(lattice), PadOffset::Random) => {
+                let mut stream = stream();
+                // Uniform over a disc of a few pitches: the lattice is not periodic, but over
+                // several pads every place within a pad is as likely as any other.
+                let reach = (4.0 * self.pitch / self.radius).min(0.5);
+                let (distance, azimuth, turn) = (
+                    reach * (0.5 + 0.5 * stream.symmetric_uniform()).sqrt(),
+                    std::f64::consts::PI * stream.symmetric_uniform(),
+                    std::f64::consts::PI * stream.symmetric_uniform(),
+                );
+                let middle = direction_at(&(Vector2::new(azimuth.cos(), azimuth.sin()) * distance));
+                let spin = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+                let lattice_from_contact = turn_to(&middle) * spin;
+                let first_pad = lattice.direction(lattice.nearest(&middle));
+                Placement::Uniform {
+                    lattice_from_contact,
+                    first_pad,
+                }
+            }
+        })
+    }
+
+    /// The displacement (length) between the centres of the pads that report at the first contact
+    /// and after `displacement`, in the tangent basis at the first contact.
+    ///
+    /// # Errors
+    /// [`BeyondPads`] where the contact has left the cap.
+    pub fn read(
+        &self,
+        placement: &PadPlacement,
+        displacement: &Vector2<f64>,
+    ) -> Result<Vector2<f64>, BeyondPads> {
+        let angle_rad = displacement.norm() / self.radius;
+        if angle_rad > self.cap_rad {
+            return Err(BeyondPads {
+                angle_rad,
+                cap_rad: self.cap_rad,
+            });
+        }
+        match (&self.tiling, &placement.0) {
+            (
+                Tiling::Uniform(lattice),
+                Placement::Uniform {
+                    lattice_from_contact,
+                    first_pad,
+                },
+            ) => {
+                let contact = lattice_from_contact * direction_at(&(displacement / self.radius));
+                let pad = lattice.direction(lattice.nearest(&contact));
+                let back = lattice_from_contact.inverse();
+                Ok(displacement_between(&(back * first_pad), &(back * pad)) * self.radius)
+            }
+            (_, Placement::Square(offset)) => Ok(displacement.zip_map(offset, |length, offset| {
+                self.pitch * (length / self.pitch + offset).round()
+            })),
+            // A placement made by other pads: read as if placed on a centre.
+            (Tiling::Square, Placement::Uniform { .. }) => {
+                Ok(displacement.map(|length| self.pitch * (length / self.pitch).round()))
+            }
+        }
+    }
+}
+
+/// The shortest turn from +z to `direction`.
+fn turn_to(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::rotation_between(&Vector3::z(), direction).unwrap_or_else(|| {
+        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+    })
+}

@@ -1,0 +1,68 @@
+//! Points of a fingertip as directions from its centre, and displacements between them.
+
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
+
+/// The direction reached from +z by going `displacement` (in radians) along a great circle, in the
+/// tangent basis (x, y) at +z: the exponential map.
+pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
+    let angle = displacement.norm();
+    if angle == 0.0 {
+        return Vector3::z();
+    }
+    let (sin, cos) = angle.sin_cos();
+    let across = displacement * (sin / angle);
+    Vector3::new(across.x, across.y, cos)
+}
+
+/// The great-circle displacement (logarithm map, radians) from direction `from` to direction `to`,
+/// in the tangent basis at `from` that the shortest turn carries from (x, y) at +z.
+///
+/// Between opposite directions, where every great circle is shortest, it is along x.
+pub fn displacement_between(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector2<f64> {
+    let level = UnitQuaternion::rotation_between(from, &Vector3::z()).unwrap_or_else(|| {
+        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+    });
+    let local = level * to;
+    let across = local.xy();
+    let sine = across.norm();
+    if sine == 0.0 {
+        return if local.z >= 0.0 {
+            Vector2::zeros()
+        } else {
+            Vector2::x() * std::f64::consts::PI
+        };
+    }
+    across * (sine.atan2(local.z) / sine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn logarithm_inverts_exponential(angle in 0.0..3.1_f64, azimuth in -3.2..3.2_f64) {
+            let displacement = Vector2::new(azimuth.cos(), azimuth.sin()) * angle;
+            let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
+            prop_assert!((back - displacement).norm() < 1e-13);
+        }
+
+        #[test]
+        fn length_is_the_angle(a in -1.0..1.0_f64, b in -1.0..1.0_f64, c in -3.0..3.0_f64) {
+            let from = direction_at(&Vector2::new(a, b));
+            let to = direction_at(&Vector2::new(b, c));
+            let angle = from.cross(&to).norm().atan2(from.dot(&to));
+            assert_relative_eq!(displacement_between(&from, &to).norm(), angle, epsilon = 1e-14);
+        }
+    }
+
+    #[test]
+    fn opposite_directions_are_half_a_turn_apart() {
+        let opposite = displacement_between(&Vector3::z(), &-Vector3::z());
+        assert_eq!(opposite, Vector2::new(std::f64::consts::PI, 0.0));
+        let from_below = displacement_between(&-Vector3::z(), &Vector3::z());
+        assert_relative_eq!(from_below.norm(), std::f64::consts::PI, epsilon = 1e-15);
+    }
+}

@@ -1,0 +1,144 @@
+//! A near-uniform lattice of pads on the sphere, with the nearest one found in constant time.
+//!
+//! The spherical Fibonacci lattice: pad `i` of `n` lies at `z = 1 − (2i + 1)/n` and azimuth
+//! `2π i (Φ − 1)`, Φ the golden ratio. Around any place it looks like a plane lattice spanned by
+//! the steps to `i + F_k` and `i + F_{k+1}` for Fibonacci numbers that depend on the latitude;
+//! inverting that basis gives the neighbours (Keinert, Innmann, Sänger and Stamminger, *Spherical
+//! Fibonacci Mapping*, 2015). Azimuths are kept as 64-bit fractions of a turn, so that 10¹³ pads
+//! still stand where they should.
+
+use nalgebra::{Matrix2, Vector2, Vector3};
+
+use crate::InvalidSensor;
+
+/// `n` pads over the whole sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UniformLattice {
+    pads: u64,
+}
+
+/// `Φ − 1` as a fraction of 2⁶⁴.
+const GOLDEN_TURN: u64 = 0x9E37_79B9_7F4A_7C15;
+const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
+const MOST_PADS: f64 = 1e15;
+
+impl UniformLattice {
+    /// One pad per square of the angular pitch (radians).
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] unless the pitch leaves between 2 and 10¹⁵ pads.
+    pub fn with_pitch(pitch_rad: f64) -> Result<Self, InvalidSensor> {
+        let pads = (4.0 * std::f64::consts::PI / (pitch_rad * pitch_rad)).round();
+        let holds = pitch_rad > 0.0 && (2.0..=MOST_PADS).contains(&pads);
+        InvalidSensor::unless(
+            holds,
+            "pitch",
+            pitch_rad,
+            "between 1.2e-7 and 2.5 of the probe's radius",
+        )?;
+        Ok(Self { pads: pads as u64 })
+    }
+
+    /// How many pads the whole sphere would hold.
+    pub const fn pads(&self) -> u64 {
+        self.pads
+    }
+
+    /// Direction of pad `index`, counted from +z.
+    pub fn direction(&self, index: u64) -> Vector3<f64> {
+        let below = (2.0 * index as f64 + 1.0) / self.pads as f64;
+        // 1 − z² = below (2 − below), without cancellation near the pole.
+        let sine = (below * (2.0 - below)).max(0.0).sqrt();
+        let (sin, cos) = azimuth(index).sin_cos();
+        Vector3::new(sine * cos, sine * sin, 1.0 - below)
+    }
+
+    /// The pad nearest to a unit `direction`.
+    pub fn nearest(&self, direction: &Vector3<f64>) -> u64 {
+        let count = self.pads as f64;
+        let sine_squared = direction.x * direction.x + direction.y * direction.y;
+        // Depth below the pole in pads, from whichever of z and the sine is better conditioned.
+        let depth = if direction.z > 0.0 {
+            sine_squared / (1.0 + direction.z)
+        } else {
+            1.0 - direction.z
+        } * 0.5
+            * count
+            - 0.5;
+        let azimuth_here = direction.y.atan2(direction.x);
+
+        // The Fibonacci numbers of this latitude's zone.
+        let zone = (count * std::f64::consts::PI * 5.0_f64.sqrt() * sine_squared).max(1.0);
+        let order = (zone.ln() / (2.0 * GOLDEN_RATIO.ln())).floor().max(2.0) as i32;
+        let fibonacci = GOLDEN_RATIO.powi(order) / 5.0_f64.sqrt();
+        let (f0, f1) = (fibonacci.round(), (fibonacci * GOLDEN_RATIO).round());
+        let basis = Matrix2::new(signed_azimuth(f0 as u64), signed_azimuth(f1 as u64), f0, f1);
+        let mut best = Nearest::new(direction);
+        if let Some(inverse) = basis.try_inverse() {
+            // Steps from pad 0, which stands at azimuth 0 and depth 0.
+            let steps = inverse * Vector2::new(azimuth_here, depth);
+            let corner = steps.map(f64::floor);
+            for along in -1..=2 {
+                for across in -1..=2 {
+                    let index =
+                        (corner.x + f64::from(along)) * f0 + (corner.y + f64::from(across)) * f1;
+                    // Beyond a pole the lattice folds back.
+                    let index = if index < 0.0 { -1.0 - index } else { index };
+                    let index = if index >= count {
+                        2.0 * count - 1.0 - index
+                    } else {
+                        index
+                    };
+                    if (0.0..count).contains(&index) {
+                        best.consider(index as u64, self);
+                    }
+                }
+            }
+        }
+        // Near the poles the plane picture fails; there are few pads to look at.
+        const POLAR: u64 = 12;
+        if depth < POLAR as f64 {
+            (0..(2 * POLAR).min(self.pads)).for_each(|index| best.consider(index, self));
+        }
+        if depth > count - 1.0 - POLAR as f64 {
+            let first = self.pads.saturating_sub(2 * POLAR);
+            (first..self.pads).for_each(|index| best.consider(index, self));
+        }
+        best.index
+    }
+}
+
+struct Nearest<'a> {
+    direction: &'a Vector3<f64>,
+    index: u64,
+    distance: f64,
+}
+
+impl<'a> Nearest<'a> {
+    fn new(direction: &'a Vector3<f64>) -> Self {
+        Self {
+            direction,
+            index: 0,
+            distance: f64::INFINITY,
+        }
+    }
+
+    fn consider(&mut self, index: u64, lattice: &UniformLattice) {
+        let distance = (lattice.direction(index) - self.direction).norm_squared();
+        if distance < self.distance {
+            (self.index, self.distance) = (index, distance);
+        }
+    }
+}
+
+/// Azimuth of pad `index` in [0, 2π).
+fn azimuth(index: u64) -> f64 {
+    let turns = index.wrapping_mul(GOLDEN_TURN) as f64 / 2.0_f64.powi(64);
+    std::f64::consts::TAU * turns
+}
+
+/// The same in [−π, π).
+fn signed_azimuth(index: u64) -> f64 {
+    let turns = index.wrapping_mul(GOLDEN_TURN) as i64 as f64 / 2.0_f64.powi(64);
+    std::f64::consts::TAU * turns
+}

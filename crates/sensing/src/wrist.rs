@@ -1,0 +1,92 @@
+//! A force and moment sensor in the wrist, from which the contact on the fingertip is inferred.
+
+use nalgebra::{Vector2, Vector3};
+
+use crate::{InvalidSensor, Stream, direction_at, displacement_between};
+
+/// A wrist sensor whose inferred contact point errs isotropically on the fingertip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrist {
+    std: f64,
+    radius: f64,
+}
+
+impl Wrist {
+    /// A sensor with standard deviation `std` (length) of the contact point along each tangent
+    /// direction, on a fingertip of `radius`.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] unless both are finite, `std >= 0` and `radius > 0`.
+    pub fn new(std: f64, radius: f64) -> Result<Self, InvalidSensor> {
+        let holds = std >= 0.0 && std.is_finite();
+        InvalidSensor::unless(holds, "std", std, "finite and at least 0")?;
+        InvalidSensor::unless(
+            radius > 0.0 && radius.is_finite(),
+            "radius",
+            radius,
+            "finite and > 0",
+        )?;
+        Ok(Self { std, radius })
+    }
+
+    /// Standard deviation of a shift: the first and the last contact err independently.
+    pub fn shift_std(&self) -> f64 {
+        std::f64::consts::SQRT_2 * self.std
+    }
+
+    /// What the sensor says of a `displacement` (length) from the first contact.
+    pub fn read(&self, stream: &mut Stream, displacement: &Vector2<f64>) -> Vector2<f64> {
+        let error = self.std / self.radius;
+        let mut infer = |contact: Vector3<f64>| {
+            let tangential = Vector2::new(stream.standard_normal(), stream.standard_normal());
+            perturbed(&contact, &(tangential * error))
+        };
+        let first = infer(Vector3::z());
+        let last = infer(direction_at(&(displacement / self.radius)));
+        displacement_between(&first, &last) * self.radius
+    }
+}
+
+/// `direction` moved by a tangential displacement, isotropic if that is.
+fn perturbed(direction: &Vector3<f64>, displacement: &Vector2<f64>) -> Vector3<f64> {
+    let x = direction.cross(&Vector3::y()).try_normalize(1e-6);
+    let x = x.unwrap_or_else(|| direction.cross(&Vector3::x()).normalize());
+    let y = direction.cross(&x);
+    let local = direction_at(displacement);
+    x * local.x + y * local.y + direction * local.z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Channel;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn errors_have_the_stated_size_and_no_direction() {
+        let wrist = Wrist::new(0.02, 1.0).unwrap();
+        let displacement = Vector2::new(0.3, -0.2);
+        let count = 40_000;
+        let (mut mean, mut square) = (Vector2::zeros(), Vector2::zeros());
+        for trial in 0..count {
+            let mut stream = Stream::new(5, trial, Channel::WristContact);
+            let error = wrist.read(&mut stream, &displacement) - displacement;
+            mean += error / count as f64;
+            square += error.component_mul(&error) / count as f64;
+        }
+        let bound = 4.0 * wrist.shift_std() / (count as f64).sqrt();
+        assert!(mean.amax() < bound, "{mean}");
+        for axis in 0..2 {
+            assert_relative_eq!(square[axis].sqrt(), wrist.shift_std(), max_relative = 0.02);
+        }
+    }
+
+    #[test]
+    fn a_perfect_wrist_is_exact() {
+        let wrist = Wrist::new(0.0, 2.0).unwrap();
+        let mut stream = Stream::new(5, 0, Channel::WristContact);
+        let displacement = Vector2::new(0.3, -0.2);
+        let read = wrist.read(&mut stream, &displacement);
+        assert!((read - displacement).norm() < 1e-15);
+    }
+}

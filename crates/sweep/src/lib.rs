@@ -1,0 +1,54 @@
+//! A deterministic parallel Monte Carlo runner: cells × trials.
+//!
+//! A [`Cell`] is one setting of a study and a [`Trial`] is what is repeated in it: a function of the trial's number
+//! that records an [`Observation`] of each quantity. [`run`] repeats it and sums up every quantity of every cell in
+//! a [`Summary`]. What the trial does is none of this crate's business.
+//!
+//! Guarantees, for trials that depend on nothing but their number:
+//!
+//! - The result is the same to the last bit for any number of threads. Trials run in blocks of [`BLOCK`]; the sums of
+//!   blocks are folded in the order of the trials, and everything else that is merged is an integer or an extremum.
+//! - Memory does not grow with the number of trials.
+//! - No number in a result is NaN or infinite. What is undefined is `None`.
+//!
+//! ```
+//! use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+//!
+//! /// Estimates 2 with an error of ±0.5.
+//! struct Coin;
+//!
+//! impl Trial for Coin {
+//!     fn quantities(&self) -> usize {
+//!         1
+//!     }
+//!
+//!     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+//!         let error = if trial % 2 == 0 { 0.5 } else { -0.5 };
+//!         record.observe(0, Observation { estimate: 2.0 + error, truth: 2.0, std: Some(0.5) });
+//!         Ok(())
+//!     }
+//! }
+//!
+//! let cells = [Cell { trials: 10_000, trial: &Coin }];
+//! let statistics = run(&cells, &RunOptions::default(), &|_finished| ())?;
+//! let summary = statistics[0].quantities[0];
+//! assert_eq!((summary.bias, summary.rms_error), (Some(0.0), Some(0.5)));
+//! assert_eq!(summary.coverage95, Some(1.0));
+//! # Ok::<(), palpate_sweep::SweepError>(())
+//! ```
+
+mod failures;
+mod histogram;
+mod magnitude;
+mod moments;
+mod part;
+mod record;
+mod run;
+mod scale;
+mod summary;
+mod sums;
+
+pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
+pub use record::{Observation, Record};
+pub use run::{BLOCK, Cell, RunOptions, SweepError, Trial, run};
+pub use summary::{CellStatistics, Summary};

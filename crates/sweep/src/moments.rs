@@ -1,0 +1,275 @@
+//! Mean and spread of a run of numbers, mergeable, sound for every finite number.
+
+use crate::scale::{exponent, power_of_two, range, sum};
+
+/// Count, range, mean and squared deviations of some finite numbers.
+///
+/// Sums are kept in units of a power of two near the largest magnitude, so that squares neither overflow nor vanish,
+/// and about the first number, so that a small spread about a large mean is not lost. Merging follows Chan, Golub and
+/// LeVeque (1983). It is exact in `count`, `min` and `max`; elsewhere the order of merging shows in the last bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Moments {
+    count: u64,
+    min: f64,
+    max: f64,
+    /// Everything below is in units of 2^exponent.
+    exponent: i32,
+    /// The first number.
+    origin: f64,
+    /// Mean of the differences to `origin`.
+    mean: f64,
+    /// Sum of the squared differences to the mean.
+    squares: f64,
+}
+
+impl Moments {
+    /// Of finite numbers.
+    pub(crate) fn of(values: &[f64]) -> Moments {
+        let Some(&first) = values.first() else {
+            return Moments::default();
+        };
+        let (min, max) = range(values, first);
+        let exponent = exponent(max.max(-min));
+        let per_unit = power_of_two(-exponent);
+        let origin = first * per_unit;
+        let differences = sum(values, |x| x * per_unit - origin);
+        let mean = differences / values.len() as f64;
+        let squares = sum(values, |x| {
+            let deviation = (x * per_unit - origin) - mean;
+            deviation * deviation
+        });
+        Moments {
+            count: values.len() as u64,
+            min,
+            max,
+            exponent,
+            origin,
+            mean,
+            squares,
+        }
+    }
+
+    /// Adds the numbers of `other`, which come after one's own.
+    pub(crate) fn merge(&mut self, other: &Moments) {
+        if other.count == 0 {
+            return;
+        }
+        if self.count == 0 {
+            *self = *other;
+            return;
+        }
+        let mut other = *other;
+        let exponent = self.exponent.max(other.exponent);
+        self.rescale(exponent);
+        other.rescale(exponent);
+
+        let count = self.count + other.count;
+        let share = other.count as f64 / count as f64;
+        let delta = (other.origin - self.origin) + (other.mean - self.mean);
+        self.mean += delta * share;
+        self.squares += other.squares + delta * delta * share * self.count as f64;
+        self.min = self.min.min(other.min);
+        self.max = self.max.max(other.max);
+        self.count = count;
+    }
+
+    /// Of the same numbers with `by` added to each.
+    pub(crate) fn shifted(&self, by: f64) -> Moments {
+        let mut shifted = *self;
+        shifted.rescale(self.exponent.max(exponent(by)));
+        // A new origin rather than a sum, which would round the old one away.
+        shifted.mean += shifted.origin;
+        shifted.origin = by * power_of_two(-shifted.exponent);
+        shifted.min += by;
+        shifted.max += by;
+        shifted
+    }
+
+    /// Changes to a unit that is not smaller.
+    fn rescale(&mut self, exponent: i32) {
+        let factor = power_of_two(self.exponent - exponent);
+        self.exponent = exponent;
+        self.origin *= factor;
+        self.mean *= factor;
+        self.squares *= factor * factor;
+    }
+
+    /// How many numbers.
+    pub(crate) fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Magnitude of the number furthest from 0; 0 of nothing.
+    pub(crate) fn largest(&self) -> f64 {
+        self.max.max(-self.min)
+    }
+
+    /// `value` moved to the nearest number between the smallest and the largest.
+    pub(crate) fn clamp(&self, value: f64) -> f64 {
+        value.max(self.min).min(self.max)
+    }
+
+    /// Arithmetic mean; `None` of nothing.
+    pub(crate) fn mean(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.clamp(self.in_plain_units(self.origin + self.mean)))
+    }
+
+    /// Root of the mean square; `None` of nothing.
+    pub(crate) fn rms(&self) -> Option<f64> {
+        let mean = self.origin + self.mean;
+        let mean_square = self.squares / self.count as f64 + mean * mean;
+        (self.count > 0).then(|| self.in_plain_units(mean_square.sqrt()))
+    }
+
+    /// Sample standard deviation, divided by count − 1; `None` of fewer than two.
+    pub(crate) fn std(&self) -> Option<f64> {
+        let variance = self.squares / self.count.checked_sub(1)? as f64;
+        (self.count > 1).then(|| self.in_plain_units(variance.sqrt()))
+    }
+
+    fn in_plain_units(&self, value: f64) -> f64 {
+        value * power_of_two(self.exponent)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use proptest::prelude::*;
+
+    #[test]
+    fn arithmetic_sequences_have_their_closed_forms() {
+        for n in [1, 2, 7, 8, 9, 1023, 1024, 1025] {
+            let values: Vec<f64> = (1..=n).map(f64::from).collect();
+            let moments = Moments::of(&values);
+            let n = f64::from(n);
+            assert_relative_eq!(
+                moments.mean().unwrap(),
+                (n + 1.0) / 2.0,
+                max_relative = 1e-15
+            );
+            let mean_square = (n + 1.0) * (2.0 * n + 1.0) / 6.0;
+            assert_relative_eq!(
+                moments.rms().unwrap(),
+                mean_square.sqrt(),
+                max_relative = 1e-15
+            );
+            match moments.std() {
+                Some(std) => {
+                    assert_relative_eq!(std * std, n * (n + 1.0) / 12.0, max_relative = 1e-14)
+                }
+                None => assert_eq!(n, 1.0),
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_has_no_moments() {
+        let nothing = Moments::of(&[]);
+        assert_eq!(nothing.mean(), None);
+        assert_eq!(nothing.rms(), None);
+        assert_eq!(nothing.std(), None);
+    }
+
+    #[test]
+    fn a_spread_near_the_resolution_of_a_large_mean_survives_merging() {
+        // 1e9 and its eight next floats, over and over: variance of 0 … 8 is 20/3 (population).
+        let ulp = 2f64.powi(-23);
+        let values: Vec<f64> = (0..9 * 1024)
+            .map(|i| 1e9 + f64::from(i % 9) * ulp)
+            .collect();
+        let mut folded = Moments::default();
+        for block in values.chunks(1024) {
+            folded.merge(&Moments::of(block));
+        }
+        let n = values.len() as f64;
+        let std = (20.0 / 3.0 * n / (n - 1.0)).sqrt() * ulp;
+        assert_relative_eq!(folded.std().unwrap(), std, max_relative = 1e-12);
+        assert_relative_eq!(
+            folded.mean().unwrap(),
+            1e9 + 4.0 * ulp,
+            max_relative = 1e-16
+        );
+    }
+
+    #[test]
+    fn shifting_is_adding_to_every_number() {
+        let values = [1.0, 2.5, -4.0, 0.125];
+        for by in [0.0, 1.0, -1e9, 1e250, 1e-250] {
+            let added = Moments::of(&values.map(|value| value + by));
+            let shifted = Moments::of(&values).shifted(by);
+            assert_relative_eq!(
+                shifted.mean().unwrap(),
+                added.mean().unwrap(),
+                max_relative = 1e-15
+            );
+            if by.abs() < 1e100 {
+                assert_relative_eq!(
+                    shifted.std().unwrap(),
+                    added.std().unwrap(),
+                    max_relative = 1e-7
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn powers_of_two_scale_the_result_exactly() {
+        let values: Vec<f64> = (0..100).map(|i| f64::from(i * i % 37) - 11.3).collect();
+        let plain = Moments::of(&values);
+        for exponent in [-990, -400, 400, 990] {
+            let scale = 2f64.powi(exponent);
+            let scaled: Vec<f64> = values.iter().map(|value| value * scale).collect();
+            let scaled = Moments::of(&scaled);
+            assert_eq!(scaled.std().unwrap(), plain.std().unwrap() * scale);
+            assert_eq!(scaled.rms().unwrap(), plain.rms().unwrap() * scale);
+            assert_eq!(scaled.mean().unwrap(), plain.mean().unwrap() * scale);
+        }
+    }
+
+    #[test]
+    fn the_ends_of_the_floats_are_sound() {
+        let tiny = Moments::of(&[5e-324; 3]);
+        assert_eq!(tiny.mean(), Some(5e-324));
+        assert_eq!(tiny.rms(), Some(5e-324));
+        assert_eq!(tiny.std(), Some(0.0));
+
+        let mut mixed = Moments::of(&[1e-300, 3e-300]);
+        assert_relative_eq!(
+            mixed.std().unwrap(),
+            2f64.sqrt() * 1e-300,
+            max_relative = 1e-15
+        );
+        mixed.merge(&Moments::of(&[1e300, -1e300]));
+        assert_relative_eq!(
+            mixed.rms().unwrap(),
+            0.5f64.sqrt() * 1e300,
+            max_relative = 1e-15
+        );
+        mixed.merge(&Moments::of(&[-0.0, 0.0]));
+        assert_eq!(mixed.count(), 6);
+
+        let largest = Moments::of(&[f64::MAX, f64::MAX, f64::MAX]);
+        assert_eq!(largest.mean(), Some(f64::MAX));
+        assert_eq!(largest.std(), Some(0.0));
+    }
+
+    proptest! {
+        #[test]
+        fn merging_agrees_with_all_numbers_at_once(
+            values in prop::collection::vec(-1e3..1e3, 2..200),
+            cut in 0..200usize,
+        ) {
+            let (left, right) = values.split_at(cut.min(values.len()));
+            let mut merged = Moments::of(left);
+            merged.merge(&Moments::of(right));
+            let whole = Moments::of(&values);
+            let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * 1e3;
+            prop_assert_eq!(merged.count(), whole.count());
+            prop_assert!(close(merged.mean().unwrap(), whole.mean().unwrap()));
+            prop_assert!(close(merged.rms().unwrap(), whole.rms().unwrap()));
+            prop_assert!(close(merged.std().unwrap(), whole.std().unwrap()));
+        }
+    }
+}

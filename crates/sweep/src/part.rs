@@ -1,0 +1,183 @@
+//! A run of consecutive blocks of one cell, and the joining of neighbouring runs.
+
+use crate::failures::{Failure, Failures};
+use crate::histogram::Histogram;
+use crate::record::Record;
+use crate::run::{BLOCK, Cell};
+use crate::summary::{CellStatistics, Summary};
+use crate::sums::{Scratch, Sums};
+
+/// Trials between two looks at how much they recorded.
+const LOOK: u64 = 32;
+/// Observations of one quantity that are summed up before the block ends.
+const MANY: usize = 4 * BLOCK as usize;
+
+/// What one thread works with.
+#[derive(Debug, Default)]
+pub(crate) struct Workspace {
+    record: Record,
+    scratch: Scratch,
+}
+
+/// What came of some consecutive blocks of a cell.
+#[derive(Debug)]
+struct Part {
+    cell: usize,
+    first_block: u64,
+    blocks: u64,
+    failures: Failures,
+    /// One per quantity, over all blocks: exact in any order.
+    histograms: Vec<Histogram>,
+    /// One per block and quantity, block after block; the first may stand for several blocks that were folded.
+    sums: Vec<Sums>,
+}
+
+impl Part {
+    fn new(cell: usize, first_block: u64, quantities: usize) -> Part {
+        Part {
+            cell,
+            first_block,
+            blocks: 0,
+            failures: Failures::default(),
+            histograms: vec![Histogram::default(); quantities],
+            sums: Vec::new(),
+        }
+    }
+
+    fn run_next_block(&mut self, cell: &Cell, workspace: &mut Workspace) {
+        let Workspace { record, scratch } = workspace;
+        let quantities = self.histograms.len();
+        record.set_quantities(quantities);
+        let mut sums = vec![Sums::default(); quantities];
+        let mut sum_up = |record: &mut Record| {
+            let columns = record.columns().iter_mut();
+            for ((column, sums), histogram) in columns.zip(&mut sums).zip(&mut self.histograms) {
+                sums.merge(&Sums::of(column, histogram, scratch));
+                column.clear();
+            }
+        };
+
+        let start = (self.first_block + self.blocks) * BLOCK;
+        for trial in start..cell.trials.min(start.saturating_add(BLOCK)) {
+            if let Err(kind) = record.take(trial, |record| cell.trial.run(trial, record)) {
+                self.failures.add(Failure {
+                    kind,
+                    count: 1,
+                    first_trial: trial,
+                });
+            }
+            if trial % LOOK == LOOK - 1 && record.columns().iter().any(|column| column.len() > MANY)
+            {
+                sum_up(record);
+            }
+        }
+        sum_up(record);
+        self.sums.append(&mut sums);
+        self.blocks += 1;
+    }
+
+    /// Adds the blocks that follow.
+    fn append(&mut self, mut next: Part) {
+        self.blocks += next.blocks;
+        self.failures.merge(next.failures);
+        for (own, more) in self.histograms.iter_mut().zip(next.histograms) {
+            own.merge(more);
+        }
+        self.sums.append(&mut next.sums);
+    }
+
+    /// Folds what has been summed so far into its first block; the part must begin its cell.
+    fn fold(&mut self) {
+        let quantities = self.histograms.len();
+        let first_block = quantities.min(self.sums.len());
+        let (folded, rest) = self.sums.split_at_mut(first_block);
+        for (index, sums) in rest.iter().enumerate() {
+            folded[index % quantities].merge(sums);
+        }
+        self.sums.truncate(quantities);
+    }
+
+    fn finish(mut self, trials: u64) -> CellStatistics {
+        self.fold();
+        let quantities = self.sums.iter().zip(&self.histograms);
+        CellStatistics {
+            trials,
+            failures: self.failures.sorted(),
+            quantities: quantities
+                .map(|(sums, histogram)| Summary::new(sums, histogram))
+                .collect(),
+        }
+    }
+}
+
+#[derive(Debug)]
+enum Piece {
+    Done(CellStatistics),
+    Open(Part),
+}
+
+/// What came of consecutive blocks of the whole study: every cell that is complete is already summarised.
+#[derive(Debug, Default)]
+pub(crate) struct Segment {
+    pieces: Vec<Piece>,
+}
+
+impl Segment {
+    /// Runs the block that follows, `block` of `cell`.
+    pub(crate) fn run_block(
+        &mut self,
+        cells: &[Cell],
+        cell: usize,
+        block: u64,
+        workspace: &mut Workspace,
+    ) {
+        let mut part = match self
+            .pieces
+            .pop_if(|piece| matches!(piece, Piece::Open(part) if part.cell == cell))
+        {
+            Some(Piece::Open(part)) => part,
+            _ => Part::new(cell, block, cells[cell].trial.quantities()),
+        };
+        part.run_next_block(&cells[cell], workspace);
+        self.push(part, cells);
+    }
+
+    /// Adds the blocks that follow.
+    pub(crate) fn join(mut self, next: Segment, cells: &[Cell]) -> Segment {
+        let mut next = next.pieces.into_iter();
+        match (self.pieces.pop(), next.next()) {
+            (Some(Piece::Open(mut left)), Some(Piece::Open(right))) if left.cell == right.cell => {
+                left.append(right);
+                self.push(left, cells);
+            }
+            (left, right) => self.pieces.extend(left.into_iter().chain(right)),
+        }
+        self.pieces.extend(next);
+        self
+    }
+
+    fn push(&mut self, part: Part, cells: &[Cell]) {
+        let cell = &cells[part.cell];
+        self.pieces.push(if part.blocks == cell.blocks() {
+            Piece::Done(part.finish(cell.trials))
+        } else {
+            Piece::Open(part)
+        });
+    }
+
+    /// Folds the block sums of the last cell; the segment must begin the study.
+    pub(crate) fn fold(&mut self) {
+        if let Some(Piece::Open(part)) = self.pieces.last_mut() {
+            part.fold();
+        }
+    }
+
+    /// The statistics of the cells that are complete, in order.
+    pub(crate) fn into_statistics(self) -> Vec<CellStatistics> {
+        let done = |piece| match piece {
+            Piece::Done(statistics) => Some(statistics),
+            Piece::Open(_) => None,
+        };
+        self.pieces.into_iter().filter_map(done).collect()
+    }
+}

@@ -1,0 +1,154 @@
+//! The runner.
+
+use std::num::NonZeroUsize;
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::part::{Segment, Workspace};
+use crate::record::Record;
+use crate::summary::CellStatistics;
+
+/// Trials in a block, the unit of work.
+pub const BLOCK: u64 = 1024;
+
+/// Blocks per thread after which sums are folded. Large against the blocks of one job, so that threads rarely wait.
+const WAVE: usize = 1024;
+/// Most blocks of one job; a job has its own histograms, whose merging must not be felt.
+const MAX_JOB: usize = 32;
+/// Jobs per thread, where there are few blocks.
+const JOBS_PER_THREAD: usize = 16;
+
+/// What is repeated in a cell.
+pub trait Trial: Sync {
+    /// How many quantities it observes.
+    fn quantities(&self) -> usize;
+
+    /// Runs one trial, which must depend on nothing but its number, and records what it says of the quantities.
+    ///
+    /// # Errors
+    /// The stable kebab-case name of the kind of failure. Nothing that the trial recorded is kept.
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str>;
+}
+
+/// One setting of a study: a trial and how often to run it, with the numbers `0..trials`.
+#[derive(Clone, Copy)]
+pub struct Cell<'a> {
+    /// How many trials; may be 0.
+    pub trials: u64,
+    /// What to run.
+    pub trial: &'a dyn Trial,
+}
+
+impl Cell<'_> {
+    /// Blocks of the cell; an empty one where it has no trials.
+    pub(crate) fn blocks(&self) -> u64 {
+        self.trials.div_ceil(BLOCK).max(1)
+    }
+}
+
+/// What must not change results.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RunOptions {
+    /// Worker threads; by default one per processor.
+    pub threads: Option<NonZeroUsize>,
+}
+
+/// Why a study could not be run.
+#[derive(Debug, Error)]
+pub enum SweepError {
+    /// The operating system gave no threads.
+    #[error("cannot start {} worker threads: {source}", threads.map_or("the default number of".to_owned(), |n| n.to_string()))]
+    Threads {
+        /// The number asked for.
+        threads: Option<NonZeroUsize>,
+        /// What the thread pool says.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// The trials of all cells cannot be counted in 64 bits.
+    #[error("{cells} cells have more than {} trials together", u64::MAX)]
+    TooManyTrials {
+        /// Number of cells.
+        cells: usize,
+    },
+}
+
+/// Runs all trials of all cells and gives the statistics of each cell, in order.
+///
+/// `progress` is told by any thread, after each block, how many trials it had.
+///
+/// # Errors
+/// [`SweepError`], before any trial is run.
+///
+/// # Panics
+/// Where a trial or `progress` does.
+pub fn run(
+    cells: &[Cell],
+    options: &RunOptions,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Vec<CellStatistics>, SweepError> {
+    let study = Study::new(cells)?;
+    let threads = options.threads;
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.map_or(0, NonZeroUsize::get))
+        .build()
+        .map_err(|source| SweepError::Threads { threads, source })
+        .map(|pool| pool.install(|| study.run(progress)))
+}
+
+/// The blocks of all cells in one sequence.
+struct Study<'a> {
+    cells: &'a [Cell<'a>],
+    /// First block of each cell.
+    starts: Vec<u64>,
+    blocks: u64,
+}
+
+impl<'a> Study<'a> {
+    fn new(cells: &'a [Cell<'a>]) -> Result<Study<'a>, SweepError> {
+        let mut starts = Vec::with_capacity(cells.len());
+        let (mut blocks, mut trials) = (0u64, 0u64);
+        for cell in cells {
+            starts.push(blocks);
+            blocks += cell.blocks();
+            trials = trials
+                .checked_add(cell.trials)
+                .ok_or(SweepError::TooManyTrials { cells: cells.len() })?;
+        }
+        Ok(Study {
+            cells,
+            starts,
+            blocks,
+        })
+    }
+
+    /// Runs all blocks in waves; after each only the folded sums of the cell that is not complete remain.
+    fn run(&self, progress: &(dyn Fn(u64) + Sync)) -> Vec<CellStatistics> {
+        let wave = (WAVE * rayon::current_num_threads()) as u64;
+        let mut all = Segment::default();
+        for start in (0..self.blocks).step_by(wave as usize) {
+            let blocks = (self.blocks - start).min(wave) as usize;
+            all = all.join(self.run_wave(start, blocks, progress), self.cells);
+            all.fold();
+        }
+        all.into_statistics()
+    }
+
+    fn run_wave(&self, start: u64, blocks: usize, progress: &(dyn Fn(u64) + Sync)) -> Segment {
+        let jobs = JOBS_PER_THREAD * rayon::current_num_threads();
+        let run = |(mut segment, mut workspace): (Segment, Workspace), index: usize| {
+            let index = start + index as u64;
+            let cell = self.starts.partition_point(|&first| first <= index) - 1;
+            let block = index - self.starts[cell];
+            segment.run_block(self.cells, cell, block, &mut workspace);
+            progress((self.cells[cell].trials - block * BLOCK).min(BLOCK));
+            (segment, workspace)
+        };
+        (0..blocks)
+            .into_par_iter()
+            .with_max_len((blocks / jobs).clamp(1, MAX_JOB))
+            .fold(Default::default, run)
+            .map(|(segment, _)| segment)
+            .reduce(Segment::default, |left, right| left.join(right, self.cells))
+    }
+}

@@ -1,0 +1,109 @@
+//! The statistics of a cell.
+
+use crate::failures::Failure;
+use crate::histogram::Histogram;
+use crate::sums::{Sums, Truth};
+
+/// What came of a cell's trials.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellStatistics {
+    /// Trials run, failed ones included.
+    pub trials: u64,
+    /// Failures, one entry per kind, ordered by kind.
+    pub failures: Vec<Failure>,
+    /// One per quantity, in the trial's order.
+    pub quantities: Vec<Summary>,
+}
+
+impl CellStatistics {
+    /// Number of failed trials.
+    pub fn failed(&self) -> u64 {
+        self.failures.iter().map(|failure| failure.count).sum()
+    }
+}
+
+/// Statistics of one quantity over the observations of the trials that succeeded.
+///
+/// An error is estimate − truth. Everything is in the quantity's unit or a plain ratio, and finite; a statistic is
+/// `None` where it is undefined (always so without observations) or beyond the range of `f64`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Number of observations.
+    pub observations: u64,
+    /// The true value; `None` where it varies.
+    pub truth: Option<f64>,
+    /// Mean estimate.
+    pub mean: Option<f64>,
+    /// Sample standard deviation of the estimates (divided by n − 1); `None` for fewer than two.
+    pub std: Option<f64>,
+    /// Mean error.
+    pub bias: Option<f64>,
+    /// Root of the mean squared error.
+    pub rms_error: Option<f64>,
+    /// Mean magnitude of the error.
+    pub mean_abs_error: Option<f64>,
+    /// `rms_error` over the magnitude of the truth; `None` where the truth is 0 or varies.
+    pub relative_rms_error: Option<f64>,
+    /// `mean_abs_error` over the magnitude of the truth; `None` where the truth is 0 or varies.
+    pub relative_mean_abs_error: Option<f64>,
+    /// 5 % quantile of the estimates, its distance to the truth right to 0.4 %; `None` where the truth varies.
+    ///
+    /// Quantiles are linear between neighbouring order statistics, the usual definition (type 7).
+    pub q05: Option<f64>,
+    /// Median of the estimates, as `q05`.
+    pub q50: Option<f64>,
+    /// 95 % quantile of the estimates, as `q05`.
+    pub q95: Option<f64>,
+    /// Mean of the reported standard deviations; `None` where none was reported.
+    pub mean_reported_std: Option<f64>,
+    /// Share of the reported 95 % intervals, estimate ± 1.96 std, that hold the truth; `None` where no standard
+    /// deviation was reported.
+    pub coverage95: Option<f64>,
+}
+
+impl Summary {
+    pub(crate) fn new(sums: &Sums, histogram: &Histogram) -> Summary {
+        let Sums {
+            errors,
+            error_magnitude,
+            reported_std,
+            ..
+        } = sums;
+        let truth = match sums.truth {
+            Truth::Same(truth) => Some(truth),
+            Truth::Unknown | Truth::Varies { .. } => None,
+        };
+        let relative = |error: Option<f64>| {
+            let truth = truth.filter(|&truth| truth != 0.0)?;
+            finite(Some(error? / truth.abs()))
+        };
+        let quantile = |p| {
+            let error = errors.clamp(histogram.quantile(p)?);
+            finite(Some(truth? + error))
+        };
+        let estimates = sums.estimates();
+        let rms_error = finite(errors.rms());
+        let mean_abs_error = finite(error_magnitude.mean());
+        let reported = reported_std.count();
+        Summary {
+            observations: errors.count(),
+            truth,
+            mean: finite(estimates.mean()),
+            std: finite(estimates.std()),
+            bias: finite(errors.mean()),
+            rms_error,
+            mean_abs_error,
+            relative_rms_error: relative(rms_error),
+            relative_mean_abs_error: relative(mean_abs_error),
+            q05: quantile(0.05),
+            q50: quantile(0.50),
+            q95: quantile(0.95),
+            mean_reported_std: finite(reported_std.mean()),
+            coverage95: (reported > 0).then(|| sums.covered as f64 / reported as f64),
+        }
+    }
+}
+
+fn finite(value: Option<f64>) -> Option<f64> {
+    value.filter(|value| value.is_finite())
+}

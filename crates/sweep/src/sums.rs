@@ -1,0 +1,116 @@
+//! Sums of one quantity over a run of trials.
+
+use crate::histogram::Histogram;
+use crate::magnitude::MeanMagnitude;
+use crate::moments::Moments;
+use crate::record::Entry;
+use crate::scale::range;
+
+/// Two-sided 95 % point of the normal distribution, in standard deviations.
+const COVERAGE_95: f64 = 1.959_963_984_540_054;
+
+/// The truth of all observations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Truth {
+    /// There was none.
+    #[default]
+    Unknown,
+    /// Always the same.
+    Same(f64),
+    /// Not always the same, so that the estimates have moments other than the errors'.
+    Varies { estimates: Moments },
+}
+
+/// What is summed over the observations of one quantity; merged in the order of the trials.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Sums {
+    pub(crate) truth: Truth,
+    pub(crate) errors: Moments,
+    pub(crate) error_magnitude: MeanMagnitude,
+    pub(crate) reported_std: MeanMagnitude,
+    /// Observations whose 95 % interval holds the truth.
+    pub(crate) covered: u64,
+}
+
+/// Work space, to be used again.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    errors: Vec<f64>,
+    others: Vec<f64>,
+}
+
+impl Sums {
+    /// Of the entries of a quantity, whose errors are also counted in the histogram.
+    pub(crate) fn of(entries: &[Entry], histogram: &mut Histogram, scratch: &mut Scratch) -> Sums {
+        let Some(first) = entries.first() else {
+            return Sums::default();
+        };
+        let Scratch { errors, others } = scratch;
+        errors.clear();
+        errors.extend(entries.iter().map(Entry::error));
+        errors.iter().for_each(|&error| histogram.add(error));
+
+        let (mut truths, mut reported) = (0, 0);
+        for entry in entries {
+            truths |= entry.truth.to_bits() ^ first.truth.to_bits();
+            reported += u64::from(entry.std.is_sign_positive());
+        }
+        let truth = if truths == 0 {
+            Truth::Same(first.truth)
+        } else {
+            others.clear();
+            others.extend(entries.iter().map(|entry| entry.estimate));
+            Truth::Varies {
+                estimates: Moments::of(others),
+            }
+        };
+        let (mut reported_std, mut covered) = (MeanMagnitude::default(), 0);
+        if reported > 0 {
+            others.clear();
+            others.extend(entries.iter().map(|entry| entry.std));
+            let pairs = errors.iter().zip(&*others);
+            covered = pairs
+                .map(|(error, std)| u64::from(error.abs() <= COVERAGE_95 * std))
+                .sum();
+            if reported < entries.len() as u64 {
+                others.retain(|std| std.is_sign_positive());
+            }
+            let (_, largest) = range(others, 0.0);
+            reported_std = MeanMagnitude::of(others, largest);
+        }
+        let moments = Moments::of(errors);
+        Sums {
+            truth,
+            errors: moments,
+            error_magnitude: MeanMagnitude::of(errors, moments.largest()),
+            reported_std,
+            covered,
+        }
+    }
+
+    /// Adds what comes after.
+    pub(crate) fn merge(&mut self, other: &Sums) {
+        self.truth = match (self.truth, other.truth) {
+            (Truth::Unknown, truth) | (truth, Truth::Unknown) => truth,
+            (Truth::Same(truth), Truth::Same(same)) if truth == same => Truth::Same(truth),
+            _ => {
+                let mut estimates = self.estimates();
+                estimates.merge(&other.estimates());
+                Truth::Varies { estimates }
+            }
+        };
+        self.errors.merge(&other.errors);
+        self.error_magnitude.merge(&other.error_magnitude);
+        self.reported_std.merge(&other.reported_std);
+        self.covered += other.covered;
+    }
+
+    /// Moments of the estimates.
+    pub(crate) fn estimates(&self) -> Moments {
+        match self.truth {
+            Truth::Unknown => Moments::default(),
+            Truth::Same(truth) => self.errors.shifted(truth),
+            Truth::Varies { estimates } => estimates,
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Threads, blocks and waves leave no trace in the results.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use palpate_sweep::{BLOCK, Cell, Record, RunOptions, SweepError, run};
+
+use crate::{Function, normal, observation, observing, run_cell, run_with};
+
+/// Every digit of every number.
+fn digits(cells: &[palpate_sweep::CellStatistics]) -> String {
+    format!("{cells:?}")
+}
+
+#[test]
+fn one_two_and_seven_threads_give_the_same_bits() {
+    let constant = observing(|trial| observation(3.0 + 0.1 * normal(trial), 3.0, Some(0.1)));
+    let moving = observing(|trial| observation(normal(trial), (trial / 3000) as f64, None));
+    let failing = Function {
+        quantities: 3,
+        function: |trial: u64, record: &mut Record| {
+            for quantity in 0..3 {
+                let estimate = 1e9 + normal(3 * trial + quantity);
+                let std = trial.is_multiple_of(2).then_some(1.0);
+                record.observe(quantity as usize, observation(estimate, 1e9, std));
+            }
+            if trial % 7 == 3 { Err("rank") } else { Ok(()) }
+        },
+    };
+    let mut cells = Vec::new();
+    for trials in [0, 1, 5000, 40 * BLOCK + 7, 1023, 1024, 1025] {
+        cells.push(Cell {
+            trials,
+            trial: &constant,
+        });
+        cells.push(Cell {
+            trials,
+            trial: &moving,
+        });
+        cells.push(Cell {
+            trials,
+            trial: &failing,
+        });
+    }
+    let one = run_with(1, &cells);
+    assert_eq!(one.len(), cells.len());
+    assert_eq!(digits(&run_with(2, &cells)), digits(&one));
+    assert_eq!(digits(&run_with(7, &cells)), digits(&one));
+}
+
+/// One thread needs two waves for it, two need one.
+#[test]
+fn waves_leave_no_trace() {
+    let trial = observing(|trial| observation((trial % 1009) as f64 / 7.0, 11.0, None));
+    let cells = [Cell {
+        trials: 1030 * BLOCK,
+        trial: &trial,
+    }; 2];
+    let one = run_with(1, &cells);
+    assert_eq!(one[0].quantities[0].observations, 1030 * BLOCK);
+    assert_eq!(digits(&one[..1]), digits(&one[1..]));
+    assert_eq!(digits(&run_with(2, &cells)), digits(&one));
+}
+
+#[test]
+fn every_trial_of_a_cell_runs_once_whatever_the_block_boundaries() {
+    for trials in [0, 1, BLOCK - 1, BLOCK, BLOCK + 1, 3 * BLOCK] {
+        let sum = AtomicU64::new(0);
+        let trial = observing(|trial| {
+            sum.fetch_add(trial + 1, Ordering::Relaxed);
+            observation(trial as f64, 0.0, None)
+        });
+        let cell = run_cell(trials, &trial);
+        assert_eq!(cell.trials, trials);
+        assert_eq!(cell.quantities[0].observations, trials);
+        assert_eq!(sum.load(Ordering::Relaxed), trials * (trials + 1) / 2);
+    }
+}
+
+#[test]
+fn progress_adds_up_to_all_trials() {
+    let trial = observing(|_| observation(0.0, 0.0, None));
+    let cells = [0, 1, 1025, 10_000].map(|trials| Cell {
+        trials,
+        trial: &trial,
+    });
+    let finished = AtomicU64::new(0);
+    let progress = |trials| {
+        finished.fetch_add(trials, Ordering::Relaxed);
+    };
+    run(&cells, &RunOptions::default(), &progress).unwrap();
+    assert_eq!(finished.into_inner(), 11_026);
+}
+
+#[test]
+fn nothing_to_do_is_done() {
+    assert_eq!(run_with(2, &[]), []);
+    let silent = Function {
+        quantities: 0,
+        function: |_: u64, _: &mut Record| Ok(()),
+    };
+    let cell = run_cell(2000, &silent);
+    assert_eq!(
+        (cell.trials, cell.failed(), cell.quantities.len()),
+        (2000, 0, 0)
+    );
+}
+
+#[test]
+fn more_trials_than_can_be_counted_are_refused() {
+    let trial = observing(|_| observation(0.0, 0.0, None));
+    let cells = [u64::MAX, 1].map(|trials| Cell {
+        trials,
+        trial: &trial,
+    });
+    let refused = run(&cells, &RunOptions::default(), &|_| ());
+    assert!(matches!(
+        refused,
+        Err(SweepError::TooManyTrials { cells: 2 })
+    ));
+}

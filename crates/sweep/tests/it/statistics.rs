@@ -1,0 +1,256 @@
+//! Statistics against closed forms, brute force and the ends of the floats.
+
+use approx::assert_relative_eq;
+use palpate_sweep::{BLOCK, Failure, NOT_FINITE, Record, Summary};
+
+use crate::{Function, normal, observation, observing, run_cell};
+
+#[test]
+fn an_arithmetic_sequence_has_its_closed_forms() {
+    for trials in [2, 1023, 1024, 1025, 10_000] {
+        // Errors 1, 2, … n about a truth of −4.
+        let cell = run_cell(
+            trials,
+            &observing(|trial| observation(trial as f64 - 3.0, -4.0, None)),
+        );
+        let n = trials as f64;
+        let summary = cell.quantities[0];
+        let close = |value: Option<f64>, expected: f64| {
+            assert_relative_eq!(value.unwrap(), expected, max_relative = 1e-13);
+        };
+        let bias = (n + 1.0) / 2.0;
+        let rms = ((n + 1.0) * (2.0 * n + 1.0) / 6.0).sqrt();
+        assert_eq!(summary.truth, Some(-4.0));
+        close(summary.mean, bias - 4.0);
+        close(summary.std, (n * (n + 1.0) / 12.0).sqrt());
+        close(summary.bias, bias);
+        close(summary.rms_error, rms);
+        close(summary.mean_abs_error, bias);
+        close(summary.relative_rms_error, rms / 4.0);
+        close(summary.relative_mean_abs_error, bias / 4.0);
+        for (quantile, p) in [(summary.q05, 0.05), (summary.q50, 0.5), (summary.q95, 0.95)] {
+            let error = 1.0 + p * (n - 1.0);
+            assert_relative_eq!(quantile.unwrap() + 4.0, error, max_relative = 0.01);
+        }
+        assert_eq!(summary.mean_reported_std, None);
+        assert_eq!(summary.coverage95, None);
+    }
+}
+
+#[test]
+fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
+    let trials = 200_000;
+    let (truth, std) = (1000.0, 1e-6);
+    let trial = observing(|trial| observation(truth + std * normal(trial), truth, Some(std)));
+    let summary = run_cell(trials, &trial).quantities[0];
+
+    // Four standard errors of each.
+    let four_sigma = 4.0 / (trials as f64).sqrt();
+    assert!(summary.bias.unwrap().abs() < four_sigma * std);
+    assert_relative_eq!(summary.std.unwrap(), std, max_relative = four_sigma);
+    assert_relative_eq!(summary.rms_error.unwrap(), std, max_relative = four_sigma);
+    assert!((summary.coverage95.unwrap() - 0.95).abs() < four_sigma * 0.22);
+    assert_relative_eq!(
+        summary.mean_reported_std.unwrap(),
+        std,
+        max_relative = 1e-12
+    );
+
+    let mut errors: Vec<f64> = (0..trials)
+        .map(|i| (truth + std * normal(i)) - truth)
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    for (quantile, p) in [(summary.q05, 0.05), (summary.q95, 0.95)] {
+        let exact = errors[(p * (trials - 1) as f64).round() as usize];
+        assert_relative_eq!(quantile.unwrap() - truth, exact, max_relative = 0.01);
+    }
+}
+
+#[test]
+fn a_small_spread_about_a_large_mean_is_not_lost() {
+    // Estimates alternate between 1e9 and the next float but one, 2^−22 apart.
+    let step = 2f64.powi(-22);
+    for truth in [1e9, 0.0] {
+        let trial = observing(|trial| observation(1e9 + step * (trial % 2) as f64, truth, None));
+        let n = 10.0 * BLOCK as f64;
+        let summary = run_cell(10 * BLOCK, &trial).quantities[0];
+        let std = step / 2.0 * (n / (n - 1.0)).sqrt();
+        assert_relative_eq!(summary.std.unwrap(), std, max_relative = 1e-12);
+        assert_eq!(summary.mean, Some(1e9 + step / 2.0));
+        assert_eq!(summary.bias, Some(1e9 - truth + step / 2.0));
+    }
+}
+
+#[test]
+fn one_trial_is_its_own_mean_and_quantiles() {
+    let summary = run_cell(1, &observing(|_| observation(0.3, 0.25, Some(0.0)))).quantities[0];
+    assert_eq!(summary.mean, Some(0.3));
+    assert_eq!(summary.std, None);
+    assert_eq!([summary.q05, summary.q50, summary.q95], [Some(0.3); 3]);
+    assert_eq!(summary.coverage95, Some(0.0));
+}
+
+#[test]
+fn a_truth_of_zero_has_no_relative_errors() {
+    for zero in [0.0, -0.0] {
+        let trial = observing(|trial| {
+            observation(normal(trial), if trial % 2 == 0 { 0.0 } else { zero }, None)
+        });
+        let summary = run_cell(3000, &trial).quantities[0];
+        assert_eq!(summary.truth, Some(0.0));
+        assert!(summary.rms_error.unwrap() > 0.9);
+        assert_eq!(summary.relative_rms_error, None);
+        assert_eq!(summary.relative_mean_abs_error, None);
+    }
+}
+
+#[test]
+fn a_varying_truth_leaves_the_errors_and_the_estimates() {
+    // The truth varies between blocks, and in another cell within them; the errors are ±0.5.
+    for run_length in [BLOCK, 1] {
+        let truth = |trial: u64| (trial / run_length % 2) as f64 * 4.0;
+        let trial = observing(|trial| {
+            let error = if trial / run_length / 2 % 2 == 0 {
+                0.5
+            } else {
+                -0.5
+            };
+            observation(truth(trial) + error, truth(trial), None)
+        });
+        let trials = 4 * BLOCK;
+        let summary = run_cell(trials, &trial).quantities[0];
+        let n = trials as f64;
+        assert_eq!(summary.truth, None);
+        assert_eq!(summary.mean, Some(2.0));
+        assert_relative_eq!(
+            summary.std.unwrap(),
+            (4.25 * n / (n - 1.0)).sqrt(),
+            max_relative = 1e-14
+        );
+        assert_eq!(summary.bias, Some(0.0));
+        assert_eq!(summary.rms_error, Some(0.5));
+        assert_eq!(summary.mean_abs_error, Some(0.5));
+        assert_eq!(summary.relative_rms_error, None);
+        assert_eq!([summary.q05, summary.q50, summary.q95], [None; 3]);
+    }
+}
+
+#[test]
+fn many_observations_in_a_trial_all_count() {
+    let grid = Function {
+        quantities: 1,
+        function: |_: u64, record: &mut Record| {
+            for point in 1..=900 {
+                record.observe(
+                    0,
+                    observation(f64::from(point), 0.0, (point > 450).then_some(1000.0)),
+                );
+            }
+            Ok(())
+        },
+    };
+    let summary = run_cell(1500, &grid).quantities[0];
+    assert_eq!(summary.observations, 900 * 1500);
+    assert_relative_eq!(summary.mean.unwrap(), 450.5, max_relative = 1e-13);
+    assert_relative_eq!(summary.q95.unwrap(), 855.0, max_relative = 0.01);
+    assert_eq!(summary.coverage95, Some(1.0));
+    assert_eq!(summary.mean_reported_std, Some(1000.0));
+}
+
+#[test]
+fn failures_are_counted_by_kind_and_leave_nothing() {
+    let trial = Function {
+        quantities: 2,
+        function: |trial: u64, record: &mut Record| {
+            record.observe(0, observation(1.0, 1.0, None));
+            match trial {
+                700.. if trial.is_multiple_of(2) => Err("rank"),
+                1500.. if trial.is_multiple_of(3) => Err("lost-contact"),
+                _ => {
+                    let estimate = if trial == 1027 { f64::NAN } else { 2.0 };
+                    record.observe(1, observation(estimate, 2.0, None));
+                    Ok(())
+                }
+            }
+        },
+    };
+    let cell = run_cell(3000, &trial);
+    let failure = |kind, count, first_trial| Failure {
+        kind,
+        count,
+        first_trial,
+    };
+    assert_eq!(
+        cell.failures,
+        [
+            failure("lost-contact", 250, 1503),
+            failure(NOT_FINITE, 1, 1027),
+            failure("rank", 1150, 700),
+        ]
+    );
+    assert_eq!(cell.failed(), 1401);
+    assert_eq!(cell.quantities[0].observations, 3000 - 1401);
+    assert_eq!(cell.quantities[1].observations, 3000 - 1401);
+    assert_eq!(cell.quantities[0].rms_error, Some(0.0));
+}
+
+#[test]
+fn where_all_trials_fail_nothing_is_defined() {
+    let cell = run_cell(2000, &observing(|_| observation(f64::INFINITY, 1.0, None)));
+    assert_eq!(cell.failed(), 2000);
+    assert_eq!(cell.quantities, [Summary::default()]);
+}
+
+#[test]
+fn the_ends_of_the_floats_give_finite_numbers_or_none() {
+    let extremes = [
+        1e-300,
+        -1e-300,
+        1e300,
+        -1e300,
+        0.0,
+        -0.0,
+        5e-324,
+        f64::MIN_POSITIVE,
+        f64::MAX,
+        f64::MIN,
+    ];
+    for first in extremes {
+        for second in extremes {
+            for truth in [0.0, 5e-324, 1.0, -1e300] {
+                let trial = observing(|trial| {
+                    let error = if trial % 2 == 0 { first } else { second };
+                    observation(truth + error, truth, Some(error.abs()))
+                });
+                let cell = run_cell(1026, &trial);
+                let printed = format!("{cell:?}");
+                assert!(
+                    !printed.contains("NaN") && !printed.contains("inf"),
+                    "{printed}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn errors_whose_squares_leave_the_floats_keep_their_digits() {
+    for scale in [1e-300, 1e300, f64::MIN_POSITIVE] {
+        let trial =
+            observing(|trial| observation(if trial % 2 == 0 { scale } else { -scale }, 0.0, None));
+        let summary = run_cell(2 * BLOCK, &trial).quantities[0];
+        assert_relative_eq!(
+            summary.rms_error.unwrap() / scale,
+            1.0,
+            max_relative = 1e-14
+        );
+        assert_relative_eq!(
+            summary.mean_abs_error.unwrap() / scale,
+            1.0,
+            max_relative = 1e-14
+        );
+        assert_relative_eq!(summary.std.unwrap() / scale, 1.0, max_relative = 1e-3);
+        assert_eq!(summary.q05, Some(-scale));
+        assert_eq!(summary.q95, Some(scale));
+    }
+}

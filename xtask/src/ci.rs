@@ -1,0 +1,68 @@
+//! The whole of continuous integration, one step after the other.
+
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use xshell::{Shell, cmd};
+
+use crate::{readme, reproduce};
+
+type Step = (&'static str, fn(&Shell) -> Result<()>);
+
+const STEPS: [Step; 7] = [
+    ("format", format),
+    ("clippy", clippy),
+    ("tests", tests),
+    ("docs", docs),
+    ("licences", licences),
+    ("results", results),
+    ("README", readme::check),
+];
+
+/// Runs every step; stops at the first that fails.
+pub(crate) fn run(shell: &Shell) -> Result<()> {
+    let start = Instant::now();
+    for (name, step) in STEPS {
+        println!("== {name}");
+        let start = Instant::now();
+        step(shell).with_context(|| format!("ci: step `{name}` failed"))?;
+        println!("== {name}: ok, {:.1} s", start.elapsed().as_secs_f64());
+    }
+    println!("ci: ok, {:.1} s", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn format(shell: &Shell) -> Result<()> {
+    Ok(cmd!(shell, "cargo fmt --all --check").run()?)
+}
+
+fn clippy(shell: &Shell) -> Result<()> {
+    Ok(cmd!(
+        shell,
+        "cargo clippy --workspace --all-targets -- -D warnings"
+    )
+    .run()?)
+}
+
+/// Doc tests included, benchmarks not.
+fn tests(shell: &Shell) -> Result<()> {
+    Ok(cmd!(shell, "cargo test --workspace").run()?)
+}
+
+fn docs(shell: &Shell) -> Result<()> {
+    let doc = cmd!(shell, "cargo doc --workspace --no-deps");
+    Ok(doc.env("RUSTDOCFLAGS", "-D warnings").run()?)
+}
+
+fn licences(shell: &Shell) -> Result<()> {
+    Ok(cmd!(shell, "cargo deny --offline check licenses bans sources").run()?)
+}
+
+fn results(shell: &Shell) -> Result<()> {
+    let options = reproduce::Options {
+        studies: Vec::new(),
+        quick: true,
+        check: true,
+    };
+    reproduce::run(shell, &options)
+}

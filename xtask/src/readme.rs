@@ -1,0 +1,153 @@
+//! The README's commands, which must work as they are printed.
+
+use std::env;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use clap::Parser;
+use xshell::{Shell, cmd};
+
+use crate::{Cli, palpate};
+
+/// What a reader of the README has at hand; commands may write beside it.
+const COPIED: [&str; 3] = ["sim-configs", "examples", "results"];
+
+/// Runs the commands of the `sh` blocks in a copy of the repository's inputs, `palpate` on the path.
+///
+/// Commands of cargo are not run, for this is run by them; but `cargo xtask …` must parse.
+pub(crate) fn check(shell: &Shell) -> Result<()> {
+    let readme = shell.read_file("README.md")?;
+    let binary = palpate::build(shell)?;
+    let directory = tempfile::tempdir()?;
+    for name in COPIED {
+        let source = shell.current_dir().join(name);
+        if source.is_dir() {
+            copy(&source, &directory.path().join(name))?;
+        }
+    }
+
+    let sandbox = Shell::new()?;
+    sandbox.change_dir(directory.path());
+    let binaries = binary.parent().map(Path::to_path_buf);
+    let path = env::var_os("PATH").unwrap_or_default();
+    sandbox.set_var(
+        "PATH",
+        env::join_paths(binaries.into_iter().chain(env::split_paths(&path)))?,
+    );
+    for command in commands(&readme) {
+        run(&sandbox, &command).with_context(|| format!("README.md: `{command}`"))?;
+    }
+    Ok(())
+}
+
+fn run(sandbox: &Shell, command: &str) -> Result<()> {
+    let mut words = command.split_whitespace();
+    if words.next() != Some("cargo") {
+        println!("$ {command}");
+        return Ok(cmd!(sandbox, "sh -c {command}")
+            .quiet()
+            .ignore_stdout()
+            .run()?);
+    }
+    if words.next() == Some("xtask")
+        && let Err(error) = Cli::try_parse_from(["xtask"].into_iter().chain(words))
+    {
+        bail!("{error}");
+    }
+    Ok(())
+}
+
+/// The commands of all blocks that are tagged `sh` and nothing else; a line that ends in `\` goes on in the next.
+fn commands(markdown: &str) -> Vec<String> {
+    let mut commands = Vec::new();
+    let mut block: Option<bool> = None;
+    let mut command = String::new();
+    for line in markdown.lines() {
+        match (block, line.trim_start().strip_prefix("```")) {
+            (None, Some(tag)) => block = Some(tag.trim() == "sh"),
+            (Some(_), Some(_)) => block = None,
+            (Some(true), None) => match line.trim().strip_suffix('\\') {
+                Some(start) => command.push_str(start),
+                None => {
+                    command.push_str(line.trim());
+                    commands.push(std::mem::take(&mut command));
+                }
+            },
+            (Some(false) | None, None) => {}
+        }
+    }
+    commands.retain(|command| !command.is_empty() && !command.starts_with('#'));
+    commands
+}
+
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let to = to.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            copy(&entry.path(), &to)?;
+        } else {
+            fs::copy(entry.path(), to)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_sh_blocks_give_commands() {
+        let markdown = "\
+text `palpate nothing`
+```sh
+palpate run a.toml   # a comment stays
+# a line of comment
+
+palpate plot \\
+    out/a
+```
+```toml
+name = \"x\"
+```
+```sh no-ci
+palpate never
+```
+```
+palpate untagged
+```
+1. in a list
+   ```sh
+   cargo xtask ci
+   ```
+";
+        assert_eq!(
+            commands(markdown),
+            [
+                "palpate run a.toml   # a comment stays",
+                "palpate plot out/a",
+                "cargo xtask ci"
+            ]
+        );
+    }
+
+    #[test]
+    fn cargo_is_not_run_but_tasks_must_exist() {
+        let shell = Shell::new().unwrap();
+        assert!(run(&shell, "cargo install --path nowhere").is_ok());
+        assert!(run(&shell, "cargo xtask ci").is_ok());
+        assert!(run(&shell, "cargo xtask reproduce some-study --quick --check").is_ok());
+        assert!(run(&shell, "cargo xtask reprodcue").is_err());
+        assert!(run(&shell, "cargo xtask reproduce --fast").is_err());
+    }
+
+    #[test]
+    fn a_command_that_fails_is_an_error() {
+        let shell = Shell::new().unwrap();
+        assert!(run(&shell, "true && test 1 = 1").is_ok());
+        assert!(run(&shell, "exit 3").is_err());
+    }
+}
