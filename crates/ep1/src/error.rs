@@ -13,8 +13,8 @@ pub enum Ep1Error {
     },
     /// The rotations do not span the tangent plane.
     #[error(
-        "the {probes} probes do not span the tangent plane: their rotations lie within {spread:.1e} \
-         of one axis; add a probe across it"
+        "the {probes} probes do not span the tangent plane: across their main direction they turn \
+         {spread:.1e} times as far as along it; add a probe across it"
     )]
     Unresolvable {
         /// How many probes there were.

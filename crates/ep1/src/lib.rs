@@ -13,9 +13,11 @@
 mod error;
 mod estimate;
 mod least_squares;
+mod moments;
 mod reading;
 
 pub use error::Ep1Error;
 pub use estimate::{Estimate, Measured};
 pub use least_squares::LeastSquares;
+pub use moments::{LANES, Lanes, Moments, ProbeGroup};
 pub use reading::{ProbeReading, ReadingNoise};

@@ -14,7 +14,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix2, Point3, RowVector2, Vector3};
 
-use crate::surface::SQUARABLE;
+use crate::surface::{SQUARABLE, is_within_reach};
 use crate::{CurvatureForm, SurfaceError};
 
 /// The two parameters of a chart, in the chart's own units.
@@ -36,17 +36,17 @@ impl Parameters {
     /// the surface again, inside out.
     pub(crate) fn unless_beyond_pole(self) -> Result<Self, SurfaceError> {
         let Self { u, v } = self;
-        if u.abs() <= FRAC_PI_2 && v.is_finite() {
+        if u.abs() <= FRAC_PI_2 && is_within_reach(u, v) {
             Ok(self)
         } else {
             Err(SurfaceError::ChartSingular { u, v })
         }
     }
 
-    /// No chart reaches parameters that are not finite.
-    pub(crate) fn unless_finite(self) -> Result<Self, SurfaceError> {
+    /// No chart reaches parameters that are not finite, or absurdly large.
+    pub(crate) fn unless_out_of_reach(self) -> Result<Self, SurfaceError> {
         let Self { u, v } = self;
-        if u.is_finite() && v.is_finite() {
+        if is_within_reach(u, v) {
             Ok(self)
         } else {
             Err(SurfaceError::ChartSingular { u, v })

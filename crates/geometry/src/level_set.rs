@@ -49,7 +49,58 @@ impl LevelSet {
     /// The shape operator as a linear map of space: `dn = S dq` for tangent `dq`, zero along the
     /// normal. Units 1/length.
     pub fn shape_operator(&self) -> Matrix3<f64> {
-        let tangential = Matrix3::identity() - self.normal * self.normal.transpose();
+        // I − n nᵀ, without the cancellation on its diagonal.
+        let across = self.normal.cross_matrix();
+        let tangential = across.transpose() * across;
         tangential * self.second_form * tangential
+    }
+}
+
+/// Normal and second form of a level set `F` along one tangent, without a division or a root that
+/// the surface can do without: neither the normal nor the basis is normalised.
+///
+/// The basis of the tangent plane is a unit tangent `x` and `y = x × ∇F`, as long as `∇F`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TangentForm {
+    /// `∇F`, out of the solid.
+    pub gradient: Vector3<f64>,
+    /// `|∇F|`.
+    pub steepness: f64,
+    /// `|∇F|²`.
+    pub steepness_squared: f64,
+    /// `xᵀ (Hess F) x`.
+    pub xx: f64,
+    /// `xᵀ (Hess F) y`.
+    pub xy: f64,
+    /// `yᵀ (Hess F) y`.
+    pub yy: f64,
+}
+
+impl TangentForm {
+    /// From a unit normal and the curvature form in the basis `(x, x × normal)`.
+    #[inline]
+    pub const fn of_unit_normal(normal: Vector3<f64>, curvature: CurvatureForm) -> Self {
+        Self {
+            gradient: normal,
+            steepness: 1.0,
+            steepness_squared: 1.0,
+            xx: curvature.k_uu,
+            xy: curvature.k_uv,
+            yy: curvature.k_vv,
+        }
+    }
+
+    /// Unit normal, out of the solid.
+    pub fn normal(&self) -> Vector3<f64> {
+        self.gradient / self.steepness
+    }
+
+    /// The curvature form in the orthonormal basis `(x, x × normal)`, 1/length.
+    pub fn curvature(&self) -> CurvatureForm {
+        CurvatureForm {
+            k_uu: self.xx / self.steepness,
+            k_uv: self.xy / self.steepness_squared,
+            k_vv: self.yy / self.steepness_squared / self.steepness,
+        }
     }
 }

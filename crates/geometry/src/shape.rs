@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use crate::surfaces::{
     Cylinder, Dish, Ellipsoid, Graph, HeightField, Paraboloid, Plane, Saddle, Sphere, Torus,
 };
-use crate::{ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, Surface, SurfaceError};
+use crate::{ChartJet, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm};
 
 /// Any of the surfaces.
 #[derive(Clone, Debug)]
@@ -67,12 +67,12 @@ impl Surface for Shape {
     }
 
     #[inline]
-    fn curvature_along(
+    fn tangent_form(
         &self,
         point: &Point3<f64>,
         x: &Vector3<f64>,
-    ) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
-        delegate!(self, surface => surface.curvature_along(point, x))
+    ) -> Result<TangentForm, SurfaceError> {
+        delegate!(self, surface => surface.tangent_form(point, x))
     }
 
     fn parameters(&self, point: &Point3<f64>) -> Parameters {

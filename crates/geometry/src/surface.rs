@@ -5,10 +5,15 @@ use std::ops::RangeInclusive;
 use nalgebra::{Point3, Vector3};
 use thiserror::Error;
 
-use crate::{ChartGeometry, ChartJet, CurvatureForm, LevelSet, Meridian, Parameters};
+use crate::{ChartGeometry, ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, TangentForm};
 
-/// Lengths and slopes whose squares neither overflow nor vanish. Beyond them a direction is lost.
+/// Lengths and slopes whose squares neither overflow nor vanish. Beyond them directions are lost.
 pub(crate) const SQUARABLE: RangeInclusive<f64> = 1e-150..=1e150;
+
+/// Whether a place is near enough to be moved and squared; no place that is NaN or infinite is.
+pub(crate) fn is_within_reach(x: f64, y: f64) -> bool {
+    x.abs() + y.abs() <= *SQUARABLE.end()
+}
 
 /// Why a surface has no answer at a place.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
@@ -73,14 +78,15 @@ pub struct InvalidShape {
 }
 
 impl InvalidShape {
-    pub(crate) fn unless_positive(
-        parameter: &'static str,
-        value: f64,
-    ) -> Result<f64, InvalidShape> {
-        if value > 0.0 && value.is_finite() {
+    pub(crate) fn unless_length(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
+        if SQUARABLE.contains(&value) {
             return Ok(value);
         }
-        let expected = "finite and > 0";
+        let expected = if value > 0.0 && value.is_finite() {
+            "between 1e-150 and 1e150"
+        } else {
+            "finite and > 0"
+        };
         Err(InvalidShape {
             parameter,
             value,
@@ -120,21 +126,45 @@ pub trait Surface {
     /// [`SurfaceError::OffDomain`] where the surface is not defined or has no normal.
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError>;
 
-    /// Unit normal `n`, and the curvature form in the tangent basis `(x, x × n)`, at a point on the
-    /// surface; `x` must be a unit tangent. What an integrator asks for at every stage: surfaces
-    /// override it where that is cheaper than the whole level set.
+    /// Normal and second form along `x`, which must be a unit tangent, at a point on the surface.
+    /// What an integrator asks for at every stage: surfaces override it where that is cheaper than
+    /// the whole level set. Off the surface it means nothing.
     ///
     /// # Errors
     /// As [`Surface::level_set`].
     #[inline]
+    fn tangent_form(
+        &self,
+        point: &Point3<f64>,
+        x: &Vector3<f64>,
+    ) -> Result<TangentForm, SurfaceError> {
+        let level_set = self.level_set(point)?;
+        let y = x.cross(&level_set.normal);
+        let curvature = level_set.curvature(x, &y);
+        Ok(TangentForm::of_unit_normal(level_set.normal, curvature))
+    }
+
+    /// Unit normal `n`, and the curvature form in the tangent basis `(x, x × n)`, at a point on the
+    /// surface; `x` must be a unit tangent.
+    ///
+    /// # Errors
+    /// As [`Surface::level_set`].
     fn curvature_along(
         &self,
         point: &Point3<f64>,
         x: &Vector3<f64>,
     ) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
-        let level_set = self.level_set(point)?;
-        let y = x.cross(&level_set.normal);
-        Ok((level_set.normal, level_set.curvature(x, &y)))
+        let form = self.tangent_form(point, x)?;
+        let (normal, curvature) = (form.normal(), form.curvature());
+        let CurvatureForm { k_uu, k_uv, k_vv } = curvature;
+        if (normal.sum() + k_uu + k_uv + k_vv).is_finite() {
+            Ok((normal, curvature))
+        } else {
+            Err(SurfaceError::OffDomain {
+                x: point.x,
+                y: point.y,
+            })
+        }
     }
 
     /// The chart parameters of a point on (or very near) the surface: `chart` takes them back to

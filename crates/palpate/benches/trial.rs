@@ -2,37 +2,13 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use palpate_scene::{Outcome, Scene, config};
-use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial};
+use palpate_scene::{Scene, config};
+use palpate_sweep::{Cell, RunOptions};
 
-struct SceneTrial(Scene);
+#[path = "../src/trial.rs"]
+mod trial;
 
-impl Trial for SceneTrial {
-    fn quantities(&self) -> usize {
-        self.0.quantities().len()
-    }
-
-    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
-        self.0.trial(
-            trial,
-            |quantity,
-             Outcome {
-                 estimate,
-                 truth,
-                 std,
-             }| {
-                record.observe(
-                    quantity,
-                    Observation {
-                        estimate,
-                        truth,
-                        std,
-                    },
-                );
-            },
-        )
-    }
-}
+use trial::SceneTrial;
 
 fn scene(object: &str, noise: &str, sensor: &str) -> SceneTrial {
     let text = format!(
@@ -103,16 +79,14 @@ fn benches(criterion: &mut Criterion) {
         bencher.iter(|| {
             number += 1;
             let mut sum = 0.0;
-            trial
-                .0
-                .trial(number, |_, outcome| {
-                    sum += outcome.estimate + outcome.std.unwrap_or(0.0)
-                })
-                .unwrap();
+            let Scene::Roll(roll) = &trial.0;
+            for outcome in roll.outcomes(number).unwrap() {
+                sum += outcome.estimate + outcome.std.unwrap_or(0.0);
+            }
             sum
         });
     });
 }
 
-criterion_group!(trial, benches);
-criterion_main!(trial);
+criterion_group!(group, benches);
+criterion_main!(group);

@@ -16,7 +16,7 @@ const PILOT_TIME: Duration = Duration::from_millis(10);
 pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let study = config::load(&args.config).map_err(Failure::usage)?;
     let scenes: Vec<Scene> = (0..study.cells.len())
-        .map(|cell| study.scene(cell))
+        .map(|cell| study.estimable_scene(cell))
         .collect::<Result<_, _>>()
         .map_err(Failure::usage)?;
     let trials: Vec<u64> = scenes

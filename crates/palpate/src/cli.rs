@@ -10,6 +10,8 @@ use palpate_scene::config::LengthUnit;
 /// the surface's curvature from that.
 #[derive(Debug, Parser)]
 #[command(name = "palpate", version, about, max_term_width = 100)]
+#[command(after_help = "Example:
+  palpate check my.toml && palpate run my.toml && palpate report out/my-study")]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -29,6 +31,8 @@ pub(crate) enum Command {
     Trace(TraceArgs),
     /// Estimate curvature from recorded readings; prints JSON.
     #[command(subcommand)]
+    #[command(after_help = "Example:
+  palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5")]
     Estimate(Estimator),
     /// Validate a config; prints cells, trials, the models that it needs and an estimate of the time.
     #[command(after_help = "Example:
@@ -43,6 +47,8 @@ pub(crate) enum Command {
   palpate report results/ep1-roll-length results/ep1-pad-resolution --out report.html")]
     Report(ReportArgs),
     /// Print the JSON Schema of configs, for editors.
+    #[command(after_help = "Example:
+  palpate schema > palpate.schema.json")]
     Schema,
 }
 
@@ -102,14 +108,14 @@ pub(crate) struct EstimateRollArgs {
     /// The recorded readings, a CSV file.
     pub(crate) readings: PathBuf,
     /// The probe's radius, in the readings' length unit.
-    #[arg(long, value_name = "R", value_parser = positive)]
+    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) probe_radius: f64,
     /// The estimator.
     #[arg(long, default_value = "least-squares")]
     pub(crate) method: Method,
     /// Pitch of the pads, in the readings' length unit: gives standard deviations, and bounds where
     /// the contact did not move.
-    #[arg(long, value_name = "P", value_parser = positive)]
+    #[arg(long, value_name = "P", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) pitch: Option<f64>,
     /// The unit of lengths, if the header does not state it (shift_u_mm).
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]

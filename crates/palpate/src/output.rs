@@ -19,20 +19,34 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Makes `dir` if it is missing, and sees that files can be written there: before the work, not
+/// after it.
+pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(dir)
+        .with_context(|| format!("cannot make the directory {}", dir.display()))
+        .and_then(|()| {
+            let probe = NamedTempFile::with_prefix_in(".palpate-", dir);
+            probe
+                .map(drop)
+                .with_context(|| format!("cannot write into {}", dir.display()))
+        })
+        .map_err(Failure::work)
+}
+
 /// Writes `files` (name and contents) into `dir`, made if missing.
 ///
 /// All are written under temporary names first and renamed only when every byte is on disk, so that
 /// a full disk leaves what was there before.
 pub(crate) fn write_files(dir: &Path, files: &[(&str, String)]) -> Result<(), Failure> {
+    make_directory(dir)?;
     let write = || -> Result<(), Error> {
-        std::fs::create_dir_all(dir)
-            .with_context(|| format!("cannot make the directory {}", dir.display()))?;
         let cannot = |name: &str| format!("cannot write {}", dir.join(name).display());
         let mut written = Vec::new();
         for (name, contents) in files {
             let mut file =
                 NamedTempFile::with_prefix_in(".palpate-", dir).with_context(|| cannot(name))?;
-            file.write_all(contents.as_bytes())
+            file.as_file_mut()
+                .write_all(contents.as_bytes())
                 .with_context(|| cannot(name))?;
             file.as_file().sync_all().with_context(|| cannot(name))?;
             written.push((name, file));

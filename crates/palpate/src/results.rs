@@ -8,7 +8,12 @@ use crate::output;
 
 pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     let study = Study::load(&args.dir).map_err(Failure::work)?;
-    for file in draw(&study).map_err(Failure::work)? {
+    let files = draw(&study).map_err(Failure::work)?;
+    if files.is_empty() {
+        let name = study.name();
+        return output::print(&format!("{name} has no [[plot]]; nothing drawn"));
+    }
+    for file in files {
         output::print(&file.display().to_string())?;
     }
     Ok(())

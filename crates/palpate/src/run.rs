@@ -36,6 +36,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         })
         .collect();
 
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("out").join(&study.config.name));
+    output::make_directory(&out)?;
     let bar = progress::bar(cells.iter().map(|cell| cell.trials).sum());
     let options = RunOptions {
         threads: args.threads,
@@ -54,10 +59,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             statistics,
         })
         .collect();
-    let out = args
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(&study.config.name));
     let mut files = vec![
         (
             "cells.csv",
@@ -81,7 +82,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
 fn scenes(study: &Study, numbers: &[usize]) -> Result<Vec<SceneTrial>, Failure> {
     numbers
         .iter()
-        .map(|&cell| study.scene(cell).map(SceneTrial))
+        .map(|&cell| study.estimable_scene(cell).map(SceneTrial))
         .collect::<Result<_, _>>()
         .map_err(Failure::usage)
 }

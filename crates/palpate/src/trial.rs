@@ -1,6 +1,6 @@
 //! A scene as something to repeat.
 
-use palpate_scene::Scene;
+use palpate_scene::{Outcome, Scene};
 use palpate_sweep::{Observation, Record, Trial};
 
 /// Repeats a scene.
@@ -12,20 +12,22 @@ impl Trial for SceneTrial {
     }
 
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
-        self.0.trial(trial, |quantity, outcome| {
-            let palpate_scene::Outcome {
-                estimate,
-                truth,
-                std,
-            } = outcome;
-            record.observe(
-                quantity,
-                Observation {
-                    estimate,
-                    truth,
-                    std,
-                },
-            );
-        })
+        match &self.0 {
+            Scene::Roll(roll) => record.observe_each(roll.outcomes(trial)?.map(observation)),
+        }
+        Ok(())
+    }
+}
+
+fn observation(outcome: Outcome) -> Observation {
+    let Outcome {
+        estimate,
+        truth,
+        std,
+    } = outcome;
+    Observation {
+        estimate,
+        truth,
+        std,
     }
 }

@@ -9,12 +9,13 @@
 //! The probe's chart is laid so that the contact starts at its centre and moves first along its
 //! equator, which has no poles.
 
-use nalgebra::{Matrix2, Matrix3, Rotation2, Rotation3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Point3, Rotation2, Rotation3, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::surfaces::Sphere;
-use palpate_geometry::{ChartGeometry, Parameters, Surface};
+use palpate_geometry::{ChartGeometry, Parameters, Surface, TangentForm};
 
-use crate::chart_free::contact_velocities;
+use crate::chart_free::contact_velocity;
 use crate::error::RollFault;
+use crate::integration::{Bodies, Form};
 use crate::integrator::System;
 use crate::{Contact, Motion};
 
@@ -34,8 +35,8 @@ pub enum HeldAxis {
 }
 
 pub(crate) struct ChartForm<'a, S> {
-    surface: &'a S,
     probe: Sphere,
+    object: &'a S,
     motion: &'a Motion,
     held: HeldAxis,
     body_from_chart: Rotation3<f64>,
@@ -45,12 +46,10 @@ pub(crate) struct ChartForm<'a, S> {
 impl<'a, S: Surface> ChartForm<'a, S> {
     /// The system and its state at `from`.
     pub(crate) fn new(
-        surface: &'a S,
-        probe: Sphere,
+        bodies: &Bodies<'a, S>,
         from: &Contact,
         motion: &'a Motion,
         held: HeldAxis,
-        length: f64,
     ) -> Result<(Self, [f64; STATE]), RollFault> {
         let path = motion.drive();
         let path = path.try_normalize(0.0).unwrap_or_else(Vector2::x);
@@ -63,15 +62,23 @@ impl<'a, S: Surface> ChartForm<'a, S> {
         let body_from_chart = from.body_from_contact.to_rotation_matrix()
             * Rotation3::from_matrix_unchecked(chart_axes);
 
-        let object_at = surface.parameters(&from.on_object);
-        let object = surface.chart_geometry(object_at)?;
+        let object_at = bodies.object.parameters(&from.on_object);
+        let object = bodies.object.chart_geometry(object_at)?;
         let x1 = from.x_axis * path.y - from.y_axis() * path.x;
         let psi = (-x1.dot(&object.frame.y)).atan2(x1.dot(&object.frame.x));
         let phi = path.x.atan2(path.y);
 
-        let state = [0.0, 0.0, object_at.u, object_at.v, psi, phi, from.arc_length];
-        let scale = 1.0 / length;
-        let on_probe = probe.radius() * scale;
+        let state = [
+            0.0,
+            0.0,
+            object_at.u,
+            object_at.v,
+            psi,
+            phi,
+            from.arc_length,
+        ];
+        let scale = 1.0 / bodies.length_scale;
+        let on_probe = bodies.probe.radius() * scale;
         let weights = [
             on_probe,
             on_probe,
@@ -81,14 +88,23 @@ impl<'a, S: Surface> ChartForm<'a, S> {
             1.0,
             scale,
         ];
-        let system = Self { surface, probe, motion, held, body_from_chart, weights };
-        Ok((system, state))
+        let form = Self {
+            probe: bodies.probe.sphere,
+            object: bodies.object,
+            motion,
+            held,
+            body_from_chart,
+            weights,
+        };
+        Ok((form, state))
     }
+}
 
-    pub(crate) fn contact(&self, state: &[f64; STATE]) -> Result<Contact, RollFault> {
+impl<S: Surface> Form<STATE> for ChartForm<'_, S> {
+    fn contact(&self, state: &[f64; STATE]) -> Result<Contact, RollFault> {
         let [u1, v1, u2, v2, psi, phi, arc_length] = *state;
         let probe = self.probe.chart_geometry(Parameters::new(u1, v1))?.frame;
-        let object = self.surface.chart_geometry(Parameters::new(u2, v2))?;
+        let object = self.object.chart_geometry(Parameters::new(u2, v2))?;
         let (x2, y2) = (object.frame.x, object.frame.y);
         let (sin, cos) = psi.sin_cos();
         let (x1, y1) = (x2 * cos - y2 * sin, -x2 * sin - y2 * cos);
@@ -107,6 +123,11 @@ impl<'a, S: Surface> ChartForm<'a, S> {
             arc_length,
         })
     }
+
+    fn place(&self, state: &[f64; STATE]) -> Option<Point3<f64>> {
+        let at = Parameters::new(state[2], state[3]);
+        Some(self.object.chart(at).ok()?.point)
+    }
 }
 
 /// `M⁻¹ w` for the upper triangular metric.
@@ -120,15 +141,15 @@ impl<S: Surface> System<STATE> for ChartForm<'_, S> {
     fn derivative(&self, state: &[f64; STATE], rate: &mut [f64; STATE]) -> Result<(), RollFault> {
         let [u1, v1, u2, v2, psi, phi, _] = *state;
         let probe = self.probe.chart_geometry(Parameters::new(u1, v1))?;
-        let object = self.surface.chart_geometry(Parameters::new(u2, v2))?;
+        let object = self.object.chart_geometry(Parameters::new(u2, v2))?;
         let seen = object.curvature.seen_from_other_body(psi);
         let into_gauss = Rotation2::new(phi);
-        let (c, p) = contact_velocities(
+        let c = contact_velocity(
             1.0 / self.probe.radius(),
-            &seen,
-            &(into_gauss * self.motion.drive()),
-            &(into_gauss * self.motion.sliding),
+            &TangentForm::of_unit_normal(Vector3::z(), seen),
+            &(into_gauss * self.motion.drive_on_object(self.probe.radius())),
         )?;
+        let p = c - into_gauss * self.motion.sliding;
         let (sin, cos) = psi.sin_cos();
         let on_object = Matrix2::new(cos, -sin, -sin, -cos) * c;
         let rate1 = parameter_rate(&probe, &p);

@@ -12,48 +12,59 @@
 //! The probe's contact frame in its body turns at `(−p_y, p_x, 0)/R₁`.
 
 use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector2, Vector3};
-use palpate_geometry::{CurvatureForm, Surface};
+use palpate_geometry::{CurvatureForm, Surface, TangentForm};
 
 use crate::error::RollFault;
+use crate::integration::{Bodies, Form};
 use crate::integrator::System;
 use crate::{Contact, Motion};
 
-/// Components: contact on the object (3), `x₁` (3), body-from-contact quaternion `w, i, j, k` (4),
-/// arc length.
-pub(crate) const STATE: usize = 11;
-pub(crate) const SPACE: usize = 10;
-pub(crate) const GRAPH: usize = 9;
+/// Components: x and y of the contact on the object and of `x₁`, the body-from-contact quaternion
+/// `w, i, j, k`, then z of `x₁` and of the contact, arc length, and a spare one: pairs are cheaper.
+const STATE: usize = 12;
+/// Of these, how many the derivative reads: on a graph not even the height of the contact.
+pub(crate) const OF_SPACE: usize = 10;
+pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {
-    surface: &'a S,
+    object: &'a S,
     probe_curvature: f64,
-    motion: &'a Motion,
+    drive: Vector2<f64>,
+    sliding: Vector2<f64>,
+    spin: f64,
     inverse_length: f64,
 }
 
 impl<'a, S: Surface, const READ: usize> ChartFree<'a, S, READ> {
-    /// `length` is the scale on which errors of position count.
-    pub(crate) fn new(surface: &'a S, radius: f64, motion: &'a Motion, length: f64) -> Self {
-        Self {
-            surface,
-            probe_curvature: 1.0 / radius,
-            motion,
-            inverse_length: 1.0 / length,
-        }
+    /// The system and its state at `from`.
+    pub(crate) fn new(
+        bodies: &Bodies<'a, S>,
+        from: &Contact,
+        motion: &Motion,
+    ) -> (Self, [f64; STATE]) {
+        let form = Self {
+            object: bodies.object,
+            probe_curvature: 1.0 / bodies.probe.radius(),
+            drive: motion.drive_on_object(bodies.probe.radius()),
+            sliding: motion.sliding,
+            spin: motion.angular_velocity.z,
+            inverse_length: 1.0 / bodies.length_scale,
+        };
+        let (q, x) = (&from.on_object, &from.x_axis);
+        let f = from.body_from_contact.quaternion();
+        let s = from.arc_length;
+        (
+            form,
+            [q.x, q.y, x.x, x.y, f.w, f.i, f.j, f.k, x.z, q.z, s, 0.0],
+        )
     }
+}
 
-    pub(crate) fn state(contact: &Contact) -> [f64; STATE] {
-        let q = &contact.on_object;
-        let x = &contact.x_axis;
-        let f = contact.body_from_contact.quaternion();
-        let s = contact.arc_length;
-        [q.x, q.y, x.x, x.y, f.w, f.i, f.j, f.k, x.z, q.z, s]
-    }
-
-    pub(crate) fn contact(&self, state: &[f64; STATE]) -> Result<Contact, RollFault> {
-        let [qx, qy, xx, xy, w, i, j, k, xz, qz, arc_length] = *state;
+impl<S: Surface, const READ: usize> Form<STATE> for ChartFree<'_, S, READ> {
+    fn contact(&self, state: &[f64; STATE]) -> Result<Contact, RollFault> {
+        let [qx, qy, xx, xy, w, i, j, k, xz, qz, arc_length, _] = *state;
         let on_object = Point3::new(qx, qy, qz);
-        let normal = self.surface.level_set(&on_object)?.normal;
+        let normal = self.object.level_set(&on_object)?.normal;
         let x = Vector3::new(xx, xy, xz);
         Ok(Contact {
             on_object,
@@ -63,41 +74,59 @@ impl<'a, S: Surface, const READ: usize> ChartFree<'a, S, READ> {
             arc_length,
         })
     }
+
+    fn place(&self, state: &[f64; STATE]) -> Option<Point3<f64>> {
+        Some(Point3::new(state[0], state[1], state[9]))
+    }
 }
 
-/// The velocities of the contact on object and probe in the contact frame, for a motion with
-/// `drive = [−ω_y, ω_x]` and `sliding` velocity.
+/// The contact's velocity on the object in the tangent basis `(x, y)` of `object`, driven by
+/// `(K₁ + K₂) c = drive` (in orthonormal axes).
+///
+/// With `W = |∇F|` the equations read, multiplied through by `W` along `x` and by `W²` along `y`:
+///
+/// ```text
+/// [ W/R₁ + F_xx        F_xy     ] [c_x]   [ W  drive_x ]
+/// [     F_xy      W³/R₁ + F_yy  ] [c_y] = [ W² drive_y ]
+/// ```
 #[inline]
-pub(crate) fn contact_velocities(
+pub(crate) fn contact_velocity(
     probe_curvature: f64,
-    object: &CurvatureForm,
+    object: &TangentForm,
     drive: &Vector2<f64>,
-    sliding: &Vector2<f64>,
-) -> Result<(Vector2<f64>, Vector2<f64>), RollFault> {
-    let a11 = probe_curvature + object.k_uu;
-    let a22 = probe_curvature + object.k_vv;
-    let a12 = object.k_uv;
+) -> Result<Vector2<f64>, RollFault> {
+    let (w, ww) = (object.steepness, object.steepness_squared);
+    let a11 = probe_curvature * w + object.xx;
+    let a22 = probe_curvature * ww * w + object.yy;
+    let a12 = object.xy;
     let determinant = a11 * a22 - a12 * a12;
     // Positive definite, with room for the rounding of the sums.
-    let largest = a11.max(a22);
-    let floor = 4.0 * f64::EPSILON * (probe_curvature * largest);
+    let floor = 4.0 * f64::EPSILON * probe_curvature * w * (a11 * ww + a22);
     if !(a11 > 0.0 && determinant > floor) {
-        return Err(not_positive(probe_curvature, object, determinant));
+        return Err(not_positive(probe_curvature, *object, determinant));
     }
-    let g1 = drive.x + probe_curvature * sliding.x;
-    let g2 = drive.y + probe_curvature * sliding.y;
-    let inverse = 1.0 / determinant;
-    let on_object = Vector2::new(
-        (a22 * g1 - a12 * g2) * inverse,
-        (a11 * g2 - a12 * g1) * inverse,
-    );
-    Ok((on_object, on_object - sliding))
+    let (g1, g2) = (w * drive.x, ww * drive.y);
+    Ok(Vector2::new(
+        (a22 * g1 - a12 * g2) / determinant,
+        (a11 * g2 - a12 * g1) / determinant,
+    ))
+}
+
+/// The velocities of the contact on object and probe in the contact frame.
+pub(crate) fn contact_velocities(
+    radius: f64,
+    object: &CurvatureForm,
+    motion: &Motion,
+) -> Result<(Vector2<f64>, Vector2<f64>), RollFault> {
+    let form = TangentForm::of_unit_normal(Vector3::z(), *object);
+    let on_object = contact_velocity(1.0 / radius, &form, &motion.drive_on_object(radius))?;
+    Ok((on_object, on_object - motion.sliding))
 }
 
 #[cold]
-fn not_positive(probe_curvature: f64, object: &CurvatureForm, determinant: f64) -> RollFault {
-    let relative_curvature = probe_curvature + object.principal().k_min;
-    if determinant.is_finite() {
+fn not_positive(probe_curvature: f64, object: TangentForm, determinant: f64) -> RollFault {
+    let relative_curvature = probe_curvature + object.curvature().principal().k_min;
+    if determinant.is_finite() && relative_curvature.is_finite() {
         RollFault::Conforming { relative_curvature }
     } else {
         RollFault::NotFinite
@@ -109,24 +138,23 @@ impl<S: Surface, const READ: usize> System<STATE> for ChartFree<'_, S, READ> {
 
     #[inline]
     fn derivative(&self, state: &[f64; STATE], rate: &mut [f64; STATE]) -> Result<(), RollFault> {
-        let [qx, qy, xx, xy, w, i, j, k, xz, qz, _] = *state;
+        let [qx, qy, xx, xy, w, i, j, k, xz, qz, _, _] = *state;
         let x = Vector3::new(xx, xy, xz);
-        let (n, object) = self.surface.curvature_along(&Point3::new(qx, qy, qz), &x)?;
-        let y = x.cross(&n);
-        let (c, p) = contact_velocities(
-            self.probe_curvature,
-            &object,
-            &self.motion.drive(),
-            &self.motion.sliding,
-        )?;
+        let object = self.object.tangent_form(&Point3::new(qx, qy, qz), &x)?;
+        let y = x.cross(&object.gradient);
+        let c = contact_velocity(self.probe_curvature, &object, &self.drive)?;
         let velocity = x * c.x + y * c.y;
-        let turn = object.k_uu * c.x + object.k_uv * c.y;
-        let x_dot = y * self.motion.angular_velocity.z - n * turn;
+        // ẋ along the gradient keeps x tangent.
+        let per_square = 1.0 / object.steepness_squared;
+        let x_dot = y * (self.spin * object.steepness * per_square)
+            - object.gradient * (object.xx * per_square * c.x + object.xy * per_square * c.y);
         // Half the angular velocity of the contact frame in the body.
-        let (h1, h2) = (
-            -0.5 * self.probe_curvature * p.y,
-            0.5 * self.probe_curvature * p.x,
+        let half = 0.5 * self.probe_curvature;
+        let p = (
+            c.x - self.sliding.x,
+            c.y * object.steepness - self.sliding.y,
         );
+        let (h1, h2) = (-half * p.1, half * p.0);
         *rate = [
             velocity.x,
             velocity.y,
@@ -138,7 +166,8 @@ impl<S: Surface, const READ: usize> System<STATE> for ChartFree<'_, S, READ> {
             i * h2 - j * h1,
             x_dot.z,
             velocity.z,
-            p.norm(),
+            (p.0 * p.0 + p.1 * p.1).sqrt(),
+            0.0,
         ];
         Ok(())
     }
@@ -146,6 +175,6 @@ impl<S: Surface, const READ: usize> System<STATE> for ChartFree<'_, S, READ> {
     #[inline]
     fn error_weights(&self) -> [f64; STATE] {
         let l = self.inverse_length;
-        [l, l, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 1.0, l, l]
+        [l, l, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 1.0, l, l, 0.0]
     }
 }

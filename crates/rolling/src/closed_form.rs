@@ -4,10 +4,10 @@
 //! without spin moves the contact along a geodesic of the object and a great circle of the probe,
 //! both at constant speed. The contact frame on the object moves by a screw.
 
-use nalgebra::{UnitQuaternion, Vector2, Vector3};
-use palpate_geometry::{CurvatureForm, Surface};
+use nalgebra::{Matrix2, UnitQuaternion, Vector2, Vector3};
+use palpate_geometry::{CurvatureForm, Surface, TangentForm};
 
-use crate::chart_free::contact_velocities;
+use crate::chart_free::{contact_velocities, contact_velocity};
 use crate::error::RollFault;
 use crate::{Contact, Motion};
 
@@ -21,8 +21,7 @@ pub(crate) fn advance<S: Surface>(
     let local = surface.level_set(&from.on_object)?;
     let y_axis = from.y_axis();
     let object = local.curvature(&from.x_axis, &y_axis);
-    let (c, p) =
-        contact_velocities(1.0 / radius, &object, &motion.drive(), &motion.sliding)?;
+    let (c, p) = contact_velocities(radius, &object, motion)?;
     let (along, path) = (c * motion.duration_s, p * motion.duration_s);
     let displacement = from.x_axis * along.x + y_axis * along.y;
     let normal_turn = object.matrix() * along;
@@ -41,7 +40,11 @@ pub(crate) fn advance<S: Surface>(
 
 /// The probe's contact frame in its body after the contact has run along a great circle by `path`
 /// (components in that frame).
-pub(crate) fn roll_on_probe(from: &Contact, path: Vector2<f64>, radius: f64) -> UnitQuaternion<f64> {
+pub(crate) fn roll_on_probe(
+    from: &Contact,
+    path: Vector2<f64>,
+    radius: f64,
+) -> UnitQuaternion<f64> {
     let turn = Vector3::new(-path.y, path.x, 0.0) / radius;
     from.body_from_contact * UnitQuaternion::from_scaled_axis(turn)
 }
@@ -61,11 +64,10 @@ fn screw_translation(displacement: &Vector3<f64>, turn: &Vector3<f64>) -> Vector
 }
 
 /// The velocity of the contact on the probe per `[−ω_y, ω_x]`: `(K₁ + K̃₂)⁻¹`.
-pub(crate) fn mobility(radius: f64, object: &CurvatureForm) -> Result<nalgebra::Matrix2<f64>, RollFault> {
-    let column = |drive: Vector2<f64>| {
-        contact_velocities(1.0 / radius, object, &drive, &Vector2::zeros()).map(|(_, p)| p)
-    };
-    Ok(nalgebra::Matrix2::from_columns(&[
+pub(crate) fn mobility(radius: f64, object: &CurvatureForm) -> Result<Matrix2<f64>, RollFault> {
+    let form = TangentForm::of_unit_normal(Vector3::z(), *object);
+    let column = |drive: Vector2<f64>| contact_velocity(1.0 / radius, &form, &drive);
+    Ok(Matrix2::from_columns(&[
         column(Vector2::x())?,
         column(Vector2::y())?,
     ]))

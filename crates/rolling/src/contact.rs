@@ -73,6 +73,13 @@ impl Contact {
         (object_from_contact * self.body_from_contact.inverse()).to_rotation_matrix()
     }
 
+    pub(crate) fn is_finite(&self) -> bool {
+        // A sum is finite only if every term is, or, harmlessly rarely, it overflows.
+        let vectors = self.on_object.coords + self.normal + self.x_axis;
+        let turn = self.body_from_contact.coords.sum();
+        (vectors.sum() + turn + self.arc_length).is_finite()
+    }
+
     /// The displacement on a probe of `radius` from `first` to this contact.
     ///
     /// Past half a turn the logarithm map returns the shorter way round, as a sensor would see it.
@@ -108,7 +115,8 @@ fn logarithm(direction: &Vector3<f64>) -> Vector2<f64> {
 
 impl Shift {
     /// The shift after rolling along a great circle by `path` on a probe of `radius`.
-    pub(crate) fn along_great_circle(path: Vector2<f64>, radius: f64) -> Self {
+    #[inline]
+    pub fn along_great_circle(path: Vector2<f64>, radius: f64) -> Self {
         let arc_length = path.norm();
         let half_turn = std::f64::consts::PI * radius;
         let displacement = if arc_length <= half_turn {
@@ -117,6 +125,9 @@ impl Shift {
             let angle = (arc_length + half_turn).rem_euclid(2.0 * half_turn) - half_turn;
             path * (angle / arc_length)
         };
-        Self { displacement, arc_length }
+        Self {
+            displacement,
+            arc_length,
+        }
     }
 }

@@ -43,6 +43,16 @@ pub struct RollError {
     pub on_object: Point3<f64>,
 }
 
+impl RollError {
+    pub(crate) const fn new(fault: RollFault, time_s: f64, on_object: Point3<f64>) -> Self {
+        Self {
+            fault,
+            time_s,
+            on_object,
+        }
+    }
+}
+
 impl RollFault {
     /// The stable name of this kind of fault.
     pub const fn name(&self) -> &'static str {

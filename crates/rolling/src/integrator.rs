@@ -3,7 +3,7 @@
 mod dop853;
 mod rk4;
 
-pub use dop853::{Dop853,STEPS};
+pub use dop853::Dop853;
 pub use rk4::Rk4;
 
 use crate::error::RollFault;
@@ -46,27 +46,33 @@ pub struct Stopped<const N: usize> {
     pub state: [f64; N],
 }
 
-/// `y + h Σ aᵢ kᵢ` in the leading components, as many as the derivative reads.
+/// `y + h Σ aⱼ kⱼ` in the components that the derivative reads.
+///
+/// The newest slope is added last: it alone is waited for, the rest of the sum is at hand before.
 #[inline(always)]
 fn stage<const N: usize, const T: usize, S: System<N>>(
-    _system: &S,
+    _: &S,
     y: &[f64; N],
     h: f64,
-    terms: [(f64, &[f64; N]); T],
+    a: &[f64; T],
+    k: [&[f64; N]; T],
 ) -> [f64; N] {
     let mut state = [0.0; N];
     for i in 0..S::READ {
-        state[i] = y[i] + h * weighted(i, terms);
+        state[i] = y[i];
+        if T > 1 {
+            state[i] += h * weighted(i, &a[..T - 1], &k[..T - 1]);
+        }
+        state[i] += h * a[T - 1] * k[T - 1][i];
     }
     state
 }
 
-/// `Σ aᵢ kᵢ` in one component.
+/// `Σ aⱼ kⱼ` in component `i`.
 #[inline(always)]
-fn weighted<const N: usize, const T: usize>(i: usize, terms: [(f64, &[f64; N]); T]) -> f64 {
-    let (a, k) = terms[0];
-    let mut sum = a * k[i];
-    for (a, k) in &terms[1..] {
+fn weighted<const N: usize>(i: usize, a: &[f64], k: &[&[f64; N]]) -> f64 {
+    let mut sum = a[0] * k[0][i];
+    for (a, k) in a[1..].iter().zip(&k[1..]) {
         sum += a * k[i];
     }
     sum

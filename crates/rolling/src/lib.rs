@@ -23,13 +23,17 @@ mod chart_free;
 mod closed_form;
 mod contact;
 mod error;
+mod integration;
 pub mod integrator;
+mod ladder;
 mod meridian;
+mod model;
 mod motion;
 mod roller;
 
 pub use chart::HeldAxis;
 pub use contact::{Contact, Shift};
 pub use error::{RollError, RollFault};
+pub use model::{Chart, Choice, InvalidRoll, Model, Rolls};
 pub use motion::Motion;
-pub use roller::{Chart, Choice, InvalidRoll, Model, Probe, Roller, Rolls};
+pub use roller::{Probe, Roller};

@@ -4,6 +4,9 @@
 //! angle by which the object's normal has turned and s the arc length, the probe has turned by
 //! `θ = α + s/R₁`, which is solved for the meridian's parameter.
 
+use std::f64::consts::FRAC_PI_4;
+use std::num::NonZeroUsize;
+
 use gauss_quad::GaussLegendre;
 use nalgebra::{UnitQuaternion, Vector2};
 use palpate_geometry::Meridian;
@@ -16,7 +19,9 @@ use crate::{Contact, Motion, Shift};
 /// more nodes than it is worth.
 const LARGEST_ASPECT: f64 = 8.0;
 /// Nodes per eighth of a meridian; with the aspect bounded this is exact to rounding.
-const NODES: usize = 24;
+const NODES: NonZeroUsize = NonZeroUsize::new(24).expect("24 is not 0");
+/// Of Newton's or Halley's method; 3 are usual, and bisection in between needs no more.
+const MOST_ITERATIONS: usize = 200;
 
 #[derive(Clone, Debug)]
 pub(crate) struct MeridianRung {
@@ -27,39 +32,28 @@ pub(crate) struct MeridianRung {
 }
 
 impl MeridianRung {
-    /// `None` where the meridian is too eccentric.
-    ///
-    /// # Errors
-    /// [`RollFault::Conforming`] where the probe does not fit at the apex.
-    pub(crate) fn new(meridian: Meridian, radius: f64) -> Result<Option<Self>, RollFault> {
-        let relative_curvature = 1.0 / radius + meridian.apex_curvature();
-        if relative_curvature <= 4.0 * f64::EPSILON / radius {
-            return Err(RollFault::Conforming { relative_curvature });
-        }
+    /// `None` where the meridian is too eccentric. The probe must fit at the apex.
+    pub(crate) fn new(meridian: Meridian, radius: f64) -> Option<Self> {
         let quadrature = match meridian {
             Meridian::Paraboloid { .. } => Vec::new(),
-            Meridian::Spheroid { a, c } => {
-                if a.max(c) > LARGEST_ASPECT * a.min(c) {
-                    return Ok(None);
-                }
-                let Some(degree) = std::num::NonZeroUsize::new(NODES) else {
-                    return Ok(None);
-                };
-                GaussLegendre::new(degree)
+            Meridian::Spheroid { a, c } if a.max(c) <= LARGEST_ASPECT * a.min(c) => {
+                GaussLegendre::new(NODES)
                     .iter()
                     .map(|(node, weight)| (0.5 + 0.5 * node, 0.5 * weight))
                     .collect()
             }
+            Meridian::Spheroid { .. } => return None,
         };
-        Ok(Some(Self { meridian, radius, quadrature }))
+        Some(Self {
+            meridian,
+            radius,
+            quadrature,
+        })
     }
 
-    /// Arc length from parameter `from` to `to`, at most an eighth turn apart if by quadrature.
+    /// Arc length from parameter `from` to `to`.
     fn arc_between(&self, from: f64, to: f64) -> f64 {
-        if let (Some(a), Some(b)) = (self.meridian.arc_length(from), self.meridian.arc_length(to)) {
-            return b - a;
-        }
-        let panels = ((to - from).abs() / std::f64::consts::FRAC_PI_4).ceil().max(1.0);
+        let panels = ((to - from).abs() / FRAC_PI_4).ceil().max(1.0);
         let width = (to - from) / panels;
         let mut sum = 0.0;
         for panel in 0..panels as usize {
@@ -72,50 +66,39 @@ impl MeridianRung {
     }
 
     /// The parameter and the arc length at which the probe has turned by `theta >= 0`.
-    ///
-    /// θ grows with the parameter (the relative curvature is positive at the apex, where a
-    /// meridian of this kind is most hollow), so Newton's method is kept inside a bracket.
     fn solve(&self, theta: f64) -> Result<(f64, f64), RollFault> {
         if theta == 0.0 {
             return Ok((0.0, 0.0));
         }
+        match self.meridian {
+            Meridian::Paraboloid { c } => along_parabola(c, self.radius, theta),
+            Meridian::Spheroid { .. } => self.by_quadrature(theta),
+        }
+        .filter(|(t, arc)| t.is_finite() && arc.is_finite())
+        .ok_or(RollFault::NotFinite)
+    }
+
+    /// Newton's method; θ grows with the parameter, for the relative curvature is positive.
+    fn by_quadrature(&self, theta: f64) -> Option<(f64, f64)> {
         let apex = self.meridian.at(0.0);
         let rate = apex.slope_per_parameter + apex.arc_per_parameter / self.radius;
-        let (mut low, mut high) = (0.0, f64::INFINITY);
-        let mut t = theta / rate;
+        let mut root = Bracket::new(theta / rate);
         let (mut known, mut arc) = (0.0, 0.0);
-        for _ in 0..200 {
+        for _ in 0..MOST_ITERATIONS {
+            let t = root.at;
             arc += self.arc_between(known, t);
             known = t;
             let point = self.meridian.at(t);
             let excess = point.slope_rad + arc / self.radius - theta;
-            if excess == 0.0 {
-                break;
-            }
-            if excess > 0.0 {
-                high = t;
-            } else {
-                low = t;
-            }
             let slope = point.slope_per_parameter + point.arc_per_parameter / self.radius;
-            let step = excess / slope;
-            let mut next = t - step;
-            if !(next > low && next < high) {
-                next = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * t };
+            root.step(excess, excess / slope);
+            // Quadratic convergence: the next correction is below rounding.
+            if (root.at - t).abs() <= 1e-8 * t {
+                arc += (root.at - t) * point.arc_per_parameter;
+                return Some((root.at, arc));
             }
-            if (next - t).abs() <= 1e-15 * t {
-                // The last correction, to first order.
-                arc -= step * point.arc_per_parameter;
-                t = next;
-                break;
-            }
-            t = next;
         }
-        if t.is_finite() && arc.is_finite() {
-            Ok((t, arc))
-        } else {
-            Err(RollFault::NotFinite)
-        }
+        None
     }
 
     pub(crate) fn shift(&self, motion: &Motion) -> Result<Shift, RollFault> {
@@ -148,5 +131,129 @@ impl MeridianRung {
             body_from_contact: roll_on_probe(apex, direction * arc, self.radius),
             arc_length: apex.arc_length + arc,
         })
+    }
+}
+
+/// Parameter and arc length at which a probe on `z = −c r²` has turned by `theta > 0`.
+///
+/// With q = 2|c|r the slope, σ the sign of c and a = 1/(2|c|R₁),
+///
+/// ```text
+/// θ = σ atan q + a S(q),     S(q) = (q √(1+q²) + asinh q)/2 = 2|c| s
+/// ```
+///
+/// is solved by Halley's method from the first two terms of its series or, where these are no
+/// guide, from its behaviour at infinity.
+fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
+    let (sign, steepening) = (c.signum(), 2.0 * c.abs());
+    let a = 1.0 / (steepening * radius);
+    if !(a * a).is_finite() {
+        let arc = theta * radius;
+        return Some((arc, arc));
+    }
+    let mut root = Bracket::new(first_slope(sign, a, theta));
+    for _ in 0..MOST_ITERATIONS {
+        let q = root.at;
+        let ww = 1.0 + q * q;
+        let w = ww.sqrt();
+        // asinh q, with the root at hand.
+        let asinh = (q + q * q / (1.0 + w)).ln_1p();
+        let arc = 0.5 * (q * w + asinh);
+        let excess = sign * q.atan() + a * arc - theta;
+        let slope = sign / ww + a * w;
+        let bend = q * (a / w - 2.0 * sign / (ww * ww));
+        let newton = excess / slope;
+        root.step(excess, newton / (1.0 - 0.5 * newton * bend / slope));
+        // Cubic convergence: the next correction is below rounding.
+        let step = root.at - q;
+        if step.abs() <= 3e-6 * q {
+            let arc = arc + step * (w + 0.5 * step * q / w);
+            return Some((root.at / steepening, arc / steepening));
+        }
+    }
+    None
+}
+
+/// Where to look first for the slope at which the probe has turned by `theta`.
+fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
+    // θ = (a + σ) q + (a/6 − σ/3) q³ + …
+    let rate = a + sign;
+    let linear = theta / rate;
+    let correction = linear * linear * (a / 6.0 - sign / 3.0) / rate;
+    if correction.abs() < 0.1 {
+        return linear * (1.0 - correction);
+    }
+    // S(q) tends to q²/2, atan q to about 1.2 rad or more.
+    let y = ((theta - 1.2 * sign) / a).max(linear.min(1.0));
+    y / (0.5 * y).hypot(1.0).sqrt()
+}
+
+/// The root of a growing function, once it lies between two places.
+struct Bracket {
+    low: f64,
+    high: f64,
+    at: f64,
+}
+
+impl Bracket {
+    fn new(at: f64) -> Self {
+        Self {
+            low: 0.0,
+            high: f64::INFINITY,
+            at,
+        }
+    }
+
+    /// Moves by `−step`, as far as the sign of `excess`, the function's value here, allows.
+    fn step(&mut self, excess: f64, step: f64) {
+        if excess > 0.0 {
+            self.high = self.at;
+        } else {
+            self.low = self.at;
+        }
+        let next = self.at - step;
+        self.at = if excess == 0.0 || (next > self.low && next < self.high) {
+            next
+        } else if self.high.is_finite() {
+            0.5 * (self.low + self.high)
+        } else {
+            2.0 * self.at
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How often Halley's method asks, and how far θ is off, relative to its terms.
+    fn check(c: f64, radius: f64, theta: f64) -> f64 {
+        let (r, arc) = along_parabola(c, radius, theta).unwrap();
+        let q = 2.0 * c * r;
+        let closed =
+            0.5 * r * (1.0 + q * q).sqrt() + 0.5 * r * if q == 0.0 { 1.0 } else { q.asinh() / q };
+        let off = (q.atan() + arc / radius - theta).abs() / (q.atan().abs() + arc / radius);
+        off.max((arc / closed - 1.0).abs())
+    }
+
+    #[test]
+    fn parabolas() {
+        let mut worst = 0.0_f64;
+        for exponent in -24..=24 {
+            for mantissa in [1.0, 2.3, 4.99] {
+                let c = mantissa * 10f64.powf(0.5 * f64::from(exponent));
+                for c in [c, -c] {
+                    for theta in [
+                        1e-12, 1e-6, 1e-3, 0.1, 0.5, 1.0, 1.5, 1.6, 2.0, 3.0, 6.0, 10.0, 100.0,
+                        1e4, 1e9,
+                    ] {
+                        if 1.0 + 2.0 * c > 1e-9 {
+                            worst = worst.max(check(c, 1.0, theta));
+                        }
+                    }
+                }
+            }
+        }
+        assert!(worst < 1e-14, "{worst:e}");
     }
 }

@@ -39,6 +39,19 @@ impl Motion {
         Vector2::new(-self.angular_velocity.y, self.angular_velocity.x)
     }
 
+    /// What drives the contact over the object, for a probe of `radius`: sliding carries it along.
+    pub(crate) fn drive_on_object(&self, radius: f64) -> Vector2<f64> {
+        self.drive() + self.sliding / radius
+    }
+
+    pub(crate) fn spins(&self) -> bool {
+        self.angular_velocity.z != 0.0
+    }
+
+    pub(crate) fn slides(&self) -> bool {
+        self.sliding != Vector2::zeros()
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
         self.angular_velocity.iter().all(|w| w.is_finite())
             && self.sliding.iter().all(|v| v.is_finite())

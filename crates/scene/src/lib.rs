@@ -95,9 +95,30 @@ impl Study {
         match &config.scene {
             SceneConfig::Roll(roll) => RollScene::new(roll, config.seed).map(Scene::Roll),
         }
-        .map_err(|error| match error.part {
+        .map_err(|error| self.plan_error(cell, error))
+    }
+
+    /// The scene of a cell, if it can be estimated from. A trace needs no such scene.
+    ///
+    /// # Errors
+    /// As [`Study::scene`], and where the probes cannot tell the curvature: fewer than two, or all
+    /// parallel.
+    ///
+    /// # Panics
+    /// If `cell` is not the index of a cell.
+    pub fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError> {
+        let scene = self.scene(cell)?;
+        match &scene {
+            Scene::Roll(roll) => roll.estimable(),
+        }
+        .map_err(|error| self.plan_error(cell, error))?;
+        Ok(scene)
+    }
+
+    fn plan_error(&self, cell: usize, error: roll::PlanError) -> ConfigError {
+        match error.part {
             Some(part) => self.error_in_text(cell, &error.path, part, error.message),
             None => self.error_at(cell, &error.path, error.message),
-        })
+        }
     }
 }

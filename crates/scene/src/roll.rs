@@ -1,5 +1,6 @@
 //! A roll: probes roll from a first contact, and EP1 estimates the curvature there.
 
+mod linear;
 mod noise;
 mod plan;
 mod sensor;
@@ -9,13 +10,16 @@ pub use plan::PlanError;
 pub use trace::{RollTrace, TraceError};
 
 use nalgebra::Vector2;
-use palpate_ep1::{Estimate, LeastSquares, Measured, ProbeReading, ReadingNoise};
+use palpate_ep1::{
+    Ep1Error, Estimate, LeastSquares, Measured, Moments, ProbeReading, ReadingNoise,
+};
 use palpate_geometry::CurvatureForm;
-use palpate_rolling::{Motion, Roller, Shift};
+use palpate_rolling::{Motion, Roller};
 
 use crate::{Outcome, Quantity, Unit};
+use linear::LinearRolls;
 use noise::MotionNoise;
-use sensor::{RollSensor, SensorTrial};
+use sensor::RollSensor;
 
 /// What a roll estimates.
 pub const QUANTITIES: [Quantity; 5] = [
@@ -48,12 +52,16 @@ pub struct RollScene {
     roller: Roller,
     /// What each probe is told to do.
     commands: Vec<Motion>,
-    /// What each probe reports of its rotation if nothing errs.
+    /// What each probe reports of its rotation where its measurement does not err.
     rotations: Vec<Vector2<f64>>,
     noise: MotionNoise,
     sensor: RollSensor,
     encoder: Option<palpate_sensing::Encoder>,
     reading_noise: ReadingNoise,
+    /// The fit for `rotations`, which may not tell the curvature; `trace` does not need it to.
+    fit: Result<LeastSquares, Ep1Error>,
+    /// Set where all rolls are linear and report `rotations`.
+    linear: Option<LinearRolls>,
     truth: Truth,
 }
 
@@ -70,7 +78,18 @@ impl RollScene {
         self.noise.is_random() || self.sensor.is_random()
     }
 
-    /// The rung of the forward law that was taken, and why.
+    /// Whether the probes can tell the curvature at all.
+    ///
+    /// # Errors
+    /// [`PlanError`] at the directions, where they are too few or all parallel.
+    pub fn estimable(&self) -> Result<(), PlanError> {
+        match &self.fit {
+            Ok(_) => Ok(()),
+            Err(error) => Err(PlanError::at("scene.motion.directions_deg", error)),
+        }
+    }
+
+    /// The forward law, on the rung that was taken.
     pub const fn roller(&self) -> &Roller {
         &self.roller
     }
@@ -81,6 +100,7 @@ impl RollScene {
     }
 
     /// The true values, in the order of [`QUANTITIES`].
+    #[inline]
     pub fn truths(&self) -> [f64; 5] {
         let Truth {
             curvature,
@@ -105,7 +125,95 @@ impl RollScene {
         trial: u64,
         mut observe: impl FnMut(usize, Outcome),
     ) -> Result<(), &'static str> {
-        let mut sums = LeastSquares::new(self.roller.probe().radius(), self.reading_noise);
+        let outcomes = self.outcomes(trial)?.into_iter().enumerate();
+        outcomes.for_each(|(quantity, outcome)| observe(quantity, outcome));
+        Ok(())
+    }
+
+    /// The outcomes of one trial, in the order of [`QUANTITIES`].
+    ///
+    /// # Errors
+    /// The stable name of what went wrong.
+    #[inline(always)]
+    pub fn outcomes(&self, trial: u64) -> Result<[Outcome; QUANTITIES.len()], &'static str> {
+        if let Some(linear) = &self.linear
+            && let RollSensor::Ideal = self.sensor
+            && let Some(moments) = linear.short(self.seed, trial)
+        {
+            let fit = self.fit.as_ref().map_err(Ep1Error::name)?;
+            let estimate = fit.estimate(&moments).map_err(|error| error.name())?;
+            return Ok(self.compare(&estimate));
+        }
+        self.sensed_trial(trial)
+            .map(|estimate| self.compare(&estimate))
+    }
+
+    /// An estimate beside the truth.
+    #[inline(always)]
+    fn compare(&self, estimate: &Estimate) -> [Outcome; QUANTITIES.len()] {
+        let outcome = |measured: Measured, truth: f64| Outcome {
+            estimate: measured.value,
+            truth,
+            std: measured.std,
+        };
+        let [u, v, gaussian, mean, length] = self.truths();
+        let arc_length = Measured {
+            value: estimate.arc_length,
+            std: None,
+        };
+        [
+            outcome(estimate.normal_curvature_u, u),
+            outcome(estimate.normal_curvature_v, v),
+            outcome(estimate.gaussian_curvature, gaussian),
+            outcome(estimate.mean_curvature, mean),
+            outcome(arc_length, length),
+        ]
+    }
+
+    /// A trial of any scene.
+    #[inline(never)]
+    fn sensed_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
+        match (&self.linear, &self.noise) {
+            (Some(linear), _) => self.linear_trial(linear, trial),
+            (None, MotionNoise::Measurement { .. }) => self.measured_trial(trial),
+            (None, MotionNoise::None | MotionNoise::Motion { .. }) => self.general_trial(trial),
+        }
+    }
+
+    /// All rolls are linear: no motion is made up, no state carried.
+    fn linear_trial(&self, linear: &LinearRolls, trial: u64) -> Result<Estimate, &'static str> {
+        let fit = self.fit.as_ref().map_err(Ep1Error::name)?;
+        let mut sensor = self.sensor.begin(self.seed, trial);
+        let moments = linear
+            .sensed(self.seed, trial, |displacement| sensor.read(&displacement))
+            .map_err(|error| error.name())?;
+        fit.estimate(&moments).map_err(|error| error.name())
+    }
+
+    /// The rotations that are reported are the same in every trial.
+    fn general_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
+        let fit = self.fit.as_ref().map_err(Ep1Error::name)?;
+        let mut moments = Moments::default();
+        self.readings(trial, |reading| {
+            moments.add(self.roller.probe().radius(), &reading)
+        })?;
+        fit.estimate(&moments).map_err(|error| error.name())
+    }
+
+    /// The rotations that are reported err.
+    fn measured_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
+        let mut readings = Vec::with_capacity(self.commands.len());
+        self.readings(trial, |reading| readings.push(reading))?;
+        LeastSquares::of(self.roller.probe().radius(), self.reading_noise, &readings)
+            .map_err(|error| error.name())
+    }
+
+    /// What the probes report in a trial, one after the other.
+    fn readings(
+        &self,
+        trial: u64,
+        mut report: impl FnMut(ProbeReading),
+    ) -> Result<(), &'static str> {
         let mut noise = self.noise.begin(self.seed, trial);
         let mut sensor = self.sensor.begin(self.seed, trial);
         for (command, rotation) in self.commands.iter().zip(&self.rotations) {
@@ -115,36 +223,12 @@ impl RollScene {
             if let Some(encoder) = &self.encoder {
                 rotation = encoder.read(&rotation);
             }
-            let shift = read(&mut sensor, &shift)?;
-            sums.add(&ProbeReading { rotation, shift });
+            let shift = sensor
+                .read(&shift.displacement)
+                .map_err(|error| error.name())?;
+            report(ProbeReading { rotation, shift });
         }
-        let estimate = sums.estimate().map_err(|error| error.name())?;
-        self.report(&estimate, &mut observe);
         Ok(())
-    }
-
-    #[inline]
-    fn report(&self, estimate: &Estimate, observe: &mut impl FnMut(usize, Outcome)) {
-        let estimates = [
-            estimate.normal_curvature_u,
-            estimate.normal_curvature_v,
-            estimate.gaussian_curvature,
-            estimate.mean_curvature,
-            Measured {
-                value: estimate.arc_length,
-                std: None,
-            },
-        ];
-        for (index, (measured, truth)) in estimates.into_iter().zip(self.truths()).enumerate() {
-            observe(
-                index,
-                Outcome {
-                    estimate: measured.value,
-                    truth,
-                    std: measured.std,
-                },
-            );
-        }
     }
 
     /// The models that the scene needs and why, one line each.
@@ -170,11 +254,4 @@ impl RollScene {
         }
         lines
     }
-}
-
-#[inline]
-fn read(sensor: &mut SensorTrial<'_>, shift: &Shift) -> Result<Vector2<f64>, &'static str> {
-    sensor
-        .read(&shift.displacement)
-        .map_err(|error| error.name())
 }

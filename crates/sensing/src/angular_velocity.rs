@@ -35,6 +35,11 @@ impl AngularVelocityError {
         })
     }
 
+    /// How it is distributed.
+    pub const fn distribution(&self) -> Distribution {
+        self.distribution
+    }
+
     /// The size, as a fraction of |ω|.
     pub const fn fraction(&self) -> f64 {
         self.fraction

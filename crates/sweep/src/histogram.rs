@@ -25,9 +25,13 @@ pub(crate) struct Histogram {
 }
 
 impl Histogram {
-    /// Counts one finite number.
+    /// Counts finite numbers.
+    pub(crate) fn add_all(&mut self, values: &[f64]) {
+        values.iter().for_each(|&value| self.add(value));
+    }
+
     #[inline]
-    pub(crate) fn add(&mut self, value: f64) {
+    fn add(&mut self, value: f64) {
         let bits = value.to_bits();
         let octave = ((bits >> SIGNIFICAND_BITS) & EXPONENT_MASK) as usize;
         let sign = (bits >> 63 << BIN_BITS) as u8;

@@ -37,6 +37,7 @@
 //! # Ok::<(), palpate_sweep::SweepError>(())
 //! ```
 
+mod column;
 mod failures;
 mod histogram;
 mod magnitude;

@@ -59,7 +59,7 @@ impl Part {
 
         let start = (self.first_block + self.blocks) * BLOCK;
         for trial in start..cell.trials.min(start.saturating_add(BLOCK)) {
-            if let Err(kind) = record.take(trial, |record| cell.trial.run(trial, record)) {
+            if let Err(kind) = record.take(|record| cell.trial.run(trial, record)) {
                 self.failures.add(Failure {
                     kind,
                     count: 1,

@@ -17,7 +17,7 @@ const WAVE: usize = 1024;
 /// Most blocks of one job; a job has its own histograms, whose merging must not be felt.
 const MAX_JOB: usize = 32;
 /// Jobs per thread, where there are few blocks.
-const JOBS_PER_THREAD: usize = 16;
+const JOBS_PER_THREAD: usize = 8;
 
 /// What is repeated in a cell.
 pub trait Trial: Sync {

@@ -1,9 +1,9 @@
 //! Sums of one quantity over a run of trials.
 
+use crate::column::{Column, Truths};
 use crate::histogram::Histogram;
 use crate::magnitude::MeanMagnitude;
 use crate::moments::Moments;
-use crate::record::Entry;
 use crate::scale::range;
 
 /// Two-sided 95 % point of the normal distribution, in standard deviations.
@@ -19,6 +19,18 @@ pub(crate) enum Truth {
     Same(f64),
     /// Not always the same, so that the estimates have moments other than the errors'.
     Varies { estimates: Moments },
+}
+
+impl Truth {
+    /// Of some estimates.
+    fn of(truths: &[f64], estimates: &[f64]) -> Truth {
+        match truths {
+            [first, rest @ ..] if rest.iter().all(|truth| truth == first) => Truth::Same(*first),
+            _ => Truth::Varies {
+                estimates: Moments::of(estimates),
+            },
+        }
+    }
 }
 
 /// What is summed over the observations of one quantity; merged in the order of the trials.
@@ -40,40 +52,43 @@ pub(crate) struct Scratch {
 }
 
 impl Sums {
-    /// Of the entries of a quantity, whose errors are also counted in the histogram.
-    pub(crate) fn of(entries: &[Entry], histogram: &mut Histogram, scratch: &mut Scratch) -> Sums {
-        let Some(first) = entries.first() else {
-            return Sums::default();
-        };
+    /// Of the observations of a quantity, whose errors are also counted in the histogram.
+    pub(crate) fn of(column: &Column, histogram: &mut Histogram, scratch: &mut Scratch) -> Sums {
+        let entries = column.entries();
         let Scratch { errors, others } = scratch;
         errors.clear();
-        errors.extend(entries.iter().map(Entry::error));
-        errors.iter().for_each(|&error| histogram.add(error));
-
-        let (mut truths, mut reported) = (0, 0);
-        for entry in entries {
-            truths |= entry.truth.to_bits() ^ first.truth.to_bits();
-            reported += u64::from(entry.std.is_sign_positive());
-        }
-        let truth = if truths == 0 {
-            Truth::Same(first.truth)
-        } else {
-            others.clear();
-            others.extend(entries.iter().map(|entry| entry.estimate));
-            Truth::Varies {
-                estimates: Moments::of(others),
+        others.clear();
+        let estimates = entries.iter().map(|entry| entry.estimate);
+        let truth = match column.truths() {
+            Truths::None => return Sums::default(),
+            &Truths::Same(truth) => {
+                errors.extend(estimates.map(|estimate| estimate - truth));
+                Truth::Same(truth)
+            }
+            Truths::Varied(truths) => {
+                errors.extend(
+                    estimates
+                        .clone()
+                        .zip(truths)
+                        .map(|(estimate, truth)| estimate - truth),
+                );
+                others.extend(estimates);
+                Truth::of(truths, others)
             }
         };
+        histogram.add_all(errors);
+
+        others.clear();
+        others.extend(entries.iter().map(|entry| entry.std));
+        let reported = others.iter().map(|&std| u64::from(std >= 0.0)).sum::<u64>();
         let (mut reported_std, mut covered) = (MeanMagnitude::default(), 0);
         if reported > 0 {
-            others.clear();
-            others.extend(entries.iter().map(|entry| entry.std));
             let pairs = errors.iter().zip(&*others);
             covered = pairs
                 .map(|(error, std)| u64::from(error.abs() <= COVERAGE_95 * std))
                 .sum();
             if reported < entries.len() as u64 {
-                others.retain(|std| std.is_sign_positive());
+                others.retain(|&std| std >= 0.0);
             }
             let (_, largest) = range(others, 0.0);
             reported_std = MeanMagnitude::of(others, largest);

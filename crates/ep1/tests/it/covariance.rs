@@ -41,7 +41,7 @@ fn quantities(estimate: &Estimate) -> [Measured; 4] {
 
 fn check(noise: ReadingNoise, form: CurvatureForm, rolls: &[(f64, f64)]) {
     let exact = readings(1.0, &form, rolls);
-    let stated = quantities(&LeastSquares::of(1.0, noise, &exact).estimate().unwrap());
+    let stated = quantities(&LeastSquares::of(1.0, noise, &exact).unwrap());
     let trials = 20_000;
     let mut draws = Draws(99);
     let mut square = [0.0; 4];
@@ -57,7 +57,7 @@ fn check(noise: ReadingNoise, form: CurvatureForm, rolls: &[(f64, f64)]) {
                 }
             })
             .collect();
-        let estimate = LeastSquares::of(1.0, noise, &noisy).estimate().unwrap();
+        let estimate = LeastSquares::of(1.0, noise, &noisy).unwrap();
         for (sum, (found, stated)) in square
             .iter_mut()
             .zip(quantities(&estimate).iter().zip(&stated))
@@ -118,7 +118,7 @@ fn isotropic_std_is_the_formula() {
         ..Default::default()
     };
     let exact = readings(1.0, &CurvatureForm::isotropic(0.2), &eight(0.1));
-    let estimate = LeastSquares::of(1.0, noise, &exact).estimate().unwrap();
+    let estimate = LeastSquares::of(1.0, noise, &exact).unwrap();
     let relative = estimate.normal_curvature_u.std.unwrap() / 0.2;
     assert_relative_eq!(relative, 0.01 * 6.0 / 2.0, max_relative = 1e-12);
 }
@@ -127,8 +127,9 @@ fn isotropic_std_is_the_formula() {
 fn residual_sees_what_the_model_does_not_explain() {
     let mut readings = readings(1.0, &FORM, &eight(0.1));
     let fit = |readings: &[ProbeReading]| {
-        let sums = LeastSquares::of(1.0, ReadingNoise::default(), readings);
-        sums.residual(&sums.estimate().unwrap(), readings)
+        LeastSquares::of(1.0, ReadingNoise::default(), readings)
+            .unwrap()
+            .residual(readings)
     };
     let (clean, freedom) = fit(&readings);
     assert!(clean < 1e-16 && freedom == 13);

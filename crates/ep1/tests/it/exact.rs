@@ -30,7 +30,7 @@ proptest! {
         );
         let form = CurvatureForm { k_uu: k_min, k_uv: 0.0, k_vv: k_min + spread }.rotated(angle);
         let readings = readings(1.0, &form, &rolls);
-        let estimate = LeastSquares::of(1.0, EXACT, &readings).estimate().unwrap();
+        let estimate = LeastSquares::of(1.0, EXACT, &readings).unwrap();
         let scale = 1.0 + form.curvedness();
         prop_assert!((estimate.curvature.matrix() - form.matrix()).amax() < 1e-9 * scale);
         prop_assert_eq!(estimate.normal_curvature_u.std, None);
@@ -41,7 +41,7 @@ proptest! {
         let radius = 10.0_f64.powi(exponent);
         let curvature = 10.0_f64.powi(ratio) / radius;
         let readings = readings(radius, &CurvatureForm::isotropic(curvature), &eight(0.1));
-        let estimate = LeastSquares::of(radius, EXACT, &readings).estimate().unwrap();
+        let estimate = LeastSquares::of(radius, EXACT, &readings).unwrap();
         // The error of the input's rounding, times the amplification.
         let amplification = 1.0 + 10.0_f64.powi(-ratio) + 10.0_f64.powi(ratio);
         let error = (estimate.curvature.k_uu / curvature - 1.0).abs();
@@ -61,9 +61,7 @@ fn readings_of_a_plane_give_exactly_zero() {
                 ProbeReading { rotation, shift }
             })
             .collect();
-        let estimate = LeastSquares::of(radius, EXACT, &readings)
-            .estimate()
-            .unwrap();
+        let estimate = LeastSquares::of(radius, EXACT, &readings).unwrap();
         assert_eq!(estimate.curvature.k_uu, 0.0);
         assert_eq!(estimate.curvature.k_vv, 0.0);
         assert_eq!(estimate.amplification(0.0), None);
@@ -97,7 +95,7 @@ fn a_rolled_sphere_is_recovered() {
     for radius in [500.0, 50.0, 5.0, 1.0, 0.5] {
         let object = Shape::Sphere(Sphere::new(radius).unwrap());
         let readings = rolled(object, 0.1, Model::ClosedForm);
-        let estimate = LeastSquares::of(1.0, EXACT, &readings).estimate().unwrap();
+        let estimate = LeastSquares::of(1.0, EXACT, &readings).unwrap();
         let precision = 1e-15 * (1.0 + radius) * 4.0;
         assert_relative_eq!(
             estimate.curvature.k_uu,
@@ -124,9 +122,7 @@ fn a_rolled_saddle_has_its_signs() {
         tolerance: 1e-12,
         chart: Chart::Free,
     };
-    let estimate = LeastSquares::of(1.0, EXACT, &rolled(object, 1e-4, model))
-        .estimate()
-        .unwrap();
+    let estimate = LeastSquares::of(1.0, EXACT, &rolled(object, 1e-4, model)).unwrap();
     // z = a (x² − y²): hollow along x.
     assert_relative_eq!(estimate.curvature.k_uu, -0.2, max_relative = 1e-6);
     assert_relative_eq!(estimate.curvature.k_vv, 0.2, max_relative = 1e-6);
@@ -137,9 +133,7 @@ fn the_paraboloids_error_at_equal_arc_is_the_known_one() {
     // c = 1 rolled by θ = α + s/R₁ over s = 0.1 errs by 1.9 %.
     let theta = 0.296_15;
     let object = Shape::Paraboloid(Graph::paraboloid(1.0).unwrap());
-    let estimate = LeastSquares::of(1.0, EXACT, &rolled(object, theta, Model::Meridian))
-        .estimate()
-        .unwrap();
+    let estimate = LeastSquares::of(1.0, EXACT, &rolled(object, theta, Model::Meridian)).unwrap();
     assert_relative_eq!(estimate.arc_length, 0.1, max_relative = 1e-3);
     assert_relative_eq!(1.0 - estimate.curvature.k_uu / 2.0, 0.019, epsilon = 5e-4);
 }

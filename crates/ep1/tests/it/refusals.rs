@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use crate::{eight, readings};
 
 fn estimate(readings: &[ProbeReading]) -> Result<Estimate, Ep1Error> {
-    LeastSquares::of(1.0, ReadingNoise::default(), readings).estimate()
+    LeastSquares::of(1.0, ReadingNoise::default(), readings)
 }
 
 #[test]
@@ -50,9 +50,7 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
         shift_resolution: 0.01,
         ..Default::default()
     };
-    let error = LeastSquares::of(1.0, noise, &readings)
-        .estimate()
-        .unwrap_err();
+    let error = LeastSquares::of(1.0, noise, &readings).unwrap_err();
     let Ep1Error::Unresolved {
         direction_rad,
         radius_below: Some(bound),
@@ -128,7 +126,7 @@ proptest! {
             })
             .collect();
         let noise = ReadingNoise { relative_rotation_std: 0.1, shift_std: 0.1, ..Default::default() };
-        if let Ok(estimate) = LeastSquares::of(radius, noise, &readings).estimate() {
+        if let Ok(estimate) = LeastSquares::of(radius, noise, &readings) {
             for measured in [estimate.normal_curvature_u, estimate.gaussian_curvature] {
                 prop_assert!(measured.value.is_finite());
             }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::surface::SQUARABLE;
+use crate::surface::{SQUARABLE, is_within_reach};
 use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
 
 /// An endless cylinder whose axis passes through the origin, horizontally.
@@ -20,9 +20,9 @@ impl Cylinder {
     /// A cylinder of `radius` whose axis stands at `direction_rad` from +x towards +y.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless the radius is finite and positive and the direction finite.
+    /// [`InvalidShape`] unless the radius is finite, positive and can be squared and the direction finite.
     pub fn new(radius: f64, direction_rad: f64) -> Result<Self, InvalidShape> {
-        let radius = InvalidShape::unless_positive("radius", radius)?;
+        let radius = InvalidShape::unless_length("radius", radius)?;
         let (sin, cos) = InvalidShape::unless_finite("direction", direction_rad)?.sin_cos();
         let axis = Vector3::new(cos, sin, 0.0);
         let across = Vector3::new(-sin, cos, 0.0);
@@ -51,7 +51,7 @@ impl Cylinder {
 
 impl Surface for Cylinder {
     fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
-        let at = at.unless_finite()?;
+        let at = at.unless_out_of_reach()?;
         let (sin, cos) = at.v.sin_cos();
         let radial = (self.across * sin + Vector3::z() * cos) * self.radius;
         Ok(ChartJet {
@@ -81,10 +81,10 @@ impl Surface for Cylinder {
 
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
         let radial = self.radial(point);
-        let norm = radial.norm();
+        let (norm, farthest) = (radial.norm(), point.coords.norm());
         // On the axis a direction is only rounding.
-        let on_axis = norm <= f64::EPSILON * point.coords.norm();
-        if on_axis || !SQUARABLE.contains(&norm) {
+        let on_axis = norm <= f64::EPSILON * farthest;
+        if on_axis || !SQUARABLE.contains(&norm) || !SQUARABLE.contains(&farthest) {
             return Err(SurfaceError::no_closest_point(point));
         }
         let along = self.axis * self.axis.dot(&point.coords);
@@ -93,7 +93,7 @@ impl Surface for Cylinder {
 
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
         let across = self.across.dot(&Vector3::new(x, y, 0.0)).abs();
-        if across <= self.radius {
+        if across <= self.radius && is_within_reach(x, y) {
             let z = ((self.radius - across) * (self.radius + across)).sqrt();
             Ok(Point3::new(x, y, z))
         } else {

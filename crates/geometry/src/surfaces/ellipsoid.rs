@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::surface::is_within_reach;
 use crate::{ChartJet, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError};
 
 /// The ellipsoid `x²/a² + y²/b² + z²/c² = 1`.
@@ -17,10 +18,10 @@ impl Ellipsoid {
     /// An ellipsoid with semi-axes along x, y and z.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless all three are finite and positive.
+    /// [`InvalidShape`] unless all three are finite, positive and can be squared.
     pub fn new(semi_axes: [f64; 3]) -> Result<Self, InvalidShape> {
         for axis in semi_axes {
-            InvalidShape::unless_positive("semi_axes", axis)?;
+            InvalidShape::unless_length("semi_axes", axis)?;
         }
         Ok(Self {
             semi_axes: Vector3::from(semi_axes),
@@ -75,7 +76,11 @@ impl Surface for Ellipsoid {
         let ratios = self.semi_axes / smallest;
         let weights = (point.coords / smallest).component_mul(&ratios);
         let beyond = ratios.map(|ratio| (ratio - 1.0) * (ratio + 1.0));
-        if !(weights.sum().is_finite() && beyond.sum().is_finite()) {
+        if weights
+            .iter()
+            .chain(&beyond)
+            .any(|length| !is_within_reach(*length, 0.0))
+        {
             return Err(none);
         }
         let scaled = |sigma: f64| {

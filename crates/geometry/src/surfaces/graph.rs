@@ -3,9 +3,9 @@
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
 use crate::formula::Formula;
-use crate::surface::SQUARABLE;
+use crate::surface::{SQUARABLE, is_within_reach};
 use crate::{
-    ChartJet, CurvatureForm, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError,
+    ChartJet, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm,
 };
 
 /// Height with its first and second derivatives.
@@ -33,8 +33,8 @@ pub trait Height {
     /// Slopes from here on count as a vertical wall, where the graph ends.
     const STEEPEST: f64 = *SQUARABLE.end();
 
-    /// Height and derivatives at `(x, y)`; not finite where the height is undefined or not twice
-    /// differentiable.
+    /// Height and derivatives at `(x, y)`. Where the height is undefined or not twice
+    /// differentiable, some of the derivatives are not finite.
     fn jet(&self, x: f64, y: f64) -> HeightJet;
 
     /// The meridian through the contact above `(x, y)`, as in [`Surface::meridian`].
@@ -133,10 +133,12 @@ impl Height for HeightField {
 
     fn jet(&self, x: f64, y: f64) -> HeightJet {
         let jet = self.formula.jet(x, y);
+        // ln(x) has derivatives at x < 0, where it has no value.
+        let nothing = 0.0 * jet.value;
         HeightJet {
             value: jet.value,
             gradient: jet.gradient,
-            hessian: jet.hessian,
+            hessian: jet.hessian.map(|second| second + nothing),
         }
     }
 }
@@ -147,7 +149,7 @@ impl<H: Height> Graph<H> {
         let jet = self.height.jet(x, y);
         let [fx, fy] = jet.gradient;
         let steep = fx.abs().max(fy.abs()) > H::STEEPEST;
-        if jet.is_finite() && !steep {
+        if jet.is_finite() && !steep && is_within_reach(x, y) {
             Ok(jet)
         } else {
             Err(SurfaceError::OffDomain { x, y })
@@ -239,24 +241,35 @@ impl<H: Height> Surface for Graph<H> {
     }
 
     #[inline]
-    fn curvature_along(
+    fn tangent_form(
         &self,
         point: &Point3<f64>,
         x: &Vector3<f64>,
-    ) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
-        let jet = self.jet(point.x, point.y)?;
+    ) -> Result<TangentForm, SurfaceError> {
+        let jet = self.height.jet(point.x, point.y);
         let [fx, fy] = jet.gradient;
         let [fxx, fxy, fyy] = jet.hessian;
-        let w = 1.0 / (1.0 + fx * fx + fy * fy).sqrt();
-        let normal = Vector3::new(-fx * w, -fy * w, w);
-        let y = x.cross(&normal);
-        let (bend_x, bend_y) = (fxx * x.x + fxy * x.y, fxy * x.x + fyy * x.y);
-        let form = CurvatureForm {
-            k_uu: -w * (x.x * bend_x + x.y * bend_y),
-            k_uv: -w * (y.x * bend_x + y.y * bend_y),
-            k_vv: -w * (fxx * y.x * y.x + 2.0 * fxy * y.x * y.y + fyy * y.y * y.y),
-        };
-        Ok((normal, form))
+        let steepness_squared = 1.0 + fx * fx + fy * fy;
+        // The checks of `Graph::jet`, as far as they matter here: no NaN is within a bound.
+        let in_domain = steepness_squared <= H::STEEPEST * H::STEEPEST;
+        if !(in_domain && (fxx + fxy + fyy).is_finite()) {
+            return Err(SurfaceError::OffDomain {
+                x: point.x,
+                y: point.y,
+            });
+        }
+        let gradient = Vector3::new(-fx, -fy, 1.0);
+        let y = x.cross(&gradient);
+        let bend_x = [fxx * x.x + fxy * x.y, fxy * x.x + fyy * x.y];
+        let bend_y = [fxx * y.x + fxy * y.y, fxy * y.x + fyy * y.y];
+        Ok(TangentForm {
+            gradient,
+            steepness: steepness_squared.sqrt(),
+            steepness_squared,
+            xx: -(x.x * bend_x[0] + x.y * bend_x[1]),
+            xy: -(y.x * bend_x[0] + y.y * bend_x[1]),
+            yy: -(y.x * bend_y[0] + y.y * bend_y[1]),
+        })
     }
 
     fn parameters(&self, point: &Point3<f64>) -> Parameters {

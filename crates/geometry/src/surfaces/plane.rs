@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::surface::is_within_reach;
 use crate::{ChartJet, LevelSet, Parameters, Surface, SurfaceError};
 
 /// The plane z = 0, solid below. Chart `(u, v, 0)`.
@@ -10,7 +11,7 @@ pub struct Plane;
 
 impl Surface for Plane {
     fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
-        let at = at.unless_finite()?;
+        let at = at.unless_out_of_reach()?;
         Ok(ChartJet {
             point: Point3::new(at.u, at.v, 0.0),
             du: Vector3::x(),
@@ -33,7 +34,7 @@ impl Surface for Plane {
     }
 
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
-        if point.iter().all(|coordinate| coordinate.is_finite()) {
+        if is_within_reach(point.x, point.y) && point.z.is_finite() {
             Ok(Point3::new(point.x, point.y, 0.0))
         } else {
             Err(SurfaceError::no_closest_point(point))
@@ -41,7 +42,7 @@ impl Surface for Plane {
     }
 
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
-        if x.is_finite() && y.is_finite() {
+        if is_within_reach(x, y) {
             Ok(Point3::new(x, y, 0.0))
         } else {
             Err(SurfaceError::OffDomain { x, y })

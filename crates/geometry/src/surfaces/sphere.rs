@@ -3,7 +3,9 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::surface::SQUARABLE;
-use crate::{ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
+use crate::{
+    ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError, TangentForm,
+};
 
 /// A sphere about the origin.
 ///
@@ -26,9 +28,9 @@ pub struct Dish {
 
 impl Sphere {
     /// # Errors
-    /// [`InvalidShape`] unless the radius is finite and positive.
+    /// [`InvalidShape`] unless the radius is finite, positive and can be squared.
     pub fn new(radius: f64) -> Result<Self, InvalidShape> {
-        let radius = InvalidShape::unless_positive("radius", radius)?;
+        let radius = InvalidShape::unless_length("radius", radius)?;
         Ok(Self { radius })
     }
 
@@ -40,9 +42,9 @@ impl Sphere {
 
 impl Dish {
     /// # Errors
-    /// [`InvalidShape`] unless the radius is finite and positive.
+    /// [`InvalidShape`] unless the radius is finite, positive and can be squared.
     pub fn new(radius: f64) -> Result<Self, InvalidShape> {
-        let radius = InvalidShape::unless_positive("radius", radius)?;
+        let radius = InvalidShape::unless_length("radius", radius)?;
         Ok(Self { radius })
     }
 
@@ -85,24 +87,19 @@ fn spherical_level_set(point: &Point3<f64>, side: f64) -> Result<LevelSet, Surfa
     })
 }
 
-/// Normal and curvature there, without the matrices.
+/// Normal and curvature at a point on it, which are known without normalising anything.
 #[inline]
-fn spherical_curvature(
-    point: &Point3<f64>,
-    side: f64,
-) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
-    let norm = point.coords.norm();
-    if !SQUARABLE.contains(&norm) {
-        return Err(SurfaceError::OffDomain {
+fn spherical_form(point: &Point3<f64>, curvature: f64) -> Result<TangentForm, SurfaceError> {
+    let normal = point.coords * curvature;
+    if normal.sum().is_finite() {
+        let curvature = CurvatureForm::isotropic(curvature);
+        Ok(TangentForm::of_unit_normal(normal, curvature))
+    } else {
+        Err(SurfaceError::OffDomain {
             x: point.x,
             y: point.y,
-        });
+        })
     }
-    let curvature = side / norm;
-    Ok((
-        point.coords * curvature,
-        CurvatureForm::isotropic(curvature),
-    ))
 }
 
 fn radial_projection(radius: f64, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
@@ -134,12 +131,12 @@ impl Surface for Sphere {
     }
 
     #[inline]
-    fn curvature_along(
+    fn tangent_form(
         &self,
         point: &Point3<f64>,
         _x: &Vector3<f64>,
-    ) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
-        spherical_curvature(point, 1.0)
+    ) -> Result<TangentForm, SurfaceError> {
+        spherical_form(point, 1.0 / self.radius)
     }
 
     fn parameters(&self, point: &Point3<f64>) -> Parameters {
@@ -170,12 +167,12 @@ impl Surface for Dish {
     }
 
     #[inline]
-    fn curvature_along(
+    fn tangent_form(
         &self,
         point: &Point3<f64>,
         _x: &Vector3<f64>,
-    ) -> Result<(Vector3<f64>, CurvatureForm), SurfaceError> {
-        spherical_curvature(point, -1.0)
+    ) -> Result<TangentForm, SurfaceError> {
+        spherical_form(point, -1.0 / self.radius)
     }
 
     fn parameters(&self, point: &Point3<f64>) -> Parameters {

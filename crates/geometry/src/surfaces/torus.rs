@@ -19,11 +19,11 @@ impl Torus {
     /// A torus whose tube of `minor_radius` is centred on a circle of `major_radius`.
     ///
     /// # Errors
-    /// [`InvalidShape`] unless both are finite and positive and the tube does not meet itself
+    /// [`InvalidShape`] unless both are finite, positive and can be squared and the tube does not meet itself
     /// (`minor_radius < major_radius`).
     pub fn new(major_radius: f64, minor_radius: f64) -> Result<Self, InvalidShape> {
-        InvalidShape::unless_positive("major_radius", major_radius)?;
-        InvalidShape::unless_positive("minor_radius", minor_radius)?;
+        InvalidShape::unless_length("major_radius", major_radius)?;
+        InvalidShape::unless_length("minor_radius", minor_radius)?;
         if minor_radius >= major_radius {
             return Err(InvalidShape {
                 parameter: "minor_radius",
@@ -50,7 +50,7 @@ impl Torus {
 
 impl Surface for Torus {
     fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
-        let at = at.unless_finite()?;
+        let at = at.unless_out_of_reach()?;
         let (sin_u, cos_u) = at.u.sin_cos();
         let (sin_v, cos_v) = at.v.sin_cos();
         let (out, around) = (

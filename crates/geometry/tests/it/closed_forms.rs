@@ -153,6 +153,29 @@ fn paraboloid_away_from_its_apex() {
 }
 
 #[test]
+fn forms_of_a_skewed_graph() {
+    let formula = Formula::parse("0.4*x^2*y - 0.3*x*y + sin(y)", &BTreeMap::new()).unwrap();
+    let graph = Graph::of_formula(formula);
+    for (x, y) in [(0.3_f64, -0.7_f64), (1.1, 0.4), (-0.8, 2.0)] {
+        let (fx, fy) = (0.8 * x * y - 0.3 * y, 0.4 * x * x - 0.3 * x + y.cos());
+        let (fxx, fxy, fyy) = (0.8 * y, 0.8 * x - 0.3, -y.sin());
+        let (p, w) = ((1.0 + fx * fx).sqrt(), (1.0 + fx * fx + fy * fy).sqrt());
+        let s = fx * fy / (p * p);
+        let here = graph.chart_geometry(Parameters::new(x, y)).unwrap();
+        let metric = Matrix2::new(p, p * s, 0.0, w / p);
+        assert_relative_eq!(here.metric, metric, epsilon = 1e-14);
+        let k_uu = -fxx / (p * p * w);
+        let k_uv = -(fxy - s * fxx) / (w * w);
+        let k_vv = -(fyy - 2.0 * s * fxy + s * s * fxx) * p * p / w.powi(3);
+        let expected = Matrix2::new(k_uu, k_uv, k_uv, k_vv);
+        assert_relative_eq!(here.curvature.matrix(), expected, epsilon = 1e-14);
+        let along_y = fy * (fxy - s * fxx) / (p * w * w);
+        let torsion = RowVector2::new(fy * fxx / (p.powi(3) * w), along_y);
+        assert_relative_eq!(here.torsion, torsion, epsilon = 1e-14);
+    }
+}
+
+#[test]
 fn a_formula_of_a_sphere_is_a_sphere() {
     for (text, curvature) in [
         ("sqrt(25 - x^2 - y^2)", 0.2),

@@ -1,5 +1,7 @@
 //! Closest points where the laws do not look: far away, inside, and where there is none.
 
+use std::f64::consts::PI;
+
 use nalgebra::{Point3, Vector3};
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
 use palpate_geometry::{Surface, SurfaceError};
@@ -111,7 +113,7 @@ fn decades(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn of_an_ellipsoid_from_far_inside_and_near_its_planes_of_symmetry(
@@ -134,7 +136,7 @@ proptest! {
     fn of_an_ellipsoid_none_of_many_places_is_closer(
         semi_axes in [0.2..5.0_f64, 0.2..5.0, 0.2..5.0],
         from in [-8.0..8.0_f64, -8.0..8.0, -8.0..8.0],
-        places in proptest::collection::vec((-1.57..1.57_f64, -3.14..3.14_f64), 50),
+        places in proptest::collection::vec((-1.57..1.57_f64, -PI..PI), 50),
     ) {
         let ellipsoid = Ellipsoid::new(semi_axes).unwrap();
         let from = Point3::from(from);

@@ -16,9 +16,12 @@ fn every_surface_obeys_the_laws() {
         obeys_the_laws(&Posed::new(shape.clone(), near), &specimen, near);
         on_concrete!(shape, surface => {
             obeys_the_laws(surface, &specimen, home);
-            obeys_the_laws(&Posed::new(surface.clone(), far), &specimen, far);
+            obeys_the_laws(&Posed::new(Clone::clone(surface), far), &specimen, far);
             assert_eq!(surface.default_contact(), shape.default_contact());
             assert_eq!(surface.is_homogeneous(), shape.is_homogeneous());
+            let (x, y) = shape.default_contact();
+            let apex = shape.contact_at(x, y).unwrap();
+            assert_eq!(surface.meridian(&apex), shape.meridian(&apex));
         });
     }
 }
@@ -32,7 +35,7 @@ fn obeys_the_laws(surface: &impl Surface, specimen: &Specimen, pose: Isometry3<f
         here.the_normal_points_out_of_the_solid();
         here.the_forms_are_those_of_the_chart();
         here.the_level_set_agrees_with_the_chart();
-        here.curvature_along_any_tangent_is_that_of_the_level_set();
+        here.the_form_along_any_tangent_is_that_of_the_level_set();
         here.parameters_invert_the_chart();
         here.the_contact_at_a_place_seen_from_above_is_the_place();
         here.a_point_within_reach_falls_back_on_its_foot();
@@ -149,17 +152,25 @@ impl<'a, S: Surface> Place<'a, S> {
         assert_relative_eq!(form.matrix(), chart, epsilon = epsilon);
     }
 
-    fn curvature_along_any_tangent_is_that_of_the_level_set(&self) {
-        let frame = &self.geometry.frame;
-        let level_set = self.surface.level_set(&self.geometry.point).unwrap();
+    fn the_form_along_any_tangent_is_that_of_the_level_set(&self) {
+        let (p, frame) = (&self.geometry.point, &self.geometry.frame);
+        let level_set = self.surface.level_set(p).unwrap();
         for angle in [0.0_f64, 0.3, 1.7, 2.9, -1.1] {
             let x = frame.x * angle.cos() + frame.y * angle.sin();
-            let along = self.surface.curvature_along(&self.geometry.point, &x);
-            let (normal, form) = along.unwrap();
+            let (normal, form) = self.surface.curvature_along(p, &x).unwrap();
             assert_relative_eq!(normal, level_set.normal, epsilon = 1e-14);
             let expected = level_set.curvature(&x, &x.cross(&normal)).matrix();
             let epsilon = 1e-13 * level_set.second_form.norm();
             assert_relative_eq!(form.matrix(), expected, epsilon = epsilon);
+
+            let raw = self.surface.tangent_form(p, &x).unwrap();
+            let steepness = raw.gradient.norm();
+            assert_relative_eq!(raw.steepness, steepness, max_relative = 1e-14);
+            assert_relative_eq!(
+                raw.steepness_squared,
+                steepness * steepness,
+                max_relative = 1e-14
+            );
         }
     }
 

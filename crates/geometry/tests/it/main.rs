@@ -1,4 +1,5 @@
 //! The laws of geometry, run on every surface, and the closed forms each one must reach.
+#![allow(clippy::unwrap_used)]
 
 mod closed_forms;
 mod closest_points;

@@ -8,6 +8,8 @@ use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{Parameters, Shape, Surface};
 
+pub(crate) type Solid = Box<dyn Fn(&Point3<f64>) -> bool>;
+
 /// A surface with places to ask it at and what it is known to be.
 pub(crate) struct Specimen {
     pub(crate) name: String,
@@ -21,7 +23,7 @@ pub(crate) struct Specimen {
     /// Within this distance of the surface every point has one closest point.
     pub(crate) reach: f64,
     /// Whether a point is in the solid, from the solid's definition alone.
-    pub(crate) solid: Box<dyn Fn(&Point3<f64>) -> bool>,
+    pub(crate) solid: Solid,
 }
 
 /// Parameters on a grid of 9 by 9 that avoids round numbers.

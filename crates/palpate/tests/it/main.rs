@@ -1,1 +1,15 @@
 //! End-to-end tests of the command line.
+#![allow(clippy::unwrap_used)]
+
+mod check;
+mod desk;
+mod disk;
+mod estimate;
+mod estimate_refused;
+mod help;
+mod objects;
+mod published;
+mod refused;
+mod report;
+mod run;
+mod trace;

@@ -25,10 +25,17 @@ impl Rk4 {
         let mut y = state;
         for step in 0..steps {
             y = one_step(system, &y, h).map_err(|fault| {
-                Box::new(Stopped { fault, time_s: h * step as f64, state: y })
+                Box::new(Stopped {
+                    fault,
+                    time_s: h * step as f64,
+                    state: y,
+                })
             })?;
         }
-        Ok(Integrated { state: y, evaluations: 4 * steps })
+        Ok(Integrated {
+            state: y,
+            evaluations: 4 * steps,
+        })
     }
 }
 
@@ -40,11 +47,13 @@ fn one_step<const N: usize>(
 ) -> Result<[f64; N], crate::RollFault> {
     let [mut k1, mut k2, mut k3, mut k4] = [[0.0; N]; 4];
     system.derivative(y, &mut k1)?;
-    system.derivative(&stage(system, y, 0.5 * h, [(1.0, &k1)]), &mut k2)?;
-    system.derivative(&stage(system, y, 0.5 * h, [(1.0, &k2)]), &mut k3)?;
-    system.derivative(&stage(system, y, h, [(1.0, &k3)]), &mut k4)?;
-    let terms = [(1.0, &k1), (2.0, &k2), (2.0, &k3), (1.0, &k4)];
-    Ok(std::array::from_fn(|i| y[i] + h / 6.0 * weighted(i, terms)))
+    system.derivative(&stage(system, y, h, &[0.5], [&k1]), &mut k2)?;
+    system.derivative(&stage(system, y, h, &[0.5], [&k2]), &mut k3)?;
+    system.derivative(&stage(system, y, h, &[1.0], [&k3]), &mut k4)?;
+    let slopes = [&k1, &k2, &k3, &k4];
+    Ok(std::array::from_fn(|i| {
+        y[i] + h / 6.0 * weighted(i, &[1.0, 2.0, 2.0, 1.0], &slopes)
+    }))
 }
 
 #[cfg(test)]
@@ -64,7 +73,9 @@ mod tests {
     #[test]
     fn halving_the_step_divides_the_error_by_sixteen() {
         let error = |steps| {
-            let end = Rk4 { steps }.integrate(&Oscillator, [0.0, 1.0], 2.0).unwrap();
+            let end = Rk4 { steps }
+                .integrate(&Oscillator, [0.0, 1.0], 2.0)
+                .unwrap();
             (end.state[0] - 2.0_f64.sin()).abs()
         };
         let order = (error(40) / error(80)).log2();

@@ -1,20 +1,36 @@
 //! Scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, no turn.
 
+use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
 use palpate_geometry::Shape;
-use palpate_rolling::{Chart, Model, Motion};
+use palpate_rolling::{
+    Chart, Contact, HeldAxis, InvalidRoll, Model, Motion, Probe, RollError, RollFault, Roller,
+    Rolls,
+};
 use proptest::prelude::*;
 
-use crate::scenes::{DOP853, dish, paraboloid, plane, roll, saddle, sphere};
+use crate::scenes::{
+    DOP853, cylinder, difference, dish, ellipsoid, height_field, paraboloid, plane, roll, roller,
+    saddle, sphere, torus,
+};
 
 #[test]
 fn ratios_from_sharp_to_flat() {
     for exponent in -12..=12 {
         let radius = 10.0_f64.powi(exponent);
         for (theta, model) in [(0.1, DOP853), (0.1, Model::ClosedForm), (1e-12, DOP853)] {
-            let end = roll(1.0, &sphere(radius), (0.0, 0.0), model, Motion::rolling(0.0, 1.0, theta));
+            let end = roll(
+                1.0,
+                &sphere(radius),
+                (0.0, 0.0),
+                model,
+                Motion::rolling(0.0, 1.0, theta),
+            );
             let truth = theta / (1.0 + 1.0 / radius);
             let off = (end.arc_length / truth - 1.0).abs();
-            assert!(off < 1e-11, "R₂ = {radius:e}, θ = {theta:e}, {model:?}: {off:e}");
+            assert!(
+                off < 1e-11,
+                "R₂ = {radius:e}, θ = {theta:e}, {model:?}: {off:e}"
+            );
         }
     }
 }
@@ -23,7 +39,10 @@ fn ratios_from_sharp_to_flat() {
 fn a_thousand_turns() {
     let theta = 1000.0 * std::f64::consts::TAU;
     let motion = Motion::rolling(0.3, 1.0, theta);
-    let model = Model::Dop853 { tolerance: 1e-9, chart: Chart::Free };
+    let model = Model::Dop853 {
+        tolerance: 1e-9,
+        chart: Chart::Free,
+    };
     let end = roll(1.0, &plane(), (0.0, 0.0), model, motion);
     assert!((end.arc_length / theta - 1.0).abs() < 1e-9);
     let end = roll(1.0, &sphere(3.0), (0.0, 0.0), Model::ClosedForm, motion);
@@ -33,11 +52,309 @@ fn a_thousand_turns() {
 #[test]
 fn nothing_moves_without_a_motion() {
     for object in [sphere(2.0), paraboloid(1.0), saddle(0.2), dish(4.0)] {
-        for motion in [Motion::rolling(0.0, 0.0, 1.0), Motion::rolling(0.0, 1.0, 0.0)] {
-            let model = Model::Auto { tolerance: 1e-9, chart: Chart::Free };
+        for motion in [
+            Motion::rolling(0.0, 0.0, 1.0),
+            Motion::rolling(0.0, 1.0, 0.0),
+        ] {
+            let model = Model::Auto {
+                tolerance: 1e-9,
+                chart: Chart::Free,
+            };
             let end = roll(1.0, &object, (0.0, 0.0), model, motion);
             assert_eq!(end.arc_length, 0.0, "{}", object.name());
         }
+    }
+}
+
+/// Nothing but numbers: unit axes on the object, or an error that says where.
+fn assert_sound(result: &Result<Contact, RollError>, what: &str) {
+    match result {
+        Ok(end) => {
+            assert!(
+                end.on_object.iter().all(|x| x.is_finite()),
+                "{what}: {end:?}"
+            );
+            assert!(
+                end.arc_length.is_finite() && end.arc_length >= 0.0,
+                "{what}"
+            );
+            for (value, expected) in [
+                (end.normal.norm(), 1.0),
+                (end.x_axis.norm(), 1.0),
+                (end.x_axis.dot(&end.normal), 0.0),
+                (end.probe_direction().norm(), 1.0),
+            ] {
+                assert!((value - expected).abs() < 1e-9, "{what}: {end:?}");
+            }
+        }
+        Err(error) => {
+            assert!(
+                error.time_s >= 0.0 && error.time_s.is_finite(),
+                "{what}: {error}"
+            );
+            assert!(
+                error.on_object.iter().all(|x| x.is_finite()),
+                "{what}: {error}"
+            );
+            if let RollFault::Conforming { relative_curvature } = error.fault {
+                assert!(relative_curvature.is_finite(), "{what}: {error}");
+            }
+        }
+    }
+}
+
+/// One of every kind, of about this size, with places on it to start from.
+fn objects(size: f64) -> Vec<(Shape, Vec<(f64, f64)>)> {
+    let inside = vec![(0.0, 0.0), (0.3 * size, -0.4 * size)];
+    let rim = [(size, 0.0), (0.0, -size)];
+    vec![
+        (sphere(size), [&inside[..], &rim].concat()),
+        (dish(size), inside.clone()),
+        (plane(), inside.clone()),
+        (cylinder(size, 25.0), inside.clone()),
+        (
+            ellipsoid(size, 0.9 * size, 0.5 * size),
+            [&inside[..], &rim[..1]].concat(),
+        ),
+        (
+            torus(2.0 * size, 0.7 * size),
+            vec![(1.7 * size, 0.9 * size), (2.7 * size, 0.0)],
+        ),
+        (paraboloid(0.5 / size), inside.clone()),
+        (paraboloid(-0.1 / size), inside.clone()),
+        (saddle(0.2 / size), inside.clone()),
+        (
+            height_field("h*sin(x/s)*cos(y/s)", &[("h", 0.2 * size), ("s", size)]),
+            inside,
+        ),
+    ]
+}
+
+const CHARTS: [Chart; 3] = [
+    Chart::Free,
+    Chart::Montana(HeldAxis::Transported),
+    Chart::Montana(HeldAxis::Chart),
+];
+
+#[test]
+fn any_probe_on_any_object() {
+    let motions = |radius: f64| {
+        [
+            Motion::rolling(0.4, 1.0, 0.7),
+            Motion {
+                angular_velocity: Vector3::new(0.3, -0.2, 2.0),
+                sliding: Vector2::new(-0.1, 0.2) * radius,
+                duration_s: 1.5,
+            },
+        ]
+    };
+    for (probe, size) in [
+        (1e-9, 1e9),
+        (1e9, 1e-9),
+        (1e-9, 1e-9),
+        (1e9, 1e9),
+        (1.0, 1e-6),
+        (1e-6, 1.0),
+    ] {
+        for (object, places) in objects(size) {
+            for place in places {
+                for chart in CHARTS {
+                    for model in [
+                        Model::Auto {
+                            tolerance: 1e-6,
+                            chart,
+                        },
+                        Model::Dop853 {
+                            tolerance: 1e-6,
+                            chart,
+                        },
+                        Model::Rk4 { steps: 3, chart },
+                    ] {
+                        let motions = motions(probe);
+                        let rolls = [motions.to_vec()];
+                        let what = format!("{probe:e} on {object:?} at {place:?}, {model:?}");
+                        let rolls = Rolls { rolls: &rolls };
+                        let made = Probe::new(probe).unwrap();
+                        match Roller::new(made, object.clone(), place, model, rolls) {
+                            Ok(roller) => assert_sound(&roller.roll(&motions), &what),
+                            // A dish or a trough too small for the probe; a chart's pole.
+                            Err(InvalidRoll::Fault(RollFault::Conforming { .. })) => {
+                                assert!(probe >= 0.9 * size, "{what}");
+                            }
+                            Err(error) => panic!("{what}: {error}"),
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_start_on_a_wall_facing_x() {
+    // +x has no projection on the tangent plane; x₁ starts along +y.
+    for (object, place) in [
+        (sphere(2.0), (2.0, 0.0)),
+        (ellipsoid(2.0, 3.0, 1.0), (2.0, 0.0)),
+        (cylinder(2.0, 90.0), (2.0, 0.0)),
+        (torus(3.0, 1.0), (4.0, 0.0)),
+    ] {
+        let motion = Motion::rolling(0.0, 1.0, 0.5);
+        let roller = roller(1.0, &object, place, DOP853, motion);
+        let first = roller.first_contact();
+        assert!(
+            (first.normal - Vector3::x()).norm() < 1e-12,
+            "{}",
+            object.name()
+        );
+        assert!(
+            (first.x_axis - Vector3::y()).norm() < 1e-12,
+            "{}",
+            object.name()
+        );
+        let end = roller.roll(&[motion]).unwrap();
+        assert!(
+            end.on_object.y > 0.1,
+            "{}: {}",
+            object.name(),
+            end.on_object
+        );
+        assert!(
+            end.on_object.z.abs() < 1e-12,
+            "{}: {}",
+            object.name(),
+            end.on_object
+        );
+    }
+}
+
+#[test]
+fn spinning_and_sliding_on_the_spot() {
+    for (object, place) in [
+        (plane(), (0.3, 0.2)),
+        (sphere(2.0), (0.5, 0.1)),
+        (saddle(0.2), (0.3, -0.1)),
+        (ellipsoid(3.0, 2.0, 1.0), (0.4, 0.3)),
+    ] {
+        let still = Motion::rolling(0.0, 0.0, 1.0);
+        let spin = Motion {
+            angular_velocity: Vector3::z() * 0.8,
+            ..still
+        };
+        for chart in CHARTS {
+            let model = Model::Dop853 {
+                tolerance: 1e-12,
+                chart,
+            };
+            let roller = roller(1.0, &object, place, model, spin);
+            let (first, end) = (roller.first_contact(), roller.roll(&[spin]).unwrap());
+            assert!(
+                (end.on_object - first.on_object).norm() < 1e-12,
+                "{}",
+                object.name()
+            );
+            assert!((end.on_probe(1.0) - first.on_probe(1.0)).norm() < 1e-12);
+            assert!(end.arc_length < 1e-12);
+            // About z₁, which points into the object.
+            let turned = end.object_from_probe() * Rotation3::from_scaled_axis(first.normal * 0.8);
+            assert!(
+                (turned.matrix() - Matrix3::identity()).norm() < 1e-11,
+                "{}",
+                object.name()
+            );
+        }
+        // Slipping wheels: the object stands, the probe turns as fast as it slides back.
+        let slide = Motion {
+            sliding: Vector2::new(0.1, -0.2),
+            ..still
+        };
+        for model in [
+            DOP853,
+            Model::Auto {
+                tolerance: 1e-9,
+                chart: Chart::Free,
+            },
+        ] {
+            let roller = roller(1.0, &object, place, model, slide);
+            let (first, end) = (roller.first_contact(), roller.roll(&[slide]).unwrap());
+            assert!(
+                (end.on_object - first.on_object).norm() > 0.05,
+                "{}",
+                object.name()
+            );
+            let turned = end.object_from_probe().matrix() - Matrix3::identity();
+            assert!(turned.norm() < 1e-9, "{}: {turned}", object.name());
+        }
+    }
+}
+
+#[test]
+fn a_thousand_motions_are_one() {
+    for (object, place, model) in [
+        (sphere(2.0), (0.5, 0.1), Model::ClosedForm),
+        (paraboloid(1.0), (0.0, 0.0), Model::Meridian),
+        (saddle(0.2), (0.3, -0.1), DOP853),
+        (
+            saddle(0.2),
+            (0.3, -0.1),
+            Model::Rk4 {
+                steps: 1,
+                chart: Chart::Free,
+            },
+        ),
+    ] {
+        let whole = Motion::rolling(0.6, 1.0, 2.0);
+        let part = Motion {
+            duration_s: 0.002,
+            ..whole
+        };
+        let roller = roller(1.0, &object, place, model, whole);
+        let (parts, whole) = (
+            roller.roll(&[part; 1000]),
+            roll(1.0, &object, place, DOP853, whole),
+        );
+        let off = difference(&parts.unwrap(), &whole, 1.0);
+        assert!(off < 1e-11, "{} {model:?}: {off:e}", object.name());
+    }
+}
+
+#[test]
+fn a_dish_that_hardly_fits() {
+    // One radian of the probe carries the contact a million radians round the dish.
+    let motion = Motion::rolling(0.3, 1.0, 1e-5);
+    let model = Model::Dop853 {
+        tolerance: 1e-9,
+        chart: Chart::Free,
+    };
+    let end = roll(1.0, &dish(1.000_001), (0.0, 0.0), model, motion);
+    assert!(
+        (end.arc_length / (1e-5 * 1_000_001.0) - 1.0).abs() < 1e-9,
+        "{}",
+        end.arc_length
+    );
+    // Too far to follow by steps: an error, in time.
+    let far = Motion::rolling(0.3, 1.0, 10.0);
+    let error = roller(1.0, &dish(1.000_001), (0.0, 0.0), model, far)
+        .roll(&[far])
+        .unwrap_err();
+    assert_eq!(error.fault, RollFault::TooManySteps { steps: 100_000 });
+    assert!(error.time_s > 0.01 && error.time_s < 10.0, "{error}");
+}
+
+#[test]
+fn slow_motions_that_last() {
+    // Squares of such rates vanish, those of such durations overflow.
+    for rate in [1e-200, 1e200] {
+        let motion = Motion::rolling(0.3, rate, 2.0 / rate);
+        let end = roll(1.0, &saddle(0.2), (0.3, 0.1), DOP853, motion);
+        let usual = roll(
+            1.0,
+            &saddle(0.2),
+            (0.3, 0.1),
+            DOP853,
+            Motion::rolling(0.3, 1.0, 2.0),
+        );
+        assert!(difference(&end, &usual, 1.0) < 1e-12, "{rate:e}");
     }
 }
 

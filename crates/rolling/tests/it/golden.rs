@@ -26,7 +26,10 @@ fn cases() -> Vec<Case> {
             let record = record.unwrap();
             let number = |column: usize| record[column].parse::<f64>().unwrap();
             let parameter = |name: &str| -> f64 {
-                let pair = record[2].split(' ').find_map(|pair| pair.strip_prefix(name)).unwrap();
+                let pair = record[2]
+                    .split(' ')
+                    .find_map(|pair| pair.strip_prefix(name))
+                    .unwrap();
                 pair.strip_prefix('=').unwrap().parse().unwrap()
             };
             let object = match &record[1] {
@@ -55,7 +58,10 @@ fn cases() -> Vec<Case> {
 }
 
 fn check(chart: Chart) {
-    let model = Model::Dop853 { tolerance: 1e-12, chart };
+    let model = Model::Dop853 {
+        tolerance: 1e-12,
+        chart,
+    };
     let cases = cases();
     assert_eq!(cases.len(), 5);
     for case in cases {
@@ -63,8 +69,16 @@ fn check(chart: Chart) {
         let on_object = (end.on_object - case.on_object).amax();
         let on_probe = (end.on_probe(case.radius) - case.on_probe).amax();
         let arc = (end.arc_length - case.arc_length).abs();
-        assert!(on_object < 1e-9, "{}: on object off by {on_object:e}", case.name);
-        assert!(on_probe < 1e-9, "{}: on probe off by {on_probe:e}", case.name);
+        assert!(
+            on_object < 1e-9,
+            "{}: on object off by {on_object:e}",
+            case.name
+        );
+        assert!(
+            on_probe < 1e-9,
+            "{}: on probe off by {on_probe:e}",
+            case.name
+        );
         assert!(arc < 1e-6, "{}: arc off by {arc:e}", case.name);
     }
 }
@@ -83,7 +97,10 @@ fn montana() {
 fn both_forms_agree() {
     for case in cases() {
         let end = |chart| {
-            let model = Model::Dop853 { tolerance: 1e-12, chart };
+            let model = Model::Dop853 {
+                tolerance: 1e-12,
+                chart,
+            };
             roll(case.radius, &case.object, case.start, model, case.motion)
         };
         let free = end(Chart::Free);

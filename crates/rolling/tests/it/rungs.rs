@@ -1,7 +1,7 @@
 //! Every rung against every other that can do the same roll, and against closed forms.
 
 use approx::assert_relative_eq;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use palpate_geometry::Shape;
 use palpate_rolling::{Chart, HeldAxis, Model, Motion};
 
@@ -43,16 +43,23 @@ fn closed_form_slides_too() {
         };
         let closed = roll(1.0, &object, start, Model::ClosedForm, motion);
         let integrated = roll(1.0, &object, start, DOP853, motion);
-        assert!(difference(&closed, &integrated, 1.0) < 1e-12, "{}", object.name());
+        assert!(
+            difference(&closed, &integrated, 1.0) < 1e-12,
+            "{}",
+            object.name()
+        );
     }
 }
 
 #[test]
 fn sphere_on_sphere_travels_as_the_formula_says() {
     // s = θ / (1/R₁ + 1/R₂), through many turns of the probe.
-    for (object, curvature) in
-        [(sphere(5.0), 0.2), (plane(), 0.0), (dish(3.0), -1.0 / 3.0), (sphere(0.01), 100.0)]
-    {
+    for (object, curvature) in [
+        (sphere(5.0), 0.2),
+        (plane(), 0.0),
+        (dish(3.0), -1.0 / 3.0),
+        (sphere(0.01), 100.0),
+    ] {
         for theta in [1e-9, 0.1, 3.0, 40.0] {
             let motion = Motion::rolling(0.3, 1.0, theta);
             let travel = theta / (1.0 / 0.5 + curvature);
@@ -70,7 +77,10 @@ fn meridian_is_the_integrated_law() {
         paraboloid(1.0),
         paraboloid(5.0),
         paraboloid(0.01),
+        paraboloid(200.0),
+        paraboloid(1e-9),
         paraboloid(-0.3),
+        paraboloid(-0.499),
         paraboloid(0.0),
         ellipsoid(2.0, 2.0, 1.0),
         ellipsoid(1.0, 1.0, 3.0),
@@ -90,7 +100,13 @@ fn meridian_is_the_integrated_law() {
 fn paraboloid_rolls_as_the_formula_says() {
     // θ = α + s/R₁ with tan α = 2 c r.
     let (c, radius) = (0.8, 1.3);
-    let end = roll(radius, &paraboloid(c), (0.0, 0.0), DOP853, Motion::rolling(0.0, 1.0, 1.7));
+    let end = roll(
+        radius,
+        &paraboloid(c),
+        (0.0, 0.0),
+        DOP853,
+        Motion::rolling(0.0, 1.0, 1.7),
+    );
     let r = end.on_object.x;
     let slope: f64 = 2.0 * c * r;
     let arc = 0.5 * r * (1.0 + slope * slope).sqrt() + slope.asinh() / (4.0 * c);
@@ -104,7 +120,10 @@ fn charts_agree_with_the_chart_free_form_under_spin_and_sliding() {
         (saddle(0.1), (0.3, -0.2)),
         (ellipsoid(5.0, 3.0, 2.0), (1.0, 0.5)),
         (torus(3.0, 1.5), (3.0, 0.4)),
-        (height_field("0.1*x*x - 0.05*x*y + 0.02*y^3", &[]), (0.2, 0.1)),
+        (
+            height_field("0.1*x*x - 0.05*x*y + 0.02*y^3", &[]),
+            (0.2, 0.1),
+        ),
         (cylinder(2.0, 30.0), (0.1, 0.2)),
     ];
     let motion = Motion {
@@ -112,8 +131,10 @@ fn charts_agree_with_the_chart_free_form_under_spin_and_sliding() {
         sliding: Vector2::new(0.1, -0.05),
         duration_s: 1.5,
     };
-    let montana =
-        Model::Dop853 { tolerance: 1e-13, chart: Chart::Montana(HeldAxis::Transported) };
+    let montana = Model::Dop853 {
+        tolerance: 1e-13,
+        chart: Chart::Montana(HeldAxis::Transported),
+    };
     for (object, start) in objects {
         let free = roll(1.0, &object, start, DOP853, motion);
         let charts = roll(1.0, &object, start, montana, motion);
@@ -124,7 +145,10 @@ fn charts_agree_with_the_chart_free_form_under_spin_and_sliding() {
 
 #[test]
 fn an_axis_held_in_the_chart_agrees_along_a_line_of_symmetry_only() {
-    let held = Model::Dop853 { tolerance: 1e-12, chart: Chart::Montana(HeldAxis::Chart) };
+    let held = Model::Dop853 {
+        tolerance: 1e-12,
+        chart: Chart::Montana(HeldAxis::Chart),
+    };
     let along_symmetry = Motion::rolling(0.0, 1.0, 1.0);
     let off = difference(
         &roll(1.0, &saddle(0.1), (0.0, 0.0), held, along_symmetry),
@@ -145,12 +169,64 @@ fn an_axis_held_in_the_chart_agrees_along_a_line_of_symmetry_only() {
 fn rolling_back_returns() {
     for (object, start) in [(saddle(0.2), (0.3, 0.1)), (torus(3.0, 1.0), (3.2, 0.0))] {
         let there = Motion::rolling(0.7, 1.0, 1.2);
-        let back = Motion { angular_velocity: -there.angular_velocity, ..there };
-        let roller = roller(1.0, &object, start, DOP853, there);
-        let end = roller.roll(&[there, back]).unwrap();
-        let first = roller.first_contact();
-        assert!((end.on_object - first.on_object).norm() < 1e-11);
-        assert!(end.object_from_probe().angle() < 1e-11);
+        let back = Motion {
+            angular_velocity: -there.angular_velocity,
+            ..there
+        };
+        for tolerance in [1e-6, 1e-9, 1e-12] {
+            let model = Model::Dop853 {
+                tolerance,
+                chart: Chart::Free,
+            };
+            let roller = roller(1.0, &object, start, model, there);
+            let end = roller.roll(&[there, back]).unwrap();
+            let moved = (end.on_object - roller.first_contact().on_object).norm();
+            let turned = end.object_from_probe().matrix() - Matrix3::identity();
+            // Two rolls, each within its tolerance.
+            let off = moved.max(turned.norm());
+            assert!(off < 2.0 * tolerance, "{}: {off:e}", object.name());
+        }
+    }
+}
+
+#[test]
+fn motions_beyond_a_closed_form_or_a_meridian_are_integrated() {
+    let rolling = Motion::rolling(0.4, 0.7, 1.0);
+    let spinning = Motion {
+        angular_velocity: rolling.angular_velocity + Vector3::z(),
+        ..rolling
+    };
+    let sliding = Motion {
+        sliding: Vector2::new(0.1, -0.2),
+        ..rolling
+    };
+    for (object, model) in [
+        (sphere(5.0), Model::ClosedForm),
+        (dish(3.0), Model::ClosedForm),
+        (paraboloid(1.0), Model::Meridian),
+        (ellipsoid(2.0, 2.0, 1.0), Model::Meridian),
+    ] {
+        // Chosen for a plain roll, used for more.
+        let quick = roller(1.0, &object, (0.0, 0.0), model, rolling);
+        let integrated = roller(1.0, &object, (0.0, 0.0), DOP853, rolling);
+        for motions in [
+            vec![spinning],
+            vec![sliding],
+            vec![rolling, Motion::rolling(2.0, 0.3, 1.0), spinning],
+        ] {
+            let off = difference(
+                &quick.roll(&motions).unwrap(),
+                &integrated.roll(&motions).unwrap(),
+                1.0,
+            );
+            assert!(off < 1e-12, "{}: {off:e}", object.name());
+            let (a, b) = (
+                quick.shift(&motions).unwrap(),
+                integrated.shift(&motions).unwrap(),
+            );
+            assert!((a.displacement - b.displacement).norm() < 1e-12);
+            assert!((a.arc_length - b.arc_length).abs() < 1e-12);
+        }
     }
 }
 
@@ -164,7 +240,10 @@ fn shift_is_the_displacement_of_the_contact() {
     ] {
         let roller = roller(1.0, &object, (0.0, 0.0), model, motion);
         let quick = roller.shift(&[motion]).unwrap();
-        let full = roller.roll(&[motion]).unwrap().shift_from(roller.first_contact(), 1.0);
+        let full = roller
+            .roll(&[motion])
+            .unwrap()
+            .shift_from(roller.first_contact(), 1.0);
         assert!((quick.displacement - full.displacement).norm() < 1e-14);
         assert!((quick.arc_length - full.arc_length).abs() < 1e-14);
     }
@@ -193,7 +272,12 @@ fn duration_for_arc_inverts_the_arc_length() {
         let roller = roller(1.0, &object, start, model, motion);
         for arc in [1e-6, 0.1, 1.0] {
             let duration_s = roller.duration_for_arc(&motion, arc).unwrap();
-            let end = roller.roll(&[Motion { duration_s, ..motion }]).unwrap();
+            let end = roller
+                .roll(&[Motion {
+                    duration_s,
+                    ..motion
+                }])
+                .unwrap();
             assert_relative_eq!(end.arc_length, arc, max_relative = 1e-12);
         }
     }
@@ -203,7 +287,10 @@ fn duration_for_arc_inverts_the_arc_length() {
 fn auto_meets_its_tolerance_and_takes_the_cheapest() {
     let motion = Motion::rolling(0.5, 0.1, 1.0);
     let rung = |object: &Shape, start, tolerance| {
-        let model = Model::Auto { tolerance, chart: Chart::Free };
+        let model = Model::Auto {
+            tolerance,
+            chart: Chart::Free,
+        };
         let roller = roller(1.0, object, start, model, motion);
         let end = roller.roll(&[motion]).unwrap();
         let truth = roll(1.0, object, start, DOP853, motion);

@@ -4,53 +4,56 @@ use std::collections::BTreeMap;
 
 use palpate_geometry::Shape;
 use palpate_geometry::formula::Formula;
-use palpate_geometry::surfaces::{
-    Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus,
-};
+use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_rolling::{Chart, Contact, Model, Motion, Probe, Roller, Rolls};
 
-pub fn sphere(radius: f64) -> Shape {
+pub(crate) fn sphere(radius: f64) -> Shape {
     Shape::Sphere(Sphere::new(radius).unwrap())
 }
 
-pub fn dish(radius: f64) -> Shape {
+pub(crate) fn dish(radius: f64) -> Shape {
     Shape::Dish(Dish::new(radius).unwrap())
 }
 
-pub fn plane() -> Shape {
+pub(crate) fn plane() -> Shape {
     Shape::Plane(Plane)
 }
 
-pub fn cylinder(radius: f64, direction_deg: f64) -> Shape {
+pub(crate) fn cylinder(radius: f64, direction_deg: f64) -> Shape {
     Shape::Cylinder(Cylinder::new(radius, direction_deg.to_radians()).unwrap())
 }
 
-pub fn ellipsoid(a: f64, b: f64, c: f64) -> Shape {
+pub(crate) fn ellipsoid(a: f64, b: f64, c: f64) -> Shape {
     Shape::Ellipsoid(Ellipsoid::new([a, b, c]).unwrap())
 }
 
-pub fn torus(major: f64, minor: f64) -> Shape {
+pub(crate) fn torus(major: f64, minor: f64) -> Shape {
     Shape::Torus(Torus::new(major, minor).unwrap())
 }
 
-pub fn paraboloid(c: f64) -> Shape {
+pub(crate) fn paraboloid(c: f64) -> Shape {
     Shape::Paraboloid(Graph::paraboloid(c).unwrap())
 }
 
-pub fn saddle(a: f64) -> Shape {
+pub(crate) fn saddle(a: f64) -> Shape {
     Shape::Saddle(Graph::saddle(a).unwrap())
 }
 
-pub fn height_field(formula: &str, parameters: &[(&str, f64)]) -> Shape {
-    let parameters: BTreeMap<String, f64> =
-        parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+pub(crate) fn height_field(formula: &str, parameters: &[(&str, f64)]) -> Shape {
+    let parameters: BTreeMap<String, f64> = parameters
+        .iter()
+        .map(|&(name, value)| (name.to_owned(), value))
+        .collect();
     let formula = Formula::parse(formula, &parameters).unwrap();
     Shape::HeightField(Graph::of_formula(formula))
 }
 
-pub const DOP853: Model = Model::Dop853 { tolerance: 1e-13, chart: Chart::Free };
+pub(crate) const DOP853: Model = Model::Dop853 {
+    tolerance: 1e-13,
+    chart: Chart::Free,
+};
 
-pub fn roller(
+pub(crate) fn roller(
     radius: f64,
     object: &Shape,
     start: (f64, f64),
@@ -62,18 +65,20 @@ pub fn roller(
     Roller::new(probe, object.clone(), start, model, Rolls { rolls: &rolls }).unwrap()
 }
 
-pub fn roll(
+pub(crate) fn roll(
     radius: f64,
     object: &Shape,
     start: (f64, f64),
     model: Model,
     motion: Motion,
 ) -> Contact {
-    roller(radius, object, start, model, motion).roll(&[motion]).unwrap()
+    roller(radius, object, start, model, motion)
+        .roll(&[motion])
+        .unwrap()
 }
 
 /// The largest difference between two contacts, in lengths and in axes.
-pub fn difference(a: &Contact, b: &Contact, radius: f64) -> f64 {
+pub(crate) fn difference(a: &Contact, b: &Contact, radius: f64) -> f64 {
     [
         (a.on_object - b.on_object).norm(),
         (a.on_probe(radius) - b.on_probe(radius)).norm(),

@@ -1,5 +1,7 @@
 //! Recorded rolls.
 
+use std::collections::{HashMap, HashSet};
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
 use nalgebra::Vector2;
@@ -127,7 +129,7 @@ pub fn read_roll(path: &Path) -> Result<RollReadings, RecordedError> {
     let (file, text) = read_text(path)?;
     let is_series = header(&text)
         .iter()
-        .any(|name| name == "t_s" || name.starts_with("pad_"));
+        .any(|&name| name == "t_s" || name.starts_with("pad_"));
     let sheet = Sheet::parse(&file, &text, if is_series { &SERIES } else { &SUMMARY })?;
     let unit = sheet.unit;
     let rows = if is_series {
@@ -144,15 +146,15 @@ pub fn read_roll(path: &Path) -> Result<RollReadings, RecordedError> {
     })
 }
 
-fn fail(sheet: &Sheet, line: u64, message: String) -> RecordedError {
-    RecordedError::Row {
+fn fail(sheet: &Sheet, line: usize, message: String) -> RecordedError {
+    RecordedError::Line {
         file: sheet.file.clone(),
         line,
         message,
     }
 }
 
-fn probe_number(sheet: &Sheet, line: u64, number: f64) -> Result<u64, RecordedError> {
+fn probe_number(sheet: &Sheet, line: usize, number: f64) -> Result<u64, RecordedError> {
     if number >= 0.0 && number.fract() == 0.0 && number < 1e15 {
         return Ok(number as u64);
     }
@@ -171,13 +173,14 @@ fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {
 }
 
 fn one_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError> {
-    let mut rows: Vec<(u64, ProbeReading)> = Vec::new();
+    let mut known = HashSet::new();
+    let mut rows = Vec::new();
     for (line, numbers) in &sheet.rows {
         let &[probe, x, y, u, v] = numbers.as_slice() else {
             continue;
         };
         let probe = probe_number(sheet, *line, probe)?;
-        if rows.iter().any(|(known, _)| *known == probe) {
+        if !known.insert(probe) {
             return Err(fail(sheet, *line, format!("probe {probe} stands twice")));
         }
         rows.push((probe, reading(x, y, u, v)));
@@ -186,27 +189,31 @@ fn one_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError>
 }
 
 fn last_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError> {
-    let mut rows: Vec<(u64, f64, ProbeReading)> = Vec::new();
+    let mut times: HashMap<u64, (usize, f64)> = HashMap::new();
+    let mut rows = Vec::new();
     for (line, numbers) in &sheet.rows {
         let &[probe, t_s, x, y, u, v] = numbers.as_slice() else {
             continue;
         };
         let probe = probe_number(sheet, *line, probe)?;
-        let reading = reading(x, y, u, v);
-        match rows.iter_mut().find(|(known, ..)| *known == probe) {
-            Some((_, before, _)) if t_s <= *before => {
+        let row = (probe, reading(x, y, u, v));
+        match times.get_mut(&probe) {
+            Some((_, before)) if t_s <= *before => {
                 let message =
                     format!("column `t_s`: probe {probe} goes from {before} s back to {t_s} s");
                 return Err(fail(sheet, *line, message));
             }
-            Some(row) => (row.1, row.2) = (t_s, reading),
-            None => rows.push((probe, t_s, reading)),
+            Some((place, before)) => {
+                *before = t_s;
+                rows[*place] = row;
+            }
+            None => {
+                times.insert(probe, (rows.len(), t_s));
+                rows.push(row);
+            }
         }
     }
-    Ok(rows
-        .into_iter()
-        .map(|(probe, _, reading)| (probe, reading))
-        .collect())
+    Ok(rows)
 }
 
 /// Estimates the object's curvature from recorded rolls.
@@ -235,6 +242,17 @@ pub fn estimate_roll(
         (header, option) => header.or(option).unwrap_or_default(),
     };
     let readings = &recorded.readings;
+    let half_way = PI * options.probe_radius;
+    for (probe, reading) in recorded.probes.iter().zip(readings) {
+        let shift = reading.shift.norm();
+        if shift > half_way * (1.0 + 1e-9) {
+            let unit = unit.as_str();
+            return Err(fail(format!(
+                "probe {probe}: a shift of {shift} {unit} passes half way round the probe \
+                 ({half_way} {unit})"
+            )));
+        }
+    }
     let refused = |error: Ep1Error| {
         fail(match error {
             Ep1Error::NotFinite { probe } => {
@@ -261,21 +279,18 @@ pub fn estimate_roll(
         ..ReadingNoise::default()
     };
     let RollMethod::LeastSquares = options.method;
-    let sums = LeastSquares::of(options.probe_radius, stated, readings);
-    let mut estimate = sums.estimate().map_err(refused)?;
-    let (residual, freedom) = sums.residual(&estimate, readings);
+    let fit = |noise| LeastSquares::of(options.probe_radius, noise, readings).map_err(refused);
+    let mut estimate = fit(stated)?;
+    let (residual, freedom) = estimate.residual(readings);
     let mut std_from = "the pads' pitch";
     if !stated.is_stated() {
-        std_from = "none: as many unknowns as readings, and no pitch given";
-        if freedom > 0 {
+        std_from = "none: the residuals are zero and no pitch is given";
+        if freedom > 0 && residual > 0.0 {
             std_from = "the residuals";
-            let scatter = ReadingNoise {
-                shift_std: residual.max(f64::MIN_POSITIVE),
+            estimate = fit(ReadingNoise {
+                shift_std: residual,
                 ..stated
-            };
-            estimate = LeastSquares::of(options.probe_radius, scatter, readings)
-                .estimate()
-                .map_err(refused)?;
+            })?;
         }
     }
 
@@ -300,9 +315,9 @@ pub fn estimate_roll(
         arc_length: bare(estimate.arc_length, Unit::Length),
         principal_curvature_min: bare(principal.k_min, Unit::PerLength),
         principal_curvature_max: bare(principal.k_max, Unit::PerLength),
-        principal_direction_max_deg: principal.angle_of_max_rad.to_degrees(),
+        principal_direction_max_deg: principal.angle_of_max_rad.to_degrees() + 0.0,
         amplification_u: estimate.amplification(0.0),
-        amplification_v: estimate.amplification(std::f64::consts::FRAC_PI_2),
+        amplification_v: estimate.amplification(FRAC_PI_2),
         residual_rms: bare(residual, Unit::Length),
         std_from,
         unresolved_probes: unresolved(recorded, options.probe_radius, pitch, unit),

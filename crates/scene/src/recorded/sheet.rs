@@ -17,21 +17,13 @@ pub enum RecordedError {
         /// What is wrong.
         message: String,
     },
-    /// The header lacks or adds a column.
-    #[error("{file}:1: {message}")]
-    Header {
-        /// The file.
-        file: String,
-        /// What is wrong, and what would be right.
-        message: String,
-    },
-    /// A row or a field is wrong.
+    /// A line is wrong: the header lacks or adds a column, a row a field, or a field is no number.
     #[error("{file}:{line}: {message}")]
-    Row {
+    Line {
         /// The file.
         file: String,
         /// The line, from 1.
-        line: u64,
+        line: usize,
         /// What is wrong, with the column and the value.
         message: String,
     },
@@ -56,7 +48,7 @@ pub(super) struct Column {
 pub(super) struct Sheet {
     pub(super) file: String,
     /// Line and numbers.
-    pub(super) rows: Vec<(u64, Vec<f64>)>,
+    pub(super) rows: Vec<(usize, Vec<f64>)>,
     /// The unit that the header states.
     pub(super) unit: Option<LengthUnit>,
 }
@@ -94,43 +86,42 @@ pub(super) fn read_text(path: &Path) -> Result<(String, String), RecordedError> 
 }
 
 /// The names in the header of a text.
-pub(super) fn header(text: &str) -> Vec<String> {
-    let first = text.lines().next().unwrap_or_default();
-    first
-        .split(',')
-        .map(|name| name.trim().trim_matches('"').to_owned())
+pub(super) fn header(text: &str) -> Vec<&str> {
+    records(text)
+        .next()
+        .map_or_else(Vec::new, |(_, fields)| fields)
+}
+
+/// The lines that are not blank: number, from 1, and fields. Numbers need no quotes, but may have
+/// them.
+fn records(text: &str) -> impl Iterator<Item = (usize, Vec<&str>)> {
+    text.lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty())
+        .map(|(index, line)| (index + 1, fields(line)))
+}
+
+fn fields(line: &str) -> Vec<&str> {
+    line.split(',')
+        .map(|field| field.trim().trim_matches('"'))
         .collect()
 }
 
 impl Sheet {
     /// Reads the `columns` of a text, which may come in any order but must be all.
     pub(super) fn parse(file: &str, text: &str, columns: &[Column]) -> Result<Self, RecordedError> {
-        let header = header(text);
-        let (places, unit) = places(&header, columns).map_err(|message| RecordedError::Header {
+        let fail = |line, message| RecordedError::Line {
             file: file.to_owned(),
+            line,
             message,
-        })?;
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(true)
-            .flexible(true)
-            .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
+        };
+        let mut records = records(text);
+        let (line, header) = records.next().unwrap_or((1, Vec::new()));
+        let (places, unit) = places(&header, columns).map_err(|message| fail(line, message))?;
         let mut rows = Vec::new();
-        for record in reader.records() {
-            let fail = |line, message| RecordedError::Row {
-                file: file.to_owned(),
-                line,
-                message,
-            };
-            let record = record.map_err(|error| {
-                fail(
-                    error.position().map_or(0, csv::Position::line),
-                    error.to_string(),
-                )
-            })?;
-            let line = record.position().map_or(0, csv::Position::line);
-            if record.len() != header.len() {
-                let (found, expected) = (record.len(), header.len());
+        for (line, fields) in records {
+            if fields.len() != header.len() {
+                let (found, expected) = (fields.len(), header.len());
                 return Err(fail(
                     line,
                     format!("{found} fields; the header has {expected}"),
@@ -139,18 +130,8 @@ impl Sheet {
             let numbers = places
                 .iter()
                 .map(|&place| {
-                    let (name, text) = (&header[place], &record[place]);
-                    match text.parse::<f64>() {
-                        Ok(number) if number.is_finite() => Ok(number),
-                        Ok(_) => Err(fail(
-                            line,
-                            format!("column `{name}`: must be finite, is {text}"),
-                        )),
-                        Err(_) => Err(fail(
-                            line,
-                            format!("column `{name}`: `{text}` is not a number"),
-                        )),
-                    }
+                    number(fields[place])
+                        .map_err(|what| fail(line, format!("column `{}`: {what}", header[place])))
                 })
                 .collect::<Result<_, _>>()?;
             rows.push((line, numbers));
@@ -170,11 +151,18 @@ impl Sheet {
     }
 }
 
+/// A field as a finite number.
+fn number(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(_) => Err(format!("must be finite, is {text}")),
+        Err(_) if text.is_empty() => Err("is empty".to_owned()),
+        Err(_) => Err(format!("`{text}` is not a number")),
+    }
+}
+
 /// Where each column stands, and the unit that the header states.
-fn places(
-    header: &[String],
-    columns: &[Column],
-) -> Result<(Vec<usize>, Option<LengthUnit>), String> {
+fn places(header: &[&str], columns: &[Column]) -> Result<(Vec<usize>, Option<LengthUnit>), String> {
     let wanted = || {
         columns
             .iter()

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use palpate_ep1::ReadingNoise;
+use palpate_ep1::{LeastSquares, ReadingNoise};
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{InvalidShape, Shape, Surface};
@@ -11,6 +11,7 @@ use palpate_sensing::{
     AngularVelocityError, Distribution, Encoder, InvalidSensor, PadLayout, PadOffset, Pads, Wrist,
 };
 
+use super::linear::LinearRolls;
 use super::noise::MotionNoise;
 use super::sensor::RollSensor;
 use super::{RollScene, Truth};
@@ -31,7 +32,7 @@ pub struct PlanError {
 }
 
 impl PlanError {
-    fn at(path: impl Into<String>, message: impl ToString) -> Self {
+    pub(super) fn at(path: impl Into<String>, message: impl ToString) -> Self {
         Self {
             path: path.into(),
             message: message.to_string(),
@@ -98,11 +99,20 @@ impl RollScene {
         };
         let truth =
             truth(&roller, &commands).map_err(|error| PlanError::at("scene.motion", error))?;
+        let rotations: Vec<_> = commands
+            .iter()
+            .map(|command| {
+                let rotation = command.rotation();
+                encoder.map_or(rotation, |encoder| encoder.read(&rotation))
+            })
+            .collect();
         Ok(Self {
             seed,
-            rotations: commands.iter().map(Motion::rotation).collect(),
+            fit: LeastSquares::new(radius, reading_noise, &rotations),
+            linear: LinearRolls::new(&roller, &commands, &rotations, &noise),
             roller,
             commands,
+            rotations,
             noise,
             sensor,
             encoder,
@@ -134,7 +144,7 @@ fn shape(config: &ObjectConfig) -> Result<Shape, PlanError> {
         } => {
             let formula = Formula::parse(formula, parameters).map_err(|error| PlanError {
                 path: "scene.object.formula".to_owned(),
-                message: error.to_string(),
+                message: error.kind.to_string(),
                 part: error.span,
             })?;
             Ok(Shape::HeightField(Graph::of_formula(formula)))

@@ -2,3 +2,5 @@
 #![allow(clippy::unwrap_used)]
 
 mod config;
+mod recorded;
+mod roll;

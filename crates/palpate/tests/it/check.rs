@@ -1,0 +1,81 @@
+//! `palpate check` and `palpate schema`.
+
+use super::desk::{Desk, SCENE, STUDY, assert_untouched, edited};
+
+#[test]
+fn cells_trials_models_and_time() {
+    let desk = Desk::with(STUDY);
+    let printed = desk.palpate("check c.toml").printed();
+    let line = |start: &str| {
+        let found = printed
+            .lines()
+            .find(|line| line.trim_start().starts_with(start));
+        found
+            .unwrap_or_else(|| panic!("no {start} in\n{printed}"))
+            .trim()
+            .to_owned()
+    };
+    assert_eq!(line("study"), "study   a-study");
+    assert_eq!(line("cells"), "cells   2, of which 0 run a single trial");
+    assert_eq!(line("trials"), "trials  40");
+    assert_eq!(line("2 of 2"), "2 of 2 cells");
+    assert!(line("closed form").starts_with("closed form: sphere on sphere"));
+    assert!(line("least squares").contains("8 probes"));
+    assert!(line("time").contains("about a second"));
+    assert_untouched(&desk.path(""));
+}
+
+#[test]
+fn each_combination_of_models_stands_once() {
+    let objects = "[{ label = \"a\", kind = \"plane\" }, { label = \"b\", kind = \"saddle\", a = 0.01 }, \
+                   { label = \"c\", kind = \"plane\" }]";
+    let study = edited(STUDY, "scene.object.radius", "scene.object");
+    let desk = Desk::with(&edited(&study, "[50, 5]", objects));
+    let printed = desk.palpate("check c.toml").printed();
+    assert!(printed.contains("  2 of 3 cells\n"), "{printed}");
+    assert!(printed.contains("  1 of 3 cells\n"), "{printed}");
+    assert_eq!(
+        printed.matches("closed form: sphere on plane").count(),
+        1,
+        "{printed}"
+    );
+}
+
+#[test]
+fn a_scene_without_noise() {
+    let printed = Desk::with(SCENE).palpate("check c.toml").printed();
+    assert!(
+        printed.contains("cells   1, of which 1 run a single trial\n"),
+        "{printed}"
+    );
+    assert!(printed.contains("trials  1\n"), "{printed}");
+}
+
+#[test]
+fn what_run_refuses_check_refuses() {
+    let one = edited(
+        SCENE,
+        "duration_s = 1.0",
+        "duration_s = 1.0, directions_deg = [0]",
+    );
+    let desk = Desk::with(&one);
+    assert_eq!(
+        desk.palpate("check c.toml").said(2),
+        desk.palpate("run c.toml").said(2)
+    );
+}
+
+#[test]
+fn the_schema_is_json_and_knows_units() {
+    let printed = Desk::new().palpate("schema").printed();
+    let schema: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(schema["type"], "object");
+    assert!(
+        schema["required"]
+            .as_array()
+            .unwrap()
+            .contains(&"scene".into())
+    );
+    assert!(schema["properties"]["scene"].is_object());
+    assert!(printed.contains("\"x-unit\": \"length\""));
+}

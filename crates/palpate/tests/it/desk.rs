@@ -1,0 +1,221 @@
+//! A directory of its own for each test, the binary run in it, and the tables that it writes.
+
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+/// A study of two noisy cells; short rolls of a sphere on spheres.
+pub(crate) const STUDY: &str = r#"name = "a-study"
+length_unit = "mm"
+seed = 7
+trials = 20
+
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 50.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
+
+[[sweep]]
+path = "scene.object.radius"
+values = [50, 5]
+"#;
+
+/// One noiseless cell, nine lines long; more lines continue its scene.
+pub(crate) const SCENE: &str = r#"name = "a-study"
+length_unit = "mm"
+trials = 20
+
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 50.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+"#;
+
+/// A text with one piece of it replaced.
+pub(crate) fn edited(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from:?} is not in the text");
+    text.replacen(from, to, 1)
+}
+
+/// A temporary directory, in which the binary runs.
+pub(crate) struct Desk(TempDir);
+
+impl Desk {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    /// A desk with a config `c.toml`.
+    pub(crate) fn with(config: &str) -> Self {
+        let desk = Self::new();
+        desk.write("c.toml", config);
+        desk
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub(crate) fn write(&self, name: &str, contents: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), contents).unwrap();
+    }
+
+    pub(crate) fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    pub(crate) fn table(&self, name: &str) -> Table {
+        Table::parse(&self.read(name))
+    }
+
+    /// The names in a directory, sorted; none if it is missing.
+    pub(crate) fn names(&self, dir: &str) -> Vec<String> {
+        let Ok(entries) = std::fs::read_dir(self.path(dir)) else {
+            return Vec::new();
+        };
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// Runs `palpate` with arguments that are parted by spaces.
+    pub(crate) fn palpate(&self, arguments: &str) -> Ended {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
+        command.args(arguments.split_whitespace());
+        self.end(command)
+    }
+
+    /// Runs a line of the shell, in which `$palpate` is the binary.
+    pub(crate) fn shell(&self, line: &str) -> Ended {
+        let mut command = Command::new("sh");
+        command
+            .args(["-c", line])
+            .env("palpate", env!("CARGO_BIN_EXE_palpate"));
+        self.end(command)
+    }
+
+    fn end(&self, mut command: Command) -> Ended {
+        let output = command
+            .current_dir(self.0.path())
+            .env_remove("RUST_BACKTRACE")
+            .env_remove("RUST_LIB_BACKTRACE")
+            .output()
+            .unwrap();
+        Ended {
+            status: output.status.code(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
+
+/// How a command ended.
+#[derive(Debug)]
+pub(crate) struct Ended {
+    pub(crate) status: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Ended {
+    /// What a command that succeeded printed.
+    #[track_caller]
+    pub(crate) fn printed(self) -> String {
+        assert_eq!(
+            (self.status, self.stderr.as_str()),
+            (Some(0), ""),
+            "{self:?}"
+        );
+        self.stdout
+    }
+
+    /// What a command that failed with this status said; it printed nothing else.
+    #[track_caller]
+    pub(crate) fn said(self, status: i32) -> String {
+        assert_eq!(
+            (self.status, self.stdout.as_str()),
+            (Some(status), ""),
+            "{self:?}"
+        );
+        let errors = self
+            .stderr
+            .lines()
+            .filter(|line| line.starts_with("error: "));
+        assert!(
+            self.stderr.starts_with("error: ") && errors.count() == 1,
+            "{}",
+            self.stderr
+        );
+        assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
+        self.stderr
+    }
+}
+
+/// A table that the binary wrote.
+pub(crate) struct Table {
+    pub(crate) header: Vec<String>,
+    pub(crate) rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn parse(text: &str) -> Self {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let fields = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+        Self {
+            header: fields(reader.headers().unwrap()),
+            rows: reader
+                .records()
+                .map(|record| fields(&record.unwrap()))
+                .collect(),
+        }
+    }
+
+    pub(crate) fn text(&self, row: usize, column: &str) -> &str {
+        let place = self.header.iter().position(|name| name == column);
+        &self.rows[row][place.unwrap_or_else(|| panic!("no column {column}"))]
+    }
+
+    pub(crate) fn number(&self, row: usize, column: &str) -> f64 {
+        let text = self.text(row, column);
+        text.parse()
+            .unwrap_or_else(|_| panic!("{column} of row {row} is {text:?}"))
+    }
+
+    /// The row of `cells.csv` of a quantity in a cell.
+    pub(crate) fn row_of(&self, cell: usize, quantity: &str) -> usize {
+        (0..self.rows.len())
+            .find(|&row| {
+                self.text(row, "cell") == cell.to_string() && self.text(row, "quantity") == quantity
+            })
+            .unwrap_or_else(|| panic!("no {quantity} of cell {cell}"))
+    }
+}
+
+/// Whether two numbers agree to a part in `1 / relative`.
+#[track_caller]
+pub(crate) fn assert_close(found: f64, expected: f64, relative: f64) {
+    let off = (found - expected).abs();
+    assert!(
+        off <= relative * expected.abs(),
+        "{found} is not {expected} to {relative:e}"
+    );
+}
+
+/// The files of a finished run.
+pub(crate) const RUN_FILES: [&str; 3] = ["cells.csv", "failures.csv", "run.toml"];
+
+/// Whether nothing but `c.toml` was written.
+#[track_caller]
+pub(crate) fn assert_untouched(dir: &Path) {
+    let names: Vec<_> = std::fs::read_dir(dir)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
+    assert_eq!(names, ["c.toml"]);
+}

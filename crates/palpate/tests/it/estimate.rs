@@ -1,0 +1,183 @@
+//! `palpate estimate roll` on good readings.
+
+use serde_json::Value;
+
+use super::desk::{Desk, assert_close};
+
+/// Two sharp rolls on a sphere of 40 mm by a probe of 10 mm.
+const EXACT: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
+0,0,-0.5,4,0
+1,0.5,0,0,4
+";
+
+/// The same with scatter.
+const SCATTERED: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
+0,0,-0.5,4.1,0
+1,0.5,0,0,4.1
+2,0,0.5,-3.9,0
+3,-0.5,0,0,-3.9
+";
+
+fn estimate(readings: &str, options: &str) -> Value {
+    let desk = Desk::new();
+    desk.write("r.csv", readings);
+    let printed = desk
+        .palpate(&format!("estimate roll r.csv --probe-radius 10 {options}"))
+        .printed();
+    serde_json::from_str(&printed).unwrap()
+}
+
+fn curvatures(json: &Value) -> [f64; 2] {
+    ["normal_curvature_u", "normal_curvature_v"].map(|name| json[name]["value"].as_f64().unwrap())
+}
+
+#[test]
+fn quantities_have_value_std_and_unit() {
+    let json = estimate(SCATTERED, "--method least-squares");
+    for (name, value, unit) in [
+        ("normal_curvature_u", 0.025, "1/mm"),
+        ("normal_curvature_v", 0.025, "1/mm"),
+        ("gaussian_curvature", 0.025 * 0.025, "1/mm^2"),
+        ("mean_curvature", 0.025, "1/mm"),
+        ("arc_length", 4.0, "mm"),
+    ] {
+        let quantity = json[name].as_object().unwrap();
+        assert_eq!(
+            quantity.keys().collect::<Vec<_>>(),
+            ["std", "unit", "value"],
+            "{name}"
+        );
+        assert_close(quantity["value"].as_f64().unwrap(), value, 1e-12);
+        assert_eq!(quantity["unit"], unit);
+        assert_eq!(quantity["std"].is_null(), name == "arc_length");
+    }
+    assert_eq!(json["probes"], 4);
+    assert_eq!(json["method"], "least-squares");
+    assert_eq!(json["unresolved_probes"], Value::Array(Vec::new()));
+}
+
+#[test]
+fn columns_in_any_order_spaces_and_quotes() {
+    let readings = "shift_v_mm, shift_u_mm ,\"probe\",rotation_y_rad,rotation_x_rad
+ 0 , 4 ,7,\"-0.5\",0
+4,0,3,0,+5e-1
+";
+    assert_eq!(estimate(readings, ""), estimate(EXACT, ""));
+}
+
+#[test]
+fn byte_order_mark_line_ends_and_blank_lines() {
+    let expected = estimate(SCATTERED, "");
+    for readings in [
+        format!("\u{feff}{SCATTERED}"),
+        SCATTERED.replace('\n', "\r\n"),
+        format!("\u{feff}{}", SCATTERED.replace('\n', "\r\n")),
+        format!("\n\n{}\n  \n", SCATTERED.replace('\n', "\n\n")),
+        SCATTERED.trim_end().to_owned(),
+    ] {
+        assert_eq!(estimate(&readings, ""), expected, "{readings:?}");
+    }
+}
+
+#[test]
+fn units_come_from_the_header_or_the_option() {
+    let bare = EXACT.replace("_mm", "");
+    let unit =
+        |readings: &str, options| estimate(readings, options)["gaussian_curvature"]["unit"].clone();
+    assert_eq!(unit(EXACT, ""), "1/mm^2");
+    assert_eq!(unit(EXACT, "--length-unit mm"), "1/mm^2");
+    assert_eq!(unit(&bare, "--length-unit um"), "1/um^2");
+    assert_eq!(unit(&bare, ""), "1/unit^2");
+    // One column may state it for all.
+    assert_eq!(unit(&EXACT.replace("shift_v_mm", "shift_v"), ""), "1/mm^2");
+}
+
+#[test]
+fn of_a_time_series_the_last_row_counts() {
+    let series = "probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
+1,0,0,0,0,0
+0,0,0,0,0,0
+1,0.5,0,-0.1,9,9
+0,0.5,0.2,0,-9,9
+0,1,0.5,0,0,4
+1,2,0,-0.5,4,0
+";
+    assert_eq!(estimate(series, ""), estimate(EXACT, ""));
+}
+
+#[test]
+fn deviations_come_from_the_residuals() {
+    let json = estimate(SCATTERED, "");
+    assert_eq!(json["std_from"], "the residuals");
+    // Four residuals of 0.1 mm over 2 · 4 − 3 degrees of freedom.
+    let residual = (4.0 * 0.1_f64.powi(2) / 5.0).sqrt();
+    assert_close(
+        json["residual_rms"]["value"].as_f64().unwrap(),
+        residual,
+        1e-9,
+    );
+    // Two rolls of 0.5 rad tell the travel per radian, 8 mm; curvature is its inverse.
+    let std = residual / (0.5 * 2.0_f64.sqrt()) / 64.0;
+    assert_close(
+        json["normal_curvature_u"]["std"].as_f64().unwrap(),
+        std,
+        1e-9,
+    );
+}
+
+#[test]
+fn without_residuals_there_is_no_deviation() {
+    let json = estimate(EXACT, "");
+    assert_eq!(json["normal_curvature_u"]["std"], Value::Null);
+    assert!(json["std_from"].as_str().unwrap().starts_with("none"));
+    for curvature in curvatures(&json) {
+        assert_close(curvature, 0.025, 1e-12);
+    }
+}
+
+#[test]
+fn deviations_come_from_the_pitch() {
+    let json = estimate(SCATTERED, "--pitch 0.3");
+    assert_eq!(json["std_from"], "the pads' pitch");
+    let std = 0.3 / 6.0_f64.sqrt() / (0.5 * 2.0_f64.sqrt()) / 64.0;
+    assert_close(
+        json["normal_curvature_u"]["std"].as_f64().unwrap(),
+        std,
+        1e-9,
+    );
+    assert_eq!(curvatures(&json), curvatures(&estimate(SCATTERED, "")));
+}
+
+#[test]
+fn a_probe_that_did_not_shift_gives_a_bound() {
+    let readings = format!("{EXACT}12,0,-0.5,0,0\n13,0,0,0,0\n");
+    let bound = |options| {
+        let unresolved = estimate(&readings, options)["unresolved_probes"].clone();
+        // Probe 13 did not roll at all.
+        assert_eq!(unresolved.as_array().unwrap().len(), 1);
+        assert_eq!(unresolved[0]["probe"], 12);
+        assert_eq!(unresolved[0]["unit"], "mm");
+        unresolved[0]["radius_below"].clone()
+    };
+    // The contact moved by less than 1 mm: R₁R₂/(R₁ + R₂) · 0.5 < 1.
+    assert_close(bound("--pitch 1").as_f64().unwrap(), 2.5, 1e-12);
+    // Even on a plane it would have moved by 5 mm only.
+    assert_eq!(bound("--pitch 6"), Value::Null);
+    assert_eq!(bound(""), Value::Null);
+}
+
+#[test]
+fn a_hundred_thousand_probes() {
+    let mut readings = EXACT.to_owned();
+    for probe in 2..100_000 {
+        let row = if probe % 2 == 0 {
+            "0,-0.5,4,0"
+        } else {
+            "0.5,0,0,4"
+        };
+        readings.push_str(&format!("{probe},{row}\n"));
+    }
+    let json = estimate(&readings, "");
+    assert_eq!(json["probes"], 100_000);
+    assert_close(curvatures(&json)[0], 0.025, 1e-9);
+}

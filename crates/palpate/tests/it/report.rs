@@ -1,0 +1,84 @@
+//! `palpate plot` and `palpate report`.
+
+use super::desk::{Desk, STUDY};
+
+fn with_plot() -> String {
+    format!(
+        "claims = [1]\n{STUDY}\n[[plot]]\nname = \"error-against-radius\"\nx = \"scene.object.radius\"\n\
+         y = \"rms_error\"\nquantity = \"normal_curvature_u\"\nscale = \"log-log\"\n"
+    )
+}
+
+#[test]
+fn plots_stand_beside_the_tables() {
+    let desk = Desk::with(&with_plot());
+    desk.palpate("run c.toml --out o").printed();
+    let printed = desk.palpate("plot o").printed();
+    let [png, svg] = ["o/error-against-radius.png", "o/error-against-radius.svg"];
+    let mut files: Vec<&str> = printed.lines().collect();
+    files.sort_unstable();
+    assert_eq!(files, [png, svg]);
+    assert!(desk.read(svg).contains("</svg>"));
+    assert!(
+        std::fs::read(desk.path(png))
+            .unwrap()
+            .starts_with(b"\x89PNG")
+    );
+}
+
+#[test]
+fn a_study_without_plots_says_so() {
+    let desk = Desk::with(STUDY);
+    desk.palpate("run c.toml --out o").printed();
+    let printed = desk.palpate("plot o").printed();
+    assert_eq!(printed, "a-study has no [[plot]]; nothing drawn\n");
+    assert_eq!(desk.names("o").len(), 3);
+}
+
+#[test]
+fn the_page_holds_all_studies() {
+    let desk = Desk::with(&with_plot());
+    desk.write("d.toml", STUDY.replace("a-study", "another-study"));
+    desk.palpate("run c.toml --out c").printed();
+    desk.palpate("run d.toml --out d").printed();
+    let printed = desk.palpate("report c d --out page.html").printed();
+    assert!(printed.ends_with("page -> page.html\n"), "{printed}");
+    assert!(printed.lines().count() > 1, "no scorecard in {printed}");
+    let page = desk.read("page.html");
+    for part in ["a-study", "another-study", "<svg", "</html>"] {
+        assert!(page.contains(part), "{part} is not on the page");
+    }
+    assert!(desk.names("c").contains(&"claims.csv".to_owned()));
+}
+
+#[test]
+fn a_directory_without_a_run() {
+    let desk = Desk::with(STUDY);
+    for command in ["plot nowhere", "report nowhere --out page.html"] {
+        let said = desk.palpate(command).said(1);
+        assert!(said.contains("nowhere/run.toml: No such file"), "{said}");
+        assert_eq!(said.matches("No such file").count(), 1, "{said}");
+    }
+    assert_eq!(desk.names(""), ["c.toml"]);
+}
+
+#[test]
+fn a_table_that_was_cut_off() {
+    let desk = Desk::with(&with_plot());
+    desk.palpate("run c.toml --out o").printed();
+    let cells = desk.read("o/cells.csv");
+    desk.write("o/cells.csv", &cells[..cells.len() - 40]);
+    for command in ["plot o", "report o --out page.html"] {
+        let said = desk.palpate(command).said(1);
+        assert!(said.contains("o/cells.csv"), "{said}");
+    }
+    assert!(!desk.path("page.html").exists());
+}
+
+#[test]
+fn the_page_cannot_be_written() {
+    let desk = Desk::with(&with_plot());
+    desk.palpate("run c.toml --out o").printed();
+    let said = desk.palpate("report o --out c.toml/page.html").said(1);
+    assert!(said.contains("c.toml/page.html"), "{said}");
+}

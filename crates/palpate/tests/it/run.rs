@@ -1,0 +1,256 @@
+//! `palpate run`: what it writes, and what does not depend on how it is run.
+
+use super::desk::{Desk, RUN_FILES, SCENE, STUDY, edited};
+
+const HEADER: &str = "cell,scene.object.radius_mm,quantity,unit,truth,trials,failures,\
+    mean,std,bias,rms_error,mean_abs_error,relative_rms_error,relative_mean_abs_error,\
+    q05,q50,q95,mean_reported_std,coverage95";
+
+const QUANTITIES: [(&str, &str); 5] = [
+    ("normal_curvature_u", "1/mm"),
+    ("normal_curvature_v", "1/mm"),
+    ("gaussian_curvature", "1/mm^2"),
+    ("mean_curvature", "1/mm"),
+    ("arc_length", "mm"),
+];
+
+#[test]
+fn three_files_are_written() {
+    let desk = Desk::with(STUDY);
+    let printed = desk.palpate("run c.toml --out o").printed();
+    assert_eq!(printed, "a-study: 2 cells, 40 trials, 0 failed -> o\n");
+    assert_eq!(desk.names("o"), RUN_FILES);
+    assert_eq!(desk.read("o/failures.csv"), "cell,kind,count,first_trial\n");
+}
+
+#[test]
+fn cells_have_a_row_per_cell_and_quantity() {
+    let desk = Desk::with(STUDY);
+    desk.palpate("run c.toml --out o").printed();
+    assert_eq!(desk.read("o/cells.csv").lines().next(), Some(HEADER));
+    let table = desk.table("o/cells.csv");
+    assert_eq!(table.rows.len(), 2 * QUANTITIES.len());
+    for row in 0..table.rows.len() {
+        let (cell, (quantity, unit)) = (row / 5, QUANTITIES[row % 5]);
+        assert_eq!(table.rows[row][0], cell.to_string());
+        assert_eq!(table.rows[row][1], ["50", "5"][cell]);
+        assert_eq!(table.text(row, "quantity"), quantity);
+        assert_eq!(table.text(row, "unit"), unit);
+        assert_eq!(table.text(row, "trials"), "20");
+        assert_eq!(table.text(row, "failures"), "0");
+        let statistic = |name| table.number(row, name);
+        assert!((statistic("mean") - statistic("truth") - statistic("bias")).abs() < 1e-12);
+        assert!(statistic("rms_error") >= statistic("mean_abs_error"));
+        assert!(statistic("q05") <= statistic("q50") && statistic("q50") <= statistic("q95"));
+        // The estimator states no deviation of the arc length.
+        assert_eq!(
+            table.text(row, "coverage95").is_empty(),
+            quantity == "arc_length"
+        );
+    }
+    assert_eq!(table.number(0, "truth"), 0.02);
+    assert_eq!(table.number(7, "truth"), 0.2 * 0.2);
+}
+
+#[test]
+fn relative_errors_are_empty_where_the_truth_is_zero() {
+    let desk = Desk::with(&edited(
+        SCENE,
+        r#"{ kind = "sphere", radius = 50.0 }"#,
+        r#"{ kind = "plane" }"#,
+    ));
+    desk.palpate("run c.toml --out o").printed();
+    let table = desk.table("o/cells.csv");
+    let row = table.row_of(0, "normal_curvature_u");
+    assert_eq!(table.text(row, "truth"), "0");
+    assert_eq!(table.text(row, "relative_rms_error"), "");
+    assert_eq!(table.text(row, "relative_mean_abs_error"), "");
+    assert!(table.number(row, "mean_abs_error") < 1e-12);
+}
+
+#[test]
+fn default_directory() {
+    let desk = Desk::with(STUDY);
+    desk.palpate("run c.toml").printed();
+    assert_eq!(desk.names("out/a-study"), RUN_FILES);
+    assert_eq!(desk.names(""), ["c.toml", "out"]);
+}
+
+#[test]
+fn run_toml_runs_again_to_the_same_bytes() {
+    let desk = Desk::with(STUDY);
+    desk.palpate("run c.toml --out first --seed 9 --trials 30")
+        .printed();
+    desk.palpate("run first/run.toml --out second").printed();
+    for file in RUN_FILES {
+        assert_eq!(
+            desk.read(&format!("first/{file}")),
+            desk.read(&format!("second/{file}"))
+        );
+    }
+    let resolved = desk.read("first/run.toml");
+    for line in ["seed = 9", "trials = 30", "crate_version = "] {
+        assert!(resolved.contains(line), "{line} is not in {resolved}");
+    }
+    let here = desk.path("");
+    assert!(!resolved.contains(here.to_str().unwrap()), "{resolved}");
+    assert!(
+        !resolved.contains("threads") && !resolved.contains("date"),
+        "{resolved}"
+    );
+}
+
+#[test]
+fn overrides_are_as_if_the_config_said_so() {
+    let desk = Desk::with(STUDY);
+    let seeded = edited(STUDY, "seed = 7", "seed = 8");
+    desk.write("said.toml", edited(&seeded, "trials = 20", "trials = 33"));
+    desk.palpate("run c.toml --out plain").printed();
+    desk.palpate("run c.toml --out overridden --seed 8 --trials 33")
+        .printed();
+    desk.palpate("run said.toml --out said").printed();
+    assert_eq!(
+        desk.read("overridden/cells.csv"),
+        desk.read("said/cells.csv")
+    );
+    assert_ne!(
+        desk.read("overridden/cells.csv"),
+        desk.read("plain/cells.csv")
+    );
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    // Three blocks of trials, the last one short.
+    let desk = Desk::with(&edited(STUDY, "trials = 20", "trials = 2500"));
+    desk.palpate("run c.toml --out one --threads 1").printed();
+    desk.palpate("run c.toml --out two --threads 2").printed();
+    desk.palpate("run c.toml --out five --threads 5").printed();
+    for file in RUN_FILES {
+        let one = desk.read(&format!("one/{file}"));
+        assert_eq!(one, desk.read(&format!("two/{file}")));
+        assert_eq!(one, desk.read(&format!("five/{file}")));
+    }
+}
+
+#[test]
+fn every_nth_cell_keeps_numbers_and_bytes() {
+    let desk = Desk::with(&edited(STUDY, "[50, 5]", "[50, 20, 5, 2, 1]"));
+    desk.palpate("run c.toml --out all").printed();
+    desk.palpate("run c.toml --out some --every-nth-cell 2")
+        .printed();
+    let all = desk.read("all/cells.csv");
+    let expected: Vec<&str> = all
+        .lines()
+        .filter(|line| !line.starts_with("1,") && !line.starts_with("3,"))
+        .collect();
+    assert_eq!(
+        desk.read("some/cells.csv").lines().collect::<Vec<_>>(),
+        expected
+    );
+    assert_eq!(expected.len(), 1 + 3 * 5);
+}
+
+#[test]
+fn a_scene_without_noise_runs_one_trial() {
+    let desk = Desk::with(SCENE);
+    let printed = desk.palpate("run c.toml --out o").printed();
+    assert_eq!(printed, "a-study: 1 cells, 1 trials, 0 failed -> o\n");
+    let table = desk.table("o/cells.csv");
+    assert_eq!(table.header[..3], ["cell", "quantity", "unit"]);
+    assert_eq!(table.text(0, "trials"), "1");
+    assert!((table.number(0, "mean") - 0.02).abs() < 1e-15);
+    assert_eq!(table.text(0, "std"), "");
+}
+
+#[test]
+fn labels_of_swept_tables_are_shown() {
+    let desk = Desk::with(&edited(
+        STUDY,
+        "path = \"scene.object.radius\"\nvalues = [50, 5]",
+        "path = \"scene.object\"\nvalues = [{ label = \"a flat, wide table\", kind = \"plane\" }, \
+         { label = \"ball\", kind = \"sphere\", radius = 3 }]",
+    ));
+    desk.palpate("run c.toml --out o").printed();
+    let table = desk.table("o/cells.csv");
+    assert_eq!(table.text(0, "scene.object"), "a flat, wide table");
+    assert_eq!(table.text(5, "scene.object"), "ball");
+    desk.palpate("run o/run.toml --out again").printed();
+    assert_eq!(desk.read("o/cells.csv"), desk.read("again/cells.csv"));
+}
+
+#[test]
+fn a_trace_can_be_asked_for() {
+    let outputs = "outputs = [\"cells\", \"trace\"]\nlength_unit";
+    let desk = Desk::with(&edited(STUDY, "length_unit", outputs));
+    desk.palpate("run c.toml --out o").printed();
+    desk.palpate("trace c.toml --out t").printed();
+    assert_eq!(
+        desk.names("o"),
+        [
+            "cells.csv",
+            "failures.csv",
+            "readings.csv",
+            "run.toml",
+            "trace.csv"
+        ]
+    );
+    assert_eq!(desk.read("o/trace.csv"), desk.read("t/trace.csv"));
+    assert_eq!(desk.read("o/readings.csv"), desk.read("t/readings.csv"));
+}
+
+#[test]
+fn a_cell_in_which_every_trial_fails_still_has_rows() {
+    let lines = "sensor = { kind = \"pads\", pitch = 1, cap_deg = 15 }\nnoise";
+    let desk = Desk::with(&edited(STUDY, "noise", lines));
+    // On the wide sphere the contact runs off the pads; on the small one it does not get there.
+    let printed = desk.palpate("run c.toml --out o").printed();
+    assert_eq!(printed, "a-study: 2 cells, 40 trials, 20 failed -> o\n");
+    assert_eq!(
+        desk.read("o/failures.csv"),
+        "cell,kind,count,first_trial\n0,beyond-pads,20,0\n"
+    );
+    let table = desk.table("o/cells.csv");
+    assert_eq!(table.rows.len(), 10);
+    for row in 0..5 {
+        assert!(table.number(row, "truth") > 0.0);
+        assert_eq!(
+            (table.text(row, "trials"), table.text(row, "failures")),
+            ("20", "20")
+        );
+        let statistics = &table.rows[row][7..];
+        assert!(statistics.iter().all(String::is_empty), "{statistics:?}");
+    }
+    assert_eq!(table.text(5, "failures"), "0");
+    assert!(table.number(5, "mean") > 0.0);
+}
+
+#[test]
+fn failures_name_their_kind_and_first_trial() {
+    let desk = Desk::with(&edited(STUDY, "fraction = 0.01", "fraction = 2.0"));
+    desk.palpate("run c.toml --out o --trials 200").printed();
+    let (cells, failures) = (desk.table("o/cells.csv"), desk.table("o/failures.csv"));
+    assert!(!failures.rows.is_empty());
+    for cell in 0..2 {
+        let of_cell =
+            (0..failures.rows.len()).filter(|&row| failures.text(row, "cell") == cell.to_string());
+        let counted: f64 = of_cell
+            .clone()
+            .map(|row| failures.number(row, "count"))
+            .sum();
+        assert_eq!(cells.number(5 * cell, "failures"), counted);
+        for row in of_cell {
+            assert!(failures.number(row, "first_trial") < 200.0);
+            // No trial before it fails in this way.
+            let trials = failures.number(row, "first_trial") as usize;
+            if trials == 0 {
+                continue;
+            }
+            let kind = failures.text(row, "kind");
+            desk.palpate(&format!("run c.toml --out until --trials {trials}"))
+                .printed();
+            let until = desk.read("until/failures.csv");
+            assert!(!until.contains(&format!("{cell},{kind},")), "{until}");
+        }
+    }
+}

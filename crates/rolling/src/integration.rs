@@ -1,0 +1,153 @@
+//! One motion by an integrator, in either form of the equations.
+
+use nalgebra::Point3;
+use palpate_geometry::{Shape, Surface};
+
+use crate::chart::ChartForm;
+use crate::chart_free::{ChartFree, OF_GRAPHS, OF_SPACE};
+use crate::error::{RollError, RollFault};
+use crate::integrator::{Dop853, Integrated, Rk4, Stopped, System};
+use crate::{Chart, Contact, Motion, Probe};
+
+/// Below this, in units of the probe's curvature, a singular motion is put down to conforming.
+const NEARLY_CONFORMING: f64 = 1e-3;
+
+/// An integrator.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Method {
+    Rk4(Rk4),
+    Dop853(Dop853),
+}
+
+/// An integrator on one form of the equations.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Integration {
+    pub(crate) method: Method,
+    pub(crate) chart: Chart,
+}
+
+/// What rolls on what.
+#[derive(Debug)]
+pub(crate) struct Bodies<'a, S> {
+    pub(crate) probe: Probe,
+    pub(crate) object: &'a S,
+    /// The scale on which errors of position count.
+    pub(crate) length_scale: f64,
+}
+
+/// A form of the contact equations.
+pub(crate) trait Form<const N: usize>: System<N> {
+    fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
+
+    /// The contact on the object, also where there is no contact any more.
+    fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
+}
+
+impl Integration {
+    /// The contact after `motion`; also how often the derivative was asked for.
+    pub(crate) fn advance(
+        &self,
+        bodies: &Bodies<'_, Shape>,
+        from: &Contact,
+        motion: &Motion,
+    ) -> Result<(Contact, usize), RollError> {
+        match self.chart {
+            Chart::Free => match bodies.object {
+                Shape::Sphere(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
+                Shape::Dish(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
+                Shape::Plane(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
+                Shape::Cylinder(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
+                Shape::Ellipsoid(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
+                Shape::Torus(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
+                Shape::Paraboloid(it) => self.free::<_, OF_GRAPHS>(&bodies.with(it), from, motion),
+                Shape::Saddle(it) => self.free::<_, OF_GRAPHS>(&bodies.with(it), from, motion),
+                Shape::HeightField(it) => self.free::<_, OF_GRAPHS>(&bodies.with(it), from, motion),
+            },
+            Chart::Montana(held) => {
+                let (form, start) = ChartForm::new(bodies, from, motion, held)
+                    .map_err(|fault| RollError::new(fault, 0.0, from.on_object))?;
+                self.follow(bodies, &form, start, from, motion)
+            }
+        }
+    }
+
+    fn free<S: Surface, const READ: usize>(
+        &self,
+        bodies: &Bodies<'_, S>,
+        from: &Contact,
+        motion: &Motion,
+    ) -> Result<(Contact, usize), RollError> {
+        let (form, start) = ChartFree::<S, READ>::new(bodies, from, motion);
+        self.follow(bodies, &form, start, from, motion)
+    }
+
+    fn follow<S: Surface, const N: usize>(
+        &self,
+        bodies: &Bodies<'_, S>,
+        form: &impl Form<N>,
+        start: [f64; N],
+        from: &Contact,
+        motion: &Motion,
+    ) -> Result<(Contact, usize), RollError> {
+        let error = |fault, time_s, state: &[f64; N]| {
+            let place = form.place(state).unwrap_or(from.on_object);
+            RollError::new(fault, time_s, place)
+        };
+        let Integrated { state, evaluations } = self
+            .method
+            .integrate(form, start, motion.duration_s)
+            .map_err(|stopped| {
+                let fault = bodies.cause(stopped.fault, form.contact(&stopped.state));
+                error(fault, stopped.time_s, &stopped.state)
+            })?;
+        let contact = form
+            .contact(&state)
+            .map_err(|fault| error(fault, motion.duration_s, &state))?;
+        Ok((contact, evaluations))
+    }
+}
+
+impl Method {
+    #[inline]
+    fn integrate<const N: usize>(
+        &self,
+        system: &impl System<N>,
+        state: [f64; N],
+        duration_s: f64,
+    ) -> Result<Integrated<N>, Box<Stopped<N>>> {
+        match self {
+            Self::Rk4(method) => method.integrate(system, state, duration_s),
+            Self::Dop853(method) => method.integrate(system, state, duration_s),
+        }
+    }
+}
+
+impl<'a, S> Bodies<'a, S> {
+    fn with<T>(&self, object: &'a T) -> Bodies<'a, T> {
+        Bodies {
+            probe: self.probe,
+            object,
+            length_scale: self.length_scale,
+        }
+    }
+}
+
+impl<S: Surface> Bodies<'_, S> {
+    /// A singular motion is named by its cause: the contact speeds up without bound as the bodies
+    /// come to conform.
+    fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
+        if fault == RollFault::Singular
+            && let Ok(contact) = last
+            && let Ok((_, curvature)) = self
+                .object
+                .curvature_along(&contact.on_object, &contact.x_axis)
+        {
+            let radius = self.probe.radius();
+            let relative_curvature = 1.0 / radius + curvature.principal().k_min;
+            if relative_curvature * radius < NEARLY_CONFORMING {
+                return RollFault::Conforming { relative_curvature };
+            }
+        }
+        fault
+    }
+}

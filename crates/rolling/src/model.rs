@@ -1,0 +1,122 @@
+//! How a roll is to be computed, and what can be wrong with that.
+
+use palpate_geometry::SurfaceError;
+use thiserror::Error;
+
+use crate::{HeldAxis, Motion, RollFault};
+
+/// Which equations an integrator works on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Chart {
+    /// Chart-free: no poles.
+    #[default]
+    Free,
+    /// Montana's chart form, with the motion steady in the given frame.
+    Montana(HeldAxis),
+}
+
+/// How to obtain the truth of a roll.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Model {
+    /// The cheapest rung whose error, relative to the contact's length scale, is within
+    /// `tolerance`.
+    Auto {
+        /// At least [`Model::SMALLEST_TOLERANCE`].
+        tolerance: f64,
+        /// For the integrators, if one is taken.
+        chart: Chart,
+    },
+    /// Closed form or nothing.
+    ClosedForm,
+    /// Meridian or nothing.
+    Meridian,
+    /// RK4 with this many steps per motion.
+    Rk4 {
+        /// At least 1.
+        steps: usize,
+        /// The equations.
+        chart: Chart,
+    },
+    /// DOP853 with this tolerance.
+    Dop853 {
+        /// At least [`Model::SMALLEST_TOLERANCE`].
+        tolerance: f64,
+        /// The equations.
+        chart: Chart,
+    },
+}
+
+impl Model {
+    /// Below this, rounding rules.
+    pub const SMALLEST_TOLERANCE: f64 = 1e-14;
+}
+
+/// The rung that was taken, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// `closed form`, `meridian`, `RK4`, `DOP853`, with its setting.
+    pub rung: String,
+    /// Why this one, in words.
+    pub reason: String,
+    /// Bound on the error of the contact, relative to its length scale; `None` for RK4 on demand.
+    pub error_bound: Option<f64>,
+}
+
+/// What will be rolled: one or more motions in a row for each roll, without noise.
+#[derive(Clone, Copy, Debug)]
+pub struct Rolls<'a> {
+    /// The rolls.
+    pub rolls: &'a [Vec<Motion>],
+}
+
+/// A roll that cannot be set up.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum InvalidRoll {
+    /// No first contact there.
+    #[error("no first contact: {0}")]
+    FirstContact(#[from] SurfaceError),
+    /// The first contact is no single point.
+    #[error("no rolling contact: {0}")]
+    Fault(#[from] RollFault),
+    /// A rung was asked for that cannot do this.
+    #[error("the {rung} rung cannot do this: {reason}")]
+    Unsupported {
+        /// Which.
+        rung: &'static str,
+        /// Why not.
+        reason: String,
+    },
+    /// A tolerance that means nothing.
+    #[error(
+        "tolerance is {tolerance}; it must be from {} to 0.1",
+        Model::SMALLEST_TOLERANCE
+    )]
+    Tolerance {
+        /// Its value.
+        tolerance: f64,
+    },
+}
+
+impl Rolls<'_> {
+    fn motions(&self) -> impl Iterator<Item = &Motion> {
+        self.rolls.iter().flatten()
+    }
+
+    /// Whether every motion is made of numbers and lasts.
+    pub(crate) fn all_run(&self) -> bool {
+        self.motions()
+            .all(|motion| motion.is_finite() && motion.duration_s >= 0.0)
+    }
+
+    pub(crate) fn spin(&self) -> bool {
+        self.motions().any(Motion::spins)
+    }
+
+    pub(crate) fn slide(&self) -> bool {
+        self.motions().any(Motion::slides)
+    }
+
+    pub(crate) fn in_pieces(&self) -> bool {
+        self.rolls.iter().any(|roll| roll.len() > 1)
+    }
+}

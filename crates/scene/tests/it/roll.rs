@@ -1,0 +1,160 @@
+//! Scenes of a roll: what they estimate, and what does not change it.
+
+use palpate_scene::Scene;
+use palpate_scene::config::{LengthUnit, parse};
+use palpate_scene::recorded::{RollMethod, RollOptions, estimate_roll, read_roll};
+
+/// The scene of a probe of radius 1 that rolls for 0.1 rad; more lines continue it.
+fn scene(object: &str, lines: &str) -> Scene {
+    let text = format!(
+        r#"name = "a-study"
+seed = 3
+
+[scene]
+kind = "roll"
+probe = {{ kind = "sphere", radius = 1.0 }}
+object = {object}
+motion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}
+{lines}"#
+    );
+    let study = parse("study.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+    study
+        .estimable_scene(0)
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Estimates and truths of a trial, in the order of the quantities.
+fn trial(scene: &Scene, trial: u64) -> Vec<(f64, f64)> {
+    let mut outcomes = Vec::new();
+    scene
+        .trial(trial, |quantity, outcome| {
+            assert_eq!(quantity, outcomes.len());
+            outcomes.push((outcome.estimate, outcome.truth));
+        })
+        .unwrap();
+    outcomes
+}
+
+const NOISE: &str = r#"noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }"#;
+
+#[test]
+fn without_noise_spheres_are_exact() {
+    for (object, curvature) in [
+        (r#"{ kind = "sphere", radius = 4 }"#, 0.25),
+        (r#"{ kind = "dish", radius = 4 }"#, -0.25),
+        (r#"{ kind = "plane" }"#, 0.0),
+    ] {
+        let scene = scene(object, "");
+        assert_eq!(scene.trials(1000), 1);
+        let outcomes = trial(&scene, 0);
+        let expected = [curvature, curvature, curvature * curvature, curvature];
+        for ((estimate, truth), expected) in outcomes.iter().zip(expected) {
+            assert!((truth - expected).abs() < 1e-15, "{object}: {truth}");
+            assert!((estimate - expected).abs() < 1e-12, "{object}: {estimate}");
+        }
+        let arc = 0.1 / (1.0 + curvature);
+        assert!((outcomes[4].0 - arc).abs() < 1e-14 && (outcomes[4].1 - arc).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn truths_are_known_without_a_trial() {
+    let scene = scene(r#"{ kind = "saddle", a = 0.1 }"#, NOISE);
+    for (quantity, (_, truth)) in trial(&scene, 5).into_iter().enumerate() {
+        assert_eq!(scene.truth(quantity), Some(truth));
+    }
+    assert_eq!(scene.truth(5), None);
+    // z = a (x² − y²) bends away along −y: convex is positive.
+    assert!((scene.truth(0).unwrap() + 0.2).abs() < 1e-12);
+    assert!((scene.truth(1).unwrap() - 0.2).abs() < 1e-12);
+}
+
+#[test]
+fn a_trial_can_be_replayed_alone() {
+    let scene = scene(r#"{ kind = "sphere", radius = 4 }"#, NOISE);
+    assert_eq!(scene.trials(1000), 1000);
+    let forwards: Vec<_> = (0..20).map(|number| trial(&scene, number)).collect();
+    for number in (0..20).rev() {
+        assert_eq!(trial(&scene, number), forwards[number as usize]);
+    }
+    assert!((1..20).all(|number| forwards[number] != forwards[0]));
+}
+
+/// One law, however it is computed, and so one estimate per draw.
+#[test]
+fn models_share_draws_and_results() {
+    let object = r#"{ kind = "sphere", radius = 4 }"#;
+    let closed = scene(object, NOISE);
+    for model in [
+        r#"{ kind = "dop853", tolerance = 1e-13 }"#,
+        r#"{ kind = "dop853", tolerance = 1e-13, chart = "montana" }"#,
+        r#"{ kind = "rk4", steps = 20 }"#,
+    ] {
+        let other = scene(object, &format!("{NOISE}\nmodel = {model}"));
+        for number in 0..10 {
+            for ((a, _), (b, _)) in trial(&closed, number)
+                .into_iter()
+                .zip(trial(&other, number))
+            {
+                assert!((a - b).abs() < 1e-7, "{model}: {a}, {b}");
+            }
+        }
+    }
+}
+
+/// A further source of noise leaves the draws of the others as they are.
+#[test]
+fn channels_are_apart() {
+    let object = r#"{ kind = "sphere", radius = 4 }"#;
+    let plain = scene(object, NOISE);
+    let tiny = scene(
+        object,
+        &format!("{NOISE}\nsensor = {{ kind = \"wrist\", std = 1e-12 }}"),
+    );
+    for number in 0..10 {
+        for ((a, _), (b, _)) in trial(&plain, number).into_iter().zip(trial(&tiny, number)) {
+            assert!((a - b).abs() < 1e-9, "{a}, {b}");
+        }
+    }
+}
+
+#[test]
+fn failures_have_a_stable_name() {
+    let scene = scene(
+        r#"{ kind = "sphere", radius = 4 }"#,
+        r#"sensor = { kind = "pads", pitch = 0.01, cap_deg = 2 }"#,
+    );
+    let mut observed = 0;
+    assert_eq!(scene.trial(0, |_, _| observed += 1), Err("beyond-pads"));
+    assert_eq!(observed, 0, "nothing of a failed trial counts");
+}
+
+#[test]
+fn readings_of_a_trace_give_the_estimate_of_the_trial() {
+    let lines = r#"noise = { angular_velocity = { kind = "gaussian", fraction = 0.02, side = "measurement" }, encoder = { step_rad = 0.001 } }
+sensor = { kind = "wrist", std = 0.001 }"#;
+    let scene = scene(r#"{ kind = "ellipsoid", semi_axes = [5, 4, 3] }"#, lines);
+    let Scene::Roll(roll) = &scene;
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("readings.csv");
+    for number in 0..5 {
+        let trace = roll.trace(Some(number), LengthUnit::Cm).unwrap();
+        std::fs::write(&path, trace.readings.to_csv()).unwrap();
+        let options = RollOptions {
+            probe_radius: 1.0,
+            length_unit: Some(LengthUnit::Cm),
+            pitch: None,
+            method: RollMethod::LeastSquares,
+        };
+        let estimate = estimate_roll(&read_roll(&path).unwrap(), &options).unwrap();
+        let json = serde_json::to_value(estimate).unwrap();
+        for ((found, _), quantity) in trial(&scene, number).into_iter().zip(scene.quantities()) {
+            let read = json[quantity.name]["value"].as_f64().unwrap();
+            assert!(
+                (found - read).abs() <= 1e-9 * found.abs(),
+                "{}: {found}, {read}",
+                quantity.name
+            );
+        }
+    }
+}
