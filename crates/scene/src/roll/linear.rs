@@ -82,13 +82,10 @@ impl LinearRolls {
         let mut moments = Moments::default();
         let mut longest = Lanes::default();
         self.roll(seed, trial, |group, paths| {
-            for lane in 0..LANES {
-                let square = paths[0][lane] * paths[0][lane] + paths[1][lane] * paths[1][lane];
-                longest[lane] = if square > longest[lane] {
-                    square
-                } else {
-                    longest[lane]
-                };
+            let [u, v] = &paths;
+            for ((longest, u), v) in longest.iter_mut().zip(u).zip(v) {
+                let square = u * u + v * v;
+                *longest = if square > *longest { square } else { *longest };
             }
             moments.add_group(&group.reported, &paths);
             Ok::<(), Infallible>(())
@@ -110,10 +107,11 @@ impl LinearRolls {
     ) -> Result<Moments, E> {
         let mut moments = Moments::default();
         self.roll(seed, trial, |group, mut shifts| {
-            for lane in 0..group.probes.min(LANES) {
-                let path = Vector2::new(shifts[0][lane], shifts[1][lane]);
+            let [u, v] = &mut shifts;
+            for (u, v) in u.iter_mut().zip(v).take(group.probes) {
+                let path = Vector2::new(*u, *v);
                 let shift = read(Shift::along_great_circle(path, self.radius).displacement)?;
-                (shifts[0][lane], shifts[1][lane]) = (shift.x, shift.y);
+                (*u, *v) = (shift.x, shift.y);
             }
             moments.add_group(&group.reported, &shifts);
             Ok(())
@@ -159,15 +157,17 @@ impl LinearRolls {
     /// The paths of a group's contacts along u and v.
     #[inline(always)]
     fn paths(&self, group: &Group, mut draw: impl FnMut() -> f64) -> [Lanes; 2] {
-        let mut paths = [Lanes::default(); 2];
-        for lane in 0..LANES {
+        let driven = std::array::from_fn::<_, LANES, _>(|lane| {
             let (error_x, error_y) = (draw(), draw());
-            let g1 = group.drive[0][lane] - group.error[lane] * error_y;
-            let g2 = group.drive[1][lane] + group.error[lane] * error_x;
-            paths[0][lane] = self.mobility.m11 * g1 + self.mobility.m12 * g2;
-            paths[1][lane] = self.mobility.m21 * g1 + self.mobility.m22 * g2;
-        }
-        paths
+            let size = group.error[lane];
+            let g1 = group.drive[0][lane] - size * error_y;
+            let g2 = group.drive[1][lane] + size * error_x;
+            [
+                self.mobility.m11 * g1 + self.mobility.m12 * g2,
+                self.mobility.m21 * g1 + self.mobility.m22 * g2,
+            ]
+        });
+        [driven.map(|[u, _]| u), driven.map(|[_, v]| v)]
     }
 }
 
