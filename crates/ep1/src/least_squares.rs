@@ -27,9 +27,7 @@ const SMALLEST_TRAVEL: f64 = 1e-12;
 pub struct LeastSquares {
     radius: f64,
     noise: ReadingNoise,
-    probes: usize,
-    /// Sums of `g₁²`, `g₁ g₂`, `g₂²` over the probes.
-    gram: Symmetric,
+    rotations: Vec<Vector2<f64>>,
     probe_curvature: f64,
     per_probe: f64,
     /// Inverse of the normal equations for the entries `uu`, `vv`, `uv` of `K₁ D`.
@@ -83,8 +81,7 @@ impl LeastSquares {
         Ok(Self {
             radius,
             noise,
-            probes: rotations.len(),
-            gram,
+            rotations: rotations.to_vec(),
             probe_curvature,
             per_probe: 1.0 / rotations.len() as f64,
             inverse: Symmetric3::of(&(inverse * probe_curvature)),
@@ -210,9 +207,12 @@ impl LeastSquares {
                 travel_per_radian,
             };
         }
-        // Root-mean-square rotation in that direction, which moved the contact less than the
-        // resolution.
-        let rotation = (along.dot(&(self.gram.matrix() * along)) / self.probes as f64).sqrt();
+        // The longest rotation in that direction moved the contact less than the resolution.
+        let rotation = self
+            .rotations
+            .iter()
+            .map(|rotation| (rotation.x * along.y - rotation.y * along.x).abs())
+            .fold(0.0, f64::max);
         let relative_above = rotation / self.noise.shift_resolution;
         let radius_below = 1.0 / (relative_above - 1.0 / self.radius);
         let known = radius_below > 0.0 && radius_below.is_finite();
@@ -287,10 +287,10 @@ fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     if determinant > SMALLEST_SPREAD * SMALLEST_SPREAD * trace * trace {
         return Ok(());
     }
-    if !trace.is_finite() || (trace > 0.0 && trace < 1e-140) {
+    if !(trace.is_finite() && trace > 1e-140) && trace != 0.0 {
         return Err(Ep1Error::OutOfRange);
     }
-    let spread = (determinant.max(0.0).sqrt() / trace).min(1.0);
+    let spread = determinant.max(0.0).sqrt() / trace;
     Err(Ep1Error::Unresolvable {
         probes,
         spread: if spread.is_finite() { spread } else { 0.0 },

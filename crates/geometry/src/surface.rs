@@ -19,7 +19,7 @@ pub(crate) fn is_within_reach(x: f64, y: f64) -> bool {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum SurfaceError {
     /// The surface does not reach there, or its formula is undefined there.
-    #[error("the surface is not defined at x = {x}, y = {y}")]
+    #[error("the surface is not defined, or not smooth, at x = {x}, y = {y}")]
     OffDomain {
         /// Coordinate in the surface's frame.
         x: f64,
@@ -201,10 +201,9 @@ pub trait Surface {
         self.chart(at)?.geometry(at)
     }
 
-    /// The meridian through `apex`, if this is a surface of revolution about the normal there and
-    /// the meridian has a closed description.
-    fn meridian(&self, apex: &Point3<f64>) -> Option<Meridian> {
-        let _ = apex;
+    /// The meridian through the given apex, if this is a surface of revolution about the normal
+    /// there and the meridian has a closed description.
+    fn meridian(&self, _apex: &Point3<f64>) -> Option<Meridian> {
         None
     }
 

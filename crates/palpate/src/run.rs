@@ -1,5 +1,6 @@
 //! `palpate run`.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use palpate_scene::config::{self, Output, Study, StudyConfig};
@@ -11,6 +12,9 @@ use crate::failure::Failure;
 use crate::tables::{self, Ran};
 use crate::trial::SceneTrial;
 use crate::{output, progress};
+
+/// More threads than this only cost their setting up.
+const MOST_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut study = config::load(&args.config).map_err(Failure::usage)?;
@@ -43,7 +47,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     output::make_directory(&out)?;
     let bar = progress::bar(cells.iter().map(|cell| cell.trials).sum());
     let options = RunOptions {
-        threads: args.threads,
+        threads: args.threads.map(|threads| threads.min(MOST_THREADS)),
     };
     let statistics = palpate_sweep::run(&cells, &options, &|finished| bar.inc(finished))
         .map_err(Failure::work)?;

@@ -4,7 +4,7 @@
 //! angle by which the object's normal has turned and s the arc length, the probe has turned by
 //! `θ = α + s/R₁`, which is solved for the meridian's parameter.
 
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::{FRAC_PI_4, PI};
 use std::num::NonZeroUsize;
 
 use gauss_quad::GaussLegendre;
@@ -51,8 +51,18 @@ impl MeridianRung {
         })
     }
 
-    /// Arc length from parameter `from` to `to`.
+    /// Arc length from parameter `from` to `to`; each half turn of a spheroid is as long.
     fn arc_between(&self, from: f64, to: f64) -> f64 {
+        let half_turns = ((to - from) / PI).trunc();
+        let rest = self.by_panels(from, to - half_turns * PI);
+        if half_turns == 0.0 {
+            rest
+        } else {
+            rest + half_turns * self.by_panels(0.0, PI)
+        }
+    }
+
+    fn by_panels(&self, from: f64, to: f64) -> f64 {
         let panels = ((to - from).abs() / FRAC_PI_4).ceil().max(1.0);
         let width = (to - from) / panels;
         let mut sum = 0.0;
@@ -223,34 +233,45 @@ impl Bracket {
 mod tests {
     use super::*;
 
-    /// How often Halley's method asks, and how far θ is off, relative to its terms.
-    fn check(c: f64, radius: f64, theta: f64) -> f64 {
-        let (r, arc) = along_parabola(c, radius, theta).unwrap();
-        let q = 2.0 * c * r;
-        let closed =
-            0.5 * r * (1.0 + q * q).sqrt() + 0.5 * r * if q == 0.0 { 1.0 } else { q.asinh() / q };
-        let off = (q.atan() + arc / radius - theta).abs() / (q.atan().abs() + arc / radius);
+    /// How far θ is off, relative to its terms, or the arc length from its closed form.
+    fn error(c: f64, theta: f64) -> f64 {
+        let (r, arc) = along_parabola(c, 1.0, theta).unwrap();
+        let slope = 2.0 * c * r;
+        let alpha = slope.atan();
+        let closed = 0.5 * r * (slope.hypot(1.0) + slope.asinh() / slope);
+        let off = (alpha + arc - theta).abs() / (alpha.abs() + arc);
         off.max((arc / closed - 1.0).abs())
     }
 
     #[test]
-    fn parabolas() {
-        let mut worst = 0.0_f64;
-        for exponent in -24..=24 {
-            for mantissa in [1.0, 2.3, 4.99] {
-                let c = mantissa * 10f64.powf(0.5 * f64::from(exponent));
-                for c in [c, -c] {
+    fn parabolas_from_flat_to_sharp_however_far() {
+        for exponent in -12..=12 {
+            for mantissa in [1.0, 2.3, 4.999] {
+                let c = mantissa * 10.0_f64.powi(exponent);
+                // A bowl fits while 1/R₁ + 2c > 0.
+                for c in [c, -c].into_iter().filter(|c| 1.0 + 2.0 * c > 0.0) {
                     for theta in [
-                        1e-12, 1e-6, 1e-3, 0.1, 0.5, 1.0, 1.5, 1.6, 2.0, 3.0, 6.0, 10.0, 100.0,
-                        1e4, 1e9,
+                        1e-12, 1e-6, 0.1, 0.5, 1.0, 1.5, 1.6, 2.0, 3.0, 6.0, 100.0, 1e9,
                     ] {
-                        if 1.0 + 2.0 * c > 1e-9 {
-                            worst = worst.max(check(c, 1.0, theta));
-                        }
+                        let off = error(c, theta);
+                        assert!(off < 1e-14, "c = {c:e}, θ = {theta:e}: {off:e}");
                     }
                 }
             }
         }
-        assert!(worst < 1e-14, "{worst:e}");
+    }
+
+    #[test]
+    fn a_parabola_without_curvature_is_a_plane() {
+        for c in [0.0, -0.0, 1e-300, -1e-300] {
+            assert_eq!(along_parabola(c, 2.0, 0.7), Some((1.4, 1.4)));
+        }
+    }
+
+    #[test]
+    fn a_bowl_that_hardly_fits() {
+        // 1/R₁ + 2c → 0: θ = q³/2 to leading order, and the contact runs ahead of the probe.
+        let (r, _) = along_parabola(-0.5, 1.0, 1e-9).unwrap();
+        assert!((r / 2e-9_f64.cbrt() - 1.0).abs() < 1e-5, "{r}");
     }
 }

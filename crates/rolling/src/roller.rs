@@ -120,7 +120,7 @@ impl Roller {
                 error.time_s += elapsed;
                 error
             })?;
-            elapsed += motion.duration_s;
+            elapsed += motion.duration_s.max(0.0);
         }
         Ok(contact)
     }
@@ -184,7 +184,8 @@ impl Roller {
         let at = |fault, time_s| RollError::new(fault, time_s, self.first.on_object);
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut duration_s = arc_length / speed(&self.first).map_err(|fault| at(fault, 0.0))?;
-        if !(arc_length >= 0.0 && duration_s.is_finite()) {
+        if !(arc_length >= 0.0 && duration_s.is_finite() && (duration_s > 0.0 || arc_length == 0.0))
+        {
             return Err(at(RollFault::NotFinite, 0.0));
         }
         for _ in 0..200 {
@@ -202,6 +203,10 @@ impl Roller {
                     }
                     let rate = speed(&contact).map_err(|fault| at(fault, duration_s))?;
                     duration_s - excess / rate
+                }
+                // A roll too long to follow does not get easier by trying others.
+                Err(error) if matches!(error.fault, RollFault::TooManySteps { .. }) => {
+                    return Err(error);
                 }
                 // Overshot the end of the contact: come back, unless that is where it ends.
                 Err(error) if duration_s - low < 1e-9 * duration_s => return Err(error),

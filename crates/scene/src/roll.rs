@@ -52,15 +52,15 @@ pub struct RollScene {
     roller: Roller,
     /// What each probe is told to do.
     commands: Vec<Motion>,
-    /// What each probe reports of its rotation where its measurement does not err.
+    /// The rotations that are commanded, summed in the contact frame.
     rotations: Vec<Vector2<f64>>,
     noise: MotionNoise,
     sensor: RollSensor,
     encoder: Option<palpate_sensing::Encoder>,
     reading_noise: ReadingNoise,
-    /// The fit for `rotations`, which may not tell the curvature; `trace` does not need it to.
+    /// The fit for what is reported of `rotations`, which may not tell the curvature; `trace` does not need it to.
     fit: Result<LeastSquares, Ep1Error>,
-    /// Set where all rolls are linear and report `rotations`.
+    /// Set where all rolls are linear and report the same rotations in every trial.
     linear: Option<LinearRolls>,
     truth: Truth,
 }

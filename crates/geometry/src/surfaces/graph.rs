@@ -38,8 +38,7 @@ pub trait Height {
     fn jet(&self, x: f64, y: f64) -> HeightJet;
 
     /// The meridian through the contact above `(x, y)`, as in [`Surface::meridian`].
-    fn meridian_at(&self, x: f64, y: f64) -> Option<Meridian> {
-        let _ = (x, y);
+    fn meridian_at(&self, _x: f64, _y: f64) -> Option<Meridian> {
         None
     }
 }

@@ -118,11 +118,25 @@ fn amplification(study: &Study, samples: &[Sample]) -> Option<(f64, f64)> {
     let word = |path: &str| study.setting(path).and_then(toml::Value::as_str);
     let applies = word("scene.noise.angular_velocity.kind") == Some("uniform")
         && word("scene.noise.angular_velocity.when").is_none_or(|when| when == "per-probe")
-        && study.setting("scene.motion.directions_deg").is_none();
+        && study
+            .setting("scene.motion.directions_deg")
+            .is_none_or(is_two_in_each_direction);
     let small = samples
         .iter()
         .filter(|s| applies && s.noise <= SMALL_NOISE * (1.0 + 1e-9));
     range(small.filter_map(|s| Some(s.rms? * 12f64.sqrt() / (s.noise * (1.0 + s.flatness)))))
+}
+
+/// Whether these directions are the paper's: two probes in each of ±u and ±v.
+fn is_two_in_each_direction(directions: &toml::Value) -> bool {
+    let degrees = |value: &toml::Value| {
+        let number = value.as_float();
+        number.or_else(|| value.as_integer().map(|integer| integer as f64))
+    };
+    let given: Option<Vec<f64>> = directions
+        .as_array()
+        .and_then(|array| array.iter().map(degrees).collect());
+    given.is_some_and(|given| given == [0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0])
 }
 
 /// Claim 2.

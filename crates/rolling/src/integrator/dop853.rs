@@ -27,7 +27,7 @@ const GROW: f64 = 6.0;
 const LAST_FEW: f64 = 3.0;
 /// Shortest step, relative to the time so far, and to the duration.
 const SHORTEST: f64 = 1e-12;
-const SHORTEST_OF_ALL: f64 = 1e-15;
+const SHORTEST_OF_ALL: f64 = 1e-18;
 
 impl Dop853 {
     /// Integrates from `state` over `duration_s`.
@@ -151,7 +151,7 @@ fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)
 }
 
-/// `x^(−1/16)` of a number `>= 0`, within 6 %: enough to choose a step by, and it keeps roots and
+/// `x^(−1/16)` of a number `>= 0`, within 7 %: enough to choose a step by, and it keeps roots and
 /// powers off the path from one step to the next. The bits of a float, as an integer, are nearly
 /// its logarithm. (Of infinity and NaN it is tiny.)
 #[inline]
@@ -330,6 +330,8 @@ const B3: [f64; 3] = [
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::*;
 
     struct Oscillator;
@@ -341,13 +343,17 @@ mod tests {
         }
     }
 
-    /// Undefined beyond y = 1.
-    struct Wall;
+    /// Undefined beyond a wall.
+    struct Wall<'a> {
+        wall: f64,
+        asked: &'a Cell<usize>,
+    }
 
-    impl System<1> for Wall {
+    impl System<1> for Wall<'_> {
         fn derivative(&self, y: &[f64; 1], rate: &mut [f64; 1]) -> Result<(), RollFault> {
+            self.asked.set(self.asked.get() + 1);
             *rate = [1.0];
-            if y[0] <= 1.0 {
+            if y[0] <= self.wall {
                 Ok(())
             } else {
                 Err(RollFault::NotFinite)
@@ -387,8 +393,59 @@ mod tests {
 
     #[test]
     fn a_fault_is_located() {
-        let stopped = solver(1e-9).integrate(&Wall, [0.0], 10.0).unwrap_err();
-        assert!((stopped.time_s - 1.0).abs() < 1e-9, "{stopped:?}");
+        for wall in [1e-6, 1.0, 9.999] {
+            let asked = Cell::new(0);
+            let fault = solver(1e-9)
+                .integrate(
+                    &Wall {
+                        wall,
+                        asked: &asked,
+                    },
+                    [0.0],
+                    10.0,
+                )
+                .unwrap_err();
+            assert_eq!(fault.fault, RollFault::NotFinite);
+            assert!((fault.time_s / wall - 1.0).abs() < 1e-9, "{fault:?}");
+            assert!((fault.state[0] / wall - 1.0).abs() < 1e-9, "{fault:?}");
+            assert!(asked.get() < 1000, "{asked:?} for {wall}");
+        }
+    }
+
+    /// Decays fast towards the edge of its domain, which long steps overshoot.
+    struct Decay;
+
+    impl System<1> for Decay {
+        fn derivative(&self, y: &[f64; 1], rate: &mut [f64; 1]) -> Result<(), RollFault> {
+            *rate = [-50.0 * y[0]];
+            if y[0] >= -1e-3 {
+                Ok(())
+            } else {
+                Err(RollFault::NotFinite)
+            }
+        }
+    }
+
+    #[test]
+    fn a_stage_astray_is_no_fault() {
+        let end = solver(0.1).integrate(&Decay, [1.0], 1.0).unwrap();
+        assert!(end.state[0].abs() < 0.1, "{end:?}");
+        let end = solver(1e-9).integrate(&Decay, [1.0], 0.1).unwrap();
+        assert!((end.state[0] - (-5.0_f64).exp()).abs() < 1e-8, "{end:?}");
+    }
+
+    #[test]
+    fn the_root_is_near_enough() {
+        for exponent in -300..300 {
+            for mantissa in [1.0, 1.4, 2.7, 7.5] {
+                let x = mantissa * 10.0_f64.powi(exponent);
+                let ratio = inverse_sixteenth_root(x) * x.powf(1.0 / 16.0);
+                assert!((0.99..1.07).contains(&ratio), "{x:e}: {ratio}");
+            }
+        }
+        assert!(inverse_sixteenth_root(0.0) > 1e15);
+        assert!(inverse_sixteenth_root(f64::INFINITY) < 1e-15);
+        assert!(inverse_sixteenth_root(f64::NAN) < 1e-15);
     }
 
     #[test]

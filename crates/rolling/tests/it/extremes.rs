@@ -148,12 +148,13 @@ fn any_probe_on_any_object() {
             },
         ]
     };
+    // Up to a hundred times blunter than the object, or any times sharper.
     for (probe, size) in [
         (1e-9, 1e9),
-        (1e9, 1e-9),
         (1e-9, 1e-9),
         (1e9, 1e9),
-        (1.0, 1e-6),
+        (1e9, 1e7),
+        (1e-7, 1e-9),
         (1e-6, 1.0),
     ] {
         for (object, places) in objects(size) {
@@ -176,7 +177,7 @@ fn any_probe_on_any_object() {
                         let rolls = Rolls { rolls: &rolls };
                         let made = Probe::new(probe).unwrap();
                         match Roller::new(made, object.clone(), place, model, rolls) {
-                            Ok(roller) => { let t0 = std::time::Instant::now(); assert_sound(&roller.roll(&motions), &what); if t0.elapsed().as_millis() > 200 { println!("{:?} {what} {:?}", t0.elapsed(), roller.roll(&motions)); } }
+                            Ok(roller) => assert_sound(&roller.roll(&motions), &what),
                             // A dish or a trough too small for the probe; a chart's pole.
                             Err(InvalidRoll::Fault(RollFault::Conforming { .. })) => {
                                 assert!(probe >= 0.9 * size, "{what}");

@@ -148,7 +148,7 @@ pub struct RollMotionConfig {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub duration_s: Option<f64>,
-    /// How far the contact moves on the object in each probe. Either this or `duration_s` is given.
+    /// How long the contact's path on the probe is in each roll, without noise. Either this or `duration_s` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub arc_length: Option<f64>,
@@ -200,7 +200,7 @@ pub enum RollModelConfig {
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {
         /// Steps per probe.
-        #[schemars(extend("minimum" = 1))]
+        #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
         steps: u32,
         /// Coordinates of the integration.
         #[serde(default)]
@@ -333,7 +333,7 @@ pub enum AngularVelocityNoise {
         side: Side,
         /// Draws per probe; only used per instant.
         #[serde(default = "hundred")]
-        #[schemars(extend("minimum" = 1))]
+        #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
         instants: u32,
     },
     /// Gaussian with mean 0.
@@ -349,7 +349,7 @@ pub enum AngularVelocityNoise {
         side: Side,
         /// Draws per probe; only used per instant.
         #[serde(default = "hundred")]
-        #[schemars(extend("minimum" = 1))]
+        #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
         instants: u32,
     },
 }

@@ -92,24 +92,25 @@ impl RollScene {
         let (roller, commands) = roller(config, probe, object, noise.pieces())?;
         let (shift_std, shift_resolution) = sensor.shift_noise();
         let reading_noise = ReadingNoise {
-            relative_rotation_std: noise.relative_rotation_std(),
+            // The error is a fraction of the whole rate, of which only the tangential part is summed.
+            relative_rotation_std: noise.relative_rotation_std()
+                * (config.motion.spin_rad_per_s / config.motion.rate_rad_per_s).hypot(1.0),
             rotation_std_rad: encoder.map_or(0.0, |encoder| encoder.std_rad()),
             shift_std,
             shift_resolution,
         };
         let truth =
             truth(&roller, &commands).map_err(|error| PlanError::at("scene.motion", error))?;
-        let rotations: Vec<_> = commands
+        let rotations: Vec<_> = commands.iter().map(Motion::rotation).collect();
+        // What is reported of them, where their measurement does not err.
+        let reported: Vec<_> = rotations
             .iter()
-            .map(|command| {
-                let rotation = command.rotation();
-                encoder.map_or(rotation, |encoder| encoder.read(&rotation))
-            })
+            .map(|&rotation| encoder.map_or(rotation, |encoder| encoder.read(&rotation)))
             .collect();
         Ok(Self {
             seed,
-            fit: LeastSquares::new(radius, reading_noise, &rotations),
-            linear: LinearRolls::new(&roller, &commands, &rotations, &noise),
+            fit: LeastSquares::new(radius, reading_noise, &reported),
+            linear: LinearRolls::new(&roller, &commands, &reported, &noise),
             roller,
             commands,
             rotations,

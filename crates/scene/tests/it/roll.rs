@@ -14,7 +14,8 @@ seed = 3
 kind = "roll"
 probe = {{ kind = "sphere", radius = 1.0 }}
 object = {object}
-motion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}
+motion.rate_rad_per_s = 0.1
+motion.duration_s = 1.0
 {lines}"#
     );
     let study = parse("study.toml", &text).unwrap_or_else(|error| panic!("{error}"));
@@ -157,4 +158,46 @@ sensor = { kind = "wrist", std = 0.001 }"#;
             );
         }
     }
+}
+
+#[test]
+fn a_noisy_measurement_is_quantised_once() {
+    let noise = |encoder: &str| {
+        format!(
+            "noise = {{ angular_velocity = {{ kind = \"uniform\", fraction = 0.1, \
+             side = \"measurement\" }}{encoder} }}"
+        )
+    };
+    let sphere = r#"{ kind = "sphere", radius = 5 }"#;
+    let coarse = scene(sphere, &noise(", encoder = { step_rad = 0.03 }"));
+    let fine = scene(sphere, &noise(", encoder = { step_rad = 1e-9 }"));
+    let none = scene(sphere, &noise(""));
+    // Noise carries the reading over the edges of the steps: trials differ.
+    assert_ne!(trial(&coarse, 0), trial(&coarse, 1));
+    // Steps far below the noise change nothing.
+    let (fine, none) = (trial(&fine, 0)[0].0, trial(&none, 0)[0].0);
+    assert!((fine - none).abs() < 1e-6, "{fine} {none}");
+}
+
+#[test]
+fn the_stated_deviation_counts_spin() {
+    let spinning = scene(
+        r#"{ kind = "sphere", radius = 5 }"#,
+        "motion.spin_rad_per_s = 0.3\n\
+         noise = { angular_velocity = { kind = \"gaussian\", fraction = 0.003 } }",
+    );
+    let (mut square, mut stated) = (0.0, 0.0);
+    let trials = 400;
+    for trial in 0..trials {
+        spinning
+            .trial(trial, |quantity, outcome| {
+                if quantity == 0 {
+                    square += (outcome.estimate - outcome.truth).powi(2);
+                    stated += outcome.std.unwrap();
+                }
+            })
+            .unwrap();
+    }
+    let ratio = (square / trials as f64).sqrt() / (stated / trials as f64);
+    assert!((0.85..1.15).contains(&ratio), "{ratio}");
 }
