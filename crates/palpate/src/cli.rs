@@ -56,7 +56,7 @@ pub(crate) enum Command {
 pub(crate) struct RunArgs {
     /// The study's config, a TOML file.
     pub(crate) config: PathBuf,
-    /// Where to write the results [default: out/<name of the study>].
+    /// Where to write the results [default: out/ and the name of the study].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Use this seed instead of the config's.

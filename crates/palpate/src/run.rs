@@ -122,9 +122,22 @@ pub(crate) fn trace_tables(
 
 fn summary(study: &Study, ran: &[Ran<'_>], out: &std::path::Path) -> String {
     let trials: u64 = ran.iter().map(|ran| ran.statistics.trials).sum();
-    let failed: u64 = ran.iter().map(|ran| ran.statistics.failed()).sum();
+    let mut kinds = std::collections::BTreeMap::new();
+    for failure in ran.iter().flat_map(|ran| &ran.statistics.failures) {
+        *kinds.entry(failure.kind).or_insert(0) += failure.count;
+    }
+    let failed: u64 = kinds.values().sum();
+    let kinds: Vec<String> = kinds
+        .iter()
+        .map(|(kind, count)| format!("{kind} {count}"))
+        .collect();
+    let kinds = if failed > 0 {
+        format!(" ({})", kinds.join(", "))
+    } else {
+        String::new()
+    };
     format!(
-        "{}: {} cells, {trials} trials, {failed} failed -> {}",
+        "{}: {} cells, {trials} trials, {failed} failed{kinds} -> {}",
         study.config.name,
         ran.len(),
         out.display()

@@ -121,6 +121,9 @@ impl Pads {
 
     /// Standard deviation of a shift's error, as if quantisation were noise: uniform over a pad,
     /// at the last contact and, where that is not centred, at the first.
+    ///
+    /// Real quantisation is not independent between probes: probes that roll alike read alike, and
+    /// on a square grid a shift by a whole number of pads is read exactly wherever it starts.
     pub fn shift_std(&self) -> f64 {
         let one_end = self.pitch / 12.0_f64.sqrt();
         match self.offset {

@@ -205,7 +205,10 @@ fn a_cell_in_which_every_trial_fails_still_has_rows() {
     let desk = Desk::with(&edited(STUDY, "noise", lines));
     // On the wide sphere the contact runs off the pads; on the small one it does not get there.
     let printed = desk.palpate("run c.toml --out o").printed();
-    assert_eq!(printed, "a-study: 2 cells, 40 trials, 20 failed -> o\n");
+    assert_eq!(
+        printed,
+        "a-study: 2 cells, 40 trials, 20 failed (beyond-pads 20) -> o\n"
+    );
     assert_eq!(
         desk.read("o/failures.csv"),
         "cell,kind,count,first_trial\n0,beyond-pads,20,0\n"
