@@ -1,0 +1,2 @@
+//! Benchmarks of the estimators of a patch.
+fn main() {}

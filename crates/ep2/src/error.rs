@@ -1,0 +1,158 @@
+//! Contacts that do not tell the shape of a patch.
+
+use thiserror::Error;
+
+/// Why a set of contacts gives no surface.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum Ep2Error {
+    /// Fewer contacts than the method has unknowns to find.
+    #[error(
+        "{contacts} contact(s) give {equations} equation(s); the method needs at least {needed}"
+    )]
+    TooFewContacts {
+        /// How many contacts there were.
+        contacts: usize,
+        /// One per contact, three where it has a normal.
+        equations: usize,
+        /// How many equations are needed.
+        needed: usize,
+    },
+    /// A coordinate, a normal or a weight is not a finite number, or too large to be squared.
+    #[error("contact {contact} (counting from 0): a number is not finite, or beyond 1e150")]
+    NotFinite {
+        /// Which contact.
+        contact: usize,
+    },
+    /// A weight that weighs nothing.
+    #[error("contact {contact} (counting from 0): the weight is {weight}; it must be > 0")]
+    BadWeight {
+        /// Which contact.
+        contact: usize,
+        /// Its weight.
+        weight: f64,
+    },
+    /// A normal of no length.
+    #[error("contact {contact} (counting from 0): the normal has length {length:e}")]
+    BadNormal {
+        /// Which contact.
+        contact: usize,
+        /// Its length.
+        length: f64,
+    },
+    /// Some contacts have a normal and some have none.
+    #[error("contact {contact} (counting from 0) has no normal, but others have one")]
+    MissingNormal {
+        /// The first without one.
+        contact: usize,
+    },
+    /// All contacts lie on one point.
+    #[error("all {contacts} contacts lie on one point, within {extent:e}")]
+    Coincident {
+        /// How many contacts there were.
+        contacts: usize,
+        /// How far they spread, length.
+        extent: f64,
+    },
+    /// All contacts lie on one line: nothing tells the shape across it.
+    #[error(
+        "all {contacts} contacts lie on a line: across it they spread {spread:.1e} times as far \
+         as along it"
+    )]
+    Collinear {
+        /// How many contacts there were.
+        contacts: usize,
+        /// Root-mean-square spread across the line over that along it.
+        spread: f64,
+    },
+    /// Over the plane of the mean normal (or through the points) the patch is not a graph.
+    #[error(
+        "the patch is not a graph over its mean plane: at contact {contact} (counting from 0) the \
+         normal stands {angle_deg:.1} degrees from the mean normal; split the patch"
+    )]
+    Folded {
+        /// The contact that stands out most.
+        contact: usize,
+        /// Angle between its normal and the mean normal, degrees.
+        angle_deg: f64,
+    },
+    /// The points spread as far in all directions: a closed shape has no mean plane.
+    #[error(
+        "the contacts have no mean plane: across it they would spread {spread:.2} times as far as \
+         along it; split the patch, or give normals"
+    )]
+    NoPlane {
+        /// Root-mean-square spread across the plane over the smaller one within it; or, from
+        /// normals, one minus the length of their mean.
+        spread: f64,
+    },
+    /// The outward direction lies in the patch's plane and fixes no side of it.
+    #[error(
+        "the outward direction lies in the patch's plane (within {angle_deg:.1e} degrees): it does \
+         not tell the outside"
+    )]
+    NoSide {
+        /// Angle between the direction and the plane, degrees.
+        angle_deg: f64,
+    },
+    /// The contacts do not determine the unknowns of the method.
+    #[error(
+        "the {contacts} contacts do not determine the surface: {rank} of its {unknowns} unknowns \
+         are fixed"
+    )]
+    Undetermined {
+        /// How many contacts there were.
+        contacts: usize,
+        /// How many independent combinations are fixed.
+        rank: usize,
+        /// How many there are.
+        unknowns: usize,
+    },
+    /// A setting of a method is out of its range.
+    #[error("{setting} is {value}; it must be {expected}")]
+    BadSetting {
+        /// Name of the setting, as in the config.
+        setting: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// The smoothing spline would need more knots than the contacts bear.
+    #[error(
+        "a smoothing sum of {smoothing} needs more knots than {contacts} points bear (the fit \
+         stays at {residual_sum:.4e}); raise it, or lower the weight"
+    )]
+    SmoothingTooSmall {
+        /// The sum of squared weighted residuals that was asked for.
+        smoothing: f64,
+        /// How many points were fitted.
+        contacts: usize,
+        /// The sum that was reached.
+        residual_sum: f64,
+    },
+    /// The numbers leave the range of doubles.
+    #[error("the contacts are too large, too small or too steep to be worked with")]
+    OutOfRange,
+}
+
+impl Ep2Error {
+    /// The stable name of this kind of error.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::TooFewContacts { .. } => "too-few-contacts",
+            Self::NotFinite { .. } => "not-finite",
+            Self::BadWeight { .. } => "bad-weight",
+            Self::BadNormal { .. } => "bad-normal",
+            Self::MissingNormal { .. } => "missing-normal",
+            Self::Coincident { .. } => "coincident",
+            Self::Collinear { .. } => "collinear",
+            Self::Folded { .. } => "folded",
+            Self::NoPlane { .. } => "no-plane",
+            Self::NoSide { .. } => "no-side",
+            Self::Undetermined { .. } => "undetermined",
+            Self::BadSetting { .. } => "bad-setting",
+            Self::SmoothingTooSmall { .. } => "smoothing-too-small",
+            Self::OutOfRange => "out-of-range",
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! What a method makes of a patch.
+
+use nalgebra::DMatrix;
+
+use crate::{Ep2Error, Patch, PatchFrame, TensorSpline};
+
+/// A way from the contacts of a patch to its surface.
+pub trait Method {
+    /// The surface through the contacts of a patch.
+    ///
+    /// # Errors
+    /// [`Ep2Error`] where the contacts do not determine it, or a setting is out of its range.
+    fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error>;
+}
+
+/// The surface of a patch, as a graph in the patch's frame.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The frame; its scale is the length that counts as 1 in the spline.
+    pub frame: PatchFrame,
+    /// The rectangle that holds the contacts: smallest and largest u, smallest and largest v.
+    pub domain: [[f64; 2]; 2],
+    /// The surface w(u, v).
+    pub spline: TensorSpline,
+    /// Covariance of the spline's coefficients, if the method states one.
+    pub covariance: Option<DMatrix<f64>>,
+}

@@ -1,0 +1,173 @@
+//! B-splines of one variable.
+
+/// Highest degree of a spline.
+pub const MAX_DEGREE: usize = 5;
+
+/// Values of the `degree + 1` B-splines that do not vanish somewhere; the rest is 0.
+pub type Basis = [f64; MAX_DEGREE + 1];
+
+/// The knots of a spline on an interval, each end repeated `degree + 1` times.
+///
+/// Outside of the interval the first and the last polynomial go on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Knots {
+    degree: usize,
+    knots: Vec<f64>,
+}
+
+impl Knots {
+    /// Knots of `degree` (at most [`MAX_DEGREE`]) on `[start, end]` with the given interior ones,
+    /// which must lie strictly inside and ascend.
+    pub fn new(degree: usize, start: f64, end: f64, interior: &[f64]) -> Self {
+        debug_assert!((1..=MAX_DEGREE).contains(&degree) && start < end);
+        let mut knots = vec![start; degree + 1];
+        knots.extend_from_slice(interior);
+        knots.resize(knots.len() + degree + 1, end);
+        debug_assert!(knots.is_sorted());
+        Self { degree, knots }
+    }
+
+    /// Knots that split `[start, end]` into equal intervals.
+    pub fn uniform(degree: usize, start: f64, end: f64, intervals: usize) -> Self {
+        let step = (end - start) / intervals as f64;
+        let interior: Vec<f64> = (1..intervals)
+            .map(|knot| start + step * knot as f64)
+            .collect();
+        Self::new(degree, start, end, &interior)
+    }
+
+    /// Degree of the polynomials.
+    pub const fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// All knots, the ends repeated.
+    pub fn as_slice(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// The interior knots.
+    pub fn interior(&self) -> &[f64] {
+        &self.knots[self.degree + 1..self.knots.len() - self.degree - 1]
+    }
+
+    /// How many B-splines there are.
+    pub fn functions(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// The first and the last knot.
+    pub fn domain(&self) -> (f64, f64) {
+        (self.knots[0], self.knots[self.knots.len() - 1])
+    }
+
+    /// Index of the first B-spline that does not vanish on the interval around `x`; of the nearest
+    /// interval where `x` lies outside.
+    #[inline]
+    pub fn first_function(&self, x: f64) -> usize {
+        let interior = self.interior();
+        if interior.len() < 8 {
+            interior.iter().map(|&knot| usize::from(knot <= x)).sum()
+        } else {
+            interior.partition_point(|&knot| knot <= x)
+        }
+    }
+
+    /// Values at `x` of the B-splines from `first`, see [`Knots::first_function`].
+    #[inline]
+    pub fn values(&self, first: usize, x: f64) -> Basis {
+        self.derivatives::<1>(first, x)[0]
+    }
+
+    /// Values and derivatives up to order `ORDERS − 1` at `x` of the B-splines from `first`.
+    ///
+    /// The values of degrees 0, 1, … are built up by the recurrence of Cox and de Boor; a
+    /// derivative of order m is an m-fold difference of the values of degree `degree − m`.
+    #[inline]
+    pub fn derivatives<const ORDERS: usize>(&self, first: usize, x: f64) -> [Basis; ORDERS] {
+        let degree = self.degree;
+        let left = first + degree;
+        let knots = &self.knots;
+        let mut result = [[0.0; MAX_DEGREE + 1]; ORDERS];
+        let mut values: Basis = [0.0; MAX_DEGREE + 1];
+        values[0] = 1.0;
+        for lower in 0..degree {
+            // `values` are of degree `lower`: of use for the derivative of this order.
+            let order = degree - lower;
+            if order < ORDERS {
+                result[order] = self.differences(left, lower, values);
+            }
+            let mut carried = 0.0;
+            for place in 0..=lower {
+                let (below, above) = (knots[left + place - lower], knots[left + place + 1]);
+                let share = values[place] / (above - below);
+                values[place] = carried + (above - x) * share;
+                carried = (x - below) * share;
+            }
+            values[lower + 1] = carried;
+        }
+        result[0] = values;
+        result
+    }
+
+    /// From values of degree `lower` the derivatives, of order `degree − lower`, of the B-splines
+    /// of full degree.
+    #[inline]
+    fn differences(&self, left: usize, lower: usize, mut values: Basis) -> Basis {
+        for higher in lower + 1..=self.degree {
+            let mut carried = 0.0;
+            for place in 0..higher {
+                let width = self.knots[left + place + 1] - self.knots[left + place + 1 - higher];
+                let share = higher as f64 * values[place] / width;
+                values[place] = carried - share;
+                carried = share;
+            }
+            values[higher] = carried;
+        }
+        values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn values_sum_to_one_and_derivatives_to_zero() {
+        for degree in 1..=MAX_DEGREE {
+            let knots = Knots::new(degree, -1.0, 2.0, &[-0.3, 0.1, 0.1, 1.2]);
+            for x in [-1.5, -1.0, -0.3, 0.05, 0.1, 1.0, 1.9, 2.0, 2.3] {
+                let jets = knots.derivatives::<4>(knots.first_function(x), x);
+                let sums = jets.map(|basis| basis.iter().sum::<f64>());
+                assert_relative_eq!(sums[0], 1.0, epsilon = 1e-13);
+                for sum in &sums[1..] {
+                    assert_relative_eq!(*sum, 0.0, epsilon = 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn powers_are_reproduced_with_their_derivatives() {
+        // The B-spline coefficients of x² are the mean products of two of the inner knots.
+        let knots = Knots::new(3, 0.0, 4.0, &[1.0, 2.5]);
+        let coefficient = |function: usize| {
+            let t = &knots.as_slice()[function + 1..function + 4];
+            (t[0] * t[1] + t[0] * t[2] + t[1] * t[2]) / 3.0
+        };
+        for x in [0.0, 0.4, 1.0, 2.2, 3.7, 4.0, 4.5] {
+            let first = knots.first_function(x);
+            let jets = knots.derivatives::<4>(first, x);
+            let sum = |basis: &Basis| {
+                (0..4)
+                    .map(|place| basis[place] * coefficient(first + place))
+                    .sum::<f64>()
+            };
+            let expected = [x * x, 2.0 * x, 2.0, 0.0];
+            for (basis, expected) in jets.iter().zip(expected) {
+                assert_relative_eq!(sum(basis), expected, epsilon = 1e-12);
+            }
+        }
+    }
+}

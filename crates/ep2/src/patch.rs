@@ -1,0 +1,173 @@
+//! The contacts of a patch, checked and in its own frame.
+
+use nalgebra::Vector3;
+
+use crate::{Contact, Ep2Error, PatchFrame};
+
+/// Numbers whose squares neither overflow nor vanish.
+const LARGEST: f64 = 1e150;
+/// A normal that stands farther than this from the mean normal is not that of a graph, degrees.
+const STEEPEST_DEG: f64 = 85.0;
+
+/// A contact in the frame of the patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Place along the travel of the fingers.
+    pub u: f64,
+    /// Place across it.
+    pub v: f64,
+    /// Height over the plane of the patch.
+    pub w: f64,
+    /// How much the contact counts.
+    pub weight: f64,
+    /// ∂w/∂u and ∂w/∂v from the normal, if the contacts have normals.
+    pub slopes: Option<[f64; 2]>,
+}
+
+/// The contacts of a patch, in its frame.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    /// The frame.
+    pub frame: PatchFrame,
+    /// The contacts in it, in their order.
+    pub samples: Vec<Sample>,
+    /// The rectangle that holds them: smallest and largest u, smallest and largest v.
+    pub domain: [[f64; 2]; 2],
+    /// Mean distance between neighbouring fingers across their travel, in the patch's unit; `None`
+    /// for a single finger.
+    pub finger_distance: Option<f64>,
+}
+
+impl Patch {
+    /// Checks the contacts and turns them into the frame of their patch, so that its orientation,
+    /// place and size do not matter.
+    ///
+    /// Without normals, `outward` says which side of the patch is outside of the object.
+    ///
+    /// # Errors
+    /// [`Ep2Error`] where a number is unsound, the contacts are fewer than three, on one point or
+    /// on one line, or where the patch is not a graph over its mean plane.
+    pub fn new(contacts: &[Contact], outward: &Vector3<f64>) -> Result<Self, Ep2Error> {
+        if contacts.len() < 3 {
+            let with_normal = contacts.iter().filter(|one| one.normal.is_some()).count();
+            return Err(Ep2Error::TooFewContacts {
+                contacts: contacts.len(),
+                equations: contacts.len() + 2 * with_normal,
+                needed: 6,
+            });
+        }
+        check(contacts)?;
+        let outward_length = outward.amax();
+        if !(outward_length > 0.0 && outward_length <= LARGEST) {
+            return Err(Ep2Error::BadSetting {
+                setting: "outward",
+                value: outward_length,
+                expected: "a direction of finite length > 0",
+            });
+        }
+        let frame = PatchFrame::of(contacts, &(outward / outward_length))?;
+        let samples = contacts
+            .iter()
+            .enumerate()
+            .map(|(index, contact)| sample(&frame, index, contact))
+            .collect::<Result<Vec<_>, _>>()?;
+        let range = |place: fn(&Sample) -> f64| {
+            samples
+                .iter()
+                .map(place)
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
+                    [low.min(place), high.max(place)]
+                })
+        };
+        let domain = [range(|sample| sample.u), range(|sample| sample.v)];
+        if let Some([low, high]) = domain.into_iter().find(|[low, high]| low >= high) {
+            return Err(Ep2Error::Collinear {
+                contacts: contacts.len(),
+                spread: high - low,
+            });
+        }
+        Ok(Self {
+            frame,
+            domain,
+            finger_distance: finger_distance(contacts, &samples),
+            samples,
+        })
+    }
+
+    /// Whether the contacts have normals.
+    pub fn has_normals(&self) -> bool {
+        self.samples[0].slopes.is_some()
+    }
+
+    /// One equation per contact, three where it has a normal.
+    pub fn equations(&self) -> usize {
+        self.samples.len() * if self.has_normals() { 3 } else { 1 }
+    }
+}
+
+fn check(contacts: &[Contact]) -> Result<(), Ep2Error> {
+    let with_normals = contacts.iter().any(|contact| contact.normal.is_some());
+    for (index, contact) in contacts.iter().enumerate() {
+        let normal = contact.normal.unwrap_or(Vector3::zeros());
+        let largest = contact.position.coords.abs().sum() + normal.abs().sum();
+        if !(largest <= LARGEST) || !contact.weight.is_finite() || contact.weight > LARGEST {
+            return Err(Ep2Error::NotFinite { contact: index });
+        }
+        if contact.weight <= 0.0 {
+            return Err(Ep2Error::BadWeight {
+                contact: index,
+                weight: contact.weight,
+            });
+        }
+        if with_normals && contact.normal.is_none() {
+            return Err(Ep2Error::MissingNormal { contact: index });
+        }
+        let length = normal.norm();
+        if with_normals && length < 1.0 / LARGEST {
+            return Err(Ep2Error::BadNormal {
+                contact: index,
+                length,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn sample(frame: &PatchFrame, index: usize, contact: &Contact) -> Result<Sample, Ep2Error> {
+    let place = frame.point(&contact.position);
+    let slopes = match contact.normal {
+        Some(normal) => {
+            let normal = frame.direction(&normal.normalize());
+            let angle_deg = normal.z.clamp(-1.0, 1.0).acos().to_degrees();
+            if angle_deg > STEEPEST_DEG {
+                return Err(Ep2Error::Folded {
+                    contact: index,
+                    angle_deg,
+                });
+            }
+            Some([-normal.x / normal.z, -normal.y / normal.z])
+        }
+        None => None,
+    };
+    Ok(Sample {
+        u: place.x,
+        v: place.y,
+        w: place.z,
+        weight: contact.weight,
+        slopes,
+    })
+}
+
+/// Mean distance between neighbouring fingers, by the mean place of each across the travel.
+fn finger_distance(contacts: &[Contact], samples: &[Sample]) -> Option<f64> {
+    let mut fingers: std::collections::BTreeMap<usize, [f64; 2]> = Default::default();
+    for (contact, sample) in contacts.iter().zip(samples) {
+        let [count, sum] = fingers.entry(contact.finger).or_default();
+        *count += 1.0;
+        *sum += sample.v;
+    }
+    let places: Vec<f64> = fingers.values().map(|[count, sum]| sum / count).collect();
+    let low = places.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (high > low).then(|| (high - low) / (places.len() - 1) as f64)
+}

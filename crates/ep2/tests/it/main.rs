@@ -1,0 +1,2 @@
+//! Tests of the crate's public face.
+#![allow(clippy::unwrap_used)]
