@@ -180,13 +180,7 @@ impl Pads {
         placement: &PadPlacement,
         displacement: &Vector2<f64>,
     ) -> Result<Vector2<f64>, BeyondPads> {
-        let angle_rad = displacement.norm() / self.radius;
-        if angle_rad > self.cap_rad {
-            return Err(BeyondPads {
-                angle_rad,
-                cap_rad: self.cap_rad,
-            });
-        }
+        self.unless_beyond_cap(displacement)?;
         match (&self.tiling, &placement.0) {
             (
                 Tiling::Uniform(lattice),
@@ -208,6 +202,59 @@ impl Pads {
                 Ok(displacement.map(|length| self.pitch * (length / self.pitch).round()))
             }
         }
+    }
+
+    /// The direction (unit, from the fingertip's centre) of the centre of the pad that reports a
+    /// contact in `direction`, with the pads around `pole` where [`Pads::read`] has them around the
+    /// first contact. Both are unit vectors in the same frame; pads lie in the tangent basis at the
+    /// pole of [`displacement_between`].
+    ///
+    /// # Errors
+    /// [`BeyondPads`] where the contact is not on the cap.
+    pub fn sensed_direction(
+        &self,
+        placement: &PadPlacement,
+        pole: &Vector3<f64>,
+        direction: &Vector3<f64>,
+    ) -> Result<Vector3<f64>, BeyondPads> {
+        let displacement = displacement_between(pole, direction) * self.radius;
+        self.unless_beyond_cap(&displacement)?;
+        let local = match (&self.tiling, &placement.0) {
+            (
+                Tiling::Uniform(lattice),
+                Placement::Uniform {
+                    lattice_from_contact,
+                    ..
+                },
+            ) => {
+                let contact = lattice_from_contact * direction_at(&(displacement / self.radius));
+                let pad = lattice.direction(lattice.nearest(&contact));
+                lattice_from_contact.inverse() * pad
+            }
+            (_, placement) => {
+                let offset = match placement {
+                    Placement::Square(offset) => *offset,
+                    // A placement made by other pads: read as if placed on a centre.
+                    Placement::Uniform { .. } => Vector2::zeros(),
+                };
+                let centre = displacement.zip_map(&offset, |length, offset| {
+                    self.pitch * ((length / self.pitch + offset).round() - offset)
+                });
+                direction_at(&(centre / self.radius))
+            }
+        };
+        Ok(turn_to(pole) * local)
+    }
+
+    fn unless_beyond_cap(&self, displacement: &Vector2<f64>) -> Result<(), BeyondPads> {
+        let angle_rad = displacement.norm() / self.radius;
+        if angle_rad <= self.cap_rad {
+            return Ok(());
+        }
+        Err(BeyondPads {
+            angle_rad,
+            cap_rad: self.cap_rad,
+        })
     }
 }
 

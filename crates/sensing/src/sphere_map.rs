@@ -35,6 +35,16 @@ pub fn displacement_between(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector2<f
     across * (sine.atan2(local.z) / sine)
 }
 
+/// The direction reached from a unit `direction` by going `displacement` (in radians) along a great
+/// circle, in some tangent basis there: for displacements without a preferred direction.
+pub(crate) fn moved_along(direction: &Vector3<f64>, displacement: &Vector2<f64>) -> Vector3<f64> {
+    let x = direction.cross(&Vector3::y()).try_normalize(1e-6);
+    let x = x.unwrap_or_else(|| direction.cross(&Vector3::x()).normalize());
+    let y = direction.cross(&x);
+    let local = direction_at(displacement);
+    x * local.x + y * local.y + direction * local.z
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

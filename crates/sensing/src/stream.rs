@@ -13,6 +13,10 @@ pub enum Channel {
     PadOffset = 2,
     /// Error of the contact that a wrist sensor infers.
     WristContact = 3,
+    /// Error of a sensed position.
+    Position = 4,
+    /// Error of a sensed normal.
+    Normal = 5,
 }
 
 /// The random numbers of one channel in one trial: a function of seed, trial and channel alone.

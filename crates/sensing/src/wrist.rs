@@ -2,6 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::sphere_map::moved_along;
 use crate::{InvalidSensor, Stream, direction_at, displacement_between};
 
 /// A wrist sensor whose inferred contact point errs isotropically on the fingertip.
@@ -39,21 +40,12 @@ impl Wrist {
         let error = self.std / self.radius;
         let mut infer = |contact: Vector3<f64>| {
             let tangential = Vector2::new(stream.standard_normal(), stream.standard_normal());
-            perturbed(&contact, &(tangential * error))
+            moved_along(&contact, &(tangential * error))
         };
         let first = infer(Vector3::z());
         let last = infer(direction_at(&(displacement / self.radius)));
         displacement_between(&first, &last) * self.radius
     }
-}
-
-/// `direction` moved by a tangential displacement, isotropic if that is.
-fn perturbed(direction: &Vector3<f64>, displacement: &Vector2<f64>) -> Vector3<f64> {
-    let x = direction.cross(&Vector3::y()).try_normalize(1e-6);
-    let x = x.unwrap_or_else(|| direction.cross(&Vector3::x()).normalize());
-    let y = direction.cross(&x);
-    let local = direction_at(displacement);
-    x * local.x + y * local.y + direction * local.z
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What pad arrays report.
 
-use nalgebra::Vector2;
-use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
+use nalgebra::{Vector2, Vector3};
+use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream, displacement_between};
 use proptest::prelude::*;
 
 const HALF_PI: f64 = std::f64::consts::FRAC_PI_2;
@@ -91,6 +91,70 @@ fn impossible_pads_are_refused() {
     ] {
         assert!(make(radius, pitch, cap).is_err(), "{radius} {pitch} {cap}");
     }
+}
+
+#[test]
+fn directions_are_sensed_as_those_of_pads() {
+    let poles = [
+        Vector3::z(),
+        -Vector3::z(),
+        Vector3::new(0.36, -0.48, 0.8),
+        Vector3::new(0.6, 0.0, -0.8),
+    ];
+    for (layout, offset) in [
+        (PadLayout::Square, PadOffset::Centred),
+        (PadLayout::Square, PadOffset::Random),
+        (PadLayout::Uniform, PadOffset::Centred),
+        (PadLayout::Uniform, PadOffset::Random),
+    ] {
+        let pads = pads(0.5, layout, offset);
+        for (trial, pole) in poles.iter().enumerate() {
+            let placement = pads.place(|| Stream::new(1, trial as u64, Channel::PadOffset));
+            let sense = |direction: &Vector3<f64>| {
+                pads.sensed_direction(&placement, pole, direction).unwrap()
+            };
+            let aside = pole.cross(&Vector3::y()).normalize();
+            for turn in [0.0, 0.01, 0.02, 0.2, -0.7, 1.3_f64] {
+                for lean in [0.0, 0.3, 0.8_f64] {
+                    let along = aside * lean.cos() + pole.cross(&aside) * lean.sin();
+                    let direction = pole * turn.cos() + along * turn.sin();
+                    let once = sense(&direction);
+                    assert!((once.norm() - 1.0).abs() < 1e-14);
+                    // A pad senses its own centre, and it is near.
+                    assert!(
+                        (sense(&once) - once).norm() < 1e-13,
+                        "{layout:?} {offset:?}"
+                    );
+                    let off = once.angle(&direction) * 10.0;
+                    assert!(off < 1.05 * 0.5, "{layout:?} {offset:?}: {off}");
+                }
+            }
+            // Directions from the same pad are not told apart, and the pole is on a centre if so
+            // asked; shifts between pads are those that `read` reports.
+            let (first, last) = (sense(pole), sense(&(pole * 0.8 + aside * 0.6)));
+            if offset == PadOffset::Centred {
+                assert!((first - pole).norm() < 1e-14, "{layout:?}");
+                assert!((sense(&(pole + aside * 0.01).normalize()) - first).norm() < 1e-14);
+                let contact = displacement_between(pole, &(pole * 0.8 + aside * 0.6)) * 10.0;
+                let read = pads.read(&placement, &contact).unwrap();
+                let between = displacement_between(pole, &last) * 10.0;
+                assert!(
+                    (read - between).norm() < 1e-12,
+                    "{layout:?}: {read} {between}"
+                );
+            }
+        }
+    }
+    let small = Pads::new(10.0, 0.5, PadLayout::Square, PadOffset::Centred, 0.5).unwrap();
+    let placement = small.place(|| Stream::new(1, 0, Channel::PadOffset));
+    let beyond = small.sensed_direction(&placement, &Vector3::z(), &Vector3::x());
+    assert_eq!(beyond.unwrap_err().name(), "beyond-pads");
+    let nowhere = Vector3::repeat(f64::NAN);
+    assert!(
+        small
+            .sensed_direction(&placement, &Vector3::z(), &nowhere)
+            .is_err()
+    );
 }
 
 proptest! {

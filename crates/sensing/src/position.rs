@@ -1,0 +1,146 @@
+//! Error of a sensed position.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::{Distribution, InvalidSensor, Stream};
+
+/// Along which axes a position errs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PositionAxes {
+    /// Along x, y and z, independently and alike.
+    Xyz,
+    /// Along z alone.
+    Z,
+}
+
+/// An independent error on the coordinates of a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PositionError {
+    distribution: Distribution,
+    size: f64,
+    axes: PositionAxes,
+}
+
+impl PositionError {
+    /// An error of `size` (length) along each of `axes`: the standard deviation of a Gaussian, the
+    /// bound of a uniform distribution.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] unless the size is from 0 to 10¹⁵⁰.
+    pub fn new(
+        distribution: Distribution,
+        size: f64,
+        axes: PositionAxes,
+    ) -> Result<Self, InvalidSensor> {
+        let holds = (0.0..=1e150).contains(&size);
+        InvalidSensor::unless(holds, "size", size, "from 0 to 1e150")?;
+        Ok(Self {
+            distribution,
+            size,
+            axes,
+        })
+    }
+
+    /// How it is distributed.
+    pub const fn distribution(&self) -> Distribution {
+        self.distribution
+    }
+
+    /// Along which axes it errs.
+    pub const fn axes(&self) -> PositionAxes {
+        self.axes
+    }
+
+    /// Standard deviation along each of the axes, length.
+    pub fn std(&self) -> f64 {
+        match self.distribution {
+            Distribution::Uniform => self.size / 3.0_f64.sqrt(),
+            Distribution::Gaussian => self.size,
+        }
+    }
+
+    /// Whether a reading draws random numbers; without, it is the point itself.
+    pub fn is_random(&self) -> bool {
+        self.size > 0.0
+    }
+
+    /// What is sensed of `point`. Draws one number per axis.
+    #[inline]
+    pub fn read(&self, stream: &mut Stream, point: &Point3<f64>) -> Point3<f64> {
+        if !self.is_random() {
+            return *point;
+        }
+        let mut draw = || {
+            self.size
+                * match self.distribution {
+                    Distribution::Uniform => stream.symmetric_uniform(),
+                    Distribution::Gaussian => stream.standard_normal(),
+                }
+        };
+        let error = match self.axes {
+            PositionAxes::Xyz => Vector3::new(draw(), draw(), draw()),
+            PositionAxes::Z => Vector3::new(0.0, 0.0, draw()),
+        };
+        point + error
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Channel;
+    use approx::assert_relative_eq;
+
+    const POINT: Point3<f64> = Point3::new(0.5, -0.25, 2.0);
+
+    #[test]
+    fn errors_have_the_stated_size_along_the_stated_axes() {
+        for distribution in [Distribution::Uniform, Distribution::Gaussian] {
+            for (axes, erring) in [
+                (PositionAxes::Xyz, [true; 3]),
+                (PositionAxes::Z, [false, false, true]),
+            ] {
+                let sensor = PositionError::new(distribution, 0.3, axes).unwrap();
+                let mut stream = Stream::new(11, 0, Channel::Position);
+                let count = 100_000;
+                let errors: Vec<Vector3<f64>> = (0..count)
+                    .map(|_| sensor.read(&mut stream, &POINT) - POINT)
+                    .collect();
+                let mean = |value: &dyn Fn(&Vector3<f64>) -> f64| {
+                    errors.iter().map(value).sum::<f64>() / f64::from(count)
+                };
+                for axis in 0..3 {
+                    if !erring[axis] {
+                        assert!(errors.iter().all(|error| error[axis] == 0.0));
+                        continue;
+                    }
+                    assert!(mean(&|error| error[axis]).abs() < 0.004);
+                    let std = mean(&|error| error[axis].powi(2)).sqrt();
+                    assert_relative_eq!(std, sensor.std(), max_relative = 0.01);
+                    let next = (axis + 1) % 3;
+                    assert!(mean(&|error| error[axis] * error[next]).abs() < 0.001);
+                }
+                let largest = errors.iter().map(|error| error.amax()).fold(0.0, f64::max);
+                assert_eq!(largest <= 0.3, distribution == Distribution::Uniform);
+            }
+        }
+    }
+
+    #[test]
+    fn without_an_error_nothing_is_drawn() {
+        let sensor = PositionError::new(Distribution::Gaussian, 0.0, PositionAxes::Xyz).unwrap();
+        assert!(!sensor.is_random());
+        let mut stream = Stream::new(11, 0, Channel::Position);
+        assert_eq!(sensor.read(&mut stream, &POINT), POINT);
+        let untouched = Stream::new(11, 0, Channel::Position).symmetric_uniform();
+        assert_eq!(stream.symmetric_uniform(), untouched);
+    }
+
+    #[test]
+    fn impossible_sizes_are_refused() {
+        for size in [-1.0, 1e200, f64::NAN, f64::INFINITY] {
+            let made = PositionError::new(Distribution::Uniform, size, PositionAxes::Z);
+            assert_eq!(made.unwrap_err().parameter, "size");
+        }
+    }
+}
