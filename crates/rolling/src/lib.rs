@@ -1,4 +1,4 @@
-//! The forward law of a spherical probe that rolls on a surface.
+//! The forward law of a fingertip that rolls on a surface, or glides over it.
 //!
 //! Montana's contact equations (1988) say how the contact moves over both bodies. Here they stand
 //! on a ladder of rungs, cheapest first, of which a [`Roller`] takes the cheapest that meets a
@@ -17,12 +17,15 @@
 //! of the probe; it starts with `x₁` along the object's +x (projected onto the tangent plane) and
 //! is parallel-transported along the path. The probe's body axes equal the object's at the first
 //! contact.
+//!
+//! A [`Glider`] is a fingertip that slides instead: where it touches when held above a place.
 
 mod chart;
 mod chart_free;
 mod closed_form;
 mod contact;
 mod error;
+mod glide;
 mod integration;
 pub mod integrator;
 mod ladder;
@@ -34,6 +37,7 @@ mod roller;
 pub use chart::HeldAxis;
 pub use contact::{Contact, Shift};
 pub use error::{RollError, RollFault};
+pub use glide::{Fingertip, GlideError, Glider, Touch};
 pub use model::{Chart, Choice, InvalidRoll, Model, Rolls};
 pub use motion::Motion;
 pub use roller::{Probe, Roller};

@@ -3,6 +3,7 @@
 
 mod endings;
 mod extremes;
+mod glide;
 mod golden;
 mod rungs;
 mod scenes;

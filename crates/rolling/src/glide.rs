@@ -1,0 +1,168 @@
+//! A fingertip that glides over an object: where it touches, given where it is held.
+//!
+//! A finger is held in a vertical plane and lowered until it touches. A point touches on its own
+//! vertical line. A spherical tip of radius `r` touches where its centre lies on the offset
+//! surface, at a contact `q` with outward normal `n`,
+//!
+//! ```text
+//! q + r n(q) = tip's centre,
+//! ```
+//!
+//! which is beside the vertical line wherever the object slopes.
+
+mod foot;
+mod search;
+
+use nalgebra::{Point3, Vector2, Vector3};
+use palpate_geometry::surfaces::Sphere;
+use palpate_geometry::{CurvatureForm, InvalidShape, Shape, Surface, SurfaceError};
+use thiserror::Error;
+
+use foot::Foot;
+use search::Search;
+
+/// A place farther from the origin than this cannot be squared.
+const FARTHEST: f64 = 1e150;
+
+/// What touches the object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fingertip {
+    /// A point.
+    Point,
+    /// A sphere.
+    Sphere {
+        /// Its radius.
+        radius: f64,
+    },
+}
+
+/// Why a finger held at a place has no contact to report.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum GlideError {
+    /// The contact would lie where the object is not defined; for a point, also beside a closed
+    /// object.
+    #[error("the finger left the object: {0}")]
+    Surface(#[from] SurfaceError),
+    /// The tip passes beside the object: the offset surface does not reach there, or only where the
+    /// object's normal is horizontal.
+    #[error("a tip of radius {radius} at x = {x}, y = {y} passes beside the object")]
+    ContactLost {
+        /// Where the tip's centre is held.
+        x: f64,
+        /// Where the tip's centre is held.
+        y: f64,
+        /// The tip's radius.
+        radius: f64,
+    },
+    /// The tip rests on two places at once, or on a continuum of them: a dish, valley or hole
+    /// that is as tight as the tip or tighter.
+    #[error("a tip of radius {radius} at x = {x}, y = {y} touches at more than one place")]
+    TwoContacts {
+        /// Where the tip's centre is held.
+        x: f64,
+        /// Where the tip's centre is held.
+        y: f64,
+        /// The tip's radius.
+        radius: f64,
+    },
+    /// The search for the contact came to no end: lengths too far apart for double precision, or an
+    /// object too rough for the tip.
+    #[error("no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}")]
+    NoConvergence {
+        /// Where the tip's centre is held.
+        x: f64,
+        /// Where the tip's centre is held.
+        y: f64,
+        /// The tip's radius.
+        radius: f64,
+        /// Horizontal distance by which the best contact found misses.
+        miss: f64,
+    },
+}
+
+impl GlideError {
+    /// The stable name of this kind of error.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Surface(error) => error.name(),
+            Self::ContactLost { .. } => "contact-lost",
+            Self::TwoContacts { .. } => "two-contacts",
+            Self::NoConvergence { .. } => "no-convergence",
+        }
+    }
+}
+
+/// A contact of a fingertip, in the object's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// The contact.
+    pub point: Point3<f64>,
+    /// The object's unit normal there, out of the object.
+    pub normal: Vector3<f64>,
+    /// The centre of the tip, `point + radius · normal`; of a point, the contact itself.
+    pub tip_centre: Point3<f64>,
+    /// The object's curvature there, in the orthonormal tangent basis along the level line and up
+    /// the slope, right-handed with the normal: x and y where the ground is level.
+    pub curvature: CurvatureForm,
+}
+
+/// An object and a fingertip that touches it.
+#[derive(Clone, Debug)]
+pub struct Glider {
+    object: Shape,
+    fingertip: Fingertip,
+}
+
+impl Glider {
+    /// # Errors
+    /// [`InvalidShape`] unless a sphere's radius is finite, positive and can be squared.
+    pub fn new(object: Shape, fingertip: Fingertip) -> Result<Self, InvalidShape> {
+        if let Fingertip::Sphere { radius } = fingertip {
+            Sphere::new(radius)?;
+        }
+        Ok(Self { object, fingertip })
+    }
+
+    /// The object.
+    pub const fn object(&self) -> &Shape {
+        &self.object
+    }
+
+    /// The fingertip.
+    pub const fn fingertip(&self) -> Fingertip {
+        self.fingertip
+    }
+
+    /// The contact of a finger whose tip has its centre on the vertical line through `(x, y)`:
+    /// the first one that the tip meets on its way down, on the side of the object that
+    /// [`Surface::contact_at`] touches.
+    ///
+    /// That contact is found by Newton's method from the object beneath, and held against the
+    /// object at sixteen places across the tip. Where one of them reaches into the tip, or the
+    /// object is too hollow for it, Newton's method starts from all sixteen and the highest tip
+    /// counts. On spheres, dishes, cylinders, ellipsoids and tori the contact is the first for
+    /// certain, and on graphs whose second derivatives stay below `1/radius`. On rougher graphs a
+    /// ridge may pass unseen if it fits between those places, which lie about half a radius apart.
+    ///
+    /// # Errors
+    /// [`GlideError`].
+    pub fn touch(&self, x: f64, y: f64) -> Result<Touch, GlideError> {
+        match self.fingertip {
+            Fingertip::Point => {
+                let point = self.object.contact_at(x, y)?;
+                Foot::at(&self.object, point)?.touch(0.0)
+            }
+            Fingertip::Sphere { radius } => {
+                if !(0.0..=FARTHEST).contains(&(x.abs() + y.abs())) {
+                    return Err(SurfaceError::OffDomain { x, y }.into());
+                }
+                let search = Search {
+                    object: &self.object,
+                    radius,
+                    centre: Vector2::new(x, y),
+                };
+                search.contact()?.touch(radius)
+            }
+        }
+    }
+}

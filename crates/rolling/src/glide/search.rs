@@ -1,0 +1,202 @@
+//! The search for the contact of a spherical tip.
+//!
+//! Seen from above, the contact `w` carries the tip's centre to `w + r n_xy(w)`. This map has no
+//! singularity at the silhouettes of closed objects, where heights do, and its derivative has the
+//! determinant `det(I + r S)`: it folds only where the object is as hollow as the tip is round.
+
+use nalgebra::{Point3, Vector2};
+use palpate_geometry::{Surface, SurfaceError};
+
+use super::GlideError;
+use super::foot::Foot;
+
+/// Newton steps before giving up, and halvings of each.
+const STEPS: usize = 100;
+const HALVINGS: i32 = 60;
+/// A miss above this, relative to the lengths involved, is no contact.
+const ACCEPTED_MISS: f64 = 1e-12;
+/// What counts as touching, of the tip's radius.
+const TOUCHING: f64 = 1e-9;
+/// Where the clearance is below this, a search that is stuck is stuck at a fold.
+const FOLD: f64 = 1e-3;
+/// Where the object's normal has less upright part than this, its edge is a silhouette.
+const SILHOUETTE: f64 = 1e-3;
+
+/// A tip held above a place.
+pub(super) struct Search<'a, S> {
+    pub(super) object: &'a S,
+    pub(super) radius: f64,
+    /// Where the tip's centre is held, seen from above.
+    pub(super) centre: Vector2<f64>,
+}
+
+impl<S: Surface> Search<'_, S> {
+    /// The contact that the tip meets first.
+    pub(super) fn contact(&self) -> Result<Foot, GlideError> {
+        let first = self.settle(self.start()?);
+        match first {
+            Ok(foot) if self.fits(&foot) && self.deepest_place_in_tip(&foot).is_none() => Ok(foot),
+            Err(GlideError::ContactLost { .. }) => first,
+            _ => self.highest(first),
+        }
+    }
+
+    /// Beneath the tip's centre; where there is nothing, at the part of the object nearest to a
+    /// place above; failing that, where the object is touched by default.
+    fn start(&self) -> Result<Foot, SurfaceError> {
+        let beneath = self.foot(self.centre);
+        let Err(off_domain) = beneath else {
+            return beneath;
+        };
+        let height = self.radius.max(self.centre.norm());
+        let above = Point3::new(self.centre.x, self.centre.y, height);
+        let (x, y) = self.object.default_contact();
+        let nearest = self.object.closest_point(&above);
+        nearest
+            .and_then(|near| self.foot(near.coords.xy()))
+            .or_else(|_| self.foot(Vector2::new(x, y)))
+            .map_err(|_| off_domain)
+    }
+
+    fn foot(&self, at: Vector2<f64>) -> Result<Foot, SurfaceError> {
+        Foot::at(self.object, self.object.contact_at(at.x, at.y)?)
+    }
+
+    /// Where the tip's centre should be, less where a contact at `foot` would put it.
+    fn miss(&self, foot: &Foot) -> Vector2<f64> {
+        self.centre - foot.point.coords.xy() - foot.normal.xy() * self.radius
+    }
+
+    /// Newton's method from `foot`, each step halved until the miss shrinks.
+    fn settle(&self, mut foot: Foot) -> Result<Foot, GlideError> {
+        let mut miss = self.miss(&foot);
+        for _ in 0..STEPS {
+            let lengths = self.centre.norm() + foot.point.coords.xy().norm();
+            if miss.norm() <= f64::EPSILON * lengths {
+                return Ok(foot);
+            }
+            let close = miss.norm() <= ACCEPTED_MISS * (lengths + self.radius);
+            let Some(step) = foot.step(self.radius, &miss) else {
+                return if close { Ok(foot) } else { Err(self.two()) };
+            };
+            match self.descend(&foot, &miss, &step) {
+                Ok(next) => (foot, miss) = next,
+                Err(_) if close => return Ok(foot),
+                Err(_) if foot.clearance(self.radius) < FOLD => return Err(self.two()),
+                Err(Some(_)) if foot.normal.z < SILHOUETTE => return Err(self.lost()),
+                Err(Some(edge)) => return Err(edge.into()),
+                Err(None) => break,
+            }
+        }
+        Err(GlideError::NoConvergence {
+            x: self.centre.x,
+            y: self.centre.y,
+            radius: self.radius,
+            miss: miss.norm(),
+        })
+    }
+
+    /// The longest of the halved steps that misses by less; if there is none, the edge of the
+    /// object that was in the way, if there was one.
+    fn descend(
+        &self,
+        foot: &Foot,
+        miss: &Vector2<f64>,
+        step: &Vector2<f64>,
+    ) -> Result<(Foot, Vector2<f64>), Option<SurfaceError>> {
+        let from = foot.point.coords.xy();
+        let mut edge = None;
+        for halvings in 0..HALVINGS {
+            let to = from + step * 0.5_f64.powi(halvings);
+            if to == from {
+                break;
+            }
+            match self.foot(to) {
+                Ok(next) => {
+                    let next_miss = self.miss(&next);
+                    if next_miss.norm() < miss.norm() {
+                        return Ok((next, next_miss));
+                    }
+                }
+                Err(error) => edge = Some(error),
+            }
+        }
+        Err(edge)
+    }
+
+    /// Whether the object is rounder than the tip is hollow at `foot`, so that the tip can rest
+    /// there.
+    fn fits(&self, foot: &Foot) -> bool {
+        foot.clearance(self.radius) > ACCEPTED_MISS
+    }
+
+    /// Sixteen places under the tip, on two rings.
+    fn places(&self) -> impl Iterator<Item = Vector2<f64>> + '_ {
+        (0..16).map(|index| {
+            let (turn, ring) = (f64::from(index) * std::f64::consts::FRAC_PI_8, index % 2);
+            let reach = if ring == 0 { 0.45 } else { 0.85 } * self.radius;
+            self.centre + Vector2::new(turn.cos(), turn.sin()) * reach
+        })
+    }
+
+    /// Of those places the one where the object reaches farthest into a tip that touches at
+    /// `foot`, if it does.
+    fn deepest_place_in_tip(&self, foot: &Foot) -> Option<Point3<f64>> {
+        let centre = foot.tip_centre(self.radius);
+        let rounding = 8.0 * f64::EPSILON * centre.coords.abs().sum();
+        let inside = self.radius * (1.0 - TOUCHING) - rounding;
+        let depth = |place: &Point3<f64>| inside - (place - centre).norm();
+        self.places()
+            .filter_map(|at| self.object.contact_at(at.x, at.y).ok())
+            .filter(|place| depth(place) > 0.0)
+            .max_by(|a, b| depth(a).total_cmp(&depth(b)))
+    }
+
+    /// The contact with the highest tip among those reached from all places under it, and `first`.
+    fn highest(&self, first: Result<Foot, GlideError>) -> Result<Foot, GlideError> {
+        let reached = self
+            .places()
+            .filter_map(|at| self.settle(self.foot(at).ok()?).ok());
+        let mut best: Option<Foot> = None;
+        let mut tied = false;
+        for foot in first.ok().into_iter().chain(reached) {
+            if !self.fits(&foot) {
+                continue;
+            }
+            let Some(highest) = best else {
+                best = Some(foot);
+                continue;
+            };
+            let height = |foot: &Foot| foot.tip_centre(self.radius).z;
+            let rise = height(&foot) - height(&highest);
+            let same_height = rise.abs() <= TOUCHING * self.radius;
+            let apart = (foot.point - highest.point).norm() > TOUCHING.sqrt() * self.radius;
+            if same_height {
+                tied |= apart;
+            } else if rise > 0.0 {
+                (best, tied) = (Some(foot), false);
+            }
+        }
+        match best {
+            Some(foot) if !tied && self.deepest_place_in_tip(&foot).is_none() => Ok(foot),
+            None => Err(first.err().unwrap_or_else(|| self.two())),
+            Some(_) => Err(self.two()),
+        }
+    }
+
+    fn two(&self) -> GlideError {
+        GlideError::TwoContacts {
+            x: self.centre.x,
+            y: self.centre.y,
+            radius: self.radius,
+        }
+    }
+
+    fn lost(&self) -> GlideError {
+        GlideError::ContactLost {
+            x: self.centre.x,
+            y: self.centre.y,
+            radius: self.radius,
+        }
+    }
+}
