@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::{Ep2Error, Patch, PatchFrame, TensorSpline};
+use crate::{Ep2Error, NoiseEstimate, Patch, PatchFrame, TensorSpline};
 
 /// A way from the contacts of a patch to its surface.
 pub trait Method {
@@ -24,4 +24,9 @@ pub struct Fit {
     pub spline: TensorSpline,
     /// Covariance of the spline's coefficients, if the method states one.
     pub covariance: Option<DMatrix<f64>>,
+    /// How far the contacts are off, if the method finds it.
+    pub noise: Option<NoiseEstimate>,
+    /// How many unknowns the fit has taken up: the trace of the map from the observations to the
+    /// fit.
+    pub effective_unknowns: f64,
 }

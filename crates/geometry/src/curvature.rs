@@ -245,6 +245,16 @@ impl ShapeThresholds {
         Ok(Self { gaussian, mean })
     }
 
+    /// Below which the Gaussian curvature counts as zero, 1/length².
+    pub const fn gaussian(&self) -> f64 {
+        self.gaussian
+    }
+
+    /// Below which the mean curvature counts as zero, 1/length.
+    pub const fn mean(&self) -> f64 {
+        self.mean
+    }
+
     /// The class of a point, whose curvatures must be finite. `K` is clamped to `H²`, which it
     /// cannot exceed but for noise.
     pub fn classify(&self, gaussian_curvature: f64, mean_curvature: f64) -> ShapeClass {

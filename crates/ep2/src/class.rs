@@ -1,0 +1,190 @@
+//! How probable each shape class is.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use palpate_geometry::{ShapeClass, ShapeThresholds};
+
+use crate::{Curvature, Uncertainty};
+
+/// The mean curvature is summed over so many standard deviations to each side.
+const REACH: f64 = 8.0;
+/// Intervals of Simpson's rule in each range of the mean curvature, even.
+const INTERVALS: usize = 64;
+
+/// The probability of each class, in the order of [`ShapeClass::ALL`].
+///
+/// K and H are taken as jointly normal: H is summed over, and given H, K is normal too. As
+/// everywhere, a K above H² is read as H².
+pub(crate) fn probabilities(
+    curvature: &Curvature,
+    uncertainty: &Uncertainty,
+    thresholds: &ShapeThresholds,
+) -> [f64; 8] {
+    let given_mean = GivenMean::of(curvature, uncertainty, thresholds);
+    let mut result = [0.0; 8];
+    let mut add = |mean: f64, weight: f64| {
+        for (class, probability) in given_mean.classes(mean) {
+            result[class as usize] += weight * probability;
+        }
+    };
+    let (centre, std) = (curvature.mean, uncertainty.mean_std);
+    if std > 0.0 {
+        let (low, high) = (centre - REACH * std, centre + REACH * std);
+        let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
+        for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {
+            let step = (end - start) / INTERVALS as f64;
+            // Midpoints of no width belong to no range.
+            if step <= 0.0 {
+                continue;
+            }
+            for node in 0..=INTERVALS {
+                let simpson = match node {
+                    0 | INTERVALS => 1.0,
+                    node if node % 2 == 1 => 4.0,
+                    _ => 2.0,
+                };
+                // Just inside, so that the ends take the class of their range.
+                let inside = (node as f64).clamp(1e-9, INTERVALS as f64 - 1e-9);
+                let mean = start + step * inside;
+                let deviate = (mean - centre) / std;
+                add(
+                    mean,
+                    simpson * step / std * (-0.5 * deviate * deviate).exp(),
+                );
+            }
+        }
+    } else {
+        add(centre, 1.0);
+    }
+    let total: f64 = result.iter().sum();
+    result.map(|sum| sum / total)
+}
+
+/// The distribution of K where H is given.
+struct GivenMean<'a> {
+    curvature: &'a Curvature,
+    /// Change of K's centre per change of H.
+    slope: f64,
+    std: f64,
+    thresholds: &'a ShapeThresholds,
+}
+
+impl<'a> GivenMean<'a> {
+    fn of(
+        curvature: &'a Curvature,
+        uncertainty: &Uncertainty,
+        thresholds: &'a ShapeThresholds,
+    ) -> Self {
+        let Uncertainty {
+            gaussian_std,
+            mean_std,
+            correlation,
+        } = *uncertainty;
+        let slope = if mean_std > 0.0 {
+            correlation * gaussian_std / mean_std
+        } else {
+            0.0
+        };
+        Self {
+            curvature,
+            slope,
+            std: gaussian_std * (1.0 - correlation * correlation).max(0.0).sqrt(),
+            thresholds,
+        }
+    }
+
+    /// The classes with K below, about and above zero, and their probabilities.
+    fn classes(&self, mean: f64) -> [(ShapeClass, f64); 3] {
+        let edge = self.thresholds.gaussian();
+        let below = self.below(-edge, mean);
+        let above = if mean * mean > edge {
+            1.0 - self.below(edge, mean)
+        } else {
+            0.0
+        };
+        let class = |gaussian: f64| self.thresholds.classify(gaussian, mean);
+        [
+            (class(f64::MIN), below),
+            (class(0.0), 1.0 - below - above),
+            (class(f64::MAX), above),
+        ]
+    }
+
+    /// The probability of K below `edge`, within 1e-15.
+    fn below(&self, edge: f64, mean: f64) -> f64 {
+        let centre = self.curvature.gaussian + self.slope * (mean - self.curvature.mean);
+        if self.std > 0.0 {
+            0.5 * libm::erfc((centre - edge) / self.std * FRAC_1_SQRT_2)
+        } else {
+            f64::from(u8::from(centre <= edge))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn curvature(gaussian: f64, mean: f64, stds: [f64; 2], correlation: f64) -> Curvature {
+        Curvature {
+            gaussian,
+            mean,
+            uncertainty: Some(Uncertainty {
+                gaussian_std: stds[0],
+                mean_std: stds[1],
+                correlation,
+            }),
+        }
+    }
+
+    fn probability(curvature: &Curvature, class: ShapeClass) -> f64 {
+        let thresholds = ShapeThresholds::new(0.01, 0.05).unwrap();
+        curvature.class_probabilities(&thresholds).unwrap()[class as usize]
+    }
+
+    #[test]
+    fn certain_curvatures_have_one_class() {
+        for (gaussian, mean, class) in [
+            (0.04, 0.2, ShapeClass::Peak),
+            (0.0, 0.1, ShapeClass::Ridge),
+            (-0.04, 0.0, ShapeClass::Minimal),
+            (0.0, -0.1, ShapeClass::Valley),
+        ] {
+            for stds in [[0.0; 2], [1e-6; 2]] {
+                let certain = curvature(gaussian, mean, stds, 0.3);
+                assert_relative_eq!(probability(&certain, class), 1.0, epsilon = 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_halves_and_errors_apart_multiply() {
+        // K far below zero; H on the edge of 0.05: half saddle ridge, half minimal.
+        let on_edge = curvature(-1.0, 0.05, [0.01, 0.002], 0.0);
+        assert_relative_eq!(
+            probability(&on_edge, ShapeClass::SaddleRidge),
+            0.5,
+            epsilon = 1e-6
+        );
+        assert_relative_eq!(
+            probability(&on_edge, ShapeClass::Minimal),
+            0.5,
+            epsilon = 1e-6
+        );
+        // One standard deviation inside of both edges: 0.8413².
+        let corner = curvature(-0.02, 0.06, [0.01, 0.01], 0.0);
+        assert_relative_eq!(
+            probability(&corner, ShapeClass::SaddleRidge),
+            0.841_344_746_068_542_9_f64.powi(2),
+            epsilon = 1e-6
+        );
+        // Errors that go together leave the smaller one.
+        let tied = curvature(-0.02, 0.06, [0.01, 0.01], -1.0);
+        assert_relative_eq!(
+            probability(&tied, ShapeClass::SaddleRidge),
+            0.841_344_746_068_542_9,
+            epsilon = 1e-2
+        );
+    }
+}

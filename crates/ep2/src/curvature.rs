@@ -1,0 +1,253 @@
+//! The curvature of a graph, and how far it may be off.
+
+use nalgebra::{SMatrix, SVector};
+use palpate_geometry::{CurvatureForm, ShapeClass, ShapeThresholds};
+
+use crate::Jet;
+use crate::class::probabilities;
+
+/// The derivatives of a graph that its curvature depends on: p, q (slopes) and r, s, t (second
+/// derivatives along u², uv, v²), in the letters of Monge.
+pub(crate) const DERIVATIVES: usize = 5;
+
+/// Covariance of the derivatives (p, q, r, s, t).
+pub(crate) type JetCovariance = SMatrix<f64, DERIVATIVES, DERIVATIVES>;
+
+/// Gaussian and mean curvature at a place, convex positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curvature {
+    /// Gaussian curvature, 1/length².
+    pub gaussian: f64,
+    /// Mean curvature, 1/length.
+    pub mean: f64,
+    /// How far they may be off, if the method states it.
+    pub uncertainty: Option<Uncertainty>,
+}
+
+/// How far Gaussian and mean curvature may be off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Uncertainty {
+    /// Standard deviation of the Gaussian curvature, to second order in the errors of the second
+    /// derivatives, so that it is not 0 on a plane, 1/length².
+    pub gaussian_std: f64,
+    /// Standard deviation of the mean curvature, 1/length.
+    pub mean_std: f64,
+    /// Correlation of the two, in [−1, 1].
+    pub correlation: f64,
+}
+
+/// Shape by the signs of the curvatures alone, without thresholds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SignClass {
+    /// Gaussian and mean curvature above 0: both principal curvatures are positive.
+    Convex,
+    /// Gaussian curvature above 0, mean curvature below: both are negative.
+    Concave,
+    /// Gaussian curvature at most 0.
+    Saddle,
+}
+
+impl SignClass {
+    /// The name used in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Convex => "convex",
+            Self::Concave => "concave",
+            Self::Saddle => "saddle",
+        }
+    }
+}
+
+impl Curvature {
+    /// The curvature of a graph with this jet, whose lengths count `scale`.
+    ///
+    /// With D = 1 + p² + q² and the normal upwards:
+    /// K = (rt − s²)/D², H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}).
+    #[inline]
+    pub(crate) fn of_graph(jet: &Jet, covariance: Option<&JetCovariance>, scale: f64) -> Self {
+        let Jet {
+            u: p,
+            v: q,
+            uu: r,
+            uv: s,
+            vv: t,
+            ..
+        } = *jet;
+        let d = 1.0 + p * p + q * q;
+        let root = d.sqrt();
+        let determinant = r * t - s * s;
+        let trace = (1.0 + q * q) * r - 2.0 * p * q * s + (1.0 + p * p) * t;
+        let gaussian = determinant / (d * d);
+        let to_mean = -0.5 / (d * root);
+        let mean = to_mean * trace;
+        let uncertainty = covariance.map(|covariance| {
+            let steep = -4.0 * gaussian / d;
+            let gaussian_gradient = SVector::<f64, DERIVATIVES>::new(
+                steep * p,
+                steep * q,
+                t / (d * d),
+                -2.0 * s / (d * d),
+                r / (d * d),
+            );
+            let mean_gradient = SVector::<f64, DERIVATIVES>::new(
+                2.0 * to_mean * (p * t - q * s) - 3.0 * mean * p / d,
+                2.0 * to_mean * (q * r - p * s) - 3.0 * mean * q / d,
+                to_mean * (1.0 + q * q),
+                -2.0 * to_mean * p * q,
+                to_mean * (1.0 + p * p),
+            );
+            let along_gaussian = covariance * gaussian_gradient;
+            let first_order = gaussian_gradient.dot(&along_gaussian);
+            let mixed = mean_gradient.dot(&along_gaussian);
+            let mean_variance = mean_gradient.dot(&(covariance * mean_gradient)).max(0.0);
+            let c = |row, column| covariance[(row, column)];
+            let second_order = c(2, 2) * c(4, 4) + c(2, 4) * c(2, 4) + 2.0 * c(3, 3) * c(3, 3)
+                - 4.0 * c(2, 3) * c(3, 4);
+            let gaussian_variance = (first_order + second_order / d.powi(4)).max(0.0);
+            let (gaussian_std, mean_std) = (gaussian_variance.sqrt(), mean_variance.sqrt());
+            let correlation = if gaussian_std * mean_std > 0.0 {
+                (mixed / (gaussian_std * mean_std)).clamp(-1.0, 1.0)
+            } else {
+                0.0
+            };
+            Uncertainty {
+                gaussian_std: gaussian_std / (scale * scale),
+                mean_std: mean_std / scale,
+                correlation,
+            }
+        });
+        Self {
+            gaussian: gaussian / (scale * scale),
+            mean: mean / scale,
+            uncertainty,
+        }
+    }
+
+    /// One of the eight classes.
+    pub fn class(&self, thresholds: &ShapeThresholds) -> ShapeClass {
+        thresholds.classify(self.gaussian, self.mean)
+    }
+
+    /// The class by signs alone.
+    pub fn sign_class(&self) -> SignClass {
+        match (self.gaussian > 0.0, self.mean > 0.0) {
+            (true, true) => SignClass::Convex,
+            (true, false) => SignClass::Concave,
+            (false, _) => SignClass::Saddle,
+        }
+    }
+
+    /// The probability of each of the eight classes, in the order of [`ShapeClass::ALL`], if both
+    /// errors are normal; `None` where the method states no uncertainty.
+    pub fn class_probabilities(&self, thresholds: &ShapeThresholds) -> Option<[f64; 8]> {
+        Some(probabilities(self, &self.uncertainty?, thresholds))
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        let stds = self
+            .uncertainty
+            .map_or(0.0, |one| one.gaussian_std + one.mean_std);
+        (self.gaussian + self.mean + stds).is_finite()
+    }
+}
+
+/// The curvature form of a graph in the orthonormal basis whose first axis is the tangent along u,
+/// in the graph's unit, with that basis: the tangents along u, and across it.
+pub(crate) fn form_and_basis(jet: &Jet) -> (CurvatureForm, [nalgebra::Vector3<f64>; 2]) {
+    let Jet {
+        u: p,
+        v: q,
+        uu: r,
+        uv: s,
+        vv: t,
+        ..
+    } = *jet;
+    let d = 1.0 + p * p + q * q;
+    let e = 1.0 + p * p;
+    // Gram–Schmidt: along = ∂u/√E, across = (∂v − (F/E) ∂u) √E/√D with F = pq.
+    let share = p * q / e;
+    let along = nalgebra::Vector3::new(1.0, 0.0, p) / e.sqrt();
+    let across = nalgebra::Vector3::new(-share, 1.0, q - share * p) * (e / d).sqrt();
+    let bend = -1.0 / d.sqrt();
+    let form = CurvatureForm {
+        k_uu: bend * r / e,
+        k_uv: bend * (s - share * r) / d.sqrt(),
+        k_vv: bend * (t - 2.0 * share * s + share * share * r) * e / d,
+    };
+    (form, [along, across])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    const JET: Jet = Jet {
+        w: 0.3,
+        u: 0.4,
+        v: -0.7,
+        uu: 0.9,
+        uv: 0.2,
+        vv: -0.5,
+    };
+
+    #[test]
+    fn form_and_curvature_agree() {
+        let (form, [along, across]) = form_and_basis(&JET);
+        let curvature = Curvature::of_graph(&JET, None, 1.0);
+        assert_relative_eq!(
+            form.gaussian_curvature(),
+            curvature.gaussian,
+            epsilon = 1e-14
+        );
+        assert_relative_eq!(form.mean_curvature(), curvature.mean, epsilon = 1e-14);
+        assert_relative_eq!(along.norm(), 1.0, epsilon = 1e-15);
+        assert_relative_eq!(across.norm(), 1.0, epsilon = 1e-15);
+        let normal = nalgebra::Vector3::new(-JET.u, -JET.v, 1.0).normalize();
+        assert_relative_eq!(along.cross(&across), normal, epsilon = 1e-15);
+    }
+
+    #[test]
+    fn a_small_covariance_is_carried_by_the_true_gradients() {
+        let step = 1e-6;
+        for index in 0..DERIVATIVES {
+            let moved = |step: f64| {
+                let mut jet = JET;
+                *[
+                    &mut jet.u,
+                    &mut jet.v,
+                    &mut jet.uu,
+                    &mut jet.uv,
+                    &mut jet.vv,
+                ][index] += step;
+                Curvature::of_graph(&jet, None, 1.0)
+            };
+            let (high, low) = (moved(step), moved(-step));
+            let mut covariance = JetCovariance::zeros();
+            covariance[(index, index)] = 1e-12;
+            let told = Curvature::of_graph(&JET, Some(&covariance), 1.0)
+                .uncertainty
+                .unwrap();
+            let gaussian = 0.5 * (high.gaussian - low.gaussian);
+            let mean = 0.5 * (high.mean - low.mean);
+            assert_relative_eq!(told.gaussian_std, gaussian.abs(), max_relative = 1e-5);
+            assert_relative_eq!(told.mean_std, mean.abs(), max_relative = 1e-5);
+            assert_relative_eq!(told.correlation, (gaussian * mean).signum(), epsilon = 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_plane_has_an_uncertain_gaussian_curvature() {
+        let covariance = JetCovariance::identity() * 0.01;
+        let plane = Curvature::of_graph(&Jet::default(), Some(&covariance), 2.0);
+        // Var(rt − s²) = σ⁴ + 2σ⁴.
+        let told = plane.uncertainty.unwrap();
+        assert_relative_eq!(
+            told.gaussian_std,
+            3.0_f64.sqrt() * 0.01 / 4.0,
+            epsilon = 1e-15
+        );
+        // Var(r + t)/4.
+        assert_relative_eq!(told.mean_std, 0.5_f64.sqrt() * 0.1 / 2.0, epsilon = 1e-15);
+    }
+}

@@ -1,0 +1,112 @@
+//! How far contacts are off.
+
+use crate::square::Kinds;
+use crate::{Ep2Error, Patch, PatchFrame};
+
+/// What is known of the errors of the contacts. What is `None` is found from the contacts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Noise {
+    /// Standard deviation of a position along each axis, length.
+    pub position_std: Option<f64>,
+    /// Standard deviation of a normal's tilt about each tangent axis, rad.
+    pub normal_std_rad: Option<f64>,
+}
+
+/// How far the contacts are off, as found from their distance to the fit, or as known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseEstimate {
+    /// Standard deviation of a position along the surface's normal, length.
+    pub position_std: f64,
+    /// Standard deviation of a normal's tilt about each tangent axis, rad; what an error of the
+    /// position makes of it on a curved surface is in it. `None` without normals.
+    pub normal_std_rad: Option<f64>,
+}
+
+/// Smallest standard deviation that is told from rounding, in the patch's unit.
+const ROUNDING: f64 = 1e-14;
+
+impl Noise {
+    /// The same in the unit of a patch.
+    ///
+    /// # Errors
+    /// [`Ep2Error::BadSetting`] unless each is finite and > 0.
+    pub(crate) fn in_patch(&self, frame: &PatchFrame) -> Result<Self, Ep2Error> {
+        let settings = [
+            ("position_std", self.position_std),
+            ("normal_std", self.normal_std_rad),
+        ];
+        for (setting, value) in settings {
+            if let Some(value) = value
+                && !(value > 0.0 && value.is_finite())
+            {
+                return Err(Ep2Error::BadSetting {
+                    setting,
+                    value,
+                    expected: "finite and > 0",
+                });
+            }
+        }
+        Ok(Self {
+            position_std: self.position_std.map(|std| std / frame.scale()),
+            normal_std_rad: self.normal_std_rad,
+        })
+    }
+}
+
+/// Variances of a height and of a slope on level ground, in the patch's unit.
+pub(crate) type Variances = Kinds<f64>;
+
+impl Variances {
+    /// Before anything is known.
+    pub(crate) const START: Self = Self {
+        heights: 1.0,
+        slopes: 1.0,
+    };
+
+    /// The variances that explain weighted sums of squared residuals, of which the fit has taken
+    /// up so many unknowns; what is known stays. `bending` is the mean square of the slope's
+    /// change per length: on a curved surface an error of the place is one of the slope.
+    ///
+    /// Returns whether they could be told: one residual must be left.
+    pub(crate) fn update(
+        &mut self,
+        known: &Noise,
+        bending: f64,
+        patch: &Patch,
+        residuals: &Kinds<f64>,
+        taken: &Kinds<f64>,
+    ) -> bool {
+        let floor = ROUNDING * ROUNDING;
+        let contacts = patch.samples.len() as f64;
+        let left = Kinds {
+            heights: contacts - taken.heights,
+            slopes: 2.0 * contacts - taken.slopes,
+        };
+        let mut told = true;
+        match known.position_std {
+            Some(std) => self.heights = (std * std).max(floor),
+            None if left.heights >= 1.0 => {
+                self.heights = (residuals.heights / left.heights).max(floor);
+            }
+            None => told = false,
+        }
+        if patch.has_normals() {
+            match known.normal_std_rad {
+                Some(std) => self.slopes = (std * std + bending * self.heights).max(floor),
+                None if left.slopes >= 1.0 => {
+                    self.slopes = (residuals.slopes / left.slopes).max(floor);
+                }
+                None => told = false,
+            }
+        }
+        told
+    }
+
+    /// As standard deviations, in the unit of the world.
+    pub(crate) fn estimate(&self, patch: &Patch) -> NoiseEstimate {
+        NoiseEstimate {
+            position_std: self.heights.sqrt() * patch.frame.scale(),
+            normal_std_rad: patch.has_normals().then(|| self.slopes.sqrt()),
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The weighted least-squares quadric: the plainest surface with a curvature.
+
+use nalgebra::{DMatrix, SMatrix, SVector, SymmetricEigen};
+
+use crate::noise::{Noise, NoiseEstimate, Variances};
+use crate::square::{Kinds, Square};
+use crate::{Ep2Error, Fit, Knots, Method, Patch, TensorSpline};
+
+/// Unknowns of a quadric: 1, a, b, a², ab, b².
+pub(crate) const UNKNOWNS: usize = 6;
+/// Eigenvalues of the normal equations below this share of the largest are rounding.
+const RANK: f64 = 1e-13;
+/// Rounds in which the weights follow the noise and the slopes.
+const ROUNDS: usize = 4;
+
+type Row = SVector<f64, UNKNOWNS>;
+type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// The quadric w = c₀ + c₁a + c₂b + c₃a² + c₄ab + c₅b² that fits heights and slopes best, weighted
+/// by their noise.
+///
+/// Its stated covariance is that of the noise alone: it knows nothing of how far the patch is from
+/// a quadric.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Quadric {
+    /// What is known of the noise.
+    pub noise: Noise,
+}
+
+impl Method for Quadric {
+    fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
+        let square = Square::of(patch);
+        let known = self.noise.in_patch(&patch.frame)?;
+        let quadric = SquareQuadric::of(patch, &square, &known)?;
+        let knots = Knots::uniform(2, -1.0, 1.0, 1);
+        let covariance = quadric.noise.map(|_| {
+            // The columns are the coefficients of the spline for each unknown alone.
+            let columns = DMatrix::from_fn(9, UNKNOWNS, |row, unknown| {
+                let mut alone = Row::zeros();
+                alone[unknown] = 1.0;
+                coefficient(&alone, &knots, &knots, row)
+            });
+            &columns * quadric.covariance * columns.transpose()
+        });
+        Ok(Fit {
+            frame: patch.frame,
+            domain: patch.domain,
+            spline: TensorSpline {
+                u: square.knots(0, &knots),
+                v: square.knots(1, &knots),
+                coefficients: quadric.spline_coefficients(&knots, &knots),
+            },
+            covariance,
+            noise: quadric.noise,
+            effective_unknowns: UNKNOWNS as f64,
+        })
+    }
+}
+
+/// A quadric over the unit square, with the noise found around it.
+#[derive(Clone, Debug)]
+pub(crate) struct SquareQuadric {
+    unknowns: Row,
+    covariance: Gram,
+    pub(crate) variances: Variances,
+    /// `None` where too few contacts are left to tell it.
+    noise: Option<NoiseEstimate>,
+}
+
+/// The normal equations of heights and of slopes, of unit variance.
+#[derive(Default)]
+struct NormalEquations {
+    grams: Kinds<Gram>,
+    right_sides: Kinds<Row>,
+    squares: Kinds<f64>,
+}
+
+impl SquareQuadric {
+    /// The best quadric; its noise is `None` where too few contacts are left to tell it.
+    pub(crate) fn of(patch: &Patch, square: &Square, known: &Noise) -> Result<Self, Ep2Error> {
+        if patch.equations() < UNKNOWNS {
+            return Err(Ep2Error::TooFewContacts {
+                contacts: patch.samples.len(),
+                equations: patch.equations(),
+                needed: UNKNOWNS,
+            });
+        }
+        let mut quadric = Self {
+            unknowns: Row::zeros(),
+            covariance: Gram::zeros(),
+            variances: Variances::START,
+            noise: None,
+        };
+        let rounds = if patch.has_normals() { ROUNDS } else { 2 };
+        for _ in 0..rounds {
+            let equations = NormalEquations::around(&quadric, patch, square);
+            quadric.improve(&equations, patch, square, known)?;
+        }
+        Ok(quadric)
+    }
+
+    /// Solves for the deviation that is left, and for the noise.
+    fn improve(
+        &mut self,
+        equations: &NormalEquations,
+        patch: &Patch,
+        square: &Square,
+        known: &Noise,
+    ) -> Result<(), Ep2Error> {
+        let Kinds { heights, slopes } = self.variances;
+        let gram = equations.grams.heights / heights + equations.grams.slopes / slopes;
+        let right = equations.right_sides.heights / heights + equations.right_sides.slopes / slopes;
+        self.covariance = inverse(&gram, patch.samples.len())?;
+        let change = self.covariance * right;
+        self.unknowns += change;
+        let residual = |square: f64, right: &Row, gram: &Gram| {
+            (square - 2.0 * change.dot(right) + change.dot(&(gram * change))).max(0.0)
+        };
+        let residuals = Kinds {
+            heights: residual(
+                equations.squares.heights,
+                &equations.right_sides.heights,
+                &equations.grams.heights,
+            ),
+            slopes: residual(
+                equations.squares.slopes,
+                &equations.right_sides.slopes,
+                &equations.grams.slopes,
+            ),
+        };
+        let taken = Kinds {
+            heights: (self.covariance * equations.grams.heights).trace() / heights,
+            slopes: (self.covariance * equations.grams.slopes).trace() / slopes,
+        };
+        let bending = self.bending(square);
+        let told = self
+            .variances
+            .update(known, bending, patch, &residuals, &taken);
+        self.noise = told.then(|| self.variances.estimate(patch));
+        if self
+            .unknowns
+            .iter()
+            .chain(&self.covariance)
+            .all(|x| x.is_finite())
+        {
+            Ok(())
+        } else {
+            Err(Ep2Error::OutOfRange)
+        }
+    }
+
+    /// Height and slopes along a and b.
+    #[inline]
+    pub(crate) fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {
+        let c = &self.unknowns;
+        [
+            c[0] + a * (c[1] + a * c[3] + b * c[4]) + b * (c[2] + b * c[5]),
+            c[1] + 2.0 * a * c[3] + b * c[4],
+            c[2] + a * c[4] + 2.0 * b * c[5],
+        ]
+    }
+
+    /// Mean over the directions of the square of the slope's change per length.
+    pub(crate) fn bending(&self, square: &Square) -> f64 {
+        let [half_u, half_v] = square.half();
+        let uu = 2.0 * self.unknowns[3] / (half_u * half_u);
+        let uv = self.unknowns[4] / (half_u * half_v);
+        let vv = 2.0 * self.unknowns[5] / (half_v * half_v);
+        0.5 * (uu * uu + 2.0 * uv * uv + vv * vv)
+    }
+
+    /// The coefficients of the spline that is this quadric.
+    pub(crate) fn spline_coefficients(&self, a: &Knots, b: &Knots) -> Vec<f64> {
+        (0..a.functions() * b.functions())
+            .map(|index| coefficient(&self.unknowns, a, b, index))
+            .collect()
+    }
+}
+
+impl NormalEquations {
+    fn around(quadric: &SquareQuadric, patch: &Patch, square: &Square) -> Self {
+        let mut equations = Self::default();
+        let Self {
+            grams,
+            right_sides,
+            squares,
+        } = &mut equations;
+        let has_normals = patch.has_normals();
+        for one in square.observations(patch, quadric) {
+            let (a, b) = (one.a, one.b);
+            let height = Row::new(1.0, a, b, a * a, a * b, b * b);
+            let weighted = height * one.height_weight;
+            grams.heights += weighted * height.transpose();
+            right_sides.heights += weighted * one.height;
+            squares.heights += one.height_weight * one.height * one.height;
+            if has_normals {
+                let along_a = Row::new(0.0, 1.0, 0.0, 2.0 * a, b, 0.0);
+                let along_b = Row::new(0.0, 0.0, 1.0, 0.0, a, 2.0 * b);
+                let slopes = one.slopes.into_iter().zip(one.slope_weights);
+                for (row, (slope, weight)) in [along_a, along_b].into_iter().zip(slopes) {
+                    let weighted = row * weight;
+                    grams.slopes += weighted * row.transpose();
+                    right_sides.slopes += weighted * slope;
+                    squares.slopes += weight * slope * slope;
+                }
+            }
+        }
+        equations
+    }
+}
+
+/// The inverse of normal equations that determine all unknowns.
+fn inverse(gram: &Gram, contacts: usize) -> Result<Gram, Ep2Error> {
+    let eigen = SymmetricEigen::new(*gram);
+    let largest = eigen.eigenvalues.max();
+    if !(largest > 0.0 && largest.is_finite()) {
+        return Err(Ep2Error::OutOfRange);
+    }
+    let rank = eigen
+        .eigenvalues
+        .iter()
+        .filter(|&&value| value > RANK * largest)
+        .count();
+    if rank < UNKNOWNS {
+        return Err(Ep2Error::Undetermined {
+            contacts,
+            rank,
+            unknowns: UNKNOWNS,
+        });
+    }
+    let vectors = eigen.eigenvectors;
+    Ok(vectors * Gram::from_diagonal(&eigen.eigenvalues.map(f64::recip)) * vectors.transpose())
+}
+
+/// A coefficient of the spline that is a quadric. That of a monomial is its blossom: the mean of
+/// the products of as many different inner knots of the B-spline.
+fn coefficient(unknowns: &Row, a: &Knots, b: &Knots, index: usize) -> f64 {
+    let (a1, a2) = blossoms(a, index / b.functions());
+    let (b1, b2) = blossoms(b, index % b.functions());
+    unknowns.dot(&Row::new(1.0, a1, b1, a2, a1 * b1, b2))
+}
+
+/// The coefficients of x and x² for a B-spline.
+fn blossoms(knots: &Knots, function: usize) -> (f64, f64) {
+    let inner = &knots.as_slice()[function + 1..=function + knots.degree()];
+    let count = inner.len() as f64;
+    let sum: f64 = inner.iter().sum();
+    let squares: f64 = inner.iter().map(|knot| knot * knot).sum();
+    (sum / count, (sum * sum - squares) / (count * (count - 1.0)))
+}

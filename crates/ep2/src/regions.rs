@@ -1,0 +1,210 @@
+//! Connected regions of one shape class on a map.
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use palpate_geometry::{ShapeClass, ShapeThresholds};
+
+use crate::MapPoint;
+
+/// Directions that agree less than this tell no orientation.
+const LEAST_COHERENCE: f64 = 0.1;
+
+/// A map cut into regions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Regions {
+    /// For each point of the map, the index of its region.
+    pub of_point: Vec<usize>,
+    /// The regions, the largest first.
+    pub regions: Vec<Region>,
+}
+
+/// A connected part of a map that has one shape class.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    /// Its class.
+    pub class: ShapeClass,
+    /// How many points of the map it holds.
+    pub points: usize,
+    /// Area of the surface that they stand for, length².
+    pub area: f64,
+    /// Mean Gaussian curvature over the area, 1/length².
+    pub gaussian_curvature: f64,
+    /// Mean of the mean curvature over the area, 1/length.
+    pub mean_curvature: f64,
+    /// How the region lies: the unit direction of largest curvature that its points share, of
+    /// either sign. `None` where they share none, as on a sphere.
+    pub direction_of_max: Option<Vector3<f64>>,
+    /// How well its points agree on that direction, in [0, 1].
+    pub coherence: f64,
+}
+
+/// The regions of a map of `side` × `side` points, whose neighbours share a row or a column and
+/// stand next to each other in it.
+///
+/// # Panics
+/// Unless there are `side`² points.
+pub fn regions(side: usize, points: &[MapPoint], thresholds: &ShapeThresholds) -> Regions {
+    assert_eq!(points.len(), side * side, "a map of {side} × {side} points");
+    let classes: Vec<ShapeClass> = points
+        .iter()
+        .map(|point| point.curvature.class(thresholds))
+        .collect();
+    const NONE: usize = usize::MAX;
+    let mut of_point = vec![NONE; points.len()];
+    let mut members: Vec<Vec<usize>> = Vec::new();
+    for start in 0..points.len() {
+        if of_point[start] != NONE {
+            continue;
+        }
+        let region = members.len();
+        let mut found = vec![start];
+        of_point[start] = region;
+        let mut next = 0;
+        while let Some(&point) = found.get(next) {
+            next += 1;
+            for neighbour in neighbours(point, side) {
+                if of_point[neighbour] == NONE && classes[neighbour] == classes[start] {
+                    of_point[neighbour] = region;
+                    found.push(neighbour);
+                }
+            }
+        }
+        members.push(found);
+    }
+    let mut order: Vec<(usize, Region)> = members
+        .iter()
+        .map(|members| region(classes[members[0]], members, side, points))
+        .enumerate()
+        .collect();
+    order.sort_by(|(_, one), (_, other)| other.area.total_cmp(&one.area));
+    let mut place = vec![0; order.len()];
+    for (new, (old, _)) in order.iter().enumerate() {
+        place[*old] = new;
+    }
+    Regions {
+        of_point: of_point.into_iter().map(|old| place[old]).collect(),
+        regions: order.into_iter().map(|(_, region)| region).collect(),
+    }
+}
+
+fn neighbours(point: usize, side: usize) -> impl Iterator<Item = usize> {
+    let (row, column) = (point / side, point % side);
+    let above = (row > 0).then(|| point - side);
+    let below = (row + 1 < side).then(|| point + side);
+    let left = (column > 0).then(|| point - 1);
+    let right = (column + 1 < side).then(|| point + 1);
+    [above, below, left, right].into_iter().flatten()
+}
+
+fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]) -> Region {
+    let (mut area, mut gaussian, mut mean) = (0.0, 0.0, 0.0);
+    let (mut directions, mut anisotropy) = (Matrix3::zeros(), 0.0);
+    for &member in members {
+        let point = &points[member];
+        let share = area_of(member, side, points);
+        area += share;
+        gaussian += share * point.curvature.gaussian;
+        mean += share * point.curvature.mean;
+        let weight = share * (point.k_max - point.k_min);
+        let [max, min] = [point.direction_of_max, point.direction_of_min];
+        directions += (max * max.transpose() - min * min.transpose()) * weight;
+        anisotropy += weight;
+    }
+    let eigen = SymmetricEigen::new(directions);
+    let strongest = eigen.eigenvalues.imax();
+    let coherence = if anisotropy > 0.0 {
+        (eigen.eigenvalues[strongest] / anisotropy).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let per_area = |sum: f64| if area > 0.0 { sum / area } else { 0.0 };
+    Region {
+        class,
+        points: members.len(),
+        area,
+        gaussian_curvature: per_area(gaussian),
+        mean_curvature: per_area(mean),
+        direction_of_max: (coherence >= LEAST_COHERENCE)
+            .then(|| eigen.eigenvectors.column(strongest).into_owned()),
+        coherence,
+    }
+}
+
+/// The area that a point of the map stands for: half-way to its neighbours.
+fn area_of(point: usize, side: usize, points: &[MapPoint]) -> f64 {
+    let (row, column) = (point / side, point % side);
+    let half_span = |place: usize, step: usize| {
+        let start = point - step * usize::from(place > 0);
+        let end = point + step * usize::from(place + 1 < side);
+        (points[end].position - points[start].position) * 0.5
+    };
+    half_span(row, side).cross(&half_span(column, 1)).norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Curvature;
+    use approx::assert_relative_eq;
+    use nalgebra::Point3;
+
+    /// A map of points in a plane, `step` apart, of given curvatures.
+    fn map(
+        side: usize,
+        step: f64,
+        curvature: impl Fn(usize, usize) -> (f64, f64),
+    ) -> Vec<MapPoint> {
+        (0..side * side)
+            .map(|index| {
+                let (row, column) = (index / side, index % side);
+                let (gaussian, mean) = curvature(row, column);
+                let spread = (mean * mean - gaussian).max(0.0).sqrt();
+                MapPoint {
+                    position: Point3::new(row as f64 * step, column as f64 * step, 0.0),
+                    normal: Vector3::z(),
+                    curvature: Curvature {
+                        gaussian,
+                        mean,
+                        uncertainty: None,
+                    },
+                    k_min: mean - spread,
+                    k_max: mean + spread,
+                    direction_of_min: Vector3::x(),
+                    direction_of_max: Vector3::y(),
+                    shape_index: None,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn corners_do_not_connect_and_areas_add_up() {
+        // A ridge across two separate pieces of plane.
+        let points = map(
+            5,
+            0.5,
+            |row, _| if row == 2 { (0.0, 0.2) } else { (0.0, 0.0) },
+        );
+        let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
+        let Regions { of_point, regions } = regions(5, &points, &thresholds);
+        let classes: Vec<_> = regions.iter().map(|region| region.class).collect();
+        assert_eq!(classes.len(), 3);
+        assert_eq!(
+            regions.iter().map(|region| region.points).sum::<usize>(),
+            25
+        );
+        let whole: f64 = regions.iter().map(|region| region.area).sum();
+        assert_relative_eq!(whole, 4.0, epsilon = 1e-12);
+        let ridge = of_point[12];
+        assert_eq!(regions[ridge].class, ShapeClass::Ridge);
+        assert_eq!(regions[ridge].points, 5);
+        assert_relative_eq!(regions[ridge].mean_curvature, 0.2, epsilon = 1e-15);
+        let direction = regions[ridge].direction_of_max.unwrap();
+        assert_relative_eq!(direction.y.abs(), 1.0, epsilon = 1e-12);
+        assert_relative_eq!(regions[ridge].coherence, 1.0, epsilon = 1e-12);
+        assert!(
+            regions
+                .iter()
+                .any(|region| region.direction_of_max.is_none())
+        );
+    }
+}

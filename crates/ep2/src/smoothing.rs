@@ -1,0 +1,334 @@
+//! Smoothing splines of scattered heights, with knots where the data ask for them.
+//!
+//! The method is Dierckx's (An algorithm for surface-fitting with spline functions, IMA J. Numer.
+//! Anal. 1, 1981; Curve and Surface Fitting with Splines, 1993, chapter 5), known from FITPACK.
+//! Of all splines whose sum of squared weighted residuals is at most `s` it seeks a smooth one on
+//! few knots:
+//!
+//! 1. Least squares on the present knots, at first none. While the sum exceeds `s` a knot is added
+//!    in the interval, along u or v, with the largest share of it, at the residuals' centroid.
+//! 2. The equations are joined by `1/p` times the jumps of the highest derivative at the knots, and
+//!    `p` is sought at which the sum is `s` within a thousandth.
+//!
+//! Where the points leave coefficients open, those of least norm are taken.
+
+mod jumps;
+mod mesh;
+mod minimum_norm;
+mod observations;
+mod parameter;
+mod placement;
+mod triangle;
+
+use crate::knots::MAX_DEGREE;
+use crate::{Ep2Error, TensorSpline};
+use mesh::{Mesh, Roughness};
+use observations::Observations;
+use triangle::Triangle;
+
+/// Relative residuals of this size are rounding.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Numbers whose squares neither overflow nor vanish.
+const LARGEST: f64 = 1e150;
+
+/// A height over a place in the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeightedPoint {
+    /// Place along the first variable.
+    pub u: f64,
+    /// Place along the second one.
+    pub v: f64,
+    /// Height.
+    pub w: f64,
+    /// What the residual is multiplied with: an inverse standard deviation.
+    pub weight: f64,
+}
+
+/// How a smoothing spline is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmoothingSpline {
+    /// Degrees in u and v, 1 to [`MAX_DEGREE`].
+    pub degrees: [usize; 2],
+    /// The sum of squared weighted residuals that is aimed at, `s ≥ 0`.
+    pub smoothing: f64,
+    /// The rectangle of the knots, smallest and largest u, then v; `None` for that of the points.
+    pub domain: Option<[[f64; 2]; 2]>,
+    /// How many interior knots there may be along u and along v.
+    pub most_knots: [usize; 2],
+    /// By how much, relative to `smoothing`, the sum may miss it.
+    pub tolerance: f64,
+    /// A diagonal entry of the triangularised equations whose square is at most this, relative to
+    /// the largest, counts as zero; between 0 and 1.
+    pub rank_tolerance: f64,
+}
+
+impl SmoothingSpline {
+    /// The same degree in both directions, as many knots as the points bear, and the tolerances of
+    /// FITPACK's `surfit` in SciPy: a thousandth, and 1e-16 for the rank.
+    pub const fn new(degree: usize, smoothing: f64) -> Self {
+        Self {
+            degrees: [degree; 2],
+            smoothing,
+            domain: None,
+            most_knots: [usize::MAX; 2],
+            tolerance: 1e-3,
+            rank_tolerance: 1e-16,
+        }
+    }
+}
+
+/// What became of the sum of squared residuals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The polynomial without knots meets it.
+    Polynomial,
+    /// All residuals are rounding.
+    Interpolating,
+    /// It is met within the tolerance.
+    Smoothing,
+    /// It is exceeded: there are more coefficients than points, as many knots as are allowed, or
+    /// no interval left that may be split. The spline is the least-squares one on these knots.
+    KnotsExhausted,
+    /// The parameter that balances it against the jumps was not found.
+    Unsettled,
+}
+
+/// A smoothing spline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Smoothed {
+    /// The spline.
+    pub spline: TensorSpline,
+    /// Its sum of squared weighted residuals.
+    pub residual_sum: f64,
+    /// Whether that is what was aimed at.
+    pub status: Status,
+    /// How many of the coefficients are determined; of the others the choice is that of least
+    /// norm.
+    pub rank: usize,
+}
+
+/// Coefficients on some knots, in the order of the mesh.
+struct Solution {
+    coefficients: Vec<f64>,
+    residual_sum: f64,
+    rank: usize,
+}
+
+impl SmoothingSpline {
+    /// The spline of at least `(degrees[0] + 1)(degrees[1] + 1)` points.
+    ///
+    /// Points that leave the polynomial open, such as points on few lines, are no error: see
+    /// [`Smoothed::rank`].
+    ///
+    /// # Errors
+    /// [`Ep2Error`]: `bad-setting`, `too-few-contacts`, `not-finite`, `bad-weight`, `coincident`
+    /// or `collinear` for points that span no rectangle, `out-of-range`.
+    pub fn fit(&self, points: &[WeightedPoint]) -> Result<Smoothed, Ep2Error> {
+        self.check_settings()?;
+        self.check_points(points)?;
+        let domain = self.domain(points)?;
+        let mut mesh = Mesh::new(self.degrees, domain);
+        let mut observations = Observations::new(points, &mesh);
+        let unit = observations.residual_unit();
+        let smoothing = self.smoothing / unit / unit;
+        let (status, solution) = self.approach(&mut mesh, &mut observations, smoothing);
+        let spline = mesh.spline(observations.in_heights(solution.coefficients));
+        let residual_sum = solution.residual_sum * unit * unit;
+        let numbers = spline.coefficients.iter().chain([&residual_sum]);
+        if numbers.copied().all(f64::is_finite) {
+            Ok(Smoothed {
+                spline,
+                residual_sum,
+                status,
+                rank: solution.rank,
+            })
+        } else {
+            Err(Ep2Error::OutOfRange)
+        }
+    }
+
+    /// Adds knots until the least-squares spline meets the sum, then gives the rest of it back.
+    fn approach(
+        &self,
+        mesh: &mut Mesh,
+        observations: &mut Observations<'_>,
+        smoothing: f64,
+    ) -> (Status, Solution) {
+        let rounding = ROUNDING * ROUNDING * observations.height_sum();
+        let tolerance = self.tolerance * smoothing;
+        let mut polynomial_sum = None;
+        loop {
+            let triangle = observations.triangle(mesh);
+            let solution = self.solve(&triangle, mesh, observations);
+            let is_polynomial = polynomial_sum.is_none();
+            let polynomial_sum = *polynomial_sum.get_or_insert(solution.residual_sum);
+            let excess = solution.residual_sum - smoothing;
+            if solution.residual_sum <= rounding && smoothing <= rounding {
+                return (Status::Interpolating, solution);
+            }
+            if is_polynomial && excess <= tolerance {
+                return (Status::Polynomial, solution);
+            }
+            if excess.abs() <= tolerance {
+                return (Status::Smoothing, solution);
+            }
+            if excess < 0.0 {
+                let bounds = [polynomial_sum - smoothing, excess];
+                return self.balance(&triangle, mesh, observations, smoothing, bounds);
+            }
+            let next = if mesh.coefficients() > observations.len() {
+                None
+            } else {
+                let sums = observations.interval_sums(mesh, &solution.coefficients);
+                placement::next_knot(mesh, &sums, self.most_knots)
+            };
+            let Some((axis, knot)) = next else {
+                return (Status::KnotsExhausted, solution);
+            };
+            mesh.insert(axis, knot);
+            observations.refresh(mesh, axis);
+        }
+    }
+
+    /// The spline whose sum of squares is `smoothing`, between the polynomial and the
+    /// least-squares spline, which exceed it by `bounds`.
+    fn balance(
+        &self,
+        triangle: &Triangle,
+        mesh: &Mesh,
+        observations: &Observations<'_>,
+        smoothing: f64,
+        bounds: [f64; 2],
+    ) -> (Status, Solution) {
+        let roughness = Roughness::of(mesh);
+        let mut solution = Solution {
+            coefficients: Vec::new(),
+            residual_sum: f64::NAN,
+            rank: 0,
+        };
+        let first = triangle.order() as f64 / triangle.diagonal().sum::<f64>();
+        let tolerance = self.tolerance * smoothing;
+        let is_met = parameter::search(bounds[0], bounds[1], first, tolerance, |parameter| {
+            solution = self.solve(&roughness.join(triangle, parameter), mesh, observations);
+            solution.residual_sum = observations.residual_sum(mesh, &solution.coefficients);
+            solution.residual_sum - smoothing
+        });
+        let status = if is_met {
+            Status::Smoothing
+        } else {
+            Status::Unsettled
+        };
+        (status, solution)
+    }
+
+    fn solve(&self, triangle: &Triangle, mesh: &Mesh, observations: &Observations<'_>) -> Solution {
+        let largest = triangle.diagonal().fold(0.0, f64::max);
+        let floor = self.rank_tolerance.sqrt() * largest;
+        if triangle.diagonal().all(|entry| entry > floor) {
+            return Solution {
+                coefficients: triangle.solve(),
+                residual_sum: triangle.residual_sum,
+                rank: triangle.order(),
+            };
+        }
+        let (coefficients, rank) = minimum_norm::solve(triangle, floor);
+        Solution {
+            residual_sum: observations.residual_sum(mesh, &coefficients),
+            coefficients,
+            rank,
+        }
+    }
+
+    fn check_settings(&self) -> Result<(), Ep2Error> {
+        let check = |setting, value: f64, is_good: bool, expected| {
+            if is_good {
+                Ok(())
+            } else {
+                Err(Ep2Error::BadSetting {
+                    setting,
+                    value,
+                    expected,
+                })
+            }
+        };
+        for degree in self.degrees {
+            let is_good = (1..=MAX_DEGREE).contains(&degree);
+            check("degree", degree as f64, is_good, "between 1 and 5")?;
+        }
+        let (smoothing, tolerance) = (self.smoothing, self.tolerance);
+        check("smoothing", smoothing, smoothing >= 0.0, ">= 0")?;
+        check(
+            "tolerance",
+            tolerance,
+            tolerance > 0.0 && tolerance < 1.0,
+            "between 0 and 1",
+        )?;
+        let rank_tolerance = self.rank_tolerance;
+        check(
+            "rank_tolerance",
+            rank_tolerance,
+            rank_tolerance > 0.0 && rank_tolerance < 1.0,
+            "between 0 and 1",
+        )
+    }
+
+    fn check_points(&self, points: &[WeightedPoint]) -> Result<(), Ep2Error> {
+        for (contact, point) in points.iter().enumerate() {
+            let largest = point.u.abs() + point.v.abs() + point.w.abs();
+            if !(largest <= LARGEST && point.weight <= LARGEST) {
+                return Err(Ep2Error::NotFinite { contact });
+            }
+            let weight = point.weight;
+            if weight <= 0.0 {
+                return Err(Ep2Error::BadWeight { contact, weight });
+            }
+        }
+        let needed = (self.degrees[0] + 1) * (self.degrees[1] + 1);
+        if points.len() < needed {
+            return Err(Ep2Error::TooFewContacts {
+                contacts: points.len(),
+                equations: points.len(),
+                needed,
+            });
+        }
+        Ok(())
+    }
+
+    /// The rectangle of the knots.
+    fn domain(&self, points: &[WeightedPoint]) -> Result<[[f64; 2]; 2], Ep2Error> {
+        let range = |place: fn(&WeightedPoint) -> f64| {
+            let places = points.iter().map(place);
+            places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
+                [low.min(place), high.max(place)]
+            })
+        };
+        let spanned = [range(|point| point.u), range(|point| point.v)];
+        let contacts = points.len();
+        let widths = spanned.map(|[low, high]| high - low);
+        if widths == [0.0; 2] {
+            let extent = 0.0;
+            return Err(Ep2Error::Coincident { contacts, extent });
+        }
+        let domain = match self.domain {
+            None if widths.contains(&0.0) => {
+                let spread = 0.0;
+                return Err(Ep2Error::Collinear { contacts, spread });
+            }
+            None => spanned,
+            Some(domain) => domain,
+        };
+        for ([low, high], [start, end]) in spanned.into_iter().zip(domain) {
+            if !(start <= low && high <= end && end - start <= LARGEST) {
+                return Err(Ep2Error::BadSetting {
+                    setting: "domain",
+                    value: if start <= low { end } else { start },
+                    expected: "a rectangle that holds all points",
+                });
+            }
+            if end - start < 1.0 / LARGEST {
+                return Err(Ep2Error::OutOfRange);
+            }
+        }
+        Ok(domain)
+    }
+}

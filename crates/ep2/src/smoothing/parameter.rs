@@ -1,0 +1,138 @@
+//! The smoothing parameter p at which the residual sum F(p) is as asked for.
+
+/// Trials before the search is given up.
+const MOST_TRIALS: usize = 20;
+/// By what a guess is multiplied, or divided, that is off by far.
+const FAR: f64 = 0.04;
+/// How near a guess moves to a bound that it may not pass.
+const NEAR: f64 = 0.1;
+
+/// A parameter, and by how much the residual sum exceeds the one that is asked for.
+#[derive(Clone, Copy)]
+pub(super) struct Trial {
+    pub(super) parameter: f64,
+    pub(super) excess: f64,
+}
+
+/// Goes through parameters until `excess` says that one is within `tolerance`; whether it was so.
+///
+/// F falls from the polynomial's sum at p = 0, whose excess is `below`, to the least-squares
+/// spline's at infinity, whose excess is `above`. Once a parameter is known on either side of the
+/// root, the next one is the root of `(a p + b)/(p + c)` through three trials; before that, one
+/// that is off by far on one side is moved by a factor of 25.
+pub(super) fn search(
+    below: f64,
+    above: f64,
+    first: f64,
+    tolerance: f64,
+    mut excess: impl FnMut(f64) -> f64,
+) -> bool {
+    let mut low = Trial {
+        parameter: 0.0,
+        excess: below,
+    };
+    let mut high = Trial {
+        parameter: f64::INFINITY,
+        excess: above,
+    };
+    let (mut is_low_near, mut is_high_near) = (false, false);
+    let mut parameter = first;
+    for _ in 0..MOST_TRIALS {
+        if !(parameter > 0.0 && parameter.is_finite()) {
+            return false;
+        }
+        let trial = Trial {
+            parameter,
+            excess: excess(parameter),
+        };
+        if trial.excess.abs() <= tolerance {
+            return true;
+        }
+        if !is_high_near {
+            if trial.excess - high.excess <= tolerance {
+                high = trial;
+                parameter *= FAR;
+                if parameter <= low.parameter {
+                    parameter = low.parameter * (1.0 - NEAR) + trial.parameter * NEAR;
+                }
+                continue;
+            }
+            is_high_near = trial.excess < 0.0;
+        }
+        if !is_low_near {
+            if low.excess - trial.excess <= tolerance {
+                low = trial;
+                parameter /= FAR;
+                if parameter >= high.parameter {
+                    parameter = trial.parameter * NEAR + high.parameter * (1.0 - NEAR);
+                }
+                continue;
+            }
+            is_low_near = trial.excess > 0.0;
+        }
+        if !(high.excess < trial.excess && trial.excess < low.excess) {
+            return false;
+        }
+        parameter = rational_root(low, trial, high);
+        if trial.excess < 0.0 {
+            high = trial;
+        } else {
+            low = trial;
+        }
+    }
+    false
+}
+
+/// The root of `(a p + b)/(p + c)` through three trials, the last of which may be at infinity.
+fn rational_root(low: Trial, middle: Trial, high: Trial) -> f64 {
+    let (p, f) = (
+        [low.parameter, middle.parameter, high.parameter],
+        [low.excess, middle.excess, high.excess],
+    );
+    if p[2].is_infinite() {
+        let (first, second) = (f[1] * (f[0] - f[2]), f[0] * (f[1] - f[2]));
+        return (p[0] * first - p[1] * second) / ((f[0] - f[1]) * f[2]);
+    }
+    let weights = [
+        f[0] * (f[1] - f[2]),
+        f[1] * (f[2] - f[0]),
+        f[2] * (f[0] - f[1]),
+    ];
+    let pairs = p[1] * p[2] * weights[0] + p[2] * p[0] * weights[1] + p[0] * p[1] * weights[2];
+    -pairs / (p[0] * weights[0] + p[1] * weights[1] + p[2] * weights[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn a_rational_function_is_solved_at_once() {
+        // (5 − 2 p)/(p + 3): root 2.5, limit −2.
+        let trial = |parameter: f64| Trial {
+            parameter,
+            excess: (5.0 - 2.0 * parameter) / (parameter + 3.0),
+        };
+        let limit = Trial {
+            parameter: f64::INFINITY,
+            excess: -2.0,
+        };
+        let [low, high] = [trial(0.0), trial(9.0)];
+        assert_relative_eq!(rational_root(low, trial(1.0), limit), 2.5, epsilon = 1e-13);
+        assert_relative_eq!(rational_root(low, trial(4.0), high), 2.5, epsilon = 1e-13);
+    }
+
+    #[test]
+    fn roots_far_from_the_first_guess() {
+        for root in [1e-6, 1e-2, 1.0, 1e2, 1e6] {
+            let mut found = 0.0;
+            let excess = |p: f64| {
+                found = p;
+                (1.0 + p / root).powf(-0.7) - 0.5_f64.powf(0.7)
+            };
+            assert!(search(1.0 - 0.6156, -0.6156, 1.0, 1e-9, excess));
+            assert_relative_eq!(found, root, max_relative = 1e-7);
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Banded upper triangles, built up by orthogonal transformations.
+
+/// Rows are worked on four at a time; missing ones are zero.
+const LANES: usize = 4;
+/// Rows that a block holds at most, so that it stays near the processor.
+const MOST_ROWS: usize = 128;
+/// Squares below this are lost to the range of doubles; entries are relative to 1.
+const VANISHING: f64 = 1e-280;
+
+/// Rows of a least-squares problem that start in the same column, right-hand sides last.
+///
+/// They are held column by column.
+pub(super) struct Block {
+    /// Entries of a row, without its right-hand side.
+    width: usize,
+    rows: usize,
+    /// How much of a column is in use.
+    packs: usize,
+    columns: Vec<[f64; LANES]>,
+}
+
+impl Block {
+    /// An empty block for rows of `width` entries.
+    pub(super) fn new(width: usize, most_rows: usize) -> Self {
+        let packs = most_rows.min(MOST_ROWS).div_ceil(LANES);
+        Self {
+            width,
+            rows: 0,
+            packs,
+            columns: vec![[0.0; LANES]; (width + 1) * packs],
+        }
+    }
+
+    /// Makes the block empty.
+    pub(super) fn clear(&mut self) {
+        self.columns.fill([0.0; LANES]);
+        self.rows = 0;
+    }
+
+    /// Whether no further row fits.
+    pub(super) const fn is_full(&self) -> bool {
+        self.rows == self.packs * LANES
+    }
+
+    /// A further row of zeros with the given right-hand side.
+    pub(super) fn push(&mut self, right: f64) -> usize {
+        debug_assert!(!self.is_full());
+        let row = self.rows;
+        self.rows += 1;
+        self.set(row, self.width, right);
+        row
+    }
+
+    /// Sets the entry of `row` in `column`, counting from the first column of the block.
+    #[inline]
+    pub(super) fn set(&mut self, row: usize, column: usize, value: f64) {
+        self.columns[column * self.packs + row / LANES][row % LANES] = value;
+    }
+
+    /// Adds a row of the given entries, the rest being zero.
+    pub(super) fn push_row(&mut self, entries: &[f64], right: f64) {
+        let row = self.push(right);
+        for (column, &entry) in entries.iter().enumerate() {
+            self.set(row, column, entry);
+        }
+    }
+}
+
+/// The triangle `R` and the right-hand side `Qᵀb` of a banded least-squares problem `A x ≈ b`.
+#[derive(Clone)]
+pub(super) struct Triangle {
+    order: usize,
+    band: usize,
+    /// Per row `band` entries from the diagonal, then the right-hand side.
+    rows: Vec<f64>,
+    /// Sum of squares that no `x` removes.
+    pub(super) residual_sum: f64,
+}
+
+impl Triangle {
+    /// The triangle of no equations for `order` unknowns; each equation may have nonzero entries
+    /// in `band` neighbouring columns.
+    pub(super) fn new(order: usize, band: usize) -> Self {
+        Self {
+            order,
+            band,
+            rows: vec![0.0; order * (band + 1)],
+            residual_sum: 0.0,
+        }
+    }
+
+    /// How many unknowns there are.
+    pub(super) const fn order(&self) -> usize {
+        self.order
+    }
+
+    /// Entries of a row from its diagonal on.
+    pub(super) const fn band(&self) -> usize {
+        self.band
+    }
+
+    /// The entries of a row from its diagonal on.
+    pub(super) fn row(&self, row: usize) -> &[f64] {
+        &self.rows[row * (self.band + 1)..][..self.band]
+    }
+
+    /// The right-hand side of a row.
+    pub(super) fn right(&self, row: usize) -> f64 {
+        self.rows[row * (self.band + 1) + self.band]
+    }
+
+    /// Sets a row and its right-hand side to zero.
+    pub(super) fn clear_row(&mut self, row: usize) {
+        let stride = self.band + 1;
+        self.rows[row * stride..][..stride].fill(0.0);
+    }
+
+    /// The diagonal; none of it is negative.
+    pub(super) fn diagonal(&self) -> impl Iterator<Item = f64> {
+        self.rows.iter().step_by(self.band + 1).copied()
+    }
+
+    /// Reflects the rows of `block` into the triangle, which uses them up.
+    ///
+    /// Blocks must come by ascending `start`: then no row reaches beyond the band.
+    pub(super) fn absorb(&mut self, start: usize, block: &mut Block) {
+        let (packs, band) = (block.packs, self.band);
+        let used = block.rows.div_ceil(LANES);
+        let width = block.width.min(self.order - start);
+        for offset in 0..width {
+            let (done, rest) = block.columns.split_at_mut((offset + 1) * packs);
+            let pivot = &done[offset * packs..][..used];
+            let square = dot(pivot, pivot);
+            if square <= VANISHING {
+                continue;
+            }
+            let row = &mut self.rows[(start + offset) * (band + 1)..][..=band];
+            // The reflection that leaves (norm, 0, …) of (row[0], pivot), for row[0] ≥ 0.
+            let norm = (row[0] * row[0] + square).sqrt();
+            let head = -square / (row[0] + norm);
+            let per_norm = 1.0 / norm;
+            let factor = -per_norm / head;
+            row[0] = norm;
+            let mut reflect = |entry: &mut f64, column: &mut [[f64; LANES]]| {
+                let share = head * *entry + dot(pivot, column);
+                *entry += per_norm * share;
+                subtract(column, factor * share, pivot);
+            };
+            let columns = rest.chunks_exact_mut(packs);
+            for (entry, column) in row[1..].iter_mut().zip(columns).take(width - offset - 1) {
+                reflect(entry, &mut column[..used]);
+            }
+            let right = rest.len() - packs;
+            reflect(&mut row[band], &mut rest[right..][..used]);
+        }
+        let right = &block.columns[block.width * packs..];
+        self.residual_sum += dot(right, right);
+        block.clear();
+    }
+
+    /// The solution, where no diagonal entry vanishes.
+    pub(super) fn solve(&self) -> Vec<f64> {
+        let mut solution: Vec<f64> = (0..self.order).map(|row| self.right(row)).collect();
+        self.solve_in_place(&mut solution);
+        solution
+    }
+
+    /// Solves `R x = b` for the `b` that is overwritten.
+    pub(super) fn solve_in_place(&self, values: &mut [f64]) {
+        for row in (0..self.order).rev() {
+            let entries = self.row(row);
+            let (head, tail) = values[row..].split_at_mut(1);
+            let known: f64 = entries[1..].iter().zip(tail).map(|(r, x)| r * *x).sum();
+            head[0] = (head[0] - known) / entries[0];
+        }
+    }
+
+    /// Solves `Rᵀ x = b` for the `b` that is overwritten.
+    pub(super) fn solve_transposed_in_place(&self, values: &mut [f64]) {
+        for row in 0..self.order {
+            let entries = self.row(row);
+            let (head, tail) = values[row..].split_at_mut(1);
+            head[0] /= entries[0];
+            for (value, entry) in tail.iter_mut().zip(&entries[1..]) {
+                *value -= entry * head[0];
+            }
+        }
+    }
+}
+
+#[inline]
+fn dot(left: &[[f64; LANES]], right: &[[f64; LANES]]) -> f64 {
+    let mut sums = [0.0; LANES];
+    for (left, right) in left.iter().zip(right) {
+        for lane in 0..LANES {
+            sums[lane] += left[lane] * right[lane];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
+}
+
+#[inline]
+fn subtract(column: &mut [[f64; LANES]], factor: f64, pivot: &[[f64; LANES]]) {
+    for (entries, pivot) in column.iter_mut().zip(pivot) {
+        for lane in 0..LANES {
+            entries[lane] -= factor * pivot[lane];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// Equations of bandwidth 2 in three unknowns; the normal equations by hand.
+    #[test]
+    fn least_squares_of_a_small_band() {
+        let mut triangle = Triangle::new(3, 2);
+        let mut block = Block::new(2, 5);
+        block.push_row(&[1.0, 0.0], 1.0);
+        block.push_row(&[1.0, 1.0], 2.0);
+        block.push_row(&[1.0, -1.0], 3.0);
+        triangle.absorb(0, &mut block);
+        block.push_row(&[1.0, 1.0], 0.0);
+        block.push_row(&[0.0, 2.0], 2.0);
+        triangle.absorb(1, &mut block);
+        // AᵀA = [[3,0,0],[0,3,1],[0,1,5]], Aᵀb = [6,−1,4]: x = (2, −9/14, 13/14).
+        let solution = triangle.solve();
+        for (value, expected) in solution.iter().zip([2.0, -9.0 / 14.0, 13.0 / 14.0]) {
+            assert_relative_eq!(*value, expected, epsilon = 1e-14);
+        }
+        let [x, y, z] = [2.0, -9.0 / 14.0, 13.0 / 14.0];
+        let residuals = [x - 1.0, x + y - 2.0, x - y - 3.0, y + z, 2.0 * z - 2.0];
+        let sum: f64 = residuals.iter().map(|residual| residual * residual).sum();
+        assert_relative_eq!(triangle.residual_sum, sum, epsilon = 1e-14);
+    }
+}
