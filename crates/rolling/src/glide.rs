@@ -11,6 +11,7 @@
 //! which is beside the vertical line wherever the object slopes.
 
 mod foot;
+mod relief;
 mod search;
 
 use nalgebra::{Point3, Vector2, Vector3};
@@ -137,12 +138,13 @@ impl Glider {
     /// the first one that the tip meets on its way down, on the side of the object that
     /// [`Surface::contact_at`] touches.
     ///
-    /// That contact is found by Newton's method from the object beneath, and held against the
-    /// object at sixteen places across the tip. Where one of them reaches into the tip, or the
-    /// object is too hollow for it, Newton's method starts from all sixteen and the highest tip
-    /// counts. On spheres, dishes, cylinders, ellipsoids and tori the contact is the first for
-    /// certain, and on graphs whose second derivatives stay below `1/radius`. On rougher graphs a
-    /// ridge may pass unseen if it fits between those places, which lie about half a radius apart.
+    /// That contact is found by Newton's method from the object beneath. On spheres, dishes,
+    /// cylinders, ellipsoids and tori it is the only one that fits. On graphs the object is asked at
+    /// sixteen places across the tip, about half a radius apart; where one of them reaches into the
+    /// tip or is too hollow for it, Newton's method starts from every top of a relief of the places
+    /// under the tip, a twelfth of its radius apart, and the highest contact counts. It is the first
+    /// for certain where the graph's second derivatives stay below `1/radius`; elsewhere a ridge
+    /// may pass unseen that fits between those places.
     ///
     /// # Errors
     /// [`GlideError`].
@@ -159,6 +161,10 @@ impl Glider {
                 let search = Search {
                     object: &self.object,
                     radius,
+                    rugged: matches!(
+                        self.object,
+                        Shape::Paraboloid(_) | Shape::Saddle(_) | Shape::HeightField(_)
+                    ),
                     centre: Vector2::new(x, y),
                 };
                 search.contact()?.touch(radius)

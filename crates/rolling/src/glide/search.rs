@@ -4,15 +4,18 @@
 //! singularity at the silhouettes of closed objects, where heights do, and its derivative has the
 //! determinant `det(I + r S)`: it folds only where the object is as hollow as the tip is round.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use nalgebra::{Point3, Vector2};
 use palpate_geometry::{Surface, SurfaceError};
 
 use super::GlideError;
 use super::foot::Foot;
+use super::relief::Relief;
 
-/// Newton steps before giving up, and halvings of each.
+/// Newton steps before giving up, and lengths tried of each.
 const STEPS: usize = 100;
-const HALVINGS: i32 = 60;
+const HALVINGS: i32 = 40;
 /// A miss above this, relative to the lengths involved, is no contact.
 const ACCEPTED_MISS: f64 = 1e-12;
 /// What counts as touching, of the tip's radius.
@@ -22,10 +25,37 @@ const FOLD: f64 = 1e-3;
 /// Where the object's normal has less upright part than this, its edge is a silhouette.
 const SILHOUETTE: f64 = 1e-3;
 
+/// Places across a tip, in radii: eight on a ring of 0.85, and between them eight on one of 0.45.
+const PLACES: [[f64; 2]; 16] = {
+    let [outer, outer_diagonal] = [0.85, 0.85 * FRAC_1_SQRT_2];
+    // 0.45 times the cosine and the sine of 22.5°.
+    let [inner, inner_aside] = [0.415_745_789_6, 0.172_207_544_6];
+    [
+        [outer, 0.0],
+        [outer_diagonal, outer_diagonal],
+        [0.0, outer],
+        [-outer_diagonal, outer_diagonal],
+        [-outer, 0.0],
+        [-outer_diagonal, -outer_diagonal],
+        [0.0, -outer],
+        [outer_diagonal, -outer_diagonal],
+        [inner, inner_aside],
+        [inner_aside, inner],
+        [-inner_aside, inner],
+        [-inner, inner_aside],
+        [-inner, -inner_aside],
+        [-inner_aside, -inner],
+        [inner_aside, -inner],
+        [inner, -inner_aside],
+    ]
+};
+
 /// A tip held above a place.
 pub(super) struct Search<'a, S> {
     pub(super) object: &'a S,
     pub(super) radius: f64,
+    /// Whether a contact that fits may not be the only one.
+    pub(super) rugged: bool,
     /// Where the tip's centre is held, seen from above.
     pub(super) centre: Vector2<f64>,
 }
@@ -35,7 +65,7 @@ impl<S: Surface> Search<'_, S> {
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         let first = self.settle(self.start()?);
         match first {
-            Ok(foot) if self.fits(&foot) && self.deepest_place_in_tip(&foot).is_none() => Ok(foot),
+            Ok(foot) if self.fits(&foot) && !(self.rugged && self.rivalled(&foot)) => Ok(foot),
             Err(GlideError::ContactLost { .. }) => first,
             _ => self.highest(first),
         }
@@ -79,34 +109,34 @@ impl<S: Surface> Search<'_, S> {
             let Some(step) = foot.step(self.radius, &miss) else {
                 return if close { Ok(foot) } else { Err(self.two()) };
             };
-            match self.descend(&foot, &miss, &step) {
+            if close {
+                // One more step is all that rounding allows.
+                let next = self.descend(&foot, &miss, &step, 1);
+                return Ok(next.map_or(foot, |(next, _)| next));
+            }
+            match self.descend(&foot, &miss, &step, HALVINGS) {
                 Ok(next) => (foot, miss) = next,
-                Err(_) if close => return Ok(foot),
                 Err(_) if foot.clearance(self.radius) < FOLD => return Err(self.two()),
                 Err(Some(_)) if foot.normal.z < SILHOUETTE => return Err(self.lost()),
                 Err(Some(edge)) => return Err(edge.into()),
                 Err(None) => break,
             }
         }
-        Err(GlideError::NoConvergence {
-            x: self.centre.x,
-            y: self.centre.y,
-            radius: self.radius,
-            miss: miss.norm(),
-        })
+        Err(self.unsettled(miss.norm()))
     }
 
-    /// The longest of the halved steps that misses by less; if there is none, the edge of the
+    /// The longest of the step and its halves that misses by less; if there is none, the edge of the
     /// object that was in the way, if there was one.
     fn descend(
         &self,
         foot: &Foot,
         miss: &Vector2<f64>,
         step: &Vector2<f64>,
+        attempts: i32,
     ) -> Result<(Foot, Vector2<f64>), Option<SurfaceError>> {
         let from = foot.point.coords.xy();
         let mut edge = None;
-        for halvings in 0..HALVINGS {
+        for halvings in 0..attempts {
             let to = from + step * 0.5_f64.powi(halvings);
             if to == from {
                 break;
@@ -132,31 +162,28 @@ impl<S: Surface> Search<'_, S> {
 
     /// Sixteen places under the tip, on two rings.
     fn places(&self) -> impl Iterator<Item = Vector2<f64>> + '_ {
-        (0..16).map(|index| {
-            let (turn, ring) = (f64::from(index) * std::f64::consts::FRAC_PI_8, index % 2);
-            let reach = if ring == 0 { 0.45 } else { 0.85 } * self.radius;
-            self.centre + Vector2::new(turn.cos(), turn.sin()) * reach
-        })
+        let place = |&[x, y]: &[f64; 2]| self.centre + Vector2::new(x, y) * self.radius;
+        PLACES.iter().map(place)
     }
 
-    /// Of those places the one where the object reaches farthest into a tip that touches at
-    /// `foot`, if it does.
-    fn deepest_place_in_tip(&self, foot: &Foot) -> Option<Point3<f64>> {
+    /// Whether there may be a contact higher than that at `foot`: at one of those places the object
+    /// reaches into the tip, or is too hollow for it.
+    fn rivalled(&self, foot: &Foot) -> bool {
         let centre = foot.tip_centre(self.radius);
         let rounding = 8.0 * f64::EPSILON * centre.coords.abs().sum();
         let inside = self.radius * (1.0 - TOUCHING) - rounding;
-        let depth = |place: &Point3<f64>| inside - (place - centre).norm();
         self.places()
-            .filter_map(|at| self.object.contact_at(at.x, at.y).ok())
-            .filter(|place| depth(place) > 0.0)
-            .max_by(|a, b| depth(a).total_cmp(&depth(b)))
+            .filter_map(|at| self.foot(at).ok())
+            .any(|place| !self.fits(&place) || (place.point - centre).norm() < inside)
     }
 
-    /// The contact with the highest tip among those reached from all places under it, and `first`.
+    /// The contact with the highest tip among those near the tops of a relief, and `first`.
     fn highest(&self, first: Result<Foot, GlideError>) -> Result<Foot, GlideError> {
-        let reached = self
-            .places()
+        let relief = Relief::under(self);
+        let reached = relief
+            .tops()
             .filter_map(|at| self.settle(self.foot(at).ok()?).ok());
+        let height = |foot: &Foot| foot.tip_centre(self.radius).z;
         let mut best: Option<Foot> = None;
         let mut tied = false;
         for foot in first.ok().into_iter().chain(reached) {
@@ -167,20 +194,37 @@ impl<S: Surface> Search<'_, S> {
                 best = Some(foot);
                 continue;
             };
-            let height = |foot: &Foot| foot.tip_centre(self.radius).z;
             let rise = height(&foot) - height(&highest);
-            let same_height = rise.abs() <= TOUCHING * self.radius;
-            let apart = (foot.point - highest.point).norm() > TOUCHING.sqrt() * self.radius;
-            if same_height {
-                tied |= apart;
+            if rise.abs() <= TOUCHING * self.radius {
+                let apart = (foot.point - highest.point).norm();
+                tied |= apart > TOUCHING.sqrt() * self.radius;
             } else if rise > 0.0 {
                 (best, tied) = (Some(foot), false);
             }
         }
-        match best {
-            Some(foot) if !tied && self.deepest_place_in_tip(&foot).is_none() => Ok(foot),
-            None => Err(first.err().unwrap_or_else(|| self.two())),
-            Some(_) => Err(self.two()),
+        let Some(best) = best else {
+            return Err(first.err().unwrap_or_else(|| self.two()));
+        };
+        let hidden = relief.summit() - height(&best);
+        if hidden > TOUCHING * self.radius + 8.0 * f64::EPSILON * relief.summit().abs() {
+            // The highest place led to no contact: at an edge of the object, or on a spike.
+            Err(match first {
+                Err(edge @ GlideError::Surface(_)) => edge,
+                _ => self.unsettled(hidden),
+            })
+        } else if tied {
+            Err(self.two())
+        } else {
+            Ok(best)
+        }
+    }
+
+    fn unsettled(&self, miss: f64) -> GlideError {
+        GlideError::NoConvergence {
+            x: self.centre.x,
+            y: self.centre.y,
+            radius: self.radius,
+            miss,
         }
     }
 

@@ -243,7 +243,14 @@ fn the_contact_met_first_counts() {
     let rough = height_field("0.3*sin(2*x)*cos(1.5*y) + 0.1*x", &[]);
     // Tips tighter than the valleys, and tips that ride on the ridges alone.
     for radius in [0.3, 0.8, 2.0, 4.0] {
-        for (x, y) in [(0.1, 0.2), (2.2, 0.1), (-0.7, 0.4), (1.9, 1.9), (0.8, -1.3)] {
+        for (x, y) in [
+            (0.1, 0.2),
+            (2.2, 0.1),
+            (-0.7, 0.4),
+            (1.9, 1.9),
+            (-2.97, -2.23),
+            (0.8, -1.3),
+        ] {
             let found = touch(&rough, radius, x, y).unwrap();
             let expected = first_met(height, radius, x, y);
             let excess = found.tip_centre.z - expected;
@@ -255,7 +262,12 @@ fn the_contact_met_first_counts() {
     }
     // A tip too large for a saddle's valley leans on the nearer wall.
     let valley = |x: f64, y: f64| 0.3 * (x * x - y * y);
-    for (x, y) in [(0.05, 0.3), (-0.4, 0.0), (1.0, 1.0)] {
+    for (x, y) in [
+        (0.05, 0.3),
+        (-0.4, 0.0),
+        (1.0, 1.0),
+        (0.088_875, -1.491_375),
+    ] {
         let found = touch(&saddle(0.3), 2.5, x, y).unwrap();
         let excess = found.tip_centre.z - first_met(valley, 2.5, x, y);
         assert!(excess > -1e-12 && excess < 1e-4, "{x} {y}: {excess}");
