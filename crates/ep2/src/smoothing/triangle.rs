@@ -141,7 +141,7 @@ impl Triangle {
             let per_norm = 1.0 / norm;
             let factor = -per_norm / head;
             row[0] = norm;
-            let mut reflect = |entry: &mut f64, column: &mut [[f64; LANES]]| {
+            let reflect = |entry: &mut f64, column: &mut [[f64; LANES]]| {
                 let share = head * *entry + dot(pivot, column);
                 *entry += per_norm * share;
                 subtract(column, factor * share, pivot);

@@ -1,0 +1,155 @@
+//! The normal equations of a bicubic spline, gathered interval by interval.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{DEGREE, Smoothed};
+use crate::quadric::SquareQuadric;
+use crate::square::{Kinds, Square};
+use crate::{Knots, Patch};
+
+const SUPPORT: usize = DEGREE + 1;
+/// B-splines that do not vanish at a place.
+const LOCAL: usize = SUPPORT * SUPPORT;
+
+/// The normal equations of heights and of slopes, each of unit variance, for the deviation from a
+/// quadric.
+pub(super) struct Equations {
+    pub(super) grams: Kinds<DMatrix<f64>>,
+    pub(super) right_sides: Kinds<DVector<f64>>,
+    /// Weighted sums of squares of the deviations.
+    pub(super) squares: Kinds<f64>,
+    /// How many equations there are.
+    pub(super) count: Kinds<usize>,
+}
+
+/// What the contacts over one interval of both sides add.
+#[derive(Clone)]
+struct Cell {
+    gram: [[f64; LOCAL]; LOCAL],
+    right: [f64; LOCAL],
+}
+
+impl Cell {
+    const EMPTY: Self = Self {
+        gram: [[0.0; LOCAL]; LOCAL],
+        right: [0.0; LOCAL],
+    };
+
+    #[inline]
+    fn add(&mut self, along_a: &[f64], along_b: &[f64], value: f64, weight: f64) {
+        let mut row = [0.0; LOCAL];
+        for (chunk, a) in row.chunks_exact_mut(SUPPORT).zip(along_a) {
+            for (entry, b) in chunk.iter_mut().zip(along_b) {
+                *entry = a * b;
+            }
+        }
+        for ((gram, right), entry) in self.gram.iter_mut().zip(&mut self.right).zip(row) {
+            let weighted = weight * entry;
+            *right += weighted * value;
+            for (sum, other) in gram.iter_mut().zip(row) {
+                *sum += weighted * other;
+            }
+        }
+    }
+}
+
+impl Equations {
+    /// The equations of the deviation of a patch from `quadric`.
+    pub(super) fn around(
+        quadric: &SquareQuadric,
+        patch: &Patch,
+        square: &Square,
+        knots: &Knots,
+    ) -> Self {
+        let side = knots.interior().len() + 1;
+        let has_slopes = patch.has_normals();
+        let mut heights = vec![Cell::EMPTY; side * side];
+        let mut slopes = vec![Cell::EMPTY; if has_slopes { side * side } else { 0 }];
+        let mut squares = Kinds::default();
+        for one in square.observations(patch, quadric) {
+            let (first_a, first_b) = (knots.first_function(one.a), knots.first_function(one.b));
+            let [a, da] = knots.derivatives::<2>(first_a, one.a);
+            let [b, db] = knots.derivatives::<2>(first_b, one.b);
+            let cell = first_a * side + first_b;
+            heights[cell].add(&a, &b, one.height, one.height_weight);
+            squares.heights += one.height_weight * one.height * one.height;
+            if has_slopes {
+                let [slope_a, slope_b] = one.slopes;
+                let [weight_a, weight_b] = one.slope_weights;
+                slopes[cell].add(&da, &b, slope_a, weight_a);
+                slopes[cell].add(&a, &db, slope_b, weight_b);
+                squares.slopes += weight_a * slope_a * slope_a + weight_b * slope_b * slope_b;
+            }
+        }
+        let (gram_heights, right_heights) = assembled(&heights, knots);
+        let (gram_slopes, right_slopes) = assembled(&slopes, knots);
+        Self {
+            grams: Kinds {
+                heights: gram_heights,
+                slopes: gram_slopes,
+            },
+            right_sides: Kinds {
+                heights: right_heights,
+                slopes: right_slopes,
+            },
+            squares,
+            count: Kinds {
+                heights: patch.samples.len(),
+                slopes: if has_slopes {
+                    2 * patch.samples.len()
+                } else {
+                    0
+                },
+            },
+        }
+    }
+
+    pub(super) const fn has_slopes(&self) -> bool {
+        self.count.slopes > 0
+    }
+
+    /// Weighted sums of squared residuals.
+    pub(super) fn residuals(&self, deviation: &DVector<f64>) -> Kinds<f64> {
+        let residual = |gram: &DMatrix<f64>, right: &DVector<f64>, square: f64| {
+            (square - 2.0 * deviation.dot(right) + deviation.dot(&(gram * deviation))).max(0.0)
+        };
+        Kinds {
+            heights: residual(
+                &self.grams.heights,
+                &self.right_sides.heights,
+                self.squares.heights,
+            ),
+            slopes: residual(
+                &self.grams.slopes,
+                &self.right_sides.slopes,
+                self.squares.slopes,
+            ),
+        }
+    }
+
+    /// How many unknowns the fit has taken up from heights and from slopes.
+    pub(super) fn taken(&self, smoothed: &Smoothed, variances: &Kinds<f64>) -> Kinds<f64> {
+        let inverse = smoothed.spectrum.inverse(&smoothed.kept);
+        Kinds {
+            heights: inverse.dot(&self.grams.heights) / variances.heights,
+            slopes: inverse.dot(&self.grams.slopes) / variances.slopes,
+        }
+    }
+}
+
+fn assembled(cells: &[Cell], knots: &Knots) -> (DMatrix<f64>, DVector<f64>) {
+    let (width, side) = (knots.functions(), knots.interior().len() + 1);
+    let mut gram = DMatrix::zeros(width * width, width * width);
+    let mut right = DVector::zeros(width * width);
+    for (index, cell) in cells.iter().enumerate() {
+        let (first_a, first_b) = (index / side, index % side);
+        let place = |local: usize| (first_a + local / SUPPORT) * width + first_b + local % SUPPORT;
+        for (one, entries) in cell.gram.iter().enumerate() {
+            right[place(one)] += cell.right[one];
+            for (other, entry) in entries.iter().enumerate() {
+                gram[(place(other), place(one))] += entry;
+            }
+        }
+    }
+    (gram, right)
+}

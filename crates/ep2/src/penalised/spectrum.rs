@@ -1,0 +1,121 @@
+//! The penalised normal equations in the modes that both of their matrices share.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use super::equations::Equations;
+use crate::Ep2Error;
+use crate::quadric::UNKNOWNS;
+use crate::square::Kinds;
+
+/// How much of the penalty joins the fidelity, relative to their traces, so that the sum determines
+/// all coefficients.
+const SHIFT: f64 = 1e-7;
+
+/// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A are the weighted normal
+/// equations and P the penalty. With smoothing weight λ the coefficients are
+/// U diag(1/(fidelity + λ roughness)) Uᵀ (right side): everything that depends on λ is a sum over
+/// modes.
+pub(super) struct Spectrum {
+    modes: DMatrix<f64>,
+    /// In [0, 1]; 1 for the quadrics, which stand first.
+    pub(super) fidelity: Vec<f64>,
+    /// 0 for the quadrics; ascending.
+    pub(super) roughness: Vec<f64>,
+    /// The right side in the modes.
+    pub(super) right: Vec<f64>,
+    /// Weighted sum of squares of all observations.
+    pub(super) square: f64,
+    /// How many observations there are.
+    pub(super) equations: f64,
+}
+
+impl Spectrum {
+    pub(super) fn of(
+        equations: &Equations,
+        penalty: &DMatrix<f64>,
+        variances: &Kinds<f64>,
+    ) -> Result<Self, Ep2Error> {
+        let (per_height, per_slope) = (1.0 / variances.heights, 1.0 / variances.slopes);
+        let mut sum = &equations.grams.heights * per_height;
+        let mut right = &equations.right_sides.heights * per_height;
+        let mut square = equations.squares.heights * per_height;
+        if equations.has_slopes() {
+            sum += &equations.grams.slopes * per_slope;
+            right += &equations.right_sides.slopes * per_slope;
+            square += equations.squares.slopes * per_slope;
+        }
+        let shift = SHIFT * sum.trace() / penalty.trace();
+        sum += penalty * shift;
+        // With C Cᵀ the sum, the modes are C⁻ᵀ times the eigenvectors of C⁻¹ P C⁻ᵀ.
+        let factor = sum.cholesky().ok_or(Ep2Error::OutOfRange)?.unpack();
+        let half = solved_lower(&factor, penalty)?;
+        let whole = solved_lower(&factor, &half.transpose())?;
+        let eigen = SymmetricEigen::new(whole);
+        let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        let mut modes = eigen.eigenvectors.select_columns(&order);
+        if !factor.tr_solve_lower_triangular_mut(&mut modes) {
+            return Err(Ep2Error::OutOfRange);
+        }
+        let roughness: Vec<f64> = order
+            .iter()
+            .enumerate()
+            .map(|(place, &index)| {
+                if place < UNKNOWNS {
+                    0.0
+                } else {
+                    eigen.eigenvalues[index].max(0.0)
+                }
+            })
+            .collect();
+        Ok(Self {
+            fidelity: roughness
+                .iter()
+                .map(|roughness| (1.0 - shift * roughness).max(0.0))
+                .collect(),
+            roughness,
+            right: modes.tr_mul(&right).iter().copied().collect(),
+            modes,
+            square,
+            equations: (equations.count.heights + equations.count.slopes) as f64,
+        })
+    }
+
+    /// 1/(fidelity + λ roughness) of each mode.
+    pub(super) fn kept(&self, log_weight: f64) -> Vec<f64> {
+        let weight = log_weight.exp();
+        let pairs = self.fidelity.iter().zip(&self.roughness);
+        pairs
+            .map(|(fidelity, roughness)| 1.0 / (fidelity + weight * roughness))
+            .collect()
+    }
+
+    /// The spline's coefficients.
+    pub(super) fn deviation(&self, kept: &[f64]) -> DVector<f64> {
+        let in_modes = kept
+            .iter()
+            .zip(&self.right)
+            .map(|(kept, right)| kept * right);
+        &self.modes * DVector::from_iterator(self.right.len(), in_modes)
+    }
+
+    /// (A + λP)⁻¹.
+    pub(super) fn inverse(&self, kept: &[f64]) -> DMatrix<f64> {
+        let mut scaled = self.modes.clone();
+        for (mut column, kept) in scaled.column_iter_mut().zip(kept) {
+            column *= *kept;
+        }
+        scaled * self.modes.transpose()
+    }
+
+    /// A covariance in the modes as one of the coefficients.
+    pub(super) fn covariance(&self, in_modes: &DMatrix<f64>) -> DMatrix<f64> {
+        &self.modes * in_modes * self.modes.transpose()
+    }
+}
+
+fn solved_lower(factor: &DMatrix<f64>, right: &DMatrix<f64>) -> Result<DMatrix<f64>, Ep2Error> {
+    factor
+        .solve_lower_triangular(right)
+        .ok_or(Ep2Error::OutOfRange)
+}

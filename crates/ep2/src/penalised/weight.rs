@@ -1,0 +1,294 @@
+//! The choice of the smoothing weight, and what the data leave open of it.
+
+use nalgebra::DMatrix;
+
+use super::spectrum::Spectrum;
+use crate::Ep2Error;
+use crate::quadric::UNKNOWNS;
+
+/// Places at which the criterion is looked at, in equal steps of the logarithm of the weight.
+const NODES: usize = 80;
+/// The smallest weight looked at, relative to the smallest at which a mode is half kept.
+const LEAST: f64 = 1e-2;
+/// The largest, relative to the largest at which a mode is half kept: beyond, only the quadric is
+/// left.
+const MOST: f64 = 1e3;
+/// Modes whose half weight is below this share of the largest do not widen the search.
+const FAINT: f64 = 1e-8;
+/// A priori, the probability of a smoothing weight falls as this power of it.
+const PRIOR_POWER: f64 = 0.1;
+/// Weights less probable than this do not count.
+const NEGLIGIBLE: f64 = 1e-4;
+
+/// How the smoothing weight is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Criterion {
+    /// Generalised cross validation in which each unknown taken up counts `gamma` times (Kim and
+    /// Gu, 2004, advise 1.4), which seldom smooths too little.
+    RobustGcv {
+        /// How much an unknown counts, at least 1.
+        gamma: f64,
+    },
+    /// Generalised cross validation (Craven and Wahba, 1979).
+    Gcv,
+    /// Restricted maximum likelihood (Patterson and Thompson, 1971).
+    Reml,
+}
+
+impl Default for Criterion {
+    fn default() -> Self {
+        Self::RobustGcv { gamma: 1.4 }
+    }
+}
+
+impl Criterion {
+    pub(super) fn check(self) -> Result<(), Ep2Error> {
+        match self {
+            Self::RobustGcv { gamma } if !(1.0..=100.0).contains(&gamma) => {
+                Err(Ep2Error::BadSetting {
+                    setting: "gamma",
+                    value: gamma,
+                    expected: "1 to 100",
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn gamma(self) -> f64 {
+        match self {
+            Self::RobustGcv { gamma } => gamma,
+            Self::Gcv | Self::Reml => 1.0,
+        }
+    }
+}
+
+/// A smoothing weight, and what follows from it.
+pub(super) struct Choice {
+    /// Logarithm of the weight.
+    pub(super) log_weight: f64,
+    /// Factor of the assumed variances that explains the residuals; 1 where they are known.
+    pub(super) scale: f64,
+    pub(super) effective_unknowns: f64,
+    /// Covariance of the coefficients in the modes.
+    pub(super) open: DMatrix<f64>,
+}
+
+/// What the sums over modes are at a smoothing weight λ. The prime is a derivative by ln λ.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// Weighted sum of squared residuals.
+    residual: f64,
+    residual_prime: f64,
+    /// The same plus λ times the penalty.
+    penalised: f64,
+    penalised_prime: f64,
+    /// Trace of the map from observations to fit.
+    unknowns: f64,
+    unknowns_prime: f64,
+    /// ln det⁺(λP) − ln det(A + λP), and its derivative.
+    log_determinants: f64,
+    log_determinants_prime: f64,
+}
+
+impl Sums {
+    fn at(spectrum: &Spectrum, log_weight: f64) -> Self {
+        let weight = log_weight.exp();
+        let mut sums = Self {
+            residual: spectrum.square,
+            penalised: spectrum.square,
+            ..Self::default()
+        };
+        for mode in 0..spectrum.right.len() {
+            let (fidelity, right) = (spectrum.fidelity[mode], spectrum.right[mode]);
+            let penalty = weight * spectrum.roughness[mode];
+            let kept = 1.0 / (fidelity + penalty);
+            let (fitted, square) = (fidelity * kept, right * right);
+            let smoothed = penalty * kept;
+            sums.residual -= square * kept * (2.0 - fitted);
+            sums.residual_prime += 2.0 * square * kept * smoothed * smoothed;
+            sums.penalised -= square * kept;
+            sums.penalised_prime += square * kept * smoothed;
+            sums.unknowns += fitted;
+            sums.unknowns_prime -= fitted * smoothed;
+            if mode >= UNKNOWNS && penalty > 0.0 {
+                sums.log_determinants += smoothed.ln();
+                sums.log_determinants_prime += fitted;
+            }
+        }
+        // Rounding may leave a negative rest where everything is fitted.
+        let rest = f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE;
+        sums.residual = sums.residual.max(rest);
+        sums.penalised = sums.penalised.max(rest);
+        sums
+    }
+}
+
+/// A criterion of one data set.
+struct Search<'a> {
+    spectrum: &'a Spectrum,
+    criterion: Criterion,
+    /// Whether the variances are known, not only their ratio.
+    is_known: bool,
+}
+
+impl Search<'_> {
+    /// −2 ln(likelihood) with the quadric integrated out; that of the best scale unless it is
+    /// known.
+    fn deviance(&self, sums: &Sums) -> f64 {
+        let degrees = self.spectrum.equations - UNKNOWNS as f64;
+        let misfit = if self.is_known {
+            sums.penalised
+        } else {
+            degrees * sums.penalised.ln()
+        };
+        misfit - sums.log_determinants
+    }
+
+    /// What is to be smallest; infinite where too many unknowns would be taken up.
+    fn score(&self, sums: &Sums) -> f64 {
+        if let Criterion::Reml = self.criterion {
+            return self.deviance(sums);
+        }
+        let left = self.spectrum.equations - self.criterion.gamma() * sums.unknowns;
+        if left > 0.0 {
+            sums.residual.ln() - 2.0 * left.ln()
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Its derivative by the logarithm of the weight.
+    fn slope(&self, sums: &Sums) -> f64 {
+        if let Criterion::Reml = self.criterion {
+            let degrees = self.spectrum.equations - UNKNOWNS as f64;
+            let misfit = if self.is_known {
+                sums.penalised_prime
+            } else {
+                degrees * sums.penalised_prime / sums.penalised
+            };
+            return misfit - sums.log_determinants_prime;
+        }
+        let gamma = self.criterion.gamma();
+        let left = self.spectrum.equations - gamma * sums.unknowns;
+        sums.residual_prime / sums.residual + 2.0 * gamma * sums.unknowns_prime / left
+    }
+
+    /// The root of the slope between two places where it rises through zero.
+    fn root(&self, mut low: f64, mut high: f64) -> f64 {
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if self.slope(&Sums::at(self.spectrum, middle)) > 0.0 {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+}
+
+/// The smoothing weight that the criterion likes best, and the covariance that is left.
+///
+/// What the data leave open of the weight is taken from its likelihood: the covariance is the mean
+/// over weights of that of the posterior, and of the squared distance to the chosen fit.
+pub(super) fn choose(spectrum: &Spectrum, criterion: Criterion, is_known: bool) -> Choice {
+    let search = Search {
+        spectrum,
+        criterion,
+        is_known,
+    };
+    let (low, high) = range(spectrum);
+    let step = (high - low) / (NODES - 1) as f64;
+    let places: Vec<f64> = (0..NODES).map(|node| low + step * node as f64).collect();
+    let sums: Vec<Sums> = places
+        .iter()
+        .map(|&place| Sums::at(spectrum, place))
+        .collect();
+    let best = (0..NODES)
+        .rev()
+        .min_by(|&one, &other| {
+            search
+                .score(&sums[one])
+                .total_cmp(&search.score(&sums[other]))
+        })
+        .unwrap_or(NODES - 1);
+    let below = best.saturating_sub(1);
+    let above = (best + 1).min(NODES - 1);
+    let has_root = search.score(&sums[below]).is_finite()
+        && search.slope(&sums[below]) < 0.0
+        && search.slope(&sums[above]) > 0.0;
+    let log_weight = if has_root {
+        search.root(places[below], places[above])
+    } else {
+        places[best]
+    };
+    let chosen = Sums::at(spectrum, log_weight);
+    let scale = if is_known {
+        1.0
+    } else {
+        chosen.residual / (spectrum.equations - chosen.unknowns).max(1.0)
+    };
+    let log_probabilities: Vec<f64> = sums
+        .iter()
+        .zip(&places)
+        .map(|(sums, place)| -0.5 * search.deviance(sums) - PRIOR_POWER * place)
+        .collect();
+    Choice {
+        log_weight,
+        scale,
+        effective_unknowns: chosen.unknowns,
+        open: covariance(spectrum, log_weight, scale, &places, &log_probabilities),
+    }
+}
+
+/// Logarithms of the smallest and the largest weight that make a difference.
+fn range(spectrum: &Spectrum) -> (f64, f64) {
+    let halves = || {
+        let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);
+        modes
+            .skip(UNKNOWNS)
+            .filter(|(fidelity, roughness)| **fidelity > 0.0 && **roughness > 0.0)
+            .map(|(fidelity, roughness)| fidelity / roughness)
+    };
+    let largest = halves().fold(f64::MIN_POSITIVE, f64::max);
+    let smallest = halves().fold(largest, f64::min).max(FAINT * largest);
+    ((LEAST * smallest).ln(), (MOST * largest).ln())
+}
+
+fn covariance(
+    spectrum: &Spectrum,
+    log_weight: f64,
+    scale: f64,
+    places: &[f64],
+    log_probabilities: &[f64],
+) -> DMatrix<f64> {
+    let most = log_probabilities
+        .iter()
+        .copied()
+        .fold(f64::NEG_INFINITY, f64::max);
+    let likely: Vec<(f64, f64)> = places
+        .iter()
+        .zip(log_probabilities)
+        .map(|(&place, probability)| (place, (probability - most).exp()))
+        .filter(|(_, probability)| *probability > NEGLIGIBLE)
+        .collect();
+    let total: f64 = likely.iter().map(|(_, probability)| probability).sum();
+    let chosen = spectrum.kept(log_weight);
+    let modes = chosen.len();
+    let mut result = DMatrix::zeros(modes, modes);
+    let mut distances = DMatrix::zeros(modes, likely.len());
+    for (index, (place, probability)) in likely.iter().enumerate() {
+        let share = probability / total;
+        for (mode, kept) in spectrum.kept(*place).into_iter().enumerate() {
+            result[(mode, mode)] += share * scale * kept;
+            let distance = (kept - chosen[mode]) * spectrum.right[mode];
+            distances[(mode, index)] = share.sqrt() * distance;
+        }
+    }
+    result.gemm(1.0, &distances, &distances.transpose(), 1.0);
+    result
+}
