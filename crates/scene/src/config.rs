@@ -23,7 +23,7 @@ mod validate;
 
 pub use error::ConfigError;
 pub use load::{Cell, Study, load, parse};
-pub use plot::{Mark, MarkAxis, PlotConfig, STATISTICS, Scale};
+pub use plot::{Mark, MarkAxis, PlotConfig, PlotKind, STATISTICS, Scale};
 pub use roll::{
     AngularVelocityNoise, Chart, EncoderConfig, ObjectConfig, PadLayout, PadOffset, ProbeConfig,
     RollAxis, RollConfig, RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollNoiseConfig,

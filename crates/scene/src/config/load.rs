@@ -118,7 +118,7 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
         })
     };
     let cells = (0..grid.cells()).map(cell).collect::<Result<Vec<_>, _>>()?;
-    plot::check(&plots, &grid).map_err(faulty)?;
+    plot::check(&plots, &grid, &cells[0].config.outputs).map_err(faulty)?;
 
     let config = StudyConfig {
         sweep: deserialise(&sweeps).map_err(faulty)?,

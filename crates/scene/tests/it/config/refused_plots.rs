@@ -128,3 +128,64 @@ y = "std"
    |        ^^^"#
     );
 }
+
+#[test]
+fn plots_without_the_keys_of_their_kind() {
+    assert_eq!(
+        message(&with(
+            r#"[[plot]]
+y = "mean"
+"#
+        )),
+        r#"study.toml:9:1: plot.0.x: missing key
+  |
+9 | [[plot]]
+  | ^^^^^^^^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[plot]]
+kind = "class-map"
+x = "truth"
+"#
+        )),
+        r#"study.toml:11:1: plot.0.x: unknown key for kind `class-map`; known: name, title, where, scale, kind
+   |
+11 | x = "truth"
+   | ^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[plot]]
+kind = "contact"
+"#
+        )),
+        r#"study.toml:10:8: plot.0.kind: unknown choice "contact"; did you mean `contacts`? (known: lines, class-map, contacts)
+   |
+10 | kind = "contact"
+   |        ^^^^^^^^^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[plot]]
+kind = "contacts"
+scale = "log-x"
+"#
+        )),
+        r#"study.toml:11:9: plot.0.scale: only lines have another scale than linear
+   |
+11 | scale = "log-x"
+   |         ^^^^^^^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[plot]]
+kind = "class-map"
+"#
+        )),
+        r#"study.toml:10:8: plot.0.kind: is drawn from the output "map", which `outputs` does not ask for
+   |
+10 | kind = "class-map"
+   |        ^^^^^^^^^^^"#
+    );
+}
