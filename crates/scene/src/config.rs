@@ -13,6 +13,8 @@
 mod error;
 mod grid;
 mod load;
+mod object;
+mod pads;
 mod plot;
 mod roll;
 mod schema;
@@ -23,11 +25,13 @@ mod validate;
 
 pub use error::ConfigError;
 pub use load::{Cell, Study, load, parse};
+pub use object::ObjectConfig;
+pub use pads::{PadLayout, PadOffset};
 pub use plot::{Mark, MarkAxis, PlotConfig, PlotKind, STATISTICS, Scale};
 pub use roll::{
-    AngularVelocityNoise, Chart, EncoderConfig, ObjectConfig, PadLayout, PadOffset, ProbeConfig,
-    RollAxis, RollConfig, RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollNoiseConfig,
-    RollSensorConfig, Side, When,
+    AngularVelocityNoise, Chart, EncoderConfig, ProbeConfig, RollAxis, RollConfig,
+    RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollNoiseConfig, RollSensorConfig,
+    Side, When,
 };
 pub use schema::schema;
 pub use study::{LengthUnit, Output, SceneConfig, StudyConfig, to_toml};

@@ -6,11 +6,13 @@
 //! the reading. [`recorded`] estimates from readings that somebody measured.
 
 pub mod config;
+mod plan;
 mod quantity;
 pub mod recorded;
 pub mod roll;
 mod table;
 
+pub use plan::PlanError;
 pub use quantity::{Quantity, Unit};
 pub use roll::RollScene;
 pub use table::Table;
@@ -115,7 +117,7 @@ impl Study {
         Ok(scene)
     }
 
-    fn plan_error(&self, cell: usize, error: roll::PlanError) -> ConfigError {
+    fn plan_error(&self, cell: usize, error: PlanError) -> ConfigError {
         match error.part {
             Some(part) => self.error_in_text(cell, &error.path, part, error.message),
             None => self.error_at(cell, &error.path, error.message),

@@ -6,7 +6,6 @@ mod plan;
 mod sensor;
 mod trace;
 
-pub use plan::PlanError;
 pub use trace::{RollTrace, TraceError};
 
 use nalgebra::Vector2;
@@ -16,7 +15,7 @@ use palpate_ep1::{
 use palpate_geometry::CurvatureForm;
 use palpate_rolling::{Motion, Roller};
 
-use crate::{Outcome, Quantity, Unit};
+use crate::{Outcome, PlanError, Quantity, Unit};
 use linear::LinearRolls;
 use noise::MotionNoise;
 use sensor::RollSensor;

@@ -1,15 +1,9 @@
 //! From a roll's config to a [`RollScene`].
 
-use std::ops::Range;
-
 use palpate_ep1::{LeastSquares, ReadingNoise};
-use palpate_geometry::formula::Formula;
-use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
-use palpate_geometry::{InvalidShape, Shape, Surface};
+use palpate_geometry::{Shape, Surface};
 use palpate_rolling::{Chart, HeldAxis, InvalidRoll, Model, Motion, Probe, Roller, Rolls};
-use palpate_sensing::{
-    AngularVelocityError, Distribution, Encoder, InvalidSensor, PadLayout, PadOffset, Pads, Wrist,
-};
+use palpate_sensing::{AngularVelocityError, Distribution, Encoder, PadOffset, Pads, Wrist};
 
 use super::linear::LinearRolls;
 use super::noise::MotionNoise;
@@ -19,37 +13,9 @@ use crate::config::{
     self, AngularVelocityNoise, ObjectConfig, ProbeConfig, RollAxis, RollConfig,
     RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollSensorConfig, Side, When,
 };
-
-/// A config that makes no scene: which field, and what is wrong with it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlanError {
-    /// Path of the field, `scene.object.radius`.
-    pub path: String,
-    /// What is wrong.
-    pub message: String,
-    /// The part of the field's text, in bytes, that is wrong.
-    pub part: Option<Range<usize>>,
-}
+use crate::plan::{PlanError, pad_layout, shape};
 
 impl PlanError {
-    pub(super) fn at(path: impl Into<String>, message: impl ToString) -> Self {
-        Self {
-            path: path.into(),
-            message: message.to_string(),
-            part: None,
-        }
-    }
-
-    fn of_shape(error: InvalidShape) -> Self {
-        let message = format!("must be {}, is {}", error.expected, error.value);
-        Self::at(format!("scene.object.{}", error.parameter), message)
-    }
-
-    fn of_sensor(table: &str, error: InvalidSensor) -> Self {
-        let message = format!("must be {}, is {}", error.expected, error.value);
-        Self::at(format!("{table}.{}", error.parameter), message)
-    }
-
     fn of_roll(object: &ObjectConfig, error: InvalidRoll) -> Self {
         let path = match (&error, object) {
             (InvalidRoll::FirstContact(_), ObjectConfig::HeightField { .. }) => {
@@ -123,37 +89,6 @@ impl RollScene {
     }
 }
 
-fn shape(config: &ObjectConfig) -> Result<Shape, PlanError> {
-    match config {
-        ObjectConfig::Sphere { radius } => Sphere::new(*radius).map(Shape::Sphere),
-        ObjectConfig::Dish { radius } => Dish::new(*radius).map(Shape::Dish),
-        ObjectConfig::Plane {} => Ok(Shape::Plane(Plane)),
-        ObjectConfig::Cylinder {
-            radius,
-            direction_deg,
-        } => Cylinder::new(*radius, direction_deg.to_radians()).map(Shape::Cylinder),
-        ObjectConfig::Ellipsoid { semi_axes } => Ellipsoid::new(*semi_axes).map(Shape::Ellipsoid),
-        ObjectConfig::Torus {
-            major_radius,
-            minor_radius,
-        } => Torus::new(*major_radius, *minor_radius).map(Shape::Torus),
-        ObjectConfig::Paraboloid { c } => Graph::paraboloid(*c).map(Shape::Paraboloid),
-        ObjectConfig::Saddle { a } => Graph::saddle(*a).map(Shape::Saddle),
-        ObjectConfig::HeightField {
-            formula,
-            parameters,
-        } => {
-            let formula = Formula::parse(formula, parameters).map_err(|error| PlanError {
-                path: "scene.object.formula".to_owned(),
-                message: error.kind.to_string(),
-                part: error.span,
-            })?;
-            Ok(Shape::HeightField(Graph::of_formula(formula)))
-        }
-    }
-    .map_err(PlanError::of_shape)
-}
-
 fn motion_noise(config: &RollConfig) -> Result<MotionNoise, PlanError> {
     let Some(noise) = &config.noise.angular_velocity else {
         return Ok(MotionNoise::None);
@@ -204,10 +139,7 @@ fn sensor(config: &RollSensorConfig, radius: f64) -> Result<RollSensor, PlanErro
             offset,
             cap_deg,
         } => {
-            let layout = match layout {
-                config::PadLayout::Square => PadLayout::Square,
-                config::PadLayout::Uniform => PadLayout::Uniform,
-            };
+            let layout = pad_layout(*layout);
             let offset = match offset {
                 config::PadOffset::Centred => PadOffset::Centred,
                 config::PadOffset::Random => PadOffset::Random,

@@ -1,0 +1,31 @@
+//! Pads on a fingertip.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How pads are laid out on the probe.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PadLayout {
+    /// A square grid in the arc lengths of the surface.
+    #[default]
+    Square,
+    /// A nearly uniform lattice over the cap.
+    Uniform,
+}
+
+/// Where the first contact lies on the array of pads.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PadOffset {
+    /// At the centre of a pad.
+    #[default]
+    Centred,
+    /// Anywhere within a pad, drawn per trial.
+    Random,
+}
+
+/// Pads cover the half of the fingertip, in degrees from its middle.
+pub(super) fn right_angle() -> f64 {
+    90.0
+}
