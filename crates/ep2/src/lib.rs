@@ -18,6 +18,7 @@ mod smoothing;
 mod spline;
 mod square;
 mod surface;
+mod two_pass;
 
 pub use contact::Contact;
 pub use curvature::{Curvature, SignClass, Uncertainty};
@@ -33,3 +34,4 @@ pub use regions::{Region, Regions, regions};
 pub use smoothing::{Smoothed, SmoothingSpline, Status, WeightedPoint};
 pub use spline::{Jet, TensorSpline};
 pub use surface::MapPoint;
+pub use two_pass::{Pass, Passes, TangentNormals, TwoPass, TwoPassFit};

@@ -105,6 +105,8 @@ pub struct Smoothed {
     /// How many of the coefficients are determined; of the others the choice is that of least
     /// norm.
     pub rank: usize,
+    /// How many unknowns the spline has taken up: the trace of the map from heights to spline.
+    pub effective_unknowns: f64,
 }
 
 /// Coefficients on some knots, in the order of the mesh.
@@ -112,6 +114,7 @@ struct Solution {
     coefficients: Vec<f64>,
     residual_sum: f64,
     rank: usize,
+    effective_unknowns: f64,
 }
 
 impl SmoothingSpline {
@@ -141,6 +144,7 @@ impl SmoothingSpline {
                 residual_sum,
                 status,
                 rank: solution.rank,
+                effective_unknowns: solution.effective_unknowns,
             })
         } else {
             Err(Ep2Error::OutOfRange)
@@ -159,7 +163,7 @@ impl SmoothingSpline {
         let mut polynomial_sum = None;
         loop {
             let triangle = observations.triangle(mesh);
-            let solution = self.solve(&triangle, mesh, observations);
+            let solution = self.least_squares(&triangle, mesh, observations);
             let is_polynomial = polynomial_sum.is_none();
             let polynomial_sum = *polynomial_sum.get_or_insert(solution.residual_sum);
             let excess = solution.residual_sum - smoothing;
@@ -174,7 +178,8 @@ impl SmoothingSpline {
             }
             if excess < 0.0 {
                 let bounds = [polynomial_sum - smoothing, excess];
-                return self.balance(&triangle, mesh, observations, smoothing, bounds);
+                let balanced = self.balance(&triangle, mesh, observations, smoothing, bounds);
+                return balanced.unwrap_or((Status::Unsettled, solution));
             }
             let next = if mesh.coefficients() > observations.len() {
                 None
@@ -191,7 +196,7 @@ impl SmoothingSpline {
     }
 
     /// The spline whose sum of squares is `smoothing`, between the polynomial and the
-    /// least-squares spline, which exceed it by `bounds`.
+    /// least-squares spline, which exceed it by `bounds`; `None` if not even one could be tried.
     fn balance(
         &self,
         triangle: &Triangle,
@@ -199,43 +204,66 @@ impl SmoothingSpline {
         observations: &Observations<'_>,
         smoothing: f64,
         bounds: [f64; 2],
-    ) -> (Status, Solution) {
+    ) -> Option<(Status, Solution)> {
         let roughness = Roughness::of(mesh);
-        let mut solution = Solution {
-            coefficients: Vec::new(),
-            residual_sum: f64::NAN,
-            rank: 0,
-        };
         let first = triangle.order() as f64 / triangle.diagonal().sum::<f64>();
         let tolerance = self.tolerance * smoothing;
+        let mut last = None;
         let is_met = parameter::search(bounds[0], bounds[1], first, tolerance, |parameter| {
-            solution = self.solve(&roughness.join(triangle, parameter), mesh, observations);
-            solution.residual_sum = observations.residual_sum(mesh, &solution.coefficients);
-            solution.residual_sum - smoothing
+            let joined = roughness.join(triangle, parameter);
+            let (coefficients, rank) = self.solve(&joined);
+            let residual_sum = observations.residual_sum(mesh, &coefficients);
+            last = Some((joined, coefficients, residual_sum, rank));
+            residual_sum - smoothing
         });
+        let (joined, coefficients, residual_sum, rank) = last?;
+        let solution = Solution {
+            effective_unknowns: if rank == joined.order() {
+                triangle.share_of(&joined)
+            } else {
+                rank as f64
+            },
+            coefficients,
+            residual_sum,
+            rank,
+        };
         let status = if is_met {
             Status::Smoothing
         } else {
             Status::Unsettled
         };
-        (status, solution)
+        Some((status, solution))
     }
 
-    fn solve(&self, triangle: &Triangle, mesh: &Mesh, observations: &Observations<'_>) -> Solution {
+    /// The least-squares spline on the present knots.
+    fn least_squares(
+        &self,
+        triangle: &Triangle,
+        mesh: &Mesh,
+        observations: &Observations<'_>,
+    ) -> Solution {
+        let (coefficients, rank) = self.solve(triangle);
+        let residual_sum = if rank == triangle.order() {
+            triangle.residual_sum
+        } else {
+            observations.residual_sum(mesh, &coefficients)
+        };
+        Solution {
+            coefficients,
+            residual_sum,
+            rank,
+            effective_unknowns: rank as f64,
+        }
+    }
+
+    /// The coefficients, those of least norm if there are many, and the rank.
+    fn solve(&self, triangle: &Triangle) -> (Vec<f64>, usize) {
         let largest = triangle.diagonal().fold(0.0, f64::max);
         let floor = self.rank_tolerance.sqrt() * largest;
         if triangle.diagonal().all(|entry| entry > floor) {
-            return Solution {
-                coefficients: triangle.solve(),
-                residual_sum: triangle.residual_sum,
-                rank: triangle.order(),
-            };
-        }
-        let (coefficients, rank) = minimum_norm::solve(triangle, floor);
-        Solution {
-            residual_sum: observations.residual_sum(mesh, &coefficients),
-            coefficients,
-            rank,
+            (triangle.solve(), triangle.order())
+        } else {
+            minimum_norm::solve(triangle, floor)
         }
     }
 

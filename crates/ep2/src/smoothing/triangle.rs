@@ -158,6 +158,21 @@ impl Triangle {
         block.clear();
     }
 
+    /// With this triangle `R` and that of more equations `J`: the trace of `J⁻ᵀ RᵀR J⁻¹`, the
+    /// share of these equations in the solution of `J`.
+    pub(super) fn share_of(&self, joined: &Self) -> f64 {
+        let mut trace = 0.0;
+        let mut row = vec![0.0; self.order];
+        for start in 0..self.order {
+            row.fill(0.0);
+            let entries = &self.row(start)[..self.band.min(self.order - start)];
+            row[start..][..entries.len()].copy_from_slice(entries);
+            joined.solve_transposed_in_place(&mut row);
+            trace += row.iter().map(|entry| entry * entry).sum::<f64>();
+        }
+        trace
+    }
+
     /// The solution, where no diagonal entry vanishes.
     pub(super) fn solve(&self) -> Vec<f64> {
         let mut solution: Vec<f64> = (0..self.order).map(|row| self.right(row)).collect();

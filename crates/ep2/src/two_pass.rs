@@ -1,0 +1,319 @@
+//! The 1996 paper's method: a smoothing spline through the contacts, and a second one through it
+//! and its tangents.
+
+use crate::knots::MAX_DEGREE;
+use crate::{
+    Ep2Error, Fit, Method, Patch, Sample, Smoothed, SmoothingSpline, Status, TensorSpline,
+    WeightedPoint,
+};
+
+/// Numbers whose squares neither overflow nor vanish.
+const LARGEST: f64 = 1e150;
+
+/// Whose normals the tangents of the second pass are of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TangentNormals {
+    /// The contacts' own; the first fit's where they have none.
+    #[default]
+    Measured,
+    /// The first fit's.
+    FirstFit,
+}
+
+/// How often a spline is fitted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Passes {
+    /// Once, to the contacts.
+    One,
+    /// A second time, to the first fit and its tangents.
+    #[default]
+    Two,
+}
+
+/// The paper's method.
+///
+/// First a smoothing spline is fitted to the contacts. Then a second one is fitted to three points
+/// per contact: the first fit there, and a step to either side along the tangent line that is
+/// perpendicular to the fingers' travel (u, in the patch's frame).
+///
+/// Its settings are meant for lengths in distances between fingers: `weight`² · `residual`² is
+/// held against the smoothing sums with residuals in that unit, and the step is counted in it.
+/// Weights of the contacts, which are inverse variances, multiply `weight` by their roots.
+///
+/// The sum of 1000 allows 30 contacts of weight 100 a root-mean-square residual of 0.058 such
+/// units. Where it needs more knots than the points bear the fit is returned as it is, and its
+/// curvature is then of no use: [`Pass::status`] tells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoPass {
+    /// Degree of the first spline in both directions, 1 to [`MAX_DEGREE`].
+    pub first_degree: usize,
+    /// Degree of the second spline.
+    pub second_degree: usize,
+    /// What residuals are multiplied with, per unit of length.
+    pub weight: f64,
+    /// Sum of squared weighted residuals that the first spline aims at.
+    pub smoothing: f64,
+    /// The same of the second spline.
+    pub second_smoothing: f64,
+    /// Step along the tangent, in units of length.
+    pub tangent_step: f64,
+    /// Whose normals the tangents are of.
+    pub normals: TangentNormals,
+    /// The unit, a length as those of the contacts; `None` for the mean distance between
+    /// neighbouring fingers.
+    pub unit_length: Option<f64>,
+    /// How often a spline is fitted.
+    pub passes: Passes,
+    /// How many interior knots a spline may have in either direction.
+    pub most_knots: usize,
+}
+
+impl Default for TwoPass {
+    /// The paper's settings, with a second spline that is bicubic.
+    fn default() -> Self {
+        Self {
+            first_degree: 2,
+            second_degree: 3,
+            weight: 100.0,
+            smoothing: 1000.0,
+            second_smoothing: 1000.0,
+            tangent_step: 0.05,
+            normals: TangentNormals::default(),
+            unit_length: None,
+            passes: Passes::default(),
+            most_knots: 16,
+        }
+    }
+}
+
+/// What became of one of the splines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pass {
+    /// Whether it met its sum of squares.
+    pub status: Status,
+    /// Its sum of squared weighted residuals, in the unit of the settings.
+    pub residual_sum: f64,
+    /// How many coefficients it has.
+    pub coefficients: usize,
+    /// How many of them are determined.
+    pub rank: usize,
+}
+
+/// A fit and how it came about.
+#[derive(Clone, Debug)]
+pub struct TwoPassFit {
+    /// The fit; its effective unknowns are those of the last spline.
+    pub fit: Fit,
+    /// The first spline.
+    pub first: Pass,
+    /// The second spline, if there is one.
+    pub second: Option<Pass>,
+}
+
+impl Method for TwoPass {
+    fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
+        Ok(self.fit_passes(patch)?.fit)
+    }
+}
+
+impl TwoPass {
+    /// The fit, and what became of either spline.
+    ///
+    /// # Errors
+    /// [`Ep2Error`]: `bad-setting`, also where the contacts are of one finger and no unit is set;
+    /// `too-few-contacts`; `undetermined` where contacts leave the polynomial open whose normals
+    /// or curvature are wanted; `out-of-range`.
+    pub fn fit_passes(&self, patch: &Patch) -> Result<TwoPassFit, Ep2Error> {
+        self.check(patch)?;
+        let unit = self.unit(patch)?;
+        let points: Vec<WeightedPoint> = patch
+            .samples
+            .iter()
+            .map(|sample| self.point(sample, unit, [sample.u, sample.v, sample.w]))
+            .collect();
+        let first = self
+            .spline(self.first_degree, self.smoothing)
+            .fit(&points)?;
+        if self.passes == Passes::One {
+            determined(&first, patch)?;
+            return Ok(TwoPassFit {
+                first: Pass::of(&first),
+                second: None,
+                fit: fit(patch, first),
+            });
+        }
+        let points = self.second_points(patch, unit, &first)?;
+        let second = self.spline(self.second_degree, self.second_smoothing);
+        let second = second.fit(&points)?;
+        determined(&second, patch)?;
+        Ok(TwoPassFit {
+            first: Pass::of(&first),
+            second: Some(Pass::of(&second)),
+            fit: fit(patch, second),
+        })
+    }
+
+    fn spline(&self, degree: usize, smoothing: f64) -> SmoothingSpline {
+        SmoothingSpline {
+            most_knots: [self.most_knots; 2],
+            ..SmoothingSpline::new(degree, smoothing)
+        }
+    }
+
+    /// The unit of the settings, in that of the patch.
+    ///
+    /// Knots and coefficients scale with the points. So the points stay in the patch's unit, and
+    /// weight and step are turned into it instead.
+    fn unit(&self, patch: &Patch) -> Result<f64, Ep2Error> {
+        let set = self.unit_length.map(|length| length / patch.frame.scale());
+        let unit = set.or(patch.finger_distance).ok_or(Ep2Error::BadSetting {
+            setting: "unit_length",
+            value: 0.0,
+            expected: "given, as one finger has no distance to another",
+        })?;
+        if (1.0 / LARGEST..=LARGEST).contains(&unit) && self.weight / unit <= LARGEST {
+            Ok(unit)
+        } else {
+            Err(Ep2Error::OutOfRange)
+        }
+    }
+
+    fn point(&self, sample: &Sample, unit: f64, [u, v, w]: [f64; 3]) -> WeightedPoint {
+        let weight = self.weight / unit * sample.weight.sqrt();
+        WeightedPoint { u, v, w, weight }
+    }
+
+    /// Three points per contact: on the first fit, and to either side on its tangent.
+    fn second_points(
+        &self,
+        patch: &Patch,
+        unit: f64,
+        first: &Smoothed,
+    ) -> Result<Vec<WeightedPoint>, Ep2Error> {
+        let is_measured = self.normals == TangentNormals::Measured && patch.has_normals();
+        if !is_measured {
+            determined(first, patch)?;
+        }
+        let mut points = Vec::with_capacity(3 * patch.samples.len());
+        for sample in &patch.samples {
+            let (height, slope) = match sample.slopes {
+                Some([_, slope]) if is_measured => (first.spline.value(sample.u, sample.v), slope),
+                _ => height_and_slope(&first.spline, sample),
+            };
+            let across = self.tangent_step * unit / slope.hypot(1.0);
+            for step in [0.0, across, -across] {
+                let place = [sample.u, sample.v + step, height + step * slope];
+                if !place.iter().all(|number| number.abs() <= LARGEST) {
+                    return Err(Ep2Error::OutOfRange);
+                }
+                points.push(self.point(sample, unit, place));
+            }
+        }
+        Ok(points)
+    }
+
+    fn check(&self, patch: &Patch) -> Result<(), Ep2Error> {
+        // A surface of degree 1 has no curvature.
+        let (first_is_last, bent) = (self.passes == Passes::One, 2..=MAX_DEGREE);
+        let first_degrees = if first_is_last {
+            bent.clone()
+        } else {
+            1..=MAX_DEGREE
+        };
+        let degree = |setting, degree: usize, range: std::ops::RangeInclusive<usize>| {
+            let expected = if *range.start() == 1 {
+                "between 1 and 5"
+            } else {
+                "between 2 and 5, to have a curvature"
+            };
+            good(setting, degree as f64, range.contains(&degree), expected)
+        };
+        degree("first_degree", self.first_degree, first_degrees)?;
+        degree("second_degree", self.second_degree, bent)?;
+        let positive = |setting, value: f64| {
+            let is_good = value > 0.0 && value <= LARGEST;
+            good(setting, value, is_good, "finite and > 0")
+        };
+        positive("weight", self.weight)?;
+        positive("tangent_step", self.tangent_step)?;
+        positive("unit_length", self.unit_length.unwrap_or(1.0))?;
+        for (setting, value) in [
+            ("smoothing", self.smoothing),
+            ("second_smoothing", self.second_smoothing),
+        ] {
+            good(setting, value, value >= 0.0, ">= 0")?;
+        }
+        let coefficients = |degree: usize| (degree + 1) * (degree + 1);
+        let of_second = coefficients(self.second_degree).div_ceil(3);
+        let of_second = if first_is_last { 0 } else { of_second };
+        let needed = coefficients(self.first_degree).max(of_second);
+        let contacts = patch.samples.len();
+        if contacts < needed {
+            return Err(Ep2Error::TooFewContacts {
+                contacts,
+                equations: contacts,
+                needed,
+            });
+        }
+        Ok(())
+    }
+}
+
+impl Pass {
+    fn of(smoothed: &Smoothed) -> Self {
+        Self {
+            status: smoothed.status,
+            residual_sum: smoothed.residual_sum,
+            coefficients: smoothed.spline.coefficients.len(),
+            rank: smoothed.rank,
+        }
+    }
+}
+
+fn good(
+    setting: &'static str,
+    value: f64,
+    is_good: bool,
+    expected: &'static str,
+) -> Result<(), Ep2Error> {
+    if is_good {
+        Ok(())
+    } else {
+        Err(Ep2Error::BadSetting {
+            setting,
+            value,
+            expected,
+        })
+    }
+}
+
+/// A polynomial must be fixed by the points. Knots are another matter: the data asked for them.
+fn determined(smoothed: &Smoothed, patch: &Patch) -> Result<(), Ep2Error> {
+    let spline = &smoothed.spline;
+    let is_polynomial = spline.u.interior().is_empty() && spline.v.interior().is_empty();
+    let (rank, unknowns) = (smoothed.rank, spline.coefficients.len());
+    if is_polynomial && rank < unknowns {
+        return Err(Ep2Error::Undetermined {
+            contacts: patch.samples.len(),
+            rank,
+            unknowns,
+        });
+    }
+    Ok(())
+}
+
+fn height_and_slope(spline: &TensorSpline, sample: &Sample) -> (f64, f64) {
+    let jet = spline.jet(sample.u, sample.v);
+    (jet.w, jet.v)
+}
+
+fn fit(patch: &Patch, smoothed: Smoothed) -> Fit {
+    Fit {
+        frame: patch.frame,
+        domain: patch.domain,
+        spline: smoothed.spline,
+        covariance: None,
+        noise: None,
+        effective_unknowns: smoothed.effective_unknowns,
+    }
+}
