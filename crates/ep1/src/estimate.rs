@@ -3,6 +3,8 @@
 use nalgebra::Matrix2;
 use palpate_geometry::CurvatureForm;
 
+use crate::Lanes;
+
 /// A value with the standard deviation that the stated noise gives it, to first order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
@@ -44,4 +46,16 @@ impl Estimate {
     pub const fn mobility(&self) -> &Matrix2<f64> {
         &self.mobility
     }
+}
+
+/// What [`crate::LANES`] sets of readings say, side by side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimates {
+    /// Normal curvature along u and along v, Gaussian curvature and mean curvature, as in
+    /// [`Estimate`].
+    pub curvatures: [Lanes; 4],
+    /// Their standard deviations; `None` if no noise was stated.
+    pub stds: Option<[Lanes; 4]>,
+    /// Mean length of the shifts, length.
+    pub arc_length: Lanes,
 }

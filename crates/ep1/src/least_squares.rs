@@ -10,10 +10,12 @@
 //!
 //! loses nothing: readings of a flat object give exactly zero.
 
-use nalgebra::{Matrix2, Matrix3, SymmetricEigen, Vector2, Vector3};
+use nalgebra::{Matrix3, SymmetricEigen, Vector2};
 use palpate_geometry::CurvatureForm;
 
-use crate::{Ep1Error, Estimate, Measured, Moments, ProbeReading, ReadingNoise};
+use crate::moments::first;
+use crate::symmetric::{Symmetric, Symmetric3};
+use crate::{Ep1Error, Estimate, Estimates, Lanes, Measured, Moments, ProbeReading, ReadingNoise};
 
 /// Rotations whose spread across their main axis is below this are taken as parallel.
 const SMALLEST_SPREAD: f64 = 1e-6;
@@ -117,74 +119,102 @@ impl LeastSquares {
     }
 
     /// The object's curvature from the shifts of the probes, with the uncertainty that the stated
-    /// noise gives it.
+    /// noise gives it; from the first set of readings of `moments`.
     ///
     /// # Errors
     /// [`Ep1Error`] where the contact did not move or moved backwards in some direction, and where
     /// the numbers are out of range.
-    #[inline(always)]
+    #[inline]
     pub fn estimate(&self, moments: &Moments) -> Result<Estimate, Ep1Error> {
-        let probe_curvature = self.probe_curvature;
+        let solutions = self.solve(moments);
+        let travel = solutions.travel.first();
+        if solutions.moved.to_bitmask() & 1 == 0 {
+            return Err(self.not_moving(&travel));
+        }
+        if solutions.in_range.to_bitmask() & 1 == 0 {
+            return Err(Ep1Error::OutOfRange);
+        }
+        let Symmetric { uu, uv, vv } = solutions.curvature.first();
+        let Estimates {
+            curvatures,
+            stds,
+            arc_length,
+        } = solutions.estimates;
+        let measured = |quantity: usize| Measured {
+            value: first(curvatures[quantity]),
+            std: stds.map(|stds| first(stds[quantity])),
+        };
+        Ok(Estimate {
+            curvature: CurvatureForm {
+                k_uu: uu,
+                k_uv: uv,
+                k_vv: vv,
+            },
+            normal_curvature_u: measured(0),
+            normal_curvature_v: measured(1),
+            gaussian_curvature: measured(2),
+            mean_curvature: measured(3),
+            arc_length: first(arc_length),
+            probe_curvature: self.probe_curvature,
+            mobility: self.radius * travel.matrix(),
+        })
+    }
+
+    /// The same from every set of readings side by side; `None` where any gives none.
+    #[inline(always)]
+    pub fn estimates(&self, moments: &Moments) -> Option<Estimates> {
+        let solutions = self.solve(moments);
+        (solutions.moved & solutions.in_range)
+            .all()
+            .then_some(solutions.estimates)
+    }
+
+    #[inline(always)]
+    fn solve(&self, moments: &Moments) -> Solutions {
         // K₁ D, and I + K₁ D whose inverse is K_rel / K₁.
-        let deviation = self.inverse.times(&moments.deviations());
+        let deviation = self.inverse.times(&moments.deviations);
         let travel = Symmetric {
-            uu: 1.0 + deviation.uu,
-            vv: 1.0 + deviation.vv,
+            uu: deviation.uu + 1.0,
+            vv: deviation.vv + 1.0,
             uv: deviation.uv,
         };
         let determinant = travel.determinant();
-        if !(travel.uu > 0.0 && determinant > SMALLEST_TRAVEL * (travel.uu + travel.vv)) {
-            return Err(self.not_moving(&travel));
-        }
-        let scale = probe_curvature / determinant;
+        let trace = travel.uu + travel.vv;
+        let moved = travel.uu.simd_gt(Lanes::ZERO) & determinant.simd_gt(trace * SMALLEST_TRAVEL);
+        let scale = Lanes::splat(self.probe_curvature) / determinant;
         // −K₁ (I + K₁ D)⁻¹ K₁ D; the product of two functions of D is symmetric.
         let mixed = deviation.uv * deviation.uv;
-        let curvature = CurvatureForm {
-            k_uu: -scale * (travel.vv * deviation.uu - mixed),
-            k_uv: -scale * deviation.uv,
-            k_vv: -scale * (travel.uu * deviation.vv - mixed),
+        let curvature = Symmetric {
+            uu: scale * (mixed - travel.vv * deviation.uu),
+            uv: -scale * deviation.uv,
+            vv: scale * (mixed - travel.uu * deviation.vv),
         };
-        let gaussian = curvature.gaussian_curvature();
-        let mean = curvature.mean_curvature();
-        let arc_length = moments.lengths() * self.per_probe;
-        let mobility = self.radius * travel.matrix();
+        let gaussian = curvature.determinant();
+        let mean = curvature.uu * 0.5 + curvature.vv * 0.5;
+        let arc_length = moments.lengths * self.per_probe;
         // Standard deviations are in units of K₁ / det².
         let unit = scale / determinant;
-        if !(gaussian + mean + arc_length + mobility.trace() + unit).is_finite() {
-            return Err(Ep1Error::OutOfRange);
-        }
-        let [u, v, k, h] = if self.noise.is_stated() {
-            self.stds(&curvature, &travel).map(|std| Some(unit * std))
-        } else {
-            [None; 4]
-        };
-        Ok(Estimate {
+        let all = gaussian + mean + arc_length + trace * self.radius + unit;
+        let stds = self
+            .noise
+            .is_stated()
+            .then(|| self.stds(&curvature, &travel).map(|std| unit * std));
+        Solutions {
+            travel,
             curvature,
-            normal_curvature_u: Measured {
-                value: curvature.k_uu,
-                std: u,
+            moved,
+            in_range: all.abs().simd_lt(Lanes::splat(f64::INFINITY)),
+            estimates: Estimates {
+                curvatures: [curvature.uu, curvature.vv, gaussian, mean],
+                stds,
+                arc_length,
             },
-            normal_curvature_v: Measured {
-                value: curvature.k_vv,
-                std: v,
-            },
-            gaussian_curvature: Measured {
-                value: gaussian,
-                std: k,
-            },
-            mean_curvature: Measured {
-                value: mean,
-                std: h,
-            },
-            arc_length,
-            probe_curvature,
-            mobility,
-        })
+        }
     }
 
     /// Why there is no estimate: in some direction the contact did not move, or moved backwards.
     #[cold]
-    fn not_moving(&self, travel: &Symmetric) -> Ep1Error {
+    fn not_moving(&self, travel: &Symmetric<f64>) -> Ep1Error {
         let matrix = travel.matrix();
         if !matrix.iter().all(|entry| entry.is_finite()) {
             return Ep1Error::OutOfRange;
@@ -229,32 +259,47 @@ impl LeastSquares {
     /// of B that follows is linear in `B²`, and `δK₂ = −K_rel δB K_rel`: a quantity with gradient
     /// `G` in K₂ changes by `−tr(S δB)` with `S = K_rel G K_rel`.
     #[inline(always)]
-    fn stds(&self, curvature: &CurvatureForm, travel: &Symmetric) -> [f64; 4] {
-        let square = Symmetric {
-            uu: travel.uu * travel.uu + travel.uv * travel.uv,
-            vv: travel.uv * travel.uv + travel.vv * travel.vv,
-            uv: travel.uv * (travel.uu + travel.vv),
-        };
-        let covariance = self.from_shifts.plus(&self.from_rotations, &square);
+    fn stds(&self, curvature: &Symmetric<Lanes>, travel: &Symmetric<Lanes>) -> [Lanes; 4] {
+        let covariance = self
+            .from_shifts
+            .plus(&self.from_rotations, &travel.square());
         // K_rel in units of K₁ / det.
         let w = Symmetric {
             uu: travel.vv,
             vv: travel.uu,
             uv: -travel.uv,
         };
-        let along_u = [w.uu * w.uu, w.uv * w.uv, 2.0 * w.uu * w.uv];
-        let along_v = [w.uv * w.uv, w.vv * w.vv, 2.0 * w.uv * w.vv];
-        let mixed = [w.uu * w.uv, w.uv * w.vv, w.uu * w.vv + w.uv * w.uv];
-        let (gaussian_u, gaussian_v) = (curvature.k_vv, curvature.k_uu);
+        let (uu_uv, uv_vv, uv_uv) = (w.uu * w.uv, w.uv * w.vv, w.uv * w.uv);
+        let along_u = [w.uu * w.uu, uv_uv, uu_uv + uu_uv];
+        let along_v = [uv_uv, w.vv * w.vv, uv_vv + uv_vv];
+        let mixed = [uu_uv, uv_vv, w.uu * w.vv + uv_uv];
+        let twice_uv = curvature.uv + curvature.uv;
         let gaussian = std::array::from_fn(|i| {
-            gaussian_u * along_u[i] + gaussian_v * along_v[i] - 2.0 * curvature.k_uv * mixed[i]
+            curvature.vv * along_u[i] + curvature.uu * along_v[i] - twice_uv * mixed[i]
         });
         let (from_u, from_v) = (covariance.times(&along_u), covariance.times(&along_v));
-        let (u, v) = (from_u.dot(&along_u), from_v.dot(&along_v));
-        let mean = 0.25 * (u + v + 2.0 * from_u.dot(&along_v));
+        let (u, v, both) = (
+            from_u.dot(&along_u),
+            from_v.dot(&along_v),
+            from_u.dot(&along_v),
+        );
+        let mean = (u + v + both + both) * 0.25;
         let gaussian = covariance.times(&gaussian).dot(&gaussian);
-        [u, v, gaussian, mean].map(|variance| variance.max(0.0).sqrt())
+        [u, v, gaussian, mean].map(|variance| variance.fast_max(Lanes::ZERO).sqrt())
     }
+}
+
+/// What the fit says of each set of readings, sound or not.
+struct Solutions {
+    /// `K₁ B`.
+    travel: Symmetric<Lanes>,
+    /// The object's curvature form.
+    curvature: Symmetric<Lanes>,
+    estimates: Estimates,
+    /// Mask of the sets in which the contact moved along with the roll, in every direction.
+    moved: Lanes,
+    /// Mask of the sets whose numbers are finite.
+    in_range: Lanes,
 }
 
 impl Estimate {
@@ -277,7 +322,7 @@ impl Estimate {
 }
 
 /// Whether `probes` rotations with this Gram matrix span the tangent plane.
-fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
+fn spans(probes: usize, gram: &Symmetric<f64>) -> Result<(), Ep1Error> {
     if probes < 2 {
         return Err(Ep1Error::TooFewProbes { probes });
     }
@@ -298,14 +343,14 @@ fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
 }
 
 /// `Σ AᵀA` with `A = [[g₁, 0, g₂], [0, g₂, g₁]]`.
-fn normal_equations(gram: &Symmetric) -> Matrix3<f64> {
+fn normal_equations(gram: &Symmetric<f64>) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     Matrix3::new(uu, 0.0, uv, 0.0, vv, uv, uv, uv, uu + vv)
 }
 
 /// `Σ σ² Aᵀ C A` for the covariance `C` of a residual per variance of a rotation, with the Gram
 /// matrix weighted by the variances σ².
-fn weighted_equations(gram: &Symmetric, c: &Symmetric) -> Matrix3<f64> {
+fn weighted_equations(gram: &Symmetric<f64>, c: &Symmetric<f64>) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     let (u_mixed, v_mixed) = (c.uu * uv + c.uv * uu, c.uv * vv + c.vv * uv);
     Matrix3::new(
@@ -319,77 +364,4 @@ fn weighted_equations(gram: &Symmetric, c: &Symmetric) -> Matrix3<f64> {
         v_mixed,
         c.uu * vv + 2.0 * c.uv * uv + c.vv * uu,
     )
-}
-
-/// A symmetric 2×2 matrix.
-#[derive(Clone, Copy, Debug, Default)]
-struct Symmetric {
-    uu: f64,
-    uv: f64,
-    vv: f64,
-}
-
-impl Symmetric {
-    #[inline]
-    fn determinant(&self) -> f64 {
-        self.uu * self.vv - self.uv * self.uv
-    }
-
-    #[inline]
-    fn matrix(&self) -> Matrix2<f64> {
-        Matrix2::new(self.uu, self.uv, self.uv, self.vv)
-    }
-
-    /// Product with a vector `(uu, vv, uv)`.
-    #[inline]
-    fn dot(&self, v: &[f64; 3]) -> f64 {
-        self.uu * v[0] + self.vv * v[1] + self.uv * v[2]
-    }
-
-    fn add(&mut self, other: &Self, weight: f64) {
-        self.uu += weight * other.uu;
-        self.uv += weight * other.uv;
-        self.vv += weight * other.vv;
-    }
-}
-
-/// A symmetric 3×3 matrix: its diagonal, and the entries (1,2), (1,3), (2,3).
-#[derive(Clone, Copy, Debug)]
-struct Symmetric3 {
-    diagonal: Vector3<f64>,
-    beside: Vector3<f64>,
-}
-
-impl Symmetric3 {
-    fn of(matrix: &Matrix3<f64>) -> Self {
-        let mean = |i, j| 0.5 * (matrix[(i, j)] + matrix[(j, i)]);
-        Self {
-            diagonal: matrix.diagonal(),
-            beside: Vector3::new(mean(0, 1), mean(0, 2), mean(1, 2)),
-        }
-    }
-
-    /// This matrix times the vector `(uu, vv, uv)`.
-    #[inline]
-    fn times(&self, v: &[f64; 3]) -> Symmetric {
-        let (d, b) = (&self.diagonal, &self.beside);
-        Symmetric {
-            uu: d[0] * v[0] + b[0] * v[1] + b[1] * v[2],
-            vv: b[0] * v[0] + d[1] * v[1] + b[2] * v[2],
-            uv: b[1] * v[0] + b[2] * v[1] + d[2] * v[2],
-        }
-    }
-
-    /// This plus the `parts`, weighted by `uu`, `vv`, `uv`.
-    #[inline]
-    fn plus(&self, parts: &[Self; 3], weights: &Symmetric) -> Self {
-        let [uu, vv, uv] = parts;
-        let sum = |own: &Vector3<f64>, part: fn(&Self) -> &Vector3<f64>| {
-            own + part(uu) * weights.uu + part(vv) * weights.vv + part(uv) * weights.uv
-        };
-        Self {
-            diagonal: sum(&self.diagonal, |part| &part.diagonal),
-            beside: sum(&self.beside, |part| &part.beside),
-        }
-    }
 }

@@ -15,9 +15,10 @@ mod estimate;
 mod least_squares;
 mod moments;
 mod reading;
+mod symmetric;
 
 pub use error::Ep1Error;
-pub use estimate::{Estimate, Measured};
+pub use estimate::{Estimate, Estimates, Measured};
 pub use least_squares::LeastSquares;
-pub use moments::{LANES, Lanes, Moments, ProbeGroup};
+pub use moments::{LANES, Lanes, Moments, ProbeRotation};
 pub use reading::{ProbeReading, ReadingNoise};

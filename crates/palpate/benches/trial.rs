@@ -2,7 +2,7 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use palpate_scene::{Scene, config};
+use palpate_scene::{RollScene, Scene, config};
 use palpate_sweep::{Cell, RunOptions};
 
 #[path = "../src/trial.rs"]
@@ -73,17 +73,14 @@ fn benches(criterion: &mut Criterion) {
         });
     }
     group.finish();
-    criterion.bench_function("trial without statistics", |bencher| {
+    criterion.bench_function("two trials without statistics", |bencher| {
         let trial = scene(sphere, uniform, "{ kind = \"ideal\" }");
         let mut number = 0;
         bencher.iter(|| {
-            number += 1;
-            let mut sum = 0.0;
             let Scene::Roll(roll) = &trial.0;
-            for outcome in roll.outcomes(number).unwrap() {
-                sum += outcome.estimate + outcome.std.unwrap_or(0.0);
-            }
-            sum
+            let trials = std::array::from_fn(|lane| number + lane as u64);
+            number += RollScene::SIDE_BY_SIDE as u64;
+            roll.side_by_side(trials).unwrap()
         });
     });
 }

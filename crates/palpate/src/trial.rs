@@ -1,7 +1,9 @@
 //! A scene as something to repeat.
 
-use palpate_scene::{Outcome, Scene};
-use palpate_sweep::{Observation, Record, Trial};
+use std::ops::Range;
+
+use palpate_scene::{Outcome, RollScene, Scene};
+use palpate_sweep::{Observation, Observations, Record, Trial};
 
 /// Repeats a scene.
 pub(crate) struct SceneTrial(pub(crate) Scene);
@@ -17,6 +19,29 @@ impl Trial for SceneTrial {
         }
         Ok(())
     }
+
+    fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
+        match &self.0 {
+            Scene::Roll(roll) => roll_together(roll, trials, record),
+        }
+    }
+}
+
+/// Runs the first of `trials` side by side, as far as that goes.
+fn roll_together(roll: &RollScene, trials: Range<u64>, record: &mut Record) -> u64 {
+    const LANES: u64 = RollScene::SIDE_BY_SIDE as u64;
+    let mut trial = trials.start;
+    while trials.end - trial >= LANES
+        && let Some(outcomes) = roll.side_by_side(std::array::from_fn(|lane| trial + lane as u64))
+        && record.observe_together(&outcomes.map(|(estimates, truth, stds)| Observations {
+            estimates,
+            truth,
+            stds,
+        }))
+    {
+        trial += LANES;
+    }
+    trial - trials.start
 }
 
 fn observation(outcome: Outcome) -> Observation {

@@ -10,7 +10,7 @@ pub use trace::{RollTrace, TraceError};
 
 use nalgebra::Vector2;
 use palpate_ep1::{
-    Ep1Error, Estimate, LeastSquares, Measured, Moments, ProbeReading, ReadingNoise,
+    Ep1Error, Estimate, LANES, LeastSquares, Measured, Moments, ProbeReading, ReadingNoise,
 };
 use palpate_geometry::CurvatureForm;
 use palpate_rolling::{Motion, Roller};
@@ -71,7 +71,13 @@ struct Truth {
     arc_length: f64,
 }
 
+/// Of one quantity in some trials: the estimates, the truth, and the standard deviations of the estimates.
+type SideBySide = ([f64; LANES], f64, Option<[f64; LANES]>);
+
 impl RollScene {
+    /// Trials that [`RollScene::side_by_side`] takes at once.
+    pub const SIDE_BY_SIDE: usize = LANES;
+
     /// Whether trials differ.
     pub fn is_random(&self) -> bool {
         self.noise.is_random() || self.sensor.is_random()
@@ -137,7 +143,7 @@ impl RollScene {
     pub fn outcomes(&self, trial: u64) -> Result<[Outcome; QUANTITIES.len()], &'static str> {
         if let Some(linear) = &self.linear
             && let RollSensor::Ideal = self.sensor
-            && let Some(moments) = linear.short(self.seed, trial)
+            && let Some(moments) = linear.short(self.seed, [trial; LANES])
         {
             let fit = self.fit.as_ref().map_err(Ep1Error::name)?;
             let estimate = fit.estimate(&moments).map_err(|error| error.name())?;
@@ -145,6 +151,36 @@ impl RollScene {
         }
         self.sensed_trial(trial)
             .map(|estimate| self.compare(&estimate))
+    }
+
+    /// The outcomes of some trials side by side, in the order of [`QUANTITIES`]: to the last bit those of
+    /// [`RollScene::outcomes`], only quicker.
+    ///
+    /// `None` where these trials, or any of this scene, can only be run one by one.
+    #[inline(always)]
+    pub fn side_by_side(
+        &self,
+        trials: [u64; Self::SIDE_BY_SIDE],
+    ) -> Option<[SideBySide; QUANTITIES.len()]> {
+        let (Some(linear), Ok(fit), RollSensor::Ideal) = (&self.linear, &self.fit, &self.sensor)
+        else {
+            return None;
+        };
+        let estimates = fit.estimates(&linear.short(self.seed, trials)?)?;
+        let truths = self.truths();
+        let curvature = |quantity: usize| {
+            let std = estimates.stds.map(|stds| stds[quantity].to_array());
+            let estimate = estimates.curvatures[quantity].to_array();
+            (estimate, truths[quantity], std)
+        };
+        let arc_length = (estimates.arc_length.to_array(), truths[4], None);
+        Some([
+            curvature(0),
+            curvature(1),
+            curvature(2),
+            curvature(3),
+            arc_length,
+        ])
     }
 
     /// An estimate beside the truth.

@@ -1,17 +1,9 @@
 //! The observations of one quantity until they are summed up.
 
-use crate::record::Observation;
+use crate::record::Observations;
 
-/// An estimate and its standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Entry {
-    pub(crate) estimate: f64,
-    /// −1 where none was reported.
-    pub(crate) std: f64,
-}
-
-/// In place of a standard deviation.
-const UNREPORTED: f64 = -1.0;
+/// In place of a standard deviation that was not reported; below all that are.
+pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// The truth of some observations; none is −0.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,48 +20,49 @@ pub(crate) enum Truths {
 /// Observations of one quantity, in the order of the trials.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Column {
-    entries: Vec<Entry>,
+    estimates: Vec<f64>,
+    stds: Vec<f64>,
     truths: Truths,
-    /// Entries of the trials that have succeeded; the rest are of the one that runs.
+    /// Observations of the trials that have succeeded; the rest are of the one that runs.
     kept: usize,
 }
 
 impl Column {
-    /// Adds an observation of the trial that runs.
-    #[inline]
-    pub(crate) fn push(&mut self, observation: &Observation) {
-        if !matches!(self.truths, Truths::Same(truth) if truth == observation.truth) {
-            self.note(observation.truth + 0.0);
+    /// Adds observations of the trial that runs, or of some that ran together.
+    #[inline(always)]
+    pub(crate) fn push<const N: usize>(&mut self, observations: &Observations<N>) {
+        if !matches!(self.truths, Truths::Same(truth) if truth == observations.truth) {
+            self.note(observations.truth + 0.0, N);
         }
-        self.entries.push(Entry {
-            estimate: observation.estimate,
-            std: observation.std.unwrap_or(UNREPORTED),
-        });
+        let stds = observations.stds.unwrap_or([UNREPORTED; N]);
+        self.estimates.extend_from_slice(&observations.estimates);
+        self.stds.extend_from_slice(&stds);
     }
 
-    /// Notes a truth that is not the same as all before it.
+    /// Notes a truth of the `count` observations to come that is not the same as all before it.
     #[inline(never)]
-    fn note(&mut self, truth: f64) {
+    fn note(&mut self, truth: f64, count: usize) {
         match &mut self.truths {
             Truths::None => self.truths = Truths::Same(truth),
             Truths::Same(same) => {
-                let mut truths = vec![*same; self.entries.len()];
-                truths.push(truth);
+                let mut truths = vec![*same; self.estimates.len()];
+                truths.resize(truths.len() + count, truth);
                 self.truths = Truths::Varied(truths);
             }
-            Truths::Varied(truths) => truths.push(truth),
+            Truths::Varied(truths) => truths.resize(truths.len() + count, truth),
         }
     }
 
     /// Keeps the observations of the trial that ran.
     #[inline]
     pub(crate) fn keep(&mut self) {
-        self.kept = self.entries.len();
+        self.kept = self.estimates.len();
     }
 
     /// Drops the observations of the trial that ran.
     pub(crate) fn forget(&mut self) {
-        self.entries.truncate(self.kept);
+        self.estimates.truncate(self.kept);
+        self.stds.truncate(self.kept);
         match &mut self.truths {
             Truths::Varied(truths) => truths.truncate(self.kept),
             truths if self.kept == 0 => *truths = Truths::None,
@@ -80,21 +73,27 @@ impl Column {
     /// Drops all observations.
     pub(crate) fn clear(&mut self) {
         self.kept = 0;
-        self.entries.clear();
+        self.estimates.clear();
+        self.stds.clear();
         self.truths = Truths::None;
     }
 
     /// How many observations there are.
     pub(crate) fn len(&self) -> usize {
-        self.entries.len()
+        self.estimates.len()
     }
 
-    /// The estimates and standard deviations.
-    pub(crate) fn entries(&self) -> &[Entry] {
-        &self.entries
+    /// What was estimated.
+    pub(crate) fn estimates(&self) -> &[f64] {
+        &self.estimates
     }
 
-    /// The truth of the entries.
+    /// The standard deviations of the estimates, or [`UNREPORTED`].
+    pub(crate) fn stds(&self) -> &[f64] {
+        &self.stds
+    }
+
+    /// The truth of the estimates.
     pub(crate) fn truths(&self) -> &Truths {
         &self.truths
     }
@@ -105,10 +104,10 @@ mod tests {
     use super::*;
 
     fn push(column: &mut Column, truth: f64) {
-        column.push(&Observation {
-            estimate: 0.0,
+        column.push(&Observations {
+            estimates: [0.0],
             truth,
-            std: None,
+            stds: None,
         });
     }
 

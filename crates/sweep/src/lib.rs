@@ -50,6 +50,6 @@ mod summary;
 mod sums;
 
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
-pub use record::{Observation, Record};
+pub use record::{Observation, Observations, Record};
 pub use run::{BLOCK, Cell, RunOptions, SweepError, Trial, run};
 pub use summary::{CellStatistics, Summary};

@@ -7,8 +7,6 @@ use crate::run::{BLOCK, Cell};
 use crate::summary::{CellStatistics, Summary};
 use crate::sums::{Scratch, Sums};
 
-/// Trials between two looks at how much they recorded.
-const LOOK: u64 = 32;
 /// Observations of one quantity that are summed up before the block ends.
 const MANY: usize = 4 * BLOCK as usize;
 
@@ -58,7 +56,13 @@ impl Part {
         };
 
         let start = (self.first_block + self.blocks) * BLOCK;
-        for trial in start..cell.trials.min(start.saturating_add(BLOCK)) {
+        let end = cell.trials.min(start.saturating_add(BLOCK));
+        let mut trial = start;
+        while trial < end {
+            trial += cell.trial.run_together(trial..end, record);
+            if trial == end {
+                break;
+            }
             if let Err(kind) = record.take(|record| cell.trial.run(trial, record)) {
                 self.failures.add(Failure {
                     kind,
@@ -66,8 +70,8 @@ impl Part {
                     first_trial: trial,
                 });
             }
-            if trial % LOOK == LOOK - 1 && record.columns().iter().any(|column| column.len() > MANY)
-            {
+            trial += 1;
+            if record.columns().iter().any(|column| column.len() > MANY) {
                 sum_up(record);
             }
         }

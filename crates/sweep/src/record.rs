@@ -23,7 +23,29 @@ impl Observation {
     }
 }
 
-/// Takes the observations of a trial.
+/// What `N` trials that ran together say of one quantity, trial by trial; see [`Observation`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observations<const N: usize> {
+    /// The estimates.
+    pub estimates: [f64; N],
+    /// The true value in all of them.
+    pub truth: f64,
+    /// The standard deviations the estimator claims; `None` where it claims none.
+    pub stds: Option<[f64; N]>,
+}
+
+impl From<Observation> for Observations<1> {
+    #[inline]
+    fn from(observation: Observation) -> Self {
+        Self {
+            estimates: [observation.estimate],
+            truth: observation.truth,
+            stds: observation.std.map(|std| [std]),
+        }
+    }
+}
+
+/// Takes the observations of trials.
 #[derive(Debug, Default)]
 pub struct Record {
     columns: Vec<Column>,
@@ -38,7 +60,7 @@ impl Record {
     #[inline]
     pub fn observe(&mut self, quantity: usize, observation: Observation) {
         match self.columns.get_mut(quantity) {
-            Some(column) if observation.is_sound() => column.push(&observation),
+            Some(column) if observation.is_sound() => column.push(&observation.into()),
             column => self.rejection = Some(rejection(column.is_some(), &observation)),
         }
     }
@@ -46,25 +68,59 @@ impl Record {
     /// Records one observation of each of the first `N` quantities, as [`Record::observe`] would.
     #[inline]
     pub fn observe_each<const N: usize>(&mut self, observations: [Observation; N]) {
-        // A sum is finite only if all its terms are: one test for what nearly always holds.
-        let (mut sum, mut lowest) = (0.0, 0.0);
-        for observation in &observations {
-            let std = observation.std.unwrap_or(0.0);
-            sum += (observation.estimate - observation.truth).abs() + std;
-            lowest = if std < lowest { std } else { lowest };
+        if !self.push_each(&observations.map(Observations::from)) {
+            for (quantity, observation) in observations.into_iter().enumerate() {
+                self.observe(quantity, observation);
+            }
         }
-        let sound = sum < f64::INFINITY && lowest == 0.0;
-        match self.columns.get_mut(..N) {
+    }
+
+    /// Records what `N` trials that ran together and succeeded say of the first `Q` quantities: one observation of each
+    /// in every trial.
+    ///
+    /// Records nothing and tells `false` where [`Record::observe`] would fail any of the trials.
+    #[inline(always)]
+    pub fn observe_together<const Q: usize, const N: usize>(
+        &mut self,
+        observations: &[Observations<N>; Q],
+    ) -> bool {
+        let sound = self.push_each(observations);
+        if sound {
+            self.columns.iter_mut().for_each(Column::keep);
+        }
+        sound
+    }
+
+    /// Adds sound observations of the first `Q` quantities; otherwise nothing, and tells `false`.
+    #[inline(always)]
+    fn push_each<const Q: usize, const N: usize>(
+        &mut self,
+        observations: &[Observations<N>; Q],
+    ) -> bool {
+        // A sum is finite only if all its terms are: one test for what nearly always holds.
+        let (mut sums, mut lowest) = ([0.0; N], [0.0; N]);
+        for observations in observations {
+            let stds = observations.stds.unwrap_or([0.0; N]);
+            for trial in 0..N {
+                let (estimate, std) = (observations.estimates[trial], stds[trial]);
+                sums[trial] += (estimate - observations.truth).abs() + std;
+                lowest[trial] = if std < lowest[trial] {
+                    std
+                } else {
+                    lowest[trial]
+                };
+            }
+        }
+        let sound = sums.iter().all(|&sum| sum < f64::INFINITY)
+            && lowest.iter().all(|&lowest| lowest == 0.0);
+        match self.columns.get_mut(..Q) {
             Some(columns) if sound => {
-                for (column, observation) in columns.iter_mut().zip(&observations) {
-                    column.push(observation);
+                for (column, observations) in columns.iter_mut().zip(observations) {
+                    column.push(observations);
                 }
+                true
             }
-            _ => {
-                for (quantity, observation) in observations.into_iter().enumerate() {
-                    self.observe(quantity, observation);
-                }
-            }
+            _ => false,
         }
     }
 
@@ -173,6 +229,41 @@ mod tests {
         one_by_one.observe(0, first);
         one_by_one.observe(1, second);
         assert_eq!(each.columns(), one_by_one.columns());
+    }
+
+    #[test]
+    fn together_is_one_after_the_other_or_not_at_all() {
+        let together = |estimates, stds| Observations {
+            estimates,
+            truth: 2.0,
+            stds,
+        };
+        let good = together([1.0, 3.0], Some([0.5, 0.0]));
+        let (mut at_once, mut one_by_one) = (record(3), record(3));
+        assert!(at_once.observe_together(&[good, together([5.0, 6.0], None)]));
+        for (first, std, second) in [(1.0, 0.5, 5.0), (3.0, 0.0, 6.0)] {
+            let observations = [
+                observation(first, 2.0, Some(std)),
+                observation(second, 2.0, None),
+            ];
+            let result = one_by_one.take(|record| {
+                record.observe_each(observations);
+                Ok(())
+            });
+            assert_eq!(result, Ok(()));
+        }
+        assert_eq!(at_once.columns(), one_by_one.columns());
+
+        for unsound in [
+            together([1.0, f64::NAN], None),
+            together([f64::INFINITY, 1.0], None),
+            together([1.0, 1.0], Some([0.0, -1e-300])),
+            together([1.0, 1.0], Some([f64::NAN, 0.0])),
+        ] {
+            assert!(!at_once.observe_together(&[good, unsound]), "{unsound:?}");
+        }
+        assert!(!at_once.observe_together(&[good; 4]), "unknown quantity");
+        assert_eq!(at_once.columns(), one_by_one.columns());
     }
 
     #[test]

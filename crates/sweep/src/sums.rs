@@ -1,6 +1,6 @@
 //! Sums of one quantity over a run of trials.
 
-use crate::column::{Column, Truths};
+use crate::column::{Column, Truths, UNREPORTED};
 use crate::histogram::Histogram;
 use crate::magnitude::MeanMagnitude;
 use crate::moments::Moments;
@@ -48,51 +48,42 @@ pub(crate) struct Sums {
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     errors: Vec<f64>,
-    others: Vec<f64>,
+    reported: Vec<f64>,
 }
 
 impl Sums {
     /// Of the observations of a quantity, whose errors are also counted in the histogram.
     pub(crate) fn of(column: &Column, histogram: &mut Histogram, scratch: &mut Scratch) -> Sums {
-        let entries = column.entries();
-        let Scratch { errors, others } = scratch;
+        let (estimates, stds) = (column.estimates(), column.stds());
+        let Scratch { errors, reported } = scratch;
         errors.clear();
-        others.clear();
-        let estimates = entries.iter().map(|entry| entry.estimate);
         let truth = match column.truths() {
             Truths::None => return Sums::default(),
             &Truths::Same(truth) => {
-                errors.extend(estimates.map(|estimate| estimate - truth));
+                errors.extend(estimates.iter().map(|estimate| estimate - truth));
                 Truth::Same(truth)
             }
             Truths::Varied(truths) => {
-                errors.extend(
-                    estimates
-                        .clone()
-                        .zip(truths)
-                        .map(|(estimate, truth)| estimate - truth),
-                );
-                others.extend(estimates);
-                Truth::of(truths, others)
+                let pairs = estimates.iter().zip(truths);
+                errors.extend(pairs.map(|(estimate, truth)| estimate - truth));
+                Truth::of(truths, estimates)
             }
         };
         histogram.add_all(errors);
 
-        others.clear();
-        others.extend(entries.iter().map(|entry| entry.std));
-        let reported = others.iter().map(|&std| u64::from(std >= 0.0)).sum::<u64>();
-        let (mut reported_std, mut covered) = (MeanMagnitude::default(), 0);
-        if reported > 0 {
-            let pairs = errors.iter().zip(&*others);
-            covered = pairs
-                .map(|(error, std)| u64::from(error.abs() <= COVERAGE_95 * std))
-                .sum();
-            if reported < entries.len() as u64 {
-                others.retain(|&std| std >= 0.0);
-            }
-            let (_, largest) = range(others, 0.0);
-            reported_std = MeanMagnitude::of(others, largest);
-        }
+        let pairs = errors.iter().zip(stds);
+        // None where no standard deviation was reported.
+        let covered = pairs
+            .map(|(error, std)| u64::from(error.abs() <= COVERAGE_95 * std))
+            .sum();
+        let (lowest, largest) = range(stds, 0.0);
+        let reported_std = if lowest < 0.0 {
+            reported.clear();
+            reported.extend(stds.iter().filter(|&&std| std != UNREPORTED));
+            MeanMagnitude::of(reported, largest)
+        } else {
+            MeanMagnitude::of(stds, largest)
+        };
         let moments = Moments::of(errors);
         Sums {
             truth,

@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 
 use nalgebra::{Matrix2, Vector2};
-use palpate_ep1::{LANES, Lanes, Moments, ProbeGroup};
+use palpate_ep1::{LANES, Lanes, Moments, ProbeRotation};
 use palpate_rolling::{Motion, Roller, Shift};
 use palpate_sensing::{Channel, Distribution, Stream};
 
@@ -13,22 +13,54 @@ use super::noise::MotionNoise;
 #[derive(Clone, Debug)]
 pub(super) struct LinearRolls {
     radius: f64,
-    mobility: Matrix2<f64>,
-    groups: Vec<Group>,
+    probes: Vec<LinearRoll>,
     /// Of the error of each component of the rotation, if there is one.
     error: Option<Distribution>,
 }
 
-/// Probes side by side.
+/// The roll of one probe.
 #[derive(Clone, Debug)]
-struct Group {
-    /// How many there are.
-    probes: usize,
-    /// `[−Δθ_y, Δθ_x]` as commanded, rad; zero in the lanes without a probe, as is the error.
-    drive: [Lanes; 2],
-    /// Size of the error of each component, rad.
-    error: Lanes,
-    reported: ProbeGroup,
+struct LinearRoll {
+    /// Path of the contact as commanded, along u and v.
+    commanded: [Lanes; 2],
+    /// What is added to it per unit of error of the rotation about x.
+    per_error_x: [Lanes; 2],
+    /// The same about y.
+    per_error_y: [Lanes; 2],
+    reported: ProbeRotation,
+}
+
+impl LinearRoll {
+    fn new(
+        mobility: &Matrix2<f64>,
+        radius: f64,
+        error: f64,
+        command: &Motion,
+        reported: &Vector2<f64>,
+    ) -> Self {
+        let size = error * command.angular_velocity.norm() * command.duration_s;
+        // A contact is driven by (−Δθ_y, Δθ_x).
+        let path = |rotation: Vector2<f64>| -> [Lanes; 2] {
+            let path = mobility * Vector2::new(-rotation.y, rotation.x);
+            [Lanes::splat(path.x), Lanes::splat(path.y)]
+        };
+        Self {
+            commanded: path(command.rotation()),
+            per_error_x: path(Vector2::new(size, 0.0)),
+            per_error_y: path(Vector2::new(0.0, size)),
+            reported: ProbeRotation::new(radius, reported),
+        }
+    }
+
+    /// The path with an error of the rotation in units of its size.
+    #[inline(always)]
+    fn path(&self, [error_x, error_y]: [Lanes; 2]) -> [Lanes; 2] {
+        std::array::from_fn(|axis| {
+            self.commanded[axis]
+                + self.per_error_x[axis] * error_x
+                + self.per_error_y[axis] * error_y
+        })
+    }
 }
 
 impl LinearRolls {
@@ -47,53 +79,34 @@ impl LinearRolls {
         };
         let fraction = error.map_or(0.0, |error| error.fraction());
         let radius = roller.probe().radius();
-        let group = |(commands, rotations): (&[Motion], &[Vector2<f64>])| {
-            let mut group = Group {
-                probes: commands.len(),
-                drive: Default::default(),
-                error: Default::default(),
-                reported: ProbeGroup::new(radius, rotations),
-            };
-            for (lane, command) in commands.iter().enumerate() {
-                let rotation = command.rotation();
-                group.drive[0][lane] = -rotation.y;
-                group.drive[1][lane] = rotation.x;
-                group.error[lane] = fraction * command.angular_velocity.norm() * command.duration_s;
-            }
-            group
-        };
+        let mobility = roller.linear()?;
+        let probes = commands.iter().zip(rotations);
         Some(Self {
             radius,
-            mobility: *roller.linear()?,
-            groups: commands
-                .chunks(LANES)
-                .zip(rotations.chunks(LANES))
-                .map(group)
+            probes: probes
+                .map(|(command, reported)| {
+                    LinearRoll::new(mobility, radius, fraction, command, reported)
+                })
                 .collect(),
             error: error.map(|error| error.distribution()),
         })
     }
 
-    /// Rolls every probe. `None` where a contact passes half way round its probe, so that the shift
-    /// is not the path.
+    /// Rolls every probe in some trials. `None` where a contact passes half way round its probe, so
+    /// that the shift is not the path.
     #[inline(always)]
-    pub(super) fn short(&self, seed: u64, trial: u64) -> Option<Moments> {
-        let half_turn = std::f64::consts::PI * self.radius;
+    pub(super) fn short(&self, seed: u64, trials: [u64; LANES]) -> Option<Moments> {
         let mut moments = Moments::default();
-        let mut longest = Lanes::default();
-        self.roll(seed, trial, |group, paths| {
-            let [u, v] = &paths;
-            for ((longest, u), v) in longest.iter_mut().zip(u).zip(v) {
-                let square = u * u + v * v;
-                *longest = if square > *longest { square } else { *longest };
-            }
-            moments.add_group(&group.reported, &paths);
+        let mut longest = Lanes::ZERO;
+        self.roll(seed, trials, |probe, path| {
+            let [u, v] = path;
+            longest = longest.fast_max(u * u + v * v);
+            moments.add_shifts(&probe.reported, path);
             Ok::<(), Infallible>(())
         })
         .ok()?;
-        let is_short = longest
-            .iter()
-            .all(|square| *square <= half_turn * half_turn);
+        let half_turn = Lanes::splat(std::f64::consts::PI * self.radius);
+        let is_short = longest.simd_le(half_turn * half_turn).all();
         is_short.then_some(moments)
     }
 
@@ -106,37 +119,35 @@ impl LinearRolls {
         mut read: impl FnMut(Vector2<f64>) -> Result<Vector2<f64>, E>,
     ) -> Result<Moments, E> {
         let mut moments = Moments::default();
-        self.roll(seed, trial, |group, mut shifts| {
-            let [u, v] = &mut shifts;
-            for (u, v) in u.iter_mut().zip(v).take(group.probes) {
-                let path = Vector2::new(*u, *v);
-                let shift = read(Shift::along_great_circle(path, self.radius).displacement)?;
-                (*u, *v) = (shift.x, shift.y);
-            }
-            moments.add_group(&group.reported, &shifts);
+        self.roll(seed, [trial], |probe, path| {
+            let [u, v] = path.map(|lanes| lanes.to_array()[0]);
+            let shift = Shift::along_great_circle(Vector2::new(u, v), self.radius);
+            let shift = read(shift.displacement)?;
+            moments.add_shifts(&probe.reported, [shift.x, shift.y].map(Lanes::splat));
             Ok(())
         })?;
         Ok(moments)
     }
 
-    /// Tells the contacts' paths along u and v, group by group, with the errors of a trial.
+    /// Tells the contacts' paths along u and v, probe by probe, with the errors of some trials: one
+    /// in each lane, or one in all.
     #[inline(always)]
-    fn roll<E>(
+    fn roll<const TRIALS: usize, E>(
         &self,
         seed: u64,
-        trial: u64,
-        each: impl FnMut(&Group, [Lanes; 2]) -> Result<(), E>,
+        trials: [u64; TRIALS],
+        each: impl FnMut(&LinearRoll, [Lanes; 2]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let stream = || Stream::new(seed, trial, Channel::AngularVelocity);
+        let streams = || trials.map(|trial| Stream::new(seed, trial, Channel::AngularVelocity));
         match self.error {
-            None => self.disturbed(|| 0.0, each),
+            None => self.disturbed(|| Lanes::ZERO, each),
             Some(Distribution::Uniform) => {
-                let mut stream = stream();
-                self.disturbed(|| stream.symmetric_uniform(), each)
+                let mut streams = streams();
+                self.disturbed(|| draw(&mut streams, Stream::symmetric_uniform), each)
             }
             Some(Distribution::Gaussian) => {
-                let mut stream = stream();
-                self.disturbed(|| stream.standard_normal(), each)
+                let mut streams = streams();
+                self.disturbed(|| draw(&mut streams, Stream::standard_normal), each)
             }
         }
     }
@@ -145,30 +156,26 @@ impl LinearRolls {
     #[inline(always)]
     fn disturbed<E>(
         &self,
-        mut draw: impl FnMut() -> f64,
-        mut each: impl FnMut(&Group, [Lanes; 2]) -> Result<(), E>,
+        mut draw: impl FnMut() -> Lanes,
+        mut each: impl FnMut(&LinearRoll, [Lanes; 2]) -> Result<(), E>,
     ) -> Result<(), E> {
-        for group in &self.groups {
-            each(group, self.paths(group, &mut draw))?;
+        for probe in &self.probes {
+            each(probe, probe.path([draw(), draw()]))?;
         }
         Ok(())
     }
+}
 
-    /// The paths of a group's contacts along u and v.
-    #[inline(always)]
-    fn paths(&self, group: &Group, mut draw: impl FnMut() -> f64) -> [Lanes; 2] {
-        let driven = std::array::from_fn::<_, LANES, _>(|lane| {
-            let (error_x, error_y) = (draw(), draw());
-            let size = group.error[lane];
-            let g1 = group.drive[0][lane] - size * error_y;
-            let g2 = group.drive[1][lane] + size * error_x;
-            [
-                self.mobility.m11 * g1 + self.mobility.m12 * g2,
-                self.mobility.m21 * g1 + self.mobility.m22 * g2,
-            ]
-        });
-        [driven.map(|[u, _]| u), driven.map(|[_, v]| v)]
-    }
+/// A number from each stream, over and over.
+#[inline(always)]
+fn draw<const TRIALS: usize>(
+    streams: &mut [Stream; TRIALS],
+    number: impl Fn(&mut Stream) -> f64,
+) -> Lanes {
+    let numbers = streams.each_mut().map(number);
+    Lanes::from(std::array::from_fn::<_, LANES, _>(|lane| {
+        numbers[lane % TRIALS]
+    }))
 }
 
 #[cfg(test)]
@@ -203,7 +210,7 @@ mod tests {
             let linear = scene.linear.as_ref().unwrap();
             for trial in 0..20 {
                 let sensed = linear.sensed(scene.seed, trial, Ok::<_, Infallible>);
-                assert_eq!(linear.short(scene.seed, trial), sensed.ok());
+                assert_eq!(linear.short(scene.seed, [trial; LANES]), sensed.ok());
             }
         }
     }
@@ -232,9 +239,34 @@ mod tests {
     }
 
     #[test]
+    fn side_by_side_is_one_by_one_to_the_last_bit() {
+        for noise in NOISES {
+            // Rolls of 31 s end near half a turn: some fall short of it, some do not.
+            for duration_s in [1.0, 31.0] {
+                let scene = scene(duration_s, noise);
+                for first in 0..20 {
+                    let trials = std::array::from_fn(|lane| first + lane as u64);
+                    let Some(together) = scene.side_by_side(trials) else {
+                        assert_ne!(duration_s, 1.0);
+                        continue;
+                    };
+                    for (lane, trial) in trials.into_iter().enumerate() {
+                        let outcomes = scene.outcomes(trial).unwrap();
+                        for ((estimates, truth, stds), outcome) in together.iter().zip(outcomes) {
+                            assert_eq!(estimates[lane], outcome.estimate);
+                            assert_eq!(*truth, outcome.truth);
+                            assert_eq!(stds.map(|stds| stds[lane]), outcome.std);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
     fn half_a_turn_is_not_short() {
         let linear = |duration_s| scene(duration_s, "").linear.unwrap();
-        assert!(linear(31.0).short(1, 0).is_some());
-        assert!(linear(32.0).short(1, 0).is_none());
+        assert!(linear(31.0).short(1, [0; LANES]).is_some());
+        assert!(linear(32.0).short(1, [0; LANES]).is_none());
     }
 }

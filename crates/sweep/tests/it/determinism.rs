@@ -1,8 +1,9 @@
 //! Threads, blocks and waves leave no trace in the results.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use palpate_sweep::{BLOCK, Cell, Record, RunOptions, SweepError, run};
+use palpate_sweep::{BLOCK, Cell, Observations, Record, RunOptions, SweepError, Trial, run};
 
 use crate::{Function, normal, observation, observing, run_cell, run_with};
 
@@ -45,6 +46,46 @@ fn one_two_and_seven_threads_give_the_same_bits() {
     assert_eq!(one.len(), cells.len());
     assert_eq!(digits(&run_with(2, &cells)), digits(&one));
     assert_eq!(digits(&run_with(7, &cells)), digits(&one));
+}
+
+/// Fails every seventh trial, and runs up to five together where none of them does.
+struct Together;
+
+impl Trial for Together {
+    fn quantities(&self) -> usize {
+        1
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        record.observe(0, observation(normal(trial), 0.0, None));
+        if trial % 7 == 3 { Err("rank") } else { Ok(()) }
+    }
+
+    fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
+        let fit = |&trial: &u64| trial < trials.end && trial % 7 != 3;
+        let together = (trials.start..trials.start + 5).take_while(fit);
+        let sound = |&trial: &u64| {
+            record.observe_together(&[Observations {
+                estimates: [normal(trial)],
+                truth: 0.0,
+                stds: None,
+            }])
+        };
+        together.take_while(sound).count() as u64
+    }
+}
+
+#[test]
+fn trials_that_run_together_are_those_that_run_one_by_one() {
+    let apart = Function {
+        quantities: 1,
+        function: |trial: u64, record: &mut Record| Together.run(trial, record),
+    };
+    for trials in [0, 1, 6, BLOCK - 1, 5 * BLOCK + 3] {
+        let together = run_cell(trials, &Together);
+        assert_eq!(together.trials, trials);
+        assert_eq!(digits(&[together]), digits(&[run_cell(trials, &apart)]));
+    }
 }
 
 /// One thread needs two waves for it, two need one.
