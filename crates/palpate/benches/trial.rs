@@ -77,7 +77,9 @@ fn benches(criterion: &mut Criterion) {
         let trial = scene(sphere, uniform, "{ kind = \"ideal\" }");
         let mut number = 0;
         bencher.iter(|| {
-            let Scene::Roll(roll) = &trial.0;
+            let Scene::Roll(roll) = &trial.0 else {
+                panic!("not a roll");
+            };
             let trials = std::array::from_fn(|lane| number + lane as u64);
             number += RollScene::SIDE_BY_SIDE as u64;
             roll.side_by_side(trials).unwrap()

@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use palpate_scene::config::{self, Output, Study, StudyConfig};
+use palpate_scene::glide::MapTable;
 use palpate_scene::{Scene, Table};
 use palpate_sweep::{Cell, RunOptions};
 
@@ -26,11 +27,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             .override_trials(trials.get())
             .map_err(Failure::usage)?;
     }
-    refuse_map(&study)?;
     let numbers: Vec<usize> = (0..study.cells.len())
         .step_by(args.every_nth_cell.get())
         .collect();
     let scenes = scenes(&study, &numbers)?;
+    refuse_maps_of_rolls(&study, &scenes)?;
     let cells: Vec<Cell<'_>> = numbers
         .iter()
         .zip(&scenes)
@@ -79,6 +80,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         files.push(("trace.csv", contacts.to_csv()));
         files.push(("readings.csv", readings.to_csv()));
     }
+    if study.config.outputs.contains(&Output::Map) {
+        files.push(("map.csv", maps(&study, &ran)));
+    }
     output::write_files(&out, &files)?;
     output::print(&summary(&study, &ran, &out))
 }
@@ -91,12 +95,25 @@ fn scenes(study: &Study, numbers: &[usize]) -> Result<Vec<SceneTrial>, Failure> 
         .map_err(Failure::usage)
 }
 
-fn refuse_map(study: &Study) -> Result<(), Failure> {
-    if study.config.outputs.contains(&Output::Map) {
+fn refuse_maps_of_rolls(study: &Study, scenes: &[SceneTrial]) -> Result<(), Failure> {
+    let is_roll = |scene: &SceneTrial| matches!(scene.0, Scene::Roll(_));
+    if study.config.outputs.contains(&Output::Map) && scenes.iter().any(is_roll) {
         let message = "a roll has no map; \"cells\" and \"trace\" are possible";
         return Err(Failure::usage(study.error_at(0, "outputs", message)));
     }
     Ok(())
+}
+
+/// The maps of the first trial of every cell that was run; a trial that fails has none.
+fn maps(study: &Study, ran: &[Ran<'_>]) -> String {
+    let mut table = MapTable::of_cells(study.config.length_unit);
+    for Ran { cell, scene, .. } in ran {
+        if let Scene::Glide(glide) = scene {
+            // That it failed is told by failures.csv.
+            let _ = glide.map(*cell, 0, &mut table);
+        }
+    }
+    table.into_csv()
 }
 
 /// The config with all defaults and overrides, as it was run.
@@ -113,11 +130,17 @@ pub(crate) fn trace_tables(
     scene: &Scene,
     trial: Option<u64>,
 ) -> Result<(Table, Table), Failure> {
-    let Scene::Roll(roll) = scene;
-    let trace = roll
-        .trace(trial, study.config.length_unit)
-        .map_err(Failure::work)?;
-    Ok((trace.contacts, trace.readings))
+    let unit = study.config.length_unit;
+    Ok(match scene {
+        Scene::Roll(roll) => {
+            let trace = roll.trace(trial, unit).map_err(Failure::work)?;
+            (trace.contacts, trace.readings)
+        }
+        Scene::Glide(glide) => {
+            let trace = glide.trace(trial, unit);
+            (trace.contacts, trace.readings)
+        }
+    })
 }
 
 fn summary(study: &Study, ran: &[Ran<'_>], out: &std::path::Path) -> String {

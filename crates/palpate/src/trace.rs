@@ -1,7 +1,7 @@
 //! `palpate trace`.
 
 use anyhow::anyhow;
-use palpate_scene::config;
+use palpate_scene::{Scene, config};
 
 use crate::cli::TraceArgs;
 use crate::failure::Failure;
@@ -20,6 +20,10 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let scene = study.scene(args.cell).map_err(Failure::usage)?;
     let (contacts, readings) = run::trace_tables(&study, &scene, args.trial)?;
     let rows = contacts.rows.len();
+    let of_whom = match &scene {
+        Scene::Roll(_) => format!("{} probes", readings.rows.len()),
+        Scene::Glide(glide) => format!("{} fingers", glide.fingers()),
+    };
     output::write_files(
         &args.out,
         &[
@@ -28,9 +32,8 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
         ],
     )?;
     output::print(&format!(
-        "{}: {rows} contacts of {} probes -> {}",
+        "{}: {rows} contacts of {of_whom} -> {}",
         study.config.name,
-        readings.rows.len(),
         args.out.display()
     ))
 }

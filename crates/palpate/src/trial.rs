@@ -16,6 +16,9 @@ impl Trial for SceneTrial {
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
         match &self.0 {
             Scene::Roll(roll) => record.observe_each(roll.outcomes(trial)?.map(observation)),
+            Scene::Glide(glide) => glide.trial(trial, |quantity, outcome| {
+                record.observe(quantity, observation(outcome));
+            })?,
         }
         Ok(())
     }
@@ -23,6 +26,7 @@ impl Trial for SceneTrial {
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
         match &self.0 {
             Scene::Roll(roll) => roll_together(roll, trials, record),
+            Scene::Glide(_) => 0,
         }
     }
 }

@@ -11,6 +11,7 @@
 //! Whatever fails becomes a [`ConfigError`] with file, line, column, field and an excerpt.
 
 mod error;
+mod glide;
 mod grid;
 mod load;
 mod object;
@@ -24,6 +25,11 @@ mod tree;
 mod validate;
 
 pub use error::ConfigError;
+pub use glide::{
+    CriterionName, EvaluateConfig, FingertipConfig, GlideConfig, GlideEstimatorConfig,
+    GlideMotionConfig, GlideNoiseConfig, GlideSensorConfig, NoiseAxis, NormalNoise, NormalsOf,
+    PositionNoise, Reports,
+};
 pub use load::{Cell, Study, load, parse};
 pub use object::ObjectConfig;
 pub use pads::{PadLayout, PadOffset};

@@ -6,12 +6,14 @@
 //! the reading. [`recorded`] estimates from readings that somebody measured.
 
 pub mod config;
+pub mod glide;
 mod plan;
 mod quantity;
 pub mod recorded;
 pub mod roll;
 mod table;
 
+pub use glide::GlideScene;
 pub use plan::PlanError;
 pub use quantity::{Quantity, Unit};
 pub use roll::RollScene;
@@ -24,6 +26,8 @@ use config::{ConfigError, SceneConfig, Study};
 pub enum Scene {
     /// A probe rolls on an object.
     Roll(RollScene),
+    /// Fingers slide over a patch.
+    Glide(GlideScene),
 }
 
 /// One trial's estimate of a quantity, and its truth, in the quantity's unit.
@@ -42,6 +46,7 @@ impl Scene {
     pub fn quantities(&self) -> &'static [Quantity] {
         match self {
             Self::Roll(_) => &roll::QUANTITIES,
+            Self::Glide(_) => &glide::QUANTITIES,
         }
     }
 
@@ -49,11 +54,13 @@ impl Scene {
     pub fn trials(&self, wanted: u64) -> u64 {
         match self {
             Self::Roll(roll) if !roll.is_random() => 1,
-            Self::Roll(_) => wanted,
+            Self::Glide(glide) if !glide.is_random() => 1,
+            Self::Roll(_) | Self::Glide(_) => wanted,
         }
     }
 
-    /// Runs trial number `trial` and reports each quantity's index and outcome.
+    /// Runs trial number `trial` and reports outcomes with their quantity's index: one of each
+    /// quantity, or one at each place of a patch.
     ///
     /// # Errors
     /// The stable name of what went wrong; nothing of a failed trial counts.
@@ -65,13 +72,15 @@ impl Scene {
     ) -> Result<(), &'static str> {
         match self {
             Self::Roll(roll) => roll.trial(trial, observe),
+            Self::Glide(glide) => glide.trial(trial, observe),
         }
     }
 
-    /// The true value of the quantity with this index, where it is the same in every trial.
+    /// The true value of the quantity with this index, where it is the same everywhere.
     pub fn truth(&self, quantity: usize) -> Option<f64> {
         match self {
             Self::Roll(roll) => roll.truths().get(quantity).copied(),
+            Self::Glide(glide) => glide.truth(quantity),
         }
     }
 
@@ -79,6 +88,7 @@ impl Scene {
     pub fn needs(&self) -> Vec<String> {
         match self {
             Self::Roll(roll) => roll.needs(),
+            Self::Glide(glide) => glide.needs(),
         }
     }
 }
@@ -96,6 +106,7 @@ impl Study {
         let config = &self.cells[cell].config;
         match &config.scene {
             SceneConfig::Roll(roll) => RollScene::new(roll, config.seed).map(Scene::Roll),
+            SceneConfig::Glide(glide) => GlideScene::new(glide, config.seed).map(Scene::Glide),
         }
         .map_err(|error| self.plan_error(cell, error))
     }
@@ -103,8 +114,8 @@ impl Study {
     /// The scene of a cell, if it can be estimated from. A trace needs no such scene.
     ///
     /// # Errors
-    /// As [`Study::scene`], and where the probes cannot tell the curvature: fewer than two, or all
-    /// parallel.
+    /// As [`Study::scene`], and where the readings cannot tell the curvature: fewer than two probes,
+    /// or all parallel; too few contacts, or all on a line.
     ///
     /// # Panics
     /// If `cell` is not the index of a cell.
@@ -112,6 +123,7 @@ impl Study {
         let scene = self.scene(cell)?;
         match &scene {
             Scene::Roll(roll) => roll.estimable(),
+            Scene::Glide(glide) => glide.estimable(),
         }
         .map_err(|error| self.plan_error(cell, error))?;
         Ok(scene)

@@ -2,7 +2,7 @@
 
 use crate::config::LengthUnit;
 
-/// A power of the study's length unit.
+/// A unit, made of the study's length unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Length.
@@ -11,6 +11,10 @@ pub enum Unit {
     PerLength,
     /// 1/length².
     PerLengthSquared,
+    /// Length².
+    LengthSquared,
+    /// None: a share.
+    One,
 }
 
 /// A quantity that a scene estimates.
@@ -30,6 +34,8 @@ impl Unit {
             Self::Length => length.to_owned(),
             Self::PerLength => format!("1/{length}"),
             Self::PerLengthSquared => format!("1/{length}^2"),
+            Self::LengthSquared => format!("{length}^2"),
+            Self::One => "1".to_owned(),
         }
     }
 }

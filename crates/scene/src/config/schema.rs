@@ -10,7 +10,7 @@ pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
-/// `x-unit` states the unit of a number that has one: `length` or `1/length`, in the config's `length_unit`. Numbers
+/// `x-unit` states the unit of a number that has one: `length`, `1/length` or `1/length^2`, in the config's `length_unit`. Numbers
 /// whose key ends in `_rad`, `_deg`, `_s` or `_rad_per_s` carry their unit there.
 pub fn schema() -> Json {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
@@ -67,6 +67,7 @@ pub(super) fn column(schema: &Json, path: &str, unit: LengthUnit) -> String {
     let unit = match unit_of(schema, &keys) {
         Some("length") => format!("_{}", unit.as_str()),
         Some("1/length") => format!("_per_{}", unit.as_str()),
+        Some("1/length^2") => format!("_per_{}2", unit.as_str()),
         _ => String::new(),
     };
     format!("{path}{unit}")

@@ -1,5 +1,6 @@
 //! The top level of a study's config.
 
+use super::glide::GlideConfig;
 use super::plot::PlotConfig;
 use super::roll::RollConfig;
 use super::schema;
@@ -105,6 +106,8 @@ pub enum Output {
 pub enum SceneConfig {
     /// A probe rolls on an object.
     Roll(RollConfig),
+    /// Fingers slide over a patch of an object.
+    Glide(GlideConfig),
 }
 
 impl SceneConfig {
@@ -112,6 +115,7 @@ impl SceneConfig {
     pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
         match self {
             Self::Roll(roll) => roll.check(),
+            Self::Glide(glide) => glide.check(),
         }
     }
 }

@@ -193,7 +193,9 @@ mod tests {
              noise = {{ {noise} }}\n"
         );
         let study = config::parse("test.toml", &text).unwrap();
-        let Scene::Roll(roll) = study.scene(0).unwrap();
+        let Scene::Roll(roll) = study.scene(0).unwrap() else {
+            panic!("not a roll");
+        };
         roll
     }
 

@@ -15,6 +15,7 @@ fn objects(study: &Study) -> Vec<&ObjectConfig> {
     fn object(scene: &SceneConfig) -> &ObjectConfig {
         match scene {
             SceneConfig::Roll(roll) => &roll.object,
+            SceneConfig::Glide(glide) => &glide.object,
         }
     }
     study
@@ -172,7 +173,9 @@ fn paths_reach_array_items_parameters_and_absent_options() {
         ]
     );
     assert_eq!(coordinates(&study), [["0.5", "[0, 0.25]", "3"]]);
-    let SceneConfig::Roll(roll) = &study.cells[0].config.scene;
+    let SceneConfig::Roll(roll) = &study.cells[0].config.scene else {
+        panic!("not a roll");
+    };
     assert_eq!(roll.object_contact, Some([3.0, 0.25]));
     assert!(
         matches!(&roll.object, ObjectConfig::HeightField { parameters, .. } if parameters["k"] == 0.5)

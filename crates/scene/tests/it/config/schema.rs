@@ -5,19 +5,31 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Numbers without a unit, or in that of the field they speak of.
-const DIMENSIONLESS: [&str; 12] = [
-    "claims",     // their numbers
-    "seed",       //
-    "trials",     //
-    "instants",   // draws per probe
-    "steps",      // of an integrator
-    "fraction",   // of the angular speed
-    "tolerance",  // relative
-    "parameters", // of a formula: in whatever unit it needs
-    "from",       // in the unit of the swept field
-    "to",         //
-    "count",      //
-    "value",      // in the unit of the plot's axis
+const DIMENSIONLESS: [&str; 24] = [
+    "claims",              // their numbers
+    "seed",                //
+    "trials",              //
+    "instants",            // draws per probe
+    "steps",               // of an integrator
+    "fraction",            // of the angular speed
+    "tolerance",           // relative
+    "parameters",          // of a formula: in whatever unit it needs
+    "from",                // in the unit of the swept field
+    "to",                  //
+    "count",               //
+    "value",               // in the unit of the plot's axis
+    "contacts_per_finger", //
+    "fraction_of_ifd",     // of the inter-finger distance
+    "grid",                // places along a side
+    "intervals",           // of a spline
+    "gamma",               // of a criterion
+    "first_degree",        // of a spline
+    "second_degree",       //
+    "passes",              //
+    "weight",              // per inter-finger distance
+    "smoothing",           // sum of squares in weights
+    "second_smoothing",    //
+    "tangent_step",        // in inter-finger distances
 ];
 
 const UNIT_SUFFIXES: [&str; 4] = ["_rad", "_deg", "_s", "_rad_per_s"];
@@ -68,7 +80,8 @@ fn every_number_has_a_unit_or_is_known_to_have_none() {
 fn units_are_those_that_headers_know() {
     properties(&schema(), &mut |key, property| {
         if let Some(unit) = property.get("x-unit") {
-            assert!(unit == "length" || unit == "1/length", "{key}: {unit}");
+            let known = ["length", "1/length", "1/length^2"];
+            assert!(known.iter().any(|known| unit == known), "{key}: {unit}");
         }
     });
 }
@@ -86,14 +99,15 @@ fn every_field_and_kind_is_described() {
     });
 }
 
-/// Headers and `to_toml` rely on it.
+/// Headers and `to_toml` rely on it. Tables within the kinds of scenes are of kinds themselves.
 #[test]
 fn kinds_that_share_a_key_share_its_unit_and_default() {
     properties(&schema(), &mut |key, property| {
-        let mut seen: BTreeMap<&str, (&Value, &Value)> = BTreeMap::new();
+        let mut seen: BTreeMap<&str, (&Value, Option<&Value>)> = BTreeMap::new();
         for variant in property["oneOf"].as_array().into_iter().flatten() {
             for (name, field) in variant["properties"].as_object().into_iter().flatten() {
-                let now = (&field["x-unit"], &field["default"]);
+                let default = Some(&field["default"]).filter(|default| !default.is_object());
+                let now = (&field["x-unit"], default);
                 assert_eq!(*seen.entry(name).or_insert(now), now, "{key}.{name}");
             }
         }

@@ -1,0 +1,221 @@
+//! The config of a glide: fingers slide over a patch of an object, and the patch's curvature is estimated.
+
+mod estimator;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::object::ObjectConfig;
+use super::pads::{PadLayout, right_angle};
+
+pub use estimator::{CriterionName, GlideEstimatorConfig, NormalsOf};
+
+/// Fingers slide over an object in parallel vertical planes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GlideConfig {
+    /// What the fingers touch with.
+    pub probe: FingertipConfig,
+    /// The surface that is explored.
+    pub object: ObjectConfig,
+    /// The middle of the patch: x and y of the object's frame. By default the origin or the top.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "length"))]
+    pub object_contact: Option<[f64; 2]>,
+    /// Where the fingers slide and touch.
+    pub motion: GlideMotionConfig,
+    /// What contacts are read with.
+    #[serde(default)]
+    pub sensor: GlideSensorConfig,
+    /// Errors of the readings.
+    #[serde(default)]
+    pub noise: GlideNoiseConfig,
+    /// How the patch follows from the readings.
+    #[serde(default)]
+    pub estimator: GlideEstimatorConfig,
+    /// Where estimates are held against the truth.
+    pub evaluate: EvaluateConfig,
+}
+
+impl GlideConfig {
+    pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
+        match (&self.probe, &self.sensor) {
+            (FingertipConfig::Point {}, GlideSensorConfig::Pads { .. }) => Err((
+                "scene.sensor",
+                "pads need a round tip: `scene.probe` with kind = \"sphere\"",
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The shape of a fingertip.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum FingertipConfig {
+    /// A point, which touches where it is held.
+    Point {},
+    /// A ball, which touches beside its middle wherever the object slopes.
+    Sphere {
+        /// Its radius.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        radius: f64,
+    },
+}
+
+/// Where the fingers slide and touch. Each goes along +x in a plane of constant y.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GlideMotionConfig {
+    /// Where the fingers' planes lie: y from the middle of the patch.
+    #[schemars(extend("minItems" = 1, "x-unit" = "length"))]
+    pub finger_positions: Vec<f64>,
+    /// The distance between fingers in which noise is counted, and the settings of two-pass.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub inter_finger_distance: f64,
+    /// How far each finger slides along x, its first and last contact included.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub patch_length: f64,
+    /// Contacts of each finger, equally spaced and centred on the patch.
+    #[schemars(extend("minimum" = 1, "maximum" = 100_000))]
+    pub contacts_per_finger: u32,
+}
+
+/// What contacts are read with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum GlideSensorConfig {
+    /// Without error.
+    Ideal {
+        /// Whether normals are sensed too.
+        #[serde(default = "yes")]
+        normals: bool,
+        /// The point that is reported.
+        #[serde(default)]
+        reports: Reports,
+    },
+    /// An array of pads around the lowest point of a round tip, of which the nearest reports its centre: the direction
+    /// from the tip's centre gives the contact and the normal, so that both carry its quantisation.
+    Pads {
+        /// Distance between neighbouring pads.
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        pitch: f64,
+        /// How the pads are laid out.
+        #[serde(default)]
+        layout: PadLayout,
+        /// Polar angle of the last pad, from the middle of the array.
+        #[serde(default = "right_angle")]
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
+        cap_deg: f64,
+        /// Whether normals are reported too.
+        #[serde(default = "yes")]
+        normals: bool,
+    },
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Default for GlideSensorConfig {
+    fn default() -> Self {
+        Self::Ideal {
+            normals: true,
+            reports: Reports::default(),
+        }
+    }
+}
+
+/// Which point of a fingertip an ideal sensor reports.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reports {
+    /// The contact, wherever it is on the tip.
+    #[default]
+    Contact,
+    /// The lowest point of the tip, as if that were the contact: what taking a round tip for a point costs.
+    LowestPoint,
+}
+
+/// Errors of the readings; what is absent has none.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GlideNoiseConfig {
+    /// Error of the contacts' coordinates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<PositionNoise>,
+    /// Error of the normals.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal: Option<NormalNoise>,
+}
+
+/// Error of a contact's coordinates, each drawn alone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum PositionNoise {
+    /// Gaussian with mean 0.
+    Gaussian {
+        /// The standard deviation as a fraction of the inter-finger distance.
+        #[schemars(extend("minimum" = 0))]
+        fraction_of_ifd: f64,
+        /// Which coordinates err.
+        #[serde(default)]
+        axis: NoiseAxis,
+    },
+    /// Uniform between −bound and +bound.
+    Uniform {
+        /// The bound as a fraction of the inter-finger distance.
+        #[schemars(extend("minimum" = 0))]
+        fraction_of_ifd: f64,
+        /// Which coordinates err.
+        #[serde(default)]
+        axis: NoiseAxis,
+    },
+}
+
+/// Which coordinates err.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoiseAxis {
+    /// All three, alike.
+    #[default]
+    Xyz,
+    /// The height alone.
+    Z,
+}
+
+/// Error of a normal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum NormalNoise {
+    /// A tilt by Gaussian angles about two perpendicular tangents.
+    Gaussian {
+        /// Standard deviation of either angle.
+        #[schemars(extend("minimum" = 0, "maximum" = 180))]
+        std_deg: f64,
+    },
+}
+
+/// Where estimates are held against the truth: a square grid of places around the middle of the patch, and when
+/// curvatures count as zero.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EvaluateConfig {
+    /// Places along each side.
+    #[serde(default = "thirty")]
+    #[schemars(extend("minimum" = 1, "maximum" = 1000))]
+    pub grid: u32,
+    /// Half the side of the square, in x and y.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub half_width: f64,
+    /// Below which the Gaussian curvature counts as zero; at least the square of the mean threshold.
+    #[schemars(extend("minimum" = 0, "x-unit" = "1/length^2"))]
+    pub gaussian_threshold: f64,
+    /// Below which the mean curvature counts as zero.
+    #[schemars(extend("minimum" = 0, "x-unit" = "1/length"))]
+    pub mean_threshold: f64,
+}
+
+fn thirty() -> u32 {
+    30
+}

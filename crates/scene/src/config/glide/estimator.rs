@@ -1,0 +1,129 @@
+//! How the shape of a patch follows from readings.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the patch follows from the readings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum GlideEstimatorConfig {
+    /// One bicubic spline through heights and slopes, with a penalty on its third derivatives.
+    Penalised {
+        /// Intervals of the spline along each side; by default as many as the contacts bear.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minimum" = 1, "maximum" = 24))]
+        intervals: Option<u32>,
+        /// How the weight of the penalty is chosen.
+        #[serde(default)]
+        criterion: CriterionName,
+        /// How much stronger than plain cross validation the robust one smooths; only used by that.
+        #[serde(default = "gamma")]
+        #[schemars(extend("minimum" = 1, "maximum" = 100))]
+        gamma: f64,
+        /// Standard deviation of a position along each axis; by default found from the contacts.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        position_std: Option<f64>,
+        /// Standard deviation of a normal's tilt about each tangent; by default found from the contacts.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        normal_std_deg: Option<f64>,
+    },
+    /// The method of the 1996 paper: a smoothing spline, and a second one through it and its tangents. Lengths are
+    /// counted in inter-finger distances.
+    TwoPass {
+        /// Degree of the first spline in both directions.
+        #[serde(default = "two")]
+        #[schemars(extend("minimum" = 1, "maximum" = 5))]
+        first_degree: u32,
+        /// Degree of the second spline.
+        #[serde(default = "three")]
+        #[schemars(extend("minimum" = 1, "maximum" = 5))]
+        second_degree: u32,
+        /// What residuals are multiplied with.
+        #[serde(default = "hundred")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        weight: f64,
+        /// Sum of squared weighted residuals that the first spline aims at.
+        #[serde(default = "thousand")]
+        #[schemars(extend("minimum" = 0))]
+        smoothing: f64,
+        /// The same of the second spline.
+        #[serde(default = "thousand")]
+        #[schemars(extend("minimum" = 0))]
+        second_smoothing: f64,
+        /// Step to either side along the tangent.
+        #[serde(default = "twentieth")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tangent_step: f64,
+        /// Whose normals the tangents are of.
+        #[serde(default)]
+        normals: NormalsOf,
+        /// How many splines are fitted: 1 stops after the first.
+        #[serde(default = "two")]
+        #[schemars(extend("minimum" = 1, "maximum" = 2))]
+        passes: u32,
+    },
+    /// The weighted least-squares quadric.
+    Quadric {},
+}
+
+fn gamma() -> f64 {
+    1.4
+}
+
+fn two() -> u32 {
+    2
+}
+
+fn three() -> u32 {
+    3
+}
+
+fn hundred() -> f64 {
+    100.0
+}
+
+fn thousand() -> f64 {
+    1000.0
+}
+
+fn twentieth() -> f64 {
+    0.05
+}
+
+impl Default for GlideEstimatorConfig {
+    fn default() -> Self {
+        Self::Penalised {
+            intervals: None,
+            criterion: CriterionName::default(),
+            gamma: gamma(),
+            position_std: None,
+            normal_std_deg: None,
+        }
+    }
+}
+
+/// How the weight of a penalty is chosen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CriterionName {
+    /// Generalised cross validation in which every unknown counts gamma times.
+    #[default]
+    RobustGcv,
+    /// Generalised cross validation.
+    Gcv,
+    /// Restricted maximum likelihood.
+    Reml,
+}
+
+/// Whose normals the tangents of the second spline are of.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NormalsOf {
+    /// The readings'; the first fit's where they have none.
+    #[default]
+    Measured,
+    /// The first fit's.
+    FirstFit,
+}

@@ -1,0 +1,126 @@
+//! The methods of EP2, chosen at run time.
+
+use palpate_ep2::{
+    Criterion, Ep2Error, Fit, Method, Noise, Passes, Patch, Penalised, Quadric, TangentNormals,
+    TwoPass,
+};
+
+use crate::config::{CriterionName, GlideEstimatorConfig, NormalsOf};
+
+/// Any of the methods.
+#[derive(Clone, Debug)]
+pub(crate) enum PatchMethod {
+    Penalised(Penalised),
+    TwoPass(TwoPass),
+    Quadric(Quadric),
+}
+
+impl Method for PatchMethod {
+    fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
+        match self {
+            Self::Penalised(method) => method.fit(patch),
+            Self::TwoPass(method) => method.fit(patch),
+            Self::Quadric(method) => method.fit(patch),
+        }
+    }
+}
+
+impl PatchMethod {
+    /// The method of a config, with the inter-finger distance as the unit of two-pass.
+    pub(super) fn of(config: &GlideEstimatorConfig, inter_finger_distance: f64) -> Self {
+        match *config {
+            GlideEstimatorConfig::Penalised {
+                intervals,
+                criterion,
+                gamma,
+                position_std,
+                normal_std_deg,
+            } => Self::Penalised(Penalised {
+                intervals: intervals.map(|intervals| intervals as usize),
+                criterion: match criterion {
+                    CriterionName::RobustGcv => Criterion::RobustGcv { gamma },
+                    CriterionName::Gcv => Criterion::Gcv,
+                    CriterionName::Reml => Criterion::Reml,
+                },
+                noise: Noise {
+                    position_std,
+                    normal_std_rad: normal_std_deg.map(f64::to_radians),
+                },
+            }),
+            GlideEstimatorConfig::TwoPass {
+                first_degree,
+                second_degree,
+                weight,
+                smoothing,
+                second_smoothing,
+                tangent_step,
+                normals,
+                passes,
+            } => Self::TwoPass(TwoPass {
+                first_degree: first_degree as usize,
+                second_degree: second_degree as usize,
+                weight,
+                smoothing,
+                second_smoothing,
+                tangent_step,
+                normals: match normals {
+                    NormalsOf::Measured => TangentNormals::Measured,
+                    NormalsOf::FirstFit => TangentNormals::FirstFit,
+                },
+                unit_length: Some(inter_finger_distance),
+                passes: if passes == 1 {
+                    Passes::One
+                } else {
+                    Passes::Two
+                },
+                ..TwoPass::default()
+            }),
+            GlideEstimatorConfig::Quadric {} => Self::Quadric(Quadric::default()),
+        }
+    }
+
+    /// The name used in configs.
+    pub(crate) const fn name(&self) -> &'static str {
+        match self {
+            Self::Penalised(_) => "penalised",
+            Self::TwoPass(_) => "two-pass",
+            Self::Quadric(_) => "quadric",
+        }
+    }
+
+    pub(super) fn need(&self) -> String {
+        match self {
+            Self::Penalised(Penalised {
+                criterion, noise, ..
+            }) => {
+                let criterion = match criterion {
+                    Criterion::RobustGcv { gamma } => {
+                        format!("robust generalised cross validation (gamma {gamma})")
+                    }
+                    Criterion::Gcv => "generalised cross validation".to_owned(),
+                    Criterion::Reml => "restricted maximum likelihood".to_owned(),
+                };
+                let noise = match (noise.position_std, noise.normal_std_rad) {
+                    (None, None) => "noise found from the contacts",
+                    (Some(_), Some(_)) => "noise as stated",
+                    _ => "noise partly stated, the rest found from the contacts",
+                };
+                format!("penalised bicubic spline, weight by {criterion}, {noise}")
+            }
+            Self::TwoPass(TwoPass {
+                first_degree,
+                second_degree,
+                passes,
+                ..
+            }) => match passes {
+                Passes::One => {
+                    format!("smoothing spline of degree {first_degree}, first pass alone")
+                }
+                Passes::Two => format!(
+                    "two-pass smoothing splines of degrees {first_degree} and {second_degree}"
+                ),
+            },
+            Self::Quadric(_) => "least-squares quadric".to_owned(),
+        }
+    }
+}

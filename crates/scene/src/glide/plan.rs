@@ -1,0 +1,287 @@
+//! From a glide's config to a [`GlideScene`].
+
+use palpate_ep2::{Contact, Ep2Error};
+use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
+use palpate_rolling::{Fingertip, GlideError, Glider};
+use palpate_sensing::{
+    BeyondPads, Distribution, InvalidSensor, NormalError, PadOffset, Pads, PositionAxes,
+    PositionError,
+};
+
+use super::method::PatchMethod;
+use super::sensor::{GlideSensor, SensorKind};
+use super::{FingerTouch, GlideScene, ReadingNoise, TrueGrid, TruePlace};
+use crate::config::{
+    EvaluateConfig, FingertipConfig, GlideConfig, GlideMotionConfig, GlideNoiseConfig,
+    GlideSensorConfig, NoiseAxis, NormalNoise, ObjectConfig, PositionNoise,
+};
+use crate::plan::{PlanError, pad_layout, shape};
+
+impl GlideScene {
+    /// The scene that a config describes, with the random numbers of `seed`.
+    ///
+    /// # Errors
+    /// [`PlanError`] with the path of the field that makes no scene.
+    pub fn new(config: &GlideConfig, seed: u64) -> Result<Self, PlanError> {
+        let object = shape(&config.object)?;
+        let (fingertip, radius) = match config.probe {
+            FingertipConfig::Point {} => (Fingertip::Point, 0.0),
+            FingertipConfig::Sphere { radius } => (Fingertip::Sphere { radius }, radius),
+        };
+        let glider = Glider::new(object.clone(), fingertip).map_err(of_tip)?;
+        let middle = middle(config, &object)?;
+        let touches = touches(&glider, middle, &config.motion)?;
+        let sensor = sensor(&config.sensor, radius)?;
+        let sensed = sensed(&sensor, &touches, radius)?;
+        let noise = noise(&config.noise, config.motion.inter_finger_distance)?;
+        let method = PatchMethod::of(&config.estimator, config.motion.inter_finger_distance);
+        let grid = grid(&config.evaluate, &object, middle)?;
+        let mut needs = vec![match fingertip {
+            Fingertip::Point => "contacts of points, straight below".to_owned(),
+            Fingertip::Sphere { .. } => {
+                "contacts of a round tip, by Newton's method on the offset surface".to_owned()
+            }
+        }];
+        needs.extend(noise.need());
+        needs.push(sensor.need());
+        needs.push(method.need());
+        needs.extend(beyond(config));
+        Ok(Self {
+            seed,
+            touches,
+            sensed,
+            noise,
+            method,
+            grid,
+            needs,
+        })
+    }
+}
+
+fn of_tip(error: InvalidShape) -> PlanError {
+    let message = format!("must be {}, is {}", error.expected, error.value);
+    PlanError::at("scene.probe.radius", message)
+}
+
+/// The field that keeps noiseless contacts from telling a patch.
+pub(super) fn of_fit(error: &Ep2Error) -> PlanError {
+    let path = match error {
+        Ep2Error::BadSetting { setting, .. } => match *setting {
+            "normal_std" => "scene.estimator.normal_std_deg".to_owned(),
+            setting => format!("scene.estimator.{setting}"),
+        },
+        Ep2Error::TooFewContacts { .. }
+        | Ep2Error::Coincident { .. }
+        | Ep2Error::Collinear { .. }
+        | Ep2Error::Undetermined { .. } => "scene.motion".to_owned(),
+        _ => "scene".to_owned(),
+    };
+    PlanError::at(path, error)
+}
+
+fn middle(config: &GlideConfig, object: &Shape) -> Result<(f64, f64), PlanError> {
+    let middle = config
+        .object_contact
+        .map_or(object.default_contact(), |[x, y]| (x, y));
+    let path = match config.object {
+        ObjectConfig::HeightField { .. } if config.object_contact.is_none() => {
+            "scene.object.formula"
+        }
+        _ => "scene.object_contact",
+    };
+    object
+        .contact_at(middle.0, middle.1)
+        .map_err(|error| PlanError::at(path, format!("the middle of the patch: {error}")))?;
+    Ok(middle)
+}
+
+fn touches(
+    glider: &Glider,
+    (middle_x, middle_y): (f64, f64),
+    motion: &GlideMotionConfig,
+) -> Result<Vec<FingerTouch>, PlanError> {
+    let mut touches = Vec::new();
+    for (finger, position) in motion.finger_positions.iter().enumerate() {
+        for contact in 0..motion.contacts_per_finger {
+            let along = share(contact, motion.contacts_per_finger) * 0.5 * motion.patch_length;
+            let touch = glider
+                .touch(middle_x + along, middle_y + position)
+                .map_err(|error| {
+                    let path = match error {
+                        GlideError::TwoContacts { .. } => "scene.probe.radius",
+                        _ => "scene.motion",
+                    };
+                    let place = format!("finger {finger}, contact {contact} (counting from 0)");
+                    PlanError::at(path, format!("{place}: {error}"))
+                })?;
+            touches.push(FingerTouch { finger, touch });
+        }
+    }
+    Ok(touches)
+}
+
+/// The place of one of equally spaced items from −1 to 1; the middle if it is alone.
+fn share(index: u32, count: u32) -> f64 {
+    if count == 1 {
+        0.0
+    } else {
+        2.0 * f64::from(index) / f64::from(count - 1) - 1.0
+    }
+}
+
+fn sensor(config: &GlideSensorConfig, radius: f64) -> Result<GlideSensor, PlanError> {
+    Ok(match config {
+        GlideSensorConfig::Ideal { normals, reports } => GlideSensor {
+            kind: SensorKind::Ideal(*reports),
+            normals: *normals,
+        },
+        GlideSensorConfig::Pads {
+            pitch,
+            layout,
+            cap_deg,
+            normals,
+        } => {
+            let pads = Pads::new(
+                radius,
+                *pitch,
+                pad_layout(*layout),
+                PadOffset::Centred,
+                cap_deg.to_radians(),
+            )
+            .map_err(|error| PlanError::of_sensor("scene.sensor", error))?;
+            // Centred pads are placed without a draw.
+            let placement = pads
+                .place(|| palpate_sensing::Stream::new(0, 0, palpate_sensing::Channel::PadOffset));
+            GlideSensor {
+                kind: SensorKind::Pads { pads, placement },
+                normals: *normals,
+            }
+        }
+    })
+}
+
+fn sensed(
+    sensor: &GlideSensor,
+    touches: &[FingerTouch],
+    radius: f64,
+) -> Result<Vec<Contact>, PlanError> {
+    let beyond_pads = |error: BeyondPads| PlanError::at("scene.sensor.cap_deg", error);
+    touches
+        .iter()
+        .map(|FingerTouch { finger, touch }| {
+            let (position, normal) = sensor.read(touch, radius).map_err(beyond_pads)?;
+            Ok(Contact::new(*finger, position, normal))
+        })
+        .collect()
+}
+
+fn noise(config: &GlideNoiseConfig, inter_finger_distance: f64) -> Result<ReadingNoise, PlanError> {
+    let position = config.position.as_ref().map(|position| {
+        let (distribution, fraction, axis) = match *position {
+            PositionNoise::Gaussian {
+                fraction_of_ifd,
+                axis,
+            } => (Distribution::Gaussian, fraction_of_ifd, axis),
+            PositionNoise::Uniform {
+                fraction_of_ifd,
+                axis,
+            } => (Distribution::Uniform, fraction_of_ifd, axis),
+        };
+        let axes = match axis {
+            NoiseAxis::Xyz => PositionAxes::Xyz,
+            NoiseAxis::Z => PositionAxes::Z,
+        };
+        PositionError::new(distribution, fraction * inter_finger_distance, axes)
+    });
+    let normal = config.normal.as_ref().map(|normal| {
+        let NormalNoise::Gaussian { std_deg } = *normal;
+        NormalError::new(std_deg.to_radians())
+    });
+    let at = |path: &str| {
+        let path = path.to_owned();
+        move |error: InvalidSensor| PlanError::at(path, error)
+    };
+    Ok(ReadingNoise {
+        position: position
+            .transpose()
+            .map_err(at("scene.noise.position.fraction_of_ifd"))?
+            .filter(PositionError::is_random),
+        normal: normal
+            .transpose()
+            .map_err(at("scene.noise.normal.std_deg"))?
+            .filter(NormalError::is_random),
+    })
+}
+
+impl ReadingNoise {
+    fn need(&self) -> Option<String> {
+        let position = self.position.map(|error| {
+            let distribution = match error.distribution() {
+                Distribution::Gaussian => "Gaussian",
+                Distribution::Uniform => "uniform",
+            };
+            let axes = match error.axes() {
+                PositionAxes::Xyz => "x, y and z",
+                PositionAxes::Z => "z",
+            };
+            format!("{distribution} errors of {axes}")
+        });
+        let normal = self
+            .normal
+            .map(|_| "Gaussian tilts of the normals".to_owned());
+        let errors: Vec<String> = position.into_iter().chain(normal).collect();
+        (!errors.is_empty()).then(|| format!("noise: {}, drawn per contact", errors.join(" and ")))
+    }
+}
+
+fn grid(
+    config: &EvaluateConfig,
+    object: &Shape,
+    (middle_x, middle_y): (f64, f64),
+) -> Result<TrueGrid, PlanError> {
+    let thresholds = ShapeThresholds::new(config.gaussian_threshold, config.mean_threshold)
+        .map_err(|error| PlanError::at("scene.evaluate.gaussian_threshold", error))?;
+    let at = |index| share(index, config.grid) * config.half_width;
+    let truth = Glider::new(object.clone(), Fingertip::Point).map_err(of_tip)?;
+    let place = |x: f64, y: f64| -> Result<TruePlace, PlanError> {
+        let touch = truth.touch(middle_x + x, middle_y + y).map_err(|error| {
+            PlanError::at("scene.evaluate.half_width", format!("the grid: {error}"))
+        })?;
+        let gaussian = touch.curvature.gaussian_curvature();
+        let mean = touch.curvature.mean_curvature();
+        Ok(TruePlace {
+            point: touch.point,
+            gaussian,
+            mean,
+            class: thresholds.classify(gaussian, mean),
+        })
+    };
+    let places = (0..config.grid)
+        .flat_map(|row| (0..config.grid).map(move |column| (row, column)))
+        .map(|(row, column)| place(at(row), at(column)))
+        .collect::<Result<_, _>>()?;
+    Ok(TrueGrid {
+        side: config.grid as usize,
+        places,
+        thresholds,
+    })
+}
+
+/// A warning where the grid reaches beyond the contacts.
+fn beyond(config: &GlideConfig) -> Option<String> {
+    let motion = &config.motion;
+    let lowest = motion
+        .finger_positions
+        .iter()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    let highest = motion
+        .finger_positions
+        .iter()
+        .copied()
+        .fold(f64::NEG_INFINITY, f64::max);
+    let reach = (0.5 * motion.patch_length).min(-lowest).min(highest);
+    (config.evaluate.half_width > reach * (1.0 + 1e-9)).then(|| {
+        "warning: the grid reaches beyond the contacts, where the fit is a guess".to_owned()
+    })
+}

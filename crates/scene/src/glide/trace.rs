@@ -1,0 +1,60 @@
+//! One pass of a glide, written down.
+
+use palpate_ep2::Contact;
+
+use super::GlideScene;
+use crate::Table;
+use crate::config::LengthUnit;
+
+/// The contacts of one pass, and what the sensor says of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GlideTrace {
+    /// Truth: `finger,x,y,z,normal_x,normal_y,normal_z,tip_x,tip_y,tip_z`, the tip being its centre.
+    pub contacts: Table,
+    /// What `estimate glide` accepts.
+    pub readings: Table,
+}
+
+const NORMAL: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
+
+impl GlideScene {
+    /// Follows every finger: noiseless, or as in trial number `trial`.
+    pub fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> GlideTrace {
+        let header = std::iter::once("finger".to_owned())
+            .chain(lengths(["x", "y", "z"], unit))
+            .chain(NORMAL.map(str::to_owned))
+            .chain(lengths(["tip_x", "tip_y", "tip_z"], unit));
+        let mut contacts = Table::new(header);
+        for one in &self.touches {
+            let touch = &one.touch;
+            let row = touch.point.iter().chain(touch.normal.iter());
+            contacts.push(one.finger, row.chain(touch.tip_centre.iter()).copied());
+        }
+        GlideTrace {
+            contacts,
+            readings: readings_table(&self.readings(trial), unit),
+        }
+    }
+}
+
+/// Readings as a table that [`crate::recorded::read_glide`] accepts, one row per contact.
+pub(crate) fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
+    let with_normals = contacts
+        .first()
+        .is_some_and(|contact| contact.normal.is_some());
+    let normal = with_normals.then_some(NORMAL).into_iter().flatten();
+    let header = std::iter::once("finger".to_owned()).chain(lengths(["x", "y", "z"], unit));
+    let mut table = Table::new(header.chain(normal.map(str::to_owned)));
+    for contact in contacts {
+        let normal = contact.normal.iter().flat_map(|normal| normal.iter());
+        let row: Vec<f64> = contact.position.iter().chain(normal).copied().collect();
+        table.push(contact.finger, row);
+    }
+    table
+}
+
+fn lengths(names: [&'static str; 3], unit: LengthUnit) -> impl Iterator<Item = String> {
+    names
+        .into_iter()
+        .map(move |name| format!("{name}_{}", unit.as_str()))
+}
