@@ -7,14 +7,13 @@ mod weight;
 
 pub use weight::Criterion;
 
-use nalgebra::{DMatrix, DVector};
-
-use crate::noise::{Noise, Variances};
+use crate::noise::Noise;
 use crate::quadric::SquareQuadric;
-use crate::square::{Kinds, Square};
+use crate::square::Square;
 use crate::{Ep2Error, Fit, Knots, Method, Patch, TensorSpline};
 use equations::Equations;
 use spectrum::Spectrum;
+use weight::{Expected, Search};
 
 /// Degree of the spline.
 const DEGREE: usize = 3;
@@ -22,8 +21,8 @@ const DEGREE: usize = 3;
 const MOST_INTERVALS: usize = 24;
 /// Most intervals per side unless told otherwise.
 const MOST_BY_DEFAULT: usize = 8;
-/// How often the noise is found anew from the fit.
-const ROUNDS: usize = 1;
+/// Unless told otherwise, a spline has at most so many coefficients per equation.
+const BEARABLE: f64 = 0.3;
 
 /// One bicubic tensor-product spline, fitted by weighted least squares to the heights and, where
 /// there are normals, to both slopes, with a penalty on its third derivatives.
@@ -55,26 +54,40 @@ impl Method for Penalised {
         let equations = Equations::around(&quadric, patch, &square, &knots);
         let roughness = roughness::of(&knots);
 
+        let expected = Expected::of(quadric.bending(&square));
+
         let mut variances = quadric.variances;
-        let mut smoothed = self.smoothed(&equations, &roughness, &variances, &known)?;
-        let mut told = true;
-        for _ in 0..ROUNDS {
-            let residuals = equations.residuals(&smoothed.deviation);
-            let taken = equations.taken(&smoothed, &variances);
+        let is_known = known.position_std.is_some()
+            && (known.normal_std_rad.is_some() || !patch.has_normals());
+        let mut spectrum = Spectrum::of(&equations, &roughness, &variances)?;
+        let mut told = quadric.tells_noise();
+        if patch.has_normals() && !is_known {
+            // How heights and slopes compare, from a fit that follows the surface.
+            let rough = Search::new(&spectrum, self.criterion, is_known, expected).best();
+            let kept = spectrum.kept(rough.log_weight);
+            let residuals = equations.residuals(&spectrum.coefficients(&kept));
+            let taken = equations.taken(&spectrum.inverse(&kept), &variances);
             let bending = quadric.bending(&square);
             told = variances.update(&known, bending, patch, &residuals, &taken);
-            smoothed = self.smoothed(&equations, &roughness, &variances, &known)?;
+            spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         }
-        let coefficients = quadric
+        let search = Search::new(&spectrum, self.criterion, is_known, expected);
+        let choice = search.best();
+        let deviation = spectrum.coefficients(&spectrum.kept(choice.log_weight));
+        let coefficients: Vec<f64> = quadric
             .spline_coefficients(&knots, &knots)
             .iter()
-            .zip(&smoothed.deviation)
+            .zip(&deviation)
             .map(|(quadric, deviation)| quadric + deviation)
             .collect();
-        let scale = Variances {
-            heights: variances.heights * smoothed.scale,
-            slopes: variances.slopes * smoothed.scale,
-        };
+        if !coefficients
+            .iter()
+            .all(|coefficient| coefficient.is_finite())
+        {
+            return Err(Ep2Error::OutOfRange);
+        }
+        variances.heights *= choice.scale;
+        variances.slopes *= choice.scale;
         Ok(Fit {
             frame: patch.frame,
             domain: patch.domain,
@@ -83,25 +96,11 @@ impl Method for Penalised {
                 v: square.knots(1, &knots),
                 coefficients,
             },
-            covariance: told.then(|| smoothed.spectrum.covariance(&smoothed.open)),
-            noise: told.then(|| scale.estimate(patch)),
-            effective_unknowns: smoothed.effective_unknowns,
+            covariance: told.then(|| spectrum.covariance(&search.covariance(&choice))),
+            noise: told.then(|| variances.estimate(patch)),
+            effective_unknowns: choice.effective_unknowns,
         })
     }
-}
-
-/// A fit with a chosen smoothing weight.
-struct Smoothed {
-    spectrum: Spectrum,
-    /// Deviation from the quadric.
-    deviation: DVector<f64>,
-    /// Shares of the modes that the chosen weight leaves.
-    kept: Vec<f64>,
-    /// Factor of the assumed variances that explains the residuals.
-    scale: f64,
-    effective_unknowns: f64,
-    /// Covariance in the modes of the spectrum.
-    open: DMatrix<f64>,
 }
 
 impl Penalised {
@@ -113,38 +112,13 @@ impl Penalised {
                 value: intervals as f64,
                 expected: "1 to 24",
             }),
-            None => {
-                // Two and a half contacts per interval along each side.
-                let bearable = (0.4 * (patch.samples.len() as f64).sqrt()) as usize;
-                Ok(bearable.clamp(1, MOST_BY_DEFAULT))
-            }
-        }
-    }
-
-    fn smoothed(
-        &self,
-        equations: &Equations,
-        roughness: &DMatrix<f64>,
-        variances: &Kinds<f64>,
-        known: &Noise,
-    ) -> Result<Smoothed, Ep2Error> {
-        let spectrum = Spectrum::of(equations, roughness, variances)?;
-        let is_known = known.position_std.is_some()
-            && (known.normal_std_rad.is_some() || !equations.has_slopes());
-        let choice = weight::choose(&spectrum, self.criterion, is_known);
-        let kept = spectrum.kept(choice.log_weight);
-        let deviation = spectrum.deviation(&kept);
-        if deviation.iter().all(|coefficient| coefficient.is_finite()) {
-            Ok(Smoothed {
-                deviation,
-                kept,
-                scale: choice.scale,
-                effective_unknowns: choice.effective_unknowns,
-                open: choice.open,
-                spectrum,
-            })
-        } else {
-            Err(Ep2Error::OutOfRange)
+            None => Ok((1..=MOST_BY_DEFAULT)
+                .rev()
+                .find(|intervals| {
+                    let coefficients = (intervals + DEGREE).pow(2) as f64;
+                    coefficients <= BEARABLE * patch.equations() as f64
+                })
+                .unwrap_or(1)),
         }
     }
 }

@@ -149,6 +149,11 @@ impl SquareQuadric {
         }
     }
 
+    /// Whether enough contacts are left to tell the noise, or it was known.
+    pub(crate) const fn tells_noise(&self) -> bool {
+        self.noise.is_some()
+    }
+
     /// Height and slopes along a and b.
     #[inline]
     pub(crate) fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {

@@ -1,11 +1,13 @@
 //! The fitted surface: its curvature anywhere, with its uncertainty.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, Point3, Vector3};
 
 use crate::curvature::{JetCovariance, form_and_basis};
-use crate::knots::MAX_DEGREE;
+use crate::knots::{Basis, MAX_DEGREE};
 use crate::spline::Local;
-use crate::{Curvature, Ep2Error, Fit, Jet};
+use crate::{Curvature, Ep2Error, Fit, Jet, TensorSpline};
 
 /// A place on the fitted surface, in the frame of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,13 +32,29 @@ pub struct MapPoint {
 
 /// The surface along a line of constant v: what is the same for all its places.
 struct Line {
-    /// Per B-spline in u, the sums over those in v of coefficient times value, first and second
-    /// derivative. `first` is the first B-spline that they are kept of.
+    /// The first B-spline in u that the line knows.
     first: usize,
+    /// Per B-spline in u, the sums over those in v of coefficient times value, first and second
+    /// derivative.
     heights: Vec<[f64; 3]>,
-    /// Per B-spline in u and so many after it (`0..=degree`), the covariances of these sums.
-    covariances: Vec<[[[f64; 3]; 3]; MAX_DEGREE + 1]>,
+    /// Per interval in u, from that of `first`, the covariances of these sums.
+    covariances: Vec<SumCovariances>,
 }
+
+/// Covariances between the sums over B-splines in v (see [`Line`]), for any two B-splines in u
+/// that do not vanish on an interval. The names give the derivatives along v: `value_slope[i][j]`
+/// is the covariance of the i-th sum of values with the j-th sum of slopes.
+#[derive(Clone, Default)]
+struct SumCovariances {
+    value_value: Square,
+    value_slope: Square,
+    value_bend: Square,
+    slope_slope: Square,
+    slope_bend: Square,
+    bend_bend: Square,
+}
+
+type Square = [Basis; MAX_DEGREE + 1];
 
 impl Fit {
     /// Gaussian and mean curvature where the line through `world` along the patch's normal meets
@@ -178,36 +196,30 @@ impl Fit {
     }
 
     /// The surface along the line of constant `v`, for some of the B-splines in u.
-    fn line(&self, v: f64, functions: std::ops::Range<usize>) -> Line {
+    fn line(&self, v: f64, functions: Range<usize>) -> Line {
         let spline = &self.spline;
         let local = Local::of(&spline.v, v);
         let width = spline.v.functions();
         let support = spline.v.degree() + 1;
-        let start = |function: usize| function * width + local.first;
         let heights = functions
             .clone()
             .map(|function| {
-                let row = &spline.coefficients[start(function)..start(function) + support];
+                let start = function * width + local.first;
+                let row = &spline.coefficients[start..start + support];
                 local.jets.map(|basis| dot(row, &basis))
             })
             .collect();
-        let covariances = self
-            .covariance
-            .as_ref()
-            .map_or_else(Vec::new, |covariance| {
-                functions
-                    .clone()
-                    .map(|function| {
-                        let mut band = [[[0.0; 3]; 3]; MAX_DEGREE + 1];
-                        let after = (functions.end - function).min(spline.u.degree() + 1);
-                        for (offset, entry) in band[..after].iter_mut().enumerate() {
-                            let (row, column) = (start(function), start(function + offset));
-                            *entry = contracted(covariance, row, column, support, &local);
-                        }
-                        band
-                    })
-                    .collect()
-            });
+        let covariances = match &self.covariance {
+            Some(covariance) => (functions.start..functions.end - spline.u.degree())
+                .map(|first| match (spline.u.degree(), spline.v.degree()) {
+                    // The usual ones, with loops of known lengths.
+                    (2, 2) => SumCovariances::of::<3>(covariance, first, width, &local),
+                    (3, 3) => SumCovariances::of::<4>(covariance, first, width, &local),
+                    _ => SumCovariances::of_any(covariance, first, spline, &local),
+                })
+                .collect(),
+            None => Vec::new(),
+        };
         Line {
             first: functions.start,
             heights,
@@ -237,59 +249,123 @@ impl Line {
     /// Covariance of slopes and second derivatives.
     #[inline]
     fn covariance(&self, u: &Local, fit: &Fit) -> Option<JetCovariance> {
-        if self.covariances.is_empty() {
-            return None;
-        }
-        // Orders in u and in v of the derivatives p, q, r, s, t.
-        const ORDERS: [(usize, usize); 5] = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
-        let support = fit.spline.u.degree() + 1;
-        let bands = &self.covariances[u.first - self.first..][..support];
-        let mut result = JetCovariance::zeros();
-        for (row, band) in bands.iter().enumerate() {
-            for (offset, entry) in band[..support - row].iter().enumerate() {
-                let column = row + offset;
-                for (one, &(order_u, order_v)) in ORDERS.iter().enumerate() {
-                    for (other, &(other_u, other_v)) in ORDERS.iter().enumerate().skip(one) {
-                        let here = u.jets[order_u][row] * u.jets[other_u][column];
-                        let mut sum = here * entry[order_v][other_v];
-                        if offset > 0 {
-                            let there = u.jets[order_u][column] * u.jets[other_u][row];
-                            sum += there * entry[other_v][order_v];
+        let sums = self.covariances.get(u.first - self.first)?;
+        Some(match fit.spline.u.degree() {
+            2 => sums.along::<3>(&u.jets),
+            3 => sums.along::<4>(&u.jets),
+            _ => sums.along::<{ MAX_DEGREE + 1 }>(&u.jets),
+        })
+    }
+}
+
+impl SumCovariances {
+    /// For splines with `SUPPORT` B-splines along both sides.
+    #[inline]
+    fn of<const SUPPORT: usize>(
+        covariance: &DMatrix<f64>,
+        first: usize,
+        width: usize,
+        v: &Local,
+    ) -> Self {
+        Self::gathered(covariance, first, width, v, SUPPORT, SUPPORT)
+    }
+
+    #[inline(never)]
+    fn of_any(covariance: &DMatrix<f64>, first: usize, spline: &TensorSpline, v: &Local) -> Self {
+        let [support_u, support_v] = [&spline.u, &spline.v].map(|knots| knots.degree() + 1);
+        Self::gathered(
+            covariance,
+            first,
+            spline.v.functions(),
+            v,
+            support_u,
+            support_v,
+        )
+    }
+
+    #[inline(always)]
+    fn gathered(
+        covariance: &DMatrix<f64>,
+        first: usize,
+        width: usize,
+        v: &Local,
+        support_u: usize,
+        support_v: usize,
+    ) -> Self {
+        let start = |place: usize| (first + place) * width + v.first;
+        let rows = covariance.nrows();
+        let mut sums = Self::default();
+        for one in 0..support_u {
+            for other in one..support_u {
+                // [m][n]: covariance of the m-th derivative's sum for `one` with the n-th for `other`.
+                let mut both = [[0.0; 3]; 3];
+                for place in 0..support_v {
+                    // Columns are contiguous, and the covariance is symmetric.
+                    let column = (start(one) + place) * rows + start(other);
+                    let entries = &covariance.as_slice()[column..column + support_v];
+                    let inner = v.jets.map(|basis| dot(entries, &basis));
+                    for (both, basis) in both.iter_mut().zip(&v.jets) {
+                        for (sum, inner) in both.iter_mut().zip(inner) {
+                            *sum += basis[place] * inner;
                         }
-                        result[(one, other)] += sum;
                     }
+                }
+                for (matrix, m, n) in [
+                    (&mut sums.value_value, 0, 0),
+                    (&mut sums.value_slope, 0, 1),
+                    (&mut sums.value_bend, 0, 2),
+                    (&mut sums.slope_slope, 1, 1),
+                    (&mut sums.slope_bend, 1, 2),
+                    (&mut sums.bend_bend, 2, 2),
+                ] {
+                    matrix[one][other] = both[m][n];
+                    matrix[other][one] = both[n][m];
                 }
             }
         }
-        result.fill_lower_triangle_with_upper_triangle();
-        Some(result)
+        sums
     }
-}
 
-/// Σ_jj' b⁽ᵐ⁾_j C[row + j, column + j'] b⁽ⁿ⁾_j' for derivatives of the orders m and n.
-#[inline]
-fn contracted(
-    covariance: &DMatrix<f64>,
-    row: usize,
-    column: usize,
-    support: usize,
-    local: &Local,
-) -> [[f64; 3]; 3] {
-    let mut result = [[0.0; 3]; 3];
-    for place in 0..support {
-        // Columns are contiguous, and the covariance is symmetric.
-        let entries = &covariance.column(row + place).data.into_slice()[column..column + support];
-        let sums = local.jets.map(|basis| dot(entries, &basis));
-        for (result, basis) in result.iter_mut().zip(&local.jets) {
-            for (result, sum) in result.iter_mut().zip(sums) {
-                *result += basis[place] * sum;
+    /// Covariance of (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²) where the B-splines in u have these
+    /// values, first and second derivatives, `SUPPORT` of each.
+    #[inline]
+    fn along<const SUPPORT: usize>(&self, [value, slope, bend]: &[Basis; 3]) -> JetCovariance {
+        let times = |matrix: &Square, right: &Basis| {
+            let mut result = [0.0; SUPPORT];
+            for (sum, row) in result.iter_mut().zip(matrix) {
+                *sum = dot(&row[..SUPPORT], &right[..SUPPORT]);
             }
-        }
+            result
+        };
+        let between = |left: &Basis, right: &[f64; SUPPORT]| dot(&left[..SUPPORT], right);
+        let along_slope = times(&self.value_value, slope);
+        let along_bend = times(&self.value_value, bend);
+        let (pp, pr) = (between(slope, &along_slope), between(slope, &along_bend));
+        let rr = between(bend, &along_bend);
+        let along_value = times(&self.value_slope, value);
+        let along_slope = times(&self.value_slope, slope);
+        let (pq, ps) = (between(slope, &along_value), between(slope, &along_slope));
+        let (qr, rs) = (between(bend, &along_value), between(bend, &along_slope));
+        let along_value = times(&self.value_bend, value);
+        let (pt, rt) = (between(slope, &along_value), between(bend, &along_value));
+        let along_value = times(&self.slope_slope, value);
+        let along_slope = times(&self.slope_slope, slope);
+        let (qq, qs) = (between(value, &along_value), between(value, &along_slope));
+        let ss = between(slope, &along_slope);
+        let along_value = times(&self.slope_bend, value);
+        let (qt, st) = (between(value, &along_value), between(slope, &along_value));
+        let tt = between(value, &times(&self.bend_bend, value));
+        JetCovariance::new(
+            pp, pq, pr, ps, pt, //
+            pq, qq, qr, qs, qt, //
+            pr, qr, rr, rs, rt, //
+            ps, qs, rs, ss, st, //
+            pt, qt, rt, st, tt,
+        )
     }
-    result
 }
 
-#[inline]
+#[inline(always)]
 fn dot(row: &[f64], basis: &[f64]) -> f64 {
     row.iter().zip(basis).map(|(one, other)| one * other).sum()
 }

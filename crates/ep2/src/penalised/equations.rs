@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{DEGREE, Smoothed};
+use super::DEGREE;
 use crate::quadric::SquareQuadric;
 use crate::square::{Kinds, Square};
 use crate::{Knots, Patch};
@@ -127,9 +127,8 @@ impl Equations {
         }
     }
 
-    /// How many unknowns the fit has taken up from heights and from slopes.
-    pub(super) fn taken(&self, smoothed: &Smoothed, variances: &Kinds<f64>) -> Kinds<f64> {
-        let inverse = smoothed.spectrum.inverse(&smoothed.kept);
+    /// How many unknowns a fit has taken up from heights and from slopes, from its (A + λP)⁻¹.
+    pub(super) fn taken(&self, inverse: &DMatrix<f64>, variances: &Kinds<f64>) -> Kinds<f64> {
         Kinds {
             heights: inverse.dot(&self.grams.heights) / variances.heights,
             slopes: inverse.dot(&self.grams.slopes) / variances.slopes,

@@ -91,7 +91,7 @@ impl Spectrum {
     }
 
     /// The spline's coefficients.
-    pub(super) fn deviation(&self, kept: &[f64]) -> DVector<f64> {
+    pub(super) fn coefficients(&self, kept: &[f64]) -> DVector<f64> {
         let in_modes = kept
             .iter()
             .zip(&self.right)

@@ -15,8 +15,10 @@ const LEAST: f64 = 1e-2;
 const MOST: f64 = 1e3;
 /// Modes whose half weight is below this share of the largest do not widen the search.
 const FAINT: f64 = 1e-8;
-/// A priori, the probability of a smoothing weight falls as this power of it.
-const PRIOR_POWER: f64 = 0.1;
+/// The search ends so far beyond the expected weight, or never farther than so far beyond the largest
+/// at which a mode is half kept, both in logarithms.
+const BEYOND_EXPECTED: f64 = 5.0;
+const FARTHEST: f64 = 16.0;
 /// Weights less probable than this do not count.
 const NEGLIGIBLE: f64 = 1e-4;
 
@@ -64,14 +66,13 @@ impl Criterion {
 }
 
 /// A smoothing weight, and what follows from it.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
     /// Logarithm of the weight.
     pub(super) log_weight: f64,
     /// Factor of the assumed variances that explains the residuals; 1 where they are known.
     pub(super) scale: f64,
     pub(super) effective_unknowns: f64,
-    /// Covariance of the coefficients in the modes.
-    pub(super) open: DMatrix<f64>,
 }
 
 /// What the sums over modes are at a smoothing weight λ. The prime is a derivative by ln λ.
@@ -99,6 +100,8 @@ impl Sums {
             penalised: spectrum.square,
             ..Self::default()
         };
+        // Logarithms of products of a few: none is below 1e-12.
+        let mut product = 1.0;
         for mode in 0..spectrum.right.len() {
             let (fidelity, right) = (spectrum.fidelity[mode], spectrum.right[mode]);
             let penalty = weight * spectrum.roughness[mode];
@@ -112,10 +115,15 @@ impl Sums {
             sums.unknowns += fitted;
             sums.unknowns_prime -= fitted * smoothed;
             if mode >= UNKNOWNS && penalty > 0.0 {
-                sums.log_determinants += smoothed.ln();
+                product *= smoothed;
+                if mode % 8 == 0 {
+                    sums.log_determinants += product.ln();
+                    product = 1.0;
+                }
                 sums.log_determinants_prime += fitted;
             }
         }
+        sums.log_determinants += product.ln();
         // Rounding may leave a negative rest where everything is fitted.
         let rest = f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE;
         sums.residual = sums.residual.max(rest);
@@ -124,15 +132,116 @@ impl Sums {
     }
 }
 
-/// A criterion of one data set.
-struct Search<'a> {
+/// The smoothing weights of one data set, looked at in equal steps of their logarithm.
+pub(super) struct Search<'a> {
     spectrum: &'a Spectrum,
     criterion: Criterion,
     /// Whether the variances are known, not only their ratio.
     is_known: bool,
+    expected: Expected,
+    /// Logarithms of the weights.
+    places: Vec<f64>,
+    sums: Vec<Sums>,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    pub(super) fn new(
+        spectrum: &'a Spectrum,
+        criterion: Criterion,
+        is_known: bool,
+        expected: Expected,
+    ) -> Self {
+        let (low, largest) = range(spectrum);
+        let expected = Expected {
+            log_weight: expected.log_weight.min(largest + FARTHEST),
+        };
+        let high = (largest + MOST.ln()).max(expected.log_weight + BEYOND_EXPECTED);
+        let step = (high - low) / (NODES - 1) as f64;
+        let places: Vec<f64> = (0..NODES).map(|node| low + step * node as f64).collect();
+        let sums = places
+            .iter()
+            .map(|&place| Sums::at(spectrum, place))
+            .collect();
+        Self {
+            spectrum,
+            criterion,
+            is_known,
+            expected,
+            places,
+            sums,
+        }
+    }
+
+    /// The weight that the criterion likes best.
+    pub(super) fn best(&self) -> Choice {
+        let score = |node: usize| self.score(&self.sums[node]);
+        let best = (0..NODES)
+            .rev()
+            .min_by(|&one, &other| score(one).total_cmp(&score(other)))
+            .unwrap_or(NODES - 1);
+        let below = best.saturating_sub(1);
+        let above = (best + 1).min(NODES - 1);
+        let has_root = score(below).is_finite()
+            && self.slope(&self.sums[below]) < 0.0
+            && self.slope(&self.sums[above]) > 0.0;
+        let log_weight = if has_root {
+            self.root(self.places[below], self.places[above])
+        } else {
+            self.places[best]
+        };
+        let chosen = Sums::at(self.spectrum, log_weight);
+        let scale = if self.is_known {
+            1.0
+        } else {
+            chosen.residual / (self.spectrum.equations - chosen.unknowns).max(1.0)
+        };
+        Choice {
+            log_weight,
+            scale,
+            effective_unknowns: chosen.unknowns,
+        }
+    }
+
+    /// Covariance of the modes around the fit of a choice.
+    ///
+    /// What the data leave open of the weight is taken from its likelihood and from what is
+    /// [`Expected`]: the covariance is the mean over weights of that of the posterior, and of the
+    /// squared distance to the chosen fit.
+    pub(super) fn covariance(&self, choice: &Choice) -> DMatrix<f64> {
+        let log_probabilities: Vec<f64> = self
+            .sums
+            .iter()
+            .zip(&self.places)
+            .map(|(sums, &place)| -0.5 * self.deviance(sums) + self.expected.log_probability(place))
+            .collect();
+        let most = log_probabilities
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
+        let likely: Vec<(f64, f64)> = self
+            .places
+            .iter()
+            .zip(log_probabilities)
+            .map(|(&place, probability)| (place, (probability - most).exp()))
+            .filter(|(_, probability)| *probability > NEGLIGIBLE)
+            .collect();
+        let total: f64 = likely.iter().map(|(_, probability)| probability).sum();
+        let chosen = self.spectrum.kept(choice.log_weight);
+        let modes = chosen.len();
+        let mut result = DMatrix::zeros(modes, modes);
+        let mut distances = DMatrix::zeros(modes, likely.len());
+        for (index, (place, probability)) in likely.iter().enumerate() {
+            let share = probability / total;
+            for (mode, kept) in self.spectrum.kept(*place).into_iter().enumerate() {
+                result[(mode, mode)] += share * choice.scale * kept;
+                let distance = (kept - chosen[mode]) * self.spectrum.right[mode];
+                distances[(mode, index)] = share.sqrt() * distance;
+            }
+        }
+        result.gemm(1.0, &distances, &distances.transpose(), 1.0);
+        result
+    }
+
     /// −2 ln(likelihood) with the quadric integrated out; that of the best scale unless it is
     /// known.
     fn deviance(&self, sums: &Sums) -> f64 {
@@ -174,78 +283,61 @@ impl Search<'_> {
         sums.residual_prime / sums.residual + 2.0 * gamma * sums.unknowns_prime / left
     }
 
-    /// The root of the slope between two places where it rises through zero.
-    fn root(&self, mut low: f64, mut high: f64) -> f64 {
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
+    /// The root of the slope between two places where it rises through zero (by false position
+    /// with Illinois' halving).
+    fn root(&self, low: f64, high: f64) -> f64 {
+        let slope = |place: f64| self.slope(&Sums::at(self.spectrum, place));
+        let (mut ends, mut slopes) = ([low, high], [slope(low), slope(high)]);
+        let mut last = 2;
+        for _ in 0..100 {
+            let [low, high] = ends;
+            let place = (low * slopes[1] - high * slopes[0]) / (slopes[1] - slopes[0]);
+            let here = slope(place);
+            let side = usize::from(here > 0.0);
+            if here == 0.0 || (place - ends[side]).abs() <= 1e-12 {
+                return place;
             }
-            if self.slope(&Sums::at(self.spectrum, middle)) > 0.0 {
-                high = middle;
-            } else {
-                low = middle;
+            (ends[side], slopes[side]) = (place, here);
+            if side == last {
+                slopes[1 - side] *= 0.5;
             }
+            last = side;
         }
-        0.5 * (low + high)
+        0.5 * (ends[0] + ends[1])
     }
 }
 
-/// The smoothing weight that the criterion likes best, and the covariance that is left.
+/// How rough a surface is expected to be before its third derivatives are seen: about as rough as a
+/// sphere of the same curvature.
 ///
-/// What the data leave open of the weight is taken from its likelihood: the covariance is the mean
-/// over weights of that of the posterior, and of the squared distance to the chosen fit.
-pub(super) fn choose(spectrum: &Spectrum, criterion: Criterion, is_known: bool) -> Choice {
-    let search = Search {
-        spectrum,
-        criterion,
-        is_known,
-    };
-    let (low, high) = range(spectrum);
-    let step = (high - low) / (NODES - 1) as f64;
-    let places: Vec<f64> = (0..NODES).map(|node| low + step * node as f64).collect();
-    let sums: Vec<Sums> = places
-        .iter()
-        .map(|&place| Sums::at(spectrum, place))
-        .collect();
-    let best = (0..NODES)
-        .rev()
-        .min_by(|&one, &other| {
-            search
-                .score(&sums[one])
-                .total_cmp(&search.score(&sums[other]))
-        })
-        .unwrap_or(NODES - 1);
-    let below = best.saturating_sub(1);
-    let above = (best + 1).min(NODES - 1);
-    let has_root = search.score(&sums[below]).is_finite()
-        && search.slope(&sums[below]) < 0.0
-        && search.slope(&sums[above]) > 0.0;
-    let log_weight = if has_root {
-        search.root(places[below], places[above])
-    } else {
-        places[best]
-    };
-    let chosen = Sums::at(spectrum, log_weight);
-    let scale = if is_known {
-        1.0
-    } else {
-        chosen.residual / (spectrum.equations - chosen.unknowns).max(1.0)
-    };
-    let log_probabilities: Vec<f64> = sums
-        .iter()
-        .zip(&places)
-        .map(|(sums, place)| -0.5 * search.deviance(sums) - PRIOR_POWER * place)
-        .collect();
-    Choice {
-        log_weight,
-        scale,
-        effective_unknowns: chosen.unknowns,
-        open: covariance(spectrum, log_weight, scale, &places, &log_probabilities),
+/// The penalty of a sphere of curvature κ over the square is 32 κ⁶, in units of the square. With
+/// τ = λ^(−1/2) the amplitude of the third derivatives and τ₀ = κ³/√3, the probability of ln τ falls
+/// as τ² below τ₀ and as 1/τ above.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Expected {
+    log_weight: f64,
+}
+
+impl Expected {
+    /// From the mean square of the curvature, in units of the square.
+    pub(super) fn of(square_curvature: f64) -> Self {
+        Self {
+            log_weight: 3.0_f64.ln() - 3.0 * square_curvature.ln(),
+        }
+    }
+
+    fn log_probability(&self, log_weight: f64) -> f64 {
+        // x²/(1 + x³) with x = τ/τ₀, ln x = roughness/2.
+        let roughness = self.log_weight - log_weight;
+        if roughness > 0.0 {
+            -0.5 * roughness - (-1.5 * roughness).exp().ln_1p()
+        } else {
+            roughness - (1.5 * roughness).exp().ln_1p()
+        }
     }
 }
 
-/// Logarithms of the smallest and the largest weight that make a difference.
+/// Logarithms of the smallest weight to look at, and of the largest at which a mode is half kept.
 fn range(spectrum: &Spectrum) -> (f64, f64) {
     let halves = || {
         let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);
@@ -256,39 +348,5 @@ fn range(spectrum: &Spectrum) -> (f64, f64) {
     };
     let largest = halves().fold(f64::MIN_POSITIVE, f64::max);
     let smallest = halves().fold(largest, f64::min).max(FAINT * largest);
-    ((LEAST * smallest).ln(), (MOST * largest).ln())
-}
-
-fn covariance(
-    spectrum: &Spectrum,
-    log_weight: f64,
-    scale: f64,
-    places: &[f64],
-    log_probabilities: &[f64],
-) -> DMatrix<f64> {
-    let most = log_probabilities
-        .iter()
-        .copied()
-        .fold(f64::NEG_INFINITY, f64::max);
-    let likely: Vec<(f64, f64)> = places
-        .iter()
-        .zip(log_probabilities)
-        .map(|(&place, probability)| (place, (probability - most).exp()))
-        .filter(|(_, probability)| *probability > NEGLIGIBLE)
-        .collect();
-    let total: f64 = likely.iter().map(|(_, probability)| probability).sum();
-    let chosen = spectrum.kept(log_weight);
-    let modes = chosen.len();
-    let mut result = DMatrix::zeros(modes, modes);
-    let mut distances = DMatrix::zeros(modes, likely.len());
-    for (index, (place, probability)) in likely.iter().enumerate() {
-        let share = probability / total;
-        for (mode, kept) in spectrum.kept(*place).into_iter().enumerate() {
-            result[(mode, mode)] += share * scale * kept;
-            let distance = (kept - chosen[mode]) * spectrum.right[mode];
-            distances[(mode, index)] = share.sqrt() * distance;
-        }
-    }
-    result.gemm(1.0, &distances, &distances.transpose(), 1.0);
-    result
+    ((LEAST * smallest).ln(), largest.ln())
 }

@@ -14,8 +14,10 @@ pub(super) struct Block {
     /// Entries of a row, without its right-hand side.
     width: usize,
     rows: usize,
-    /// How much of a column is in use.
+    /// Height of a column, in groups of lanes.
     packs: usize,
+    /// Whether a triangle has used the rows up, and left something in their place.
+    is_stale: bool,
     columns: Vec<[f64; LANES]>,
 }
 
@@ -27,14 +29,9 @@ impl Block {
             width,
             rows: 0,
             packs,
+            is_stale: false,
             columns: vec![[0.0; LANES]; (width + 1) * packs],
         }
-    }
-
-    /// Makes the block empty.
-    pub(super) fn clear(&mut self) {
-        self.columns.fill([0.0; LANES]);
-        self.rows = 0;
     }
 
     /// Whether no further row fits.
@@ -45,6 +42,10 @@ impl Block {
     /// A further row of zeros with the given right-hand side.
     pub(super) fn push(&mut self, right: f64) -> usize {
         debug_assert!(!self.is_full());
+        if self.is_stale {
+            self.columns.fill([0.0; LANES]);
+            self.is_stale = false;
+        }
         let row = self.rows;
         self.rows += 1;
         self.set(row, self.width, right);
@@ -153,9 +154,10 @@ impl Triangle {
             let right = rest.len() - packs;
             reflect(&mut row[band], &mut rest[right..][..used]);
         }
-        let right = &block.columns[block.width * packs..];
+        let right = &block.columns[block.width * packs..][..used];
         self.residual_sum += dot(right, right);
-        block.clear();
+        block.rows = 0;
+        block.is_stale = true;
     }
 
     /// With this triangle `R` and that of more equations `J`: the trace of `J⁻ᵀ RᵀR J⁻¹`, the

@@ -1,0 +1,68 @@
+//! The two passes over 30 contacts of three fingers, without and with knots.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use nalgebra::{Point3, Vector3};
+use palpate_ep2::{Contact, Method, Passes, Patch, Status, TwoPass};
+use palpate_sensing::{Channel, Stream};
+use std::hint::black_box;
+
+const RADIUS: f64 = 5.0;
+
+/// Ten contacts of each of three fingers at y = −1, 0, 1 on a sphere, off by up to `bound`.
+fn patch(bound: f64, trial: u64) -> Patch {
+    let mut noise = Stream::new(7, trial, Channel::Position);
+    let mut contacts = Vec::new();
+    for finger in 0..3 {
+        for step in 0..10 {
+            let (x, y) = (-1.5 + step as f64 / 3.0, finger as f64 - 1.0);
+            let z = (RADIUS * RADIUS - x * x - y * y).sqrt();
+            let error = Vector3::from_fn(|_, _| bound * noise.symmetric_uniform());
+            let position = Point3::new(x, y, z) + error;
+            contacts.push(Contact::new(finger, position, Some(Vector3::new(x, y, z))));
+        }
+    }
+    Patch::new(&contacts, &Vector3::z()).expect("contacts of a sphere")
+}
+
+fn two_pass(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("two-pass");
+    let both = TwoPass::default();
+    let first = TwoPass {
+        passes: Passes::One,
+        ..both
+    };
+    let smooth = patch(0.05, 0);
+    let fitted = both.fit_passes(&smooth).expect("a polynomial");
+    assert_eq!(fitted.first.status, Status::Polynomial);
+    assert_eq!(
+        fitted.second.map(|pass| pass.status),
+        Some(Status::Polynomial)
+    );
+    let mean = fitted
+        .fit
+        .curvature_at(&Point3::new(0.0, 0.0, RADIUS))
+        .expect("a curvature")
+        .mean;
+    assert!((mean * RADIUS - 1.0).abs() < 0.2, "{mean}");
+    group.bench_function("first pass, 30 contacts, no knots", |bencher| {
+        bencher.iter(|| first.fit(black_box(&smooth)));
+    });
+    group.bench_function("both passes, 30 contacts, no knots", |bencher| {
+        bencher.iter(|| both.fit(black_box(&smooth)));
+    });
+    let rough = TwoPass {
+        smoothing: 250.0,
+        ..both
+    };
+    let noisy = patch(0.1, 0);
+    let fitted = rough.fit_passes(&noisy).expect("a spline");
+    assert_eq!(fitted.first.status, Status::Smoothing);
+    assert!(fitted.first.coefficients > 9);
+    group.bench_function("both passes, 30 contacts, knots", |bencher| {
+        bencher.iter(|| rough.fit(black_box(&noisy)));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, two_pass);
+criterion_main!(benches);
