@@ -31,8 +31,9 @@ pub(crate) enum Command {
     Trace(TraceArgs),
     /// Estimate curvature from recorded readings; prints JSON.
     #[command(subcommand)]
-    #[command(after_help = "Example:
-  palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5")]
+    #[command(after_help = "Examples:
+  palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5
+  palpate estimate glide examples/glide-readings.csv --map map.csv")]
     Estimate(Estimator),
     /// Validate a config; prints cells, trials, the models that it needs and an estimate of the time.
     #[command(after_help = "Example:
@@ -101,6 +102,22 @@ rotation_y < 0) and shifts as great-circle displacements on the probe from its f
 Example:
   palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5")]
     Roll(EstimateRollArgs),
+    /// Curvature over a patch from sliding fingers (EP2).
+    #[command(
+        after_help = "The readings have one row per contact, the contacts of a finger in the order in which it made them,
+  finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z
+or without normals,
+  finger,x_mm,y_mm,z_mm
+
+The JSON tells the curvature in the middle of the patch and the regions of one shape class; --map
+writes the curvature all over the patch, with standard deviations and the probability of each class.
+
+Examples:
+  palpate estimate glide examples/glide-readings.csv --map map.csv
+  palpate estimate glide examples/glide-readings.csv --method two-pass
+  palpate estimate glide examples/glide-readings.csv --gaussian-threshold 0.0005 --mean-threshold 0.01"
+    )]
+    Glide(EstimateGlideArgs),
 }
 
 #[derive(Debug, Args)]
@@ -120,6 +137,56 @@ pub(crate) struct EstimateRollArgs {
     /// The unit of lengths, if the header does not state it (shift_u_mm).
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub(crate) length_unit: Option<LengthUnit>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct EstimateGlideArgs {
+    /// The recorded readings, a CSV file.
+    pub(crate) readings: PathBuf,
+    /// The estimator.
+    #[arg(long, default_value = "penalised")]
+    pub(crate) method: PatchMethod,
+    /// Places of the map along each side of the patch.
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) grid: u32,
+    /// Write the curvature all over the patch to this CSV file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) map: Option<PathBuf>,
+    /// The direction out of the object, for readings without normals [default: 0,0,1].
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
+    pub(crate) outward: Option<Direction>,
+    /// The unit of lengths, if the header does not state it (x_mm).
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    pub(crate) length_unit: Option<LengthUnit>,
+    /// Below which the Gaussian curvature counts as zero, 1/length²; at least the square of the mean
+    /// threshold [default: from the patch's size].
+    #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true, requires = "mean_threshold")]
+    pub(crate) gaussian_threshold: Option<f64>,
+    /// Below which the mean curvature counts as zero, 1/length [default: from the patch's size].
+    #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true, requires = "gaussian_threshold")]
+    pub(crate) mean_threshold: Option<f64>,
+    /// Standard deviation of each coordinate, in the readings' length unit [default: found from the
+    /// readings].
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) position_std: Option<f64>,
+    /// Standard deviation of a normal's tilt about each tangent, in degrees [default: found from the
+    /// readings].
+    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) normal_std_deg: Option<f64>,
+}
+
+/// Components of a direction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Direction(pub(crate) [f64; 3]);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PatchMethod {
+    /// One penalised spline through heights and slopes, with standard deviations.
+    Penalised,
+    /// The two smoothing splines of the 1996 paper.
+    TwoPass,
+    /// A least-squares quadric.
+    Quadric,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -155,6 +222,36 @@ fn positive(text: &str) -> Result<f64, String> {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
         Ok(number) => Err(format!("must be finite and > 0, is {number}")),
         Err(_) => Err("is not a number".to_owned()),
+    }
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
+        Ok(number) => Err(format!("must be finite and >= 0, is {number}")),
+        Err(_) => Err("is not a number".to_owned()),
+    }
+}
+
+fn direction(text: &str) -> Result<Direction, String> {
+    let numbers: Vec<f64> = text
+        .split(',')
+        .map(|part| {
+            part.trim()
+                .parse()
+                .map_err(|_| format!("`{part}` is not a number"))
+        })
+        .collect::<Result<_, _>>()?;
+    let components: [f64; 3] = numbers
+        .try_into()
+        .map_err(|numbers: Vec<f64>| format!("needs 3 numbers, X,Y,Z; has {}", numbers.len()))?;
+    let largest = components
+        .iter()
+        .fold(0.0, |largest: f64, one| largest.max(one.abs()));
+    if components.iter().all(|one| one.is_finite()) && largest > 0.0 {
+        Ok(Direction(components.map(|one| one / largest)))
+    } else {
+        Err("must be finite and not zero".to_owned())
     }
 }
 

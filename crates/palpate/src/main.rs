@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Trace(args) => trace::trace(&args),
         Command::Estimate(Estimator::Roll(args)) => estimate::roll(&args),
+        Command::Estimate(Estimator::Glide(args)) => estimate::glide(&args),
         Command::Check(args) => check::check(&args),
         Command::Plot(args) => results::plot(&args),
         Command::Report(args) => results::report(&args),

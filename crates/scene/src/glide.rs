@@ -9,7 +9,6 @@ mod trace;
 pub use map::MapTable;
 pub(crate) use method::PatchMethod;
 pub use trace::GlideTrace;
-pub(crate) use trace::readings_table;
 
 use nalgebra::Vector3;
 use palpate_ep2::{Contact, Ep2Error, Fit, Method, Patch};

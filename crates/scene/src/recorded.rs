@@ -1,10 +1,41 @@
 //! Recorded readings: CSV in and out, and the estimators on them.
 
+mod glide;
+mod patch;
 mod roll;
 mod sheet;
 
+pub use glide::{GlideReadings, read_glide};
+pub use palpate_geometry::ShapeThresholds;
+pub use patch::{
+    GlideEstimate, GlideMap, GlideMethod, GlideOptions, PatchNoise, PatchRegion, Thresholds,
+    estimate_glide,
+};
 pub use roll::{
-    RollEstimate, RollMethod, RollOptions, RollReadings, UnresolvedProbe, Value, estimate_roll,
-    read_roll, roll_readings_table,
+    RollEstimate, RollMethod, RollOptions, RollReadings, UnresolvedProbe, estimate_roll, read_roll,
+    roll_readings_table,
 };
 pub use sheet::RecordedError;
+
+use serde::Serialize;
+
+use crate::Unit;
+use crate::config::LengthUnit;
+
+/// A value with its standard deviation and unit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Value {
+    value: f64,
+    std: Option<f64>,
+    unit: String,
+}
+
+impl Value {
+    fn new(value: f64, std: Option<f64>, power: Unit, length: LengthUnit) -> Self {
+        Self {
+            value: value + 0.0,
+            std,
+            unit: power.of(length),
+        }
+    }
+}

@@ -38,7 +38,7 @@ impl GlideScene {
 }
 
 /// Readings as a table that [`crate::recorded::read_glide`] accepts, one row per contact.
-pub(crate) fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
+fn readings_table(contacts: &[Contact], unit: LengthUnit) -> Table {
     let with_normals = contacts
         .first()
         .is_some_and(|contact| contact.normal.is_some());

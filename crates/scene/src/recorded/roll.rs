@@ -8,41 +8,28 @@ use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, LeastSquares, Measured, ProbeReading, ReadingNoise};
 use serde::Serialize;
 
-use super::sheet::{Column, RecordedError, Sheet, header, read_text};
+use super::Value;
+use super::sheet::{Column, RecordedError, Sheet, agreed_unit, header, read_text};
 use crate::config::LengthUnit;
 use crate::{Table, Unit};
 
-const fn plain(name: &'static str) -> Column {
-    Column {
-        name,
-        is_length: false,
-    }
-}
-
-const fn length(name: &'static str) -> Column {
-    Column {
-        name,
-        is_length: true,
-    }
-}
-
 /// One row per probe.
 const SUMMARY: [Column; 5] = [
-    plain("probe"),
-    plain("rotation_x_rad"),
-    plain("rotation_y_rad"),
-    length("shift_u"),
-    length("shift_v"),
+    Column::plain("probe"),
+    Column::plain("rotation_x_rad"),
+    Column::plain("rotation_y_rad"),
+    Column::length("shift_u"),
+    Column::length("shift_v"),
 ];
 
 /// A time series per probe.
 const SERIES: [Column; 6] = [
-    plain("probe"),
-    plain("t_s"),
-    plain("rotation_x_rad"),
-    plain("rotation_y_rad"),
-    length("pad_u"),
-    length("pad_v"),
+    Column::plain("probe"),
+    Column::plain("t_s"),
+    Column::plain("rotation_x_rad"),
+    Column::plain("rotation_y_rad"),
+    Column::length("pad_u"),
+    Column::length("pad_v"),
 ];
 
 /// How to estimate.
@@ -77,14 +64,6 @@ pub struct RollReadings {
     readings: Vec<ProbeReading>,
     /// The unit that the header states.
     unit: Option<LengthUnit>,
-}
-
-/// A value with its standard deviation and unit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Value {
-    value: f64,
-    std: Option<f64>,
-    unit: String,
 }
 
 /// A probe whose contact did not move.
@@ -146,25 +125,6 @@ pub fn read_roll(path: &Path) -> Result<RollReadings, RecordedError> {
     })
 }
 
-fn fail(sheet: &Sheet, line: usize, message: String) -> RecordedError {
-    RecordedError::Line {
-        file: sheet.file.clone(),
-        line,
-        message,
-    }
-}
-
-fn probe_number(sheet: &Sheet, line: usize, number: f64) -> Result<u64, RecordedError> {
-    if number >= 0.0 && number.fract() == 0.0 && number < 1e15 {
-        return Ok(number as u64);
-    }
-    Err(fail(
-        sheet,
-        line,
-        format!("column `probe`: must be a whole number from 0, is {number}"),
-    ))
-}
-
 fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {
     ProbeReading {
         rotation: Vector2::new(rotation_x, rotation_y),
@@ -175,13 +135,13 @@ fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {
 fn one_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError> {
     let mut known = HashSet::new();
     let mut rows = Vec::new();
-    for (line, numbers) in &sheet.rows {
-        let &[probe, x, y, u, v] = numbers.as_slice() else {
+    for (line, numbers) in sheet.rows() {
+        let &[probe, x, y, u, v] = numbers else {
             continue;
         };
-        let probe = probe_number(sheet, *line, probe)?;
+        let probe = sheet.index(line, "probe", probe)?;
         if !known.insert(probe) {
-            return Err(fail(sheet, *line, format!("probe {probe} stands twice")));
+            return Err(sheet.fail(line, format!("probe {probe} stands twice")));
         }
         rows.push((probe, reading(x, y, u, v)));
     }
@@ -191,17 +151,17 @@ fn one_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError>
 fn last_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError> {
     let mut times: HashMap<u64, (usize, f64)> = HashMap::new();
     let mut rows = Vec::new();
-    for (line, numbers) in &sheet.rows {
-        let &[probe, t_s, x, y, u, v] = numbers.as_slice() else {
+    for (line, numbers) in sheet.rows() {
+        let &[probe, t_s, x, y, u, v] = numbers else {
             continue;
         };
-        let probe = probe_number(sheet, *line, probe)?;
+        let probe = sheet.index(line, "probe", probe)?;
         let row = (probe, reading(x, y, u, v));
         match times.get_mut(&probe) {
             Some((_, before)) if t_s <= *before => {
                 let message =
                     format!("column `t_s`: probe {probe} goes from {before} s back to {t_s} s");
-                return Err(fail(sheet, *line, message));
+                return Err(sheet.fail(line, message));
             }
             Some((place, before)) => {
                 *before = t_s;
@@ -232,15 +192,7 @@ pub fn estimate_roll(
         file: recorded.file.clone(),
         message,
     };
-    let unit = match (recorded.unit, options.length_unit) {
-        (Some(header), Some(option)) if header != option => {
-            let (header, option) = (header.as_str(), option.as_str());
-            return Err(fail(format!(
-                "the header says {header}, --length-unit says {option}"
-            )));
-        }
-        (header, option) => header.or(option).unwrap_or_default(),
-    };
+    let unit = agreed_unit(&recorded.file, recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;
     let half_way = PI * options.probe_radius;
     for (probe, reading) in recorded.probes.iter().zip(readings) {
@@ -294,16 +246,9 @@ pub fn estimate_roll(
         }
     }
 
-    let value = |measured: Measured, power: Unit| Value {
-        value: measured.value,
-        std: measured.std,
-        unit: power.of(unit),
-    };
-    let bare = |value: f64, power: Unit| Value {
-        value,
-        std: None,
-        unit: power.of(unit),
-    };
+    let value =
+        |measured: Measured, power: Unit| Value::new(measured.value, measured.std, power, unit);
+    let bare = |value: f64, power: Unit| Value::new(value, None, power, unit);
     let principal = estimate.curvature.principal();
     Ok(RollEstimate {
         method: "least-squares",

@@ -44,11 +44,26 @@ pub(super) struct Column {
     pub(super) is_length: bool,
 }
 
+impl Column {
+    pub(super) const fn plain(name: &'static str) -> Self {
+        let is_length = false;
+        Self { name, is_length }
+    }
+
+    pub(super) const fn length(name: &'static str) -> Self {
+        let is_length = true;
+        Self { name, is_length }
+    }
+}
+
 /// A header and rows of numbers, in the order of the columns asked for.
 pub(super) struct Sheet {
     pub(super) file: String,
-    /// Line and numbers.
-    pub(super) rows: Vec<(usize, Vec<f64>)>,
+    /// The line of each row.
+    lines: Vec<usize>,
+    /// Row by row.
+    numbers: Vec<f64>,
+    columns: usize,
     /// The unit that the header states.
     pub(super) unit: Option<LengthUnit>,
 }
@@ -74,9 +89,10 @@ pub(super) fn read_text(path: &Path) -> Result<(String, String), RecordedError> 
         _ => fail(format!("cannot be read: {error}")),
     })?;
     let text = String::from_utf8(bytes).map_err(|_| fail("is not UTF-8 text".to_owned()))?;
-    let text = text
-        .strip_prefix('\u{feff}')
-        .map_or(text.clone(), str::to_owned);
+    let text = match text.strip_prefix('\u{feff}') {
+        Some(rest) => rest.to_owned(),
+        None => text,
+    };
     if text.trim().is_empty() {
         return Err(fail(
             "is empty; a header and one row per reading are needed".to_owned(),
@@ -118,7 +134,7 @@ impl Sheet {
         let mut records = records(text);
         let (line, header) = records.next().unwrap_or((1, Vec::new()));
         let (places, unit) = places(&header, columns).map_err(|message| fail(line, message))?;
-        let mut rows = Vec::new();
+        let (mut lines, mut numbers) = (Vec::new(), Vec::new());
         for (line, fields) in records {
             if fields.len() != header.len() {
                 let (found, expected) = (fields.len(), header.len());
@@ -127,16 +143,17 @@ impl Sheet {
                     format!("{found} fields; the header has {expected}"),
                 ));
             }
-            let numbers = places
-                .iter()
-                .map(|&place| {
-                    number(fields[place])
-                        .map_err(|what| fail(line, format!("column `{}`: {what}", header[place])))
-                })
-                .collect::<Result<_, _>>()?;
-            rows.push((line, numbers));
+            for &place in &places {
+                let number = number(fields[place]);
+                numbers.push(
+                    number.map_err(|what| {
+                        fail(line, format!("column `{}`: {what}", header[place]))
+                    })?,
+                );
+            }
+            lines.push(line);
         }
-        if rows.is_empty() {
+        if lines.is_empty() {
             let message = "has a header but no readings".to_owned();
             return Err(RecordedError::Readings {
                 file: file.to_owned(),
@@ -145,9 +162,58 @@ impl Sheet {
         }
         Ok(Self {
             file: file.to_owned(),
-            rows,
+            lines,
+            numbers,
+            columns: columns.len(),
             unit,
         })
+    }
+
+    /// Each row's line and numbers.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (usize, &[f64])> {
+        let rows = self.numbers.chunks_exact(self.columns);
+        self.lines.iter().copied().zip(rows)
+    }
+
+    /// An error in a line.
+    pub(super) fn fail(&self, line: usize, message: String) -> RecordedError {
+        RecordedError::Line {
+            file: self.file.clone(),
+            line,
+            message,
+        }
+    }
+
+    /// The number of a probe or finger.
+    pub(super) fn index(
+        &self,
+        line: usize,
+        column: &str,
+        number: f64,
+    ) -> Result<u64, RecordedError> {
+        if number >= 0.0 && number.fract() == 0.0 && number < 1e15 {
+            return Ok(number as u64);
+        }
+        let message = format!("column `{column}`: must be a whole number from 0, is {number}");
+        Err(self.fail(line, message))
+    }
+}
+
+/// The unit that the header of a file or `--length-unit` states.
+pub(super) fn agreed_unit(
+    file: &str,
+    header: Option<LengthUnit>,
+    option: Option<LengthUnit>,
+) -> Result<LengthUnit, RecordedError> {
+    match (header, option) {
+        (Some(header), Some(option)) if header != option => {
+            let (header, option) = (header.as_str(), option.as_str());
+            Err(RecordedError::Readings {
+                file: file.to_owned(),
+                message: format!("the header says {header}, --length-unit says {option}"),
+            })
+        }
+        (header, option) => Ok(header.or(option).unwrap_or_default()),
     }
 }
 
