@@ -4,7 +4,11 @@ mod angular_velocity;
 mod edge;
 mod evidence;
 mod pads;
+mod patches;
 mod roll_length;
+mod second_fit;
+mod shape_classes;
+mod turned_cylinder;
 mod wrist;
 
 use crate::{ReportError, Study, file};
@@ -61,7 +65,7 @@ struct Finding {
     why: String,
 }
 
-const CLAIMS: [Claim; 10] = [
+const CLAIMS: [Claim; 15] = [
     Claim {
         number: 1,
         paper_says: "The error for a given noise in angular velocity grows as the relative curvature falls, dramatically from R₂ of about 50 R₁ up.",
@@ -101,6 +105,31 @@ const CLAIMS: [Claim; 10] = [
         number: 8,
         paper_says: "With 0.5 mm pads a roll of 0.5 rad gives a reasonable estimate for spheres from 5 to 0.2 cm (R₁ = 1 cm).",
         judge: pads::half_millimetre_pads,
+    },
+    Claim {
+        number: 9,
+        paper_says: "The second iteration of fitting a smoothing spline increases the accuracy dramatically.",
+        judge: second_fit::improves_dramatically,
+    },
+    Claim {
+        number: 10,
+        paper_says: "The classes of shape are well estimated for noise of 5 % of the inter-finger distance or less.",
+        judge: shape_classes::well_estimated_up_to_5_percent,
+    },
+    Claim {
+        number: 11,
+        paper_says: "For noise of 10 % only the sphere is classified accurately; the mean curvature is still good on the other surfaces, the Gaussian curvature worse.",
+        judge: shape_classes::only_the_sphere_at_10_percent,
+    },
+    Claim {
+        number: 12,
+        paper_says: "With noise of 5 % the segmentation of the saddle by shape corresponds nearly perfectly with the actual surface.",
+        judge: shape_classes::saddle_segmentation_nearly_perfect,
+    },
+    Claim {
+        number: 13,
+        paper_says: "Noisy data show tensor-product effects on cylinders: a cylinder turned against the fingers is fitted worse.",
+        judge: turned_cylinder::is_fitted_worse,
     },
     Claim {
         number: 20,

@@ -17,6 +17,7 @@ mod error;
 mod file;
 mod page;
 mod plot;
+mod records;
 mod scorecard;
 mod study;
 mod table;

@@ -1,6 +1,6 @@
 //! One study: a folder that `palpate run` has filled.
 
-use crate::table::Records;
+use crate::records::Records;
 use crate::{ReportError, Table, file};
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,7 @@
 //! `cells.csv`: one row per cell and quantity.
 
-use crate::{ReportError, file, words};
+use crate::records::Records;
+use crate::{ReportError, words};
 use std::path::Path;
 
 /// The statistics every `cells.csv` has, in their order.
@@ -220,66 +221,4 @@ pub(crate) fn finite(text: &str) -> Option<f64> {
         .parse()
         .ok()
         .filter(|number: &f64| number.is_finite())
-}
-
-/// A CSV file as text, its header checked for required and repeated columns.
-pub(crate) struct Records {
-    pub(crate) header: Vec<String>,
-    pub(crate) rows: Vec<Vec<String>>,
-    pub(crate) lines: Vec<u64>,
-}
-
-impl Records {
-    pub(crate) fn read(path: &Path, required: &[&str]) -> Result<Self, ReportError> {
-        let text = file::read(path)?;
-        let failed = |source| ReportError::Csv {
-            path: path.to_owned(),
-            source,
-        };
-        let mut reader = csv::Reader::from_reader(text.trim_start_matches('\u{feff}').as_bytes());
-        let header: Vec<String> = reader
-            .headers()
-            .map_err(failed)?
-            .iter()
-            .map(|h| h.trim().to_owned())
-            .collect();
-        if header.iter().all(String::is_empty) {
-            return Err(ReportError::EmptyTable {
-                path: path.to_owned(),
-            });
-        }
-        for (at, column) in header.iter().enumerate() {
-            if header[..at].contains(column) {
-                return Err(ReportError::DuplicateColumn {
-                    path: path.to_owned(),
-                    column: column.clone(),
-                });
-            }
-        }
-        // In this order, too: sweep columns lie between `cell` and `quantity`, statistics after `unit`.
-        let mut next = 0;
-        for name in required {
-            match header[next..].iter().position(|column| column == name) {
-                Some(at) => next += at + 1,
-                None => {
-                    return Err(ReportError::MissingColumn {
-                        path: path.to_owned(),
-                        column: (*name).to_owned(),
-                        found: header,
-                    });
-                }
-            }
-        }
-        let (mut rows, mut lines) = (Vec::new(), Vec::new());
-        for record in reader.records() {
-            let record = record.map_err(failed)?;
-            lines.push(record.position().map_or(0, csv::Position::line));
-            rows.push(record.iter().map(|cell| cell.trim().to_owned()).collect());
-        }
-        Ok(Self {
-            header,
-            rows,
-            lines,
-        })
-    }
 }

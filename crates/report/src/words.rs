@@ -74,6 +74,8 @@ impl Meaning {
         let bare = self.bare_value(text);
         if self.unit.is_empty() || crate::table::finite(text).is_none() {
             bare
+        } else if self.unit == "°" {
+            format!("{bare}°")
         } else {
             format!("{bare} {}", self.unit)
         }
@@ -99,6 +101,13 @@ pub(crate) fn path(header: &str) -> Meaning {
         .last()
         .is_some_and(|leaf| leaf.starts_with("fraction"));
     let words = match segments.as_slice() {
+        ["noise", channel, "fraction of ifd"] => {
+            return Meaning {
+                words: format!("{channel} noise"),
+                unit: "% of the IFD".to_owned(),
+                factor: 100.0,
+            };
+        }
         ["noise", channel, leaf @ ("fraction" | "std" | "bound")] => match *leaf {
             "std" => format!("{channel} noise, std"),
             _ => format!("{channel} noise"),
@@ -127,8 +136,10 @@ pub(crate) fn path(header: &str) -> Meaning {
 
 /// The meaning of a statistic of a quantity whose unit in the table is `quantity_unit`.
 pub(crate) fn statistic(name: &str, quantity: &str, quantity_unit: &str) -> Meaning {
+    let share = quantity == "class";
     let quantity = self::quantity(quantity);
     let (words, percent, pure) = match name {
+        "mean" if share => (quantity, true, true),
         "truth" => (format!("true {quantity}"), false, false),
         "trials" => ("trials".to_owned(), false, true),
         "failures" => ("failed trials".to_owned(), false, true),
@@ -197,6 +208,8 @@ pub(crate) fn quantity(name: &str) -> String {
     match name {
         "normal_curvature_u" => "normal curvature along u".to_owned(),
         "normal_curvature_v" => "normal curvature along v".to_owned(),
+        "gaussian_curvature" => "Gaussian curvature".to_owned(),
+        "class" => "share classified correctly".to_owned(),
         other => other.replace('_', " "),
     }
 }
@@ -224,6 +237,16 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
             trim(mantissa).replace('-', "−"),
             superscript(exponent)
         )
+    }
+}
+
+/// A number in all its digits, as the shortest decimal that reads back as it: with an exponent from 1e16 up and
+/// below 1e-4.
+pub(crate) fn exact(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e16).contains(&value.abs()) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
     }
 }
 
@@ -314,6 +337,11 @@ mod tests {
                 "angular velocity noise (%)",
             ),
             ("scene.sensor", "sensor"),
+            (
+                "scene.noise.position.fraction_of_ifd",
+                "position noise (% of the IFD)",
+            ),
+            ("scene.noise.normal.std_deg", "normal noise, std (°)"),
         ] {
             assert_eq!(path(header).label(), label);
         }
@@ -321,13 +349,18 @@ mod tests {
             path("scene.noise.angular_velocity.fraction").value("0.07"),
             "7 %"
         );
+        assert_eq!(path("scene.noise.normal.std_deg").value("2.50"), "2.5°");
         assert_eq!(
             statistic("rms_error", "gaussian_curvature", "per_cm2").label(),
-            "rms error of gaussian curvature (1/cm²)"
+            "rms error of Gaussian curvature (1/cm²)"
         );
         assert_eq!(
             statistic("relative_mean_abs_error", "normal_curvature_u", "1/cm").label(),
             "mean |relative error| of normal curvature along u (%)"
+        );
+        assert_eq!(
+            statistic("mean", "class", "").label(),
+            "share classified correctly (%)"
         );
     }
 
@@ -349,6 +382,17 @@ mod tests {
         assert_eq!(significant(11.8765, 3), "11.9");
         assert_eq!(significant(584.4, 3), "584");
         assert_eq!(significant(58_440.0, 3), "58440");
+        for (value, text) in [
+            (0.0, "0"),
+            (7.0, "7"),
+            (1.0 / 3.0, "0.3333333333333333"),
+            (-1e16, "-1e16"),
+            (1e300, "1e300"),
+            (5e-324, "5e-324"),
+            (0.0001, "0.0001"),
+        ] {
+            assert_eq!(exact(value), text);
+        }
         assert_eq!(count(1_234_567), "1,234,567");
         assert_eq!(count(999), "999");
     }

@@ -1,9 +1,7 @@
 //! Lines, shapes and text on any plotters backend, in pixels of the finished picture.
 
-use super::draw;
-use super::figure::Figure;
-use super::layout::Layout;
 use super::lettering;
+use super::picture::Picture;
 use super::style::Marker;
 use crate::ReportError;
 use plotters::coord::Shift;
@@ -234,14 +232,14 @@ impl<B: DrawingBackend> Canvas<B> {
     }
 }
 
-/// The figure as SVG text.
-pub(crate) fn svg(figure: &Figure, path: &Path) -> Result<String, ReportError> {
+/// The picture as SVG text.
+pub(crate) fn svg(picture: &Picture, path: &Path) -> Result<String, ReportError> {
     let failed = |message: String| ReportError::Draw {
         path: path.to_owned(),
         message,
     };
-    let layout = Layout::of(figure);
-    let (width, height) = (layout.size.0 as u32, layout.size.1 as u32);
+    let size = picture.size();
+    let (width, height) = (size.0 as u32, size.1 as u32);
     let units = (width * DETAIL, height * DETAIL);
     let mut text = String::new();
     {
@@ -249,13 +247,13 @@ pub(crate) fn svg(figure: &Figure, path: &Path) -> Result<String, ReportError> {
             area: SVGBackend::with_string(&mut text, units).into_drawing_area(),
             lettering: Lettering::Text,
         };
-        draw::draw(figure, &layout, &canvas).map_err(failed)?;
+        picture.draw(&canvas).map_err(failed)?;
         canvas.area.present().map_err(|e| failed(e.to_string()))?;
     }
     // The backend knows one size only: give the picture its own, keep the units of its content, and name it.
     let backend = format!("width=\"{}\" height=\"{}\" viewBox", units.0, units.1);
-    let label = figure
-        .title
+    let label = picture
+        .title()
         .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('"', "&quot;");
@@ -265,14 +263,14 @@ pub(crate) fn svg(figure: &Figure, path: &Path) -> Result<String, ReportError> {
     Ok(text.replacen(&backend, &own, 1))
 }
 
-/// Writes the figure as PNG to `path`.
-pub(crate) fn png(figure: &Figure, path: &Path) -> Result<(), ReportError> {
+/// Writes the picture as PNG to `path`.
+pub(crate) fn png(picture: &Picture, path: &Path) -> Result<(), ReportError> {
     let failed = |message: String| ReportError::Draw {
         path: path.to_owned(),
         message,
     };
-    let layout = Layout::of(figure);
-    let (width, height) = (layout.size.0 as u32, layout.size.1 as u32);
+    let size = picture.size();
+    let (width, height) = (size.0 as u32, size.1 as u32);
     let mut fine = vec![255; (3 * width * DETAIL * height * DETAIL) as usize];
     {
         let backend = BitMapBackend::with_buffer(&mut fine, (width * DETAIL, height * DETAIL));
@@ -280,7 +278,7 @@ pub(crate) fn png(figure: &Figure, path: &Path) -> Result<(), ReportError> {
             area: backend.into_drawing_area(),
             lettering: Lettering::Pixels,
         };
-        draw::draw(figure, &layout, &canvas).map_err(failed)?;
+        picture.draw(&canvas).map_err(failed)?;
         canvas.area.present().map_err(|e| failed(e.to_string()))?;
     }
     let pixels = shrink(&fine, width as usize);

@@ -109,7 +109,9 @@ pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
     match (axis.header.as_str(), finite(value)) {
         ("quantity", _) => words::quantity(value),
         (_, Some(_)) => format!("{} {}", meaning.words, meaning.value(value)),
-        // A keyword needs its key; a label of several words speaks for itself.
+        // A shape or a method is called by its name; another keyword needs its key; a label of several words
+        // speaks for itself.
+        ("scene.object" | "scene.estimator", None) => value.to_owned(),
         (_, None) if !value.contains(' ') => format!("{} {value}", meaning.words),
         (_, None) => value.to_owned(),
     }

@@ -268,9 +268,10 @@ impl<'a> Composer<'a> {
             };
             let at = mark.value * meaning.factor;
             match spacing(log).refusal(at) {
-                Some(why) => Err(self
-                    .of
-                    .bad(format!("the mark at {name} = {} is {why}", mark.value))),
+                Some(why) => Err(self.of.bad(format!(
+                    "the mark at {name} = {} is {why}",
+                    words::exact(mark.value)
+                ))),
                 None => Ok(Mark {
                     on_x: mark.on_x,
                     at,

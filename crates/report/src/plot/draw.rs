@@ -6,12 +6,12 @@ use super::layout::{EDGE, LEADING, Layout, SAMPLE, Sample, TEXT, TICK_GAP, TITLE
 use super::lettering::width;
 use plotters::prelude::{DrawingBackend, RGBColor};
 
-const INK: RGBColor = RGBColor(34, 34, 34);
-const QUIET: RGBColor = RGBColor(90, 90, 90);
-const FRAME: RGBColor = RGBColor(120, 120, 120);
-const GRID: RGBColor = RGBColor(210, 210, 210);
-const FAINT: RGBColor = RGBColor(238, 238, 238);
-const WHITE: RGBColor = RGBColor(255, 255, 255);
+pub(crate) const INK: RGBColor = RGBColor(34, 34, 34);
+pub(crate) const QUIET: RGBColor = RGBColor(90, 90, 90);
+pub(crate) const FRAME: RGBColor = RGBColor(120, 120, 120);
+pub(crate) const GRID: RGBColor = RGBColor(210, 210, 210);
+pub(crate) const FAINT: RGBColor = RGBColor(238, 238, 238);
+pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
 
 const STROKE: f64 = 2.5;
 const MARKER: f64 = 6.0;
@@ -50,7 +50,7 @@ pub(crate) fn draw<B: DrawingBackend>(
 }
 
 /// Lines of text at the left edge from `top` down; returns where the next would begin.
-fn paragraph<B: DrawingBackend>(
+pub(crate) fn paragraph<B: DrawingBackend>(
     canvas: &Canvas<B>,
     lines: &[String],
     top: f64,

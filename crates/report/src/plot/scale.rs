@@ -72,6 +72,21 @@ impl Scale {
         }
     }
 
+    /// A linear axis from `min` to `max`, which must be drawable and apart.
+    pub(crate) fn exactly(min: f64, max: f64) -> Self {
+        Self {
+            spacing: Spacing::Linear,
+            min,
+            max,
+            categories: Vec::new(),
+        }
+    }
+
+    /// The lower and the upper end of a linear axis.
+    pub(crate) fn ends(&self) -> (f64, f64) {
+        (self.min, self.max)
+    }
+
     /// An axis of named places: the first at 0, the next at 1, …
     pub(crate) fn of_categories(categories: Vec<String>) -> Self {
         let max = categories.len() as f64 - 0.5;

@@ -200,7 +200,7 @@ fn variety(axis: &Axis, rows: &[usize]) -> Option<String> {
 }
 
 /// Equal as numbers, if both are numbers, else as text.
-fn same(a: &str, b: &str) -> bool {
+pub(crate) fn same(a: &str, b: &str) -> bool {
     match (finite(a), finite(b)) {
         (Some(a), Some(b)) => (a - b).abs() <= 1e-12 * a.abs().max(b.abs()),
         _ => a == b,

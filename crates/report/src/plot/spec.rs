@@ -1,6 +1,6 @@
 //! A `[[plot]]` table of the config.
 
-use crate::{ReportError, Study, study};
+use crate::{ReportError, Study, study, words};
 use toml::Value;
 
 /// How the axes are spaced.
@@ -18,7 +18,34 @@ pub(crate) struct Mark {
     pub(crate) label: String,
 }
 
-/// What one plot shows: names as written, not yet held against the table.
+/// One `[[plot]]`, by its `kind`: names as written, not yet held against the tables.
+#[derive(Debug, Clone)]
+pub(crate) enum Plot {
+    /// Statistics of `cells.csv` as lines.
+    Lines(Spec),
+    /// The classes of `map.csv`, cell by cell.
+    ClassMap(MapSpec),
+    /// The contacts of `trace.csv` in space.
+    Contacts(Heading),
+}
+
+/// What a plot is called.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Heading {
+    /// File stem.
+    pub(crate) name: String,
+    pub(crate) title: Option<String>,
+}
+
+/// A class map.
+#[derive(Debug, Clone)]
+pub(crate) struct MapSpec {
+    pub(crate) heading: Heading,
+    /// Only cells whose value at the path is one of these.
+    pub(crate) filters: Vec<(String, Vec<String>)>,
+}
+
+/// Lines through statistics.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Spec {
     pub(crate) name: String,
@@ -35,8 +62,17 @@ pub(crate) struct Spec {
     pub(crate) marks: Vec<Mark>,
 }
 
-const KEYS: [&str; 11] = [
-    "name", "title", "x", "y", "quantity", "series", "panels", "where", "scale", "compare", "marks",
+/// The kinds, and the keys that each knows. `scale` may be written out everywhere.
+const KINDS: [(&str, &[&str]); 3] = [
+    (
+        "lines",
+        &[
+            "name", "title", "kind", "x", "y", "quantity", "series", "panels", "where", "scale",
+            "compare", "marks",
+        ],
+    ),
+    ("class-map", &["name", "title", "kind", "where", "scale"]),
+    ("contacts", &["name", "title", "kind", "scale"]),
 ];
 const SCALES: [(&str, Logs); 4] = [
     ("linear", Logs { x: false, y: false }),
@@ -46,7 +82,7 @@ const SCALES: [(&str, Logs); 4] = [
 ];
 
 /// The plots of a study, in order; none if it asks for none.
-pub(crate) fn plots(study: &Study) -> Result<Vec<Spec>, ReportError> {
+pub(crate) fn plots(study: &Study) -> Result<Vec<Plot>, ReportError> {
     let Some(value) = study.config().get("plot") else {
         return Ok(Vec::new());
     };
@@ -58,35 +94,39 @@ pub(crate) fn plots(study: &Study) -> Result<Vec<Spec>, ReportError> {
     let list = value
         .as_array()
         .ok_or_else(|| bad("plot".to_owned(), "must be [[plot]] tables".to_owned()))?;
-    let mut plots: Vec<Spec> = Vec::new();
+    let mut plots: Vec<Plot> = Vec::new();
     for (at, value) in list.iter().enumerate() {
         let here = format!("plot[{at}]");
         let table = value
             .as_table()
             .ok_or_else(|| bad(here.clone(), format!("must be a table, is {value}")))?;
-        let spec =
+        let plot =
             parse(table, at).map_err(|(key, problem)| bad(format!("{here}.{key}"), problem))?;
-        if plots.iter().any(|other| other.name == spec.name) {
+        if plots.iter().any(|other| other.name() == plot.name()) {
             return Err(bad(
                 format!("{here}.name"),
-                format!("{:?} is the name of another plot", spec.name),
+                format!("{:?} is the name of another plot", plot.name()),
             ));
         }
-        plots.push(spec);
+        plots.push(plot);
     }
     Ok(plots)
+}
+
+impl Plot {
+    fn name(&self) -> &str {
+        match self {
+            Self::Lines(spec) => &spec.name,
+            Self::ClassMap(spec) => &spec.heading.name,
+            Self::Contacts(heading) => &heading.name,
+        }
+    }
 }
 
 /// A key and what is wrong with it.
 type Problem = (String, String);
 
-fn parse(table: &toml::Table, at: usize) -> Result<Spec, Problem> {
-    for key in table.keys() {
-        if !KEYS.contains(&key.as_str()) {
-            let known = nearest(key, KEYS.iter().copied()).join(", ");
-            return Err((key.clone(), format!("unknown; known: {known}")));
-        }
-    }
+fn parse(table: &toml::Table, at: usize) -> Result<Plot, Problem> {
     let text = |key: &str| match table.get(key) {
         None => Ok(None),
         Some(Value::String(text)) if !text.is_empty() => Ok(Some(text.clone())),
@@ -97,6 +137,23 @@ fn parse(table: &toml::Table, at: usize) -> Result<Spec, Problem> {
     };
     let needed = |key: &str| text(key)?.ok_or_else(|| (key.to_owned(), "is missing".to_owned()));
 
+    let kind = text("kind")?.unwrap_or_else(|| "lines".to_owned());
+    let Some((kind, keys)) = KINDS.into_iter().find(|(name, _)| *name == kind) else {
+        let known = KINDS.map(|(name, _)| name).join(", ");
+        return Err((
+            "kind".to_owned(),
+            format!("{kind:?} is unknown; known: {known}"),
+        ));
+    };
+    for key in table.keys() {
+        if !keys.contains(&key.as_str()) {
+            let known = nearest(key, keys.iter().copied()).join(", ");
+            return Err((
+                key.clone(),
+                format!("unknown for kind {kind:?}; known: {known}"),
+            ));
+        }
+    }
     let name = text("name")?.unwrap_or_else(|| format!("plot-{}", at + 1));
     if name.starts_with('.') || name.contains(['/', '\\', ':', '\0']) {
         return Err(("name".to_owned(), format!("{name:?} is not a file name")));
@@ -115,9 +172,25 @@ fn parse(table: &toml::Table, at: usize) -> Result<Spec, Problem> {
                 )
             })?,
     };
-    Ok(Spec {
+    let title = text("title")?;
+    if kind != "lines" && logs != Logs::default() {
+        return Err((
+            "scale".to_owned(),
+            format!("must be linear for kind {kind:?}"),
+        ));
+    }
+    match kind {
+        "class-map" => {
+            let heading = Heading { name, title };
+            let filters = filters(table.get("where"))?;
+            return Ok(Plot::ClassMap(MapSpec { heading, filters }));
+        }
+        "contacts" => return Ok(Plot::Contacts(Heading { name, title })),
+        _ => {}
+    }
+    Ok(Plot::Lines(Spec {
         name,
-        title: text("title")?,
+        title,
         x: needed("x")?,
         y: needed("y")?,
         quantity: text("quantity")?,
@@ -127,7 +200,7 @@ fn parse(table: &toml::Table, at: usize) -> Result<Spec, Problem> {
         logs,
         compare: text("compare")?,
         marks: marks(table.get("marks"))?,
-    })
+    }))
 }
 
 fn filters(value: Option<&Value>) -> Result<Vec<(String, Vec<String>)>, Problem> {
@@ -158,7 +231,7 @@ fn flatten(
         let one = |value: &Value| match value {
             Value::String(text) => Ok(text.clone()),
             Value::Boolean(flag) => Ok(flag.to_string()),
-            other => study::number(other).map(|n| n.to_string()).ok_or_else(|| {
+            other => study::number(other).map(words::exact).ok_or_else(|| {
                 (
                     format!("where.{path}"),
                     format!("must hold numbers or strings, has {other}"),

@@ -61,9 +61,41 @@ impl Style {
     }
 }
 
+/// The eight classes of shape in the order of their table (K > 0, = 0, < 0 for H > 0, = 0, < 0), by the names in
+/// files, each with its one colour everywhere. Red to blue is convex to concave, which colour-blind eyes tell
+/// apart; no two are equally light, which a grey print tells apart; none is the colour of a series.
+pub(crate) const CLASSES: [(&str, RGBColor); 8] = [
+    ("peak", RGBColor(122, 31, 18)),
+    ("ridge", RGBColor(210, 79, 31)),
+    ("saddle-ridge", RGBColor(247, 166, 74)),
+    ("flat", RGBColor(211, 211, 211)),
+    ("minimal", RGBColor(255, 243, 191)),
+    ("pit", RGBColor(23, 42, 107)),
+    ("valley", RGBColor(47, 99, 173)),
+    ("saddle-valley", RGBColor(95, 168, 220)),
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// CIE 1976 lightness, from 0 (black) to 100 (white).
+    fn lightness(RGBColor(r, g, b): RGBColor) -> f64 {
+        let linear = |channel: u8| ((f64::from(channel) / 255.0 + 0.055) / 1.055).powf(2.4);
+        let luminance = 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
+        116.0 * luminance.cbrt() - 16.0
+    }
+
+    #[test]
+    fn classes_differ_in_lightness_and_from_every_series() {
+        for (at, (name, colour)) in CLASSES.iter().enumerate() {
+            assert!(!COLOURS.contains(colour), "{name}");
+            for (other, second) in &CLASSES[..at] {
+                let apart = (lightness(*colour) - lightness(*second)).abs();
+                assert!(apart > 7.0, "{name} {other}: {apart}");
+            }
+        }
+    }
 
     #[test]
     fn the_first_56_styles_differ() {

@@ -3,7 +3,11 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod claims;
+mod contacts;
 mod fixture;
+mod glides;
 mod loading;
+mod maps;
 mod page;
+mod patch_claims;
 mod plots;

@@ -1,0 +1,126 @@
+//! `map.csv`: the classes of shape over the grid of each cell.
+
+use super::super::style::CLASSES;
+use crate::ReportError;
+use crate::records::Columns;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Columns read, in this order; the others are not for a picture of classes.
+const COLUMNS: [&str; 5] = ["cell", "x", "y", "class", "true_class"];
+
+/// A class as its place in [`CLASSES`]; none where the table leaves it empty.
+pub(crate) type Class = Option<usize>;
+
+/// The maps of a table, in order of appearance.
+#[derive(Debug)]
+pub(crate) struct Maps {
+    /// Unit of x and y as in the table; may be empty.
+    pub(crate) unit: String,
+    pub(crate) cells: Vec<CellMap>,
+}
+
+/// One cell's map: `side` × `side` points, x slowest.
+#[derive(Debug)]
+pub(crate) struct CellMap {
+    pub(crate) cell: u64,
+    pub(crate) side: usize,
+    /// Mean x of each line of points that share it, rising.
+    pub(crate) x: Vec<f64>,
+    /// Likewise y.
+    pub(crate) y: Vec<f64>,
+    pub(crate) estimated: Vec<Class>,
+    pub(crate) truth: Vec<Class>,
+}
+
+impl CellMap {
+    /// Share of the points of known class that are classified so; none if no class is known.
+    pub(crate) fn share_correct(&self) -> Option<f64> {
+        let known = self.truth.iter().zip(&self.estimated);
+        let known: Vec<_> = known.filter(|(truth, _)| truth.is_some()).collect();
+        let correct = known.iter().filter(|(truth, found)| truth == found).count();
+        (!known.is_empty()).then(|| correct as f64 / known.len() as f64)
+    }
+}
+
+/// What is wrong with a map: of the file, or of the points in it.
+#[derive(Debug)]
+pub(crate) enum MapProblem {
+    File(ReportError),
+    Points(String),
+}
+
+/// Reads `map.csv`.
+pub(crate) fn read(path: &Path) -> Result<Maps, MapProblem> {
+    let table = Columns::read(path, &COLUMNS).map_err(MapProblem::File)?;
+    let mut order: Vec<u64> = Vec::new();
+    let mut rows_of: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+    for row in 0..table.rows() {
+        let cell = table
+            .text(row, 0)
+            .parse()
+            .map_err(|_| MapProblem::File(table.bad(row, 0, "the number of a cell")))?;
+        let rows = rows_of.entry(cell).or_default();
+        if rows.is_empty() {
+            order.push(cell);
+        }
+        rows.push(row);
+    }
+    let cells = order
+        .into_iter()
+        .map(|cell| cell_map(&table, cell, &rows_of[&cell]))
+        .collect::<Result<_, _>>()?;
+    Ok(Maps {
+        unit: table.unit(1).to_owned(),
+        cells,
+    })
+}
+
+fn cell_map(table: &Columns, cell: u64, rows: &[usize]) -> Result<CellMap, MapProblem> {
+    let side = rows.len().isqrt();
+    if side * side != rows.len() {
+        let count = rows.len();
+        return Err(MapProblem::Points(format!(
+            "map.csv has {count} points of cell {cell}, which is no square grid"
+        )));
+    }
+    let column = |at: usize| -> Result<Vec<f64>, MapProblem> {
+        let numbers = rows.iter().map(|row| table.number(*row, at));
+        numbers.collect::<Result<_, _>>().map_err(MapProblem::File)
+    };
+    let (x, y) = (column(1)?, column(2)?);
+    let mean = |line: &dyn Fn(usize) -> f64| (0..side).map(|k| line(k) / side as f64).sum::<f64>();
+    let x: Vec<f64> = (0..side).map(|i| mean(&|j| x[i * side + j])).collect();
+    let y: Vec<f64> = (0..side).map(|j| mean(&|i| y[i * side + j])).collect();
+    for (name, lines) in [("x", &x), ("y", &y)] {
+        if lines.windows(2).any(|pair| pair[0] >= pair[1]) {
+            return Err(MapProblem::Points(format!(
+                "the points of cell {cell} in map.csv are no grid of {side} × {side} with x slowest: {name} does not rise"
+            )));
+        }
+    }
+    let classes = |at: usize| -> Result<Vec<Class>, MapProblem> {
+        rows.iter().map(|row| class(table, *row, at)).collect()
+    };
+    Ok(CellMap {
+        cell,
+        side,
+        x,
+        y,
+        estimated: classes(3)?,
+        truth: classes(4)?,
+    })
+}
+
+fn class(table: &Columns, row: usize, column: usize) -> Result<Class, MapProblem> {
+    let text = table.text(row, column);
+    let known = CLASSES.iter().position(|(name, _)| *name == text);
+    if known.is_none() && !text.is_empty() {
+        return Err(MapProblem::File(table.bad(
+            row,
+            column,
+            "one of the eight classes of shape",
+        )));
+    }
+    Ok(known)
+}

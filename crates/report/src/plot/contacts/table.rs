@@ -1,0 +1,161 @@
+//! `trace.csv` and `readings.csv` of a glide: where the fingers touched, and what they said of it.
+
+use crate::ReportError;
+use crate::records::Columns;
+use std::path::Path;
+
+/// Columns of `trace.csv`, in the order read.
+const TRACE: [&str; 10] = [
+    "finger", "x", "y", "z", "normal_x", "normal_y", "normal_z", "tip_x", "tip_y", "tip_z",
+];
+/// Columns of `readings.csv`.
+const READINGS: [&str; 4] = ["finger", "x", "y", "z"];
+
+/// Places that differ by less than this share of the picture are one.
+const SAME: f64 = 1e-6;
+
+/// A place or a direction.
+pub(crate) type Vector = [f64; 3];
+
+/// One true contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touch {
+    pub(crate) place: Vector,
+    /// Unit normal; none if the table's has no length.
+    pub(crate) normal: Option<Vector>,
+    /// Centre of the fingertip.
+    pub(crate) tip: Vector,
+}
+
+/// What one finger touched, and its readings if they differ from that.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Finger {
+    /// As in the table.
+    pub(crate) name: String,
+    pub(crate) touches: Vec<Touch>,
+    pub(crate) readings: Vec<Vector>,
+}
+
+/// The contacts of one pass.
+#[derive(Debug)]
+pub(crate) struct Contacts {
+    /// Unit of the places as in the table; may be empty.
+    pub(crate) unit: String,
+    /// In order of appearance, at least one, each with at least one contact.
+    pub(crate) fingers: Vec<Finger>,
+    /// Root mean square distance of a reading from its contact, if there are readings that differ and as many
+    /// as contacts.
+    pub(crate) off: Option<f64>,
+    /// Whether the centres of the tips lie apart from the contacts.
+    pub(crate) tips_apart: bool,
+}
+
+/// Reads `trace.csv` and, if there is one, `readings.csv` in `dir`.
+pub(crate) fn read(dir: &Path) -> Result<Contacts, ReportError> {
+    let table = Columns::read(&dir.join("trace.csv"), &TRACE)?;
+    let mut fingers: Vec<Finger> = Vec::new();
+    for row in 0..table.rows() {
+        let at = finger(&mut fingers, table.text(row, 0));
+        fingers[at].touches.push(Touch {
+            place: vector(&table, row, 1)?,
+            normal: unit(vector(&table, row, 4)?),
+            tip: vector(&table, row, 7)?,
+        });
+    }
+    let size = size(&fingers);
+    let touches = || fingers.iter().flat_map(|finger| &finger.touches);
+    let tips_apart = touches().any(|touch| distance(touch.place, touch.tip) > SAME * size);
+    let path = dir.join("readings.csv");
+    let off = if path.exists() {
+        add_readings(&path, &mut fingers, size)?
+    } else {
+        None
+    };
+    Ok(Contacts {
+        unit: table.unit(1).to_owned(),
+        fingers,
+        off,
+        tips_apart,
+    })
+}
+
+/// Adds the readings to their fingers, unless they are the contacts.
+fn add_readings(
+    path: &Path,
+    fingers: &mut [Finger],
+    size: f64,
+) -> Result<Option<f64>, ReportError> {
+    let table = Columns::read(path, &READINGS)?;
+    let mut readings: Vec<Vec<Vector>> = vec![Vec::new(); fingers.len()];
+    for row in 0..table.rows() {
+        let at = fingers
+            .iter()
+            .position(|known| known.name == table.text(row, 0));
+        let at = at.ok_or_else(|| table.bad(row, 0, "a finger of trace.csv"))?;
+        readings[at].push(vector(&table, row, 1)?);
+    }
+    let paired = fingers
+        .iter()
+        .zip(&readings)
+        .all(|(finger, read)| finger.touches.len() == read.len());
+    let distances: Vec<f64> = fingers
+        .iter()
+        .zip(&readings)
+        .flat_map(|(finger, read)| finger.touches.iter().zip(read))
+        .map(|(touch, reading)| distance(touch.place, *reading))
+        .collect();
+    if paired && distances.iter().all(|distance| *distance <= SAME * size) {
+        return Ok(None);
+    }
+    for (finger, readings) in fingers.iter_mut().zip(readings) {
+        finger.readings = readings;
+    }
+    let mean = distances.iter().map(|d| d * d).sum::<f64>() / distances.len().max(1) as f64;
+    Ok(paired.then(|| mean.sqrt()))
+}
+
+/// The place of the finger of that name, which is added if it is not yet there.
+fn finger(fingers: &mut Vec<Finger>, name: &str) -> usize {
+    match fingers.iter().position(|known| known.name == name) {
+        Some(at) => at,
+        None => {
+            fingers.push(Finger {
+                name: name.to_owned(),
+                ..Finger::default()
+            });
+            fingers.len() - 1
+        }
+    }
+}
+
+fn vector(table: &Columns, row: usize, first: usize) -> Result<Vector, ReportError> {
+    Ok([
+        table.number(row, first)?,
+        table.number(row, first + 1)?,
+        table.number(row, first + 2)?,
+    ])
+}
+
+fn unit(vector: Vector) -> Option<Vector> {
+    let length = distance(vector, [0.0; 3]);
+    (length > 0.0).then(|| vector.map(|part| part / length))
+}
+
+fn distance(a: Vector, b: Vector) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2])
+}
+
+/// The longest side of a box around all contacts.
+fn size(fingers: &[Finger]) -> f64 {
+    let side = |axis: usize| {
+        let places = fingers
+            .iter()
+            .flat_map(|finger| &finger.touches)
+            .map(|touch| touch.place[axis]);
+        let ends = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+            (low.min(at), high.max(at))
+        });
+        ends.1 - ends.0
+    };
+    side(0).max(side(1)).max(side(2))
+}

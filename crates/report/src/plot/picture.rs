@@ -1,0 +1,65 @@
+//! A picture of any kind, ready to be drawn.
+
+use super::canvas::{Canvas, Drawn};
+use super::figure::Figure;
+use super::layout::Layout;
+use super::spec::Plot;
+use super::{class_map, compose, contacts, draw};
+use crate::{ReportError, Study};
+use plotters::prelude::DrawingBackend;
+
+/// A picture with the place of everything in it.
+pub(crate) enum Picture {
+    Lines(Box<(Figure, Layout)>),
+    ClassMap(class_map::Layout),
+    Contacts(contacts::Layout),
+}
+
+impl Picture {
+    /// The picture that `plot` asks for.
+    pub(crate) fn of(study: &Study, plot: &Plot) -> Result<Self, ReportError> {
+        Ok(match plot {
+            Plot::Lines(spec) => {
+                let figure = compose::figure(study, spec)?;
+                let layout = Layout::of(&figure);
+                Self::Lines(Box::new((figure, layout)))
+            }
+            Plot::ClassMap(spec) => Self::ClassMap(class_map::layout(study, spec)?),
+            Plot::Contacts(heading) => Self::Contacts(contacts::layout(study, heading)?),
+        })
+    }
+
+    /// File stem.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Lines(lines) => &lines.0.name,
+            Self::ClassMap(map) => &map.name,
+            Self::Contacts(contacts) => &contacts.name,
+        }
+    }
+
+    pub(crate) fn title(&self) -> &str {
+        match self {
+            Self::Lines(lines) => &lines.0.title,
+            Self::ClassMap(map) => &map.title_text,
+            Self::Contacts(contacts) => &contacts.title_text,
+        }
+    }
+
+    /// Width and height in pixels.
+    pub(crate) fn size(&self) -> (f64, f64) {
+        match self {
+            Self::Lines(lines) => lines.1.size,
+            Self::ClassMap(map) => map.size,
+            Self::Contacts(contacts) => contacts.size,
+        }
+    }
+
+    pub(crate) fn draw<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Drawn {
+        match self {
+            Self::Lines(lines) => draw::draw(&lines.0, &lines.1, canvas),
+            Self::ClassMap(map) => class_map::draw(map, canvas),
+            Self::Contacts(picture) => contacts::draw(picture, canvas),
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Small studies of patches: tables of fabricated errors, maps of known layout, traces of a few contacts.
+
+use crate::fixture::{STATISTICS, folder};
+use palpate_report::Study;
+use std::fs;
+use tempfile::TempDir;
+
+/// A config of a glide with the saddle of the given a per finger distance, and room for plots.
+pub(crate) fn config(a: f64, rest: &str) -> String {
+    format!(
+        "name = \"study\"\ntitle = \"A question?\"\n{rest}\n\
+         [scene]\nkind = \"glide\"\nobject = {{ kind = \"saddle\", a = {a} }}\nmotion = {{ inter_finger_distance = 1.0 }}\n\
+         [[sweep]]\npath = \"scene.object\"\nvalues = [{{ label = \"sphere\", kind = \"sphere\", radius = 5.0 }}, \
+         {{ label = \"saddle\", kind = \"saddle\", a = {a} }}]\n"
+    )
+}
+
+/// What one method makes of one surface at one noise.
+#[derive(Clone, Copy)]
+pub(crate) struct Made {
+    pub(crate) gaussian: f64,
+    pub(crate) mean: f64,
+    pub(crate) share: f64,
+    pub(crate) failures: u64,
+}
+
+pub(crate) const SURFACES: [&str; 4] = ["sphere", "cylinder", "turned cylinder", "saddle"];
+pub(crate) const METHODS: [&str; 3] = ["first pass", "two-pass", "penalised"];
+
+/// Every surface, noises of 0, 5 and 10 % and every method, with errors as `made` says: surface, noise, method.
+pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> (TempDir, Study) {
+    let mut text = format!(
+        "cell,scene.object,scene.noise.position.fraction_of_ifd,scene.estimator,quantity,unit,{STATISTICS}\n"
+    );
+    let mut cell = 0;
+    for surface in SURFACES {
+        for noise in [0.0, 0.05, 0.1] {
+            for method in METHODS {
+                let Made {
+                    gaussian,
+                    mean,
+                    share,
+                    failures,
+                } = made(surface, noise, method);
+                let (true_gaussian, true_mean) = match surface {
+                    "sphere" => ("0.04", "0.2"),
+                    "saddle" => ("", ""),
+                    _ => ("0", "0.1"),
+                };
+                let place = format!("{cell},{surface},{noise},{method}");
+                for (quantity, unit, truth, rms, average) in [
+                    (
+                        "gaussian_curvature",
+                        "1/unit^2",
+                        true_gaussian,
+                        gaussian.to_string(),
+                        String::new(),
+                    ),
+                    (
+                        "mean_curvature",
+                        "1/unit",
+                        true_mean,
+                        mean.to_string(),
+                        String::new(),
+                    ),
+                    ("class", "1", "", String::new(), share.to_string()),
+                ] {
+                    text += &format!(
+                        "{place},{quantity},{unit},{truth},200,{failures},{average},,,{rms},,,,,,,,\n"
+                    );
+                }
+                cell += 1;
+            }
+        }
+    }
+    study(&config(0.1, &format!("claims = {claims}")), &text, &[])
+}
+
+/// A study of these tables.
+pub(crate) fn study(config: &str, cells: &str, others: &[(&str, &str)]) -> (TempDir, Study) {
+    let dir = folder(config, cells, "cell,kind,count,first_trial\n");
+    for (name, text) in others {
+        fs::write(dir.path().join(name), text).unwrap();
+    }
+    let study = Study::load(dir.path()).unwrap();
+    (dir, study)
+}
+
+/// Cells 0, 1, … with one row of `class` each; `axes` and the texts of each cell as in the file.
+pub(crate) fn cells(axes: &str, places: &[&str]) -> String {
+    let mut text = format!("cell,{axes},quantity,unit,{STATISTICS}\n");
+    for (cell, place) in places.iter().enumerate() {
+        text += &format!("{cell},{place},class,1,,1,0,1,,,,,,,,,,,\n");
+    }
+    text
+}
+
+/// `map.csv` of cells 0, 1, … over a square grid of step 0.5 from −0.5 up, x slowest; a letter per point:
+/// r(idge), p(eak), s(addle ridge), space for none.
+pub(crate) fn map(cells: &[(&str, &str)]) -> String {
+    let name = |letter: char| match letter {
+        'r' => "ridge",
+        'p' => "peak",
+        's' => "saddle-ridge",
+        ' ' => "",
+        other => panic!("{other}"),
+    };
+    let mut text = "cell,x_mm,y_mm,z_mm,class,true_class,region\n".to_owned();
+    for (cell, (estimated, truth)) in cells.iter().enumerate() {
+        let side = estimated.len().isqrt();
+        for (at, (found, truth)) in estimated.chars().zip(truth.chars()).enumerate() {
+            let place = |k: usize| 0.5 * k as f64 - 0.5;
+            let (x, y) = (place(at / side), place(at % side));
+            text += &format!("{cell},{x},{y},0,{},{},0\n", name(found), name(truth));
+        }
+    }
+    text
+}

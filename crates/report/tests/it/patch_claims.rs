@@ -1,0 +1,234 @@
+//! Claims about patches on fabricated tables, both ways.
+
+use crate::glides::{Made, cells, config, patches, study};
+use palpate_report::{Score, Study, Verdict, score};
+
+#[track_caller]
+fn judged(study: &Study, verdict: Verdict, parts: &[&str]) {
+    let scores = score(std::slice::from_ref(study));
+    let [score] = scores.as_slice() else {
+        panic!("{scores:?}")
+    };
+    let Score { measured, why, .. } = score;
+    assert_eq!(score.verdict, verdict, "{score:?}");
+    for part in parts {
+        assert!(
+            measured.contains(part) || why.contains(part),
+            "{part:?} is not in {score:?}"
+        );
+    }
+}
+
+/// All alike: errors of 1 % of the curvatures, all classes right.
+const GOOD: Made = Made {
+    gaussian: 0.0004,
+    mean: 0.002,
+    share: 1.0,
+    failures: 0,
+};
+
+#[test]
+fn claim_9_compares_the_fits() {
+    let table = |first: f64, noisy: f64| {
+        patches("[9]", move |surface, noise, method| {
+            let factor = match (method, surface, noise) {
+                ("first pass", "sphere", _) => first,
+                ("first pass", _, 0.1) => noisy,
+                ("first pass", ..) => first,
+                _ => 1.0,
+            };
+            Made {
+                gaussian: factor * GOOD.gaussian,
+                mean: factor * GOOD.mean,
+                ..GOOD
+            }
+        })
+    };
+    judged(
+        &table(3.0, 3.0).1,
+        Verdict::Holds,
+        &[
+            "over 4 surfaces",
+            "at 5 % noise 3 (3) for K and 3 (3) for H",
+            "penalised 3 × and 3 × at 5 %",
+        ],
+    );
+    // The fourth root of 3 × 1³ is 1.32.
+    judged(
+        &table(3.0, 1.0).1,
+        Verdict::Differs,
+        &["at 10 % noise 1.32 (1 to 3) for K"],
+    );
+    judged(&table(1.9, 1.9).1, Verdict::Differs, &["at least 2"]);
+    let missing = patches("[9]", |_, _, method| Made {
+        gaussian: if method == "first pass" { 0.0 } else { 1.0 },
+        ..GOOD
+    });
+    judged(
+        &missing.1,
+        Verdict::NotTestable,
+        &["gaussian_curvature above 0 for sphere, first pass"],
+    );
+}
+
+#[test]
+fn claim_10_is_about_the_worst_surface() {
+    let table = |worst: f64, failures: u64| {
+        patches("[10]", move |surface, noise, method| {
+            match (surface, noise, method) {
+                ("turned cylinder", 0.05, "two-pass") => Made {
+                    share: worst,
+                    failures,
+                    ..GOOD
+                },
+                // Not asked for.
+                (_, 0.1, _) | (_, _, "first pass") => Made { share: 0.1, ..GOOD },
+                _ => GOOD,
+            }
+        })
+    };
+    judged(
+        &table(0.91, 0).1,
+        Verdict::Holds,
+        &[
+            "turned cylinder 91 % (at 5 %)",
+            "sphere 100 %",
+            "penalised 100 %",
+        ],
+    );
+    judged(
+        &table(0.89, 0).1,
+        Verdict::Differs,
+        &["turned cylinder 89 %"],
+    );
+    // A tenth of the trials failed: 0.9 × 0.95.
+    judged(
+        &table(0.95, 20).1,
+        Verdict::Differs,
+        &["turned cylinder 85.5 %"],
+    );
+}
+
+#[test]
+fn claim_11_wants_the_sphere_alone_and_a_better_mean_curvature() {
+    let table = |sphere: f64, saddle: f64, gaussian: f64, mean: f64| {
+        patches("[11]", move |surface, noise, method| {
+            match (surface, noise, method) {
+                ("sphere", 0.1, "two-pass") => Made {
+                    share: sphere,
+                    ..GOOD
+                },
+                (_, 0.1, "two-pass") => Made {
+                    share: if surface == "saddle" { saddle } else { 0.3 },
+                    gaussian,
+                    mean,
+                    failures: 0,
+                },
+                _ => GOOD,
+            }
+        })
+    };
+    // κ is 0.2 on all of them: the saddle's from its config, 2 × 0.1.
+    judged(
+        &table(0.95, 0.3, 0.02, 0.02).1,
+        Verdict::Holds,
+        &[
+            "sphere 95 %",
+            "saddle 30 %",
+            "κ: cylinder 10 %",
+            "κ²: cylinder 50 %",
+            "saddle 50 %",
+            "penalised 4 of 4",
+        ],
+    );
+    judged(
+        &table(0.8, 0.3, 0.02, 0.02).1,
+        Verdict::Differs,
+        &["sphere 80 %"],
+    );
+    judged(
+        &table(0.95, 0.95, 0.02, 0.02).1,
+        Verdict::Differs,
+        &["saddle 95 %"],
+    );
+    judged(
+        &table(0.95, 0.3, 0.02, 0.06).1,
+        Verdict::Differs,
+        &["cylinder 30 %"],
+    );
+    judged(
+        &table(0.95, 0.3, 0.002, 0.02).1,
+        Verdict::Differs,
+        &["κ²: cylinder 5 %"],
+    );
+}
+
+#[test]
+fn claim_12_is_about_the_saddle_that_has_regions() {
+    let table = |a: f64, share: f64| {
+        let axes = "scene.noise.position.fraction_of_ifd,scene.estimator";
+        let text = cells(axes, &["0.05,two-pass", "0.1,two-pass", "0.05,penalised"]).replace(
+            "0.05,two-pass,class,1,,1,0,1,",
+            &format!("0.05,two-pass,class,1,,1,0,{share},"),
+        );
+        study(&config(a, "claims = [12]"), &text, &[])
+    };
+    judged(
+        &table(0.3, 0.96).1,
+        Verdict::Holds,
+        &[
+            "classifies 96 % of the patch",
+            "100 % at 10 %",
+            "at 5 %: penalised 100 %",
+            "one point in 20",
+        ],
+    );
+    judged(&table(0.3, 0.94).1, Verdict::Differs, &["94 %"]);
+    judged(&table(0.1, 0.96).1, Verdict::NotTestable, &["a = 0.3"]);
+}
+
+#[test]
+fn claim_13_compares_the_cylinders() {
+    let table = |turned: f64| {
+        patches("[13]", move |surface, _, method| match (surface, method) {
+            ("turned cylinder", "two-pass") => Made {
+                gaussian: turned * GOOD.gaussian,
+                share: 0.5,
+                ..GOOD
+            },
+            _ => GOOD,
+        })
+    };
+    judged(
+        &table(1.5).1,
+        Verdict::Holds,
+        &[
+            "is 1.5 × that",
+            "1 × for H",
+            "5 to 10 %",
+            "50 % of the turned",
+            "100 % of the straight",
+            "penalised 1 ×",
+        ],
+    );
+    judged(&table(1.05).1, Verdict::Differs, &["1.05 ×"]);
+}
+
+#[test]
+fn tables_without_the_labels_cannot_be_judged() {
+    let text = cells("scene.estimator", &["quadric"]);
+    for claim in [9, 10, 11, 12, 13] {
+        let rest = format!("claims = [{claim}]");
+        let with_noise = config(0.3, &rest).replace(
+            "motion =",
+            "noise = { position = { fraction_of_ifd = 0.05 } }\nmotion =",
+        );
+        judged(&study(&with_noise, &text, &[]).1, Verdict::NotTestable, &[]);
+        let without = study(&config(0.3, &rest), &text, &[]);
+        judged(
+            &without.1,
+            Verdict::NotTestable,
+            &["scene.noise.position.fraction_of_ifd"],
+        );
+    }
+}
