@@ -42,35 +42,16 @@ impl Trapezoid {
         Self { reduced, pivots }
     }
 
-    /// With the trapezoid `B` and its right-hand side `g`: `x = Bᵀ y`, where `B Bᵀ y = g`.
-    fn least_solution(&self) -> Vec<f64> {
-        let factor = self.factor();
-        let mut multipliers: Vec<f64> = self
-            .pivots
-            .iter()
-            .rev()
-            .map(|&pivot| self.reduced.right(pivot))
-            .collect();
-        factor.solve_transposed_in_place(&mut multipliers);
-        factor.solve_in_place(&mut multipliers);
-        let mut solution = vec![0.0; self.reduced.order()];
-        for (&pivot, multiplier) in self.pivots.iter().rev().zip(multipliers) {
-            let row = self.reduced.row(pivot);
-            for (value, entry) in solution[pivot..].iter_mut().zip(row) {
-                *value += entry * multiplier;
-            }
-        }
-        solution
-    }
-
-    /// The triangle `G` with `GᵀG = B Bᵀ`, the rows of `B` taken from the last to the first.
+    /// With the trapezoid `B` and its right-hand side `g`: of all `x` with `B x = g` that without a
+    /// part in the null space of `B`.
     ///
-    /// Its equations are the columns of `B`; from the last to the first they start in ascending
-    /// places.
-    fn factor(&self) -> Triangle {
+    /// The columns of `B`, from the last to the first, are rotated into a triangle: `Bᵀ = Q G`, the
+    /// rows of `B` taken from the last to the first as well. Then `x = Q G⁻ᵀ g`.
+    fn least_solution(&self) -> Vec<f64> {
         let (rank, band) = (self.pivots.len(), self.reduced.band());
         let mut factor = Triangle::new(rank, band);
-        let mut block = Block::new(band, 1);
+        let mut rotations = Rotations::new(band);
+        let mut row = vec![0.0; band];
         let mut above = rank;
         for column in (0..self.reduced.order()).rev() {
             while above > 0 && self.pivots[above - 1] > column {
@@ -79,17 +60,75 @@ impl Trapezoid {
             if above == 0 {
                 break;
             }
-            let row = block.push(0.0);
+            row.fill(0.0);
             let pivots = self.pivots[..above].iter().rev();
-            for (place, &pivot) in pivots
-                .take_while(|&&pivot| column - pivot < band)
-                .enumerate()
-            {
-                block.set(row, place, self.reduced.row(pivot)[column - pivot]);
+            let near = pivots.take_while(|&&pivot| column - pivot < band);
+            for (entry, &pivot) in row.iter_mut().zip(near) {
+                *entry = self.reduced.row(pivot)[column - pivot];
             }
-            factor.absorb(rank - above, &mut block);
+            rotations.rotate_in(&mut factor, column, rank - above, &mut row);
         }
-        factor
+        let pivots = self.pivots.iter().rev();
+        let mut values: Vec<f64> = pivots.map(|&pivot| self.reduced.right(pivot)).collect();
+        factor.solve_transposed_in_place(&mut values);
+        rotations.undo(values, self.reduced.order())
+    }
+}
+
+/// Rotations, in their order, of the rows of a triangle with further rows.
+struct Rotations {
+    band: usize,
+    /// Which row it was, and where it starts.
+    rows: Vec<(usize, usize)>,
+    /// Cosine and sine, `band` per row.
+    planes: Vec<[f64; 2]>,
+}
+
+impl Rotations {
+    const fn new(band: usize) -> Self {
+        Self {
+            band,
+            rows: Vec::new(),
+            planes: Vec::new(),
+        }
+    }
+
+    /// Rotates a row into the triangle until nothing is left of it.
+    fn rotate_in(&mut self, triangle: &mut Triangle, name: usize, start: usize, row: &mut [f64]) {
+        self.rows.push((name, start));
+        for offset in 0..self.band {
+            let pivot = row[offset];
+            if pivot == 0.0 || start + offset >= triangle.order() {
+                self.planes.push([1.0, 0.0]);
+                continue;
+            }
+            let entries = triangle.row_mut(start + offset);
+            let norm = entries[0].hypot(pivot);
+            let [cosine, sine] = [entries[0] / norm, pivot / norm];
+            entries[0] = norm;
+            for (entry, left) in entries[1..].iter_mut().zip(&mut row[offset + 1..]) {
+                [*entry, *left] = [
+                    cosine * *entry + sine * *left,
+                    cosine * *left - sine * *entry,
+                ];
+            }
+            self.planes.push([cosine, sine]);
+        }
+    }
+
+    /// What becomes of values at the triangle's rows, and zeros at the others, when all rotations
+    /// are undone: `count` values by the names of the rows.
+    fn undo(&self, mut values: Vec<f64>, count: usize) -> Vec<f64> {
+        let mut result = vec![0.0; count];
+        let planes = self.planes.chunks_exact(self.band);
+        for (&(name, start), planes) in self.rows.iter().zip(planes).rev() {
+            let own = &mut result[name];
+            let touched = values[start..].iter_mut().zip(planes);
+            for (value, [cosine, sine]) in touched.rev() {
+                [*value, *own] = [cosine * *value - sine * *own, sine * *value + cosine * *own];
+            }
+        }
+        result
     }
 }
 

@@ -105,6 +105,11 @@ impl Triangle {
         &self.rows[row * (self.band + 1)..][..self.band]
     }
 
+    /// The same, to be changed.
+    pub(super) fn row_mut(&mut self, row: usize) -> &mut [f64] {
+        &mut self.rows[row * (self.band + 1)..][..self.band]
+    }
+
     /// The right-hand side of a row.
     pub(super) fn right(&self, row: usize) -> f64 {
         self.rows[row * (self.band + 1) + self.band]
@@ -177,19 +182,17 @@ impl Triangle {
 
     /// The solution, where no diagonal entry vanishes.
     pub(super) fn solve(&self) -> Vec<f64> {
-        let mut solution: Vec<f64> = (0..self.order).map(|row| self.right(row)).collect();
-        self.solve_in_place(&mut solution);
-        solution
-    }
-
-    /// Solves `R x = b` for the `b` that is overwritten.
-    pub(super) fn solve_in_place(&self, values: &mut [f64]) {
+        let mut solution = vec![0.0; self.order];
         for row in (0..self.order).rev() {
             let entries = self.row(row);
-            let (head, tail) = values[row..].split_at_mut(1);
-            let known: f64 = entries[1..].iter().zip(tail).map(|(r, x)| r * *x).sum();
-            head[0] = (head[0] - known) / entries[0];
+            let known: f64 = entries[1..]
+                .iter()
+                .zip(&solution[row + 1..])
+                .map(|(entry, value)| entry * value)
+                .sum();
+            solution[row] = (self.right(row) - known) / entries[0];
         }
+        solution
     }
 
     /// Solves `Rᵀ x = b` for the `b` that is overwritten.

@@ -2,3 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 mod fitpack;
+mod invariance;
+mod penalised;
+mod refusals;
+mod samples;
+mod smoothing;
+mod two_pass;

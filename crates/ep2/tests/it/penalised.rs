@@ -1,0 +1,201 @@
+//! The penalised spline: what it tells of known surfaces, and how far that may be trusted.
+
+use crate::samples::{DETAILED, QUADRIC_LIKE, Surface, Sweep, grid};
+use nalgebra::Vector3;
+use palpate_ep2::{Criterion, Curvature, Method, Noise, Patch, Penalised, Quadric, TwoPass};
+use palpate_geometry::ShapeThresholds;
+
+/// Curvatures found over the grid, each beside the true Gaussian and mean curvature.
+fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> Vec<[Curvature; 2]> {
+    let contacts = sweep.contacts(surface, trial);
+    let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
+    let fit = method.fit(&patch).unwrap();
+    grid(12)
+        .map(|(x, y)| {
+            let (point, _, gaussian, mean) = (surface.at)(x, y);
+            let truth = Curvature {
+                gaussian,
+                mean,
+                uncertainty: None,
+            };
+            [fit.curvature_at(&point).unwrap(), truth]
+        })
+        .collect()
+}
+
+/// Root-mean-square errors of K and H.
+fn errors(method: &dyn Method, surface: &Surface, sweep: &Sweep, trials: u64) -> [f64; 2] {
+    let all: Vec<_> = (0..trials)
+        .flat_map(|trial| found(method, surface, sweep, trial))
+        .collect();
+    let mean_square = |part: fn(&Curvature) -> f64| {
+        let squares = all
+            .iter()
+            .map(|[one, truth]| (part(one) - part(truth)).powi(2));
+        squares.sum::<f64>() / all.len() as f64
+    };
+    [
+        mean_square(|one| one.gaussian).sqrt(),
+        mean_square(|one| one.mean).sqrt(),
+    ]
+}
+
+#[test]
+fn a_quadric_without_noise_is_found_to_rounding() {
+    let saddle = &QUADRIC_LIKE[3];
+    let exact = Sweep {
+        position_std: 0.0,
+        normal_std_rad: 0.0,
+        ..Sweep::paper(0.0)
+    };
+    // The patch's mean normal is z, but for rounding: the saddle is a quadric in its frame too.
+    for method in [&Penalised::default() as &dyn Method, &Quadric::default()] {
+        for [one, truth] in found(method, saddle, &exact, 0) {
+            assert!((one.gaussian - truth.gaussian).abs() < 1e-11, "{one:?}");
+            assert!((one.mean - truth.mean).abs() < 1e-11, "{one:?}");
+        }
+    }
+}
+
+#[test]
+fn surfaces_without_noise_are_found_within_the_spline() {
+    let exact = Sweep {
+        fingers: 7,
+        contacts_per_finger: 20,
+        position_std: 0.0,
+        normal_std_rad: 0.0,
+    };
+    for surface in QUADRIC_LIKE.iter().chain(&DETAILED[..1]) {
+        let [gaussian, mean] = errors(&Penalised::default(), surface, &exact, 1);
+        assert!(
+            gaussian < 2e-3 && mean < 2e-3,
+            "{}: {gaussian} {mean}",
+            surface.name
+        );
+    }
+}
+
+#[test]
+fn classes_hold_at_the_noise_of_the_paper() {
+    let thresholds = ShapeThresholds::new(0.005, 0.03).unwrap();
+    for (noise, least) in [(0.1, 0.98), (0.2, 0.9)] {
+        for surface in &QUADRIC_LIKE {
+            let all: Vec<_> = (0..40)
+                .flat_map(|trial| {
+                    found(&Penalised::default(), surface, &Sweep::paper(noise), trial)
+                })
+                .collect();
+            let right = all
+                .iter()
+                .filter(|[one, truth]| one.class(&thresholds) == truth.class(&thresholds))
+                .count();
+            let share = right as f64 / all.len() as f64;
+            assert!(share >= least, "{} at {noise}: {share}", surface.name);
+        }
+    }
+}
+
+#[test]
+fn stated_deviations_cover_the_truth() {
+    for noise in [0.05, 0.1, 0.2] {
+        let mut mean_coverage = [0.0; 2];
+        for surface in &QUADRIC_LIKE {
+            let mut covered = [0.0; 2];
+            let mut count = 0.0;
+            for trial in 0..100 {
+                for [one, truth] in
+                    found(&Penalised::default(), surface, &Sweep::paper(noise), trial)
+                {
+                    let told = one.uncertainty.unwrap();
+                    let within =
+                        |error: f64, std: f64| f64::from(u8::from(error.abs() < 1.96 * std));
+                    covered[0] += within(one.gaussian - truth.gaussian, told.gaussian_std);
+                    covered[1] += within(one.mean - truth.mean, told.mean_std);
+                    count += 1.0;
+                }
+            }
+            let shares = covered.map(|covered| covered / count);
+            // 100 trials tell a share of their errors, which go together over the grid, to 3 %.
+            assert!(
+                shares.iter().all(|share| *share > 0.82),
+                "{} {noise} {shares:?}",
+                surface.name
+            );
+            mean_coverage = [
+                mean_coverage[0] + shares[0] / 4.0,
+                mean_coverage[1] + shares[1] / 4.0,
+            ];
+        }
+        let both = 0.5 * (mean_coverage[0] + mean_coverage[1]);
+        assert!((0.92..=0.98).contains(&both), "{noise}: {mean_coverage:?}");
+    }
+}
+
+#[test]
+fn detailed_surfaces_are_found_better_than_by_two_passes() {
+    let sweep = Sweep {
+        fingers: 7,
+        contacts_per_finger: 20,
+        ..Sweep::paper(0.1)
+    };
+    // The smoothing sum that matches the noise: (w σ)² for each of the points.
+    let matched = TwoPass {
+        smoothing: 140.0 * 100.0,
+        second_smoothing: 420.0 * 100.0,
+        unit_length: Some(1.0),
+        ..TwoPass::default()
+    };
+    for surface in &DETAILED {
+        let penalised = errors(&Penalised::default(), surface, &sweep, 6);
+        let two_pass = errors(&matched, surface, &sweep, 6);
+        for (one, other) in penalised.iter().zip(two_pass) {
+            assert!(
+                *one <= 0.5 * other,
+                "{}: {penalised:?} {two_pass:?}",
+                surface.name
+            );
+        }
+    }
+}
+
+#[test]
+fn criteria_agree_where_the_surface_is_plain() {
+    let saddle = &QUADRIC_LIKE[3];
+    for criterion in [Criterion::Gcv, Criterion::Reml, Criterion::default()] {
+        let method = Penalised {
+            criterion,
+            ..Penalised::default()
+        };
+        let [gaussian, mean] = errors(&method, saddle, &Sweep::paper(0.05), 10);
+        assert!(
+            gaussian < 0.005 && mean < 0.01,
+            "{criterion:?}: {gaussian} {mean}"
+        );
+    }
+}
+
+#[test]
+fn the_noise_is_found() {
+    let sweep = Sweep {
+        fingers: 9,
+        contacts_per_finger: 30,
+        ..Sweep::paper(0.02)
+    };
+    let patch = Patch::new(&sweep.contacts(&QUADRIC_LIKE[0], 3), &Vector3::z()).unwrap();
+    for method in [&Penalised::default() as &dyn Method, &Quadric::default()] {
+        let noise = method.fit(&patch).unwrap().noise.unwrap();
+        assert!((noise.position_std - 0.02).abs() < 0.002, "{noise:?}");
+        let normal = noise.normal_std_rad.unwrap().to_degrees();
+        assert!((normal - 2.0).abs() < 0.2, "{noise:?}");
+    }
+    // What is known is not sought.
+    let known = Penalised {
+        noise: Noise {
+            position_std: Some(0.5),
+            normal_std_rad: Some(0.5),
+        },
+        ..Penalised::default()
+    };
+    let noise = known.fit(&patch).unwrap().noise.unwrap();
+    assert!((noise.position_std - 0.5).abs() < 1e-12);
+}

@@ -1,0 +1,253 @@
+//! Contacts that do not tell a patch: each gets a named error, or a finite result.
+
+use nalgebra::{Point3, Vector3};
+use palpate_ep2::{
+    Contact, Criterion, Ep2Error, Method, Noise, Patch, Penalised, Quadric, TwoPass,
+};
+
+use crate::samples::{QUADRIC_LIKE, Sweep};
+
+fn methods() -> [Box<dyn Method>; 3] {
+    [
+        Box::new(Penalised::default()),
+        Box::new(Quadric::default()),
+        Box::new(TwoPass::default()),
+    ]
+}
+
+/// The name of the first error on the way to the curvature at the centre, per method; "result"
+/// where there is none, which then is finite.
+fn outcomes(contacts: &[Contact]) -> [&'static str; 3] {
+    methods().map(|method| {
+        let outcome = Patch::new(contacts, &Vector3::z())
+            .and_then(|patch| method.fit(&patch))
+            .and_then(|fit| Ok((fit.centre()?, fit.curvatures(7)?)));
+        match outcome {
+            Ok((centre, curvatures)) => {
+                for one in curvatures.iter().chain([&centre.curvature]) {
+                    assert!(one.gaussian.is_finite() && one.mean.is_finite(), "{one:?}");
+                }
+                "result"
+            }
+            Err(error) => {
+                assert!(!error.to_string().contains("NaN"), "{error}");
+                error.name()
+            }
+        }
+    })
+}
+
+fn plain(points: impl IntoIterator<Item = [f64; 3]>) -> Vec<Contact> {
+    points
+        .into_iter()
+        .map(|point| Contact::new(0, Point3::from(point), None))
+        .collect()
+}
+
+fn sphere() -> Vec<Contact> {
+    Sweep::paper(0.01).contacts(&QUADRIC_LIKE[0], 0)
+}
+
+#[test]
+fn too_little() {
+    assert_eq!(outcomes(&[]), ["too-few-contacts"; 3]);
+    assert_eq!(outcomes(&plain([[0.0; 3]])), ["too-few-contacts"; 3]);
+    let five = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.1],
+        [0.0, 1.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.5, 0.2, 0.0],
+    ];
+    assert_eq!(outcomes(&plain(five)), ["too-few-contacts"; 3]);
+}
+
+#[test]
+fn points_and_lines() {
+    let point = plain(std::iter::repeat_n([3.0, -1.0, 2.0], 1000));
+    assert_eq!(outcomes(&point), ["coincident"; 3]);
+    let line = plain((0..40).map(|step| [0.1 * f64::from(step), 0.2 * f64::from(step), 1.0]));
+    assert_eq!(outcomes(&line), ["collinear"; 3]);
+    // One finger: a curve in a plane leaves the shape across it open.
+    let curve = (0..40).map(|step| {
+        let x = 0.1 * f64::from(step);
+        [x, 0.0, -0.1 * x * x]
+    });
+    for outcome in outcomes(&plain(curve)) {
+        assert_ne!(outcome, "result");
+    }
+    // With normals the slope across it is known, but hardly how it changes.
+    let mut one_finger = sphere();
+    one_finger.truncate(10);
+    for contact in &mut one_finger {
+        contact.position.y = 0.0;
+    }
+    let patch = Patch::new(&one_finger, &Vector3::z());
+    for method in &methods()[..2] {
+        if let Ok(fit) = patch.clone().and_then(|patch| method.fit(&patch)) {
+            let found = fit.centre().unwrap().curvature;
+            let std = found.uncertainty.unwrap().mean_std;
+            assert!(
+                std > 0.1 && (found.mean - 0.2).abs() < 4.0 * std,
+                "{found:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn many_identical_points() {
+    let point = plain(std::iter::repeat_n([1.0, 1.0, 1.0], 1_000_000));
+    assert_eq!(outcomes(&point), ["coincident"; 3]);
+}
+
+#[test]
+fn duplicates_are_contacts() {
+    let mut contacts = sphere();
+    contacts.extend(sphere());
+    assert_eq!(outcomes(&contacts), ["result"; 3]);
+}
+
+#[test]
+fn unsound_numbers() {
+    for bad in [f64::NAN, f64::INFINITY, 1e200] {
+        let mut contacts = sphere();
+        contacts[7].position.y = bad;
+        assert_eq!(outcomes(&contacts), ["not-finite"; 3]);
+        let mut contacts = sphere();
+        contacts[7].normal = Some(Vector3::new(bad, 0.0, 1.0));
+        assert_eq!(outcomes(&contacts), ["not-finite"; 3]);
+    }
+    for (weight, name) in [
+        (0.0, "bad-weight"),
+        (-1.0, "bad-weight"),
+        (f64::NAN, "not-finite"),
+        (f64::INFINITY, "not-finite"),
+    ] {
+        let mut contacts = sphere();
+        contacts[3].weight = weight;
+        assert_eq!(outcomes(&contacts), [name; 3]);
+    }
+}
+
+#[test]
+fn normals_that_are_none_of_a_graph() {
+    let changed = |normal: Option<Vector3<f64>>| {
+        let mut contacts = sphere();
+        contacts[4].normal = normal;
+        outcomes(&contacts)
+    };
+    assert_eq!(changed(Some(Vector3::zeros())), ["bad-normal"; 3]);
+    assert_eq!(changed(None), ["missing-normal"; 3]);
+    assert_eq!(changed(Some(Vector3::x())), ["folded"; 3]);
+    assert_eq!(changed(Some(-Vector3::z())), ["folded"; 3]);
+}
+
+#[test]
+fn closed_shapes_and_walls() {
+    let directions: Vec<Vector3<f64>> = (0..200)
+        .map(|index| {
+            // A spiral over the whole sphere.
+            let (height, turn) = (1.0 - (index as f64 + 0.5) / 100.0, 2.4 * index as f64);
+            let out = (1.0 - height * height).sqrt();
+            Vector3::new(out * turn.cos(), out * turn.sin(), height)
+        })
+        .collect();
+    let bare: Vec<Contact> = directions
+        .iter()
+        .map(|direction| Contact::new(0, Point3::from(direction * 3.0), None))
+        .collect();
+    assert_eq!(outcomes(&bare), ["no-plane"; 3]);
+    let with_normals: Vec<Contact> = directions
+        .iter()
+        .map(|direction| Contact::new(0, Point3::from(direction * 3.0), Some(*direction)))
+        .collect();
+    assert_eq!(outcomes(&with_normals), ["no-plane"; 3]);
+    // A vertical wall is a patch like any other, if its outside is told.
+    let wall: Vec<Contact> = sphere()
+        .iter()
+        .map(|contact| Contact {
+            position: Point3::new(contact.position.z, contact.position.x, contact.position.y),
+            normal: contact.normal.map(|n| Vector3::new(n.z, n.x, n.y)),
+            ..*contact
+        })
+        .collect();
+    assert_eq!(outcomes(&wall), ["result"; 3]);
+    // Without normals, upwards does not say on which side of a wall the outside is.
+    let bare_wall = plain((0..36).map(|index| {
+        let (y, z) = (f64::from(index % 6), f64::from(index / 6));
+        [0.0, y, z]
+    }));
+    assert_eq!(outcomes(&bare_wall), ["no-side"; 3]);
+}
+
+#[test]
+fn extremes_of_size_and_spread() {
+    // Fingers ever closer together, then on one line.
+    for distance in [1e-3, 1e-6, 1e-9, 1e-12] {
+        let mut contacts = sphere();
+        for contact in &mut contacts {
+            contact.position.y *= distance;
+            let normal = contact.normal.as_mut().unwrap();
+            normal.y *= distance;
+        }
+        for outcome in outcomes(&contacts) {
+            assert!(
+                ["result", "collinear", "undetermined", "out-of-range"].contains(&outcome),
+                "{outcome}"
+            );
+        }
+    }
+    for scale in [1e-140, 1e-60, 1e60, 1e140] {
+        let mut contacts = sphere();
+        for contact in &mut contacts {
+            contact.position *= scale;
+        }
+        for outcome in outcomes(&contacts) {
+            assert!(
+                ["result", "out-of-range"].contains(&outcome),
+                "{scale} {outcome}"
+            );
+        }
+    }
+}
+
+#[test]
+fn settings_out_of_range() {
+    let patch = Patch::new(&sphere(), &Vector3::z()).unwrap();
+    let refused = |method: &dyn Method| match method.fit(&patch).unwrap_err() {
+        Ep2Error::BadSetting { setting, .. } => setting,
+        other => panic!("{other}"),
+    };
+    let penalised = Penalised::default();
+    for intervals in [0, 25] {
+        let intervals = Some(intervals);
+        assert_eq!(
+            refused(&Penalised {
+                intervals,
+                ..penalised
+            }),
+            "intervals"
+        );
+    }
+    for gamma in [0.5, f64::NAN, f64::INFINITY] {
+        let criterion = Criterion::RobustGcv { gamma };
+        assert_eq!(
+            refused(&Penalised {
+                criterion,
+                ..penalised
+            }),
+            "gamma"
+        );
+    }
+    for std in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let noise = Noise {
+            position_std: Some(std),
+            ..Noise::default()
+        };
+        assert_eq!(refused(&Quadric { noise }), "position_std");
+    }
+    let outward = |outward| Patch::new(&sphere(), &outward).unwrap_err().name();
+    assert_eq!(outward(Vector3::zeros()), "bad-setting");
+    assert_eq!(outward(Vector3::new(f64::NAN, 0.0, 0.0)), "bad-setting");
+}

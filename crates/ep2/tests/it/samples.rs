@@ -1,0 +1,147 @@
+//! Contacts of known surfaces.
+
+use nalgebra::{Point3, Vector3};
+use palpate_ep2::Contact;
+use palpate_sensing::{Channel, Stream};
+
+/// A surface as a graph with closed forms: its point and outward normal (of any length) over a
+/// place, and its Gaussian and mean curvature there.
+pub(crate) struct Surface {
+    pub(crate) name: &'static str,
+    pub(crate) at: fn(f64, f64) -> (Point3<f64>, Vector3<f64>, f64, f64),
+}
+
+/// Curvature of a graph from its slopes p, q and second derivatives r, s, t.
+fn graph(x: f64, y: f64, jet: [f64; 6]) -> (Point3<f64>, Vector3<f64>, f64, f64) {
+    let [z, p, q, r, s, t] = jet;
+    let d = 1.0 + p * p + q * q;
+    let gaussian = (r * t - s * s) / (d * d);
+    let trace = (1.0 + q * q) * r - 2.0 * p * q * s + (1.0 + p * p) * t;
+    let mean = -trace / (2.0 * d.powf(1.5));
+    (
+        Point3::new(x, y, z),
+        Vector3::new(-p, -q, 1.0),
+        gaussian,
+        mean,
+    )
+}
+
+/// A cylinder of radius 5 whose curved direction is turned by `turn` from x.
+fn cylinder(x: f64, y: f64, turn: f64) -> (Point3<f64>, Vector3<f64>, f64, f64) {
+    let across = x * turn.cos() + y * turn.sin();
+    let height = (25.0 - across * across).sqrt();
+    let normal = Vector3::new(across * turn.cos(), across * turn.sin(), height);
+    (Point3::new(x, y, height - 5.0), normal, 0.0, 0.1)
+}
+
+/// The four surfaces of the 1996 paper's second estimator.
+pub(crate) const QUADRIC_LIKE: [Surface; 4] = [
+    Surface {
+        name: "sphere",
+        at: |x, y| {
+            let height = (25.0 - x * x - y * y).sqrt();
+            let normal = Vector3::new(x, y, height);
+            (Point3::new(x, y, height - 5.0), normal, 0.04, 0.2)
+        },
+    },
+    Surface {
+        name: "cylinder",
+        at: |x, y| cylinder(x, y, 0.0),
+    },
+    Surface {
+        name: "turned cylinder",
+        at: |x, y| cylinder(x, y, std::f64::consts::FRAC_PI_4),
+    },
+    Surface {
+        name: "saddle",
+        at: |x, y| {
+            graph(
+                x,
+                y,
+                [0.1 * (x * x - y * y), 0.2 * x, -0.2 * y, 0.2, 0.0, -0.2],
+            )
+        },
+    },
+];
+
+/// Surfaces that are no quadrics: the top of a torus of radii 3 and 2, and a bump.
+pub(crate) const DETAILED: [Surface; 2] = [
+    Surface {
+        name: "torus",
+        at: |x, y| {
+            let (x, centre) = (x + 3.0, 3.0);
+            let from_axis = x.hypot(y);
+            let out = from_axis - centre;
+            let height = (4.0 - out * out).sqrt();
+            let normal = Vector3::new(out * x / from_axis, out * y / from_axis, height);
+            let around = out / (2.0 * from_axis);
+            let point = Point3::new(x - centre, y, height);
+            (point, normal, 0.5 * around, 0.5 * (0.5 + around))
+        },
+    },
+    Surface {
+        name: "bump",
+        at: |x, y| {
+            let z = 0.3 * (-(x * x + y * y)).exp();
+            let jet = [
+                z,
+                -2.0 * x * z,
+                -2.0 * y * z,
+                (4.0 * x * x - 2.0) * z,
+                4.0 * x * y * z,
+                (4.0 * y * y - 2.0) * z,
+            ];
+            graph(x, y, jet)
+        },
+    },
+];
+
+/// How contacts are made and how far they are off.
+#[derive(Clone, Copy)]
+pub(crate) struct Sweep {
+    pub(crate) fingers: usize,
+    pub(crate) contacts_per_finger: usize,
+    pub(crate) position_std: f64,
+    pub(crate) normal_std_rad: f64,
+}
+
+impl Sweep {
+    /// Three fingers with ten contacts each, normals off by 2 degrees.
+    pub(crate) const fn paper(position_std: f64) -> Self {
+        Self {
+            fingers: 3,
+            contacts_per_finger: 10,
+            position_std,
+            normal_std_rad: 2.0 * std::f64::consts::PI / 180.0,
+        }
+    }
+
+    /// Contacts over |x|, |y| <= 1.5.
+    pub(crate) fn contacts(&self, surface: &Surface, trial: u64) -> Vec<Contact> {
+        let mut position = Stream::new(1996, trial, Channel::Position);
+        let mut tilt = Stream::new(1996, trial, Channel::Normal);
+        let spread = |index: usize, count: usize| 3.0 * index as f64 / (count - 1) as f64 - 1.5;
+        let mut contacts = Vec::new();
+        for finger in 0..self.fingers {
+            for step in 0..self.contacts_per_finger {
+                let x = spread(step, self.contacts_per_finger);
+                let y = spread(finger, self.fingers);
+                let (point, normal, ..) = (surface.at)(x, y);
+                let error = Vector3::from_fn(|_, _| self.position_std * position.standard_normal());
+                let normal = normal.normalize();
+                let along = normal.cross(&Vector3::y()).normalize();
+                let across = normal.cross(&along);
+                let mut turn = || self.normal_std_rad * tilt.standard_normal();
+                let sensed = normal + along * turn() + across * turn();
+                contacts.push(Contact::new(finger, point + error, Some(sensed)));
+            }
+        }
+        contacts
+    }
+}
+
+/// Places of a grid of `side` × `side` over |x|, |y| <= 1.
+pub(crate) fn grid(side: usize) -> impl Iterator<Item = (f64, f64)> {
+    let place = move |index: usize| 2.0 * index as f64 / (side - 1) as f64 - 1.0;
+    (0..side * side).map(move |index| (place(index / side), place(index % side)))
+}
