@@ -1,7 +1,8 @@
 //! Tables to plots, scored claims and a self-contained page.
 //!
-//! A study is a folder that holds `cells.csv`, `failures.csv` and `run.toml`. Everything here is made from
-//! those three files and nothing else: no simulation, no clock, no network, no other crate of the workspace.
+//! A study is a folder that holds `cells.csv`, `failures.csv` and `run.toml`, and for some plots `map.csv`, or
+//! `trace.csv` and `readings.csv`. Everything here is made from those files and nothing else: no simulation, no
+//! clock, no network, no other crate of the workspace.
 //!
 //! | from | to | by |
 //! |---|---|---|

@@ -127,8 +127,8 @@ impl<'a> Patches<'a> {
             .ok_or_else(|| format!("no share of classes for {}", told(object, method, noise)))
     }
 
-    /// The largest principal curvature of an object: from its true curvatures where they are the same all over
-    /// the patch, else that of a saddle z = a (x² − y²) at its middle, 2a.
+    /// The largest principal curvature of an object: from its true curvatures where the table has one value for all
+    /// of the patch, else from its shape: 1/radius, or for a saddle z = a (x² − y²) that at its middle, 2a.
     pub(super) fn largest_curvature(&self, object: &str) -> Result<f64, String> {
         let table = self.study.cells();
         let truth = |quantity: &str| {
@@ -144,14 +144,16 @@ impl<'a> Patches<'a> {
         };
         let from_config = || {
             let shape = self.shape(object)?;
-            let is_saddle = shape.get("kind")?.as_str() == Some("saddle");
-            is_saddle
-                .then(|| Some(2.0 * study::number(shape.get("a")?)?.abs()))
-                .flatten()
+            let number = |key: &str| study::number(shape.get(key)?);
+            match shape.get("kind")?.as_str()? {
+                "saddle" => Some(2.0 * number("a")?.abs()),
+                "sphere" | "dish" | "cylinder" => Some(1.0 / number("radius")?),
+                _ => None,
+            }
         };
         from_truth()
             .or_else(from_config)
-            .filter(|curvature| *curvature > 0.0)
+            .filter(|curvature| *curvature > 0.0 && curvature.is_finite())
             .ok_or_else(|| format!("neither table nor config tell how curved the {object} is"))
     }
 

@@ -3,7 +3,7 @@
 use super::compose::Skipped;
 use super::select::Selection;
 use crate::table::{Axis, finite};
-use crate::words;
+use crate::{Study, study, words};
 use std::collections::BTreeMap;
 
 /// What is held fixed, and how many trials stand behind a point.
@@ -115,4 +115,16 @@ pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
         (_, None) if !value.contains(' ') => format!("{} {value}", meaning.words),
         (_, None) => value.to_owned(),
     }
+}
+
+/// The object of the config in words: its kind and its numbers.
+pub(crate) fn object(study: &Study) -> Option<String> {
+    let table = study.setting("scene.object")?.as_table()?;
+    let kind = table.get("kind")?.as_str()?.replace('-', " ");
+    let numbers = table.iter().filter_map(|(key, value)| {
+        let number = words::number(study::number(value)?);
+        Some(format!("{} = {number}", key.replace('_', " ")))
+    });
+    let parts: Vec<String> = std::iter::once(kind).chain(numbers).collect();
+    Some(parts.join(", "))
 }

@@ -6,7 +6,7 @@ mod layout;
 mod squares;
 mod table;
 
-use super::captions::full_value;
+use super::captions::{self, full_value};
 use super::select::{present, same};
 use super::spec::{MapSpec, nearest};
 use crate::{ReportError, Study, words};
@@ -93,18 +93,12 @@ fn choose<'a>(study: &Study, spec: &MapSpec, maps: &'a Maps) -> Result<Chosen<'a
         }
     }
     if shown.is_empty() {
-        return Err(bad(
-            study,
-            spec,
-            format!(
-                "no cell of cells.csv that `where` leaves has a map in map.csv; the table has no {}",
-                if absent.is_empty() {
-                    "such cell".to_owned()
-                } else {
-                    absent.join(", ")
-                },
-            ),
-        ));
+        let lost: String = absent
+            .iter()
+            .map(|lost| format!("; the table has no {lost}"))
+            .collect();
+        let problem = format!("`where` leaves no cell that has a map in map.csv{lost}");
+        return Err(bad(study, spec, problem));
     }
     if shown.len() > MOST_CELLS {
         return Err(bad(
@@ -158,8 +152,17 @@ fn place(study: &Study, row: usize) -> String {
 /// What all panels have in common.
 fn subtitle(study: &Study, shown: &[Shown<'_>]) -> String {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
-    let mut parts: Vec<String> = Vec::new();
-    for axis in study.cells().axes() {
+    let axes = study.cells().axes();
+    let is_swept = axes
+        .iter()
+        .any(|axis| axis.header.starts_with("scene.object"));
+    let object = if is_swept {
+        None
+    } else {
+        captions::object(study)
+    };
+    let mut parts: Vec<String> = object.into_iter().collect();
+    for axis in axes {
         if let [value] = present(axis, &rows).as_slice() {
             parts.push(full_value(axis, value));
         }

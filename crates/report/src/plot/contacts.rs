@@ -5,6 +5,7 @@ mod table;
 mod view;
 
 use super::canvas::Point;
+use super::captions;
 use super::layout::{EDGE, LEADING, TEXT, TITLE};
 use super::lettering::{width, wrap};
 use super::scale::{Scale, Spacing};
@@ -112,7 +113,7 @@ fn around(places: &[Vector], axis: usize) -> Scale {
 
 /// What was touched, how often, and how well it was read.
 fn subtitle(study: &Study, contacts: &Contacts) -> String {
-    let mut parts: Vec<String> = object(study).into_iter().collect();
+    let mut parts: Vec<String> = captions::object(study).into_iter().collect();
     let fingers = contacts.fingers.len();
     let mut counts: Vec<usize> = contacts.fingers.iter().map(|f| f.touches.len()).collect();
     counts.sort_unstable();
@@ -133,26 +134,6 @@ fn subtitle(study: &Study, contacts: &Contacts) -> String {
 
 fn plural(count: usize, of: &str) -> String {
     format!("{count} {of}{}", if count == 1 { "" } else { "s" })
-}
-
-/// The object of the config in words: its kind and its numbers.
-fn object(study: &Study) -> Option<String> {
-    let table = study.setting("scene.object")?.as_table()?;
-    let kind = table.get("kind")?.as_str()?.replace('-', " ");
-    let numbers = table.iter().filter_map(|(key, value)| {
-        let number = crate::study::number(value)?;
-        Some(format!(
-            "{} = {}",
-            key.replace('_', " "),
-            words::number(number)
-        ))
-    });
-    Some(
-        std::iter::once(kind)
-            .chain(numbers)
-            .collect::<Vec<_>>()
-            .join(", "),
-    )
 }
 
 fn key(contacts: &Contacts, top: f64) -> Vec<(Point, Sample, String)> {

@@ -257,6 +257,8 @@ fn pad_claims_hold_for_a_square_grid() {
         &[
             "centred: 25 % (R₂ = 5 R₁), 0 % (R₂ = 1 R₁), 16.7 % (R₂ = 0.5 R₁), 20 %",
             "random offsets: 14.4 %",
+            "exactly that still counts",
+            "within 1 % of that limit lies centred, R₂ = 5 R₁.",
         ],
     );
     judged(&scores[4], Verdict::Holds, &["R₂ = 0.2 R₁ 3 of 1,616"]);
@@ -272,6 +274,19 @@ fn pad_claims_differ_for_the_opposite() {
     judged(&scores[1], Verdict::Differs, &["in 0 of 24"]);
     let (_dir, study) = pads("claims = [8]", |_, _, _| 0.26);
     judged(&only(&study), Verdict::Differs, &["random offsets: 26 %"]);
+    // An exact hit of the shortest roll leaves nothing to divide by.
+    let (_dir, study) = pads("claims = [7]", |pitch, radius, rate| {
+        if rate < 0.15 && radius == 1.0 {
+            0.0
+        } else {
+            rounding(pitch, radius, rate)
+        }
+    });
+    judged(
+        &only(&study),
+        Verdict::Differs,
+        &["in 20 of 24", "(in 4 it rises from exactly 0)"],
+    );
 }
 
 #[test]

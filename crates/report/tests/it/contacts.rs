@@ -1,7 +1,7 @@
 //! The picture of contacts in space.
 
 use crate::glides::{cells, config, study};
-use palpate_report::{Study, plot};
+use palpate_report::{Study, page, plot};
 use std::fs;
 use tempfile::TempDir;
 
@@ -42,10 +42,11 @@ fn made(tables: &[(&str, &str)]) -> (TempDir, Study) {
     )
 }
 
+/// The picture as it stands in the page.
 fn drawn(tables: &[(&str, &str)]) -> String {
-    let (dir, study) = made(tables);
-    plot(&study).unwrap();
-    fs::read_to_string(dir.path().join("contacts.svg")).unwrap()
+    let html = page(&[made(tables).1]).unwrap();
+    let (from, to) = (html.find("<svg").unwrap(), html.find("</svg>").unwrap());
+    html[from..to].to_owned()
 }
 
 #[track_caller]
@@ -114,6 +115,14 @@ fn patches_of_any_size_and_shape_are_drawn() {
     }
     let one = format!("{HEADER}0,1,2,3,0,0,0,1,2,3\n");
     assert!(drawn(&[("trace.csv", &one)]).contains("1 finger, 1 contact each"));
+}
+
+#[test]
+fn the_picture_is_written_as_png_too() {
+    let (dir, study) = made(&[("trace.csv", &trace(1.0, 0.0))]);
+    let names = ["contacts.svg", "contacts.png"].map(|name| dir.path().join(name));
+    assert_eq!(plot(&study).unwrap(), names);
+    assert!(fs::read(&names[1]).unwrap().starts_with(b"\x89PNG"));
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn the_true_map_stands_first_and_each_panel_tells_its_cell_and_share() {
     assert!(place("two-pass") < place("100 % correct"));
     for part in [
         "penalised",
-        "position noise 5 % of the IFD · 3 × 3 points · one trial per panel",
+        "saddle, a = 0.3 · position noise 5 % of the IFD · 3 × 3 points · one trial per panel",
         "x (mm)",
         "y (mm)",
         "true boundary",
@@ -227,20 +227,20 @@ fn many_cells_are_laid_out_without_leaving_the_picture() {
         })
         .collect();
     let axes = "scene.object,scene.noise.normal.std_deg";
-    let (dir, study) = study(
+    let (_dir, study) = study(
         &(config(0.3, "") + PLOT),
         &cells(axes, &places),
         &[("map.csv", &map(&maps))],
     );
-    plot(&study).unwrap();
-    let text = svg(&dir);
+    let html = page(&[study]).unwrap();
+    let text = &html[html.find("<svg").unwrap()..html.find("</svg>").unwrap()];
     assert_eq!(text.matches("\ntruth\n").count(), 2);
     assert_eq!(text.matches("% correct").count(), 14);
     let number = |line: &str, key: &str| -> f64 {
         let rest = line.split(&format!(" {key}=\"")).nth(1).unwrap();
         rest.split('"').next().unwrap().parse().unwrap()
     };
-    let (width, height) = (number(&text, "width"), number(&text, "height"));
+    let (width, height) = (number(text, "width"), number(text, "height"));
     for line in text.lines().filter(|line| line.starts_with("<text")) {
         let (x, y) = (number(line, "x") / 3.0, number(line, "y") / 3.0);
         assert!(x > 0.0 && x < width && y > 0.0 && y < height, "{line}");
