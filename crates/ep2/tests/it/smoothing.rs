@@ -1,0 +1,209 @@
+//! Smoothing splines of sound and of unsound points.
+
+use palpate_ep2::{Ep2Error, Smoothed, SmoothingSpline, Status, WeightedPoint};
+
+fn point(u: f64, v: f64, w: f64) -> WeightedPoint {
+    WeightedPoint {
+        u,
+        v,
+        w,
+        weight: 1.0,
+    }
+}
+
+/// A 7 × 7 grid over [−1, 1]².
+fn grid(height: fn(f64, f64) -> f64) -> Vec<WeightedPoint> {
+    let places = |index: usize| (index as f64 - 3.0) / 3.0;
+    (0..49)
+        .map(|index| (places(index / 7), places(index % 7)))
+        .map(|(u, v)| point(u, v, height(u, v)))
+        .collect()
+}
+
+fn fit(degree: usize, smoothing: f64, points: &[WeightedPoint]) -> Result<Smoothed, Ep2Error> {
+    SmoothingSpline::new(degree, smoothing).fit(points)
+}
+
+#[test]
+fn polynomials_are_interpolated() {
+    let points = grid(|u, v| 3.0 - u * u * v + v * v);
+    let smoothed = fit(2, 0.0, &points).unwrap();
+    assert_eq!(smoothed.status, Status::Interpolating);
+    assert!((smoothed.spline.value(0.1, 0.2) - 3.038).abs() < 1e-13);
+    let level = fit(3, 0.0, &grid(|_, _| 0.0)).unwrap();
+    assert_eq!(level.status, Status::Interpolating);
+    assert!(level.spline.value(0.3, 0.4).abs() == 0.0);
+}
+
+/// With as many knots as points in either direction the sum of zero is met, or it is said that the
+/// knots ran out; either way the values stay sound.
+#[test]
+fn a_sum_of_zero() {
+    let smoothed = fit(3, 0.0, &grid(|u, v| (2.0 * u).sin() * v.exp())).unwrap();
+    assert!(matches!(
+        smoothed.status,
+        Status::Interpolating | Status::KnotsExhausted
+    ));
+    assert!(smoothed.residual_sum < 1e-3);
+    assert!((smoothed.spline.value(0.5, 0.5) - 1.0_f64.sin() * 0.5_f64.exp()).abs() < 0.05);
+}
+
+#[test]
+fn a_huge_sum_is_met_by_the_polynomial() {
+    let points = grid(|u, v| (9.0 * u * v).sin());
+    for smoothing in [1e9, f64::MAX, f64::INFINITY] {
+        let smoothed = fit(2, smoothing, &points).unwrap();
+        assert_eq!(smoothed.status, Status::Polynomial);
+        assert_eq!(smoothed.spline.coefficients.len(), 9);
+        assert_eq!(smoothed.effective_unknowns, 9.0);
+    }
+}
+
+/// The sum that is asked for is met, and more smoothing leaves fewer unknowns.
+#[test]
+fn the_sum_is_met() {
+    let points = grid(|u, v| (4.0 * u).sin() + (3.0 * v).cos());
+    let mut before = 49.0;
+    for smoothing in [0.01, 0.1, 1.0] {
+        let smoothed = fit(3, smoothing, &points).unwrap();
+        assert_eq!(smoothed.status, Status::Smoothing);
+        assert!((smoothed.residual_sum / smoothing - 1.0).abs() <= 1e-3);
+        let sum: f64 = points
+            .iter()
+            .map(|point| (point.w - smoothed.spline.value(point.u, point.v)).powi(2))
+            .sum();
+        assert!((sum / smoothed.residual_sum - 1.0).abs() < 1e-9);
+        assert!(smoothed.effective_unknowns < before && smoothed.effective_unknowns > 16.0);
+        before = smoothed.effective_unknowns;
+    }
+}
+
+/// A limit per direction, as FITPACK has one.
+#[test]
+fn knots_can_be_limited() {
+    let spline = SmoothingSpline {
+        most_knots: [1, 2],
+        ..SmoothingSpline::new(2, 1e-6)
+    };
+    let smoothed = spline
+        .fit(&grid(|u, v| (4.0 * u).sin() + (5.0 * v).cos()))
+        .unwrap();
+    assert_eq!(smoothed.status, Status::KnotsExhausted);
+    assert_eq!(smoothed.spline.u.interior().len(), 1);
+    assert_eq!(smoothed.spline.v.interior().len(), 2);
+}
+
+/// Weight and height in other units, powers of two: the same spline, digit by digit.
+#[test]
+fn units_do_not_matter() {
+    let points = grid(|u, v| (4.0 * u).sin() + (3.0 * v).cos());
+    let expected = fit(2, 1.0, &points).unwrap();
+    for (height, weight) in [(-330, 0), (0, -300), (250, -100)] {
+        let [height, weight] = [height, weight].map(|power| 2.0_f64.powi(power));
+        let scaled: Vec<_> = points
+            .iter()
+            .map(|point| WeightedPoint {
+                w: point.w * height,
+                weight,
+                ..*point
+            })
+            .collect();
+        let smoothing = (height * weight).powi(2);
+        let smoothed = fit(2, smoothing, &scaled).unwrap();
+        assert_eq!(smoothed.status, expected.status);
+        assert_eq!(
+            smoothed.spline.value(0.3, 0.1) / height,
+            expected.spline.value(0.3, 0.1)
+        );
+    }
+}
+
+/// Points on a slanted line leave most of the polynomial open; what they fix is found.
+#[test]
+fn points_on_a_slanted_line() {
+    let points: Vec<_> = (0..40)
+        .map(|index| index as f64 / 39.0)
+        .map(|t| point(t, 2.0 * t, t * t))
+        .collect();
+    let smoothed = fit(2, 1e-9, &points).unwrap();
+    assert_eq!(smoothed.status, Status::Polynomial);
+    assert_eq!(smoothed.rank, 5);
+    assert!((smoothed.spline.value(0.5, 1.0) - 0.25).abs() < 1e-9);
+}
+
+#[test]
+fn duplicates_count_as_often_as_they_are() {
+    let mut points = grid(|u, v| u + v * v);
+    points.extend_from_within(..);
+    points.extend(std::iter::repeat_n(point(0.1, 0.2, 5.0), 100));
+    let smoothed = fit(2, 1e-3, &points).unwrap();
+    assert!(smoothed.residual_sum.is_finite());
+    let alike = vec![point(1.0, 2.0, 3.0); 1000];
+    assert!(matches!(
+        fit(2, 1.0, &alike),
+        Err(Ep2Error::Coincident { contacts: 1000, .. })
+    ));
+}
+
+#[test]
+fn what_is_refused() {
+    let sound = grid(|u, v| u * v);
+    let with = |change: fn(&mut WeightedPoint)| {
+        let mut points = sound.clone();
+        change(&mut points[5]);
+        fit(2, 1.0, &points).unwrap_err()
+    };
+    assert_eq!(
+        with(|one| one.w = f64::NAN),
+        Ep2Error::NotFinite { contact: 5 }
+    );
+    assert_eq!(
+        with(|one| one.u = f64::INFINITY),
+        Ep2Error::NotFinite { contact: 5 }
+    );
+    assert_eq!(
+        with(|one| one.weight = f64::NAN),
+        Ep2Error::NotFinite { contact: 5 }
+    );
+    for weight in [0.0, -2.0] {
+        let mut points = sound.clone();
+        points[5].weight = weight;
+        let expected = Ep2Error::BadWeight { contact: 5, weight };
+        assert_eq!(fit(2, 1.0, &points), Err(expected));
+    }
+    let few = fit(3, 1.0, &sound[..15]).unwrap_err();
+    assert!(matches!(
+        few,
+        Ep2Error::TooFewContacts {
+            contacts: 15,
+            needed: 16,
+            ..
+        }
+    ));
+    for (degree, smoothing, expected) in [
+        (0, 1.0, "degree"),
+        (6, 1.0, "degree"),
+        (2, -1.0, "smoothing"),
+        (2, f64::NAN, "smoothing"),
+    ] {
+        let error = fit(degree, smoothing, &sound).unwrap_err();
+        assert!(matches!(error, Ep2Error::BadSetting { setting, .. } if setting == expected));
+    }
+    let line: Vec<_> = (0..20).map(|index| point(index as f64, 1.0, 0.0)).collect();
+    assert!(matches!(
+        fit(2, 1.0, &line),
+        Err(Ep2Error::Collinear { .. })
+    ));
+    let narrow = SmoothingSpline {
+        domain: Some([[-1.0, 1.0], [-1.0, 0.5]]),
+        ..SmoothingSpline::new(2, 1.0)
+    };
+    let error = narrow.fit(&sound).unwrap_err();
+    assert!(matches!(
+        error,
+        Ep2Error::BadSetting {
+            setting: "domain",
+            ..
+        }
+    ));
+}
