@@ -1,9 +1,10 @@
 //! The frame in which a patch is a graph.
 
-use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, Vector3};
 
+use crate::fingers::ByFinger;
 use crate::{Contact, Ep2Error};
 
 /// A spread across a line, or a plane, of this share of that along it is rounding.
@@ -15,10 +16,12 @@ const LEAST_MEAN_NORMAL: f64 = 0.1;
 const MOST_SPREAD_ACROSS: f64 = 0.7;
 /// An outward direction nearer than this to the patch's plane fixes no side of it, rad.
 const LEAST_SIDE_RAD: f64 = 1e-6;
+/// A patch that spreads so many times as far along as across shows its sides by its spread.
+const LONG: f64 = 1.15;
 
 /// The frame of a patch: w along its mean normal (or, without normals, across its principal
-/// plane), u along the mean travel of the fingers, the origin at the mean contact, and lengths in
-/// half the patch's larger side.
+/// plane), u along the mean travel of the fingers (or, where their order tells none, along a side of
+/// the patch), the origin at the mean contact, and lengths in half the patch's larger side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchFrame {
     origin: Point3<f64>,
@@ -27,7 +30,7 @@ pub struct PatchFrame {
 }
 
 impl PatchFrame {
-    /// The frame of contacts whose numbers are sound.
+    /// The frame of contacts whose numbers are sound, except for its scale.
     ///
     /// # Errors
     /// [`Ep2Error`]: `coincident`, `collinear`, `no-plane`, `no-side`.
@@ -39,32 +42,20 @@ impl PatchFrame {
         };
         let along = travel(contacts, &cloud)
             .and_then(|travel| tangent(&travel, &normal))
-            .or_else(|| tangent(&cloud.axes.column(2).into_owned(), &normal))
-            .or_else(|| tangent(&Vector3::x(), &normal))
-            .or_else(|| tangent(&Vector3::y(), &normal))
+            .or_else(|| cloud.side(contacts, &normal))
             .ok_or(Ep2Error::OutOfRange)?;
         let across = normal.cross(&along);
         let axes = Matrix3::from_rows(&[along.transpose(), across.transpose(), normal.transpose()]);
-        let patch_from_world = Rotation3::from_matrix_unchecked(axes);
-        let mut frame = Self {
+        Ok(Self {
             origin: cloud.centre,
-            patch_from_world,
-            scale: 1.0,
-        };
-        let reach = |axis: usize| {
-            let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-            for contact in contacts {
-                let place = frame.point(&contact.position)[axis];
-                range = [range[0].min(place), range[1].max(place)];
-            }
-            0.5 * (range[1] - range[0])
-        };
-        frame.scale = reach(0).max(reach(1));
-        if frame.scale > 0.0 && frame.scale.is_finite() {
-            Ok(frame)
-        } else {
-            Err(Ep2Error::OutOfRange)
-        }
+            patch_from_world: Rotation3::from_matrix_unchecked(axes),
+            scale: cloud.extent,
+        })
+    }
+
+    /// The same frame with another length that counts as 1.
+    pub(crate) const fn with_scale(self, scale: f64) -> Self {
+        Self { scale, ..self }
     }
 
     /// Half the patch's larger side: the length that counts as 1 in the patch.
@@ -186,6 +177,31 @@ impl Cloud {
         }
         Ok(normal * side.signum())
     }
+
+    /// A unit tangent along a side of a patch that is longer than wide, or nearly square.
+    ///
+    /// Of a long patch it is the principal direction. The fourth moments of a square show its
+    /// diagonals: Σ r⁴ cos 4(φ − φ₀) is largest where φ₀ lies along one.
+    fn side(&self, contacts: &[Contact], normal: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let principal = (0..3)
+            .rev()
+            .find_map(|axis| tangent(&self.axes.column(axis).into_owned(), normal))?;
+        if self.spreads[2] > LONG * self.spreads[1] {
+            return Some(principal);
+        }
+        let across = normal.cross(&principal);
+        let (mut cosine, mut sine) = (0.0, 0.0);
+        for contact in contacts {
+            let place = (contact.position - self.centre) / self.extent;
+            let (x, y) = (principal.dot(&place), across.dot(&place));
+            // (x + iy)⁴.
+            let (square, product) = (x * x - y * y, 2.0 * x * y);
+            cosine += square * square - product * product;
+            sine += 2.0 * square * product;
+        }
+        let (sin, cos) = (0.25 * (sine.atan2(cosine) - PI)).sin_cos();
+        Some(principal * cos + across * sin)
+    }
 }
 
 /// Root-mean-square distance from the line through `centre` along `axis`.
@@ -198,41 +214,50 @@ fn distance_across(contacts: &[Contact], centre: &Point3<f64>, axis: &Vector3<f6
 }
 
 /// The mean travel of the fingers, each travel being the slope of position against order. Fingers
-/// that slide to and fro count along the axis that they share, in the sense of the first.
+/// that slide to and fro count along the axis that they share, in the sense of the first. `None`
+/// where order explains less than half of where a finger is.
 fn travel(contacts: &[Contact], cloud: &Cloud) -> Option<Vector3<f64>> {
     #[derive(Default)]
     struct Finger {
         contacts: f64,
         positions: Vector3<f64>,
+        /// Σ order · position and Σ position².
         moments: Vector3<f64>,
+        squares: f64,
     }
-    let mut fingers: BTreeMap<usize, Finger> = BTreeMap::new();
+    let mut fingers: ByFinger<Finger> = ByFinger::default();
     for contact in contacts {
-        let finger = fingers.entry(contact.finger).or_default();
+        let finger = fingers.of(contact.finger);
         let place = (contact.position - cloud.centre) / cloud.extent;
         finger.positions += place;
         finger.moments += place * finger.contacts;
+        finger.squares += place.norm_squared();
         finger.contacts += 1.0;
     }
-    let travels: Vec<Vector3<f64>> = fingers
-        .values()
-        .map(|finger| {
-            let mean_order = 0.5 * (finger.contacts - 1.0);
-            let slope = finger.moments - finger.positions * mean_order;
-            slope / finger.contacts.powi(2)
-        })
-        .collect();
-    let shared: Matrix3<f64> = travels
-        .iter()
-        .map(|travel| travel * travel.transpose())
-        .sum();
+    let (mut shared, mut explained, mut spread) = (Matrix3::zeros(), 0.0, 0.0);
+    let mut first = None;
+    for finger in fingers.iter() {
+        let count = finger.contacts;
+        if count < 2.0 {
+            continue;
+        }
+        let moments = finger.moments - finger.positions * (0.5 * (count - 1.0));
+        let order_squares = count * (count * count - 1.0) / 12.0;
+        let travel = moments / order_squares * count;
+        explained += moments.norm_squared() / order_squares;
+        spread += finger.squares - finger.positions.norm_squared() / count;
+        shared += travel * travel.transpose();
+        first = first.or(Some(travel));
+    }
+    if explained < 0.5 * spread {
+        return None;
+    }
     let eigen = SymmetricEigen::new(shared);
     let axis = eigen
         .eigenvectors
         .column(eigen.eigenvalues.imax())
         .into_owned();
-    let first = travels.iter().find(|travel| travel.dot(&axis) != 0.0)?;
-    Some(axis * first.dot(&axis).signum())
+    Some(axis * first?.dot(&axis).signum())
 }
 
 /// The unit tangent along `direction`, unless that stands on the plane of `normal`.

@@ -1,11 +1,44 @@
 //! EP2: the shape of a patch from fingers that slide over it.
 //!
-//! Fingers report where they touched and, if they can, the normals there ([`Contact`]). A
-//! [`Patch`] holds them in a frame of its own, in which the patch is a graph w(u, v).
+//! Fingers report where they touched and, if they can, the normals there ([`Contact`]). A [`Patch`]
+//! holds them in a frame of its own, in which the patch is a graph w(u, v), so that neither its
+//! place nor its orientation nor its size matters. A [`Method`] makes a surface of it:
+//!
+//! | method | what it is | states its uncertainty |
+//! |---|---|---|
+//! | [`Quadric`] | weighted least squares; exact for quadrics, biased for all else | of the noise alone |
+//! | [`TwoPass`] | the 1996 paper's: a smoothing spline, then another through the first and its tangents | no |
+//! | [`Penalised`] | one spline through heights and slopes, smoothed as much as the data ask for | yes, with the bias of smoothing |
+//!
+//! A [`Fit`] gives Gaussian and mean curvature anywhere ([`Fit::curvature_at`]), principal
+//! curvatures and directions on a map ([`Fit::map`]), the probability of each of the eight shape
+//! classes ([`Curvature::class_probabilities`]) and connected [`regions`] of one class. Curvature is
+//! positive where the object is convex, in the inverse of the contacts' length unit.
+//!
+//! ```
+//! use nalgebra::{Point3, Vector3};
+//! use palpate_ep2::{Contact, Method, Patch, Penalised};
+//!
+//! // Three fingers slide over a ball of radius 5.
+//! let mut contacts = Vec::new();
+//! for finger in 0..3 {
+//!     for step in 0..10 {
+//!         let (x, y) = (step as f64 / 3.0 - 1.5, 1.5 * (finger as f64 - 1.0));
+//!         let from_centre = Vector3::new(x, y, (25.0 - x * x - y * y).sqrt());
+//!         contacts.push(Contact::new(finger, Point3::from(from_centre), Some(from_centre)));
+//!     }
+//! }
+//! let patch = Patch::new(&contacts, &Vector3::z())?;
+//! let centre = Penalised::default().fit(&patch)?.centre()?;
+//! assert!((centre.curvature.mean - 0.2).abs() < 0.01);
+//! # Ok::<(), palpate_ep2::Ep2Error>(())
+//! ```
+
 mod class;
 mod contact;
 mod curvature;
 mod error;
+mod fingers;
 mod fit;
 mod frame;
 mod knots;

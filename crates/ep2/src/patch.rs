@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::fingers::ByFinger;
 use crate::{Contact, Ep2Error, PatchFrame};
 
 /// Numbers whose squares neither overflow nor vanish.
@@ -65,30 +66,30 @@ impl Patch {
                 expected: "a direction of finite length > 0",
             });
         }
-        let frame = PatchFrame::of(contacts, &(outward / outward_length))?;
-        let samples = contacts
+        let mut frame = PatchFrame::of(contacts, &(outward / outward_length))?;
+        let mut samples = contacts
             .iter()
             .enumerate()
             .map(|(index, contact)| sample(&frame, index, contact))
             .collect::<Result<Vec<_>, _>>()?;
-        let range = |place: fn(&Sample) -> f64| {
-            samples
-                .iter()
-                .map(place)
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
-                    [low.min(place), high.max(place)]
-                })
-        };
-        let domain = [range(|sample| sample.u), range(|sample| sample.v)];
-        if let Some([low, high]) = domain.into_iter().find(|[low, high]| low >= high) {
+        // Half the larger side counts as 1.
+        let sides = domain(&samples).map(|[low, high]| high - low);
+        let half = 0.5 * sides[0].max(sides[1]);
+        if sides[0].min(sides[1]) <= 0.0 {
             return Err(Ep2Error::Collinear {
                 contacts: contacts.len(),
-                spread: high - low,
+                spread: 0.0,
             });
+        }
+        frame = frame.with_scale(frame.scale() * half);
+        for sample in &mut samples {
+            sample.u /= half;
+            sample.v /= half;
+            sample.w /= half;
         }
         Ok(Self {
             frame,
-            domain,
+            domain: domain(&samples),
             finger_distance: finger_distance(contacts, &samples),
             samples,
         })
@@ -158,16 +159,30 @@ fn sample(frame: &PatchFrame, index: usize, contact: &Contact) -> Result<Sample,
     })
 }
 
+/// Smallest and largest u, smallest and largest v.
+fn domain(samples: &[Sample]) -> [[f64; 2]; 2] {
+    let mut domain = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+    for sample in samples {
+        for ([low, high], place) in domain.iter_mut().zip([sample.u, sample.v]) {
+            *low = low.min(place);
+            *high = high.max(place);
+        }
+    }
+    domain
+}
+
 /// Mean distance between neighbouring fingers, by the mean place of each across the travel.
 fn finger_distance(contacts: &[Contact], samples: &[Sample]) -> Option<f64> {
-    let mut fingers: std::collections::BTreeMap<usize, [f64; 2]> = Default::default();
+    let mut fingers: ByFinger<[f64; 2]> = ByFinger::default();
     for (contact, sample) in contacts.iter().zip(samples) {
-        let [count, sum] = fingers.entry(contact.finger).or_default();
+        let [count, sum] = fingers.of(contact.finger);
         *count += 1.0;
         *sum += sample.v;
     }
-    let places: Vec<f64> = fingers.values().map(|[count, sum]| sum / count).collect();
-    let low = places.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (high > low).then(|| (high - low) / (places.len() - 1) as f64)
+    let places = || fingers.iter().map(|[count, sum]| sum / count);
+    let (low, high) = (
+        places().fold(f64::INFINITY, f64::min),
+        places().fold(f64::NEG_INFINITY, f64::max),
+    );
+    (high > low).then(|| (high - low) / (places().count() - 1) as f64)
 }

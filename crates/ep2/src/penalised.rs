@@ -20,7 +20,7 @@ const DEGREE: usize = 3;
 /// Most intervals per side: beyond, the dense algebra of the coefficients takes seconds.
 const MOST_INTERVALS: usize = 24;
 /// Most intervals per side unless told otherwise.
-const MOST_BY_DEFAULT: usize = 8;
+const MOST_BY_DEFAULT: usize = 12;
 /// Unless told otherwise, a spline has at most so many coefficients per equation.
 const BEARABLE: f64 = 0.3;
 
