@@ -16,10 +16,10 @@ const CLASS: &str = "class";
 
 /// The paper's method, both fits.
 pub(super) const TWO_PASS: &str = "two-pass";
-/// Its first fit alone.
+/// Its first fit alone; a label may go on after these words.
 pub(super) const FIRST_PASS: &str = "first pass";
 
-/// The rows of a table by object, method and noise, each as labelled there.
+/// The rows of a table by object, method and noise, each as labelled there but for [`FIRST_PASS`].
 pub(super) struct Patches<'a> {
     study: &'a Study,
     rows: Vec<Row<'a>>,
@@ -45,7 +45,10 @@ impl<'a> Patches<'a> {
             Ok(Row {
                 row,
                 object: named(row, OBJECT)?,
-                method: named(row, ESTIMATOR)?,
+                method: match named(row, ESTIMATOR)? {
+                    label if label.starts_with(FIRST_PASS) => FIRST_PASS,
+                    label => label,
+                },
                 noise: study
                     .number(row, NOISE)
                     .ok_or_else(|| format!("no number for {NOISE} in the table or the config"))?,

@@ -47,7 +47,8 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> (
                     "sphere" | "saddle" => ("", ""),
                     _ => ("0", "0.1"),
                 };
-                let place = format!("{cell},{surface},{noise},{method}");
+                let label = method.replace("first pass", "first pass alone");
+                let place = format!("{cell},{surface},{noise},{label}");
                 for (quantity, unit, truth, rms, average) in [
                     (
                         "gaussian_curvature",
