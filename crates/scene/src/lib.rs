@@ -23,6 +23,7 @@ use config::{ConfigError, SceneConfig, Study};
 
 /// A scene that is ready to run.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub enum Scene {
     /// A probe rolls on an object.
     Roll(RollScene),

@@ -4,8 +4,8 @@ use palpate_ep2::{Contact, Ep2Error};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
 use palpate_rolling::{Fingertip, GlideError, Glider};
 use palpate_sensing::{
-    BeyondPads, Distribution, InvalidSensor, NormalError, PadOffset, Pads, PositionAxes,
-    PositionError,
+    BeyondPads, Channel, Distribution, InvalidSensor, NormalError, PadOffset, Pads, PositionAxes,
+    PositionError, Stream,
 };
 
 use super::method::PatchMethod;
@@ -150,8 +150,7 @@ fn sensor(config: &GlideSensorConfig, radius: f64) -> Result<GlideSensor, PlanEr
             )
             .map_err(|error| PlanError::of_sensor("scene.sensor", error))?;
             // Centred pads are placed without a draw.
-            let placement = pads
-                .place(|| palpate_sensing::Stream::new(0, 0, palpate_sensing::Channel::PadOffset));
+            let placement = pads.place(|| Stream::new(0, 0, Channel::PadOffset));
             GlideSensor {
                 kind: SensorKind::Pads { pads, placement },
                 normals: *normals,
@@ -243,12 +242,20 @@ fn grid(
         .map_err(|error| PlanError::at("scene.evaluate.gaussian_threshold", error))?;
     let at = |index| share(index, config.grid) * config.half_width;
     let truth = Glider::new(object.clone(), Fingertip::Point).map_err(of_tip)?;
+    let of_grid = |error: GlideError| {
+        PlanError::at("scene.evaluate.half_width", format!("the grid: {error}"))
+    };
+    // The same to the last bit on spheres and cylinders.
+    let everywhere = if object.is_homogeneous() {
+        let touch = truth.touch(middle_x, middle_y).map_err(of_grid)?;
+        Some(touch.curvature)
+    } else {
+        None
+    };
     let place = |x: f64, y: f64| -> Result<TruePlace, PlanError> {
-        let touch = truth.touch(middle_x + x, middle_y + y).map_err(|error| {
-            PlanError::at("scene.evaluate.half_width", format!("the grid: {error}"))
-        })?;
-        let gaussian = touch.curvature.gaussian_curvature();
-        let mean = touch.curvature.mean_curvature();
+        let touch = truth.touch(middle_x + x, middle_y + y).map_err(of_grid)?;
+        let curvature = everywhere.unwrap_or(touch.curvature);
+        let (gaussian, mean) = (curvature.gaussian_curvature(), curvature.mean_curvature());
         Ok(TruePlace {
             point: touch.point,
             gaussian,

@@ -2,5 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod config;
+mod glide;
 mod recorded;
 mod roll;

@@ -1,0 +1,309 @@
+//! Scenes of a glide: what they estimate, and what does not change it.
+
+use palpate_scene::Scene;
+use palpate_scene::config::{LengthUnit, parse};
+
+/// The scene of three fingers on the paper's patch; lines without an equal of theirs replace the defaults.
+fn text(probe: &str, object: &str, lines: &str) -> String {
+    format!(
+        r#"name = "a-study"
+seed = 3
+
+[scene]
+kind = "glide"
+probe = {probe}
+object = {object}
+motion = {{ finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, patch_length = 3.0, contacts_per_finger = 10 }}
+evaluate = {{ grid = 7, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }}
+{lines}"#
+    )
+}
+
+fn scene(probe: &str, object: &str, lines: &str) -> Scene {
+    let study =
+        parse("study.toml", &text(probe, object, lines)).unwrap_or_else(|error| panic!("{error}"));
+    study
+        .estimable_scene(0)
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[track_caller]
+fn refused(text: &str) -> String {
+    let study = match parse("study.toml", text) {
+        Ok(study) => study,
+        Err(error) => return format!("{}: {}", error.path(), error.message()),
+    };
+    let error = study.estimable_scene(0).unwrap_err();
+    format!("{}: {}", error.path(), error.message())
+}
+
+/// Estimates, truths and deviations of a trial, by quantity.
+fn trial(scene: &Scene, trial: u64) -> [Vec<(f64, f64, Option<f64>)>; 3] {
+    let mut outcomes: [Vec<_>; 3] = Default::default();
+    scene
+        .trial(trial, |quantity, outcome| {
+            outcomes[quantity].push((outcome.estimate, outcome.truth, outcome.std));
+        })
+        .unwrap();
+    outcomes
+}
+
+const POINT: &str = r#"{ kind = "point" }"#;
+const SADDLE: &str = r#"{ kind = "saddle", a = 0.1 }"#;
+const NOISE: &str = r#"noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2 } }
+"#;
+
+/// K and H of z = a (x² − y²).
+fn of_saddle(a: f64, x: f64, y: f64) -> (f64, f64) {
+    let (p, q) = (2.0 * a * x, -2.0 * a * y);
+    let d = 1.0 + p * p + q * q;
+    let gaussian = -4.0 * a * a / (d * d);
+    // Convex positive: −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}) with r = 2a = −t.
+    let mean = -a * (q * q - p * p) / d.powf(1.5);
+    (gaussian, mean)
+}
+
+#[test]
+fn without_noise_a_saddle_is_exact_everywhere() {
+    for estimator in [
+        r#"estimator = { kind = "quadric" }"#,
+        r#"estimator = { kind = "penalised" }"#,
+        r#"estimator = { kind = "penalised", criterion = "reml" }"#,
+        "sensor = { kind = \"ideal\", normals = false }\nestimator = { kind = \"penalised\" }",
+    ] {
+        for probe in [POINT, r#"{ kind = "sphere", radius = 0.7 }"#] {
+            let scene = scene(probe, SADDLE, estimator);
+            assert_eq!(scene.trials(1000), 1);
+            let [gaussian, mean, class] = trial(&scene, 0);
+            assert_eq!([gaussian.len(), mean.len(), class.len()], [49; 3]);
+            for place in 0..49 {
+                let [x, y] = [place / 7, place % 7].map(|index| f64::from(index) / 3.0 - 1.0);
+                let (true_gaussian, true_mean) = of_saddle(0.1, x, y);
+                let place = place as usize;
+                assert!((gaussian[place].1 - true_gaussian).abs() < 1e-15);
+                assert!((mean[place].1 - true_mean).abs() < 1e-15);
+                assert!(
+                    (gaussian[place].0 - true_gaussian).abs() < 1e-9,
+                    "{estimator} {probe}"
+                );
+                assert!(
+                    (mean[place].0 - true_mean).abs() < 1e-9,
+                    "{estimator} {probe}"
+                );
+                assert_eq!(
+                    (class[place].0, class[place].1, class[place].2),
+                    (1.0, 1.0, None)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn truth_is_told_where_it_is_the_same_everywhere() {
+    let truths = |object: &str| {
+        let scene = scene(POINT, object, NOISE);
+        [0, 1, 2].map(|quantity| scene.truth(quantity))
+    };
+    let sphere = truths(r#"{ kind = "sphere", radius = 5 }"#);
+    assert!((sphere[0].unwrap() - 0.04).abs() < 1e-16 && (sphere[1].unwrap() - 0.2).abs() < 1e-16);
+    let cylinder = truths(r#"{ kind = "cylinder", radius = 5, direction_deg = 45 }"#);
+    assert!(cylinder[0].unwrap().abs() < 1e-16 && (cylinder[1].unwrap() - 0.1).abs() < 1e-16);
+    assert_eq!(truths(SADDLE), [None, None, Some(1.0)]);
+}
+
+#[test]
+fn trials_differ_and_can_be_replayed_and_methods_share_draws() {
+    let noisy = |estimator: &str| scene(POINT, SADDLE, &format!("{NOISE}estimator = {estimator}"));
+    let quadric = noisy(r#"{ kind = "quadric" }"#);
+    assert_eq!(quadric.trials(1000), 1000);
+    assert_eq!(trial(&quadric, 4), trial(&quadric, 4));
+    assert_ne!(trial(&quadric, 4), trial(&quadric, 5));
+    let readings = |scene: &Scene| match scene {
+        Scene::Glide(glide) => glide.trace(Some(4), LengthUnit::Unit).readings,
+        Scene::Roll(_) => panic!("not a glide"),
+    };
+    assert_eq!(
+        readings(&quadric),
+        readings(&noisy(r#"{ kind = "two-pass", passes = 1 }"#))
+    );
+}
+
+#[test]
+fn noise_has_the_stated_size() {
+    let scene = scene(
+        POINT,
+        r#"{ kind = "plane" }"#,
+        r#"noise = { position = { kind = "uniform", fraction_of_ifd = 0.3, axis = "z" } }
+"#,
+    );
+    let Scene::Glide(glide) = &scene else {
+        panic!("not a glide");
+    };
+    let (mut square, mut count) = (0.0, 0);
+    for trial in 0..100 {
+        let table = glide.trace(Some(trial), LengthUnit::Unit).readings;
+        for row in &table.rows {
+            let number = |column: usize| row[column].parse::<f64>().unwrap();
+            assert!(number(3).abs() <= 0.3);
+            assert_eq!((number(4), number(5), number(6)), (0.0, 0.0, 1.0));
+            square += number(3).powi(2);
+            count += 1;
+        }
+    }
+    let std = (square / f64::from(count)).sqrt();
+    assert!((std / (0.3 / 3.0_f64.sqrt()) - 1.0).abs() < 0.03, "{std}");
+}
+
+/// A tip of radius r that is taken for a point makes a sphere of R one of R + r.
+#[test]
+fn a_round_tip_taken_for_a_point_adds_its_radius() {
+    let sphere = |reports: &str| {
+        let scene = scene(
+            r#"{ kind = "sphere", radius = 50 }"#,
+            r#"{ kind = "sphere", radius = 100 }"#,
+            &format!("sensor = {{ kind = \"ideal\", reports = \"{reports}\" }}"),
+        );
+        let [_, mean, _] = trial(&scene, 0);
+        mean[24].0
+    };
+    assert!((sphere("contact") * 100.0 - 1.0).abs() < 1e-3);
+    assert!((sphere("lowest-point") * 150.0 - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn pads_quantise_position_and_normal_alike() {
+    let traced = |pitch: f64| {
+        let scene = scene(
+            r#"{ kind = "sphere", radius = 2 }"#,
+            r#"{ kind = "sphere", radius = 5 }"#,
+            &format!("sensor = {{ kind = \"pads\", pitch = {pitch} }}"),
+        );
+        assert_eq!(scene.trials(10), 1);
+        let Scene::Glide(glide) = scene else {
+            panic!("not a glide");
+        };
+        glide.trace(None, LengthUnit::Unit)
+    };
+    let numbers =
+        |row: &[String]| -> Vec<f64> { row.iter().map(|field| field.parse().unwrap()).collect() };
+    let trace = traced(0.5);
+    let mut pads = std::collections::BTreeSet::new();
+    for (truth, reading) in trace.contacts.rows.iter().zip(&trace.readings.rows) {
+        let (truth, reading) = (numbers(truth), numbers(reading));
+        let mut off = 0.0_f64;
+        for axis in 0..3 {
+            // position = tip's centre − radius · normal
+            let [centre, normal, position] =
+                [truth[7 + axis], reading[4 + axis], reading[1 + axis]];
+            assert!((position - (centre - 2.0 * normal)).abs() < 1e-12);
+            off = off.max((position - truth[1 + axis]).abs());
+        }
+        assert!(off < 0.5, "{off}");
+        pads.insert(format!("{} {}", reading[4], reading[5]));
+    }
+    assert!((4..15).contains(&pads.len()), "{}", pads.len());
+    // Fine pads read the truth.
+    let fine = traced(1e-6);
+    for (truth, reading) in fine.contacts.rows.iter().zip(&fine.readings.rows) {
+        let (truth, reading) = (numbers(truth), numbers(reading));
+        assert!((1..7).all(|column| (truth[column] - reading[column]).abs() < 2e-6));
+    }
+}
+
+#[test]
+fn scenes_that_cannot_be() {
+    let saddle = |lines: &str| refused(&text(POINT, SADDLE, lines));
+    let edited = |from: &str, to: &str| {
+        let text = text(POINT, SADDLE, "");
+        assert!(text.contains(from), "{from}");
+        refused(&text.replace(from, to))
+    };
+    assert_eq!(
+        saddle(r#"sensor = { kind = "pads", pitch = 0.1 }"#),
+        r#"scene.sensor: pads need a round tip: `scene.probe` with kind = "sphere""#
+    );
+    assert_eq!(
+        edited("mean_threshold = 0.03", "mean_threshold = 0.1"),
+        "scene.evaluate.gaussian_threshold: gaussian threshold 0.005 is below the square of the mean \
+         threshold 0.1 (0.010000000000000002); then the impossible class K > 0, H = 0 appears"
+    );
+    let one_finger = edited("[-1.5, 0.0, 1.5]", "[0.0]");
+    assert!(
+        one_finger.starts_with("scene.motion: all 10 contacts lie on a line"),
+        "{one_finger}"
+    );
+    let few = edited("contacts_per_finger = 10", "contacts_per_finger = 0");
+    assert_eq!(few, "scene.motion.contacts_per_finger: must be >= 1, is 0");
+    let beyond = refused(&text(POINT, r#"{ kind = "sphere", radius = 2 }"#, ""));
+    assert!(
+        beyond.starts_with(
+            "scene.motion: finger 0, contact 0 (counting from 0): the finger left the object"
+        ),
+        "{beyond}"
+    );
+    let tight = refused(&text(
+        r#"{ kind = "sphere", radius = 3 }"#,
+        r#"{ kind = "dish", radius = 2.5 }"#,
+        "",
+    ));
+    assert!(
+        tight.starts_with("scene.probe.radius: finger 0, contact 0")
+            && tight.ends_with("touches at more than one place"),
+        "{tight}"
+    );
+    let cap = refused(&text(
+        r#"{ kind = "sphere", radius = 1 }"#,
+        SADDLE,
+        r#"sensor = { kind = "pads", pitch = 0.1, cap_deg = 5 }"#,
+    ));
+    assert!(
+        cap.starts_with("scene.sensor.cap_deg: the contact is "),
+        "{cap}"
+    );
+    let grid = edited("half_width = 1.0", "half_width = 1e200");
+    assert!(
+        grid.starts_with("scene.evaluate.half_width: the grid: "),
+        "{grid}"
+    );
+    let degree = saddle(r#"estimator = { kind = "two-pass", first_degree = 1, passes = 1 }"#);
+    assert!(
+        degree.starts_with("scene.estimator.first_degree: "),
+        "{degree}"
+    );
+}
+
+#[test]
+fn maps_hold_truth_and_estimate_of_every_place() {
+    let scene = scene(POINT, r#"{ kind = "saddle", a = 0.3 }"#, NOISE);
+    let Scene::Glide(glide) = &scene else {
+        panic!("not a glide");
+    };
+    let mut table = palpate_scene::glide::MapTable::of_cells(LengthUnit::Mm);
+    glide.map(3, 0, &mut table).unwrap();
+    let csv = table.into_csv();
+    let mut lines = csv.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    assert_eq!(header.len(), 31);
+    let column = |name: &str| header.iter().position(|column| *column == name).unwrap();
+    let [gaussian, _, class] = trial(&scene, 0);
+    let mut rows = 0;
+    for (line, place) in lines.zip(0..) {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields.len(), 31);
+        assert_eq!(fields[0], "3");
+        let number = |name: &str| fields[column(name)].parse::<f64>().unwrap();
+        let place: usize = place;
+        assert!((number("gaussian_curvature_per_mm2") - gaussian[place].0).abs() < 1e-12);
+        let is_right = fields[column("class")] == fields[column("true_class")];
+        assert_eq!(f64::from(u8::from(is_right)), class[place].0);
+        let probabilities: f64 = header
+            .iter()
+            .filter(|name| name.starts_with("probability_"))
+            .map(|name| number(name))
+            .sum();
+        assert!((probabilities - 1.0).abs() < 1e-9);
+        rows += 1;
+    }
+    assert_eq!(rows, 49);
+}
