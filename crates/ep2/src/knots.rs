@@ -116,10 +116,10 @@ impl Knots {
     fn differences(&self, left: usize, lower: usize, mut values: Basis) -> Basis {
         for higher in lower + 1..=self.degree {
             let mut carried = 0.0;
-            for place in 0..higher {
+            for (place, value) in values[..higher].iter_mut().enumerate() {
                 let width = self.knots[left + place + 1] - self.knots[left + place + 1 - higher];
-                let share = higher as f64 * values[place] / width;
-                values[place] = carried - share;
+                let share = higher as f64 * *value / width;
+                *value = carried - share;
                 carried = share;
             }
             values[higher] = carried;

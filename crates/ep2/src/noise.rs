@@ -24,6 +24,9 @@ pub struct NoiseEstimate {
 
 /// Smallest standard deviation that is told from rounding, in the patch's unit.
 const ROUNDING: f64 = 1e-14;
+/// Heights that are found so much more exact than slopes (or the other way round) are fitted
+/// exactly by chance: the variances are kept within this factor of each other.
+const LARGEST_RATIO: f64 = 1e8;
 
 impl Noise {
     /// The same in the unit of a patch.
@@ -97,6 +100,13 @@ impl Variances {
                     self.slopes = (residuals.slopes / left.slopes).max(floor);
                 }
                 None => told = false,
+            }
+            let (heights, slopes) = (self.heights, self.slopes);
+            if known.position_std.is_none() {
+                self.heights = heights.max(slopes / LARGEST_RATIO);
+            }
+            if known.normal_std_rad.is_none() {
+                self.slopes = slopes.max(heights / LARGEST_RATIO);
             }
         }
         told

@@ -111,7 +111,8 @@ fn check(contacts: &[Contact]) -> Result<(), Ep2Error> {
     for (index, contact) in contacts.iter().enumerate() {
         let normal = contact.normal.unwrap_or(Vector3::zeros());
         let largest = contact.position.coords.abs().sum() + normal.abs().sum();
-        if !(largest <= LARGEST) || !contact.weight.is_finite() || contact.weight > LARGEST {
+        let is_sound = |number: f64| number <= LARGEST;
+        if !is_sound(largest) || !is_sound(contact.weight) {
             return Err(Ep2Error::NotFinite { contact: index });
         }
         if contact.weight <= 0.0 {

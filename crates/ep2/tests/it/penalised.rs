@@ -1,7 +1,7 @@
 //! The penalised spline: what it tells of known surfaces, and how far that may be trusted.
 
 use crate::samples::{DETAILED, QUADRIC_LIKE, Surface, Sweep, grid};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use palpate_ep2::{Criterion, Curvature, Method, Noise, Patch, Penalised, Quadric, TwoPass};
 use palpate_geometry::ShapeThresholds;
 
@@ -73,6 +73,30 @@ fn surfaces_without_noise_are_found_within_the_spline() {
             surface.name
         );
     }
+}
+
+#[test]
+fn heights_that_a_quadric_meets_by_chance_do_not_rule() {
+    // Three fingers along a cylinder: any three heights lie on a parabola, the slopes do not.
+    let along = Surface {
+        name: "cylinder along the fingers",
+        at: |x, y| {
+            let height = (25.0 - y * y).sqrt();
+            (
+                Point3::new(x, y, height),
+                Vector3::new(0.0, y, height),
+                0.0,
+                0.1,
+            )
+        },
+    };
+    let exact = Sweep {
+        position_std: 0.0,
+        normal_std_rad: 0.0,
+        ..Sweep::paper(0.0)
+    };
+    let [gaussian, mean] = errors(&Penalised::default(), &along, &exact, 1);
+    assert!(gaussian < 1e-6 && mean < 1e-2, "{gaussian} {mean}");
 }
 
 #[test]

@@ -4,15 +4,17 @@ use nalgebra::{Point3, Vector3};
 use palpate_ep2::Contact;
 use palpate_sensing::{Channel, Stream};
 
-/// A surface as a graph with closed forms: its point and outward normal (of any length) over a
-/// place, and its Gaussian and mean curvature there.
+/// A point of a surface, its outward normal (of any length), Gaussian and mean curvature.
+pub(crate) type Truth = (Point3<f64>, Vector3<f64>, f64, f64);
+
+/// A surface as a graph with closed forms over each place.
 pub(crate) struct Surface {
     pub(crate) name: &'static str,
-    pub(crate) at: fn(f64, f64) -> (Point3<f64>, Vector3<f64>, f64, f64),
+    pub(crate) at: fn(f64, f64) -> Truth,
 }
 
 /// Curvature of a graph from its slopes p, q and second derivatives r, s, t.
-fn graph(x: f64, y: f64, jet: [f64; 6]) -> (Point3<f64>, Vector3<f64>, f64, f64) {
+fn graph(x: f64, y: f64, jet: [f64; 6]) -> Truth {
     let [z, p, q, r, s, t] = jet;
     let d = 1.0 + p * p + q * q;
     let gaussian = (r * t - s * s) / (d * d);
@@ -27,7 +29,7 @@ fn graph(x: f64, y: f64, jet: [f64; 6]) -> (Point3<f64>, Vector3<f64>, f64, f64)
 }
 
 /// A cylinder of radius 5 whose curved direction is turned by `turn` from x.
-fn cylinder(x: f64, y: f64, turn: f64) -> (Point3<f64>, Vector3<f64>, f64, f64) {
+fn cylinder(x: f64, y: f64, turn: f64) -> Truth {
     let across = x * turn.cos() + y * turn.sin();
     let height = (25.0 - across * across).sqrt();
     let normal = Vector3::new(across * turn.cos(), across * turn.sin(), height);
