@@ -9,7 +9,7 @@ use std::hint::black_box;
 const RADIUS: f64 = 5.0;
 
 /// Ten contacts of each of three fingers at y = −1, 0, 1 on a sphere, off by up to `bound`.
-fn patch(bound: f64, trial: u64) -> Patch {
+fn contacts(bound: f64, trial: u64) -> Vec<Contact> {
     let mut noise = Stream::new(7, trial, Channel::Position);
     let mut contacts = Vec::new();
     for finger in 0..3 {
@@ -21,7 +21,11 @@ fn patch(bound: f64, trial: u64) -> Patch {
             contacts.push(Contact::new(finger, position, Some(Vector3::new(x, y, z))));
         }
     }
-    Patch::new(&contacts, &Vector3::z()).expect("contacts of a sphere")
+    contacts
+}
+
+fn patch(contacts: &[Contact]) -> Patch {
+    Patch::new(contacts, &Vector3::z()).expect("contacts of a sphere")
 }
 
 fn two_pass(criterion: &mut Criterion) {
@@ -31,7 +35,8 @@ fn two_pass(criterion: &mut Criterion) {
         passes: Passes::One,
         ..both
     };
-    let smooth = patch(0.05, 0);
+    let few = contacts(0.05, 0);
+    let smooth = patch(&few);
     let fitted = both.fit_passes(&smooth).expect("a polynomial");
     assert_eq!(fitted.first.status, Status::Polynomial);
     assert_eq!(
@@ -50,11 +55,17 @@ fn two_pass(criterion: &mut Criterion) {
     group.bench_function("both passes, 30 contacts, no knots", |bencher| {
         bencher.iter(|| both.fit(black_box(&smooth)));
     });
+    group.bench_function("both passes and a 30 x 30 map, 30 contacts", |bencher| {
+        bencher.iter(|| {
+            both.fit(black_box(&smooth))
+                .and_then(|fit| fit.curvatures(30))
+        });
+    });
     let rough = TwoPass {
         smoothing: 250.0,
         ..both
     };
-    let noisy = patch(0.1, 0);
+    let noisy = patch(&contacts(0.1, 0));
     let fitted = rough.fit_passes(&noisy).expect("a spline");
     assert_eq!(fitted.first.status, Status::Smoothing);
     assert!(fitted.first.coefficients > 9);
