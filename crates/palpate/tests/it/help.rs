@@ -10,6 +10,7 @@ fn every_command_shows_an_example() {
         "trace",
         "estimate",
         "estimate roll",
+        "estimate glide",
         "check",
         "plot",
         "report",

@@ -1,0 +1,256 @@
+//! `palpate run`, `trace` and `check` of glides, and `estimate glide` on what `trace` wrote.
+
+use serde_json::Value;
+
+use super::desk::{Desk, RUN_FILES, assert_close, edited};
+
+/// Three fingers on a saddle: a noiseless and a noisy cell.
+pub(crate) const GLIDE: &str = r#"name = "a-glide"
+length_unit = "mm"
+seed = 7
+trials = 20
+outputs = ["cells", "trace", "map"]
+
+[scene]
+kind = "glide"
+probe = { kind = "sphere", radius = 4.0 }
+object = { kind = "saddle", a = 0.01 }
+motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 10 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.0 } }
+evaluate = { grid = 5, half_width = 10.0, gaussian_threshold = 0.00005, mean_threshold = 0.003 }
+
+[[sweep]]
+path = "scene.noise.position.fraction_of_ifd"
+values = [0, 0.05]
+"#;
+
+#[test]
+fn a_run_writes_cells_trace_and_maps() {
+    let desk = Desk::with(GLIDE);
+    let printed = desk.palpate("run c.toml --out o").printed();
+    assert_eq!(printed, "a-glide: 2 cells, 21 trials, 0 failed -> o\n");
+    let mut names = [&RUN_FILES[..], &["trace.csv", "readings.csv", "map.csv"]].concat();
+    names.sort_unstable();
+    assert_eq!(desk.names("o"), names);
+
+    let cells = desk.table("o/cells.csv");
+    assert_eq!(cells.rows.len(), 6);
+    for (row, (quantity, unit)) in [
+        ("gaussian_curvature", "1/mm^2"),
+        ("mean_curvature", "1/mm"),
+        ("class", "1"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert_eq!(
+            (cells.text(row, "quantity"), cells.text(row, "unit")),
+            (quantity, unit)
+        );
+        assert_eq!(cells.text(row, "truth").is_empty(), quantity != "class");
+        assert_eq!(
+            (cells.text(row, "trials"), cells.text(row + 3, "trials")),
+            ("1", "20")
+        );
+    }
+    assert!(cells.number(0, "rms_error") < 1e-12 && cells.number(1, "rms_error") < 1e-11);
+    assert_eq!(cells.number(2, "mean"), 1.0);
+    assert!(cells.number(4, "rms_error") > 1e-5 && cells.number(4, "coverage95") > 0.5);
+    assert!(cells.number(5, "mean") > 0.9);
+
+    let map = desk.table("o/map.csv");
+    assert_eq!(map.rows.len(), 50);
+    assert_eq!(map.header[..4], ["cell", "x_mm", "y_mm", "z_mm"]);
+    // x slowest: the second row is one step along y.
+    assert_close(map.number(1, "x_mm"), -10.0, 1e-9);
+    assert_close(map.number(1, "y_mm"), -5.0, 1e-9);
+    let middle = 12;
+    assert_close(
+        map.number(middle, "gaussian_curvature_per_mm2"),
+        -4e-4,
+        1e-9,
+    );
+    assert_close(map.number(middle, "k_max_per_mm"), 0.02, 1e-9);
+    assert_close(map.number(middle, "k_max_y").abs(), 1.0, 1e-9);
+    assert_eq!(map.text(middle, "class"), "minimal");
+    assert_eq!(map.text(middle, "true_class"), "minimal");
+    assert_eq!((map.text(0, "cell"), map.text(49, "cell")), ("0", "1"));
+
+    // The resolved config gives the same bytes.
+    desk.palpate("run o/run.toml --out again --threads 1")
+        .printed();
+    for name in names {
+        assert_eq!(
+            desk.read(&format!("o/{name}")),
+            desk.read(&format!("again/{name}")),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn a_trace_can_be_estimated_from() {
+    let desk = Desk::with(GLIDE);
+    let printed = desk.palpate("trace c.toml --out t").printed();
+    assert_eq!(printed, "a-glide: 30 contacts of 3 fingers -> t\n");
+    let truth = desk.table("t/trace.csv");
+    assert_eq!(
+        truth.header.join(","),
+        "finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z,tip_x_mm,tip_y_mm,tip_z_mm"
+    );
+    for row in 0..30 {
+        let number = |column: &str| truth.number(row, column);
+        // The tip's centre is in the finger's plane, the contact beside it and on the saddle.
+        assert_eq!(number("tip_y_mm"), [-15.0, 0.0, 15.0][row / 10]);
+        let [x, y, z] = ["x_mm", "y_mm", "z_mm"].map(number);
+        assert!((z - 0.01 * (x * x - y * y)).abs() < 1e-9);
+        for axis in ["x", "y", "z"] {
+            let reach = number(&format!("tip_{axis}_mm")) - number(&format!("{axis}_mm"));
+            assert!((reach - 4.0 * number(&format!("normal_{axis}"))).abs() < 1e-9);
+        }
+    }
+    let estimate = |options: &str| -> Value {
+        let printed = desk.palpate(&format!("estimate glide {options}")).printed();
+        serde_json::from_str(&printed).unwrap()
+    };
+    for method in ["penalised", "quadric"] {
+        let json = estimate(&format!("t/readings.csv --method {method}"));
+        assert_eq!(json["method"], method);
+        assert_eq!(
+            (&json["contacts"], &json["fingers"]),
+            (&30.into(), &3.into())
+        );
+        for (name, value, unit) in [
+            ("gaussian_curvature", -4e-4, "1/mm^2"),
+            ("k_min", -0.02, "1/mm"),
+            ("k_max", 0.02, "1/mm"),
+        ] {
+            assert_close(json[name]["value"].as_f64().unwrap(), value, 1e-6);
+            assert_eq!(json[name]["unit"], unit);
+        }
+        assert!(json["mean_curvature"]["value"].as_f64().unwrap().abs() < 1e-8);
+        assert_close(
+            json["direction_of_min"][0].as_f64().unwrap().abs(),
+            1.0,
+            1e-9,
+        );
+        assert_eq!(
+            (&json["class"], &json["sign_class"]),
+            (&"minimal".into(), &"saddle".into())
+        );
+    }
+
+    desk.palpate("trace c.toml --out n --cell 1 --trial 3")
+        .printed();
+    assert_eq!(desk.read("n/trace.csv"), desk.read("t/trace.csv"));
+    assert_ne!(desk.read("n/readings.csv"), desk.read("t/readings.csv"));
+    let json = estimate("n/readings.csv --map m.csv --grid 6");
+    let std = json["gaussian_curvature"]["std"].as_f64().unwrap();
+    assert!((json["gaussian_curvature"]["value"].as_f64().unwrap() + 4e-4).abs() < 4.0 * std);
+    assert_close(
+        json["noise"]["position_std"]["value"].as_f64().unwrap(),
+        0.5,
+        0.3,
+    );
+    let probabilities = json["class_probabilities"].as_object().unwrap();
+    let sum: f64 = probabilities
+        .values()
+        .map(|one| one.as_f64().unwrap())
+        .sum();
+    assert_close(sum, 1.0, 1e-9);
+    let regions = json["regions"].as_array().unwrap();
+    let points: i64 = regions
+        .iter()
+        .map(|one| one["points"].as_i64().unwrap())
+        .sum();
+    assert_eq!(points, 36);
+    let map = desk.table("m.csv");
+    assert_eq!((map.rows.len(), map.header.len()), (36, 29));
+}
+
+#[test]
+fn two_pass_states_no_deviation() {
+    let desk = Desk::with(GLIDE);
+    desk.palpate("trace c.toml --out t --cell 1 --trial 0")
+        .printed();
+    let printed = desk
+        .palpate("estimate glide t/readings.csv --method two-pass --map m.csv")
+        .printed();
+    let json: Value = serde_json::from_str(&printed).unwrap();
+    assert!(json["gaussian_curvature"]["std"].is_null());
+    assert!(json["class_probabilities"].is_null() && json["noise"].is_null());
+    let map = desk.table("m.csv");
+    assert_eq!(map.text(0, "mean_curvature_std_per_mm"), "");
+    assert_eq!(map.text(0, "probability_flat"), "");
+}
+
+#[test]
+fn check_tells_what_is_needed() {
+    let printed = Desk::with(GLIDE).palpate("check c.toml").printed();
+    for line in [
+        "cells   2, of which 1 run a single trial",
+        "contacts of a round tip, by Newton's method on the offset surface",
+        "noise: Gaussian errors of x, y and z, drawn per contact",
+        "ideal sensor: the contact, with its normal",
+        "penalised bicubic spline, weight by robust generalised cross validation (gamma 1.4), noise found from the contacts",
+    ] {
+        assert!(printed.contains(line), "{line:?} is not in {printed}");
+    }
+    let beyond = edited(GLIDE, "half_width = 10.0", "half_width = 16.0");
+    let printed = Desk::with(&beyond).palpate("check c.toml").printed();
+    assert!(
+        printed.contains("warning: the grid reaches beyond the contacts"),
+        "{printed}"
+    );
+}
+
+#[test]
+fn bad_scenes_are_refused_at_their_field() {
+    for (from, to, field, words) in [
+        (
+            "0.00005, mean",
+            "0.000001, mean",
+            "13:64: scene.evaluate.gaussian_threshold",
+            "is below the square of the mean threshold",
+        ),
+        (
+            "radius = 4.0 }\nobject = { kind = \"saddle\", a = 0.01 }",
+            "radius = 40.0 }\nobject = { kind = \"dish\", radius = 30 }",
+            "9:37: scene.probe.radius",
+            "touches at more than one place",
+        ),
+        (
+            "kind = \"saddle\", a = 0.01",
+            "kind = \"sphere\", radius = 10",
+            "11:10: scene.motion",
+            "passes beside the object",
+        ),
+        (
+            "[-15.0, 0.0, 15.0]",
+            "[0.0]",
+            "11:10: scene.motion",
+            "contacts lie on a line",
+        ),
+        (
+            "inter_finger_distance = 10.0",
+            "inter_finger_distance = 0",
+            "11:75: scene.motion.inter_finger_distance",
+            "must be > 0, is 0",
+        ),
+        (
+            "values = [0, 0.05]",
+            "values = [0, -0.05]",
+            "17:14: scene.noise.position.fraction_of_ifd",
+            "must be >= 0, is -0.05",
+        ),
+    ] {
+        let said = Desk::with(&edited(GLIDE, from, to))
+            .palpate("run c.toml")
+            .said(2);
+        assert!(
+            said.starts_with(&format!("error: c.toml:{field}: ")),
+            "{to}: {said}"
+        );
+        assert!(said.contains(words), "{to}: {said}");
+    }
+}
