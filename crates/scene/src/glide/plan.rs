@@ -68,6 +68,7 @@ pub(super) fn of_fit(error: &Ep2Error) -> PlanError {
     let path = match error {
         Ep2Error::BadSetting { setting, .. } => match *setting {
             "normal_std" => "scene.estimator.normal_std_deg".to_owned(),
+            "unit_length" => "scene.motion.inter_finger_distance".to_owned(),
             setting => format!("scene.estimator.{setting}"),
         },
         Ep2Error::TooFewContacts { .. }
