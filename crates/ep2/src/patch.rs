@@ -37,6 +37,8 @@ pub struct Patch {
     /// Mean distance between neighbouring fingers across their travel, in the patch's unit; `None`
     /// for a single finger.
     pub finger_distance: Option<f64>,
+    /// How many fingers there are.
+    pub fingers: usize,
 }
 
 impl Patch {
@@ -87,10 +89,12 @@ impl Patch {
             sample.v /= half;
             sample.w /= half;
         }
+        let places = finger_places(contacts, &samples);
         Ok(Self {
             frame,
             domain: domain(&samples),
-            finger_distance: finger_distance(contacts, &samples),
+            finger_distance: mean_distance(&places),
+            fingers: places.len(),
             samples,
         })
     }
@@ -172,18 +176,20 @@ fn domain(samples: &[Sample]) -> [[f64; 2]; 2] {
     domain
 }
 
-/// Mean distance between neighbouring fingers, by the mean place of each across the travel.
-fn finger_distance(contacts: &[Contact], samples: &[Sample]) -> Option<f64> {
+/// The mean place of each finger across the travel.
+fn finger_places(contacts: &[Contact], samples: &[Sample]) -> Vec<f64> {
     let mut fingers: ByFinger<[f64; 2]> = ByFinger::default();
     for (contact, sample) in contacts.iter().zip(samples) {
         let [count, sum] = fingers.of(contact.finger);
         *count += 1.0;
         *sum += sample.v;
     }
-    let places = || fingers.iter().map(|[count, sum]| sum / count);
-    let (low, high) = (
-        places().fold(f64::INFINITY, f64::min),
-        places().fold(f64::NEG_INFINITY, f64::max),
-    );
-    (high > low).then(|| (high - low) / (places().count() - 1) as f64)
+    fingers.iter().map(|[count, sum]| sum / count).collect()
+}
+
+/// Mean distance between neighbours.
+fn mean_distance(places: &[f64]) -> Option<f64> {
+    let low = places.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (high > low).then(|| (high - low) / (places.len() - 1) as f64)
 }

@@ -35,7 +35,7 @@ const BEARABLE: f64 = 0.3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Penalised {
     /// Intervals of the spline along each side, 1 to 24; `None` takes as many as the contacts
-    /// bear.
+    /// and their fingers bear.
     pub intervals: Option<usize>,
     /// How the smoothing weight is chosen.
     pub criterion: Criterion,
@@ -50,7 +50,7 @@ impl Method for Penalised {
         let known = self.noise.in_patch(&patch.frame)?;
         let square = Square::of(patch);
         let quadric = SquareQuadric::of(patch, &square, &known)?;
-        let knots = Knots::uniform(DEGREE, -1.0, 1.0, intervals);
+        let knots = intervals.map(|count| Knots::uniform(DEGREE, -1.0, 1.0, count));
         let equations = Equations::around(&quadric, patch, &square, &knots);
         let roughness = roughness::of(&knots);
 
@@ -75,7 +75,7 @@ impl Method for Penalised {
         let choice = search.best();
         let deviation = spectrum.coefficients(&spectrum.kept(choice.log_weight));
         let coefficients: Vec<f64> = quadric
-            .spline_coefficients(&knots, &knots)
+            .spline_coefficients(&knots[0], &knots[1])
             .iter()
             .zip(&deviation)
             .map(|(quadric, deviation)| quadric + deviation)
@@ -92,8 +92,8 @@ impl Method for Penalised {
             frame: patch.frame,
             domain: patch.domain,
             spline: TensorSpline {
-                u: square.knots(0, &knots),
-                v: square.knots(1, &knots),
+                u: square.knots(0, &knots[0]),
+                v: square.knots(1, &knots[1]),
                 coefficients,
             },
             covariance: told.then(|| spectrum.covariance(&search.covariance(&choice))),
@@ -104,21 +104,32 @@ impl Method for Penalised {
 }
 
 impl Penalised {
-    fn intervals(&self, patch: &Patch) -> Result<usize, Ep2Error> {
+    /// Intervals along u and along v.
+    fn intervals(&self, patch: &Patch) -> Result<[usize; 2], Ep2Error> {
         match self.intervals {
-            Some(intervals) if (1..=MOST_INTERVALS).contains(&intervals) => Ok(intervals),
+            Some(intervals) if (1..=MOST_INTERVALS).contains(&intervals) => Ok([intervals; 2]),
             Some(intervals) => Err(Ep2Error::BadSetting {
                 setting: "intervals",
                 value: intervals as f64,
                 expected: "1 to 24",
             }),
-            None => Ok((1..=MOST_BY_DEFAULT)
-                .rev()
-                .find(|intervals| {
-                    let coefficients = (intervals + DEGREE).pow(2) as f64;
-                    coefficients <= BEARABLE * patch.equations() as f64
-                })
-                .unwrap_or(1)),
+            None => Ok(bearable_intervals(patch)),
         }
     }
+}
+
+/// As many intervals along u and v, equal if they may be, as the contacts bear: a limited number of
+/// coefficients per equation, and across the travel no more intervals than gaps between fingers,
+/// for all contacts of a finger err about one line.
+fn bearable_intervals(patch: &Patch) -> [usize; 2] {
+    let gaps = match patch.fingers {
+        1 => MOST_BY_DEFAULT,
+        fingers => fingers - 1,
+    };
+    let most = BEARABLE * patch.equations() as f64;
+    (1..=MOST_BY_DEFAULT)
+        .rev()
+        .map(|along| [along, along.min(gaps)])
+        .find(|[along, across]| ((along + DEGREE) * (across + DEGREE)) as f64 <= most)
+        .unwrap_or([1, 1])
 }

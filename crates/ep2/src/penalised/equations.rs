@@ -59,18 +59,19 @@ impl Equations {
         quadric: &SquareQuadric,
         patch: &Patch,
         square: &Square,
-        knots: &Knots,
+        knots: &[Knots; 2],
     ) -> Self {
-        let side = knots.interior().len() + 1;
+        let [knots_a, knots_b] = knots;
+        let [along_a, along_b] = intervals(knots);
         let has_slopes = patch.has_normals();
-        let mut heights = vec![Cell::EMPTY; side * side];
-        let mut slopes = vec![Cell::EMPTY; if has_slopes { side * side } else { 0 }];
+        let mut heights = vec![Cell::EMPTY; along_a * along_b];
+        let mut slopes = vec![Cell::EMPTY; if has_slopes { along_a * along_b } else { 0 }];
         let mut squares = Kinds::default();
         for one in square.observations(patch, quadric) {
-            let (first_a, first_b) = (knots.first_function(one.a), knots.first_function(one.b));
-            let [a, da] = knots.derivatives::<2>(first_a, one.a);
-            let [b, db] = knots.derivatives::<2>(first_b, one.b);
-            let cell = first_a * side + first_b;
+            let (first_a, first_b) = (knots_a.first_function(one.a), knots_b.first_function(one.b));
+            let [a, da] = knots_a.derivatives::<2>(first_a, one.a);
+            let [b, db] = knots_b.derivatives::<2>(first_b, one.b);
+            let cell = first_a * along_b + first_b;
             heights[cell].add(&a, &b, one.height, one.height_weight);
             squares.heights += one.height_weight * one.height * one.height;
             if has_slopes {
@@ -136,12 +137,19 @@ impl Equations {
     }
 }
 
-fn assembled(cells: &[Cell], knots: &Knots) -> (DMatrix<f64>, DVector<f64>) {
-    let (width, side) = (knots.functions(), knots.interior().len() + 1);
-    let mut gram = DMatrix::zeros(width * width, width * width);
-    let mut right = DVector::zeros(width * width);
+/// Intervals along both sides.
+fn intervals(knots: &[Knots; 2]) -> [usize; 2] {
+    knots.each_ref().map(|knots| knots.interior().len() + 1)
+}
+
+fn assembled(cells: &[Cell], knots: &[Knots; 2]) -> (DMatrix<f64>, DVector<f64>) {
+    let [_, along_b] = intervals(knots);
+    let width = knots[1].functions();
+    let coefficients = knots[0].functions() * width;
+    let mut gram = DMatrix::zeros(coefficients, coefficients);
+    let mut right = DVector::zeros(coefficients);
     for (index, cell) in cells.iter().enumerate() {
-        let (first_a, first_b) = (index / side, index % side);
+        let (first_a, first_b) = (index / along_b, index % along_b);
         let place = |local: usize| (first_a + local / SUPPORT) * width + first_b + local % SUPPORT;
         for (one, entries) in cell.gram.iter().enumerate() {
             right[place(one)] += cell.right[one];

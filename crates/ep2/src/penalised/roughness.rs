@@ -13,12 +13,15 @@ const GAUSS: [(f64, f64); 4] = [
 ];
 
 /// The matrix P with cᵀPc = ∬ w_aaa² + 3 w_aab² + 3 w_abb² + w_bbb² over the square, for a spline
-/// of coefficients c with the same knots along both sides. It does not change as the axes turn.
-pub(super) fn of(knots: &Knots) -> DMatrix<f64> {
-    let grams: [DMatrix<f64>; 4] = std::array::from_fn(|order| gram(knots, order));
-    let mut penalty = DMatrix::zeros(knots.functions().pow(2), knots.functions().pow(2));
+/// of coefficients c. The integral does not change as the axes turn.
+pub(super) fn of(knots: &[Knots; 2]) -> DMatrix<f64> {
+    let grams: [[DMatrix<f64>; 4]; 2] = knots
+        .each_ref()
+        .map(|knots| std::array::from_fn(|order| gram(knots, order)));
+    let coefficients = knots[0].functions() * knots[1].functions();
+    let mut penalty = DMatrix::zeros(coefficients, coefficients);
     for (order, count) in [(3, 1.0), (2, 3.0), (1, 3.0), (0, 1.0)] {
-        penalty += grams[order].kronecker(&grams[3 - order]) * count;
+        penalty += grams[0][order].kronecker(&grams[1][3 - order]) * count;
     }
     penalty
 }
@@ -52,9 +55,9 @@ mod tests {
 
     #[test]
     fn third_derivatives_are_penalised_and_quadrics_are_not() {
-        let knots = Knots::uniform(3, -1.0, 1.0, 3);
+        let knots = [3, 5].map(|intervals| Knots::uniform(3, -1.0, 1.0, intervals));
         // Blossoms: mean products of one, two and three different inner knots.
-        let powers = |function: usize| {
+        let powers = |knots: &Knots, function: usize| {
             let t = &knots.as_slice()[function + 1..function + 4];
             [
                 1.0,
@@ -64,9 +67,10 @@ mod tests {
             ]
         };
         let penalty = |power_a: usize, power_b: usize| {
-            let width = knots.functions();
-            let coefficients = DVector::from_fn(width * width, |index, _| {
-                powers(index / width)[power_a] * powers(index % width)[power_b]
+            let [a, b] = &knots;
+            let width = b.functions();
+            let coefficients = DVector::from_fn(a.functions() * width, |index, _| {
+                powers(a, index / width)[power_a] * powers(b, index % width)[power_b]
             });
             coefficients.dot(&(of(&knots) * &coefficients))
         };

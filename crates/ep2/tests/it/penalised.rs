@@ -100,6 +100,32 @@ fn heights_that_a_quadric_meets_by_chance_do_not_rule() {
 }
 
 #[test]
+fn many_contacts_of_few_fingers_make_no_stairs() {
+    // Each finger's contacts err about one line, along which the slope across it is one.
+    let steep = Surface {
+        name: "steep saddle",
+        at: |x, y| {
+            let (p, q) = (0.6 * x, -0.6 * y);
+            let d = 1.0 + p * p + q * q;
+            let trace = 0.6 * (q * q - p * p);
+            let point = Point3::new(x, y, 0.3 * (x * x - y * y));
+            (
+                point,
+                Vector3::new(-p, -q, 1.0),
+                -0.36 / (d * d),
+                -trace / (2.0 * d.powf(1.5)),
+            )
+        },
+    };
+    let sweep = Sweep {
+        contacts_per_finger: 100,
+        ..Sweep::paper(0.05)
+    };
+    let [gaussian, mean] = errors(&Penalised::default(), &steep, &sweep, 10);
+    assert!(gaussian < 0.005 && mean < 0.005, "{gaussian} {mean}");
+}
+
+#[test]
 fn classes_hold_at_the_noise_of_the_paper() {
     let thresholds = ShapeThresholds::new(0.005, 0.03).unwrap();
     for (noise, least) in [(0.1, 0.98), (0.2, 0.9)] {
