@@ -31,12 +31,14 @@ pub enum Ep2Error {
         /// Its weight.
         weight: f64,
     },
-    /// A normal of no length.
-    #[error("contact {contact} (counting from 0): the normal has length {length:e}")]
+    /// A normal of no length, or of one too small to have a direction.
+    #[error(
+        "contact {contact} (counting from 0): the largest component of the normal is {length:e}"
+    )]
     BadNormal {
         /// Which contact.
         contact: usize,
-        /// Its length.
+        /// Its largest component.
         length: f64,
     },
     /// Some contacts have a normal and some have none.
@@ -67,7 +69,7 @@ pub enum Ep2Error {
     /// Over the plane of the mean normal (or through the points) the patch is not a graph.
     #[error(
         "the patch is not a graph over its mean plane: at contact {contact} (counting from 0) the \
-         normal stands {angle_deg:.1} degrees from the mean normal; split the patch"
+         normal stands {angle_deg:.1} degrees from the mean normal, more than 85; split the patch"
     )]
     Folded {
         /// The contact that stands out most.
@@ -117,19 +119,6 @@ pub enum Ep2Error {
         /// What would be right.
         expected: &'static str,
     },
-    /// The smoothing spline would need more knots than the contacts bear.
-    #[error(
-        "a smoothing sum of {smoothing} needs more knots than {contacts} points bear (the fit \
-         stays at {residual_sum:.4e}); raise it, or lower the weight"
-    )]
-    SmoothingTooSmall {
-        /// The sum of squared weighted residuals that was asked for.
-        smoothing: f64,
-        /// How many points were fitted.
-        contacts: usize,
-        /// The sum that was reached.
-        residual_sum: f64,
-    },
     /// The numbers leave the range of doubles.
     #[error("the contacts are too large, too small or too steep to be worked with")]
     OutOfRange,
@@ -151,7 +140,6 @@ impl Ep2Error {
             Self::NoSide { .. } => "no-side",
             Self::Undetermined { .. } => "undetermined",
             Self::BadSetting { .. } => "bad-setting",
-            Self::SmoothingTooSmall { .. } => "smoothing-too-small",
             Self::OutOfRange => "out-of-range",
         }
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::{Ep2Error, NoiseEstimate, Patch, PatchFrame, TensorSpline};
+use crate::{Ep2Error, NoiseEstimate, Patch, PatchFrame, Status, TensorSpline};
 
 /// A way from the contacts of a patch to its surface.
 pub trait Method {
@@ -29,4 +29,7 @@ pub struct Fit {
     /// How many unknowns the fit has taken up: the trace of the map from the observations to the
     /// fit.
     pub effective_unknowns: f64,
+    /// Whether the method's smoothing splines met their sums of squares, if it has such: of the
+    /// first one that did not, else of the last. The curvature is of no use where one did not.
+    pub status: Option<Status>,
 }

@@ -18,10 +18,12 @@ const MOST_SPREAD_ACROSS: f64 = 0.7;
 const LEAST_SIDE_RAD: f64 = 1e-6;
 /// A patch that spreads so many times as far along as across shows its sides by its spread.
 const LONG: f64 = 1.15;
+/// The contacts of fingers that travel vary so many times as much along as across.
+const LEAST_TRAVEL: f64 = 2.0;
 
 /// The frame of a patch: w along its mean normal (or, without normals, across its principal
-/// plane), u along the mean travel of the fingers (or, where their order tells none, along a side of
-/// the patch), the origin at the mean contact, and lengths in half the patch's larger side.
+/// plane), u along the mean travel of the fingers (or, where they have none, along a side of the
+/// patch), the origin at the mean contact, and lengths in half the patch's larger side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchFrame {
     origin: Point3<f64>,
@@ -40,7 +42,7 @@ impl PatchFrame {
             Some(normal) => normal,
             None => cloud.plane_normal(outward)?,
         };
-        let along = travel(contacts, &cloud)
+        let along = travel(contacts, &cloud, &normal)
             .and_then(|travel| tangent(&travel, &normal))
             .or_else(|| cloud.side(contacts, &normal))
             .ok_or(Ep2Error::OutOfRange)?;
@@ -213,51 +215,47 @@ fn distance_across(contacts: &[Contact], centre: &Point3<f64>, axis: &Vector3<f6
     (square / contacts.len() as f64).sqrt()
 }
 
-/// The mean travel of the fingers, each travel being the slope of position against order. Fingers
-/// that slide to and fro count along the axis that they share, in the sense of the first. `None`
-/// where order explains less than half of where a finger is.
-fn travel(contacts: &[Contact], cloud: &Cloud) -> Option<Vector3<f64>> {
+/// The axis along which the contacts of a finger spread within the plane of `normal`, for all
+/// fingers together, in the sense in which the first finger travels. Order does not matter, so that
+/// fingers may slide to and fro. `None` where they spread nearly as far across.
+fn travel(contacts: &[Contact], cloud: &Cloud, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
     #[derive(Default)]
     struct Finger {
         contacts: f64,
         positions: Vector3<f64>,
-        /// Σ order · position and Σ position².
+        /// Σ order · position.
         moments: Vector3<f64>,
-        squares: f64,
     }
     let mut fingers: ByFinger<Finger> = ByFinger::default();
+    let mut scatter = Matrix3::zeros();
     for contact in contacts {
         let finger = fingers.of(contact.finger);
         let place = (contact.position - cloud.centre) / cloud.extent;
+        let place = place - normal * normal.dot(&place);
         finger.positions += place;
         finger.moments += place * finger.contacts;
-        finger.squares += place.norm_squared();
         finger.contacts += 1.0;
+        scatter += place * place.transpose();
     }
-    let (mut shared, mut explained, mut spread) = (Matrix3::zeros(), 0.0, 0.0);
-    let mut first = None;
     for finger in fingers.iter() {
-        let count = finger.contacts;
-        if count < 2.0 {
-            continue;
-        }
-        let moments = finger.moments - finger.positions * (0.5 * (count - 1.0));
-        let order_squares = count * (count * count - 1.0) / 12.0;
-        let travel = moments / order_squares * count;
-        explained += moments.norm_squared() / order_squares;
-        spread += finger.squares - finger.positions.norm_squared() / count;
-        shared += travel * travel.transpose();
-        first = first.or(Some(travel));
+        scatter -= finger.positions * finger.positions.transpose() / finger.contacts;
     }
-    if explained < 0.5 * spread {
+    let eigen = SymmetricEigen::new(scatter);
+    let strongest = eigen.eigenvalues.imax();
+    let axis = eigen.eigenvectors.column(strongest).into_owned();
+    // One of the eigenvalues is that of the normal, 0.
+    let across = eigen.eigenvalues.sum() - eigen.eigenvalues[strongest];
+    if eigen.eigenvalues[strongest] <= LEAST_TRAVEL * across.max(0.0) {
         return None;
     }
-    let eigen = SymmetricEigen::new(shared);
-    let axis = eigen
-        .eigenvectors
-        .column(eigen.eigenvalues.imax())
-        .into_owned();
-    Some(axis * first?.dot(&axis).signum())
+    let sense = fingers
+        .iter()
+        .map(|finger| {
+            let mean_order = 0.5 * (finger.contacts - 1.0);
+            (finger.moments - finger.positions * mean_order).dot(&axis)
+        })
+        .find(|along| *along != 0.0)?;
+    Some(axis * sense.signum())
 }
 
 /// The unit tangent along `direction`, unless that stands on the plane of `normal`.

@@ -7,6 +7,8 @@ use crate::{Contact, Ep2Error, PatchFrame};
 
 /// Numbers whose squares neither overflow nor vanish.
 const LARGEST: f64 = 1e150;
+/// Across a patch this much narrower than long, rounding of the heights passes for curvature.
+const NARROWEST: f64 = 1e-6;
 /// A normal that stands farther than this from the mean normal is not that of a graph, degrees.
 const STEEPEST_DEG: f64 = 85.0;
 
@@ -77,10 +79,11 @@ impl Patch {
         // Half the larger side counts as 1.
         let sides = domain(&samples).map(|[low, high]| high - low);
         let half = 0.5 * sides[0].max(sides[1]);
-        if sides[0].min(sides[1]) <= 0.0 {
+        let spread = sides[0].min(sides[1]) / sides[0].max(sides[1]);
+        if spread < NARROWEST {
             return Err(Ep2Error::Collinear {
                 contacts: contacts.len(),
-                spread: 0.0,
+                spread,
             });
         }
         frame = frame.with_scale(frame.scale() * half);
@@ -128,7 +131,7 @@ fn check(contacts: &[Contact]) -> Result<(), Ep2Error> {
         if with_normals && contact.normal.is_none() {
             return Err(Ep2Error::MissingNormal { contact: index });
         }
-        let length = normal.norm();
+        let length = normal.amax();
         if with_normals && length < 1.0 / LARGEST {
             return Err(Ep2Error::BadNormal {
                 contact: index,

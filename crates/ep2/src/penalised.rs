@@ -99,6 +99,7 @@ impl Method for Penalised {
             covariance: told.then(|| spectrum.covariance(&search.covariance(&choice))),
             noise: told.then(|| variances.estimate(patch)),
             effective_unknowns: choice.effective_unknowns,
+            status: None,
         })
     }
 }

@@ -53,6 +53,7 @@ impl Method for Quadric {
             covariance,
             noise: quadric.noise,
             effective_unknowns: UNKNOWNS as f64,
+            status: None,
         })
     }
 }

@@ -96,15 +96,40 @@ fn neighbours(point: usize, side: usize) -> impl Iterator<Item = usize> {
 }
 
 fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]) -> Region {
-    let (mut area, mut gaussian, mut mean) = (0.0, 0.0, 0.0);
+    // Areas count in squares of the longest span, which neither overflow nor vanish.
+    let spans: Vec<[Vector3<f64>; 2]> = members
+        .iter()
+        .map(|&member| spans_of(member, side, points))
+        .collect();
+    let longest = spans
+        .iter()
+        .flatten()
+        .map(Vector3::amax)
+        .fold(0.0, f64::max);
+    let areas: Vec<f64> = spans
+        .iter()
+        .map(|[along, across]| (along / longest).cross(&(across / longest)).norm())
+        .collect();
+    let area: f64 = areas.iter().sum();
+    // Points that stand for no area count alike.
+    let share = |index: usize| {
+        if area > 0.0 {
+            areas[index] / area
+        } else {
+            1.0 / members.len() as f64
+        }
+    };
+    let (mut gaussian, mut mean) = (0.0, 0.0);
     let (mut directions, mut anisotropy) = (Matrix3::zeros(), 0.0);
-    for &member in members {
-        let point = &points[member];
-        let share = area_of(member, side, points);
-        area += share;
+    let sharpest = members
+        .iter()
+        .map(|&member| points[member].k_max - points[member].k_min)
+        .fold(f64::MIN_POSITIVE, f64::max);
+    for (index, &member) in members.iter().enumerate() {
+        let (point, share) = (&points[member], share(index));
         gaussian += share * point.curvature.gaussian;
         mean += share * point.curvature.mean;
-        let weight = share * (point.k_max - point.k_min);
+        let weight = share * ((point.k_max - point.k_min) / sharpest);
         let [max, min] = [point.direction_of_max, point.direction_of_min];
         directions += (max * max.transpose() - min * min.transpose()) * weight;
         anisotropy += weight;
@@ -116,28 +141,30 @@ fn region(class: ShapeClass, members: &[usize], side: usize, points: &[MapPoint]
     } else {
         0.0
     };
-    let per_area = |sum: f64| if area > 0.0 { sum / area } else { 0.0 };
     Region {
         class,
         points: members.len(),
-        area,
-        gaussian_curvature: per_area(gaussian),
-        mean_curvature: per_area(mean),
+        area: if area > 0.0 {
+            area * longest * longest
+        } else {
+            0.0
+        },
+        gaussian_curvature: gaussian,
+        mean_curvature: mean,
         direction_of_max: (coherence >= LEAST_COHERENCE)
             .then(|| eigen.eigenvectors.column(strongest).into_owned()),
         coherence,
     }
 }
 
-/// The area that a point of the map stands for: half-way to its neighbours.
-fn area_of(point: usize, side: usize, points: &[MapPoint]) -> f64 {
-    let (row, column) = (point / side, point % side);
+/// The sides of the parallelogram that a point of the map stands for: half-way to its neighbours.
+fn spans_of(point: usize, side: usize, points: &[MapPoint]) -> [Vector3<f64>; 2] {
     let half_span = |place: usize, step: usize| {
         let start = point - step * usize::from(place > 0);
         let end = point + step * usize::from(place + 1 < side);
         (points[end].position - points[start].position) * 0.5
     };
-    half_span(row, side).cross(&half_span(column, 1)).norm()
+    [half_span(point / side, side), half_span(point % side, 1)]
 }
 
 #[cfg(test)]
@@ -206,5 +233,19 @@ mod tests {
                 .iter()
                 .any(|region| region.direction_of_max.is_none())
         );
+    }
+
+    #[test]
+    fn means_do_not_need_an_area() {
+        for (side, step) in [(1, 1.0), (4, 0.0), (4, 1e140), (4, 1e-150)] {
+            let points = map(side, step, |_, _| (0.04, 0.2));
+            let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
+            let Regions { regions, .. } = regions(side, &points, &thresholds);
+            assert_eq!(regions.len(), 1);
+            assert_relative_eq!(regions[0].gaussian_curvature, 0.04, epsilon = 1e-15);
+            assert_relative_eq!(regions[0].mean_curvature, 0.2, epsilon = 1e-15);
+            let expected = (3.0 * step) * (3.0 * step) * f64::from(u8::from(side > 1));
+            assert_relative_eq!(regions[0].area, expected, max_relative = 1e-9);
+        }
     }
 }

@@ -93,6 +93,24 @@ pub enum Status {
     Unsettled,
 }
 
+impl Status {
+    /// Whether the sum was met.
+    pub const fn is_met(self) -> bool {
+        !matches!(self, Self::KnotsExhausted | Self::Unsettled)
+    }
+
+    /// The name used in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Polynomial => "polynomial",
+            Self::Interpolating => "interpolating",
+            Self::Smoothing => "smoothing",
+            Self::KnotsExhausted => "knots-exhausted",
+            Self::Unsettled => "unsettled",
+        }
+    }
+}
+
 /// A smoothing spline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Smoothed {

@@ -42,7 +42,7 @@ pub enum Passes {
 ///
 /// The sum of 1000 allows 30 contacts of weight 100 a root-mean-square residual of 0.058 such
 /// units. Where it needs more knots than the points bear the fit is returned as it is, and its
-/// curvature is then of no use: [`Pass::status`] tells.
+/// curvature is then of no use: [`Fit::status`] tells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoPass {
     /// Degree of the first spline in both directions, 1 to [`MAX_DEGREE`].
@@ -139,7 +139,7 @@ impl TwoPass {
             return Ok(TwoPassFit {
                 first: Pass::of(&first),
                 second: None,
-                fit: fit(patch, first),
+                fit: fit(patch, first, None),
             });
         }
         let points = self.second_points(patch, unit, &first)?;
@@ -149,7 +149,7 @@ impl TwoPass {
         Ok(TwoPassFit {
             first: Pass::of(&first),
             second: Some(Pass::of(&second)),
-            fit: fit(patch, second),
+            fit: fit(patch, second, Some(first.status)),
         })
     }
 
@@ -307,7 +307,8 @@ fn height_and_slope(spline: &TensorSpline, sample: &Sample) -> (f64, f64) {
     (jet.w, jet.v)
 }
 
-fn fit(patch: &Patch, smoothed: Smoothed) -> Fit {
+fn fit(patch: &Patch, smoothed: Smoothed, before: Option<Status>) -> Fit {
+    let unmet = before.filter(|status| !status.is_met());
     Fit {
         frame: patch.frame,
         domain: patch.domain,
@@ -315,5 +316,6 @@ fn fit(patch: &Patch, smoothed: Smoothed) -> Fit {
         covariance: None,
         noise: None,
         effective_unknowns: smoothed.effective_unknowns,
+        status: unmet.or(Some(smoothed.status)),
     }
 }

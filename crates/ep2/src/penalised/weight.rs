@@ -311,7 +311,7 @@ impl<'a> Search<'a> {
 /// sphere of the same curvature.
 ///
 /// The penalty of a sphere of curvature κ over the square is 32 κ⁶, in units of the square. With
-/// τ = λ^(−1/2) the amplitude of the third derivatives and τ₀ = κ³/√2, the probability of ln τ falls
+/// τ = λ^(−1/2) the amplitude of the third derivatives and τ₀ = ¾ κ³, the probability of ln τ falls
 /// as τ² below τ₀ and as 1/τ above.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Expected {
@@ -322,7 +322,7 @@ impl Expected {
     /// From the mean square of the curvature, in units of the square.
     pub(super) fn of(square_curvature: f64) -> Self {
         Self {
-            log_weight: 2.0_f64.ln() - 3.0 * square_curvature.ln(),
+            log_weight: -2.0 * 0.75_f64.ln() - 3.0 * square_curvature.ln(),
         }
     }
 
