@@ -23,6 +23,9 @@ const MOST_INTERVALS: usize = 24;
 const MOST_BY_DEFAULT: usize = 12;
 /// Unless told otherwise, a spline has at most so many coefficients per equation.
 const BEARABLE: f64 = 0.3;
+/// Unless told otherwise, a spline of which the fit takes up more than this share of the
+/// coefficients gets more intervals: the contacts are exact enough to show what it cannot follow.
+const CROWDED: f64 = 0.6;
 
 /// One bicubic tensor-product spline, fitted by weighted least squares to the heights and, where
 /// there are normals, to both slopes, with a penalty on its third derivatives.
@@ -45,8 +48,21 @@ pub struct Penalised {
 
 impl Method for Penalised {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
-        let intervals = self.intervals(patch)?;
         self.criterion.check()?;
+        let mut intervals = self.intervals(patch)?;
+        loop {
+            let fit = self.fit_with(intervals, patch)?;
+            let taken = fit.effective_unknowns / coefficients(intervals) as f64;
+            match finer(intervals, patch) {
+                Some(finer) if self.intervals.is_none() && taken > CROWDED => intervals = finer,
+                _ => return Ok(fit),
+            }
+        }
+    }
+}
+
+impl Penalised {
+    fn fit_with(&self, intervals: [usize; 2], patch: &Patch) -> Result<Fit, Ep2Error> {
         let known = self.noise.in_patch(&patch.frame)?;
         let square = Square::of(patch);
         let quadric = SquareQuadric::of(patch, &square, &known)?;
@@ -102,9 +118,7 @@ impl Method for Penalised {
             status: None,
         })
     }
-}
 
-impl Penalised {
     /// Intervals along u and along v.
     fn intervals(&self, patch: &Patch) -> Result<[usize; 2], Ep2Error> {
         match self.intervals {
@@ -131,6 +145,18 @@ fn bearable_intervals(patch: &Patch) -> [usize; 2] {
     (1..=MOST_BY_DEFAULT)
         .rev()
         .map(|along| [along, along.min(gaps)])
-        .find(|[along, across]| ((along + DEGREE) * (across + DEGREE)) as f64 <= most)
+        .find(|&intervals| coefficients(intervals) as f64 <= most)
         .unwrap_or([1, 1])
+}
+
+/// Twice as many intervals, if there are contacts for them.
+fn finer(intervals: [usize; 2], patch: &Patch) -> Option<[usize; 2]> {
+    let finer = intervals.map(|count| 2 * count);
+    let fits = finer.iter().all(|&count| count <= MOST_BY_DEFAULT);
+    (fits && coefficients(finer) <= patch.equations()).then_some(finer)
+}
+
+/// Coefficients of a spline with so many intervals along both sides.
+fn coefficients([along, across]: [usize; 2]) -> usize {
+    (along + DEGREE) * (across + DEGREE)
 }
