@@ -125,6 +125,24 @@ pub enum Ep2Error {
 }
 
 impl Ep2Error {
+    /// [`Ep2Error::BadSetting`] unless the setting is good.
+    pub(crate) fn unless_good(
+        setting: &'static str,
+        value: f64,
+        is_good: bool,
+        expected: &'static str,
+    ) -> Result<(), Self> {
+        if is_good {
+            Ok(())
+        } else {
+            Err(Self::BadSetting {
+                setting,
+                value,
+                expected,
+            })
+        }
+    }
+
     /// The stable name of this kind of error.
     pub const fn name(&self) -> &'static str {
         match self {

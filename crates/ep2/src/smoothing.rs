@@ -286,31 +286,20 @@ impl SmoothingSpline {
     }
 
     fn check_settings(&self) -> Result<(), Ep2Error> {
-        let check = |setting, value: f64, is_good: bool, expected| {
-            if is_good {
-                Ok(())
-            } else {
-                Err(Ep2Error::BadSetting {
-                    setting,
-                    value,
-                    expected,
-                })
-            }
-        };
         for degree in self.degrees {
             let is_good = (1..=MAX_DEGREE).contains(&degree);
-            check("degree", degree as f64, is_good, "between 1 and 5")?;
+            Ep2Error::unless_good("degree", degree as f64, is_good, "between 1 and 5")?;
         }
         let (smoothing, tolerance) = (self.smoothing, self.tolerance);
-        check("smoothing", smoothing, smoothing >= 0.0, ">= 0")?;
-        check(
+        Ep2Error::unless_good("smoothing", smoothing, smoothing >= 0.0, ">= 0")?;
+        Ep2Error::unless_good(
             "tolerance",
             tolerance,
             tolerance > 0.0 && tolerance < 1.0,
             "between 0 and 1",
         )?;
         let rank_tolerance = self.rank_tolerance;
-        check(
+        Ep2Error::unless_good(
             "rank_tolerance",
             rank_tolerance,
             rank_tolerance > 0.0 && rank_tolerance < 1.0,

@@ -39,6 +39,26 @@ impl Local {
     }
 }
 
+impl Jet {
+    /// From the B-splines in u at a place, and for each the sums over those in v of coefficient
+    /// times value, first and second derivative.
+    #[inline]
+    pub(crate) fn of_sums(u: &Local, sums: impl Fn(usize) -> [f64; 3], degree: usize) -> Self {
+        let mut jet = Self::default();
+        for place in 0..=degree {
+            let [w, dv, dvv] = sums(place);
+            let [value, first, second] = u.jets.map(|basis| basis[place]);
+            jet.w += value * w;
+            jet.u += first * w;
+            jet.v += value * dv;
+            jet.uu += second * w;
+            jet.uv += first * dv;
+            jet.vv += value * dvv;
+        }
+        jet
+    }
+}
+
 /// `w(u, v) = Σ c_ij B_i(u) B_j(v)`.
 ///
 /// Outside of the rectangle the polynomials of its edge go on.
@@ -60,27 +80,18 @@ impl TensorSpline {
     }
 
     #[inline]
-    pub(crate) fn jet_in(&self, u: &Local, v: &Local) -> Jet {
+    fn jet_in(&self, u: &Local, v: &Local) -> Jet {
         let width = self.v.functions();
-        let mut jet = Jet::default();
-        for place in 0..=self.u.degree() {
-            let start = (u.first + place) * width + v.first;
-            let row = &self.coefficients[start..=start + self.v.degree()];
-            let [mut w, mut dv, mut dvv] = [0.0; 3];
-            for (offset, coefficient) in row.iter().enumerate() {
-                w += coefficient * v.jets[0][offset];
-                dv += coefficient * v.jets[1][offset];
-                dvv += coefficient * v.jets[2][offset];
-            }
-            let [value, first, second] = u.jets.map(|basis| basis[place]);
-            jet.w += value * w;
-            jet.u += first * w;
-            jet.v += value * dv;
-            jet.uu += second * w;
-            jet.uv += first * dv;
-            jet.vv += value * dvv;
-        }
-        jet
+        Jet::of_sums(
+            u,
+            |place| {
+                let start = (u.first + place) * width + v.first;
+                let row = &self.coefficients[start..=start + self.v.degree()];
+                v.jets
+                    .map(|basis| row.iter().zip(&basis).map(|(c, b)| c * b).sum())
+            },
+            self.u.degree(),
+        )
     }
 
     /// Height at `(u, v)`.

@@ -231,19 +231,8 @@ impl Fit {
 impl Line {
     #[inline]
     fn jet(&self, u: &Local, fit: &Fit) -> Jet {
-        let mut jet = Jet::default();
-        let support = fit.spline.u.degree() + 1;
-        let heights = &self.heights[u.first - self.first..][..support];
-        for (place, [w, dv, dvv]) in heights.iter().enumerate() {
-            let [value, first, second] = u.jets.map(|basis| basis[place]);
-            jet.w += value * w;
-            jet.u += first * w;
-            jet.v += value * dv;
-            jet.uu += second * w;
-            jet.uv += first * dv;
-            jet.vv += value * dvv;
-        }
-        jet
+        let heights = &self.heights[u.first - self.first..];
+        Jet::of_sums(u, |place| heights[place], fit.spline.u.degree())
     }
 
     /// Covariance of slopes and second derivatives.

@@ -226,13 +226,13 @@ impl TwoPass {
             } else {
                 "between 2 and 5, to have a curvature"
             };
-            good(setting, degree as f64, range.contains(&degree), expected)
+            Ep2Error::unless_good(setting, degree as f64, range.contains(&degree), expected)
         };
         degree("first_degree", self.first_degree, first_degrees)?;
         degree("second_degree", self.second_degree, bent)?;
         let positive = |setting, value: f64| {
             let is_good = value > 0.0 && value <= LARGEST;
-            good(setting, value, is_good, "finite and > 0")
+            Ep2Error::unless_good(setting, value, is_good, "finite and > 0")
         };
         positive("weight", self.weight)?;
         positive("tangent_step", self.tangent_step)?;
@@ -241,7 +241,7 @@ impl TwoPass {
             ("smoothing", self.smoothing),
             ("second_smoothing", self.second_smoothing),
         ] {
-            good(setting, value, value >= 0.0, ">= 0")?;
+            Ep2Error::unless_good(setting, value, value >= 0.0, ">= 0")?;
         }
         let coefficients = |degree: usize| (degree + 1) * (degree + 1);
         let of_second = coefficients(self.second_degree).div_ceil(3);
@@ -267,23 +267,6 @@ impl Pass {
             coefficients: smoothed.spline.coefficients.len(),
             rank: smoothed.rank,
         }
-    }
-}
-
-fn good(
-    setting: &'static str,
-    value: f64,
-    is_good: bool,
-    expected: &'static str,
-) -> Result<(), Ep2Error> {
-    if is_good {
-        Ok(())
-    } else {
-        Err(Ep2Error::BadSetting {
-            setting,
-            value,
-            expected,
-        })
     }
 }
 
