@@ -36,6 +36,62 @@ pub struct Uncertainty {
     pub correlation: f64,
 }
 
+impl Uncertainty {
+    /// From the covariance of the jet's derivatives and the curvatures in the jet's unit.
+    #[inline(never)]
+    fn of_graph(
+        jet: &Jet,
+        [gaussian, mean]: [f64; 2],
+        covariance: &JetCovariance,
+        scale: f64,
+    ) -> Self {
+        let Jet {
+            u: p,
+            v: q,
+            uu: r,
+            uv: s,
+            vv: t,
+            ..
+        } = *jet;
+        let d = 1.0 + p * p + q * q;
+        let steep = -4.0 * gaussian / d;
+        let gaussian_gradient = SVector::<f64, DERIVATIVES>::new(
+            steep * p,
+            steep * q,
+            t / (d * d),
+            -2.0 * s / (d * d),
+            r / (d * d),
+        );
+        let to_mean = -0.5 / (d * d.sqrt());
+        let mean_gradient = SVector::<f64, DERIVATIVES>::new(
+            2.0 * to_mean * (p * t - q * s) - 3.0 * mean * p / d,
+            2.0 * to_mean * (q * r - p * s) - 3.0 * mean * q / d,
+            to_mean * (1.0 + q * q),
+            -2.0 * to_mean * p * q,
+            to_mean * (1.0 + p * p),
+        );
+        let along_gaussian = covariance * gaussian_gradient;
+        let first_order = gaussian_gradient.dot(&along_gaussian);
+        let mixed = mean_gradient.dot(&along_gaussian);
+        let mean_variance = mean_gradient.dot(&(covariance * mean_gradient)).max(0.0);
+        let c = |row, column| covariance[(row, column)];
+        let second_order = c(2, 2) * c(4, 4) + c(2, 4) * c(2, 4) + 2.0 * c(3, 3) * c(3, 3)
+            - 4.0 * c(2, 3) * c(3, 4);
+        let gaussian_variance = (first_order + second_order / d.powi(4)).max(0.0);
+        let (gaussian_std, mean_std) = (gaussian_variance.sqrt(), mean_variance.sqrt());
+        let correlation = if gaussian_std * mean_std > 0.0 {
+            (mixed / (gaussian_std * mean_std)).clamp(-1.0, 1.0)
+        } else {
+            0.0
+        };
+        Self {
+            gaussian_std: gaussian_std / (scale * scale),
+            mean_std: mean_std / scale,
+            correlation,
+        }
+    }
+}
+
 /// Shape by the signs of the curvatures alone, without thresholds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SignClass {
@@ -63,7 +119,7 @@ impl Curvature {
     ///
     /// With D = 1 + p² + q² and the normal upwards:
     /// K = (rt − s²)/D², H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of_graph(jet: &Jet, covariance: Option<&JetCovariance>, scale: f64) -> Self {
         let Jet {
             u: p,
@@ -73,53 +129,15 @@ impl Curvature {
             vv: t,
             ..
         } = *jet;
-        let d = 1.0 + p * p + q * q;
-        let root = d.sqrt();
-        let determinant = r * t - s * s;
+        let (per_d, per_scale) = (1.0 / (1.0 + p * p + q * q), 1.0 / scale);
         let trace = (1.0 + q * q) * r - 2.0 * p * q * s + (1.0 + p * p) * t;
-        let gaussian = determinant / (d * d);
-        let to_mean = -0.5 / (d * root);
-        let mean = to_mean * trace;
-        let uncertainty = covariance.map(|covariance| {
-            let steep = -4.0 * gaussian / d;
-            let gaussian_gradient = SVector::<f64, DERIVATIVES>::new(
-                steep * p,
-                steep * q,
-                t / (d * d),
-                -2.0 * s / (d * d),
-                r / (d * d),
-            );
-            let mean_gradient = SVector::<f64, DERIVATIVES>::new(
-                2.0 * to_mean * (p * t - q * s) - 3.0 * mean * p / d,
-                2.0 * to_mean * (q * r - p * s) - 3.0 * mean * q / d,
-                to_mean * (1.0 + q * q),
-                -2.0 * to_mean * p * q,
-                to_mean * (1.0 + p * p),
-            );
-            let along_gaussian = covariance * gaussian_gradient;
-            let first_order = gaussian_gradient.dot(&along_gaussian);
-            let mixed = mean_gradient.dot(&along_gaussian);
-            let mean_variance = mean_gradient.dot(&(covariance * mean_gradient)).max(0.0);
-            let c = |row, column| covariance[(row, column)];
-            let second_order = c(2, 2) * c(4, 4) + c(2, 4) * c(2, 4) + 2.0 * c(3, 3) * c(3, 3)
-                - 4.0 * c(2, 3) * c(3, 4);
-            let gaussian_variance = (first_order + second_order / d.powi(4)).max(0.0);
-            let (gaussian_std, mean_std) = (gaussian_variance.sqrt(), mean_variance.sqrt());
-            let correlation = if gaussian_std * mean_std > 0.0 {
-                (mixed / (gaussian_std * mean_std)).clamp(-1.0, 1.0)
-            } else {
-                0.0
-            };
-            Uncertainty {
-                gaussian_std: gaussian_std / (scale * scale),
-                mean_std: mean_std / scale,
-                correlation,
-            }
-        });
+        let gaussian = (r * t - s * s) * per_d * per_d;
+        let mean = -0.5 * per_d * per_d.sqrt() * trace;
         Self {
-            gaussian: gaussian / (scale * scale),
-            mean: mean / scale,
-            uncertainty,
+            gaussian: gaussian * per_scale * per_scale,
+            mean: mean * per_scale,
+            uncertainty: covariance
+                .map(|covariance| Uncertainty::of_graph(jet, [gaussian, mean], covariance, scale)),
         }
     }
 

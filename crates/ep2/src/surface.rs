@@ -158,6 +158,7 @@ impl Fit {
         Ok(())
     }
 
+    #[inline(always)]
     fn curvature(
         &self,
         jet: &Jet,
