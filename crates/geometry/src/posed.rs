@@ -3,7 +3,8 @@
 use nalgebra::{Isometry3, Point3};
 
 use crate::{
-    ChartGeometry, ChartJet, GaussFrame, LevelSet, Meridian, Parameters, Surface, SurfaceError,
+    ChartGeometry, ChartJet, CurvatureForm, GaussFrame, LevelSet, Meridian, Parameters, Surface,
+    SurfaceError,
 };
 
 /// A surface moved rigidly; its curvature does not change.
@@ -88,7 +89,7 @@ impl<S: Surface> Surface for Posed<S> {
         self.surface.meridian(&local)
     }
 
-    fn is_homogeneous(&self) -> bool {
-        self.surface.is_homogeneous()
+    fn constant_curvature(&self) -> Option<CurvatureForm> {
+        self.surface.constant_curvature()
     }
 }

@@ -5,7 +5,9 @@ use nalgebra::{Point3, Vector3};
 use crate::surfaces::{
     Cylinder, Dish, Ellipsoid, Graph, HeightField, Paraboloid, Plane, Saddle, Sphere, Torus,
 };
-use crate::{ChartJet, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm};
+use crate::{
+    ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm,
+};
 
 /// Any of the surfaces.
 #[derive(Clone, Debug)]
@@ -95,7 +97,7 @@ impl Surface for Shape {
         delegate!(self, surface => surface.meridian(apex))
     }
 
-    fn is_homogeneous(&self) -> bool {
-        delegate!(self, surface => surface.is_homogeneous())
+    fn constant_curvature(&self) -> Option<CurvatureForm> {
+        delegate!(self, surface => surface.constant_curvature())
     }
 }

@@ -210,6 +210,12 @@ pub trait Surface {
     /// Whether the shape operator is constant along every geodesic in a parallel-transported
     /// basis: planes, spheres and cylinders. A probe then rolls along geodesics.
     fn is_homogeneous(&self) -> bool {
-        false
+        self.constant_curvature().is_some()
+    }
+
+    /// The curvature form, in a basis of principal directions, of a surface that has the same one
+    /// everywhere: planes, spheres and cylinders. It is exact: nothing of a place enters it.
+    fn constant_curvature(&self) -> Option<CurvatureForm> {
+        None
     }
 }

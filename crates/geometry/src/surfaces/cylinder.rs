@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::surface::{SQUARABLE, is_within_reach};
-use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
+use crate::{ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
 
 /// An endless cylinder whose axis passes through the origin, horizontally.
 ///
@@ -101,7 +101,11 @@ impl Surface for Cylinder {
         }
     }
 
-    fn is_homogeneous(&self) -> bool {
-        true
+    fn constant_curvature(&self) -> Option<CurvatureForm> {
+        Some(CurvatureForm {
+            k_uu: 0.0,
+            k_uv: 0.0,
+            k_vv: 1.0 / self.radius,
+        })
     }
 }

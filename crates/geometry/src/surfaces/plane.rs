@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::surface::is_within_reach;
-use crate::{ChartJet, LevelSet, Parameters, Surface, SurfaceError};
+use crate::{ChartJet, CurvatureForm, LevelSet, Parameters, Surface, SurfaceError};
 
 /// The plane z = 0, solid below. Chart `(u, v, 0)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,7 +49,7 @@ impl Surface for Plane {
         }
     }
 
-    fn is_homogeneous(&self) -> bool {
-        true
+    fn constant_curvature(&self) -> Option<CurvatureForm> {
+        Some(CurvatureForm::isotropic(0.0))
     }
 }

@@ -151,8 +151,8 @@ impl Surface for Sphere {
         Ok(Point3::new(x, y, height_over(self.radius, x, y)?))
     }
 
-    fn is_homogeneous(&self) -> bool {
-        true
+    fn constant_curvature(&self) -> Option<CurvatureForm> {
+        Some(CurvatureForm::isotropic(1.0 / self.radius))
     }
 }
 
@@ -187,7 +187,7 @@ impl Surface for Dish {
         Ok(Point3::new(x, y, -height_over(self.radius, x, y)?))
     }
 
-    fn is_homogeneous(&self) -> bool {
-        true
+    fn constant_curvature(&self) -> Option<CurvatureForm> {
+        Some(CurvatureForm::isotropic(-1.0 / self.radius))
     }
 }

@@ -246,13 +246,8 @@ fn grid(
     let of_grid = |error: GlideError| {
         PlanError::at("scene.evaluate.half_width", format!("the grid: {error}"))
     };
-    // The same to the last bit on spheres and cylinders.
-    let everywhere = if object.is_homogeneous() {
-        let touch = truth.touch(middle_x, middle_y).map_err(of_grid)?;
-        Some(touch.curvature)
-    } else {
-        None
-    };
+    // Free of rounding where it is known: a cylinder's K is 0.
+    let everywhere = object.constant_curvature();
     let place = |x: f64, y: f64| -> Result<TruePlace, PlanError> {
         let touch = truth.touch(middle_x + x, middle_y + y).map_err(of_grid)?;
         let curvature = everywhere.unwrap_or(touch.curvature);

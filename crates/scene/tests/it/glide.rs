@@ -107,8 +107,12 @@ fn truth_is_told_where_it_is_the_same_everywhere() {
     };
     let sphere = truths(r#"{ kind = "sphere", radius = 5 }"#);
     assert!((sphere[0].unwrap() - 0.04).abs() < 1e-16 && (sphere[1].unwrap() - 0.2).abs() < 1e-16);
-    let cylinder = truths(r#"{ kind = "cylinder", radius = 5, direction_deg = 45 }"#);
-    assert!(cylinder[0].unwrap().abs() < 1e-16 && (cylinder[1].unwrap() - 0.1).abs() < 1e-16);
+    for direction in ["0", "30", "45", "90"] {
+        let cylinder = truths(&format!(
+            r#"{{ kind = "cylinder", radius = 5, direction_deg = {direction} }}"#
+        ));
+        assert_eq!(cylinder, [Some(0.0), Some(0.1), Some(1.0)], "{direction}");
+    }
     assert_eq!(truths(SADDLE), [None, None, Some(1.0)]);
 }
 
