@@ -1,6 +1,6 @@
 //! Tensor-product splines: a height over a rectangle.
 
-use crate::knots::{Basis, Knots};
+use crate::knots::{Basis, Knots, MAX_DEGREE};
 
 /// Height, slopes and second derivatives of a graph at a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,12 +42,12 @@ impl Local {
 impl Jet {
     /// From the B-splines in u at a place, and for each the sums over those in v of coefficient
     /// times value, first and second derivative.
-    #[inline]
-    pub(crate) fn of_sums(u: &Local, sums: impl Fn(usize) -> [f64; 3], degree: usize) -> Self {
+    #[inline(always)]
+    pub(crate) fn of_sums(u: &Local, sums: &[[f64; 3]]) -> Self {
         let mut jet = Self::default();
-        for place in 0..=degree {
-            let [w, dv, dvv] = sums(place);
-            let [value, first, second] = u.jets.map(|basis| basis[place]);
+        let [values, firsts, seconds] = &u.jets;
+        for (place, [w, dv, dvv]) in sums.iter().enumerate().take(MAX_DEGREE + 1) {
+            let (value, first, second) = (values[place], firsts[place], seconds[place]);
             jet.w += value * w;
             jet.u += first * w;
             jet.v += value * dv;
@@ -82,16 +82,16 @@ impl TensorSpline {
     #[inline]
     fn jet_in(&self, u: &Local, v: &Local) -> Jet {
         let width = self.v.functions();
-        Jet::of_sums(
-            u,
-            |place| {
-                let start = (u.first + place) * width + v.first;
-                let row = &self.coefficients[start..=start + self.v.degree()];
-                v.jets
-                    .map(|basis| row.iter().zip(&basis).map(|(c, b)| c * b).sum())
-            },
-            self.u.degree(),
-        )
+        let mut sums = [[0.0; 3]; MAX_DEGREE + 1];
+        let sums = &mut sums[..=self.u.degree()];
+        for (place, sums) in sums.iter_mut().enumerate() {
+            let start = (u.first + place) * width + v.first;
+            let row = &self.coefficients[start..=start + self.v.degree()];
+            *sums = v
+                .jets
+                .map(|basis| row.iter().zip(&basis).map(|(c, b)| c * b).sum());
+        }
+        Jet::of_sums(u, sums)
     }
 
     /// Height at `(u, v)`.

@@ -232,8 +232,8 @@ impl Fit {
 impl Line {
     #[inline]
     fn jet(&self, u: &Local, fit: &Fit) -> Jet {
-        let heights = &self.heights[u.first - self.first..];
-        Jet::of_sums(u, |place| heights[place], fit.spline.u.degree())
+        let start = u.first - self.first;
+        Jet::of_sums(u, &self.heights[start..=start + fit.spline.u.degree()])
     }
 
     /// Covariance of slopes and second derivatives.
