@@ -3,8 +3,10 @@
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use palpate_scene::config::LengthUnit;
+use palpate_scene::recorded::GlideMethod;
 
 /// Simulate a fingertip exploring a surface, model what its sensors really deliver, and estimate
 /// the surface's curvature from that.
@@ -110,10 +112,11 @@ or without normals,
   finger,x_mm,y_mm,z_mm
 
 The JSON tells the curvature in the middle of the patch and the regions of one shape class; --map
-writes the curvature all over the patch, with standard deviations and the probability of each class.
+writes the curvature all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
 
 Examples:
   palpate estimate glide examples/glide-readings.csv --map map.csv
+  palpate estimate glide examples/glide-readings.csv --map map.csv --at-contacts
   palpate estimate glide examples/glide-readings.csv --method two-pass
   palpate estimate glide examples/glide-readings.csv --gaussian-threshold 0.0005 --mean-threshold 0.01"
     )]
@@ -144,14 +147,18 @@ pub(crate) struct EstimateGlideArgs {
     /// The recorded readings, a CSV file.
     pub(crate) readings: PathBuf,
     /// The estimator.
-    #[arg(long, default_value = "penalised")]
-    pub(crate) method: PatchMethod,
+    #[arg(long, default_value = GlideMethod::default().name(), value_parser = glide_methods())]
+    pub(crate) method: GlideMethod,
     /// Places of the map along each side of the patch.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) grid: u32,
     /// Write the curvature all over the patch to this CSV file.
     #[arg(long, value_name = "FILE")]
     pub(crate) map: Option<PathBuf>,
+    /// Let the map have one row per reading, in their order, and not those of the grid; it then tells
+    /// no regions.
+    #[arg(long, requires = "map")]
+    pub(crate) at_contacts: bool,
     /// The direction out of the object, for readings without normals [default: 0,0,1].
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     pub(crate) outward: Option<Direction>,
@@ -173,21 +180,15 @@ pub(crate) struct EstimateGlideArgs {
     /// readings].
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) normal_std_deg: Option<f64>,
+    /// The distance between fingers that the settings of two-pass count in, in the readings' length
+    /// unit [default: the mean distance between neighbouring fingers].
+    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) inter_finger_distance: Option<f64>,
 }
 
 /// Components of a direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Direction(pub(crate) [f64; 3]);
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PatchMethod {
-    /// One penalised spline through heights and slopes, with standard deviations.
-    Penalised,
-    /// The two smoothing splines of the 1996 paper.
-    TwoPass,
-    /// A least-squares quadric.
-    Quadric,
-}
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Method {
@@ -217,10 +218,28 @@ pub(crate) struct ReportArgs {
     pub(crate) out: PathBuf,
 }
 
+fn glide_methods() -> impl TypedValueParser<Value = GlideMethod> {
+    let described = GlideMethod::ALL.map(|method| {
+        PossibleValue::new(method.name()).help(match method {
+            GlideMethod::Penalised => {
+                "One penalised spline through heights and slopes, with standard deviations"
+            }
+            GlideMethod::TwoPass => "The two smoothing splines of the 1996 paper",
+            GlideMethod::Quadric => "A least-squares quadric",
+        })
+    });
+    PossibleValuesParser::new(described).try_map(|name| {
+        let mut methods = GlideMethod::ALL.into_iter();
+        methods
+            .find(|method| method.name() == name)
+            .ok_or("is no method")
+    })
+}
+
 fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
-        Ok(number) => Err(format!("must be finite and > 0, is {number}")),
+        Ok(_) => Err(format!("must be finite and > 0, is {text}")),
         Err(_) => Err("is not a number".to_owned()),
     }
 }
@@ -228,7 +247,7 @@ fn positive(text: &str) -> Result<f64, String> {
 fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
-        Ok(number) => Err(format!("must be finite and >= 0, is {number}")),
+        Ok(_) => Err(format!("must be finite and >= 0, is {text}")),
         Err(_) => Err("is not a number".to_owned()),
     }
 }

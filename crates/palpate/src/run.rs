@@ -104,14 +104,21 @@ fn refuse_maps_of_rolls(study: &Study, scenes: &[SceneTrial]) -> Result<(), Fail
     Ok(())
 }
 
-/// The maps of the first trial of every cell that was run; a trial that fails has none.
+/// The maps of the first trial of every cell that was run. A trial that fails has none, which is
+/// said.
 fn maps(study: &Study, ran: &[Ran<'_>]) -> String {
     let mut table = MapTable::of_cells(study.config.length_unit);
+    let mut missing = Vec::new();
     for Ran { cell, scene, .. } in ran {
-        if let Scene::Glide(glide) = scene {
-            // That it failed is told by failures.csv.
-            let _ = glide.map(*cell, 0, &mut table);
+        if let Scene::Glide(glide) = scene
+            && let Err(error) = glide.map(*cell, 0, &mut table)
+        {
+            missing.push(format!("{cell} ({})", error.name()));
         }
+    }
+    if !missing.is_empty() {
+        let cells = missing.join(", ");
+        eprintln!("warning: map.csv lacks cells whose trial 0 failed: {cells}");
     }
     table.into_csv()
 }

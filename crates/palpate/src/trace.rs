@@ -21,8 +21,8 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let (contacts, readings) = run::trace_tables(&study, &scene, args.trial)?;
     let rows = contacts.rows.len();
     let of_whom = match &scene {
-        Scene::Roll(_) => format!("{} probes", readings.rows.len()),
-        Scene::Glide(glide) => format!("{} fingers", glide.fingers()),
+        Scene::Roll(_) => counted(readings.rows.len(), "probe"),
+        Scene::Glide(glide) => counted(glide.fingers(), "finger"),
     };
     output::write_files(
         &args.out,
@@ -32,8 +32,14 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
         ],
     )?;
     output::print(&format!(
-        "{}: {rows} contacts of {of_whom} -> {}",
+        "{}: {} of {of_whom} -> {}",
         study.config.name,
+        counted(rows, "contact"),
         args.out.display()
     ))
+}
+
+fn counted(count: usize, what: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{plural}")
 }

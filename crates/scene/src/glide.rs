@@ -7,7 +7,7 @@ mod sensor;
 mod trace;
 
 pub use map::MapTable;
-pub(crate) use method::PatchMethod;
+pub(crate) use method::AnyMethod;
 pub use trace::GlideTrace;
 
 use nalgebra::Vector3;
@@ -43,7 +43,7 @@ pub struct GlideScene {
     /// What the sensor says of them, without noise.
     sensed: Vec<Contact>,
     noise: ReadingNoise,
-    method: PatchMethod,
+    method: AnyMethod,
     grid: TrueGrid,
     needs: Vec<String>,
 }

@@ -7,6 +7,7 @@
 
 pub mod config;
 pub mod glide;
+mod legible;
 mod plan;
 mod quantity;
 pub mod recorded;

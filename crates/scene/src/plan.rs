@@ -8,6 +8,7 @@ use palpate_geometry::{InvalidShape, Shape};
 use palpate_sensing::{InvalidSensor, PadLayout};
 
 use crate::config::{self, ObjectConfig};
+use crate::legible::legible;
 
 /// A config that makes no scene: which field, and what is wrong with it.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +25,7 @@ impl PlanError {
     pub(crate) fn at(path: impl Into<String>, message: impl ToString) -> Self {
         Self {
             path: path.into(),
-            message: message.to_string(),
+            message: legible(&message.to_string()),
             part: None,
         }
     }

@@ -2,15 +2,14 @@
 
 mod glide;
 mod patch;
+mod patch_estimate;
 mod roll;
 mod sheet;
 
 pub use glide::{GlideReadings, read_glide};
 pub use palpate_geometry::ShapeThresholds;
-pub use patch::{
-    GlideEstimate, GlideMap, GlideMethod, GlideOptions, PatchNoise, PatchRegion, Thresholds,
-    estimate_glide,
-};
+pub use patch::{GlideMethod, GlideOptions, estimate_glide};
+pub use patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds};
 pub use roll::{
     RollEstimate, RollMethod, RollOptions, RollReadings, UnresolvedProbe, estimate_roll, read_roll,
     roll_readings_table,

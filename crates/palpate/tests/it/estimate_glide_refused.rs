@@ -130,7 +130,7 @@ fn normals_that_cannot_be() {
         |normal: &str| said_of(&flat.replacen("-1,-1,0,0,0,1", &format!("-1,-1,0,{normal}"), 1));
     assert_eq!(
         with("0,0,0"),
-        "r.csv:2: contact 0 (counting from 0): the normal has length 0e0"
+        "r.csv:2: contact 0 (counting from 0): the largest component of the normal is 0e0"
     );
     let tangent = with("1,0,0");
     assert!(
@@ -143,7 +143,12 @@ fn normals_that_cannot_be() {
 fn a_wall_is_a_patch_like_any_other() {
     // A cylinder of radius 5 around z, seen from +x: outward lies in its plane unless told.
     let wall = grid(BARE, 6, |y, z| format!("{},{y},{z}", (25.0 - y * y).sqrt()));
-    assert!(said_of(&wall).starts_with("r.csv: the outward direction lies in the patch's plane"));
+    let refused = said_of(&wall);
+    assert!(
+        refused.starts_with("r.csv: the outward direction lies in the patch's plane")
+            && refused.ends_with("; give another with --outward X,Y,Z"),
+        "{refused}"
+    );
     let desk = Desk::new();
     desk.write("r.csv", &wall);
     for (outward, sign) in [("1,0,0", 1.0), ("-2,0,0", -1.0)] {
@@ -246,6 +251,15 @@ fn arguments() {
             "is of no use to two-pass",
         ),
         ("--method spline", "spline"),
+        (
+            "--inter-finger-distance 2",
+            "is of use only to --method two-pass",
+        ),
+        (
+            "--method two-pass --inter-finger-distance 0",
+            "must be finite and > 0, is 0",
+        ),
+        ("--at-contacts", "--map"),
     ] {
         let said = desk
             .palpate(&format!("estimate glide r.csv {options}"))
@@ -260,7 +274,10 @@ fn arguments() {
     let said = desk
         .palpate("estimate glide r.csv --map file/m.csv")
         .said(1);
-    assert!(said.contains("cannot make the directory file"), "{said}");
+    assert_eq!(said, "error: --map file/m.csv: no directory file\n");
+    let said = desk.palpate("estimate glide r.csv --map a/b/m.csv").said(1);
+    assert_eq!(said, "error: --map a/b/m.csv: no directory a/b\n");
+    assert!(!desk.path("a").exists());
 }
 
 #[test]
@@ -284,4 +301,68 @@ fn given_thresholds_and_noise_are_used() {
         1e-9,
     );
     assert!(json["mean_curvature"]["std"].as_f64().unwrap() > 1e-3);
+}
+
+#[test]
+fn two_pass_of_one_finger_needs_a_unit() {
+    let desk = Desk::new();
+    let bowl = bowl(1.0);
+    let rows = bowl.lines().skip(1);
+    let one: String = rows.map(|row| format!("0{}\n", &row[1..])).collect();
+    desk.write("one.csv", format!("{BARE}\n{one}"));
+    desk.write("many.csv", &bowl);
+    let run = |arguments: &str| desk.palpate(&format!("estimate glide {arguments}"));
+    assert_eq!(
+        run("one.csv --method two-pass").said(1),
+        "error: one.csv: the contacts are of one finger, which has no distance to another: \
+         two-pass needs --inter-finger-distance\n"
+    );
+    let told = |arguments: &str| -> serde_json::Value {
+        serde_json::from_str(&run(arguments).printed()).unwrap()
+    };
+    // The fingers of the grid stand 0.4 apart, which is then the unit.
+    let given = told("many.csv --method two-pass --inter-finger-distance 0.4");
+    let found = told("many.csv --method two-pass");
+    let mean = |json: &serde_json::Value| json["mean_curvature"]["value"].as_f64().unwrap();
+    assert_close(mean(&given), mean(&found), 1e-9);
+    assert!(found["status"].is_string());
+    assert!(told("many.csv")["status"].is_null());
+    assert!(
+        mean(&told(
+            "one.csv --method two-pass --inter-finger-distance 0.4"
+        )) < 0.0
+    );
+    let huge = run("many.csv --method two-pass --inter-finger-distance 1e300").said(1);
+    assert!(
+        huge.len() < 150 && huge.contains("--inter-finger-distance is 1e300"),
+        "{huge}"
+    );
+}
+
+#[test]
+fn a_map_at_the_contacts_has_their_places_in_their_order() {
+    let desk = Desk::new();
+    // z = 0.2 (x² + y²) seen from above, so that lines along z meet it at its contacts.
+    desk.write("r.csv", bowl(1.0));
+    let on_grid = desk
+        .palpate("estimate glide r.csv --map grid.csv")
+        .printed();
+    let at_contacts = desk
+        .palpate("estimate glide r.csv --map m.csv --at-contacts")
+        .printed();
+    assert_eq!(on_grid, at_contacts);
+    let (readings, map) = (desk.table("r.csv"), desk.table("m.csv"));
+    assert_eq!(map.header, desk.table("grid.csv").header);
+    assert_eq!(map.rows.len(), readings.rows.len());
+    for row in 0..map.rows.len() {
+        for column in ["x_mm", "y_mm", "z_mm"] {
+            let off = map.number(row, column) - readings.number(row, column);
+            assert!(off.abs() < 1e-9, "{column} of row {row}");
+        }
+        let slope_squared =
+            0.16 * (map.number(row, "x_mm").powi(2) + map.number(row, "y_mm").powi(2));
+        let gaussian = map.number(row, "gaussian_curvature_per_mm2");
+        assert_close(gaussian, 0.16 / (1.0 + slope_squared).powi(2), 1e-9);
+        assert_eq!(map.text(row, "region"), "");
+    }
 }

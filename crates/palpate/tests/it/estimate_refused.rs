@@ -218,7 +218,7 @@ fn arguments() {
         ("", "--probe-radius"),
         ("--probe-radius 0", "must be finite and > 0, is 0"),
         ("--probe-radius -10", "must be finite and > 0, is -10"),
-        ("--probe-radius nan", "must be finite and > 0, is NaN"),
+        ("--probe-radius nan", "must be finite and > 0, is nan"),
         ("--probe-radius inf", "must be finite and > 0, is inf"),
         ("--probe-radius ten", "'ten'"),
         (

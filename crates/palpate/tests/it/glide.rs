@@ -238,6 +238,18 @@ fn bad_scenes_are_refused_at_their_field() {
             "must be > 0, is 0",
         ),
         (
+            "evaluate",
+            "estimator = { kind = \"penalised\", criterion = \"reml\", gamma = 2.0 }\nevaluate",
+            "13:63: scene.estimator.gamma",
+            "only criterion \"robust-gcv\" has a gamma; leave it out",
+        ),
+        (
+            "inter_finger_distance = 10.0",
+            "inter_finger_distance = 1e300",
+            "17:14: scene.noise.position.fraction_of_ifd",
+            "size is 5e298; it must be from 0 to 1e150\n",
+        ),
+        (
             "values = [0, 0.05]",
             "values = [0, -0.05]",
             "17:14: scene.noise.position.fraction_of_ifd",
@@ -253,4 +265,19 @@ fn bad_scenes_are_refused_at_their_field() {
         );
         assert!(said.contains(words), "{to}: {said}");
     }
+}
+
+#[test]
+fn a_cell_without_a_map_is_told() {
+    // Normals that point anywhere are those of no patch.
+    let lost = edited(GLIDE, "values = [0, 0.05]", "values = [0, 1]").replace(
+        "fraction_of_ifd = 0.0 } }",
+        "fraction_of_ifd = 0.0 }, normal = { kind = \"gaussian\", std_deg = 90 } }",
+    );
+    let ended = Desk::with(&lost).palpate("run c.toml --out o");
+    assert_eq!(ended.status, Some(0));
+    assert_eq!(
+        ended.stderr,
+        "warning: map.csv lacks cells whose trial 0 failed: 0 (folded), 1 (folded)\n"
+    );
 }

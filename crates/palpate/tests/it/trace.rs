@@ -319,3 +319,10 @@ fn a_roll_that_ends_early_is_an_error() {
     assert!(said.contains("probe 0: "), "{said}");
     assert!(!desk.path("t").exists());
 }
+
+#[test]
+fn one_is_singular() {
+    let one = edited(super::glide::GLIDE, "[-15.0, 0.0, 15.0]", "[0.0]");
+    let printed = Desk::with(&one).palpate("trace c.toml --out o").printed();
+    assert_eq!(printed, "a-glide: 10 contacts of 1 finger -> o\n");
+}

@@ -44,7 +44,7 @@ impl GlideConfig {
                 "scene.sensor",
                 "pads need a round tip: `scene.probe` with kind = \"sphere\"",
             )),
-            _ => Ok(()),
+            _ => self.estimator.check(),
         }
     }
 }

@@ -53,15 +53,16 @@ impl MapTable {
         self.csv
     }
 
-    /// Adds the places of a map, whose regions are known.
+    /// Adds the places of a map, and their regions where they are known.
     pub(crate) fn push_map(
         &mut self,
         points: &[MapPoint],
-        regions: &Regions,
+        regions: Option<&Regions>,
         thresholds: &ShapeThresholds,
     ) {
-        for (point, region) in points.iter().zip(&regions.of_point) {
-            self.push(None, point, *region, thresholds);
+        for (place, point) in points.iter().enumerate() {
+            let region = regions.map(|regions| regions.of_point[place]);
+            self.push(None, point, region, thresholds);
         }
     }
 
@@ -69,7 +70,7 @@ impl MapTable {
         &mut self,
         cell_and_truth: Option<(usize, ShapeClass)>,
         point: &MapPoint,
-        region: usize,
+        region: Option<usize>,
         thresholds: &ShapeThresholds,
     ) {
         let curvature = &point.curvature;
@@ -90,7 +91,9 @@ impl MapTable {
         if let Some((_, truth)) = cell_and_truth {
             let _ = write!(self.csv, "{},", truth.name());
         }
-        let _ = write!(self.csv, "{region}");
+        if let Some(region) = region {
+            let _ = write!(self.csv, "{region}");
+        }
         let probabilities = curvature.class_probabilities(thresholds);
         for class in 0..ShapeClass::ALL.len() {
             self.csv.push(',');
@@ -148,7 +151,7 @@ impl GlideScene {
             table.push(
                 Some((cell, truth.class)),
                 point,
-                *region,
+                Some(*region),
                 &self.grid.thresholds,
             );
         }

@@ -7,15 +7,15 @@ use palpate_ep2::{
 
 use crate::config::{CriterionName, GlideEstimatorConfig, NormalsOf};
 
-/// Any of the methods.
+/// Any of the methods, with its settings.
 #[derive(Clone, Debug)]
-pub(crate) enum PatchMethod {
+pub(crate) enum AnyMethod {
     Penalised(Penalised),
     TwoPass(TwoPass),
     Quadric(Quadric),
 }
 
-impl Method for PatchMethod {
+impl Method for AnyMethod {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
         match self {
             Self::Penalised(method) => method.fit(patch),
@@ -25,7 +25,7 @@ impl Method for PatchMethod {
     }
 }
 
-impl PatchMethod {
+impl AnyMethod {
     /// The method of a config, with the inter-finger distance as the unit of two-pass.
     pub(super) fn of(config: &GlideEstimatorConfig, inter_finger_distance: f64) -> Self {
         match *config {
@@ -76,15 +76,6 @@ impl PatchMethod {
                 ..TwoPass::default()
             }),
             GlideEstimatorConfig::Quadric {} => Self::Quadric(Quadric::default()),
-        }
-    }
-
-    /// The name used in configs.
-    pub(crate) const fn name(&self) -> &'static str {
-        match self {
-            Self::Penalised(_) => "penalised",
-            Self::TwoPass(_) => "two-pass",
-            Self::Quadric(_) => "quadric",
         }
     }
 

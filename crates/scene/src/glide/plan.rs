@@ -8,7 +8,7 @@ use palpate_sensing::{
     PositionError, Stream,
 };
 
-use super::method::PatchMethod;
+use super::method::AnyMethod;
 use super::sensor::{GlideSensor, SensorKind};
 use super::{FingerTouch, GlideScene, ReadingNoise, TrueGrid, TruePlace};
 use crate::config::{
@@ -34,7 +34,7 @@ impl GlideScene {
         let sensor = sensor(&config.sensor, radius)?;
         let sensed = sensed(&sensor, &touches, radius)?;
         let noise = noise(&config.noise, config.motion.inter_finger_distance)?;
-        let method = PatchMethod::of(&config.estimator, config.motion.inter_finger_distance);
+        let method = AnyMethod::of(&config.estimator, config.motion.inter_finger_distance);
         let grid = grid(&config.evaluate, &object, middle)?;
         let mut needs = vec![match fingertip {
             Fingertip::Point => "contacts of points, straight below".to_owned(),

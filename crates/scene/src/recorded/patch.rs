@@ -1,21 +1,20 @@
 //! The curvature of a patch from recorded glides.
 
-use std::collections::BTreeMap;
-
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use palpate_ep2::{
-    Curvature, Ep2Error, Fit, MapPoint, Method, Noise, Patch, Penalised, Quadric, Region, Regions,
-    TwoPass, Uncertainty, regions,
+    Curvature, Ep2Error, Fit, Method, Noise, Patch, Penalised, Quadric, Status, TwoPass,
+    Uncertainty, regions,
 };
 use palpate_geometry::{ShapeClass, ShapeThresholds};
-use serde::Serialize;
 
 use super::Value;
 use super::glide::GlideReadings;
+use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::sheet::{RecordedError, agreed_unit};
 use crate::Unit;
 use crate::config::LengthUnit;
-use crate::glide::{MapTable, PatchMethod};
+use crate::glide::AnyMethod;
+use crate::legible::legible;
 
 /// How to estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,6 +28,20 @@ pub enum GlideMethod {
     Quadric,
 }
 
+impl GlideMethod {
+    /// All methods, the default first.
+    pub const ALL: [Self; 3] = [Self::Penalised, Self::TwoPass, Self::Quadric];
+
+    /// The name used in configs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Penalised => "penalised",
+            Self::TwoPass => "two-pass",
+            Self::Quadric => "quadric",
+        }
+    }
+}
+
 /// What the readings do not say themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GlideOptions {
@@ -38,8 +51,10 @@ pub struct GlideOptions {
     pub length_unit: Option<LengthUnit>,
     /// Out of the object; only its side of the patch matters, and only without normals.
     pub outward: [f64; 3],
-    /// Places of the map along each side.
+    /// Places along each side of the grid on which regions are sought, and the map's.
     pub grid: usize,
+    /// Whether the map has a place per contact, in their order, and not those of the grid.
+    pub map_at_contacts: bool,
     /// When curvatures count as zero, in the unit of the readings; `None` takes them from the size
     /// of the patch.
     pub thresholds: Option<ShapeThresholds>,
@@ -48,6 +63,9 @@ pub struct GlideOptions {
     pub position_std: Option<f64>,
     /// Standard deviation of a normal's tilt about each tangent; likewise.
     pub normal_std_rad: Option<f64>,
+    /// The length that the settings of two-pass count in; `None` for the mean distance between
+    /// neighbouring fingers. Only two-pass has use for it.
+    pub inter_finger_distance: Option<f64>,
 }
 
 impl Default for GlideOptions {
@@ -57,99 +75,12 @@ impl Default for GlideOptions {
             length_unit: None,
             outward: [0.0, 0.0, 1.0],
             grid: 30,
+            map_at_contacts: false,
             thresholds: None,
             position_std: None,
             normal_std_rad: None,
+            inter_finger_distance: None,
         }
-    }
-}
-
-/// When curvatures count as zero.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Thresholds {
-    gaussian: Value,
-    mean: Value,
-    /// Where they come from.
-    from: &'static str,
-}
-
-/// How far contacts are off, as found or as stated.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PatchNoise {
-    /// Along the surface's normal.
-    position_std: Value,
-    /// Of a normal's tilt about each tangent; `null` without normals.
-    normal_std_deg: Option<f64>,
-}
-
-/// A connected part of the map that has one class.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PatchRegion {
-    class: &'static str,
-    /// How many places of the map it holds.
-    points: usize,
-    area: Value,
-    gaussian_curvature: Value,
-    mean_curvature: Value,
-    /// The direction of largest curvature that its places share, of either sign; `null` where they
-    /// share none.
-    direction_of_max: Option<[f64; 3]>,
-    /// How well its places agree on it, from 0 to 1.
-    coherence: f64,
-}
-
-/// What `estimate glide` prints. Curvature, class and directions are those of the patch's middle.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct GlideEstimate {
-    method: &'static str,
-    contacts: usize,
-    fingers: usize,
-    with_normals: bool,
-    length_unit: &'static str,
-    /// The middle of the patch, on the fitted surface.
-    position: [f64; 3],
-    /// Out of the object.
-    normal: [f64; 3],
-    gaussian_curvature: Value,
-    mean_curvature: Value,
-    k_min: Value,
-    k_max: Value,
-    /// Unit tangents, of either sign.
-    direction_of_min: [f64; 3],
-    direction_of_max: [f64; 3],
-    /// From −1, a cup, to 1, a cap; `null` where the surface is flat.
-    shape_index: Option<f64>,
-    class: &'static str,
-    /// `null` where the method states no uncertainty.
-    class_probabilities: Option<BTreeMap<&'static str, f64>>,
-    /// By the signs of the curvatures alone.
-    sign_class: &'static str,
-    thresholds: Thresholds,
-    /// `null` where the method does not find it.
-    noise: Option<PatchNoise>,
-    /// How many unknowns the fit has taken up.
-    effective_unknowns: f64,
-    /// Places of the map along each side.
-    grid: usize,
-    /// The map's parts of one class, the largest first.
-    regions: Vec<PatchRegion>,
-}
-
-/// The estimated curvature on a grid over the patch.
-#[derive(Clone, Debug)]
-pub struct GlideMap {
-    points: Vec<MapPoint>,
-    regions: Regions,
-    thresholds: ShapeThresholds,
-    unit: LengthUnit,
-}
-
-impl GlideMap {
-    /// The map as CSV, one row per place.
-    pub fn to_csv(&self) -> String {
-        let mut table = MapTable::of_readings(self.unit);
-        table.push_map(&self.points, &self.regions, &self.thresholds);
-        table.into_csv()
     }
 }
 
@@ -182,7 +113,7 @@ pub fn estimate_glide(
     let stds = curvature.uncertainty;
     let [min_std, max_std] = principal_stds(&curvature);
     let estimate = GlideEstimate {
-        method: method.name(),
+        method: options.method.name(),
         contacts: recorded.contacts.len(),
         fingers: recorded.fingers,
         with_normals: patch.has_normals(),
@@ -222,13 +153,21 @@ pub fn estimate_glide(
             position_std: value(noise.position_std, None, Unit::Length),
             normal_std_deg: noise.normal_std_rad.map(f64::to_degrees),
         }),
+        status: fit.status.map(Status::name),
         effective_unknowns: fit.effective_unknowns,
         grid: options.grid,
         regions: regions
             .regions
             .iter()
-            .map(|one| region(one, unit))
+            .map(|one| PatchRegion::of(one, unit))
             .collect(),
+    };
+    let (points, regions) = if options.map_at_contacts {
+        let contacts = recorded.contacts.iter().map(|contact| contact.position);
+        let contacts: Vec<Point3<f64>> = contacts.collect();
+        (fit.points_at(&contacts).map_err(refused)?, None)
+    } else {
+        (points, Some(regions))
     };
     let map = GlideMap {
         points,
@@ -239,18 +178,21 @@ pub fn estimate_glide(
     Ok((estimate, map))
 }
 
-fn method(options: &GlideOptions) -> PatchMethod {
+fn method(options: &GlideOptions) -> AnyMethod {
     let noise = Noise {
         position_std: options.position_std,
         normal_std_rad: options.normal_std_rad,
     };
     match options.method {
-        GlideMethod::Penalised => PatchMethod::Penalised(Penalised {
+        GlideMethod::Penalised => AnyMethod::Penalised(Penalised {
             noise,
             ..Penalised::default()
         }),
-        GlideMethod::TwoPass => PatchMethod::TwoPass(TwoPass::default()),
-        GlideMethod::Quadric => PatchMethod::Quadric(Quadric { noise }),
+        GlideMethod::TwoPass => AnyMethod::TwoPass(TwoPass {
+            unit_length: options.inter_finger_distance,
+            ..TwoPass::default()
+        }),
+        GlideMethod::Quadric => AnyMethod::Quadric(Quadric { noise }),
     }
 }
 
@@ -264,7 +206,7 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
         | Ep2Error::Folded { contact, .. } => Some(*contact),
         _ => None,
     };
-    let (file, message) = (recorded.file.clone(), error.to_string());
+    let (file, message) = (recorded.file.clone(), remedied(error));
     match contact.and_then(|contact| recorded.lines.get(contact)) {
         Some(&line) => RecordedError::Line {
             file,
@@ -273,6 +215,27 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
         },
         None => RecordedError::Readings { file, message },
     }
+}
+
+/// The error in the words of the command line, with the option that helps where there is one.
+fn remedied(error: &Ep2Error) -> String {
+    let message = match error {
+        Ep2Error::BadSetting {
+            setting: "unit_length",
+            value: 0.0,
+            ..
+        } => "the contacts are of one finger, which has no distance to another: two-pass needs \
+              --inter-finger-distance"
+            .to_owned(),
+        Ep2Error::BadSetting {
+            setting: "unit_length",
+            value,
+            expected,
+        } => format!("--inter-finger-distance is {value}; it must be {expected}"),
+        Ep2Error::NoSide { .. } => format!("{error}; give another with --outward X,Y,Z"),
+        _ => error.to_string(),
+    };
+    legible(&message)
 }
 
 /// The thresholds of the 1996 paper, 0.005 and 0.03 on a patch of 3 × 3, scaled to this patch by
@@ -310,22 +273,4 @@ fn principal_stds(curvature: &Curvature) -> [Option<f64>; 2] {
         let std = variance(-0.5 * sign / half, 1.0 + sign * mean / half).sqrt();
         std.is_finite().then_some(std)
     })
-}
-
-fn region(region: &Region, unit: LengthUnit) -> PatchRegion {
-    let value = |value: f64, power: Unit| Value::new(value, None, power, unit);
-    PatchRegion {
-        class: region.class.name(),
-        points: region.points,
-        area: value(region.area, Unit::LengthSquared),
-        gaussian_curvature: value(region.gaussian_curvature, Unit::PerLengthSquared),
-        mean_curvature: value(region.mean_curvature, Unit::PerLength),
-        direction_of_max: region.direction_of_max.as_ref().map(tidy),
-        coherence: region.coherence,
-    }
-}
-
-/// Zero without a sign.
-fn tidy(vector: &Vector3<f64>) -> [f64; 3] {
-    [vector.x, vector.y, vector.z].map(|number| number + 0.0)
 }

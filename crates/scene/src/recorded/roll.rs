@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::Value;
 use super::sheet::{Column, RecordedError, Sheet, agreed_unit, header, read_text};
 use crate::config::LengthUnit;
+use crate::legible::legible;
 use crate::{Table, Unit};
 
 /// One row per probe.
@@ -190,7 +191,7 @@ pub fn estimate_roll(
 ) -> Result<RollEstimate, RecordedError> {
     let fail = |message: String| RecordedError::Readings {
         file: recorded.file.clone(),
-        message,
+        message: legible(&message),
     };
     let unit = agreed_unit(&recorded.file, recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;

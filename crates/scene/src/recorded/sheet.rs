@@ -5,6 +5,7 @@ use std::path::Path;
 use thiserror::Error;
 
 use crate::config::LengthUnit;
+use crate::legible::legible;
 
 /// Readings that cannot be read.
 #[derive(Debug, Error)]
@@ -195,7 +196,7 @@ impl Sheet {
             return Ok(number as u64);
         }
         let message = format!("column `{column}`: must be a whole number from 0, is {number}");
-        Err(self.fail(line, message))
+        Err(self.fail(line, legible(&message)))
     }
 }
 

@@ -16,7 +16,7 @@ pub enum GlideEstimatorConfig {
         /// How the weight of the penalty is chosen.
         #[serde(default)]
         criterion: CriterionName,
-        /// How much stronger than plain cross validation the robust one smooths; only used by that.
+        /// How much stronger than plain cross validation the robust one smooths; only used by that, and left at its default with others.
         #[serde(default = "gamma")]
         #[schemars(extend("minimum" = 1, "maximum" = 100))]
         gamma: f64,
@@ -90,6 +90,22 @@ fn thousand() -> f64 {
 
 fn twentieth() -> f64 {
     0.05
+}
+
+impl GlideEstimatorConfig {
+    pub(in crate::config) fn check(&self) -> Result<(), (&'static str, &'static str)> {
+        match *self {
+            Self::Penalised {
+                criterion: CriterionName::Gcv | CriterionName::Reml,
+                gamma: given,
+                ..
+            } if given != gamma() => Err((
+                "scene.estimator.gamma",
+                "only criterion \"robust-gcv\" has a gamma; leave it out with \"gcv\" and \"reml\"",
+            )),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Default for GlideEstimatorConfig {

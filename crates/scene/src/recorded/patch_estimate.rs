@@ -1,0 +1,125 @@
+//! What is told of a patch: the estimate, as JSON, and the map.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+use palpate_ep2::{MapPoint, Region, Regions};
+use palpate_geometry::ShapeThresholds;
+use serde::Serialize;
+
+use super::Value;
+use crate::Unit;
+use crate::config::LengthUnit;
+use crate::glide::MapTable;
+
+/// When curvatures count as zero.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Thresholds {
+    pub(super) gaussian: Value,
+    pub(super) mean: Value,
+    /// Where they come from.
+    pub(super) from: &'static str,
+}
+
+/// How far contacts are off, as found or as stated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PatchNoise {
+    /// Along the surface's normal.
+    pub(super) position_std: Value,
+    /// Of a normal's tilt about each tangent; `null` without normals.
+    pub(super) normal_std_deg: Option<f64>,
+}
+
+/// A connected part of the map that has one class.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PatchRegion {
+    pub(super) class: &'static str,
+    /// How many places of the map it holds.
+    pub(super) points: usize,
+    pub(super) area: Value,
+    pub(super) gaussian_curvature: Value,
+    pub(super) mean_curvature: Value,
+    /// The direction of largest curvature that its places share, of either sign; `null` where they
+    /// share none.
+    pub(super) direction_of_max: Option<[f64; 3]>,
+    /// How well its places agree on it, from 0 to 1.
+    pub(super) coherence: f64,
+}
+
+/// What `estimate glide` prints. Curvature, class and directions are those of the patch's middle.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GlideEstimate {
+    pub(super) method: &'static str,
+    pub(super) contacts: usize,
+    pub(super) fingers: usize,
+    pub(super) with_normals: bool,
+    pub(super) length_unit: &'static str,
+    /// The middle of the patch, on the fitted surface.
+    pub(super) position: [f64; 3],
+    /// Out of the object.
+    pub(super) normal: [f64; 3],
+    pub(super) gaussian_curvature: Value,
+    pub(super) mean_curvature: Value,
+    pub(super) k_min: Value,
+    pub(super) k_max: Value,
+    /// Unit tangents, of either sign.
+    pub(super) direction_of_min: [f64; 3],
+    pub(super) direction_of_max: [f64; 3],
+    /// From −1, a cup, to 1, a cap; `null` where the surface is flat.
+    pub(super) shape_index: Option<f64>,
+    pub(super) class: &'static str,
+    /// `null` where the method states no uncertainty.
+    pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,
+    /// By the signs of the curvatures alone.
+    pub(super) sign_class: &'static str,
+    pub(super) thresholds: Thresholds,
+    /// `null` where the method does not find it.
+    pub(super) noise: Option<PatchNoise>,
+    /// Whether two-pass has met its smoothing sums; `null` of other methods. Curvatures are of no use
+    /// where it has not: `knots-exhausted`, `unsettled`.
+    pub(super) status: Option<&'static str>,
+    /// How many unknowns the fit has taken up.
+    pub(super) effective_unknowns: f64,
+    /// Places of the map along each side.
+    pub(super) grid: usize,
+    /// The map's parts of one class, the largest first.
+    pub(super) regions: Vec<PatchRegion>,
+}
+
+/// The estimated curvature on a grid over the patch, or at the contacts.
+#[derive(Clone, Debug)]
+pub struct GlideMap {
+    pub(super) points: Vec<MapPoint>,
+    pub(super) regions: Option<Regions>,
+    pub(super) thresholds: ShapeThresholds,
+    pub(super) unit: LengthUnit,
+}
+
+impl GlideMap {
+    /// The map as CSV, one row per place; the regions of contacts are empty.
+    pub fn to_csv(&self) -> String {
+        let mut table = MapTable::of_readings(self.unit);
+        table.push_map(&self.points, self.regions.as_ref(), &self.thresholds);
+        table.into_csv()
+    }
+}
+
+impl PatchRegion {
+    pub(super) fn of(region: &Region, unit: LengthUnit) -> Self {
+        let value = |value: f64, power: Unit| Value::new(value, None, power, unit);
+        Self {
+            class: region.class.name(),
+            points: region.points,
+            area: value(region.area, Unit::LengthSquared),
+            gaussian_curvature: value(region.gaussian_curvature, Unit::PerLengthSquared),
+            mean_curvature: value(region.mean_curvature, Unit::PerLength),
+            direction_of_max: region.direction_of_max.as_ref().map(tidy),
+            coherence: region.coherence,
+        }
+    }
+}
+
+/// Zero without a sign.
+pub(super) fn tidy(vector: &Vector3<f64>) -> [f64; 3] {
+    [vector.x, vector.y, vector.z].map(|number| number + 0.0)
+}
