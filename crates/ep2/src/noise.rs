@@ -23,7 +23,7 @@ pub struct NoiseEstimate {
 }
 
 /// Smallest standard deviation that is told from rounding, in the patch's unit.
-const ROUNDING: f64 = 1e-14;
+const ROUNDING: f64 = 1e-12;
 /// Heights that are found so much more exact than slopes (or the other way round) are fitted
 /// exactly by chance: the variances are kept within this factor of each other.
 const LARGEST_RATIO: f64 = 1e8;
@@ -110,6 +110,11 @@ impl Variances {
             }
         }
         told
+    }
+
+    /// The smallest factor by which residuals may shrink the variances: what is left is rounding.
+    pub(crate) fn least_scale(&self) -> f64 {
+        ROUNDING * ROUNDING / self.heights
     }
 
     /// As standard deviations, in the unit of the world.

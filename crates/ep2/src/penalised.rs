@@ -88,7 +88,8 @@ impl Penalised {
             spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         }
         let search = Search::new(&spectrum, self.criterion, is_known, expected);
-        let choice = search.best();
+        let mut choice = search.best();
+        choice.scale = choice.scale.max(variances.least_scale());
         let deviation = spectrum.coefficients(&spectrum.kept(choice.log_weight));
         let coefficients: Vec<f64> = quadric
             .spline_coefficients(&knots[0], &knots[1])
