@@ -1,0 +1,1 @@
+//! The spherical colour-marker sensor, forward: where its markers lie.

@@ -1,0 +1,2 @@
+//! Presses.
+fn main() {}

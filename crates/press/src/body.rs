@@ -1,0 +1,176 @@
+//! The soft body that is pressed, and a contact with it.
+
+use std::sync::Arc;
+
+use crate::bonded_layer::BondedLayer;
+use crate::{Field, PressError, half_space};
+
+/// What a press does to the skin at the markers' depth.
+///
+/// Every body scales alike: with the contact's radius a and the relative curvature C_r, the displacement is
+/// C_r F(a, r) and the indentation is C_r D(a).
+#[derive(Clone, Debug)]
+pub struct Body(Rung);
+
+#[derive(Clone, Debug)]
+enum Rung {
+    HalfSpace { poisson: f64, depth: f64 },
+    BondedLayer(Arc<BondedLayer>),
+    Gaussian { c: f64 },
+}
+
+/// A contact: what presses, how deep, and how wide.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<'b> {
+    body: &'b Body,
+    /// 1/R_s + 1/R_o, 1/length.
+    pub relative_curvature: f64,
+    /// The approach of the bodies since first touch, length.
+    pub indentation: f64,
+    /// Radius of the contact, length.
+    pub radius: f64,
+}
+
+/// How far a place on the skin moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Displacement {
+    /// Inward, length.
+    pub normal: f64,
+    /// Along the skin, away from the contact, length.
+    pub radial: f64,
+}
+
+impl Body {
+    /// An elastic half-space, seen at its surface.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5].
+    pub fn hertz(poisson: f64) -> Result<Self, PressError> {
+        Self::half_space(poisson, 0.0)
+    }
+
+    /// An elastic half-space, seen at this depth.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5] and a `depth` that is negative or beyond 1e50.
+    pub fn half_space(poisson: f64, depth: f64) -> Result<Self, PressError> {
+        let good = (0.0..=0.5).contains(&poisson);
+        PressError::unless_good("poisson", poisson, good, "from 0 to 0.5")?;
+        let good = (0.0..=1e50).contains(&depth);
+        PressError::unless_good("depth", depth, good, "at least 0 and at most 1e50")?;
+        Ok(Self(Rung::HalfSpace { poisson, depth }))
+    }
+
+    /// An incompressible layer bonded to a rigid core, seen at this depth.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`] for a `thickness` that is not a length, or a `depth` that is not within it.
+    pub fn bonded_layer(thickness: f64, depth: f64) -> Result<Self, PressError> {
+        BondedLayer::new(thickness, depth).map(|layer| Self(Rung::BondedLayer(Arc::new(layer))))
+    }
+
+    /// The 2020 paper's approximation u = δ exp(−r²/2σ²) with σ² = δ R/c; it moves nothing along the skin. The paper
+    /// has c = 1.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`] for a `c` that is not finite and positive.
+    pub fn gaussian(c: f64) -> Result<Self, PressError> {
+        let good = c > 0.0 && c.is_finite();
+        PressError::unless_good("c", c, good, "finite and > 0")?;
+        Ok(Self(Rung::Gaussian { c }))
+    }
+
+    /// Whether presses move the skin along itself, as far as this model knows.
+    pub fn moves_tangentially(&self) -> bool {
+        !matches!(self.0, Rung::Gaussian { .. })
+    }
+
+    /// A press of this indentation, by an object of this relative curvature.
+    ///
+    /// # Errors
+    /// [`PressError::EdgeContact`] or [`PressError::Conforming`] where the relative curvature is not positive,
+    /// [`PressError::NoIndentation`], [`PressError::TooDeep`] beyond a layer, [`PressError::LayerTooThin`] and
+    /// [`PressError::OutOfRange`] where the contact's radius cannot be found.
+    pub fn press(
+        &self,
+        relative_curvature: f64,
+        indentation: f64,
+    ) -> Result<Contact<'_>, PressError> {
+        if !(relative_curvature.is_finite() && indentation.is_finite()) {
+            return Err(PressError::OutOfRange);
+        }
+        if relative_curvature <= 0.0 {
+            return Err(if relative_curvature == 0.0 {
+                PressError::Conforming { relative_curvature }
+            } else {
+                PressError::EdgeContact { relative_curvature }
+            });
+        }
+        if indentation <= 0.0 {
+            return Err(PressError::NoIndentation { indentation });
+        }
+        if let Rung::BondedLayer(layer) = &self.0
+            && indentation >= layer.thickness()
+        {
+            return Err(PressError::TooDeep {
+                indentation,
+                limit: layer.thickness(),
+                what: "the layer's thickness",
+            });
+        }
+        let radius = self.contact_radius(indentation / relative_curvature)?;
+        if !(1e-100..=1e100).contains(&radius) {
+            return Err(PressError::OutOfRange);
+        }
+        Ok(Contact {
+            body: self,
+            relative_curvature,
+            indentation,
+            radius,
+        })
+    }
+
+    /// The contact's radius from D = δ R.
+    fn contact_radius(&self, indentation_over_curvature: f64) -> Result<f64, PressError> {
+        match &self.0 {
+            Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok(indentation_over_curvature.sqrt()),
+            Rung::BondedLayer(layer) => layer.contact_radius(indentation_over_curvature),
+        }
+    }
+
+    /// dD/da at a contact radius.
+    pub(crate) fn indentation_slope(&self, a: f64) -> Result<f64, PressError> {
+        match &self.0 {
+            Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok(2.0 * a),
+            Rung::BondedLayer(layer) => layer.indentation_of(a).map(|[_, slope]| slope),
+        }
+    }
+}
+
+impl Contact<'_> {
+    /// How far the skin moves at arc distance `r >= 0` from the contact.
+    pub fn displacement(&self, r: f64) -> Displacement {
+        let field = self.field(r);
+        Displacement {
+            normal: self.relative_curvature * field.normal,
+            radial: self.relative_curvature * field.radial,
+        }
+    }
+
+    pub(crate) fn field(&self, r: f64) -> Field {
+        let a = self.radius;
+        match &self.body.0 {
+            Rung::HalfSpace { poisson, depth } => half_space::field(*poisson, *depth, a, r),
+            Rung::BondedLayer(layer) => layer.field(a, r),
+            Rung::Gaussian { c } => {
+                let share = (-0.5 * c * (r / a) * (r / a)).exp();
+                Field {
+                    normal: a * a * share,
+                    normal_per_r: -c * r * share,
+                    normal_per_a: (2.0 * a + c * r * r / a) * share,
+                    ..Field::default()
+                }
+            }
+        }
+    }
+}

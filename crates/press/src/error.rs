@@ -1,0 +1,148 @@
+//! Presses that do not happen, and readings that do not tell a curvature.
+
+use thiserror::Error;
+
+/// Why there is no press, or no curvature from it.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum PressError {
+    /// A setting is out of its range.
+    #[error("{setting} is {value}; it must be {expected}")]
+    BadSetting {
+        /// Name of the setting, as in the config.
+        setting: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would be right.
+        expected: &'static str,
+    },
+    /// A reading, or what follows from it, is not a finite number.
+    #[error("marker {marker} (counting from 0): a number is not finite, or beyond 1e150")]
+    NotFinite {
+        /// Which marker.
+        marker: usize,
+    },
+    /// The bodies do not press into each other.
+    #[error("the indentation is {indentation}; a contact needs one > 0")]
+    NoIndentation {
+        /// The approach of the bodies since first touch, length.
+        indentation: f64,
+    },
+    /// The object is exactly as hollow as the sensor is round: they touch everywhere at once.
+    #[error("the bodies conform: the relative curvature is {relative_curvature:e}")]
+    Conforming {
+        /// 1/R_s + 1/R_o, 1/length.
+        relative_curvature: f64,
+    },
+    /// The object is more hollow than the sensor is round: its edge is touched, not its bottom.
+    #[error("the relative curvature is {relative_curvature}, below 0: the contact is at the edge")]
+    EdgeContact {
+        /// 1/R_s + 1/R_o, 1/length.
+        relative_curvature: f64,
+    },
+    /// The indentation reaches beyond the elastic body.
+    #[error("the indentation is {indentation}; it must be less than {limit}, {what}")]
+    TooDeep {
+        /// The indentation, length.
+        indentation: f64,
+        /// What it must stay below, length.
+        limit: f64,
+        /// What that is.
+        what: &'static str,
+    },
+    /// The contact would be wider than the sensor.
+    #[error(
+        "the contact would have a radius of {radius:.4}; it must stay below that of the sensor, \
+         {limit}"
+    )]
+    TooWide {
+        /// Radius of the contact, length.
+        radius: f64,
+        /// Radius of the sensor, length.
+        limit: f64,
+    },
+    /// The contact is so much wider than the layer is thick that the equations cannot be solved.
+    #[error(
+        "the contact is {ratio:.3e} times as wide as the layer is thick; at most {limit} can be solved"
+    )]
+    LayerTooThin {
+        /// Radius of the contact over the thickness.
+        ratio: f64,
+        /// The largest that can be solved.
+        limit: f64,
+    },
+    /// Fewer readings than unknowns.
+    #[error("{markers} marker(s) give {equations} equation(s); {needed} are needed")]
+    TooFewMarkers {
+        /// How many markers there were.
+        markers: usize,
+        /// One each, three where the tangential displacement is known too.
+        equations: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// All markers moved alike, or not beyond their noise.
+    #[error(
+        "no contact to be seen: the best fit explains the readings only {improvement:.1} better \
+         than none does (chi-squared; {needed} are needed)"
+    )]
+    NoContact {
+        /// Chi-squared without a contact minus that with one.
+        improvement: f64,
+        /// How much that must be.
+        needed: f64,
+    },
+    /// The contact that would explain the readings lies away from all markers.
+    #[error("the contact lies {distance} from the nearest marker, off the sensor's markers")]
+    OffMarkers {
+        /// Distance along the skin, length.
+        distance: f64,
+    },
+    /// The readings do not determine the unknowns.
+    #[error("the readings do not determine the press: {what}")]
+    Undetermined {
+        /// What is missing.
+        what: &'static str,
+    },
+    /// The numbers leave the range of doubles.
+    #[error("the numbers are too large or too small to be worked with")]
+    OutOfRange,
+}
+
+impl PressError {
+    /// [`PressError::BadSetting`] unless the setting is good.
+    pub(crate) fn unless_good(
+        setting: &'static str,
+        value: f64,
+        is_good: bool,
+        expected: &'static str,
+    ) -> Result<f64, Self> {
+        if is_good {
+            Ok(value)
+        } else {
+            Err(Self::BadSetting {
+                setting,
+                value,
+                expected,
+            })
+        }
+    }
+
+    /// The stable name of this kind of error.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::BadSetting { .. } => "bad-setting",
+            Self::NotFinite { .. } => "not-finite",
+            Self::NoIndentation { .. } => "no-indentation",
+            Self::Conforming { .. } => "conforming",
+            Self::EdgeContact { .. } => "edge-contact",
+            Self::TooDeep { .. } => "too-deep",
+            Self::TooWide { .. } => "too-wide",
+            Self::LayerTooThin { .. } => "layer-too-thin",
+            Self::TooFewMarkers { .. } => "too-few-markers",
+            Self::NoContact { .. } => "no-contact",
+            Self::OffMarkers { .. } => "off-markers",
+            Self::Undetermined { .. } => "undetermined",
+            Self::OutOfRange => "out-of-range",
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! What a press tells: the estimate, its intervals and its verdict.
+
+/// A value with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimated {
+    /// The estimate.
+    pub value: f64,
+    /// Its standard deviation, to first order.
+    pub std: f64,
+    /// The 95 % interval.
+    pub interval: Interval,
+}
+
+/// A 95 % interval. An end is `None` where the readings set no bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Lower end.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+impl Interval {
+    /// Whether it holds a value.
+    pub fn holds(&self, value: f64) -> bool {
+        self.low.is_none_or(|low| low <= value) && self.high.is_none_or(|high| value <= high)
+    }
+}
+
+/// What the readings can tell of the object's shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// The interval of the object's curvature lies above 0.
+    Convex,
+    /// It lies below 0.
+    Concave,
+    /// It holds 0, and is narrower than the sensor's own curvature.
+    FlatWithinNoise,
+    /// It holds 0 and more than that.
+    NotResolved,
+}
+
+impl Verdict {
+    /// The stable name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Convex => "convex",
+            Self::Concave => "concave",
+            Self::FlatWithinNoise => "flat-within-noise",
+            Self::NotResolved => "not-resolved",
+        }
+    }
+}
+
+/// An object's curvature from one press.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressEstimate {
+    /// Curvature of the sensor, 1/length.
+    pub sensor_curvature: f64,
+    /// 1/R_s + 1/R_o, 1/length; the interval by profile likelihood.
+    pub relative_curvature: Estimated,
+    /// The approach of the bodies, length.
+    pub indentation: Estimated,
+    /// Radius of the contact, length.
+    pub contact_radius: Estimated,
+    /// Chart coordinates of the contact on the skin, and their standard deviations, length.
+    pub contact: [f64; 2],
+    /// Standard deviations of the contact's place, length.
+    pub contact_std: [f64; 2],
+    /// What all normal displacements are off by, length, if fitted.
+    pub baseline: Option<Estimated>,
+    /// The factor on all normal displacements, if fitted.
+    pub gain: Option<Estimated>,
+    /// Markers that were left out because they contradict the others, counted from 0.
+    pub wrong_markers: Vec<usize>,
+    /// Standard deviation of the normal displacements: as given, or as found. Length.
+    pub normal_std: f64,
+    /// The same of the tangential displacements, if they were used.
+    pub tangential_std: Option<f64>,
+    /// The share of the normal displacements' variance that the fit explains.
+    pub r_squared: f64,
+    /// Chi-squared of the residuals per degree of freedom; about 1 where the noise is as stated.
+    pub reduced_chi_squared: f64,
+    /// What the readings tell of the object.
+    pub verdict: Verdict,
+}
+
+impl PressEstimate {
+    /// R = 1/C_r, length.
+    pub fn effective_radius(&self) -> Estimated {
+        let Estimated {
+            value,
+            std,
+            interval,
+        } = self.relative_curvature;
+        let inverse = |end: Option<f64>| end.filter(|&end| end > 0.0).map(f64::recip);
+        Estimated {
+            value: value.recip(),
+            std: std / (value * value),
+            interval: Interval {
+                low: Some(interval.high.map_or(0.0, f64::recip)),
+                high: inverse(interval.low),
+            },
+        }
+    }
+
+    /// 1/R_o, positive where the object is convex, 1/length.
+    pub fn object_curvature(&self) -> Estimated {
+        let shift = |end: f64| end - self.sensor_curvature;
+        let Estimated {
+            value,
+            std,
+            interval,
+        } = self.relative_curvature;
+        Estimated {
+            value: shift(value),
+            std,
+            interval: Interval {
+                low: interval.low.map(shift),
+                high: interval.high.map(shift),
+            },
+        }
+    }
+}

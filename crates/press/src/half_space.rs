@@ -1,0 +1,165 @@
+//! Hertz contact on an elastic half-space, at any depth, in closed form.
+//!
+//! The pressure p₀ √(1 − r²/a²) of a paraboloid of radius R has the Hankel transform
+//! (p₀/a) (sin ka − ka cos ka)/k³. Below the surface of a half-space
+//!
+//!     u_z = c [2(1−ν) Q₃⁰ + z Q₂⁰]      u_r = −c [(1−2ν) Q₃¹ − z Q₂¹]      c = 2/(π(1−ν)R)
+//!     Q_jᵐ = ∫ (sin ka − ka cos ka) k^{−j} e^{−kz} J_m(kr) dk
+//!
+//! The integrals are elementary (after Huber 1904; Hanson and Johnson 1993) in the complex distance
+//! √(r² + (z + ia)²) = X + iY: with l₂² = X² + a² and θ = asin(a/l₂),
+//!
+//!     Q₃⁰ = ¼ [(2a² − r² + 2z²) θ + (a² − 3Y²) X/a]     Q₂⁰ = Y − zθ     Q₁⁰ = θ − aX/(X² + Y²)
+//!     Q₃¹ = r [a²(a² + aY + Y²)/(3 l₂² (a + Y)) + X²Y/(2 l₂²) − zθ/2]     Q₂¹ = (r/2) [θ − aX/l₂²]
+//!
+//! Derivatives follow from J₀' = −J₁, J₁' = J₀ − J₁/x and ∂(sin ka − ka cos ka)/∂a = k² a sin ka.
+//! Where a is small against the distance these forms cancel, and the series in a/√(r² + z²) is taken.
+
+use std::f64::consts::PI;
+
+use crate::Field;
+
+/// Below this share of the distance the series in the contact's radius is exact to rounding.
+const FAR: f64 = 1.0 / 12.0;
+
+/// The field at distance `r >= 0` from the axis and depth `z >= 0` under a contact of radius `a > 0`.
+///
+/// At the surface under the edge (z = 0, r = a), where derivatives jump, they are those from inside.
+pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
+    let moments = if a < FAR * r.hypot(z) {
+        Moments::far(z, a, r)
+    } else {
+        Moments::near(z, a, r)
+    };
+    moments.field(poisson, z, a)
+}
+
+/// The integrals Q and S, those of order 1 divided by r.
+struct Moments {
+    /// Q₃⁰, Q₂⁰, Q₁⁰.
+    even: [f64; 3],
+    /// Q₃¹/r, Q₂¹/r, Q₁¹/r.
+    odd: [f64; 3],
+    /// ∫ sin(ka) k^{−j} e^{−kz} J₀(kr) dk for j = 1, 0.
+    ring_even: [f64; 2],
+    /// The same with J₁, divided by r.
+    ring_odd: [f64; 2],
+    r: f64,
+}
+
+impl Moments {
+    fn near(z: f64, a: f64, r: f64) -> Self {
+        let difference = (r - a) * (r + a) + z * z;
+        // |X + iY|², the product of the distances to both ends of a diameter of the contact.
+        let size = ((r + a).hypot(z) * (r - a).hypot(z)).max(f64::MIN_POSITIVE);
+        let (x, y) = if difference >= 0.0 {
+            let x = (0.5 * (size + difference)).sqrt();
+            (x, z * a / x)
+        } else {
+            let y = (0.5 * (size - difference)).sqrt();
+            (z * a / y, y)
+        };
+        let l2 = x * x + a * a;
+        let theta = a.atan2(x);
+        // X²/(X + z), which is 0 at the surface within the contact.
+        let ratio = if x > 0.0 { x * x / (x + z) } else { 0.0 };
+        let ring_odd_1 = a * a / (l2 * (a + y));
+        let cosine_odd_0 = (x * ratio - y * a * a / (a + y)) / (l2 * size);
+        Self {
+            even: [
+                0.25 * ((2.0 * (a * a + z * z) - r * r) * theta + (a * a - 3.0 * y * y) * x / a),
+                y - z * theta,
+                theta - a * x / size,
+            ],
+            odd: [
+                a * a * (a * a + a * y + y * y) / (3.0 * l2 * (a + y)) + 0.5 * x * x * y / l2
+                    - 0.5 * z * theta,
+                0.5 * (theta - a * x / l2),
+                ring_odd_1 - a * cosine_odd_0,
+            ],
+            ring_even: [theta, y / size],
+            ring_odd: [ring_odd_1, a * x / (l2 * size)],
+            r,
+        }
+    }
+
+    /// The series in a/ρ with ∫ kᵐ e^{−kz} J₀(kr) dk = m! P_m(z/ρ)/ρ^{m+1}, and for J₁
+    /// (m−1)! (r/ρ) P'_m(z/ρ)/ρ^{m+1}.
+    fn far(z: f64, a: f64, r: f64) -> Self {
+        const TERMS: usize = 7;
+        const ORDERS: usize = 2 * TERMS + 2;
+        let distance = r.hypot(z);
+        let (cosine, s) = (z / distance, a / distance);
+        // P_m and P'_m by their recurrences.
+        let (mut legendre, mut slope) = ([0.0; ORDERS], [0.0; ORDERS]);
+        legendre[0] = 1.0;
+        legendre[1] = cosine;
+        slope[1] = 1.0;
+        for m in 1..ORDERS - 1 {
+            let order = m as f64;
+            legendre[m + 1] = ((2.0 * order + 1.0) * cosine * legendre[m]
+                - order * legendre[m - 1])
+                / (order + 1.0);
+            slope[m + 1] = slope[m - 1] + (2.0 * order + 1.0) * legendre[m];
+        }
+        let mut moments = Self {
+            even: [0.0; 3],
+            odd: [0.0; 3],
+            ring_even: [0.0; 2],
+            ring_odd: [0.0; 2],
+            r,
+        };
+        // sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)!, sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!; with the factorial of
+        // the integral's order the powers of x^m give simple fractions.
+        let mut sign = 1.0;
+        let mut power = s;
+        for n in 0..TERMS {
+            let order = n as f64;
+            let (first, second, third) = (2.0 * order + 1.0, 2.0 * order + 2.0, 2.0 * order + 3.0);
+            let m = 2 * n;
+            // Orders m, m+1, m+2 of k under Q₃, Q₂, Q₁.
+            let cube = power * s * s;
+            let d = distance;
+            moments.even[0] += sign * cube * d * d / (first * third) * legendre[m];
+            moments.even[1] += sign * cube * d / third * legendre[m + 1];
+            moments.even[2] += sign * cube * second / third * legendre[m + 2];
+            // (m−1)! instead of m!; m = 0 is 1/(ρ (ρ + z)) for r P'/ρ².
+            let odd_0 = if n == 0 {
+                1.0 / (1.0 + cosine)
+            } else {
+                slope[m] / m as f64
+            };
+            moments.odd[0] += sign * cube * d / (first * third) * odd_0;
+            moments.odd[1] += sign * cube / (third * (m + 1) as f64) * slope[m + 1];
+            moments.odd[2] += sign * cube * second / (third * d * (m + 2) as f64) * slope[m + 2];
+            // Orders m, m+1 of k under S₁, S₀.
+            moments.ring_even[0] += sign * power / first * legendre[m];
+            moments.ring_even[1] += sign * power / d * legendre[m + 1];
+            moments.ring_odd[0] += sign * power / (first * d) * odd_0;
+            moments.ring_odd[1] += sign * power / (d * d * (m + 1) as f64) * slope[m + 1];
+            sign = -sign;
+            power = cube;
+        }
+        moments
+    }
+
+    fn field(&self, poisson: f64, z: f64, a: f64) -> Field {
+        let Self {
+            even,
+            odd,
+            ring_even,
+            ring_odd,
+            r,
+        } = *self;
+        let scale = 2.0 / (PI * (1.0 - poisson));
+        let (normal, radial) = (2.0 * (1.0 - poisson), 1.0 - 2.0 * poisson);
+        Field {
+            normal: scale * (normal * even[0] + z * even[1]),
+            normal_per_r: -scale * r * (normal * odd[1] + z * odd[2]),
+            normal_per_a: scale * a * (normal * ring_even[0] + z * ring_even[1]),
+            radial: -scale * r * (radial * odd[0] - z * odd[1]),
+            radial_per_r: -scale * (radial * (even[1] - odd[0]) - z * (even[2] - odd[1])),
+            radial_per_a: -scale * r * a * (radial * ring_odd[0] - z * ring_odd[1]),
+        }
+    }
+}

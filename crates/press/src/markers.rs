@@ -1,0 +1,110 @@
+//! Markers under the skin, and what a press does to them.
+
+use nalgebra::{Vector2, Vector3};
+
+use crate::{Contact, Place, PressError, Skin};
+
+/// Markers at places under the skin.
+#[derive(Clone, Debug)]
+pub struct Markers {
+    skin: Skin,
+    places: Vec<Place>,
+}
+
+/// How far a marker moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MarkerDisplacement {
+    /// Inward, length.
+    pub normal: f64,
+    /// Along the axes that the apex's are carried to, length.
+    pub tangential: [f64; 2],
+}
+
+/// Where a marker lies, seen from the contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sight {
+    /// Distance along the skin.
+    pub(crate) distance: f64,
+    /// The way there, in the contact's axes; unit.
+    pub(crate) bearing: Vector2<f64>,
+    /// The way on, away from the contact, in the marker's axes; unit.
+    pub(crate) outward: Vector2<f64>,
+}
+
+impl Markers {
+    /// Markers at chart coordinates of the skin.
+    ///
+    /// # Errors
+    /// [`PressError::NotFinite`] for the first that has none.
+    pub fn new(skin: Skin, positions: &[[f64; 2]]) -> Result<Self, PressError> {
+        let sound = |[x, y]: &[f64; 2]| x.abs() <= 1e100 && y.abs() <= 1e100;
+        if let Some(marker) = positions.iter().position(|position| !sound(position)) {
+            return Err(PressError::NotFinite { marker });
+        }
+        let places = positions
+            .iter()
+            .map(|&position| skin.place(position))
+            .collect();
+        Ok(Self { skin, places })
+    }
+
+    /// The skin above them.
+    pub const fn skin(&self) -> &Skin {
+        &self.skin
+    }
+
+    /// Where they lie.
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// Arc distances of the markers from a place on the skin at chart coordinates.
+    pub fn distances(&self, from: [f64; 2]) -> Vec<f64> {
+        let contact = self.skin.place(from);
+        self.places
+            .iter()
+            .map(|place| self.sight(&contact, place).distance)
+            .collect()
+    }
+
+    /// What a contact at chart coordinates `at` does to each marker.
+    pub fn displacements(&self, contact: &Contact<'_>, at: [f64; 2]) -> Vec<MarkerDisplacement> {
+        let middle = self.skin.place(at);
+        self.places
+            .iter()
+            .map(|place| {
+                let sight = self.sight(&middle, place);
+                let moved = contact.displacement(sight.distance);
+                let tangential = sight.outward * moved.radial;
+                MarkerDisplacement {
+                    normal: moved.normal,
+                    tangential: [tangential.x, tangential.y],
+                }
+            })
+            .collect()
+    }
+
+    pub(crate) fn sight(&self, contact: &Place, marker: &Place) -> Sight {
+        let (from, to) = (contact.direction.as_ref(), marker.direction.as_ref());
+        let cosine = from.dot(to);
+        // The chord keeps its digits where the cosine does not: 1 − cos = chord²/2.
+        let chord = to - from;
+        let half_square = 0.5 * chord.norm_squared();
+        let sine = from.cross(to).norm();
+        let unit = |x: f64, y: f64| {
+            let length = x.hypot(y);
+            if length > 0.0 {
+                Vector2::new(x, y) / length
+            } else {
+                Vector2::zeros()
+            }
+        };
+        let onward: Vector3<f64> = chord + from * half_square;
+        let backward: Vector3<f64> = chord - to * half_square;
+        Sight {
+            distance: self.skin.radius() * sine.atan2(cosine),
+            bearing: unit(onward.dot(&contact.x_axis), onward.dot(&contact.y_axis)),
+            outward: unit(backward.dot(&marker.x_axis), backward.dot(&marker.y_axis)),
+        }
+    }
+}

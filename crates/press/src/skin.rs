@@ -1,0 +1,126 @@
+//! Places on the skin of a spherical sensor.
+
+use nalgebra::{UnitVector3, Vector2, Vector3};
+
+use crate::{Body, Contact, ContactRegime, PressError};
+
+/// Lengths that can be multiplied a few times without leaving the range of doubles.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
+
+/// The skin: a sphere, with an apex from which places are counted.
+///
+/// A place has chart coordinates (x, y), its logarithm map from the apex: it lies √(x² + y²) along the skin in the
+/// direction (x, y). Tangential displacements are counted along the axes of the apex, carried along the meridian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Skin {
+    radius: f64,
+}
+
+/// A place on the skin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// From the sensor's centre.
+    pub direction: UnitVector3<f64>,
+    /// The apex's x axis, carried here.
+    pub x_axis: Vector3<f64>,
+    /// The apex's y axis, carried here.
+    pub y_axis: Vector3<f64>,
+}
+
+impl Skin {
+    /// The skin of a sensor of this radius.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`] for `radius` unless it is between 1e-50 and 1e50.
+    pub fn new(radius: f64) -> Result<Self, PressError> {
+        let good = LENGTHS.contains(&radius);
+        PressError::unless_good("radius", radius, good, "between 1e-50 and 1e50")
+            .map(|radius| Self { radius })
+    }
+
+    /// The radius.
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The curvature, 1/R_s.
+    pub fn curvature(&self) -> f64 {
+        self.radius.recip()
+    }
+
+    /// The place at chart coordinates (x, y); places more than half a turn away wrap around.
+    pub fn place(&self, [x, y]: [f64; 2]) -> Place {
+        let distance = x.hypot(y);
+        let along = if distance > 0.0 {
+            Vector2::new(x, y) / distance
+        } else {
+            Vector2::x()
+        };
+        let (sine, cosine) = (distance / self.radius).sin_cos();
+        let meridian = Vector3::new(along.x * cosine, along.y * cosine, -sine);
+        let across = Vector3::new(-along.y, along.x, 0.0);
+        Place {
+            direction: UnitVector3::new_normalize(Vector3::new(
+                along.x * sine,
+                along.y * sine,
+                cosine,
+            )),
+            x_axis: meridian * along.x - across * along.y,
+            y_axis: meridian * along.y + across * along.x,
+        }
+    }
+
+    /// The chart coordinates of a direction from the centre.
+    pub fn chart(&self, direction: &Vector3<f64>) -> [f64; 2] {
+        let across = direction.x.hypot(direction.y);
+        if across == 0.0 {
+            let turn = if direction.z < 0.0 {
+                std::f64::consts::PI
+            } else {
+                0.0
+            };
+            return [self.radius * turn, 0.0];
+        }
+        let distance = self.radius * across.atan2(direction.z);
+        [
+            distance * direction.x / across,
+            distance * direction.y / across,
+        ]
+    }
+
+    /// The contact with an object of this curvature (positive where convex, 0 flat), pressed this deep into `body`.
+    ///
+    /// # Errors
+    /// [`PressError::Conforming`] and [`PressError::EdgeContact`] where the relative curvature is not positive;
+    /// [`PressError::NoIndentation`]; [`PressError::TooDeep`] where the indentation reaches the sensor's centre or the
+    /// layer's base; [`PressError::TooWide`] where the contact would be wider than the sensor;
+    /// [`PressError::LayerTooThin`].
+    pub fn contact<'b>(
+        &self,
+        body: &'b Body,
+        object_curvature: f64,
+        indentation: f64,
+    ) -> Result<Contact<'b>, PressError> {
+        let relative_curvature = self.curvature() + object_curvature;
+        match ContactRegime::of(self.curvature(), object_curvature) {
+            ContactRegime::Conforming => return Err(PressError::Conforming { relative_curvature }),
+            ContactRegime::Edge => return Err(PressError::EdgeContact { relative_curvature }),
+            ContactRegime::Convex | ContactRegime::Flat | ContactRegime::Concave => {}
+        }
+        if indentation >= self.radius {
+            return Err(PressError::TooDeep {
+                indentation,
+                limit: self.radius,
+                what: "the sensor's radius",
+            });
+        }
+        let contact = body.press(relative_curvature, indentation)?;
+        if contact.radius >= self.radius {
+            return Err(PressError::TooWide {
+                radius: contact.radius,
+                limit: self.radius,
+            });
+        }
+        Ok(contact)
+    }
+}

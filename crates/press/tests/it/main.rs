@@ -1,0 +1,4 @@
+//! Presses against golden values and closed forms.
+#![allow(clippy::unwrap_used)]
+
+mod half_space;
