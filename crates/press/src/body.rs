@@ -119,7 +119,7 @@ impl Body {
             });
         }
         let radius = self.contact_radius(indentation / relative_curvature)?;
-        if !(1e-100..=1e100).contains(&radius) {
+        if !(1e-50..=1e50).contains(&radius) {
             return Err(PressError::OutOfRange);
         }
         Ok(Contact {

@@ -3,14 +3,18 @@
 //! The pressure p₀ √(1 − r²/a²) of a paraboloid of radius R has the Hankel transform
 //! (p₀/a) (sin ka − ka cos ka)/k³. Below the surface of a half-space
 //!
-//!     u_z = c [2(1−ν) Q₃⁰ + z Q₂⁰]      u_r = −c [(1−2ν) Q₃¹ − z Q₂¹]      c = 2/(π(1−ν)R)
-//!     Q_jᵐ = ∫ (sin ka − ka cos ka) k^{−j} e^{−kz} J_m(kr) dk
+//! ```text
+//! u_z = c [2(1−ν) Q₃⁰ + z Q₂⁰]      u_r = −c [(1−2ν) Q₃¹ − z Q₂¹]      c = 2/(π(1−ν)R)
+//! Q_jᵐ = ∫ (sin ka − ka cos ka) k^{−j} e^{−kz} J_m(kr) dk
+//! ```
 //!
 //! The integrals are elementary (after Huber 1904; Hanson and Johnson 1993) in the complex distance
 //! √(r² + (z + ia)²) = X + iY: with l₂² = X² + a² and θ = asin(a/l₂),
 //!
-//!     Q₃⁰ = ¼ [(2a² − r² + 2z²) θ + (a² − 3Y²) X/a]     Q₂⁰ = Y − zθ     Q₁⁰ = θ − aX/(X² + Y²)
-//!     Q₃¹ = r [a²(a² + aY + Y²)/(3 l₂² (a + Y)) + X²Y/(2 l₂²) − zθ/2]     Q₂¹ = (r/2) [θ − aX/l₂²]
+//! ```text
+//! Q₃⁰ = ¼ [(2a² − r² + 2z²) θ + (a² − 3Y²) X/a]     Q₂⁰ = Y − zθ     Q₁⁰ = θ − aX/(X² + Y²)
+//! Q₃¹ = r [a²(a² + aY + Y²)/(3 l₂² (a + Y)) + X²Y/(2 l₂²) − zθ/2]     Q₂¹ = (r/2) [θ − aX/l₂²]
+//! ```
 //!
 //! Derivatives follow from J₀' = −J₁, J₁' = J₀ − J₁/x and ∂(sin ka − ka cos ka)/∂a = k² a sin ka.
 //! Where a is small against the distance these forms cancel, and the series in a/√(r² + z²) is taken.
@@ -160,6 +164,114 @@ impl Moments {
             radial: -scale * r * (radial * odd[0] - z * odd[1]),
             radial_per_r: -scale * (radial * (even[1] - odd[0]) - z * (even[2] - odd[1])),
             radial_per_a: -scale * r * a * (radial * ring_odd[0] - z * ring_odd[1]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// The parts of a field that have dimension length², then those of length.
+    fn parts(field: &Field) -> [f64; 6] {
+        [
+            field.normal,
+            field.radial,
+            field.normal_per_r,
+            field.normal_per_a,
+            field.radial_per_r,
+            field.radial_per_a,
+        ]
+    }
+
+    #[test]
+    fn series_and_closed_form_agree_where_they_meet() {
+        for poisson in [0.0, 0.3, 0.5] {
+            for angle in [0.0_f64, 0.01, 0.7, 1.5, 1.57] {
+                let (a, distance) = (FAR, 1.0);
+                let (z, r) = (distance * angle.cos(), distance * angle.sin());
+                let near = Moments::near(z, a, r).field(poisson, z, a);
+                let far = Moments::far(z, a, r).field(poisson, z, a);
+                for (near, far) in parts(&near).into_iter().zip(parts(&far)) {
+                    assert_relative_eq!(near, far, epsilon = 1e-14, max_relative = 2e-11);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_field() {
+        let step = 1e-5;
+        for poisson in [0.0, 0.3, 0.5] {
+            for (z, a, r) in [
+                (2.0, 4.5, 0.3),
+                (2.0, 4.5, 4.5),
+                (0.0, 3.0, 1.0),
+                (0.0, 3.0, 4.0),
+                (0.5, 1.0, 30.0),
+                (2.0, 0.01, 1.0),
+            ] {
+                let at = |a, r| field(poisson, z, a, r);
+                let exact = at(a, r);
+                let by_r = (at(a, r + step), at(a, r - step));
+                let step_a = step * a;
+                let by_a = (at(a + step_a, r), at(a - step_a, r));
+                let slope = |high: f64, low: f64, step: f64| (high - low) / (2.0 * step);
+                let close = |exact: f64, found: f64| {
+                    assert_relative_eq!(exact, found, epsilon = 1e-9, max_relative = 1e-6);
+                };
+                close(
+                    exact.normal_per_r,
+                    slope(by_r.0.normal, by_r.1.normal, step),
+                );
+                close(
+                    exact.radial_per_r,
+                    slope(by_r.0.radial, by_r.1.radial, step),
+                );
+                close(
+                    exact.normal_per_a,
+                    slope(by_a.0.normal, by_a.1.normal, step_a),
+                );
+                close(
+                    exact.radial_per_a,
+                    slope(by_a.0.radial, by_a.1.radial, step_a),
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_surface_is_that_of_hertz() {
+        let a = 3.0;
+        for r in [0.0_f64, 1.0, 2.999, 3.0, 3.001, 7.0, 40.0] {
+            let found = field(0.3, 0.0, a, r);
+            // Johnson 1985, equation 3.42a.
+            let normal = if r <= a {
+                a * a - 0.5 * r * r
+            } else {
+                ((2.0 * a * a - r * r) * (a / r).asin() + a * (r * r - a * a).sqrt()) / PI
+            };
+            assert_relative_eq!(found.normal, normal, max_relative = 1e-6, epsilon = 1e-12);
+            // Johnson 1985, equation 3.41: inward, −(1−2ν)(1+ν)/(3E) p₀ a²/r [1 − (1 − r²/a²)^{3/2}].
+            let inside = 1.0 - (1.0 - r * r / (a * a)).max(0.0).powf(1.5);
+            let radial = -(1.0 - 2.0 * 0.3) / (1.0 - 0.3) * 2.0 * a.powi(3) / (3.0 * PI);
+            let radial = if r > 0.0 { radial * inside / r } else { 0.0 };
+            assert_relative_eq!(found.radial, radial, max_relative = 1e-9, epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn numbers_stay_numbers_at_the_extremes() {
+        let sizes = [0.0, f64::MIN_POSITIVE, 1e-50, 1e-9, 1.0, 1e9, 1e50];
+        for z in sizes {
+            for a in &sizes[2..] {
+                for r in sizes {
+                    let found = field(0.5, z, *a, r);
+                    let sound = parts(&found).iter().all(|part| part.is_finite());
+                    assert!(sound, "z {z:e} a {a:e} r {r:e}: {found:?}");
+                }
+            }
         }
     }
 }

@@ -1,23 +1,9 @@
-//! Hertz contact of a rigid sphere and an elastic half-space, at the surface.
-
-use std::f64::consts::PI;
+//! Relations at the surface beside Hertz's own: what the 2020 paper has, and what holds for large contacts.
 
 use crate::PressError;
 
 /// Past this ratio of the contact's radius to the sensor's, small-strain theory errs noticeably.
 pub const LARGE_CONTACT: f64 = 0.3;
-
-/// Inward displacement of the surface at distance `r` from the middle of a contact of radius `a` pressed by
-/// `indentation` (models: u = δ − r²/(2R) inside, the free surface outside).
-pub fn surface_displacement(indentation: f64, a: f64, r: f64) -> f64 {
-    let ratio = r / a;
-    if ratio <= 1.0 {
-        indentation * (1.0 - 0.5 * ratio * ratio)
-    } else {
-        let angle = ratio.recip().asin();
-        indentation / PI * ((2.0 - ratio * ratio) * angle + ((ratio - 1.0) * (ratio + 1.0)).sqrt())
-    }
-}
 
 /// The 2020 paper's equation 2, δ (1 − r²/a²) within the contact and 0 outside. It falls to 0 at the contact's edge,
 /// where Hertz theory has δ/2: its r² lacks a factor ½.
