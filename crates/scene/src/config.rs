@@ -33,7 +33,9 @@ pub use glide::{
 pub use load::{Cell, Study, load, parse};
 pub use object::ObjectConfig;
 pub use pads::{PadLayout, PadOffset};
-pub use plot::{Mark, MarkAxis, PlotConfig, PlotKind, STATISTICS, Scale};
+pub use plot::{
+    Component, Mark, MarkAxis, PlotConfig, PlotKind, Points, STATISTICS, STD_BOUND, Scale,
+};
 pub use roll::{
     AngularVelocityNoise, Chart, EncoderConfig, ProbeConfig, RollAxis, RollConfig,
     RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollNoiseConfig, RollSensorConfig,

@@ -160,7 +160,7 @@ x = "truth"
 kind = "contact"
 "#
         )),
-        r#"study.toml:10:8: plot.0.kind: unknown choice "contact"; did you mean `contacts`? (known: lines, class-map, contacts)
+        r#"study.toml:10:8: plot.0.kind: unknown choice "contact"; did you mean `contacts`? (known: lines, class-map, contacts, profile)
    |
 10 | kind = "contact"
    |        ^^^^^^^^^"#
@@ -187,5 +187,111 @@ kind = "class-map"
    |
 10 | kind = "class-map"
    |        ^^^^^^^^^^^"#
+    );
+}
+
+#[test]
+fn profiles_with_keys_of_lines_or_without_their_table() {
+    assert_eq!(
+        message(&with(
+            r#"[[plot]]
+kind = "profile"
+x = "truth"
+"#
+        )),
+        r#"study.toml:11:1: plot.0.x: unknown key for kind `profile`; known: name, title, component, panels, where, scale, marks, points, kind
+   |
+11 | x = "truth"
+   | ^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[plot]]
+kind = "profile"
+component = "radial"
+"#
+        )),
+        r#"study.toml:10:8: plot.0.kind: is drawn from the output "map", which `outputs` does not ask for
+   |
+10 | kind = "profile"
+   |        ^^^^^^^^^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[plot]]
+kind = "profile"
+component = "tangential"
+"#
+        )),
+        r#"study.toml:11:13: plot.0.component: unknown choice "tangential" (known: normal, radial)
+   |
+11 | component = "tangential"
+   |             ^^^^^^^^^^^^"#
+    );
+    assert_eq!(
+        message(&with(
+            r#"[[plot]]
+x = "truth"
+y = "mean"
+component = "radial"
+"#
+        )),
+        r#"study.toml:12:1: plot.0.component: unknown key for kind `lines`; known: name, title, x, y, quantity, series, panels, where, scale, compare, marks, points, kind
+   |
+12 | component = "radial"
+   | ^^^^^^^^^"#
+    );
+}
+
+#[test]
+fn points_that_are_no_pairs_or_belong_nowhere() {
+    let points = |rest: &str| {
+        message(&with(&format!(
+            r#"[[sweep]]
+path = "scene.object.radius"
+values = [1, 2]
+[[plot]]
+x = "truth"
+y = "mean"
+series = "scene.object.radius"
+[[plot.points]]
+label = "published"
+{rest}"#
+        )))
+    };
+    assert_eq!(
+        points("x = [1.0, 2]\ny = [1]\n"),
+        r#"study.toml:19:5: plot.0.points.0.y: has 1 values, and `x` has 2
+   |
+19 | y = [1]
+   |     ^^^"#
+    );
+    assert_eq!(
+        points("x = []\ny = []\n"),
+        r#"study.toml:18:5: plot.0.points.0.x: expected at least 1 item, found 0
+   |
+18 | x = []
+   |     ^^"#
+    );
+    assert_eq!(
+        points("x = [1]\ny = [inf]\n"),
+        r#"study.toml:19:6: plot.0.points.0.y.0: must be finite, is inf
+   |
+19 | y = [inf]
+   |      ^^^"#
+    );
+    assert_eq!(
+        points("x = [1]\ny = [2]\nseries = \"3\"\n"),
+        r#"study.toml:20:10: plot.0.points.0.series: no cell has 3; the sweep has 1, 2
+   |
+20 | series = "3"
+   |          ^^^"#
+    );
+    assert_eq!(
+        points("x = [1]\ny = [2]\npanel = \"1\"\n"),
+        r#"study.toml:20:9: plot.0.points.0.panel: the plot has no `panels`
+   |
+20 | panel = "1"
+   |         ^^^"#
     );
 }

@@ -97,7 +97,13 @@ fn everything_returns() {
         where = { "scene.object" = ["egg"], "scene.probe.radius" = 1 }
         scale = "log-x"
         compare = "mean_reported_std"
-        marks = [{ axis = "y", value = 0.15, label = "15 %" }]"#,
+        marks = [{ axis = "y", value = 0.15, label = "15 %" }]
+        [[plot.points]]
+        label = "published"
+        x = [0.1, 1]
+        y = [1e-3, 2]
+        series = "egg"
+        panel = "mean_curvature""#,
     ));
 }
 

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Numbers without a unit, or in that of the field they speak of.
-const DIMENSIONLESS: [&str; 24] = [
+const DIMENSIONLESS: [&str; 26] = [
     "claims",              // their numbers
     "seed",                //
     "trials",              //
@@ -18,6 +18,8 @@ const DIMENSIONLESS: [&str; 24] = [
     "to",                  //
     "count",               //
     "value",               // in the unit of the plot's axis
+    "x",                   //
+    "y",                   //
     "contacts_per_finger", //
     "fraction_of_ifd",     // of the inter-finger distance
     "grid",                // places along a side

@@ -1,0 +1,233 @@
+//! What no schema says of plots: which keys, tables and columns go together.
+
+use super::{PlotKind, STATISTICS, STD_BOUND};
+use crate::config::error::Fault;
+use crate::config::grid::Grid;
+use crate::config::study::Output;
+use crate::config::tree::{Entry, Node, Value, suggest};
+
+/// Checks that the plots of a `plot` section, which has been validated against the schema, have the keys of their kind,
+/// are drawn from tables that are written, and name columns that exist; and that their points are pairs.
+pub(in crate::config) fn check(
+    section: &Node,
+    grid: &Grid,
+    outputs: &[Output],
+) -> Result<(), Fault> {
+    let mut names = Vec::new();
+    for (index, plot) in section.items().iter().enumerate() {
+        let under = |fault: Fault| fault.under(index).under("plot");
+        let kind = kind_of(plot);
+        keys(plot, kind).map_err(under)?;
+        written(plot, kind, grid, outputs).map_err(under)?;
+        columns(plot, kind, grid).map_err(under)?;
+        points(plot, kind, grid).map_err(under)?;
+        if let Some(name) = plot.get("name") {
+            if names.contains(&&name.value) {
+                return Err(under(
+                    Fault::at(&name.span, "another plot has this name").under("name"),
+                ));
+            }
+            names.push(&name.value);
+        }
+    }
+    Ok(())
+}
+
+fn kind_of(plot: &Node) -> PlotKind {
+    match plot.get("kind").and_then(Node::as_text) {
+        Some("class-map") => PlotKind::ClassMap,
+        Some("contacts") => PlotKind::Contacts,
+        Some("profile") => PlotKind::Profile,
+        _ => PlotKind::Lines,
+    }
+}
+
+fn keys(plot: &Node, kind: PlotKind) -> Result<(), Fault> {
+    if kind == PlotKind::Lines
+        && let Some(key) = ["x", "y"].into_iter().find(|key| plot.get(key).is_none())
+    {
+        return Err(Fault::at(&plot.span, "missing key").under(key));
+    }
+    let (name, known) = kind.keys();
+    let known = || known.iter().copied().chain(["kind"]);
+    let stray = |entry: &&Entry| known().all(|key| key != entry.key);
+    if let Some(entry) = plot.entries().iter().find(stray) {
+        let message = format!(
+            "unknown key for kind `{name}`; known: {}",
+            known().collect::<Vec<_>>().join(", ")
+        );
+        return Err(Fault::at(&entry.key_span, message).under(&entry.key));
+    }
+    match plot
+        .get("scale")
+        .filter(|scale| kind != PlotKind::Lines && scale.as_text() != Some("linear"))
+    {
+        Some(scale) => {
+            Err(Fault::at(&scale.span, "only lines have another scale than linear").under("scale"))
+        }
+        None => Ok(()),
+    }
+}
+
+fn written(plot: &Node, kind: PlotKind, grid: &Grid, outputs: &[Output]) -> Result<(), Fault> {
+    let (output, name) = kind.output();
+    let Some(node) = plot.get("kind") else {
+        return Ok(());
+    };
+    if !outputs.contains(&output) {
+        let message =
+            format!("is drawn from the output \"{name}\", which `outputs` does not ask for");
+        return Err(Fault::at(&node.span, message).under("kind"));
+    }
+    match (kind.scene(), scene_kind(grid)) {
+        (Some(wanted), Some(found)) if wanted != found => {
+            let message = format!("is drawn from a {wanted}, and this scene is a {found}");
+            Err(Fault::at(&node.span, message).under("kind"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn scene_kind(grid: &Grid) -> Option<&str> {
+    grid.base.get("scene")?.get("kind")?.as_text()
+}
+
+/// The statistics that a table of this scene's cells has.
+fn statistics(grid: &Grid) -> impl Iterator<Item = &str> + Clone {
+    let bound = scene_kind(grid) == Some("press");
+    STATISTICS.into_iter().chain(bound.then_some(STD_BOUND))
+}
+
+fn columns(plot: &Node, kind: PlotKind, grid: &Grid) -> Result<(), Fault> {
+    let swept = || grid.targets().map(|target| target.path.as_str());
+    let of_lines = || statistics(grid).filter(|_| kind == PlotKind::Lines);
+    for key in ["y", "compare"] {
+        if let Some(node) = plot.get(key) {
+            known(node, of_lines()).map_err(|fault| fault.under(key))?;
+        }
+    }
+    let quantity = || (kind == PlotKind::Lines).then_some("quantity");
+    for (key, extra) in [("x", None), ("series", quantity()), ("panels", quantity())] {
+        if let Some(node) = plot.get(key) {
+            known(node, swept().chain(of_lines()).chain(extra))
+                .map_err(|fault| fault.under(key))?;
+        }
+    }
+    for entry in plot.get("where").map_or(&[][..], Node::entries) {
+        let under = |fault: Fault| fault.under(&entry.key).under("where");
+        let column = Node {
+            value: Value::Text(entry.key.clone()),
+            span: entry.key_span.clone(),
+        };
+        known(&column, swept().chain(of_lines())).map_err(under)?;
+        let values = std::iter::once(&entry.node)
+            .filter(|node| node.items().is_empty())
+            .chain(entry.node.items());
+        for value in values {
+            value_of(value, grid.texts(&entry.key)).map_err(under)?;
+        }
+    }
+    Ok(())
+}
+
+/// Checks that a value is among those that a column of the sweep takes.
+fn value_of(value: &Node, texts: Option<Vec<&str>>) -> Result<(), Fault> {
+    match texts.filter(|texts| !texts.contains(&value.text().as_str())) {
+        Some(texts) => Err(Fault::at(
+            &value.span,
+            format!(
+                "no cell has {}; the sweep has {}",
+                value.text(),
+                texts.join(", ")
+            ),
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Checks that points have as many y as x, and belong to a series and a panel that the plot has. The lines of a
+/// profile have labels that only its table tells.
+fn points(plot: &Node, kind: PlotKind, grid: &Grid) -> Result<(), Fault> {
+    let sets = plot.get("points").map_or(&[][..], Node::items);
+    for (index, set) in sets.iter().enumerate() {
+        let under = |fault: Fault| fault.under(index).under("points");
+        let length = |key: &str| set.get(key).map_or(0, |node| node.items().len());
+        if let Some(y) = set.get("y").filter(|_| length("x") != length("y")) {
+            let message = format!("has {} values, and `x` has {}", length("y"), length("x"));
+            return Err(under(Fault::at(&y.span, message).under("y")));
+        }
+        let columns = [("series", "series"), ("panel", "panels")];
+        for (key, column) in columns {
+            let Some(value) = set.get(key) else { continue };
+            let under = |fault: Fault| under(fault.under(key));
+            match plot.get(column).and_then(Node::as_text) {
+                Some(path) => value_of(value, grid.texts(path)).map_err(under)?,
+                None if kind == PlotKind::Profile && key == "series" => {}
+                None => {
+                    let message = format!("the plot has no `{column}`");
+                    return Err(under(Fault::at(&value.span, message)));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn known<'a>(node: &Node, columns: impl Iterator<Item = &'a str> + Clone) -> Result<(), Fault> {
+    let name = node.as_text().unwrap_or_default();
+    match columns.clone().any(|column| column == name) {
+        true => Ok(()),
+        false => Err(Fault::at(
+            &node.span,
+            format!("no column `{name}`; {}", suggest(name, columns)),
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::tree::parse;
+
+    /// The message on the plots of a scene of `kind`, or nothing.
+    fn said(kind: &str, plots: &str) -> Option<String> {
+        let tree = parse(&format!("{plots}\n[scene]\nkind = {kind:?}\n")).unwrap();
+        let plots = tree.get("plot").unwrap().clone();
+        let grid = Grid {
+            base: tree,
+            axes: Vec::new(),
+        };
+        let outputs = [Output::Cells, Output::Map, Output::Trace];
+        let fault = check(&plots, &grid, &outputs).err()?;
+        Some(format!("{}: {}", fault.path, fault.message))
+    }
+
+    #[test]
+    fn only_a_press_has_a_bound() {
+        for plot in [
+            "[[plot]]\nx = \"truth\"\ny = \"std_bound\"",
+            "[[plot]]\nx = \"truth\"\ny = \"std\"\ncompare = \"std_bound\"",
+            "[[plot]]\nx = \"std_bound\"\ny = \"std\"\nwhere = { \"std_bound\" = 1 }",
+        ] {
+            assert_eq!(said("press", plot), None);
+            let message = said("roll", plot).unwrap();
+            assert!(message.contains("no column `std_bound`"), "{message}");
+        }
+    }
+
+    #[test]
+    fn maps_belong_to_the_scene_that_writes_them() {
+        let of = |kind: &str| format!("[[plot]]\nkind = {kind:?}");
+        for (kind, scene, other) in [
+            ("profile", "press", "glide"),
+            ("class-map", "glide", "press"),
+            ("contacts", "glide", "roll"),
+        ] {
+            assert_eq!(said(scene, &of(kind)), None);
+            assert_eq!(
+                said(other, &of(kind)).unwrap(),
+                format!("plot.0.kind: is drawn from a {scene}, and this scene is a {other}")
+            );
+        }
+    }
+}
