@@ -53,10 +53,12 @@ fn observation(outcome: Outcome) -> Observation {
         estimate,
         truth,
         std,
+        interval_holds,
     } = outcome;
     Observation {
         estimate,
         truth,
         std,
+        interval_holds,
     }
 }

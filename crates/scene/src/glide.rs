@@ -150,6 +150,7 @@ impl GlideScene {
                     estimate: curvature.gaussian,
                     truth: place.gaussian,
                     std: uncertainty.map(|one| one.gaussian_std),
+                    interval_holds: None,
                 },
             );
             observe(
@@ -158,6 +159,7 @@ impl GlideScene {
                     estimate: curvature.mean,
                     truth: place.mean,
                     std: uncertainty.map(|one| one.mean_std),
+                    interval_holds: None,
                 },
             );
             observe(
@@ -166,6 +168,7 @@ impl GlideScene {
                     estimate: f64::from(u8::from(is_right)),
                     truth: 1.0,
                     std: None,
+                    interval_holds: None,
                 },
             );
         }

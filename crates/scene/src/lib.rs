@@ -41,6 +41,9 @@ pub struct Outcome {
     pub truth: f64,
     /// The standard deviation that the estimator states; `None` if it states none.
     pub std: Option<f64>,
+    /// Whether the 95 % interval that the estimator states holds the truth; `None` where it is the
+    /// estimate ± 1.96 std.
+    pub interval_holds: Option<bool>,
 }
 
 impl Scene {

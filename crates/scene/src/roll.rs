@@ -190,6 +190,7 @@ impl RollScene {
             estimate: measured.value,
             truth,
             std: measured.std,
+            interval_holds: None,
         };
         let [u, v, gaussian, mean, length] = self.truths();
         let arc_length = Measured {

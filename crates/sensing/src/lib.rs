@@ -9,6 +9,7 @@
 mod angular_velocity;
 mod encoder;
 mod error;
+mod gaussian;
 mod normal;
 mod pads;
 mod position;
@@ -20,6 +21,7 @@ mod wrist;
 pub use angular_velocity::{AngularVelocityError, Distribution};
 pub use encoder::Encoder;
 pub use error::{BeyondPads, InvalidSensor};
+pub use gaussian::GaussianError;
 pub use normal::NormalError;
 pub use pads::{PadLayout, PadOffset, PadPlacement, Pads};
 pub use position::{PositionAxes, PositionError};

@@ -18,6 +18,16 @@ pub enum Channel {
     Position = 4,
     /// Error of a sensed normal.
     Normal = 5,
+    /// Error of a marker's displacement along the skin's normal.
+    NormalDisplacement = 6,
+    /// Error of a marker's displacement along the skin.
+    TangentialDisplacement = 7,
+    /// Error of an indentation that something else tells.
+    Indentation = 8,
+    /// Error of the factor on all normal displacements of a press.
+    Gain = 9,
+    /// Which markers are wrong, and how far.
+    WrongMarkers = 10,
 }
 
 /// The random numbers of one channel in one trial: a function of seed, trial and channel alone.
@@ -64,6 +74,22 @@ impl Stream {
         // 52 random bits of a float in [2, 4).
         let between_2_and_4 = self.next_word() >> 12 | 2_f64.to_bits();
         f64::from_bits(between_2_and_4) - 3.0
+    }
+
+    /// So many different numbers of `0..of`, each equally likely; all of them, shuffled, where there are no more. Draws
+    /// one number each.
+    pub fn choose(&mut self, count: usize, of: usize) -> Vec<usize> {
+        let mut items: Vec<usize> = (0..of).collect();
+        let count = count.min(of);
+        for place in 0..count {
+            let share = 0.5 * (self.symmetric_uniform() + 1.0);
+            let left = of - place;
+            // Rounding may reach the end, which a share does not.
+            let offset = ((share * left as f64) as usize).min(left - 1);
+            items.swap(place, place + offset);
+        }
+        items.truncate(count);
+        items
     }
 
     /// Normal with mean 0 and standard deviation 1.
@@ -203,6 +229,27 @@ mod tests {
             let score = (ones - TRIALS as i64 / 2) as f64 / deviation;
             assert!(score.abs() < 5.0, "{bit}: {score}");
         }
+    }
+
+    #[test]
+    fn every_choice_is_as_likely_as_any() {
+        let mut counts = [0_u32; 7];
+        for trial in 0..70_000 {
+            let chosen = Stream::new(9, trial, Channel::WrongMarkers).choose(3, 7);
+            assert!(chosen.len() == 3 && chosen.iter().all(|one| *one < 7));
+            assert!(chosen[0] != chosen[1] && chosen[1] != chosen[2] && chosen[2] != chosen[0]);
+            chosen.iter().for_each(|&one| counts[one] += 1);
+        }
+        // 30,000 expected; a standard deviation is sqrt(70,000 · 3/7 · 4/7) = 131.
+        assert!(
+            counts.iter().all(|count| count.abs_diff(30_000) < 600),
+            "{counts:?}"
+        );
+        let mut stream = Stream::new(9, 0, Channel::WrongMarkers);
+        let mut all = stream.choose(10, 4);
+        all.sort_unstable();
+        assert_eq!(all, [0, 1, 2, 3]);
+        assert!(stream.choose(2, 0).is_empty() && stream.choose(0, 2).is_empty());
     }
 
     #[test]

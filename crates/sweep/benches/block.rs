@@ -45,6 +45,7 @@ impl Trial for LookUp {
                 estimate: self.table[(start + quantity) % TABLE],
                 truth: 5.0,
                 std: self.std,
+                interval_holds: None,
             };
             record.observe(quantity, observation);
         }

@@ -23,6 +23,8 @@ pub(crate) struct Column {
     estimates: Vec<f64>,
     stds: Vec<f64>,
     truths: Truths,
+    /// Whether intervals hold the truth, where they are not estimate ± 1.96 std; ends at the last that is not.
+    judgements: Vec<Option<bool>>,
     /// Observations of the trials that have succeeded; the rest are of the one that runs.
     kept: usize,
 }
@@ -37,6 +39,15 @@ impl Column {
         let stds = observations.stds.unwrap_or([UNREPORTED; N]);
         self.estimates.extend_from_slice(&observations.estimates);
         self.stds.extend_from_slice(&stds);
+    }
+
+    /// Notes whether the interval of the last observation holds the truth; `None` leaves it to the standard deviation.
+    #[inline]
+    pub(crate) fn judge(&mut self, interval_holds: Option<bool>) {
+        if interval_holds.is_some() {
+            self.judgements.resize(self.estimates.len() - 1, None);
+            self.judgements.push(interval_holds);
+        }
     }
 
     /// Notes a truth of the `count` observations to come that is not the same as all before it.
@@ -63,6 +74,7 @@ impl Column {
     pub(crate) fn forget(&mut self) {
         self.estimates.truncate(self.kept);
         self.stds.truncate(self.kept);
+        self.judgements.truncate(self.kept);
         match &mut self.truths {
             Truths::Varied(truths) => truths.truncate(self.kept),
             truths if self.kept == 0 => *truths = Truths::None,
@@ -75,6 +87,7 @@ impl Column {
         self.kept = 0;
         self.estimates.clear();
         self.stds.clear();
+        self.judgements.clear();
         self.truths = Truths::None;
     }
 
@@ -91,6 +104,11 @@ impl Column {
     /// The standard deviations of the estimates, or [`UNREPORTED`].
     pub(crate) fn stds(&self) -> &[f64] {
         &self.stds
+    }
+
+    /// Whether intervals hold the truth, where that is not for the standard deviation to tell; the rest is missing.
+    pub(crate) fn judgements(&self) -> &[Option<bool>] {
+        &self.judgements
     }
 
     /// The truth of the estimates.
@@ -123,6 +141,25 @@ mod tests {
         assert_eq!(column.truths(), &Truths::Varied(vec![0.0, 0.0, 1.0, 0.0]));
         column.clear();
         assert_eq!((column.len(), column.truths()), (0, &Truths::None));
+    }
+
+    #[test]
+    fn judgements_stay_with_their_observations() {
+        let mut column = Column::default();
+        push(&mut column, 0.0);
+        column.judge(None);
+        push(&mut column, 0.0);
+        column.judge(Some(false));
+        column.keep();
+        push(&mut column, 0.0);
+        column.judge(Some(true));
+        column.forget();
+        push(&mut column, 0.0);
+        column.judge(None);
+        assert_eq!(column.judgements(), [None, Some(false)]);
+        assert_eq!(column.len(), 3);
+        column.clear();
+        assert_eq!(column, Column::default());
     }
 
     #[test]

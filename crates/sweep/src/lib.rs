@@ -24,7 +24,8 @@
 //!
 //!     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
 //!         let error = if trial % 2 == 0 { 0.5 } else { -0.5 };
-//!         record.observe(0, Observation { estimate: 2.0 + error, truth: 2.0, std: Some(0.5) });
+//!         let (estimate, truth, std) = (2.0 + error, 2.0, Some(0.5));
+//!         record.observe(0, Observation { estimate, truth, std, interval_holds: None });
 //!         Ok(())
 //!     }
 //! }

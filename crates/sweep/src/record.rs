@@ -12,6 +12,8 @@ pub struct Observation {
     pub truth: f64,
     /// The standard deviation the estimator claims, at least 0; `None` where it claims none.
     pub std: Option<f64>,
+    /// Whether the 95 % interval that the estimator claims holds the truth; `None` where it is estimate ± 1.96 std.
+    pub interval_holds: Option<bool>,
 }
 
 impl Observation {
@@ -34,6 +36,7 @@ pub struct Observations<const N: usize> {
     pub stds: Option<[f64; N]>,
 }
 
+/// Without the interval, which [`Column::judge`] takes.
 impl From<Observation> for Observations<1> {
     #[inline]
     fn from(observation: Observation) -> Self {
@@ -60,7 +63,10 @@ impl Record {
     #[inline]
     pub fn observe(&mut self, quantity: usize, observation: Observation) {
         match self.columns.get_mut(quantity) {
-            Some(column) if observation.is_sound() => column.push(&observation.into()),
+            Some(column) if observation.is_sound() => {
+                column.push(&observation.into());
+                column.judge(observation.interval_holds);
+            }
             column => self.rejection = Some(rejection(column.is_some(), &observation)),
         }
     }
@@ -68,7 +74,11 @@ impl Record {
     /// Records one observation of each of the first `N` quantities, as [`Record::observe`] would.
     #[inline]
     pub fn observe_each<const N: usize>(&mut self, observations: [Observation; N]) {
-        if !self.push_each(&observations.map(Observations::from)) {
+        if self.push_each(&observations.map(Observations::from)) {
+            for (column, observation) in self.columns.iter_mut().zip(&observations) {
+                column.judge(observation.interval_holds);
+            }
+        } else {
             for (quantity, observation) in observations.into_iter().enumerate() {
                 self.observe(quantity, observation);
             }
@@ -192,6 +202,7 @@ mod tests {
             estimate,
             truth,
             std,
+            interval_holds: None,
         }
     }
 
@@ -222,7 +233,10 @@ mod tests {
     fn each_is_one_after_the_other() {
         let (first, second) = (
             observation(1.0, 2.0, None),
-            observation(3.0, 4.0, Some(0.5)),
+            Observation {
+                interval_holds: Some(true),
+                ..observation(3.0, 4.0, Some(0.5))
+            },
         );
         let (mut each, mut one_by_one) = (record(3), record(3));
         each.observe_each([first, second]);

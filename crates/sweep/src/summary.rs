@@ -56,8 +56,8 @@ pub struct Summary {
     pub q95: Option<f64>,
     /// Mean of the reported standard deviations; `None` where none was reported.
     pub mean_reported_std: Option<f64>,
-    /// Share of the reported 95 % intervals, estimate ± 1.96 std, that hold the truth; `None` where no standard
-    /// deviation was reported.
+    /// Share of the reported 95 % intervals that hold the truth: estimate ± 1.96 std where the trial does not judge its
+    /// own; `None` where neither was reported.
     pub coverage95: Option<f64>,
 }
 
@@ -84,7 +84,6 @@ impl Summary {
         let estimates = sums.estimates();
         let rms_error = finite(errors.rms());
         let mean_abs_error = finite(error_magnitude.mean());
-        let reported = reported_std.count();
         Summary {
             observations: errors.count(),
             truth,
@@ -99,7 +98,7 @@ impl Summary {
             q50: quantile(0.50),
             q95: quantile(0.95),
             mean_reported_std: finite(reported_std.mean()),
-            coverage95: (reported > 0).then(|| sums.covered as f64 / reported as f64),
+            coverage95: (sums.judged > 0).then(|| sums.covered as f64 / sums.judged as f64),
         }
     }
 }

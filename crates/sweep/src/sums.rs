@@ -40,6 +40,8 @@ pub(crate) struct Sums {
     pub(crate) errors: Moments,
     pub(crate) error_magnitude: MeanMagnitude,
     pub(crate) reported_std: MeanMagnitude,
+    /// Observations that have a 95 % interval.
+    pub(crate) judged: u64,
     /// Observations whose 95 % interval holds the truth.
     pub(crate) covered: u64,
 }
@@ -73,7 +75,7 @@ impl Sums {
 
         let pairs = errors.iter().zip(stds);
         // None where no standard deviation was reported.
-        let covered = pairs
+        let mut covered: u64 = pairs
             .map(|(error, std)| u64::from(error.abs() <= COVERAGE_95 * std))
             .sum();
         let (lowest, largest) = range(stds, 0.0);
@@ -84,12 +86,22 @@ impl Sums {
         } else {
             MeanMagnitude::of(stds, largest)
         };
+        let mut judged = reported_std.count();
+        let judgements = column.judgements().iter().zip(errors.iter().zip(stds));
+        for (interval_holds, (error, &std)) in judgements {
+            if let Some(holds) = *interval_holds {
+                judged += u64::from(std == UNREPORTED);
+                covered += u64::from(holds);
+                covered -= u64::from(error.abs() <= COVERAGE_95 * std);
+            }
+        }
         let moments = Moments::of(errors);
         Sums {
             truth,
             errors: moments,
             error_magnitude: MeanMagnitude::of(errors, moments.largest()),
             reported_std,
+            judged,
             covered,
         }
     }
@@ -108,6 +120,7 @@ impl Sums {
         self.errors.merge(&other.errors);
         self.error_magnitude.merge(&other.error_magnitude);
         self.reported_std.merge(&other.reported_std);
+        self.judged += other.judged;
         self.covered += other.covered;
     }
 

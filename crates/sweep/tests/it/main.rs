@@ -43,6 +43,7 @@ fn observation(estimate: f64, truth: f64, std: Option<f64>) -> Observation {
         estimate,
         truth,
         std,
+        interval_holds: None,
     }
 }
 

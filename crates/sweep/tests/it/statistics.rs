@@ -1,7 +1,7 @@
 //! Statistics against closed forms, brute force and the ends of the floats.
 
 use approx::assert_relative_eq;
-use palpate_sweep::{BLOCK, Failure, NOT_FINITE, Record, Summary};
+use palpate_sweep::{BLOCK, Failure, NOT_FINITE, Observation, Record, Summary};
 
 use crate::{Function, normal, observation, observing, run_cell};
 
@@ -155,6 +155,37 @@ fn many_observations_in_a_trial_all_count() {
     assert_relative_eq!(summary.q95.unwrap(), 855.0, max_relative = 0.01);
     assert_eq!(summary.coverage95, Some(1.0));
     assert_eq!(summary.mean_reported_std, Some(1000.0));
+}
+
+#[test]
+fn a_trial_may_judge_its_own_interval() {
+    // Errors of 1 with a standard deviation of 1 are covered, those with one of 0.1 or none are not.
+    let judged = |stds: [Option<f64>; 4], holds: [Option<bool>; 4]| {
+        let trial = observing(move |trial| {
+            let kind = (trial % 4) as usize;
+            Observation {
+                interval_holds: holds[kind],
+                ..observation(3.0, 2.0, stds[kind])
+            }
+        });
+        run_cell(3 * BLOCK, &trial).quantities[0].coverage95
+    };
+    let stds = [Some(1.0), Some(1.0), Some(0.1), None];
+    assert_eq!(judged(stds, [None; 4]), Some(2.0 / 3.0));
+    // Turned against the standard deviation in two of four.
+    let turned = [None, Some(false), Some(true), None];
+    assert_eq!(judged(stds, turned), Some(2.0 / 3.0));
+    assert_eq!(
+        judged(stds, [None, Some(false), None, None]),
+        Some(1.0 / 3.0)
+    );
+    // An interval needs no standard deviation.
+    assert_eq!(judged(stds, [None, None, None, Some(true)]), Some(0.75));
+    assert_eq!(
+        judged([None; 4], [Some(true), None, None, Some(false)]),
+        Some(0.5)
+    );
+    assert_eq!(judged([None; 4], [None; 4]), None);
 }
 
 #[test]

@@ -1,0 +1,83 @@
+//! Layouts that cannot be.
+
+use thiserror::Error;
+
+/// Why there is no such layout of markers.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum LayoutError {
+    /// A setting is out of its range.
+    #[error("{setting} is {value}; it must be {expected}")]
+    BadSetting {
+        /// Name of the setting, as in the config.
+        setting: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would be right.
+        expected: String,
+    },
+    /// The markers reach around the sphere and meet themselves.
+    #[error(
+        "{setting}: the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180"
+    )]
+    AroundTheSphere {
+        /// Name of the setting that makes them reach so far.
+        setting: &'static str,
+        /// Polar angle of the last marker, degrees.
+        reach_deg: f64,
+    },
+    /// More markers than can be worked with.
+    #[error("there would be {markers:.0} markers; at most {limit} are possible")]
+    TooManyMarkers {
+        /// How many there would be.
+        markers: f64,
+        /// The most that there may be.
+        limit: usize,
+    },
+    /// The markers are so far apart that none lies on the cap.
+    #[error("no marker lies within {cap_deg} degrees of the apex at a pitch of {pitch}")]
+    NoMarker {
+        /// Distance between neighbouring markers, length.
+        pitch: f64,
+        /// Polar angle of the cap's rim, degrees.
+        cap_deg: f64,
+    },
+}
+
+impl LayoutError {
+    pub(crate) fn unless(
+        holds: bool,
+        setting: &'static str,
+        value: f64,
+        expected: &str,
+    ) -> Result<f64, Self> {
+        if holds {
+            return Ok(value);
+        }
+        Err(Self::BadSetting {
+            setting,
+            value,
+            expected: expected.to_owned(),
+        })
+    }
+
+    /// The stable name of this kind of error.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::BadSetting { .. } => "bad-setting",
+            Self::AroundTheSphere { .. } => "around-the-sphere",
+            Self::TooManyMarkers { .. } => "too-many-markers",
+            Self::NoMarker { .. } => "no-marker",
+        }
+    }
+
+    /// The setting that is wrong, as in the config, if it is one.
+    pub const fn setting(&self) -> Option<&'static str> {
+        match self {
+            Self::BadSetting { setting, .. } | Self::AroundTheSphere { setting, .. } => {
+                Some(setting)
+            }
+            Self::NoMarker { .. } => Some("pitch"),
+            Self::TooManyMarkers { .. } => None,
+        }
+    }
+}

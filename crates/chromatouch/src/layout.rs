@@ -1,0 +1,344 @@
+//! Where markers lie on a spherical skin.
+
+use std::f64::consts::TAU;
+
+use palpate_sensing::UniformLattice;
+
+use crate::LayoutError;
+
+/// A layout may have at most this many markers.
+pub const MOST_MARKERS: usize = 100_000;
+
+/// An arrangement of markers around the apex of a spherical skin.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Layout {
+    /// One marker at the apex and rows of markers in each of several equal gores, as the skin is cut to be folded onto
+    /// the sphere.
+    Gores {
+        /// How many gores share the circle.
+        gores: u32,
+        /// How many markers each row of a gore has, from the apex outward; evenly spread over the gore's width.
+        rows: Vec<u32>,
+        /// Polar angle between neighbouring rows, degrees.
+        row_spacing_deg: f64,
+    },
+    /// Even density over a cap around the apex: one marker per square of the pitch.
+    Lattice {
+        /// Distance between neighbouring markers, length.
+        pitch: f64,
+        /// Polar angle of the cap's rim, degrees.
+        cap_deg: f64,
+    },
+    /// Equally spaced on a great circle along x, the apex in their middle.
+    Line {
+        /// How many.
+        markers: u32,
+        /// From the first to the last, length.
+        length: f64,
+    },
+    /// Equally spaced along +x, the first at the apex.
+    Radius {
+        /// How many.
+        markers: u32,
+        /// From the first to the last, length.
+        length: f64,
+    },
+}
+
+impl Layout {
+    /// The 77 markers of the 2020 paper's sensor that its camera sees, as far as its photograph tells: the apex, and 1,
+    /// 3, 3, 5, 7 markers in rows 11.9° apart in each of four gores.
+    pub fn published() -> Self {
+        Self::Gores {
+            gores: 4,
+            rows: vec![1, 3, 3, 5, 7],
+            row_spacing_deg: 11.9,
+        }
+    }
+
+    /// Chart coordinates (x, y) of the markers on the skin of a sensor of this radius, length: the logarithm map from
+    /// the apex, so that a marker lies √(x² + y²) along the skin in the direction (x, y). From the apex outward, or
+    /// along +x.
+    ///
+    /// # Errors
+    /// [`LayoutError`].
+    pub fn places(&self, sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
+        let good = sensor_radius > 0.0 && sensor_radius.is_finite();
+        LayoutError::unless(good, "radius", sensor_radius, "finite and > 0")?;
+        match self {
+            Self::Gores {
+                gores,
+                rows,
+                row_spacing_deg,
+            } => in_gores(*gores, rows, *row_spacing_deg, sensor_radius),
+            Self::Lattice { pitch, cap_deg } => on_lattice(*pitch, *cap_deg, sensor_radius),
+            Self::Line { markers, length } => {
+                let steps = equal_steps(*markers, *length, 0.5 * length, sensor_radius)?;
+                Ok(steps.map(|along| [along - 0.5 * length, 0.0]).collect())
+            }
+            Self::Radius { markers, length } => {
+                let steps = equal_steps(*markers, *length, *length, sensor_radius)?;
+                Ok(steps.map(|along| [along, 0.0]).collect())
+            }
+        }
+    }
+}
+
+fn few_enough(markers: f64) -> Result<(), LayoutError> {
+    if markers <= MOST_MARKERS as f64 {
+        return Ok(());
+    }
+    Err(LayoutError::TooManyMarkers {
+        markers,
+        limit: MOST_MARKERS,
+    })
+}
+
+fn within_half_turn(setting: &'static str, reach_deg: f64) -> Result<(), LayoutError> {
+    if reach_deg < 180.0 {
+        return Ok(());
+    }
+    Err(LayoutError::AroundTheSphere { setting, reach_deg })
+}
+
+fn in_gores(
+    gores: u32,
+    rows: &[u32],
+    row_spacing_deg: f64,
+    sensor_radius: f64,
+) -> Result<Vec<[f64; 2]>, LayoutError> {
+    LayoutError::unless(gores >= 1, "gores", f64::from(gores), "at least 1")?;
+    let good = row_spacing_deg > 0.0 && row_spacing_deg.is_finite();
+    LayoutError::unless(good, "row_spacing_deg", row_spacing_deg, "finite and > 0")?;
+    within_half_turn("row_spacing_deg", row_spacing_deg * rows.len() as f64)?;
+    let per_gore: f64 = rows.iter().map(|&markers| f64::from(markers)).sum();
+    few_enough(1.0 + per_gore * f64::from(gores))?;
+
+    let mut places = vec![[0.0, 0.0]];
+    for (row, &markers) in rows.iter().enumerate() {
+        let distance = sensor_radius * (row_spacing_deg * (row + 1) as f64).to_radians();
+        for gore in 0..gores {
+            for marker in 0..markers {
+                let share = (f64::from(marker) + 0.5) / f64::from(markers);
+                let azimuth = TAU * (f64::from(gore) + share) / f64::from(gores);
+                places.push([distance * azimuth.cos(), distance * azimuth.sin()]);
+            }
+        }
+    }
+    Ok(places)
+}
+
+fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
+    let good = cap_deg > 0.0 && cap_deg <= 180.0;
+    LayoutError::unless(good, "cap_deg", cap_deg, "above 0 and at most 180")?;
+    let half_cap = 0.5 * cap_deg.to_radians();
+    // The cap's share of the sphere is sin²(cap/2).
+    let share = half_cap.sin() * half_cap.sin();
+    let good = pitch > 0.0 && pitch.is_finite();
+    LayoutError::unless(good, "pitch", pitch, "finite and > 0")?;
+    let pitch_rad = pitch / sensor_radius;
+    few_enough((2.0 * TAU / (pitch_rad * pitch_rad) * share).floor())?;
+    let lattice = UniformLattice::with_pitch(pitch_rad).map_err(|_| LayoutError::BadSetting {
+        setting: "pitch",
+        value: pitch,
+        expected: format!(
+            "between {:e} and {:e}",
+            1.2e-7 * sensor_radius,
+            2.5 * sensor_radius
+        ),
+    })?;
+    let places: Vec<[f64; 2]> = (0..lattice.pads())
+        .map(|marker| lattice.direction(marker))
+        .map(|direction| (direction, direction.x.hypot(direction.y)))
+        .take_while(|(direction, across)| across.atan2(direction.z) <= 2.0 * half_cap)
+        .map(|(direction, across)| {
+            let distance = sensor_radius * across.atan2(direction.z);
+            [direction.x, direction.y].map(|component| distance * component / across)
+        })
+        .collect();
+    if places.is_empty() {
+        return Err(LayoutError::NoMarker { pitch, cap_deg });
+    }
+    Ok(places)
+}
+
+/// From 0 to `length`, as long as the farthest place, `reach` from the apex, is on the sphere once.
+fn equal_steps(
+    markers: u32,
+    length: f64,
+    reach: f64,
+    sensor_radius: f64,
+) -> Result<impl Iterator<Item = f64>, LayoutError> {
+    let count = f64::from(markers);
+    LayoutError::unless(markers >= 2, "markers", count, "at least 2")?;
+    few_enough(count)?;
+    let good = length > 0.0 && length.is_finite();
+    LayoutError::unless(good, "length", length, "finite and > 0")?;
+    within_half_turn("length", (reach / sensor_radius).to_degrees())?;
+    let share = move |marker: u32| f64::from(marker) / (count - 1.0);
+    Ok((0..markers).map(move |marker| length * share(marker)))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use approx::assert_relative_eq;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn the_published_sensor_has_77_markers_in_rows() {
+        let places = Layout::published().places(20.0).unwrap();
+        assert_eq!((places.len(), places[0]), (77, [0.0, 0.0]));
+        // 11.9° on a sphere of 20 mm is 4.15 mm along the skin.
+        let distances: Vec<f64> = places.iter().map(|[x, y]| x.hypot(*y)).collect();
+        for (row, markers) in [(1, 1..5), (2, 5..17), (3, 17..29), (4, 29..49), (5, 49..77)] {
+            for marker in markers {
+                assert_relative_eq!(
+                    distances[marker],
+                    4.153_883 * f64::from(row),
+                    max_relative = 1e-6
+                );
+            }
+        }
+        // The only marker of a gore's first row is in its middle, the seven of the last every 90/7 degrees.
+        let azimuth = |marker: usize| places[marker][1].atan2(places[marker][0]).to_degrees();
+        assert_relative_eq!(azimuth(1), 45.0, max_relative = 1e-12);
+        assert_relative_eq!(azimuth(2), 135.0, max_relative = 1e-12);
+        assert_relative_eq!(azimuth(49), 45.0 / 7.0, max_relative = 1e-12);
+        assert_relative_eq!(azimuth(50) - azimuth(49), 90.0 / 7.0, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn a_lattice_is_as_dense_as_asked_everywhere() {
+        let (radius, pitch) = (20.0, 1.0);
+        let layout = |cap_deg| Layout::Lattice { pitch, cap_deg };
+        let places = layout(60.0).places(radius).unwrap();
+        // Markers within an angle of the apex: area over pitch², 2πR²(1 − cos).
+        for cap_deg in [15.0_f64, 30.0, 45.0, 60.0] {
+            let angle = cap_deg.to_radians();
+            let within = places
+                .iter()
+                .filter(|[x, y]| x.hypot(*y) <= radius * angle)
+                .count();
+            let expected = TAU * radius * radius * (1.0 - angle.cos()) / (pitch * pitch);
+            assert!(
+                (within as f64 - expected).abs() < 2.0,
+                "{cap_deg}: {within}, {expected}"
+            );
+        }
+        // Nobody has a neighbour much nearer than the pitch.
+        let nearest = places.iter().enumerate().map(|(one, [x, y])| {
+            let others = places.iter().enumerate().filter(|(other, _)| *other != one);
+            others
+                .map(|(_, [u, v])| (x - u).hypot(y - v))
+                .fold(f64::INFINITY, f64::min)
+        });
+        assert!(nearest.fold(f64::INFINITY, f64::min) > 0.7 * pitch);
+        // The whole sphere.
+        let all = layout(180.0).places(radius).unwrap();
+        assert_relative_eq!(
+            all.len() as f64,
+            4.0 * PI * radius * radius,
+            max_relative = 1e-3
+        );
+    }
+
+    #[test]
+    fn lines_and_radii_have_equal_steps() {
+        let line = Layout::Line {
+            markers: 5,
+            length: 20.0,
+        };
+        assert_eq!(
+            line.places(20.0).unwrap(),
+            [-10.0, -5.0, 0.0, 5.0, 10.0].map(|x| [x, 0.0])
+        );
+        let radius = Layout::Radius {
+            markers: 4,
+            length: 9.0,
+        };
+        assert_eq!(
+            radius.places(20.0).unwrap(),
+            [0.0, 3.0, 6.0, 9.0].map(|x| [x, 0.0])
+        );
+    }
+
+    #[test]
+    fn impossible_layouts_are_named() {
+        let gores = |gores, rows: &[u32], row_spacing_deg| Layout::Gores {
+            gores,
+            rows: rows.to_vec(),
+            row_spacing_deg,
+        };
+        let lattice = |pitch, cap_deg| Layout::Lattice { pitch, cap_deg };
+        let line = |markers, length| Layout::Line { markers, length };
+        let radius = |markers, length| Layout::Radius { markers, length };
+        for (layout, name, setting) in [
+            (gores(0, &[1], 10.0), "bad-setting", Some("gores")),
+            (gores(4, &[1], 0.0), "bad-setting", Some("row_spacing_deg")),
+            (
+                gores(4, &[1], f64::NAN),
+                "bad-setting",
+                Some("row_spacing_deg"),
+            ),
+            (
+                gores(4, &[1, 1], 90.0),
+                "around-the-sphere",
+                Some("row_spacing_deg"),
+            ),
+            (gores(u32::MAX, &[u32::MAX], 1.0), "too-many-markers", None),
+            (lattice(0.0, 60.0), "bad-setting", Some("pitch")),
+            (lattice(f64::INFINITY, 60.0), "bad-setting", Some("pitch")),
+            (lattice(1e3, 60.0), "bad-setting", Some("pitch")),
+            (lattice(1e-9, 60.0), "too-many-markers", None),
+            (lattice(5e-324, 60.0), "too-many-markers", None),
+            (lattice(1.0, 0.0), "bad-setting", Some("cap_deg")),
+            (lattice(1.0, 181.0), "bad-setting", Some("cap_deg")),
+            (lattice(1.0, 0.1), "no-marker", Some("pitch")),
+            (line(1, 1.0), "bad-setting", Some("markers")),
+            (line(100_001, 1.0), "too-many-markers", None),
+            (line(5, -1.0), "bad-setting", Some("length")),
+            (line(5, 126.0), "around-the-sphere", Some("length")),
+            (radius(5, 63.0), "around-the-sphere", Some("length")),
+            (radius(5, f64::MAX), "around-the-sphere", Some("length")),
+        ] {
+            let error = layout.places(20.0).unwrap_err();
+            assert_eq!((error.name(), error.setting()), (name, setting), "{error}");
+        }
+        for sensor_radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let error = Layout::published().places(sensor_radius).unwrap_err();
+            assert_eq!(error.setting(), Some("radius"));
+        }
+    }
+
+    #[test]
+    fn small_and_large_sensors_have_the_same_markers() {
+        for layout in [
+            Layout::published(),
+            Layout::Lattice {
+                pitch: 0.1,
+                cap_deg: 70.0,
+            },
+        ] {
+            let scaled = |scale: f64| match &layout {
+                Layout::Lattice { pitch, cap_deg } => Layout::Lattice {
+                    pitch: pitch * scale,
+                    cap_deg: *cap_deg,
+                },
+                other => other.clone(),
+            };
+            let unit = layout.places(1.0).unwrap();
+            for scale in [1e-9, 1e9] {
+                let places = scaled(scale).places(scale).unwrap();
+                assert_eq!(places.len(), unit.len());
+                for (place, unit) in places.iter().zip(&unit) {
+                    for axis in 0..2 {
+                        assert!((place[axis] / scale - unit[axis]).abs() < 1e-12);
+                    }
+                }
+            }
+        }
+    }
+}
