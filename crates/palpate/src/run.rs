@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use palpate_scene::config::{self, Output, Study, StudyConfig};
 use palpate_scene::glide::MapTable;
+use palpate_scene::press::ProfileTable;
 use palpate_scene::{Scene, Table};
 use palpate_sweep::{Cell, RunOptions};
 
@@ -31,7 +32,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         .step_by(args.every_nth_cell.get())
         .collect();
     let scenes = scenes(&study, &numbers)?;
-    refuse_maps_of_rolls(&study, &scenes)?;
+    refuse_maps(&study, &scenes)?;
     let cells: Vec<Cell<'_>> = numbers
         .iter()
         .zip(&scenes)
@@ -46,6 +47,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(&study.config.name));
     output::make_directory(&out)?;
+    // Before the work, which would be lost where there is no pass to follow.
+    let traced = study.config.outputs.contains(&Output::Trace);
+    let traced = traced
+        .then(|| trace_tables(&study, &scenes[0].0, None))
+        .transpose()?;
     let bar = progress::bar(cells.iter().map(|cell| cell.trials).sum());
     let options = RunOptions {
         threads: args.threads.map(|threads| threads.min(MOST_THREADS)),
@@ -75,8 +81,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         ),
         ("run.toml", resolved(&study)),
     ];
-    if study.config.outputs.contains(&Output::Trace) {
-        let (contacts, readings) = trace_tables(&study, &scenes[0].0, None)?;
+    if let Some((contacts, readings)) = traced {
         files.push(("trace.csv", contacts.to_csv()));
         files.push(("readings.csv", readings.to_csv()));
     }
@@ -95,32 +100,57 @@ fn scenes(study: &Study, numbers: &[usize]) -> Result<Vec<SceneTrial>, Failure> 
         .map_err(Failure::usage)
 }
 
-fn refuse_maps_of_rolls(study: &Study, scenes: &[SceneTrial]) -> Result<(), Failure> {
-    let is_roll = |scene: &SceneTrial| matches!(scene.0, Scene::Roll(_));
-    if study.config.outputs.contains(&Output::Map) && scenes.iter().any(is_roll) {
-        let message = "a roll has no map; \"cells\" and \"trace\" are possible";
-        return Err(Failure::usage(study.error_at(0, "outputs", message)));
+fn refuse_maps(study: &Study, scenes: &[SceneTrial]) -> Result<(), Failure> {
+    if !study.config.outputs.contains(&Output::Map) {
+        return Ok(());
     }
-    Ok(())
+    let is_press = |scene: &SceneTrial| matches!(scene.0, Scene::Press(_));
+    let message = if scenes.iter().any(|scene| matches!(scene.0, Scene::Roll(_))) {
+        "a roll has no map; \"cells\" and \"trace\" are possible"
+    } else if scenes.iter().any(is_press) && !scenes.iter().all(is_press) {
+        "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
+    } else {
+        return Ok(());
+    };
+    Err(Failure::usage(study.error_at(0, "outputs", message)))
 }
 
-/// The maps of the first trial of every cell that was run. A trial that fails has none, which is
-/// said.
+/// The maps, or profiles, of the first trial of every cell that was run. A trial that fails has
+/// none, which is said.
 fn maps(study: &Study, ran: &[Ran<'_>]) -> String {
-    let mut table = MapTable::of_cells(study.config.length_unit);
+    let unit = study.config.length_unit;
+    let mut maps = MapTable::of_cells(unit);
+    let mut profiles = ProfileTable::of_cells(unit);
+    let mut is_press = false;
     let mut missing = Vec::new();
     for Ran { cell, scene, .. } in ran {
-        if let Scene::Glide(glide) = scene
-            && let Err(error) = glide.map(*cell, 0, &mut table)
-        {
-            missing.push(format!("{cell} ({})", error.name()));
-        }
+        let failed = match scene {
+            Scene::Roll(_) => None,
+            Scene::Glide(glide) => glide.map(*cell, 0, &mut maps).err().map(|e| e.name()),
+            Scene::Press(press) => {
+                is_press = true;
+                press
+                    .profile(*cell, 0, &mut profiles)
+                    .err()
+                    .map(|e| e.name())
+            }
+        };
+        missing.extend(failed.map(|name| format!("{cell} ({name})")));
     }
     if !missing.is_empty() {
+        let what = if is_press {
+            "estimates of cells"
+        } else {
+            "cells"
+        };
         let cells = missing.join(", ");
-        eprintln!("warning: map.csv lacks cells whose trial 0 failed: {cells}");
+        eprintln!("warning: map.csv lacks {what} whose trial 0 failed: {cells}");
     }
-    table.into_csv()
+    if is_press {
+        profiles.into_csv()
+    } else {
+        maps.into_csv()
+    }
 }
 
 /// The config with all defaults and overrides, as it was run.
@@ -145,6 +175,10 @@ pub(crate) fn trace_tables(
         }
         Scene::Glide(glide) => {
             let trace = glide.trace(trial, unit);
+            (trace.contacts, trace.readings)
+        }
+        Scene::Press(press) => {
+            let trace = press.trace(trial, unit).map_err(Failure::work)?;
             (trace.contacts, trace.readings)
         }
     })

@@ -2,7 +2,7 @@
 
 use anyhow::Error;
 use palpate_scene::Scene;
-use palpate_scene::config::{STATISTICS, Study};
+use palpate_scene::config::{STATISTICS, STD_BOUND, Study};
 use palpate_sweep::{CellStatistics, Summary};
 
 /// A cell that was run: its number in the study, its scene and what came out.
@@ -12,17 +12,20 @@ pub(crate) struct Ran<'a> {
     pub(crate) statistics: &'a CellStatistics,
 }
 
-/// One row per cell and quantity.
+/// One row per cell and quantity. Presses have a bound on the standard deviation behind the
+/// statistics.
 pub(crate) fn cells(study: &Study, ran: &[Ran<'_>]) -> Result<String, Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let fixed = ["quantity", "unit"];
     let columns = study.columns.iter().map(String::as_str);
+    let of_presses = ran.iter().any(|ran| matches!(ran.scene, Scene::Press(_)));
     writer.write_record(
         ["cell"]
             .into_iter()
             .chain(columns)
             .chain(fixed)
-            .chain(STATISTICS),
+            .chain(STATISTICS)
+            .chain(of_presses.then_some(STD_BOUND)),
     )?;
     for Ran {
         cell,
@@ -37,15 +40,22 @@ pub(crate) fn cells(study: &Study, ran: &[Ran<'_>]) -> Result<String, Error> {
             // Where every trial failed, the scene still knows.
             let truth = summary.truth.or_else(|| scene.truth(place));
             let statistics = statistics_of(statistics, &Summary { truth, ..*summary });
+            let bound = of_presses.then(|| number(scene.std_bound(place)));
             let row = [index.as_str()]
                 .into_iter()
                 .chain(study.cells[*cell].coordinates.iter().map(String::as_str))
                 .chain([quantity.name, &unit])
-                .chain(statistics.iter().map(String::as_str));
+                .chain(statistics.iter().map(String::as_str))
+                .chain(bound.as_deref());
             writer.write_record(row)?;
         }
     }
     Ok(String::from_utf8(writer.into_inner()?)?)
+}
+
+/// A number, zero without a sign; empty where there is none.
+fn number(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| (value + 0.0).to_string())
 }
 
 /// The statistics of a quantity, in the order of [`STATISTICS`].
@@ -66,8 +76,6 @@ fn statistics_of(cell: &CellStatistics, summary: &Summary) -> Vec<String> {
         mean_reported_std,
         coverage95,
     } = *summary;
-    let number =
-        |value: Option<f64>| value.map_or_else(String::new, |value| (value + 0.0).to_string());
     let mut texts = vec![
         number(truth),
         cell.trials.to_string(),

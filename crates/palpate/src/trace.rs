@@ -20,9 +20,23 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let scene = study.scene(args.cell).map_err(Failure::usage)?;
     let (contacts, readings) = run::trace_tables(&study, &scene, args.trial)?;
     let rows = contacts.rows.len();
-    let of_whom = match &scene {
-        Scene::Roll(_) => counted(readings.rows.len(), "probe"),
-        Scene::Glide(glide) => counted(glide.fingers(), "finger"),
+    let what = match &scene {
+        Scene::Roll(_) => {
+            let probes = counted(readings.rows.len(), "probe");
+            format!("{} of {probes}", counted(rows, "contact"))
+        }
+        Scene::Glide(glide) => {
+            let fingers = counted(glide.fingers(), "finger");
+            format!("{} of {fingers}", counted(rows, "contact"))
+        }
+        Scene::Press(press) => {
+            let unit = study.config.length_unit.as_str();
+            let told = press.told_indentation(args.trial);
+            format!(
+                "{} under an indentation told as {told} {unit}",
+                counted(rows, "marker")
+            )
+        }
     };
     output::write_files(
         &args.out,
@@ -32,9 +46,8 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
         ],
     )?;
     output::print(&format!(
-        "{}: {} of {of_whom} -> {}",
+        "{}: {what} -> {}",
         study.config.name,
-        counted(rows, "contact"),
         args.out.display()
     ))
 }

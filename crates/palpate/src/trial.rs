@@ -19,6 +19,9 @@ impl Trial for SceneTrial {
             Scene::Glide(glide) => glide.trial(trial, |quantity, outcome| {
                 record.observe(quantity, observation(outcome));
             })?,
+            Scene::Press(press) => press.trial(trial, |quantity, outcome| {
+                record.observe(quantity, observation(outcome));
+            })?,
         }
         Ok(())
     }
@@ -26,7 +29,7 @@ impl Trial for SceneTrial {
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
         match &self.0 {
             Scene::Roll(roll) => roll_together(roll, trials, record),
-            Scene::Glide(_) => 0,
+            Scene::Glide(_) | Scene::Press(_) => 0,
         }
     }
 }

@@ -17,6 +17,7 @@ mod load;
 mod object;
 mod pads;
 mod plot;
+mod press;
 mod roll;
 mod schema;
 mod study;
@@ -35,6 +36,11 @@ pub use object::ObjectConfig;
 pub use pads::{PadLayout, PadOffset};
 pub use plot::{
     Component, Mark, MarkAxis, PlotConfig, PlotKind, Points, STATISTICS, STD_BOUND, Scale,
+};
+pub use press::{
+    Baseline, GainNoise, Indentation, LayoutConfig, LayoutTable, LengthNoise, NamedLayout,
+    NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig, PressMotionConfig,
+    PressNoiseConfig, PressObjectConfig, PressProbeConfig, PressSensorConfig, WrongMarkers,
 };
 pub use roll::{
     AngularVelocityNoise, Chart, EncoderConfig, ProbeConfig, RollAxis, RollConfig,

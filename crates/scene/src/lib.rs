@@ -9,6 +9,7 @@ pub mod config;
 pub mod glide;
 mod legible;
 mod plan;
+pub mod press;
 mod quantity;
 pub mod recorded;
 pub mod roll;
@@ -16,6 +17,7 @@ mod table;
 
 pub use glide::GlideScene;
 pub use plan::PlanError;
+pub use press::PressScene;
 pub use quantity::{Quantity, Unit};
 pub use roll::RollScene;
 pub use table::Table;
@@ -30,6 +32,8 @@ pub enum Scene {
     Roll(RollScene),
     /// Fingers slide over a patch.
     Glide(GlideScene),
+    /// A soft sphere is pressed onto an object.
+    Press(PressScene),
 }
 
 /// One trial's estimate of a quantity, and its truth, in the quantity's unit.
@@ -52,6 +56,7 @@ impl Scene {
         match self {
             Self::Roll(_) => &roll::QUANTITIES,
             Self::Glide(_) => &glide::QUANTITIES,
+            Self::Press(press) => press.quantities(),
         }
     }
 
@@ -60,7 +65,8 @@ impl Scene {
         match self {
             Self::Roll(roll) if !roll.is_random() => 1,
             Self::Glide(glide) if !glide.is_random() => 1,
-            Self::Roll(_) | Self::Glide(_) => wanted,
+            Self::Press(press) if !press.is_random() => 1,
+            Self::Roll(_) | Self::Glide(_) | Self::Press(_) => wanted,
         }
     }
 
@@ -78,6 +84,7 @@ impl Scene {
         match self {
             Self::Roll(roll) => roll.trial(trial, observe),
             Self::Glide(glide) => glide.trial(trial, observe),
+            Self::Press(press) => press.trial(trial, observe),
         }
     }
 
@@ -86,6 +93,16 @@ impl Scene {
         match self {
             Self::Roll(roll) => roll.truths().get(quantity).copied(),
             Self::Glide(glide) => glide.truth(quantity),
+            Self::Press(press) => press.truth(quantity),
+        }
+    }
+
+    /// The Cramér–Rao bound on the standard deviation of an estimate of the quantity with this
+    /// index, where it is known: of presses with noise.
+    pub fn std_bound(&self, quantity: usize) -> Option<f64> {
+        match self {
+            Self::Roll(_) | Self::Glide(_) => None,
+            Self::Press(press) => press.std_bound(quantity),
         }
     }
 
@@ -94,6 +111,7 @@ impl Scene {
         match self {
             Self::Roll(roll) => roll.needs(),
             Self::Glide(glide) => glide.needs(),
+            Self::Press(press) => press.needs(),
         }
     }
 }
@@ -112,6 +130,7 @@ impl Study {
         match &config.scene {
             SceneConfig::Roll(roll) => RollScene::new(roll, config.seed).map(Scene::Roll),
             SceneConfig::Glide(glide) => GlideScene::new(glide, config.seed).map(Scene::Glide),
+            SceneConfig::Press(press) => PressScene::new(press, config.seed).map(Scene::Press),
         }
         .map_err(|error| self.plan_error(cell, error))
     }
@@ -120,7 +139,7 @@ impl Study {
     ///
     /// # Errors
     /// As [`Study::scene`], and where the readings cannot tell the curvature: fewer than two probes,
-    /// or all parallel; too few contacts, or all on a line.
+    /// or all parallel; too few contacts, or all on a line; too few markers.
     ///
     /// # Panics
     /// If `cell` is not the index of a cell.
@@ -129,6 +148,7 @@ impl Study {
         match &scene {
             Scene::Roll(roll) => roll.estimable(),
             Scene::Glide(glide) => glide.estimable(),
+            Scene::Press(press) => press.estimable(),
         }
         .map_err(|error| self.plan_error(cell, error))?;
         Ok(scene)

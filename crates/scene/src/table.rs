@@ -24,6 +24,11 @@ impl Table {
             .push(index.chain(numbers.into_iter().map(number)).collect());
     }
 
+    /// A row of numbers, likewise.
+    pub(crate) fn push_numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
+        self.rows.push(numbers.into_iter().map(number).collect());
+    }
+
     /// The table as CSV text.
     pub fn to_csv(&self) -> String {
         let mut text = self.header.join(",");

@@ -10,8 +10,8 @@ pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
-/// `x-unit` states the unit of a number that has one: `length`, `1/length` or `1/length^2`, in the config's `length_unit`. Numbers
-/// whose key ends in `_rad`, `_deg`, `_s` or `_rad_per_s` carry their unit there.
+/// `x-unit` states the unit of a number that has one: `length`, `1/length` or `1/length^2`, in the config's `length_unit`;
+/// `1` where others of its name have a unit and it has none. Numbers whose key ends in `_rad`, `_deg`, `_s` or `_rad_per_s` carry their unit there.
 pub fn schema() -> Json {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings
@@ -51,6 +51,9 @@ fn tidy(schema: &mut Json) {
                     object.entry(key).or_insert(value);
                 }
             }
+            if let Some(Json::Array(variants)) = object.remove("anyOf") {
+                object.insert("oneOf".into(), Json::Array(flattened(variants)));
+            }
             if object.get("format") == Some(&json!("uint32")) {
                 object.entry("maximum").or_insert(json!(u32::MAX));
             }
@@ -59,6 +62,15 @@ fn tidy(schema: &mut Json) {
         Json::Array(items) => items.iter_mut().for_each(tidy),
         _ => {}
     }
+}
+
+/// The variants of a name or a table, which exclude each other, on one level.
+fn flattened(variants: Vec<Json>) -> Vec<Json> {
+    let alone = |variant: Json| match variant["oneOf"].as_array() {
+        Some(inner) => inner.clone(),
+        None => vec![variant],
+    };
+    variants.into_iter().flat_map(alone).collect()
 }
 
 /// The header of a swept field's column: its path with its unit, e.g. `scene.object.c_per_cm`.

@@ -2,6 +2,7 @@
 
 use super::glide::GlideConfig;
 use super::plot::PlotConfig;
+use super::press::PressConfig;
 use super::roll::RollConfig;
 use super::schema;
 use super::sweep::SweepConfig;
@@ -96,7 +97,7 @@ pub enum Output {
     Cells,
     /// One noiseless pass of the first cell.
     Trace,
-    /// The estimated curvatures over a patch.
+    /// The estimated curvatures over a patch; of a press, the true and the estimated displacement along a radius.
     Map,
 }
 
@@ -108,6 +109,8 @@ pub enum SceneConfig {
     Roll(RollConfig),
     /// Fingers slide over a patch of an object.
     Glide(GlideConfig),
+    /// A soft sphere with markers is pressed onto an object.
+    Press(PressConfig),
 }
 
 impl SceneConfig {
@@ -116,6 +119,7 @@ impl SceneConfig {
         match self {
             Self::Roll(roll) => roll.check(),
             Self::Glide(glide) => glide.check(),
+            Self::Press(press) => press.check(),
         }
     }
 }

@@ -5,12 +5,15 @@ use super::tree::{Node, Value, nearest, number_text, suggest};
 use serde_json::Value as Json;
 
 /// Checks a tree against a schema as [`super::schema()`] makes them: tagged tables (`oneOf` told apart by `kind`),
-/// objects, arrays, numbers, strings and choices; no references. The first fault in the order of the text is reported.
+/// choices of words, choices of either, objects, arrays, numbers and strings; no references. The first fault in the order of the text is reported.
 pub(super) fn validate(schema: &Json, node: &Node) -> Result<(), Fault> {
     if let Some(variants) = schema["oneOf"].as_array() {
-        return match variants.iter().all(|variant| kind_of(variant).is_some()) {
-            true => tagged(variants, node),
-            false => choice(variants, node),
+        let tables = variants.iter().any(|variant| kind_of(variant).is_some());
+        let words = words(variants).next().is_some();
+        return match (tables, &node.value) {
+            (true, Value::Text(_)) if words => choice(variants, node),
+            (true, _) => tagged(variants, node),
+            (false, _) => choice(variants, node),
         };
     }
     match schema["type"].as_str() {
@@ -35,6 +38,13 @@ pub(super) fn kind_of(variant: &Json) -> Option<&str> {
     variant["properties"]["kind"]["const"].as_str()
 }
 
+/// The words among the variants.
+fn words(variants: &[Json]) -> impl Iterator<Item = &str> {
+    variants
+        .iter()
+        .filter_map(|variant| variant["const"].as_str())
+}
+
 fn wrong_type(expected: &str, node: &Node) -> Fault {
     Fault::at(
         &node.span,
@@ -44,7 +54,12 @@ fn wrong_type(expected: &str, node: &Node) -> Fault {
 
 fn tagged(variants: &[Json], node: &Node) -> Result<(), Fault> {
     let Value::Table(_) = node.value else {
-        return Err(wrong_type("a table with `kind`", node));
+        let words: Vec<String> = words(variants).map(|word| format!("{word:?}")).collect();
+        let expected = match words.is_empty() {
+            true => "a table with `kind`".to_owned(),
+            false => format!("{} or a table with `kind`", words.join(", ")),
+        };
+        return Err(wrong_type(&expected, node));
     };
     let kinds: Vec<&str> = variants.iter().filter_map(kind_of).collect();
     let Some(kind) = node.get("kind") else {
@@ -67,10 +82,7 @@ fn choice(variants: &[Json], node: &Node) -> Result<(), Fault> {
     let Some(text) = node.as_text() else {
         return Err(wrong_type("a string", node));
     };
-    let known: Vec<&str> = variants
-        .iter()
-        .filter_map(|variant| variant["const"].as_str())
-        .collect();
+    let known: Vec<&str> = words(variants).collect();
     if known.contains(&text) {
         Ok(())
     } else {

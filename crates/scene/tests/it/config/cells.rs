@@ -16,6 +16,7 @@ fn objects(study: &Study) -> Vec<&ObjectConfig> {
         match scene {
             SceneConfig::Roll(roll) => &roll.object,
             SceneConfig::Glide(glide) => &glide.object,
+            SceneConfig::Press(_) => panic!("a press"),
         }
     }
     study

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Numbers without a unit, or in that of the field they speak of.
-const DIMENSIONLESS: [&str; 26] = [
+const DIMENSIONLESS: [&str; 32] = [
     "claims",              // their numbers
     "seed",                //
     "trials",              //
@@ -32,6 +32,12 @@ const DIMENSIONLESS: [&str; 26] = [
     "smoothing",           // sum of squares in weights
     "second_smoothing",    //
     "tangent_step",        // in inter-finger distances
+    "gores",               //
+    "rows",                // markers of each
+    "markers",             //
+    "frames",              //
+    "poisson",             //
+    "gain_std",            // of a factor
 ];
 
 const UNIT_SUFFIXES: [&str; 4] = ["_rad", "_deg", "_s", "_rad_per_s"];
@@ -82,7 +88,7 @@ fn every_number_has_a_unit_or_is_known_to_have_none() {
 fn units_are_those_that_headers_know() {
     properties(&schema(), &mut |key, property| {
         if let Some(unit) = property.get("x-unit") {
-            let known = ["length", "1/length", "1/length^2"];
+            let known = ["length", "1/length", "1/length^2", "1"];
             assert!(known.iter().any(|known| unit == known), "{key}: {unit}");
         }
     });

@@ -1,0 +1,129 @@
+//! How curvature follows from the readings of a press.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How curvature follows from the readings: a least-squares fit of what one of these bodies does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum PressEstimatorConfig {
+    /// An elastic half-space at the markers' depth.
+    HalfSpace {
+        /// Poisson's ratio; by default the model's, or 0.5 where that has none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
+        poisson: Option<f64>,
+        /// Whether the indentation is given.
+        #[serde(default)]
+        indentation: Indentation,
+        /// Standard deviation that the estimator ascribes to an indentation that is given.
+        #[serde(default)]
+        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+        indentation_std: f64,
+        /// Whether displacements are known to be 0 without a press.
+        #[serde(default)]
+        baseline: Baseline,
+        /// Standard deviation that the estimator ascribes to the factor on all normal displacements.
+        #[serde(default)]
+        #[schemars(extend("minimum" = 0))]
+        gain_std: f64,
+        /// Whether the noise of displacements is told.
+        #[serde(default)]
+        noise: NoiseKnown,
+    },
+    /// An incompressible layer bonded to a rigid core.
+    BondedLayer {
+        /// Thickness of the layer; by default the model's.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        thickness: Option<f64>,
+        /// Whether the indentation is given.
+        #[serde(default)]
+        indentation: Indentation,
+        /// Standard deviation that the estimator ascribes to an indentation that is given.
+        #[serde(default)]
+        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+        indentation_std: f64,
+        /// Whether displacements are known to be 0 without a press.
+        #[serde(default)]
+        baseline: Baseline,
+        /// Standard deviation that the estimator ascribes to the factor on all normal displacements.
+        #[serde(default)]
+        #[schemars(extend("minimum" = 0))]
+        gain_std: f64,
+        /// Whether the noise of displacements is told.
+        #[serde(default)]
+        noise: NoiseKnown,
+    },
+    /// The 2020 paper's Gaussian, R = c σ²/δ, fitted to normal displacements. Its amplitude is fitted too where the
+    /// indentation is given, and stands for the indentation where it is not.
+    Gaussian {
+        /// The c; by default what gives the sensor's own radius on a plane pressed as deep, without noise.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "1"))]
+        c: Option<f64>,
+        /// Only markers within this distance of the contact count; by default all.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        window: Option<f64>,
+        /// Whether the indentation is given.
+        #[serde(default)]
+        indentation: Indentation,
+        /// Standard deviation that the estimator ascribes to an indentation that is given.
+        #[serde(default)]
+        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+        indentation_std: f64,
+        /// Whether displacements are known to be 0 without a press.
+        #[serde(default)]
+        baseline: Baseline,
+        /// Whether the noise of displacements is told.
+        #[serde(default)]
+        noise: NoiseKnown,
+    },
+}
+
+impl Default for PressEstimatorConfig {
+    fn default() -> Self {
+        Self::HalfSpace {
+            poisson: None,
+            indentation: Indentation::default(),
+            indentation_std: 0.0,
+            baseline: Baseline::default(),
+            gain_std: 0.0,
+            noise: NoiseKnown::default(),
+        }
+    }
+}
+
+/// Whether the indentation is given.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Indentation {
+    /// Something else tells it, a robot's pose say.
+    #[default]
+    Known,
+    /// It follows from the displacements.
+    Fitted,
+}
+
+/// What displacements are without a press.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Baseline {
+    /// They are 0.
+    #[default]
+    Known,
+    /// All normal displacements may be off by the same, which is fitted.
+    Fitted,
+}
+
+/// Where the estimator has the noise of displacements from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoiseKnown {
+    /// It is told that of the scene; found from the residuals where the scene has none.
+    #[default]
+    Stated,
+    /// From the residuals.
+    Found,
+}

@@ -1,0 +1,88 @@
+//! Errors of what is read of a press.
+
+use palpate_sensing::{Channel, GaussianError, Stream};
+
+use super::PressReadings;
+
+/// Errors of the readings of a press.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ReadingNoise {
+    /// Of each normal displacement.
+    pub(super) normal: GaussianError,
+    /// Of each component of each tangential displacement.
+    pub(super) tangential: GaussianError,
+    /// Of the indentation that is given.
+    pub(super) indentation: GaussianError,
+    /// Of the factor on all normal displacements.
+    pub(super) gain: GaussianError,
+    /// How many markers err by more.
+    pub(super) wrong_markers: usize,
+    /// By how much more.
+    pub(super) wrong: GaussianError,
+}
+
+impl ReadingNoise {
+    /// Whether trials differ, where these are what is read.
+    pub(super) fn is_random(&self, tangential: bool, indentation: bool) -> bool {
+        self.normal.is_random()
+            || (tangential && self.tangential.is_random())
+            || (indentation && self.indentation.is_random())
+            || self.gain.is_random()
+            || self.errs_wildly()
+    }
+
+    fn errs_wildly(&self) -> bool {
+        self.wrong_markers > 0 && self.wrong.is_random()
+    }
+
+    /// Adds the errors of a trial. What is not read draws too, so that scenes share their draws.
+    pub(super) fn add_to(&self, readings: &mut PressReadings, seed: u64, trial: u64) {
+        let stream = |channel| Stream::new(seed, trial, channel);
+        let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));
+        let mut of_normal = stream(Channel::NormalDisplacement);
+        for normal in &mut readings.normal {
+            *normal = *normal * gain + self.normal.draw(&mut of_normal);
+        }
+        let mut of_tangential = stream(Channel::TangentialDisplacement);
+        for component in readings.tangential.iter_mut().flatten() {
+            *component += self.tangential.draw(&mut of_tangential);
+        }
+        if self.errs_wildly() {
+            let mut of_wrong = stream(Channel::WrongMarkers);
+            for marker in of_wrong.choose(self.wrong_markers, readings.normal.len()) {
+                readings.normal[marker] += self.wrong.draw(&mut of_wrong);
+                for component in &mut readings.tangential[marker] {
+                    *component += self.wrong.draw(&mut of_wrong);
+                }
+            }
+        }
+    }
+
+    /// The error of the given indentation in a trial.
+    pub(super) fn of_indentation(&self, seed: u64, trial: u64) -> f64 {
+        let mut stream = Stream::new(seed, trial, Channel::Indentation);
+        self.indentation.draw(&mut stream)
+    }
+
+    /// The errors in words, if there are any.
+    pub(super) fn need(&self) -> Option<String> {
+        let mut errors = Vec::new();
+        let mut add = |is_random: bool, what: &str| {
+            if is_random {
+                errors.push(what.to_owned());
+            }
+        };
+        add(
+            self.normal.is_random(),
+            "normal displacements, drawn per marker",
+        );
+        add(
+            self.tangential.is_random(),
+            "tangential displacements, drawn per marker and component",
+        );
+        add(self.indentation.is_random(), "the given indentation");
+        add(self.gain.is_random(), "the gain of a press");
+        add(self.errs_wildly(), "some markers, which are wrong");
+        (!errors.is_empty()).then(|| format!("noise: Gaussian errors of {}", errors.join("; of ")))
+    }
+}

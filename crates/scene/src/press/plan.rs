@@ -1,0 +1,378 @@
+//! From a press's config to a [`PressScene`].
+
+use palpate_chromatouch::{Layout, LayoutError};
+use palpate_press::{
+    Body, Bounds, Contact, ForwardFit, Markers, PressError, Prior, Skin, calibrated_c,
+};
+use palpate_sensing::{GaussianError, InvalidSensor};
+
+use super::noise::ReadingNoise;
+use super::words;
+use super::{PressMethod, PressScene, PressSensor, PressedObject, TruePress};
+use crate::config::{
+    Baseline, GainNoise, Indentation, LayoutConfig, LayoutTable, LengthNoise, NamedLayout,
+    NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
+    PressObjectConfig, PressProbeConfig, PressSensorConfig,
+};
+use crate::plan::PlanError;
+
+impl PressScene {
+    /// The scene that a config describes, with the random numbers of `seed`.
+    ///
+    /// # Errors
+    /// [`PlanError`] with the path of the field that makes no scene.
+    pub fn new(config: &PressConfig, seed: u64) -> Result<Self, PlanError> {
+        let PressProbeConfig::MarkerSphere {
+            radius,
+            marker_depth,
+            layout,
+        } = &config.probe;
+        let skin =
+            Skin::new(*radius).map_err(|error| PlanError::at("scene.probe.radius", error))?;
+        below_radius("scene.probe.marker_depth", *marker_depth, *radius)?;
+        let layout_path = "scene.probe.layout";
+        let places = layout_of(layout)
+            .places(*radius)
+            .map_err(|error| of_layout(layout_path, &error))?;
+        let markers =
+            Markers::new(skin, &places).map_err(|error| PlanError::at(layout_path, error))?;
+        let object = object(&config.object);
+        let at = contact_place(config.motion.contact_deg, *radius)?;
+        let body = body(config, *radius, *marker_depth)?;
+        let PressSensorConfig::Direct { tangential, frames } = config.sensor;
+        let sensor = PressSensor { tangential, frames };
+        let noise = noise(&config.noise, frames, places.len())?;
+        let contact = skin.contact(&body, object.curvature, config.motion.indentation);
+        let truth = contact.map(|contact| TruePress {
+            contact_radius: contact.radius,
+            markers: markers.displacements(&contact, at),
+        });
+        let method = Planned {
+            config,
+            body: &body,
+            markers: &markers,
+            noise: &noise,
+        };
+        let bounds = contact
+            .ok()
+            .and_then(|contact| method.bounds(&contact, at, tangential));
+        let method = method.method(*radius, *marker_depth)?;
+        let mut needs = words::of_model(&config.model, &object, &skin, &contact);
+        needs.push(
+            noise
+                .need()
+                .unwrap_or_else(|| "no noise: no random numbers are drawn".to_owned()),
+        );
+        needs.push(words::of_sensor(places.len(), sensor));
+        needs.extend(words::of_estimator(config, &method));
+        Ok(Self {
+            seed,
+            truth,
+            places,
+            at,
+            object,
+            indentation: config.motion.indentation,
+            sensor,
+            noise,
+            method,
+            bounds,
+            needs,
+            markers,
+            body,
+        })
+    }
+}
+
+fn below_radius(path: &str, depth: f64, radius: f64) -> Result<(), PlanError> {
+    if depth < radius {
+        return Ok(());
+    }
+    let message = format!("must be less than the sensor's radius {radius}, is {depth}");
+    Err(PlanError::at(path, message))
+}
+
+fn layout_of(config: &LayoutConfig) -> Layout {
+    match config {
+        LayoutConfig::Named(NamedLayout::Published) => Layout::published(),
+        LayoutConfig::Table(LayoutTable::Gores {
+            gores,
+            rows,
+            row_spacing_deg,
+        }) => Layout::Gores {
+            gores: *gores,
+            rows: rows.clone(),
+            row_spacing_deg: *row_spacing_deg,
+        },
+        LayoutConfig::Table(LayoutTable::Lattice { pitch, cap_deg }) => Layout::Lattice {
+            pitch: *pitch,
+            cap_deg: *cap_deg,
+        },
+        LayoutConfig::Table(LayoutTable::Line { markers, length }) => Layout::Line {
+            markers: *markers,
+            length: *length,
+        },
+        LayoutConfig::Table(LayoutTable::Radius { markers, length }) => Layout::Radius {
+            markers: *markers,
+            length: *length,
+        },
+    }
+}
+
+fn of_layout(path: &str, error: &LayoutError) -> PlanError {
+    match error.setting() {
+        Some(setting) => PlanError::at(format!("{path}.{setting}"), error),
+        None => PlanError::at(path, error),
+    }
+}
+
+fn object(config: &PressObjectConfig) -> PressedObject {
+    let of_radius = |radius: f64| PressedObject {
+        curvature: radius.recip(),
+        radius: Some(radius),
+    };
+    match *config {
+        PressObjectConfig::Sphere { radius } => of_radius(radius),
+        PressObjectConfig::Dish { radius } => of_radius(-radius),
+        PressObjectConfig::Plane {} => PressedObject {
+            curvature: 0.0,
+            radius: None,
+        },
+    }
+}
+
+/// Chart coordinates of a polar angle and an azimuth.
+fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], PlanError> {
+    if !(0.0..=180.0).contains(&polar) {
+        let message = format!("the polar angle must be from 0 to 180, is {polar}");
+        return Err(PlanError::at("scene.motion.contact_deg", message));
+    }
+    let distance = radius * polar.to_radians();
+    let (sine, cosine) = azimuth.to_radians().sin_cos();
+    Ok([distance * cosine, distance * sine])
+}
+
+/// What moves the markers.
+fn body(config: &PressConfig, radius: f64, marker_depth: f64) -> Result<Body, PlanError> {
+    match config.model {
+        PressModelConfig::Hertz { poisson } => Body::hertz(poisson),
+        PressModelConfig::HalfSpace { poisson } => Body::half_space(poisson, marker_depth),
+        PressModelConfig::BondedLayer { thickness } => {
+            within_sensor("scene.model.thickness", thickness, radius)?;
+            Body::bonded_layer(thickness, marker_depth)
+        }
+    }
+    .map_err(|error| of_body("scene.model", error))
+}
+
+fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), PlanError> {
+    if thickness <= radius {
+        return Ok(());
+    }
+    let message = format!("must be at most the sensor's radius {radius}, is {thickness}");
+    Err(PlanError::at(path, message))
+}
+
+/// At the setting of a body that is out of its range.
+fn of_body(table: &str, error: PressError) -> PlanError {
+    match error {
+        PressError::BadSetting {
+            setting: "depth", ..
+        } => PlanError::at("scene.probe.marker_depth", error),
+        PressError::BadSetting { setting, .. } => {
+            PlanError::at(format!("{table}.{setting}"), error)
+        }
+        _ => PlanError::at(table, error),
+    }
+}
+
+fn noise(
+    config: &PressNoiseConfig,
+    frames: u32,
+    markers: usize,
+) -> Result<ReadingNoise, PlanError> {
+    let error = |std: Option<f64>, key: &str| {
+        GaussianError::new(std.unwrap_or(0.0))
+            .map_err(|error: InvalidSensor| PlanError::at(format!("scene.noise.{key}.std"), error))
+    };
+    let length = |noise: &Option<LengthNoise>, key: &str| {
+        let std = noise.as_ref().map(|LengthNoise::Gaussian { std }| *std);
+        error(std, key)
+    };
+    let wrong = config.wrong_markers.as_ref();
+    let count = wrong.map_or(0, |wrong| wrong.count as usize);
+    if count > markers {
+        let message = format!("must be at most the number of markers {markers}, is {count}");
+        return Err(PlanError::at("scene.noise.wrong_markers.count", message));
+    }
+    let gain = config.gain.as_ref();
+    Ok(ReadingNoise {
+        normal: length(&config.normal_displacement, "normal_displacement")?.averaged(frames),
+        tangential: length(&config.tangential_displacement, "tangential_displacement")?
+            .averaged(frames),
+        indentation: length(&config.indentation, "indentation")?,
+        gain: error(gain.map(|GainNoise::Gaussian { std }| *std), "gain")?,
+        wrong_markers: count,
+        wrong: error(wrong.map(|wrong| wrong.std), "wrong_markers")?,
+    })
+}
+
+/// What an estimator is made of.
+struct Planned<'a> {
+    config: &'a PressConfig,
+    body: &'a Body,
+    markers: &'a Markers,
+    noise: &'a ReadingNoise,
+}
+
+/// What all estimators have.
+struct Nuisances {
+    known_indentation: Option<f64>,
+    baseline: Prior,
+    /// `None` for the Gaussian, whose amplitude is another thing.
+    gain: Option<Prior>,
+    noise: NoiseKnown,
+}
+
+impl Nuisances {
+    fn of(config: &PressEstimatorConfig) -> Self {
+        let (indentation, indentation_std, baseline, gain_std, noise) = match *config {
+            PressEstimatorConfig::HalfSpace {
+                indentation,
+                indentation_std,
+                baseline,
+                gain_std,
+                noise,
+                ..
+            }
+            | PressEstimatorConfig::BondedLayer {
+                indentation,
+                indentation_std,
+                baseline,
+                gain_std,
+                noise,
+                ..
+            } => (
+                indentation,
+                indentation_std,
+                baseline,
+                Some(gain_std),
+                noise,
+            ),
+            PressEstimatorConfig::Gaussian {
+                indentation,
+                indentation_std,
+                baseline,
+                noise,
+                ..
+            } => (indentation, indentation_std, baseline, None, noise),
+        };
+        Self {
+            known_indentation: match indentation {
+                Indentation::Known => Some(indentation_std),
+                Indentation::Fitted => None,
+            },
+            baseline: match baseline {
+                Baseline::Known => Prior::Exact,
+                Baseline::Fitted => Prior::Free,
+            },
+            gain: gain_std.map(within),
+            noise,
+        }
+    }
+}
+
+fn within(std: f64) -> Prior {
+    if std > 0.0 {
+        Prior::Within(std)
+    } else {
+        Prior::Exact
+    }
+}
+
+impl Planned<'_> {
+    fn method(&self, radius: f64, marker_depth: f64) -> Result<PressMethod, PlanError> {
+        let nuisances = Nuisances::of(&self.config.estimator);
+        let stated = |error: GaussianError| {
+            let known = nuisances.noise == NoiseKnown::Stated && error.is_random();
+            known.then(|| error.std())
+        };
+        let fit = self
+            .assumed_body(radius, marker_depth)?
+            .map(|body| ForwardFit {
+                // The amplitude of a Gaussian is fitted, unless it is the indentation.
+                gain: nuisances.gain.unwrap_or(match nuisances.known_indentation {
+                    Some(_) => Prior::Free,
+                    None => Prior::Exact,
+                }),
+                baseline: nuisances.baseline,
+                normal_std: stated(self.noise.normal),
+                tangential_std: stated(self.noise.tangential),
+                window: match self.config.estimator {
+                    PressEstimatorConfig::Gaussian { window, .. } => window,
+                    _ => None,
+                },
+                ..ForwardFit::new(body)
+            });
+        Ok(PressMethod {
+            fit,
+            known_indentation: nuisances.known_indentation,
+        })
+    }
+
+    /// The body that the estimator assumes; the inner error where a Gaussian cannot be calibrated.
+    fn assumed_body(
+        &self,
+        radius: f64,
+        marker_depth: f64,
+    ) -> Result<Result<Body, PressError>, PlanError> {
+        let model = &self.config.model;
+        match self.config.estimator {
+            PressEstimatorConfig::HalfSpace { poisson, .. } => {
+                let of_model = match *model {
+                    PressModelConfig::Hertz { poisson }
+                    | PressModelConfig::HalfSpace { poisson } => poisson,
+                    PressModelConfig::BondedLayer { .. } => 0.5,
+                };
+                Body::half_space(poisson.unwrap_or(of_model), marker_depth)
+            }
+            PressEstimatorConfig::BondedLayer { thickness, .. } => {
+                let of_model = model.thickness();
+                let Some(thickness) = thickness.or(of_model) else {
+                    let message = "`thickness` is missing";
+                    return Err(PlanError::at("scene.estimator", message));
+                };
+                within_sensor("scene.estimator.thickness", thickness, radius)?;
+                if of_model == Some(thickness) {
+                    Ok(self.body.clone())
+                } else {
+                    Body::bonded_layer(thickness, marker_depth)
+                }
+            }
+            PressEstimatorConfig::Gaussian { c: Some(c), .. } => Body::gaussian(c),
+            PressEstimatorConfig::Gaussian { window, .. } => {
+                let indentation = self.config.motion.indentation;
+                return Ok(calibrated_c(self.markers, self.body, indentation, window)
+                    .and_then(Body::gaussian));
+            }
+        }
+        .map(Ok)
+        .map_err(|error| of_body("scene.estimator", error))
+    }
+
+    /// The bounds on what the readings can tell by the model's own body.
+    fn bounds(&self, contact: &Contact<'_>, at: [f64; 2], tangential: bool) -> Option<Bounds> {
+        let nuisances = Nuisances::of(&self.config.estimator);
+        let drawn = |error: GaussianError| error.is_random().then(|| error.std());
+        let fit = ForwardFit {
+            baseline: nuisances.baseline,
+            gain: drawn(self.noise.gain).map_or(nuisances.gain?, within),
+            normal_std: drawn(self.noise.normal),
+            tangential_std: drawn(self.noise.tangential),
+            ..ForwardFit::new(self.body.clone())
+        };
+        let indentation_std = nuisances
+            .known_indentation
+            .map(|told| drawn(self.noise.indentation).unwrap_or(told));
+        fit.bounds(self.markers, contact, at, tangential, indentation_std)
+    }
+}

@@ -1,0 +1,144 @@
+//! What a press needs, in words.
+
+use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
+use palpate_press::{Contact, ContactRegime, PressError, Skin};
+
+use super::{PressMethod, PressSensor, PressedObject};
+use crate::config::{
+    Baseline, Indentation, NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig,
+    PressProbeConfig,
+};
+use crate::legible::legible;
+
+/// The model, the regime of the contact, and what is doubtful about either.
+pub(super) fn of_model(
+    model: &PressModelConfig,
+    object: &PressedObject,
+    skin: &Skin,
+    contact: &Result<Contact<'_>, PressError>,
+) -> Vec<String> {
+    let mut needs = vec![
+        match model {
+            PressModelConfig::Hertz { .. } => "Hertz contact, seen at the surface: closed form",
+            PressModelConfig::HalfSpace { .. } => {
+                "Hertz contact on a half-space, at the markers' depth: closed form"
+            }
+            PressModelConfig::BondedLayer { .. } => {
+                "incompressible layer bonded to a rigid core: the contact is solved for"
+            }
+        }
+        .to_owned(),
+    ];
+    let regime = ContactRegime::of(skin.curvature(), object.curvature);
+    match contact {
+        Ok(contact) => {
+            let what = match regime {
+                ContactRegime::Convex => "bulges",
+                ContactRegime::Flat => "is flat",
+                _ => "is hollow, less so than the sensor is round",
+            };
+            needs.push(format!("{} contact: the object {what}", regime.name()));
+            let is_layer = matches!(model, PressModelConfig::BondedLayer { .. });
+            needs.extend(large(contact, skin, is_layer));
+        }
+        Err(error) => needs.push(legible(&format!(
+            "warning: no press; every trial fails as `{}`: {error}",
+            error.name()
+        ))),
+    }
+    needs
+}
+
+/// A warning where the contact is so wide that small-strain theory errs.
+fn large(contact: &Contact<'_>, skin: &Skin, is_layer: bool) -> Option<String> {
+    let share = contact.radius / skin.radius();
+    if share <= LARGE_CONTACT {
+        return None;
+    }
+    let sneddon = sneddon_indentation(contact.relative_curvature.recip(), contact.radius);
+    let sneddon = match sneddon {
+        _ if is_layer => "small strains are assumed".to_owned(),
+        Ok(indentation) => format!(
+            "by Sneddon's relation it takes an indentation {:.1} % larger than by Hertz's",
+            100.0 * (indentation / contact.indentation - 1.0)
+        ),
+        Err(_) => "it would be wider than the sphere of the same effective radius".to_owned(),
+    };
+    Some(format!(
+        "warning: the contact's radius is {share:.2} of the sensor's, past {LARGE_CONTACT}: {sneddon}"
+    ))
+}
+
+pub(super) fn of_sensor(markers: usize, sensor: PressSensor) -> String {
+    let plural = if markers == 1 { "" } else { "s" };
+    let with = if sensor.tangential { "with" } else { "without" };
+    let frames = match sensor.frames {
+        1 => String::new(),
+        frames => format!(", the mean of {frames} frames"),
+    };
+    format!("direct sensor: {markers} marker{plural}, {with} displacements along the skin{frames}")
+}
+
+/// The estimator, and what is doubtful about it.
+pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<String> {
+    let (what, indentation, baseline, noise) = match &config.estimator {
+        PressEstimatorConfig::HalfSpace {
+            indentation,
+            baseline,
+            noise,
+            ..
+        } => ("a half-space", indentation, baseline, noise),
+        PressEstimatorConfig::BondedLayer {
+            indentation,
+            baseline,
+            noise,
+            ..
+        } => ("a bonded layer", indentation, baseline, noise),
+        PressEstimatorConfig::Gaussian {
+            c,
+            indentation,
+            baseline,
+            noise,
+            ..
+        } => match c {
+            Some(_) => ("a Gaussian with a given c", indentation, baseline, noise),
+            None => (
+                "a Gaussian calibrated on a plane",
+                indentation,
+                baseline,
+                noise,
+            ),
+        },
+    };
+    let indentation = match indentation {
+        Indentation::Known => "indentation given",
+        Indentation::Fitted => "indentation fitted",
+    };
+    let baseline = match baseline {
+        Baseline::Known => "",
+        Baseline::Fitted => ", baseline fitted",
+    };
+    let noise = match noise {
+        NoiseKnown::Stated => "noise as stated",
+        NoiseKnown::Found => "noise found from the residuals",
+    };
+    let mut needs = vec![format!(
+        "least-squares fit of {what}, {indentation}{baseline}, {noise}"
+    )];
+    if let Err(error) = &method.fit {
+        needs.push(legible(&format!(
+            "warning: no estimator; every trial fails as `{}`: {error}",
+            error.name()
+        )));
+    }
+    let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
+    let at_surface = matches!(config.model, PressModelConfig::Hertz { .. });
+    let at_depth = !matches!(config.estimator, PressEstimatorConfig::Gaussian { .. });
+    if at_surface && at_depth && marker_depth > 0.0 {
+        needs.push(
+            "warning: the model moves markers as at the surface, the estimator takes them to be at their depth"
+                .to_owned(),
+        );
+    }
+    needs
+}
