@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::bonded_layer::BondedLayer;
+use crate::bonded_layer::{BondedLayer, LayerContact};
 use crate::{Field, PressError, half_space};
 
 /// What a press does to the skin at the markers' depth.
@@ -20,9 +20,11 @@ enum Rung {
 }
 
 /// A contact: what presses, how deep, and how wide.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Contact<'b> {
     body: &'b Body,
+    /// With a layer, its contact.
+    layer: Option<LayerContact>,
     /// 1/R_s + 1/R_o, 1/length.
     pub relative_curvature: f64,
     /// The approach of the bodies since first touch, length.
@@ -122,8 +124,13 @@ impl Body {
         if !(1e-50..=1e50).contains(&radius) {
             return Err(PressError::OutOfRange);
         }
+        let layer = match &self.0 {
+            Rung::BondedLayer(layer) => Some(layer.contact(radius)?),
+            Rung::HalfSpace { .. } | Rung::Gaussian { .. } => None,
+        };
         Ok(Contact {
             body: self,
+            layer,
             relative_curvature,
             indentation,
             radius,
@@ -138,11 +145,11 @@ impl Body {
         }
     }
 
-    /// dD/da at a contact radius.
-    pub(crate) fn indentation_slope(&self, a: f64) -> Result<f64, PressError> {
+    /// D and dD/da at a contact radius.
+    pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         match &self.0 {
-            Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok(2.0 * a),
-            Rung::BondedLayer(layer) => layer.indentation_of(a).map(|[_, slope]| slope),
+            Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok([a * a, 2.0 * a]),
+            Rung::BondedLayer(layer) => layer.indentation_of(a),
         }
     }
 }
@@ -159,9 +166,12 @@ impl Contact<'_> {
 
     pub(crate) fn field(&self, r: f64) -> Field {
         let a = self.radius;
+        if let Some(layer) = &self.layer {
+            return layer.field(r);
+        }
         match &self.body.0 {
             Rung::HalfSpace { poisson, depth } => half_space::field(*poisson, *depth, a, r),
-            Rung::BondedLayer(layer) => layer.field(a, r),
+            Rung::BondedLayer(_) => Field::default(),
             Rung::Gaussian { c } => {
                 let share = (-0.5 * c * (r / a) * (r / a)).exp();
                 Field {

@@ -1,6 +1,16 @@
 //! Nonlinear least squares of a press's forward law.
 
+mod bias;
+mod minimise;
+mod problem;
+mod profile;
+mod search;
+mod start;
+
 use crate::{Body, Contact, Markers, PressError, PressEstimate};
+use minimise::inverse;
+use problem::{Problem, State};
+use search::{Search, Stds};
 
 /// What was read of one press.
 #[derive(Clone, Copy, Debug)]
@@ -79,14 +89,18 @@ impl ForwardFit {
     /// The press behind a reading.
     ///
     /// # Errors
-    /// [`PressError`].
+    /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for what is given;
+    /// [`PressError::NoContact`] where nothing moved beyond noise or all markers moved alike;
+    /// [`PressError::OffMarkers`], [`PressError::Undetermined`] and those of [`Body::press`] where the readings fit no
+    /// press.
     pub fn estimate(&self, reading: &Reading<'_>) -> Result<PressEstimate, PressError> {
-        let _ = reading;
-        Err(PressError::OutOfRange)
+        self.validate(reading)?;
+        Search::new(self, reading)?.run()
     }
 
-    /// The least standard deviations that an unbiased estimate can have, for a true contact at chart coordinates.
-    /// `tangential`: whether tangential displacements are sensed; `indentation_std`: of a known indentation.
+    /// The least standard deviations that an unbiased estimate can have (Cramér and Rao), for a true contact at chart
+    /// coordinates. `tangential`: whether tangential displacements are sensed; `indentation_std`: of a known indentation.
+    ///
     /// `None` without a stated noise, or where the readings do not determine the press.
     pub fn bounds(
         &self,
@@ -96,13 +110,99 @@ impl ForwardFit {
         tangential: bool,
         indentation_std: Option<f64>,
     ) -> Option<Bounds> {
-        let _ = (markers, contact, at, tangential, indentation_std);
-        None
+        let stated = |std: Option<f64>| std.filter(|&std| std > 0.0);
+        let moved = markers.displacements(contact, at);
+        let normal: Vec<f64> = moved.iter().map(|moved| moved.normal).collect();
+        let along: Vec<[f64; 2]> = moved.iter().map(|moved| moved.tangential).collect();
+        let value = contact.indentation;
+        let reading = Reading {
+            markers,
+            normal: &normal,
+            tangential: tangential.then_some(along.as_slice()),
+            indentation: indentation_std.map(|std| Measured { value, std }),
+        };
+        let mut problem = Problem::new(self, &reading);
+        problem.normal_std = stated(self.normal_std)?;
+        if problem.uses_tangential() {
+            problem.tangential_std = stated(self.tangential_std)?;
+        }
+        let place = problem.place_at(markers.skin().place(at).direction.as_ref());
+        let state = State {
+            log_curvature: contact.relative_curvature.ln(),
+            place,
+            indentation: contact.indentation,
+            baseline: 0.0,
+            gain: 1.0,
+        };
+        problem.keep_window(&state);
+        let covariance = inverse(&problem.sums(&state).ok()?.hessian)?;
+        let stds = Stds::new(&problem, &state, &covariance).ok()?;
+        Some(Bounds {
+            relative_curvature: stds.relative_curvature,
+            indentation: stds.indentation,
+            contact_radius: stds.contact_radius,
+        })
+    }
+
+    fn validate(&self, reading: &Reading<'_>) -> Result<(), PressError> {
+        let at_least_0 = |setting, value: f64| {
+            let good = (0.0..=1e100).contains(&value);
+            PressError::unless_good(setting, value, good, "finite and at least 0").map(|_| ())
+        };
+        for (setting, std) in [
+            ("normal_std", self.normal_std),
+            ("tangential_std", self.tangential_std),
+            (
+                "indentation_std",
+                reading.indentation.map(|known| known.std),
+            ),
+        ] {
+            std.map_or(Ok(()), |std| at_least_0(setting, std))?;
+        }
+        for (setting, prior) in [("baseline_std", self.baseline), ("gain_std", self.gain)] {
+            if let Prior::Within(std) = prior {
+                let good = std > 0.0 && std <= 1e100;
+                PressError::unless_good(setting, std, good, "finite and > 0")?;
+            }
+        }
+        if let Some(window) = self.window {
+            let good = window > 0.0;
+            PressError::unless_good("window", window, good, "> 0")?;
+        }
+        if let Some(Measured { value, .. }) = reading.indentation {
+            if !value.is_finite() {
+                return Err(PressError::OutOfRange);
+            }
+            if value <= 0.0 {
+                return Err(PressError::NoIndentation { indentation: value });
+            }
+        }
+        let markers = reading.markers.places().len();
+        let lengths = [
+            Some(reading.normal.len()),
+            reading.tangential.map(<[_]>::len),
+        ];
+        if let Some(&given) = lengths.iter().flatten().find(|&&given| given != markers) {
+            return Err(PressError::BadSetting {
+                setting: "readings",
+                value: given as f64,
+                expected: "one for each marker",
+            });
+        }
+        let sound = |value: f64| value.abs() <= 1e50;
+        let is_bad = |marker: &usize| {
+            let tangential = reading.tangential.map_or([0.0; 2], |given| given[*marker]);
+            !(sound(reading.normal[*marker]) && tangential.into_iter().all(sound))
+        };
+        match (0..markers).find(is_bad) {
+            Some(marker) => Err(PressError::NotFinite { marker }),
+            None => Ok(()),
+        }
     }
 }
 
-/// The c of the Gaussian approximation (R = c σ²/δ) that gives the sensor's own radius on a plane pressed by `indentation`
-/// at the apex.
+/// The c of the Gaussian approximation (R = c σ²/δ) that gives the sensor's own radius on a plane pressed by
+/// `indentation` at the apex.
 ///
 /// # Errors
 /// [`PressError`] where the press or the fit of the Gaussian fails.
@@ -112,6 +212,22 @@ pub fn calibrated_c(
     indentation: f64,
     window: Option<f64>,
 ) -> Result<f64, PressError> {
-    let _ = (markers, body, indentation, window);
-    Err(PressError::OutOfRange)
+    let plane = markers.skin().contact(body, 0.0, indentation)?;
+    let moved = markers.displacements(&plane, [0.0; 2]);
+    let normal: Vec<f64> = moved.iter().map(|moved| moved.normal).collect();
+    let fit = ForwardFit {
+        gain: Prior::Free,
+        window,
+        ..ForwardFit::new(Body::gaussian(1.0)?)
+    };
+    let found = fit.estimate(&Reading {
+        markers,
+        normal: &normal,
+        tangential: None,
+        indentation: Some(Measured {
+            value: indentation,
+            std: 0.0,
+        }),
+    })?;
+    Ok(markers.skin().radius() * found.relative_curvature.value)
 }

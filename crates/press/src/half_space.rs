@@ -26,6 +26,9 @@ use crate::Field;
 /// Below this share of the distance the series in the contact's radius is exact to rounding.
 const FAR: f64 = 1.0 / 12.0;
 
+/// No nearer to the edge at the surface, in squares of the contact's radius, do derivatives grow.
+const EDGE: f64 = 1e-20;
+
 /// The field at distance `r >= 0` from the axis and depth `z >= 0` under a contact of radius `a > 0`.
 ///
 /// At the surface under the edge (z = 0, r = a), where derivatives jump, they are those from inside.
@@ -55,7 +58,7 @@ impl Moments {
     fn near(z: f64, a: f64, r: f64) -> Self {
         let difference = (r - a) * (r + a) + z * z;
         // |X + iY|², the product of the distances to both ends of a diameter of the contact.
-        let size = ((r + a).hypot(z) * (r - a).hypot(z)).max(f64::MIN_POSITIVE);
+        let size = ((r + a).hypot(z) * (r - a).hypot(z)).max(EDGE * a * a);
         let (x, y) = if difference >= 0.0 {
             let x = (0.5 * (size + difference)).sqrt();
             (x, z * a / x)

@@ -25,6 +25,8 @@ pub struct MarkerDisplacement {
 pub(crate) struct Sight {
     /// Distance along the skin.
     pub(crate) distance: f64,
+    /// How far a marker at this distance moves across the view per unit of turn of the bearing: R_s sin(distance/R_s).
+    pub(crate) reach: f64,
     /// The way there, in the contact's axes; unit.
     pub(crate) bearing: Vector2<f64>,
     /// The way on, away from the contact, in the marker's axes; unit.
@@ -91,20 +93,22 @@ impl Markers {
         let chord = to - from;
         let half_square = 0.5 * chord.norm_squared();
         let sine = from.cross(to).norm();
-        let unit = |x: f64, y: f64| {
+        // A marker on the contact is seen along +x.
+        let unit = |along: Vector3<f64>, axes: &Place| {
+            let (x, y) = (along.dot(&axes.x_axis), along.dot(&axes.y_axis));
             let length = x.hypot(y);
             if length > 0.0 {
                 Vector2::new(x, y) / length
             } else {
-                Vector2::zeros()
+                Vector2::x()
             }
         };
-        let onward: Vector3<f64> = chord + from * half_square;
-        let backward: Vector3<f64> = chord - to * half_square;
+        let radius = self.skin.radius();
         Sight {
-            distance: self.skin.radius() * sine.atan2(cosine),
-            bearing: unit(onward.dot(&contact.x_axis), onward.dot(&contact.y_axis)),
-            outward: unit(backward.dot(&marker.x_axis), backward.dot(&marker.y_axis)),
+            distance: radius * sine.atan2(cosine),
+            reach: radius * sine,
+            bearing: unit(chord + from * half_square, contact),
+            outward: unit(chord - to * half_square, marker),
         }
     }
 }

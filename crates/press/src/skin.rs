@@ -124,3 +124,10 @@ impl Skin {
         Ok(contact)
     }
 }
+
+impl Skin {
+    /// The place at a direction from the centre.
+    pub(crate) fn place_at(&self, direction: &nalgebra::Vector3<f64>) -> Place {
+        self.place(self.chart(direction))
+    }
+}

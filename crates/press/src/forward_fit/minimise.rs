@@ -1,0 +1,101 @@
+//! Levenberg and Marquardt's method.
+
+use super::problem::{Problem, Square, State, Sums, UNKNOWNS, Unknowns};
+use crate::PressError;
+
+const MOST_STEPS: usize = 200;
+/// A step that promises less than this share of chi-squared is not worth taking.
+const PROMISE: f64 = 1e-10;
+/// Nor is one that moves the unknowns by less than this share of what they are.
+const SMALLEST_STEP: f64 = 1e-13;
+const MOST_DAMPING: f64 = 1e12;
+
+/// The least sum of squares near a start.
+///
+/// # Errors
+/// Where the start itself is out of range.
+pub(super) fn minimise(problem: &Problem<'_>, start: State) -> Result<(State, Sums), PressError> {
+    let mut state = start;
+    let mut sums = problem.sums(&state)?;
+    let mut damping = 1e-3;
+    for _ in 0..MOST_STEPS {
+        let Some(step) = damped_step(&sums, damping) else {
+            damping *= 10.0;
+            if damping > MOST_DAMPING {
+                break;
+            }
+            continue;
+        };
+        let promise = -(2.0 * sums.gradient.dot(&step) + step.dot(&(sums.hessian * step)));
+        let tried = problem.moved(&state, &step);
+        match problem.sums(&tried) {
+            Ok(better) if better.chi_squared <= sums.chi_squared => {
+                let gain = sums.chi_squared - better.chi_squared;
+                state = tried;
+                sums = better;
+                damping = if gain > 0.5 * promise {
+                    damping * 0.1
+                } else {
+                    damping
+                };
+                if promise <= PROMISE * sums.chi_squared || is_small(&step, &state) {
+                    break;
+                }
+            }
+            _ => {
+                if promise <= PROMISE * sums.chi_squared || is_small(&step, &state) {
+                    break;
+                }
+                damping = damping.max(1e-6) * 10.0;
+                if damping > MOST_DAMPING {
+                    break;
+                }
+            }
+        }
+    }
+    Ok((state, sums))
+}
+
+fn is_small(step: &Unknowns, state: &State) -> bool {
+    let length = state.indentation;
+    let scale = [1.0, length, length, length, length, 1.0];
+    (0..UNKNOWNS).all(|index| step[index].abs() <= SMALLEST_STEP * scale[index])
+}
+
+fn damped_step(sums: &Sums, damping: f64) -> Option<Unknowns> {
+    let mut damped = sums.hessian;
+    for index in 0..UNKNOWNS {
+        damped[(index, index)] *= 1.0 + damping;
+    }
+    solve(&damped, &-sums.gradient)
+}
+
+/// The solution of a symmetric positive definite system, scaled to a unit diagonal first.
+pub(super) fn solve(matrix: &Square, right: &Unknowns) -> Option<Unknowns> {
+    let scale = matrix.diagonal().map(|entry| entry.sqrt().recip());
+    if !scale.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let scaled = matrix.component_mul(&(scale * scale.transpose()));
+    let factor = scaled.cholesky()?;
+    let solution = factor
+        .solve(&right.component_mul(&scale))
+        .component_mul(&scale);
+    solution
+        .iter()
+        .all(|entry| entry.is_finite())
+        .then_some(solution)
+}
+
+/// The inverse, if the matrix is further from singular than rounding.
+pub(super) fn inverse(matrix: &Square) -> Option<Square> {
+    const SINGULAR: f64 = 1e-7;
+    let scale = matrix.diagonal().map(|entry| entry.sqrt().recip());
+    if !scale.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let outer = scale * scale.transpose();
+    let factor = matrix.component_mul(&outer).cholesky()?;
+    let least = factor.l_dirty().diagonal().min();
+    (least > SINGULAR).then(|| factor.inverse().component_mul(&outer))
+}

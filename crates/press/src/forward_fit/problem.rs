@@ -1,0 +1,393 @@
+//! The sum of squares that a fit makes least, with its derivatives.
+
+use nalgebra::{SMatrix, SVector, UnitVector3, Vector2, Vector3};
+
+use super::{ForwardFit, Measured, Prior, Reading};
+use crate::{Contact, MarkerDisplacement, Place, PressError};
+
+/// Unknowns, in this order: the logarithm of the relative curvature; steps of the contact's place along the axes there;
+/// indentation; baseline; gain.
+pub(super) const UNKNOWNS: usize = 6;
+pub(super) const CURVATURE: usize = 0;
+pub(super) const ALONG: usize = 1;
+pub(super) const ACROSS: usize = 2;
+pub(super) const INDENTATION: usize = 3;
+pub(super) const BASELINE: usize = 4;
+pub(super) const GAIN: usize = 5;
+
+pub(super) type Unknowns = SVector<f64, UNKNOWNS>;
+pub(super) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// Values of the unknowns.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State {
+    pub(super) log_curvature: f64,
+    pub(super) place: Place,
+    pub(super) indentation: f64,
+    pub(super) baseline: f64,
+    pub(super) gain: f64,
+}
+
+/// What the readings say, how much each counts, and which unknowns are sought.
+#[derive(Clone, Debug)]
+pub(super) struct Problem<'a> {
+    pub(super) fit: &'a ForwardFit,
+    pub(super) reading: &'a Reading<'a>,
+    /// Which unknowns are sought.
+    pub(super) sought: [bool; UNKNOWNS],
+    /// Standard deviation of a normal displacement, and of a tangential component.
+    pub(super) normal_std: f64,
+    pub(super) tangential_std: f64,
+    /// Which markers count.
+    pub(super) kept: Vec<bool>,
+    /// The great circle on which the contact must lie, by its pole: that of the markers, where they lie on one and
+    /// only their normal displacements are known.
+    pub(super) circle: Option<Vector3<f64>>,
+    /// Residuals beyond this many standard deviations count less and less; all alike if infinite.
+    pub(super) tolerance: f64,
+}
+
+/// A sum of squares with its derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sums {
+    /// Chi-squared, priors included; of residuals beyond the tolerance its logarithmic substitute.
+    pub(super) chi_squared: f64,
+    /// Half its gradient.
+    pub(super) gradient: Unknowns,
+    /// Half its Hessian, without second derivatives of the model.
+    pub(super) hessian: Square,
+}
+
+/// What the model says of one marker: normal displacement, and the tangential components.
+struct Predicted {
+    normal: f64,
+    normal_slopes: Unknowns,
+    tangential: Vector2<f64>,
+    tangential_slopes: [Unknowns; 2],
+}
+
+impl State {
+    pub(super) fn curvature(&self) -> f64 {
+        self.log_curvature.exp()
+    }
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn contact(&self, state: &State) -> Result<Contact<'a>, PressError> {
+        let contact = self.fit.body.press(state.curvature(), state.indentation)?;
+        let limit = self.reading.markers.skin().radius();
+        if contact.radius > limit {
+            let radius = contact.radius;
+            return Err(PressError::TooWide { radius, limit });
+        }
+        Ok(contact)
+    }
+
+    /// The tangential readings, if they count.
+    fn tangential(&self) -> Option<&'a [[f64; 2]]> {
+        self.reading
+            .tangential
+            .filter(|_| self.fit.body.moves_tangentially())
+    }
+
+    pub(super) fn uses_tangential(&self) -> bool {
+        self.tangential().is_some()
+    }
+
+    /// How many equations the markers give that count.
+    pub(super) fn equations(&self) -> usize {
+        let each = if self.uses_tangential() { 3 } else { 1 };
+        each * self.kept.iter().filter(|&&kept| kept).count()
+    }
+
+    pub(super) fn unknowns(&self) -> usize {
+        self.sought.iter().filter(|&&sought| sought).count()
+    }
+
+    /// Chi-squared alone.
+    pub(super) fn cost(&self, state: &State) -> Result<f64, PressError> {
+        let contact = self.contact(state)?;
+        let mut chi_squared = self.priors(state).0;
+        for marker in self.counting() {
+            let sight = self.sight(state, marker);
+            let moved = contact.displacement(sight.distance);
+            let normal = state.gain * moved.normal + state.baseline;
+            let tangential = sight.outward * moved.radial;
+            let (squared, _) = self.squared(self.residuals(marker, normal, tangential));
+            chi_squared += squared;
+        }
+        finite(chi_squared)
+    }
+
+    /// Chi-squared with its derivatives.
+    pub(super) fn sums(&self, state: &State) -> Result<Sums, PressError> {
+        let contact = self.contact(state)?;
+        let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
+        let per_d = slope.recip();
+        let (chi_squared, gradient, hessian) = self.priors(state);
+        let mut sums = Sums {
+            chi_squared,
+            gradient,
+            hessian,
+        };
+        for marker in self.counting() {
+            let predicted = self.predicted(state, &contact, per_d, marker);
+            let residuals = self.residuals(marker, predicted.normal, predicted.tangential);
+            let (squared, weight) = self.squared(residuals);
+            sums.chi_squared += squared;
+            sums.add(
+                residuals[0],
+                weight,
+                &(predicted.normal_slopes / self.normal_std),
+            );
+            if self.uses_tangential() {
+                for axis in 0..2 {
+                    let slopes = predicted.tangential_slopes[axis] / self.tangential_std;
+                    sums.add(residuals[1 + axis], weight, &slopes);
+                }
+            }
+        }
+        sums.only(&self.sought);
+        finite(sums.chi_squared + sums.gradient.sum() + sums.hessian.sum())?;
+        Ok(sums)
+    }
+
+    /// Residuals of a marker at a state, in standard deviations: normal, and both tangential ones (else 0).
+    pub(super) fn residuals_at(
+        &self,
+        contact: &Contact<'_>,
+        state: &State,
+        marker: usize,
+    ) -> [f64; 3] {
+        let sight = self.sight(state, marker);
+        let moved = contact.displacement(sight.distance);
+        let normal = state.gain * moved.normal + state.baseline;
+        self.residuals(marker, normal, sight.outward * moved.radial)
+    }
+
+    /// What the model says of all markers.
+    pub(super) fn displacements(
+        &self,
+        contact: &Contact<'_>,
+        state: &State,
+    ) -> Vec<MarkerDisplacement> {
+        (0..self.kept.len())
+            .map(|marker| {
+                let sight = self.sight(state, marker);
+                let moved = contact.displacement(sight.distance);
+                let tangential = sight.outward * moved.radial;
+                MarkerDisplacement {
+                    normal: state.gain * moved.normal + state.baseline,
+                    tangential: [tangential.x, tangential.y],
+                }
+            })
+            .collect()
+    }
+
+    /// Σ slopes × values over the markers that count, values and slopes in standard deviations.
+    pub(super) fn projected(
+        &self,
+        state: &State,
+        values: &[[f64; 3]],
+    ) -> Result<Unknowns, PressError> {
+        let contact = self.contact(state)?;
+        let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
+        let mut sum = Unknowns::zeros();
+        for (marker, [normal, x, y]) in self.counting().zip(values) {
+            let predicted = self.predicted(state, &contact, slope.recip(), marker);
+            sum += predicted.normal_slopes * (normal / self.normal_std);
+            if self.uses_tangential() {
+                let [along_x, along_y] = predicted.tangential_slopes;
+                sum += (along_x * *x + along_y * *y) / self.tangential_std;
+            }
+        }
+        Ok(sum)
+    }
+
+    /// Residuals of the markers that count.
+    pub(super) fn residuals_of_all(&self, state: &State) -> Result<Vec<[f64; 3]>, PressError> {
+        let contact = self.contact(state)?;
+        let residuals = |marker| self.residuals_at(&contact, state, marker);
+        Ok(self.counting().map(residuals).collect())
+    }
+
+    fn counting(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.kept.len()).filter(|&marker| self.kept[marker])
+    }
+
+    fn sight(&self, state: &State, marker: usize) -> crate::markers::Sight {
+        let markers = self.reading.markers;
+        markers.sight(&state.place, &markers.places()[marker])
+    }
+
+    fn residuals(&self, marker: usize, normal: f64, tangential: Vector2<f64>) -> [f64; 3] {
+        let normal = (self.reading.normal[marker] - normal) / self.normal_std;
+        match self.tangential() {
+            Some(measured) => {
+                let [x, y] = measured[marker];
+                [
+                    normal,
+                    (x - tangential.x) / self.tangential_std,
+                    (y - tangential.y) / self.tangential_std,
+                ]
+            }
+            None => [normal, 0.0, 0.0],
+        }
+    }
+
+    /// What a marker's residuals add to chi-squared, and the weight of its slopes: c² ln(1 + s/c²) after Cauchy, which
+    /// is s within the tolerance c.
+    fn squared(&self, residuals: [f64; 3]) -> (f64, f64) {
+        let squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
+        if self.tolerance == f64::INFINITY {
+            return (squared, 1.0);
+        }
+        let limit = self.tolerance * self.tolerance;
+        let ratio = squared / limit;
+        (limit * ratio.ln_1p(), 1.0 / (1.0 + ratio))
+    }
+
+    fn predicted(
+        &self,
+        state: &State,
+        contact: &Contact<'_>,
+        per_d: f64,
+        marker: usize,
+    ) -> Predicted {
+        let sight = self.sight(state, marker);
+        let field = contact.field(sight.distance);
+        let curvature = contact.relative_curvature;
+        // u = C F(a, r) with C D(a) = δ, so ∂u/∂δ = F_a/D' and ∂u/∂ln C = C F − δ F_a/D'.
+        let by_indentation = |per_a: f64| per_a * per_d;
+        let by_log = |value: f64, per_a: f64| curvature * value - state.indentation * per_a * per_d;
+        let normal = curvature * field.normal;
+        // A step of the contact towards the marker brings it nearer.
+        let nearer = -curvature * field.normal_per_r;
+        let mut normal_slopes = Unknowns::zeros();
+        normal_slopes[CURVATURE] = state.gain * by_log(field.normal, field.normal_per_a);
+        normal_slopes[ALONG] = state.gain * nearer * sight.bearing.x;
+        normal_slopes[ACROSS] = state.gain * nearer * sight.bearing.y;
+        normal_slopes[INDENTATION] = state.gain * by_indentation(field.normal_per_a);
+        normal_slopes[BASELINE] = 1.0;
+        normal_slopes[GAIN] = normal;
+        let mut tangential_slopes = [Unknowns::zeros(); 2];
+        if self.uses_tangential() {
+            let nearer = -curvature * field.radial_per_r;
+            // A step across turns the view from the marker.
+            let turn = if sight.reach > 1e-6 * sight.distance && sight.distance > 0.0 {
+                -curvature * field.radial / sight.reach
+            } else {
+                -curvature * field.radial_per_r
+            };
+            let (bearing, outward) = (sight.bearing, sight.outward);
+            let across = [-outward.y, outward.x];
+            for axis in 0..2 {
+                let slopes = &mut tangential_slopes[axis];
+                let onward = [outward.x, outward.y][axis];
+                slopes[CURVATURE] = onward * by_log(field.radial, field.radial_per_a);
+                slopes[ALONG] = nearer * bearing.x * onward - turn * bearing.y * across[axis];
+                slopes[ACROSS] = nearer * bearing.y * onward + turn * bearing.x * across[axis];
+                slopes[INDENTATION] = onward * by_indentation(field.radial_per_a);
+            }
+        }
+        Predicted {
+            normal: state.gain * normal + state.baseline,
+            normal_slopes,
+            tangential: sight.outward * (curvature * field.radial),
+            tangential_slopes,
+        }
+    }
+
+    /// What is known beforehand, as a sum of squares.
+    fn priors(&self, state: &State) -> (f64, Unknowns, Square) {
+        let (mut squared, mut gradient, mut hessian) = (0.0, Unknowns::zeros(), Square::zeros());
+        let mut add = |index: usize, off: f64, std: f64| {
+            squared += (off / std) * (off / std);
+            gradient[index] += off / (std * std);
+            hessian[(index, index)] += 1.0 / (std * std);
+        };
+        if let Some(Measured { value, std }) = self.reading.indentation
+            && self.sought[INDENTATION]
+        {
+            add(INDENTATION, state.indentation - value, std);
+        }
+        if let Prior::Within(std) = self.fit.baseline {
+            add(BASELINE, state.baseline, std);
+        }
+        if let Prior::Within(std) = self.fit.gain {
+            add(GAIN, state.gain - 1.0, std);
+        }
+        (squared, gradient, hessian)
+    }
+
+    /// The place at a direction; on a circle its x axis goes along it.
+    pub(super) fn place_at(&self, direction: &Vector3<f64>) -> Place {
+        let Some(pole) = self.circle else {
+            return self.reading.markers.skin().place_at(direction);
+        };
+        let direction = UnitVector3::new_normalize(direction - pole * pole.dot(direction));
+        Place {
+            direction,
+            x_axis: pole.cross(&direction),
+            y_axis: pole,
+        }
+    }
+
+    /// The state after a step.
+    pub(super) fn moved(&self, state: &State, step: &Unknowns) -> State {
+        let radius = self.reading.markers.skin().radius();
+        let place = if step[ALONG] == 0.0 && step[ACROSS] == 0.0 {
+            state.place
+        } else {
+            let tangent = state.place.x_axis * step[ALONG] + state.place.y_axis * step[ACROSS];
+            let angle = tangent.norm() / radius;
+            let direction =
+                state.place.direction.as_ref() * angle.cos() + tangent.normalize() * angle.sin();
+            self.place_at(&direction)
+        };
+        State {
+            log_curvature: state.log_curvature + step[CURVATURE],
+            place,
+            indentation: state.indentation + step[INDENTATION],
+            baseline: state.baseline + step[BASELINE],
+            gain: state.gain + step[GAIN],
+        }
+    }
+}
+
+impl Sums {
+    /// Adds an observation with this residual (in standard deviations) and slopes of the prediction.
+    fn add(&mut self, residual: f64, weight: f64, slopes: &Unknowns) {
+        for row in 0..UNKNOWNS {
+            let weighted = weight * slopes[row];
+            self.gradient[row] -= weighted * residual;
+            for column in 0..=row {
+                self.hessian[(row, column)] += weighted * slopes[column];
+            }
+        }
+    }
+
+    /// Completes the Hessian, and takes out unknowns that are not sought.
+    fn only(&mut self, sought: &[bool; UNKNOWNS]) {
+        for row in 0..UNKNOWNS {
+            for column in 0..row {
+                if !(sought[row] && sought[column]) {
+                    self.hessian[(row, column)] = 0.0;
+                }
+                self.hessian[(column, row)] = self.hessian[(row, column)];
+            }
+            if !sought[row] {
+                self.gradient[row] = 0.0;
+                self.hessian[(row, row)] = 1.0;
+            }
+        }
+    }
+}
+
+fn finite(value: f64) -> Result<f64, PressError> {
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(PressError::OutOfRange)
+    }
+}

@@ -1,0 +1,103 @@
+//! Intervals of the relative curvature by profile likelihood.
+
+use super::minimise::minimise;
+use super::problem::{CURVATURE, Problem, Square, State, Sums};
+use crate::Interval;
+
+/// How near chi-squared's rise must come to the limit, as a share of its root.
+const TOLERANCE: f64 = 1e-3;
+const MOST_TRIES: usize = 40;
+/// The curvature is sought up to this many times its estimate, and down to one over that.
+const FURTHEST: f64 = 1e6;
+
+/// The interval, or a state that fits better than the one thought best.
+pub(super) enum Profile {
+    Interval(Interval),
+    Better(State),
+}
+
+/// Where chi-squared, made least over all other unknowns, has risen by `limit`.
+pub(super) fn profile(
+    problem: &Problem<'_>,
+    best: &State,
+    sums: &Sums,
+    covariance: &Square,
+    limit: f64,
+) -> Profile {
+    let mut ends = [None; 2];
+    for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
+        match walk(problem, best, sums, covariance, limit.sqrt(), sign) {
+            Walk::End(log_curvature) => *end = Some(log_curvature.exp()),
+            Walk::Endless => {}
+            Walk::Better(state) => return Profile::Better(state),
+        }
+    }
+    let [low, high] = ends;
+    Profile::Interval(Interval { low, high })
+}
+
+enum Walk {
+    End(f64),
+    Endless,
+    Better(State),
+}
+
+fn walk(
+    problem: &Problem<'_>,
+    best: &State,
+    sums: &Sums,
+    covariance: &Square,
+    limit: f64,
+    sign: f64,
+) -> Walk {
+    let variance = covariance[(CURVATURE, CURVATURE)];
+    let ridge = covariance.column(CURVATURE) / variance;
+    let mut held = problem.clone();
+    held.sought[CURVATURE] = false;
+    // The root of chi-squared's rise at a step of the logarithm, beginning where the last one ended.
+    let mut from = (*best, 0.0);
+    let mut root_at = |step: f64| -> Option<Result<f64, State>> {
+        let start = problem.moved(&from.0, &(ridge * (step - from.1)));
+        let (state, least) = minimise(&held, start).ok()?;
+        from = (state, step);
+        let rise = least.chi_squared - sums.chi_squared;
+        if rise < -1e-6 * (1.0 + sums.chi_squared) {
+            return Some(Err(state));
+        }
+        Some(Ok(rise.max(0.0).sqrt()))
+    };
+    let furthest = FURTHEST.ln();
+    let mut step = (limit * variance.sqrt()).clamp(1e-12, 1.0);
+    let (mut inside, mut outside): ((f64, f64), Option<(f64, Option<f64>)>) = ((0.0, 0.0), None);
+    for _ in 0..MOST_TRIES {
+        match root_at(sign * step) {
+            Some(Err(state)) => return Walk::Better(state),
+            Some(Ok(root)) if (root - limit).abs() <= TOLERANCE * limit => {
+                return Walk::End(best.log_curvature + sign * step);
+            }
+            Some(Ok(root)) if root < limit => inside = (step, root),
+            Some(Ok(root)) => outside = Some((step, Some(root))),
+            // No press is possible there.
+            None => outside = Some((step, None)),
+        }
+        step = match outside {
+            Some((far, Some(root))) => {
+                let share = (limit - inside.1) / (root - inside.1);
+                inside.0 + (far - inside.0) * share.clamp(0.05, 0.95)
+            }
+            Some((far, None)) => 0.5 * (inside.0 + far),
+            None if inside.0 >= furthest => return Walk::Endless,
+            None => {
+                let linear = inside.0 * limit / inside.1.max(0.1 * limit);
+                linear.clamp(1.05 * inside.0, 4.0 * inside.0).min(furthest)
+            }
+        };
+        if outside.is_some_and(|(far, root)| root.is_none() && far - inside.0 < 1e-3 * far) {
+            return Walk::Endless;
+        }
+        if outside.is_some_and(|(far, _)| far - inside.0 < 1e-12 * far) {
+            return Walk::End(best.log_curvature + sign * inside.0);
+        }
+    }
+    Walk::End(best.log_curvature + sign * outside.map_or(inside.0, |(far, _)| far))
+}
