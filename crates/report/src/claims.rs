@@ -2,9 +2,13 @@
 
 mod angular_velocity;
 mod edge;
+mod effective_radius;
 mod evidence;
+mod gaussian_profile;
 mod pads;
 mod patches;
+mod presses;
+mod regimes;
 mod roll_length;
 mod second_fit;
 mod shape_classes;
@@ -65,7 +69,7 @@ struct Finding {
     why: String,
 }
 
-const CLAIMS: [Claim; 15] = [
+const CLAIMS: [Claim; 18] = [
     Claim {
         number: 1,
         paper_says: "The error for a given noise in angular velocity grows as the relative curvature falls, dramatically from R₂ of about 50 R₁ up.",
@@ -130,6 +134,21 @@ const CLAIMS: [Claim; 15] = [
         number: 13,
         paper_says: "Noisy data show tensor-product effects on cylinders: a cylinder turned against the fingers is fitted worse.",
         judge: turned_cylinder::is_fitted_worse,
+    },
+    Claim {
+        number: 15,
+        paper_says: "A Gaussian fits the displacement that Hertz's theory gives under a layer of skin with R² of 0.96.",
+        judge: gaussian_profile::fits_the_filtered_profile,
+    },
+    Claim {
+        number: 16,
+        paper_says: "The estimated effective radius converges to the true 26.7, 20 and 16 mm by an indentation of 1.4 mm; below 1 mm noise dominates.",
+        judge: effective_radius::converges,
+    },
+    Claim {
+        number: 17,
+        paper_says: "Contact is at a point where the relative curvature is positive, ill-defined where it is zero, at the edge where it is negative; so a small sensor is the most versatile.",
+        judge: regimes::go_by_relative_curvature,
     },
     Claim {
         number: 20,

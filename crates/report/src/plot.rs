@@ -1,7 +1,9 @@
 //! Plots of a study, as its `[[plot]]` tables ask for them.
 
+mod along;
 mod canvas;
 mod captions;
+mod cells;
 mod class_map;
 mod compose;
 mod contacts;
@@ -10,6 +12,8 @@ mod figure;
 mod layout;
 mod lettering;
 mod picture;
+mod points;
+mod profile;
 mod scale;
 mod select;
 mod spec;
@@ -20,7 +24,7 @@ use picture::Picture;
 use std::path::PathBuf;
 
 /// Draws every `[[plot]]` of the study, as SVG and PNG beside its tables, and returns the files written, in
-/// the order of the config. A plot of kind `class-map` is of `map.csv`, one of kind `contacts` of `trace.csv` and
+/// the order of the config. A plot of kind `class-map` or `profile` is of `map.csv`, one of kind `contacts` of `trace.csv` and
 /// `readings.csv`. The bytes of an SVG depend on the study's tables and `run.toml` alone.
 ///
 /// # Errors

@@ -1,5 +1,9 @@
 //! Paths, columns, units and numbers in the words of a reader.
 
+mod path;
+
+pub(crate) use path::path;
+
 /// Units a header may end in, alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio (`_rad_per_s`).
 const UNITS: [&str; 9] = ["m", "cm", "mm", "um", "unit", "rad", "deg", "s", "px"];
 
@@ -88,52 +92,6 @@ impl Meaning {
     }
 }
 
-/// The meaning of a swept path from its header.
-pub(crate) fn path(header: &str) -> Meaning {
-    let (stem, tail) = split_unit(header);
-    let spaced = stem.replace('_', " ");
-    let segments: Vec<&str> = spaced
-        .strip_prefix("scene.")
-        .unwrap_or(&spaced)
-        .split('.')
-        .collect();
-    let percent = segments
-        .last()
-        .is_some_and(|leaf| leaf.starts_with("fraction"));
-    let words = match segments.as_slice() {
-        ["noise", channel, "fraction of ifd"] => {
-            return Meaning {
-                words: format!("{channel} noise"),
-                unit: "% of the IFD".to_owned(),
-                factor: 100.0,
-            };
-        }
-        ["noise", channel, leaf @ ("fraction" | "std" | "bound")] => match *leaf {
-            "std" => format!("{channel} noise, std"),
-            _ => format!("{channel} noise"),
-        },
-        ["noise", channel, leaf] if percent => format!("{channel} noise, {leaf}"),
-        ["noise", rest @ ..] => format!("{} noise", rest.join(" ")),
-        ["motion", "rate"] => "rolling rate".to_owned(),
-        ["motion", rest @ ..] if !rest.is_empty() => rest.join(" "),
-        [group, "parameters", name] => format!("{group} {name}"),
-        all => all.join(" "),
-    };
-    if percent {
-        Meaning {
-            words,
-            unit: "%".to_owned(),
-            factor: 100.0,
-        }
-    } else {
-        Meaning {
-            words,
-            unit: unit(tail),
-            factor: 1.0,
-        }
-    }
-}
-
 /// The meaning of a statistic of a quantity whose unit in the table is `quantity_unit`.
 pub(crate) fn statistic(name: &str, quantity: &str, quantity_unit: &str) -> Meaning {
     let share = quantity == "class";
@@ -151,6 +109,12 @@ pub(crate) fn statistic(name: &str, quantity: &str, quantity_unit: &str) -> Mean
         "relative_rms_error" => (format!("rms relative error of {quantity}"), true, true),
         "relative_mean_abs_error" => (format!("mean |relative error| of {quantity}"), true, true),
         "mean_reported_std" => (format!("mean reported std of {quantity}"), false, false),
+        "std_bound" => (
+            format!("Cramér–Rao bound on the std of {quantity}"),
+            false,
+            false,
+        ),
+        "q50" => (format!("median estimate of {quantity}"), false, false),
         "coverage95" => (
             format!("share of 95 % intervals that hold the true {quantity}"),
             true,
@@ -199,6 +163,9 @@ pub(crate) fn short_statistic(name: &str) -> String {
         "truth" => "true value".to_owned(),
         "mean" => "mean estimate".to_owned(),
         "coverage95" => "coverage of 95 % intervals".to_owned(),
+        "std" => "standard deviation".to_owned(),
+        "q50" => "median estimate".to_owned(),
+        "std_bound" => "Cramér–Rao bound".to_owned(),
         other => other.replace('_', " "),
     }
 }
@@ -210,6 +177,7 @@ pub(crate) fn quantity(name: &str) -> String {
         "normal_curvature_v" => "normal curvature along v".to_owned(),
         "gaussian_curvature" => "Gaussian curvature".to_owned(),
         "class" => "share classified correctly".to_owned(),
+        "r_squared" => "R² of the fit".to_owned(),
         other => other.replace('_', " "),
     }
 }
@@ -326,30 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_words_with_units() {
-        for (header, label) in [
-            ("scene.object.radius_cm", "object radius (cm)"),
-            ("scene.motion.rate_rad_per_s", "rolling rate (rad/s)"),
-            ("scene.motion.arc_length_cm", "arc length (cm)"),
-            ("scene.object.c_per_cm", "object c (1/cm)"),
-            (
-                "scene.noise.angular_velocity.fraction",
-                "angular velocity noise (%)",
-            ),
-            ("scene.sensor", "sensor"),
-            (
-                "scene.noise.position.fraction_of_ifd",
-                "position noise (% of the IFD)",
-            ),
-            ("scene.noise.normal.std_deg", "normal noise, std (°)"),
-        ] {
-            assert_eq!(path(header).label(), label);
-        }
-        assert_eq!(
-            path("scene.noise.angular_velocity.fraction").value("0.07"),
-            "7 %"
-        );
-        assert_eq!(path("scene.noise.normal.std_deg").value("2.50"), "2.5°");
+    fn statistics_are_words_with_units() {
         assert_eq!(
             statistic("rms_error", "gaussian_curvature", "per_cm2").label(),
             "rms error of Gaussian curvature (1/cm²)"
@@ -361,6 +306,14 @@ mod tests {
         assert_eq!(
             statistic("mean", "class", "").label(),
             "share classified correctly (%)"
+        );
+        assert_eq!(
+            statistic("std_bound", "relative_curvature", "1/mm").label(),
+            "Cramér–Rao bound on the std of relative curvature (1/mm)"
+        );
+        assert_eq!(
+            statistic("mean", "r_squared", "1").label(),
+            "mean estimate of R² of the fit"
         );
     }
 

@@ -172,18 +172,51 @@ impl<B: DrawingBackend> Canvas<B> {
     pub(crate) fn marker(
         &self,
         marker: Marker,
-        (x, y): Point,
+        place: Point,
         size: f64,
         colour: RGBColor,
     ) -> Drawn {
-        let shape = |corners: &[(f64, f64)], r: f64, colour| {
+        for (grow, colour) in [(1.5, WHITE), (0.0, colour)] {
+            self.shape(marker, place, size, grow, colour)?;
+        }
+        if marker == Marker::Ring {
+            self.disc(place, 0.5 * size, WHITE)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// The outline of such a marker, white within.
+    pub(crate) fn open_marker(
+        &self,
+        marker: Marker,
+        place: Point,
+        size: f64,
+        colour: RGBColor,
+    ) -> Drawn {
+        self.marker(marker, place, size, colour)?;
+        self.shape(marker, place, 0.55 * size, 0.0, WHITE)
+    }
+
+    /// The shape of a marker of about `size + grow` pixels in radius, whose bars are those of `size`, as much wider.
+    fn shape(
+        &self,
+        marker: Marker,
+        (x, y): Point,
+        size: f64,
+        grow: f64,
+        colour: RGBColor,
+    ) -> Drawn {
+        let r = size + grow;
+        let corners = |corners: &[(f64, f64)]| {
             let points: Vec<Point> = corners
                 .iter()
                 .map(|(dx, dy)| (x + r * dx, y + r * dy))
                 .collect();
             self.polygon(&points, colour)
         };
-        let bars = |turn: f64, r: f64, half: f64, colour| -> Drawn {
+        let bars = |turn: f64| -> Drawn {
+            let (r, half) = (r * 1.15, 0.35 * size + grow);
             for (c, s) in [(turn.cos(), turn.sin()), (-turn.sin(), turn.cos())] {
                 let corner = |a: f64, b: f64| (x + a * c - b * s, y + a * s + b * c);
                 self.polygon(
@@ -198,36 +231,14 @@ impl<B: DrawingBackend> Canvas<B> {
             }
             Ok(())
         };
-        for (grow, colour) in [(1.5, WHITE), (0.0, colour)] {
-            let r = size + grow;
-            match marker {
-                Marker::Circle => self.disc((x, y), r, colour)?,
-                Marker::Square => shape(
-                    &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
-                    r,
-                    colour,
-                )?,
-                Marker::Up => shape(&[(-1.1, 0.85), (1.1, 0.85), (0.0, -1.15)], r, colour)?,
-                Marker::Down => shape(&[(-1.1, -0.85), (1.1, -0.85), (0.0, 1.15)], r, colour)?,
-                Marker::Diamond => shape(
-                    &[(-1.2, 0.0), (0.0, -1.2), (1.2, 0.0), (0.0, 1.2)],
-                    r,
-                    colour,
-                )?,
-                Marker::Ring => self.disc((x, y), r, colour)?,
-                Marker::Plus => bars(0.0, r * 1.15, 0.35 * size + grow, colour)?,
-                Marker::Cross => bars(
-                    std::f64::consts::FRAC_PI_4,
-                    r * 1.15,
-                    0.35 * size + grow,
-                    colour,
-                )?,
-            }
-        }
-        if marker == Marker::Ring {
-            self.disc((x, y), 0.5 * size, WHITE)
-        } else {
-            Ok(())
+        match marker {
+            Marker::Circle | Marker::Ring => self.disc((x, y), r, colour),
+            Marker::Square => corners(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
+            Marker::Up => corners(&[(-1.1, 0.85), (1.1, 0.85), (0.0, -1.15)]),
+            Marker::Down => corners(&[(-1.1, -0.85), (1.1, -0.85), (0.0, 1.15)]),
+            Marker::Diamond => corners(&[(-1.2, 0.0), (0.0, -1.2), (1.2, 0.0), (0.0, 1.2)]),
+            Marker::Plus => bars(0.0),
+            Marker::Cross => bars(std::f64::consts::FRAC_PI_4),
         }
     }
 }

@@ -6,9 +6,8 @@ mod layout;
 mod squares;
 mod table;
 
-use super::captions::{self, full_value};
-use super::select::{present, same};
-use super::spec::{MapSpec, nearest};
+use super::cells::{self, Chosen};
+use super::spec::MapSpec;
 use crate::{ReportError, Study, words};
 use arrange::Shown;
 use table::{MapProblem, Maps};
@@ -25,7 +24,15 @@ pub(crate) fn layout(study: &Study, spec: &MapSpec) -> Result<Layout, ReportErro
         MapProblem::File(error) => error,
         MapProblem::Points(problem) => bad(study, spec, problem),
     })?;
-    let Chosen { shown, notes } = choose(study, spec, &maps)?;
+    let mapped: Vec<u64> = maps.cells.iter().map(|map| map.cell).collect();
+    let Chosen { rows, notes } = cells::choose(study, &spec.heading, &spec.filters, &mapped)?;
+    if rows.len() > MOST_CELLS {
+        let count = rows.len();
+        let problem =
+            format!("{count} maps are no picture; choose at most {MOST_CELLS} by `where`");
+        return Err(bad(study, spec, problem));
+    }
+    let shown = shown(study, &rows, &maps);
     let title = spec.heading.title.as_deref().unwrap_or(study.title());
     let rows = arrange::rows(study.cells(), &shown);
     Ok(Layout::of(
@@ -50,84 +57,14 @@ pub(crate) struct Words<'a> {
     unit: String,
 }
 
-struct Chosen<'a> {
-    shown: Vec<Shown<'a>>,
-    notes: Vec<String>,
-}
-
-/// The cells that pass the filters and have a map, and what is to be said of the others.
-fn choose<'a>(study: &Study, spec: &MapSpec, maps: &'a Maps) -> Result<Chosen<'a>, ReportError> {
-    let table = study.cells();
-    let mut rows: Vec<usize> = Vec::new();
-    for row in 0..table.rows() {
-        if !rows
-            .iter()
-            .any(|known| table.cell(*known) == table.cell(row))
-        {
-            rows.push(row);
-        }
-    }
-    let mut absent = Vec::new();
-    for (path, values) in &spec.filters {
-        let axis = table.axis(path).ok_or_else(|| ReportError::UnknownColumn {
-            path: study.run_toml(),
-            plot: spec.heading.name.clone(),
-            key: "where".to_owned(),
-            value: path.clone(),
-            known: nearest(path, table.axes().iter().map(|axis| axis.header.as_str())),
-        })?;
-        let known = |value: &&String| axis.values().iter().any(|there| same(value, there));
-        absent.extend(
-            values
-                .iter()
-                .filter(|value| !known(value))
-                .map(|value| format!("{path} = {value}")),
-        );
-        rows.retain(|row| values.iter().any(|value| same(value, axis.text(*row))));
-    }
-    let (mut shown, mut without) = (Vec::new(), Vec::new());
-    for row in rows {
-        match maps.cells.iter().find(|map| map.cell == table.cell(row)) {
-            Some(map) => shown.push(Shown { map, row }),
-            None => without.push(row),
-        }
-    }
-    if shown.is_empty() {
-        let lost: String = absent
-            .iter()
-            .map(|lost| format!("; the table has no {lost}"))
-            .collect();
-        let problem = format!("`where` leaves no cell that has a map in map.csv{lost}");
-        return Err(bad(study, spec, problem));
-    }
-    if shown.len() > MOST_CELLS {
-        return Err(bad(
-            study,
-            spec,
-            format!(
-                "{} maps are no picture; choose at most {MOST_CELLS} by `where`",
-                shown.len()
-            ),
-        ));
-    }
-    let mut notes = Vec::new();
-    if !without.is_empty() {
-        let told: Vec<String> = without
-            .iter()
-            .take(4)
-            .map(|row| place(study, *row))
-            .collect();
-        let more = if without.len() > told.len() {
-            "; …"
-        } else {
-            ""
-        };
-        notes.push(format!("No map: {}{more}.", told.join("; ")));
-    }
-    if !absent.is_empty() {
-        notes.push(format!("Not in the table: {}.", absent.join(", ")));
-    }
-    Ok(Chosen { shown, notes })
+/// The maps of the chosen cells, each with a row of its cell.
+fn shown<'a>(study: &Study, rows: &[usize], maps: &'a Maps) -> Vec<Shown<'a>> {
+    let shown = rows.iter().filter_map(|&row| {
+        let cell = study.cells().cell(row);
+        let map = maps.cells.iter().find(|map| map.cell == cell)?;
+        Some(Shown { map, row })
+    });
+    shown.collect()
 }
 
 fn bad(study: &Study, spec: &MapSpec, problem: String) -> ReportError {
@@ -138,35 +75,10 @@ fn bad(study: &Study, spec: &MapSpec, problem: String) -> ReportError {
     }
 }
 
-/// Where a row stands in the sweep.
-fn place(study: &Study, row: usize) -> String {
-    let axes = study.cells().axes().iter();
-    let values: Vec<String> = axes.map(|axis| full_value(axis, axis.text(row))).collect();
-    if values.is_empty() {
-        "the only cell".to_owned()
-    } else {
-        values.join(", ")
-    }
-}
-
 /// What all panels have in common.
 fn subtitle(study: &Study, shown: &[Shown<'_>]) -> String {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
-    let axes = study.cells().axes();
-    let is_swept = axes
-        .iter()
-        .any(|axis| axis.header.starts_with("scene.object"));
-    let object = if is_swept {
-        None
-    } else {
-        captions::object(study)
-    };
-    let mut parts: Vec<String> = object.into_iter().collect();
-    for axis in axes {
-        if let [value] = present(axis, &rows).as_slice() {
-            parts.push(full_value(axis, value));
-        }
-    }
+    let mut parts = cells::in_common(study, &rows);
     let mut sides: Vec<usize> = shown.iter().map(|cell| cell.map.side).collect();
     sides.sort_unstable();
     sides.dedup();

@@ -1,10 +1,12 @@
 //! From selected rows to a figure: points, legend and the words around them.
 
+use super::along::{self, Along};
 use super::captions::{self, full_value, short_value};
-use super::figure::{Figure, Legend, Line, Mark, Panel};
+use super::figure::{Figure, Legend, Line, Panel};
+use super::points::Placed;
 use super::scale::{Scale, Spacing};
-use super::select::{Column, Selection, present};
-use super::spec::Spec;
+use super::select::{Column, Selection, present, same};
+use super::spec::{Spec, nearest};
 use super::style::Style;
 use crate::table::{Axis, finite};
 use crate::words::{self, Meaning};
@@ -92,10 +94,12 @@ impl<'a> Composer<'a> {
     fn figure(&self) -> Result<Figure, ReportError> {
         let Selection { study, spec, .. } = self.of;
         let mut skipped = Skipped::new();
+        let placed = self.points()?;
         let panels: Vec<Panel> = match self.of.panels {
             None => vec![Panel {
                 title: None,
                 lines: self.lines(&self.of.rows, &mut skipped),
+                points: placed.of_panel(None),
             }],
             Some(axis) => present(axis, &self.of.rows)
                 .into_iter()
@@ -104,16 +108,13 @@ impl<'a> Composer<'a> {
                     Panel {
                         title: Some(full_value(axis, value)),
                         lines,
+                        points: placed.of_panel(Some(value)),
                     }
                 })
                 .collect(),
         };
-        let marks = self.marks()?;
-        let points: Vec<(f64, f64)> = panels
-            .iter()
-            .flat_map(|panel| &panel.lines)
-            .flat_map(|line| line.runs.concat())
-            .collect();
+        let marks = along::marks(&spec.marks, self.along()).map_err(|why| self.of.bad(why))?;
+        let points: Vec<(f64, f64)> = panels.iter().flat_map(Panel::places).collect();
         let marked = |on_x: bool| {
             marks
                 .iter()
@@ -145,9 +146,13 @@ impl<'a> Composer<'a> {
             x,
             y,
             panels,
-            legend: self.legend(),
+            legend: Legend {
+                points: placed.legend(),
+                ..self.legend()
+            },
             marks,
             notes: captions::notes(self.of, skipped),
+            markers: true,
         })
     }
 
@@ -232,6 +237,44 @@ impl<'a> Composer<'a> {
         }
     }
 
+    fn along(&self) -> [Along; 2] {
+        let logs = self.of.spec.logs;
+        let axis = |name, log, meaning: &Meaning| Along {
+            name,
+            spacing: spacing(log),
+            factor: meaning.factor,
+        };
+        [axis('x', logs.x, &self.x), axis('y', logs.y, &self.y)]
+    }
+
+    /// The points of the config in their places.
+    fn points(&self) -> Result<Placed, ReportError> {
+        let Selection {
+            spec,
+            series,
+            panels,
+            rows,
+            ..
+        } = self.of;
+        if self.categories.is_some() && !spec.points.is_empty() {
+            let problem = format!("points need numbers along x, and {:?} holds labels", spec.x);
+            return Err(self.of.bad(problem));
+        }
+        let panels = panels.map_or(Vec::new(), |axis| present(axis, rows));
+        let style_of = |name: &str| {
+            let axis = series.ok_or("the plot has no `series`")?;
+            let values = || axis.values().iter().map(String::as_str);
+            values().find(|value| same(value, name)).map_or_else(
+                || {
+                    let known = nearest(name, values()).join(", ");
+                    Err(format!("no series {name:?}; known: {known}"))
+                },
+                |value| Ok(style(axis, value)),
+            )
+        };
+        Placed::of(&spec.points, self.along(), &panels, style_of).map_err(|why| self.of.bad(why))
+    }
+
     fn legend(&self) -> Legend {
         let spec = self.of.spec;
         let compared = spec.compare.as_ref().map(|compare| {
@@ -255,31 +298,8 @@ impl<'a> Composer<'a> {
             title: words::path(&axis.header).label(),
             entries,
             compared,
+            ..Legend::default()
         }
-    }
-
-    fn marks(&self) -> Result<Vec<Mark>, ReportError> {
-        let spec = self.of.spec;
-        let place = |mark: &super::spec::Mark| {
-            let (meaning, log, name) = if mark.on_x {
-                (&self.x, spec.logs.x, 'x')
-            } else {
-                (&self.y, spec.logs.y, 'y')
-            };
-            let at = mark.value * meaning.factor;
-            match spacing(log).refusal(at) {
-                Some(why) => Err(self.of.bad(format!(
-                    "the mark at {name} = {} is {why}",
-                    words::exact(mark.value)
-                ))),
-                None => Ok(Mark {
-                    on_x: mark.on_x,
-                    at,
-                    label: mark.label.clone(),
-                }),
-            }
-        };
-        spec.marks.iter().map(place).collect()
     }
 }
 

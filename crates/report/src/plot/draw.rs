@@ -1,7 +1,7 @@
 //! Drawing a laid-out figure.
 
 use super::canvas::{Anchor, Canvas, Drawn, Point};
-use super::figure::{Figure, Line, Mark, Panel};
+use super::figure::{Figure, Line, Mark, Panel, PointSet};
 use super::layout::{EDGE, LEADING, Layout, SAMPLE, Sample, TEXT, TICK_GAP, TITLE};
 use super::lettering::width;
 use plotters::prelude::{DrawingBackend, RGBColor};
@@ -15,6 +15,7 @@ pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
 
 const STROKE: f64 = 2.5;
 const MARKER: f64 = 6.0;
+const OPEN_MARKER: f64 = 7.0;
 /// Lines of more points than this get small markers.
 const MANY_POINTS: usize = 25;
 
@@ -75,13 +76,21 @@ fn legend<B: DrawingBackend>(figure: &Figure, layout: &Layout, canvas: &Canvas<B
             Sample::Heading | Sample::Continued => {}
             Sample::Solid => {
                 canvas.line(&ends, QUIET, STROKE)?;
-                canvas.disc(middle, MARKER - 1.0, QUIET)?;
+                if figure.markers {
+                    canvas.disc(middle, MARKER - 1.0, QUIET)?;
+                }
             }
             Sample::Dashed => canvas.dashes(&ends, QUIET, STROKE)?,
             Sample::Series(at) => {
                 let style = figure.legend.entries[at].1;
                 canvas.line(&ends, style.colour, STROKE)?;
-                canvas.marker(style.marker, middle, MARKER, style.colour)?;
+                if figure.markers {
+                    canvas.marker(style.marker, middle, MARKER, style.colour)?;
+                }
+            }
+            Sample::Points(at) => {
+                let style = figure.legend.points[at].1;
+                canvas.open_marker(style.marker, middle, OPEN_MARKER, style.colour)?;
             }
         }
         canvas.text(
@@ -135,7 +144,8 @@ impl Frame<'_> {
             self.stroke(line, canvas)?;
         }
         // Markers last, so that no line crosses one.
-        for line in self.panel.lines.iter().filter(|line| !line.dashed) {
+        let marked = |line: &&Line| self.figure.markers && !line.dashed;
+        for line in self.panel.lines.iter().filter(marked) {
             let crowded = line.runs.iter().map(Vec::len).sum::<usize>() > MANY_POINTS;
             let size = if crowded { 0.6 * MARKER } else { MARKER };
             for (x, y) in line.runs.iter().flatten() {
@@ -145,6 +155,12 @@ impl Frame<'_> {
                     size,
                     line.style.colour,
                 )?;
+            }
+        }
+        for PointSet { style, at, .. } in &self.panel.points {
+            for (x, y) in at {
+                let place = (self.x(*x), self.y(*y));
+                canvas.open_marker(style.marker, place, OPEN_MARKER, style.colour)?;
             }
         }
         Ok(())
@@ -274,10 +290,13 @@ impl Frame<'_> {
         canvas.text(&mark.label, (x, y), TEXT, Anchor::Left, QUIET)
     }
 
-    /// How much of the panel's lines lies within a box: points along them, ten to a segment.
+    /// How much of the panel's lines and points lies within a box: places along the lines, ten to a segment.
     fn crossings(&self, x: (f64, f64), y: (f64, f64)) -> usize {
         let within = |(px, py): Point| px >= x.0 && px <= x.1 && py >= y.0 && py <= y.1;
-        let mut count = 0;
+        let points = self.panel.points.iter().flat_map(|set| &set.at);
+        let mut count = 3 * points
+            .filter(|(x, y)| within((self.x(*x), self.y(*y))))
+            .count();
         for run in self.panel.lines.iter().flat_map(|line| &line.runs) {
             let points: Vec<Point> = run.iter().map(|(x, y)| (self.x(*x), self.y(*y))).collect();
             count += 3 * points.iter().filter(|point| within(**point)).count();

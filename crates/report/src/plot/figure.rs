@@ -21,6 +21,8 @@ pub(crate) struct Figure {
     pub(crate) marks: Vec<Mark>,
     /// What is not drawn, and why.
     pub(crate) notes: Vec<String>,
+    /// Whether solid lines carry a marker at each point.
+    pub(crate) markers: bool,
 }
 
 /// One of the small multiples.
@@ -28,6 +30,27 @@ pub(crate) struct Figure {
 pub(crate) struct Panel {
     pub(crate) title: Option<String>,
     pub(crate) lines: Vec<Line>,
+    pub(crate) points: Vec<PointSet>,
+}
+
+impl Panel {
+    /// Every place that is drawn in it.
+    pub(crate) fn places(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let lines = self
+            .lines
+            .iter()
+            .flat_map(|line| line.runs.iter().flatten());
+        let points = self.points.iter().flat_map(|set| &set.at);
+        lines.chain(points).copied()
+    }
+}
+
+/// Points that are no line, drawn as open markers.
+#[derive(Debug, Clone)]
+pub(crate) struct PointSet {
+    pub(crate) label: String,
+    pub(crate) style: Style,
+    pub(crate) at: Vec<(f64, f64)>,
 }
 
 /// One series in one panel.
@@ -47,6 +70,8 @@ pub(crate) struct Legend {
     pub(crate) entries: Vec<(String, Style)>,
     /// What the solid and the dashed lines are.
     pub(crate) compared: Option<(String, String)>,
+    /// The open markers, by label.
+    pub(crate) points: Vec<(String, Style)>,
 }
 
 /// A labelled reference line.

@@ -68,6 +68,8 @@ pub(crate) enum Sample {
     Solid,
     /// What dashed lines are.
     Dashed,
+    /// The open marker of this entry of the figure's legend.
+    Points(usize),
 }
 
 impl Entry {
@@ -219,6 +221,9 @@ fn legend(figure: &Figure) -> Vec<Entry> {
     if let Some((solid, dashed)) = &figure.legend.compared {
         push(solid, Sample::Solid);
         push(dashed, Sample::Dashed);
+    }
+    for (at, (text, _)) in figure.legend.points.iter().enumerate() {
+        push(text, Sample::Points(at));
     }
     entries
 }

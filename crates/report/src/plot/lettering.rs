@@ -91,7 +91,8 @@ mod tests {
 
     #[test]
     fn the_fonts_have_every_character_a_label_may_use() {
-        for c in "|%²³/·×−°µ…⁰¹⁴⁵⁶⁷⁸⁹⁻()₁₂κωψΔ≥≤".chars() {
+        for c in "|%²³/·×−°µ…⁰¹⁴⁵⁶⁷⁸⁹⁻()₁₂κωψΔ≥≤é–δσν’“”".chars()
+        {
             assert!(
                 FONTS.iter().any(|font| font.glyph_id(c).0 != 0),
                 "no glyph for {c:?}"

@@ -4,7 +4,7 @@ use super::canvas::{Canvas, Drawn};
 use super::figure::Figure;
 use super::layout::Layout;
 use super::spec::Plot;
-use super::{class_map, compose, contacts, draw};
+use super::{class_map, compose, contacts, draw, profile};
 use crate::{ReportError, Study};
 use plotters::prelude::DrawingBackend;
 
@@ -18,12 +18,14 @@ pub(crate) enum Picture {
 impl Picture {
     /// The picture that `plot` asks for.
     pub(crate) fn of(study: &Study, plot: &Plot) -> Result<Self, ReportError> {
+        check_scene(study, plot)?;
+        let lines = |figure: Figure| {
+            let layout = Layout::of(&figure);
+            Self::Lines(Box::new((figure, layout)))
+        };
         Ok(match plot {
-            Plot::Lines(spec) => {
-                let figure = compose::figure(study, spec)?;
-                let layout = Layout::of(&figure);
-                Self::Lines(Box::new((figure, layout)))
-            }
+            Plot::Lines(spec) => lines(compose::figure(study, spec)?),
+            Plot::Profile(spec) => lines(profile::figure(study, spec)?),
             Plot::ClassMap(spec) => Self::ClassMap(class_map::layout(study, spec)?),
             Plot::Contacts(heading) => Self::Contacts(contacts::layout(study, heading)?),
         })
@@ -61,5 +63,20 @@ impl Picture {
             Self::ClassMap(map) => class_map::draw(map, canvas),
             Self::Contacts(picture) => contacts::draw(picture, canvas),
         }
+    }
+}
+
+/// A plot is not drawn from the map or the trace of another kind of scene.
+fn check_scene(study: &Study, plot: &Plot) -> Result<(), ReportError> {
+    let found = study.setting("scene.kind").and_then(toml::Value::as_str);
+    match (plot.needs(), found) {
+        (Some((kind, wanted)), Some(found)) if wanted != found => Err(ReportError::BadPlot {
+            path: study.run_toml(),
+            plot: plot.name().to_owned(),
+            problem: format!(
+                "kind {kind:?} is drawn from a {wanted}, and the scene of this study is a {found}"
+            ),
+        }),
+        _ => Ok(()),
     }
 }

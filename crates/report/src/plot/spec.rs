@@ -1,5 +1,6 @@
 //! A `[[plot]]` table of the config.
 
+use super::points::{self, Points};
 use crate::{ReportError, Study, study, words};
 use toml::Value;
 
@@ -27,6 +28,8 @@ pub(crate) enum Plot {
     ClassMap(MapSpec),
     /// The contacts of `trace.csv` in space.
     Contacts(Heading),
+    /// The displacements of `map.csv` along a radius, cell by cell.
+    Profile(ProfileSpec),
 }
 
 /// What a plot is called.
@@ -45,6 +48,27 @@ pub(crate) struct MapSpec {
     pub(crate) filters: Vec<(String, Vec<String>)>,
 }
 
+/// Profiles of a displacement.
+#[derive(Debug, Clone)]
+pub(crate) struct ProfileSpec {
+    pub(crate) heading: Heading,
+    pub(crate) component: Component,
+    pub(crate) panels: Option<String>,
+    /// Only cells whose value at the path is one of these.
+    pub(crate) filters: Vec<(String, Vec<String>)>,
+    pub(crate) marks: Vec<Mark>,
+    pub(crate) points: Vec<Points>,
+}
+
+/// Which way a displacement goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Component {
+    /// Inward.
+    Normal,
+    /// Along the skin, away from the contact.
+    Radial,
+}
+
 /// Lines through statistics.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Spec {
@@ -60,19 +84,34 @@ pub(crate) struct Spec {
     pub(crate) logs: Logs,
     pub(crate) compare: Option<String>,
     pub(crate) marks: Vec<Mark>,
+    pub(crate) points: Vec<Points>,
 }
 
 /// The kinds, and the keys that each knows. `scale` may be written out everywhere.
-const KINDS: [(&str, &[&str]); 3] = [
+const KINDS: [(&str, &[&str]); 4] = [
     (
         "lines",
         &[
             "name", "title", "kind", "x", "y", "quantity", "series", "panels", "where", "scale",
-            "compare", "marks",
+            "compare", "marks", "points",
         ],
     ),
     ("class-map", &["name", "title", "kind", "where", "scale"]),
     ("contacts", &["name", "title", "kind", "scale"]),
+    (
+        "profile",
+        &[
+            "name",
+            "title",
+            "kind",
+            "component",
+            "panels",
+            "where",
+            "scale",
+            "marks",
+            "points",
+        ],
+    ),
 ];
 const SCALES: [(&str, Logs); 4] = [
     ("linear", Logs { x: false, y: false }),
@@ -114,17 +153,28 @@ pub(crate) fn plots(study: &Study) -> Result<Vec<Plot>, ReportError> {
 }
 
 impl Plot {
-    fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         match self {
             Self::Lines(spec) => &spec.name,
             Self::ClassMap(spec) => &spec.heading.name,
             Self::Contacts(heading) => &heading.name,
+            Self::Profile(spec) => &spec.heading.name,
+        }
+    }
+
+    /// The name of its kind and the kind of the scenes it is drawn from, where it is not drawn from all.
+    pub(crate) fn needs(&self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::Lines(_) => None,
+            Self::ClassMap(_) => Some(("class-map", "glide")),
+            Self::Contacts(_) => Some(("contacts", "glide")),
+            Self::Profile(_) => Some(("profile", "press")),
         }
     }
 }
 
 /// A key and what is wrong with it.
-type Problem = (String, String);
+pub(crate) type Problem = (String, String);
 
 fn parse(table: &toml::Table, at: usize) -> Result<Plot, Problem> {
     let text = |key: &str| match table.get(key) {
@@ -186,6 +236,16 @@ fn parse(table: &toml::Table, at: usize) -> Result<Plot, Problem> {
             return Ok(Plot::ClassMap(MapSpec { heading, filters }));
         }
         "contacts" => return Ok(Plot::Contacts(Heading { name, title })),
+        "profile" => {
+            return Ok(Plot::Profile(ProfileSpec {
+                heading: Heading { name, title },
+                component: component(text("component")?)?,
+                panels: text("panels")?,
+                filters: filters(table.get("where"))?,
+                marks: marks(table.get("marks"))?,
+                points: points::parse(table.get("points"))?,
+            }));
+        }
         _ => {}
     }
     Ok(Plot::Lines(Spec {
@@ -200,7 +260,19 @@ fn parse(table: &toml::Table, at: usize) -> Result<Plot, Problem> {
         logs,
         compare: text("compare")?,
         marks: marks(table.get("marks"))?,
+        points: points::parse(table.get("points"))?,
     }))
+}
+
+fn component(name: Option<String>) -> Result<Component, Problem> {
+    match name.as_deref() {
+        None | Some("normal") => Ok(Component::Normal),
+        Some("radial") => Ok(Component::Radial),
+        Some(other) => Err((
+            "component".to_owned(),
+            format!("{other:?} is unknown; known: normal, radial"),
+        )),
+    }
 }
 
 fn filters(value: Option<&Value>) -> Result<Vec<(String, Vec<String>)>, Problem> {

@@ -13,6 +13,9 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
+/// As many colours as tell lines apart without markers.
+pub(crate) const PLAIN: usize = COLOURS.len();
+
 /// Shape of a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Marker {
@@ -37,6 +40,18 @@ const MARKERS: [Marker; 8] = [
     Marker::Cross,
 ];
 
+/// Shapes that are still told apart when they are open.
+const OPEN: [Marker; 5] = [
+    Marker::Diamond,
+    Marker::Square,
+    Marker::Up,
+    Marker::Circle,
+    Marker::Down,
+];
+
+/// What belongs to no series, or to several.
+const NEUTRAL: RGBColor = RGBColor(60, 60, 60);
+
 /// The look of one series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Style {
@@ -50,6 +65,14 @@ impl Style {
         Self {
             colour: COLOURS[index % COLOURS.len()],
             marker: MARKERS[index % MARKERS.len()],
+        }
+    }
+
+    /// The look of the `index`-th kind of open markers that belong to no series.
+    pub(crate) fn open(index: usize) -> Self {
+        Self {
+            colour: NEUTRAL,
+            marker: OPEN[index % OPEN.len()],
         }
     }
 

@@ -11,3 +11,6 @@ mod maps;
 mod page;
 mod patch_claims;
 mod plots;
+mod press_claims;
+mod presses;
+mod profiles;

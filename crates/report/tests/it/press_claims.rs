@@ -1,0 +1,322 @@
+//! Claims about presses on fabricated tables, both ways.
+
+use crate::presses::{Cells, Numbers, OBJECTS, config};
+use palpate_report::{Score, Study, Verdict, score};
+use tempfile::TempDir;
+
+#[track_caller]
+fn judged((_dir, study): (TempDir, Study), verdict: Verdict, parts: &[&str]) {
+    let scores = score(std::slice::from_ref(&study));
+    let [score] = scores.as_slice() else {
+        panic!("{scores:?}")
+    };
+    let Score { measured, why, .. } = score;
+    assert_eq!(score.verdict, verdict, "{score:?}");
+    for part in parts {
+        assert!(
+            measured.contains(part) || why.contains(part),
+            "{part:?} is not in {score:?}"
+        );
+    }
+}
+
+// ---- 15: R² of the Gaussian
+
+/// R² by layout, of one trial; the gaussian calibrated.
+fn profiles(by_layout: &[(&str, f64)], trials: u64, estimator: &str) -> Cells {
+    let mut cells = Cells::new("scene.probe.layout,scene.estimator");
+    for (layout, found) in by_layout {
+        let numbers = Numbers {
+            truth: Some(1.0),
+            trials,
+            mean: Some(*found),
+            ..Numbers::default()
+        };
+        cells.push(&format!("{layout},{estimator}"), "r_squared", numbers, "");
+    }
+    cells
+}
+
+#[test]
+fn claim_15_holds_if_some_weighting_gives_the_published_value() {
+    let study = |found: &[(&str, f64)]| {
+        profiles(found, 1, "calibrated gaussian").study(&config("[15]", ""), None)
+    };
+    judged(
+        study(&[("equal steps", 0.977), ("even over the area", 0.961)]),
+        Verdict::Holds,
+        &[
+            "0.977 (equal steps), 0.961 (even over the area)",
+            "0.01 of 0.96",
+        ],
+    );
+    judged(
+        study(&[("equal steps", 0.977), ("even over the area", 0.9717)]),
+        Verdict::Differs,
+        &["0.977 (equal steps), 0.972"],
+    );
+    // Every press of a weighting counts.
+    judged(
+        study(&[("equal steps", 0.961), ("equal steps", 0.98)]),
+        Verdict::Differs,
+        &["0.961 to 0.98 (equal steps)"],
+    );
+}
+
+#[test]
+fn claim_15_needs_a_noiseless_gaussian_on_the_half_space() {
+    let found = [("equal steps", 0.96)];
+    let missing = |cells: Cells, config: String| {
+        judged(
+            cells.study(&config, None),
+            Verdict::NotTestable,
+            &["r_squared"],
+        );
+    };
+    missing(profiles(&found, 1, "half-space"), config("[15]", ""));
+    missing(profiles(&found, 100, "gaussian"), config("[15]", ""));
+    let hertz = config("[15]", "").replace(
+        "model = { kind = \"half-space\"",
+        "model = { kind = \"hertz\"",
+    );
+    missing(profiles(&found, 1, "gaussian"), hertz);
+}
+
+// ---- 16: convergence of the effective radius
+
+/// Every object, estimator and indentation: median and scatter as shares of the truth, by indentation.
+fn radii(made: impl Fn(f64) -> Option<[f64; 2]>) -> (TempDir, Study) {
+    let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.estimator");
+    for (object, _, radius) in OBJECTS {
+        for depth in [0.5, 0.75, 1.0, 1.4] {
+            for estimator in ["half-space", "gaussian", "calibrated gaussian"] {
+                let found = match estimator {
+                    "gaussian" => made(depth),
+                    _ => Some([1.0, 0.01]),
+                };
+                let numbers = Numbers {
+                    truth: Some(radius),
+                    trials: 100,
+                    quantiles: found.map(|[median, scatter]| {
+                        [median - scatter, median, median + scatter].map(|share| share * radius)
+                    }),
+                    ..Numbers::default()
+                };
+                let place = format!("{object},{depth},{estimator}");
+                cells.push(&place, "effective_radius", numbers, "");
+            }
+        }
+    }
+    cells.study(&config("[16]", ""), None)
+}
+
+#[test]
+fn claim_16_wants_an_end_near_the_truth_and_a_noisy_start() {
+    let course = |end: f64, start: [f64; 2], scatter: f64| {
+        radii(move |depth| match depth {
+            1.4 => Some([end, scatter]),
+            1.0 => Some([2.0, 0.0]),
+            _ => Some(start),
+        })
+    };
+    judged(
+        course(1.15, [1.2, 0.3], 0.1),
+        Verdict::Holds,
+        &[
+            "30.7 mm for 26.7 (15 % off), 23 mm for 20 (15 % off)",
+            "scatter 30 % below 1 mm",
+            "in 6 of 6 cells, and 10 % at 1.4 mm",
+            "The half-space fit: medians at 1.4 mm 26.7 mm for 26.7 (0 % off)",
+        ],
+    );
+    judged(
+        course(1.25, [1.2, 0.3], 0.1),
+        Verdict::Differs,
+        &["25 % off"],
+    );
+    judged(
+        course(0.75, [1.2, 0.3], 0.1),
+        Verdict::Differs,
+        &["25 % off"],
+    );
+    judged(
+        course(1.15, [1.4, 0.3], 0.1),
+        Verdict::Differs,
+        &["in 0 of 6 cells"],
+    );
+    judged(
+        course(1.15, [1.2, 0.3], 0.25),
+        Verdict::Differs,
+        &["25 % at 1.4 mm"],
+    );
+    // Where nothing is estimated, noise has won.
+    judged(
+        radii(|depth| (depth > 0.6).then_some(if depth < 1.0 { [1.0, 0.3] } else { [1.0, 0.1] })),
+        Verdict::Holds,
+        &["in 3 of 3 cells", "3 cells there give no estimate"],
+    );
+    judged(
+        radii(|depth| (depth < 1.4).then_some([1.0, 0.3])),
+        Verdict::NotTestable,
+        &["26.7 mm has no quantiles at 1.4 mm"],
+    );
+}
+
+#[test]
+fn claim_16_needs_the_papers_objects_estimator_and_unit() {
+    let numbers = Numbers {
+        truth: Some(20.0),
+        trials: 100,
+        quantiles: Some([19.0, 20.0, 21.0]),
+        ..Numbers::default()
+    };
+    let mut cells = Cells::new("scene.estimator");
+    cells.push("gaussian", "effective_radius", numbers, "");
+    judged(
+        cells.study(&config("[16]", ""), None),
+        Verdict::NotTestable,
+        &["gaussian with c = 1", "26.7 mm"],
+    );
+    let unnamed = config("[16]", "").replace("length_unit = \"mm\"\n", "");
+    judged(
+        cells.study(&unnamed, None),
+        Verdict::NotTestable,
+        &["millimetres"],
+    );
+}
+
+// ---- 17: regimes
+
+/// Sensors of 5, 10 and 20 mm on a ball, a plane and dishes of 20 and 10 mm; the coverage where contact is at a
+/// point, and the failure where it is not.
+fn regimes(coverage: impl Fn(f64) -> f64, failure: impl Fn(f64) -> &'static str) -> Cells {
+    let mut cells = Cells::new("scene.probe.radius_mm,scene.object");
+    for radius in [20.0, 10.0, 5.0] {
+        for (object, curvature) in [
+            ("ball", 0.1),
+            ("plane", 0.0),
+            ("dish of 20 mm", -0.05),
+            ("dish of 10 mm", -0.1),
+        ] {
+            let relative = 1.0 / radius + curvature;
+            let touches = relative > 1e-12;
+            let numbers = Numbers {
+                // Where all fail the config tells.
+                truth: touches.then_some(relative),
+                trials: 1000,
+                failures: if touches { 0 } else { 1000 },
+                coverage: touches.then(|| coverage(relative)),
+                ..Numbers::default()
+            };
+            cells.push(
+                &format!("{radius},{object}"),
+                "relative_curvature",
+                numbers,
+                failure(relative),
+            );
+        }
+    }
+    cells
+}
+
+fn by_sign(relative: f64) -> &'static str {
+    if relative.abs() < 1e-12 {
+        "conforming"
+    } else {
+        "edge-contact"
+    }
+}
+
+fn of_regimes(cells: &Cells) -> (TempDir, Study) {
+    let objects = "[{ label = \"ball\", kind = \"sphere\", radius = 10 }, { label = \"plane\", kind = \"plane\" }, \
+        { label = \"dish of 20 mm\", kind = \"dish\", radius = 20 }, { label = \"dish of 10 mm\", kind = \"dish\", radius = 10 }]";
+    let sweep = format!("[[sweep]]\npath = \"scene.object\"\nvalues = {objects}\n");
+    let config = format!(
+        "name = \"study\"\nlength_unit = \"mm\"\nclaims = [17]\n[scene]\nkind = \"press\"\n\
+         probe = {{ kind = \"marker-sphere\", radius = 20.0 }}\nobject = {{ kind = \"plane\" }}\n{sweep}"
+    );
+    cells.study(&config, None)
+}
+
+#[test]
+fn claim_17_holds_by_sign_and_by_the_size_of_the_sensor() {
+    judged(
+        of_regimes(&regimes(|_| 0.94, by_sign)),
+        Verdict::Holds,
+        &[
+            "9 of 9 are sensed (their 95 % intervals hold the truth in 94 %)",
+            "at zero 2 of 2 fail as conforming",
+            "below 1 of 1 as edge-contact",
+            "Of 4 objects a sensor of radius 5, 10, 20 mm senses 4, 3, 2",
+        ],
+    );
+}
+
+#[test]
+fn claim_17_differs_if_a_regime_or_the_trend_is_another() {
+    // The flattest contact is not understood: fewer objects, but a model that fails.
+    judged(
+        of_regimes(&regimes(|c| if c < 0.051 { 0.5 } else { 0.94 }, by_sign)),
+        Verdict::Differs,
+        &["7 of 9 are sensed"],
+    );
+    judged(
+        of_regimes(&regimes(|_| 0.94, |_| "conforming")),
+        Verdict::Differs,
+        &["0 of 1 as edge-contact"],
+    );
+    judged(
+        of_regimes(&regimes(|_| 0.94, |_| "undetermined")),
+        Verdict::Differs,
+        &["0 of 2 fail as conforming"],
+    );
+}
+
+#[test]
+fn claim_17_needs_all_three_signs_and_two_sensors() {
+    let one = |radius: &str, object: &str, truth: f64| {
+        let mut cells = Cells::new("scene.probe.radius_mm,scene.object");
+        let numbers = Numbers {
+            truth: Some(truth),
+            trials: 10,
+            coverage: Some(0.95),
+            ..Numbers::default()
+        };
+        cells.push(
+            &format!("{radius},{object}"),
+            "relative_curvature",
+            numbers,
+            "",
+        );
+        of_regimes(&cells)
+    };
+    judged(
+        one("20", "ball", 0.15),
+        Verdict::NotTestable,
+        &["zero relative curvature"],
+    );
+    judged(
+        one("20", "plane", 0.0),
+        Verdict::NotTestable,
+        &["positive relative curvature"],
+    );
+    let mut cells = Cells::new("scene.probe.radius_mm,scene.object");
+    for (object, truth) in [
+        ("ball", 0.15),
+        ("dish of 20 mm", 0.0),
+        ("dish of 10 mm", -0.05),
+    ] {
+        let numbers = Numbers {
+            truth: Some(truth),
+            trials: 10,
+            coverage: Some(0.95),
+            ..Numbers::default()
+        };
+        cells.push(&format!("20,{object}"), "relative_curvature", numbers, "");
+    }
+    judged(
+        of_regimes(&cells),
+        Verdict::NotTestable,
+        &["two sensor radii"],
+    );
+}
