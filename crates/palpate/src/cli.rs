@@ -1,5 +1,7 @@
 //! The arguments of the commands.
 
+mod press;
+
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
@@ -7,6 +9,8 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use palpate_scene::config::LengthUnit;
 use palpate_scene::recorded::GlideMethod;
+
+pub(crate) use press::{BaselineIs, EstimatePressArgs, PressMethodName};
 
 /// Simulate a fingertip exploring a surface, model what its sensors really deliver, and estimate
 /// the surface's curvature from that.
@@ -35,7 +39,8 @@ pub(crate) enum Command {
     #[command(subcommand)]
     #[command(after_help = "Examples:
   palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5
-  palpate estimate glide examples/glide-readings.csv --map map.csv")]
+  palpate estimate glide examples/glide-readings.csv --map map.csv
+  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1")]
     Estimate(Estimator),
     /// Validate a config; prints cells, trials, the models that it needs and an estimate of the time.
     #[command(after_help = "Example:
@@ -121,6 +126,9 @@ Examples:
   palpate estimate glide examples/glide-readings.csv --gaussian-threshold 0.0005 --mean-threshold 0.01"
     )]
     Glide(EstimateGlideArgs),
+    /// Curvature of an object from one press of a soft sphere with markers.
+    #[command(after_help = press::HELP)]
+    Press(EstimatePressArgs),
 }
 
 #[derive(Debug, Args)]

@@ -1,5 +1,7 @@
 //! `palpate estimate`.
 
+mod press;
+
 use std::path::Path;
 
 use anyhow::anyhow;
@@ -11,6 +13,8 @@ use palpate_scene::recorded::{
 use crate::cli::{EstimateGlideArgs, EstimateRollArgs, Method};
 use crate::failure::Failure;
 use crate::output;
+
+pub(crate) use press::press;
 
 pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let readings = read_roll(&args.readings).map_err(Failure::work)?;

@@ -30,6 +30,7 @@ fn main() -> ExitCode {
         Command::Trace(args) => trace::trace(&args),
         Command::Estimate(Estimator::Roll(args)) => estimate::roll(&args),
         Command::Estimate(Estimator::Glide(args)) => estimate::glide(&args),
+        Command::Estimate(Estimator::Press(args)) => estimate::press(&args),
         Command::Check(args) => check::check(&args),
         Command::Plot(args) => results::plot(&args),
         Command::Report(args) => results::report(&args),

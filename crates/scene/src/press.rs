@@ -9,6 +9,7 @@ mod words;
 
 pub use profile::ProfileTable;
 pub use trace::PressTrace;
+pub(crate) use words::large_contact;
 
 use palpate_press::{
     Body, Bounds, Contact, Estimated, ForwardFit, MarkerDisplacement, Markers, Measured,

@@ -3,6 +3,9 @@
 mod glide;
 mod patch;
 mod patch_estimate;
+mod press;
+mod pressed;
+mod pressed_object;
 mod roll;
 mod sheet;
 
@@ -10,6 +13,9 @@ pub use glide::{GlideReadings, read_glide};
 pub use palpate_geometry::ShapeThresholds;
 pub use patch::{GlideMethod, GlideOptions, estimate_glide};
 pub use patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds};
+pub use press::{PressReadings, read_press};
+pub use pressed::{PressBody, PressMethod, PressOptions, estimate_press};
+pub use pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
 pub use roll::{
     RollEstimate, RollMethod, RollOptions, RollReadings, UnresolvedProbe, estimate_roll, read_roll,
     roll_readings_table,

@@ -11,6 +11,7 @@ fn every_command_shows_an_example() {
         "estimate",
         "estimate roll",
         "estimate glide",
+        "estimate press",
         "check",
         "plot",
         "report",

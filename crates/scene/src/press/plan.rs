@@ -43,10 +43,13 @@ impl PressScene {
         let sensor = PressSensor { tangential, frames };
         let noise = noise(&config.noise, frames, places.len())?;
         let contact = skin.contact(&body, object.curvature, config.motion.indentation);
-        let truth = contact.map(|contact| TruePress {
-            contact_radius: contact.radius,
-            markers: markers.displacements(&contact, at),
-        });
+        let truth = contact
+            .as_ref()
+            .map_err(|error| *error)
+            .map(|contact| TruePress {
+                contact_radius: contact.radius,
+                markers: markers.displacements(contact, at),
+            });
         let method = Planned {
             config,
             body: &body,
@@ -54,8 +57,9 @@ impl PressScene {
             noise: &noise,
         };
         let bounds = contact
+            .as_ref()
             .ok()
-            .and_then(|contact| method.bounds(&contact, at, tangential));
+            .and_then(|contact| method.bounds(contact, at, tangential));
         let method = method.method(*radius, *marker_depth)?;
         let mut needs = words::of_model(&config.model, &object, &skin, &contact);
         needs.push(

@@ -39,7 +39,14 @@ pub(super) fn of_model(
             };
             needs.push(format!("{} contact: the object {what}", regime.name()));
             let is_layer = matches!(model, PressModelConfig::BondedLayer { .. });
-            needs.extend(large(contact, skin, is_layer));
+            let large = large_contact(
+                contact.relative_curvature,
+                contact.indentation,
+                contact.radius,
+                skin.radius(),
+                is_layer,
+            );
+            needs.extend(large.map(|large| format!("warning: {large}")));
         }
         Err(error) => needs.push(legible(&format!(
             "warning: no press; every trial fails as `{}`: {error}",
@@ -50,22 +57,27 @@ pub(super) fn of_model(
 }
 
 /// A warning where the contact is so wide that small-strain theory errs.
-fn large(contact: &Contact<'_>, skin: &Skin, is_layer: bool) -> Option<String> {
-    let share = contact.radius / skin.radius();
+pub(crate) fn large_contact(
+    relative_curvature: f64,
+    indentation: f64,
+    contact_radius: f64,
+    sensor_radius: f64,
+    is_layer: bool,
+) -> Option<String> {
+    let share = contact_radius / sensor_radius;
     if share <= LARGE_CONTACT {
         return None;
     }
-    let sneddon = sneddon_indentation(contact.relative_curvature.recip(), contact.radius);
-    let sneddon = match sneddon {
-        _ if is_layer => "small strains are assumed".to_owned(),
-        Ok(indentation) => format!(
+    let doubt = match sneddon_indentation(relative_curvature.recip(), contact_radius) {
+        _ if is_layer => "strains are not small".to_owned(),
+        Ok(sneddon) => format!(
             "by Sneddon's relation it takes an indentation {:.1} % larger than by Hertz's",
-            100.0 * (indentation / contact.indentation - 1.0)
+            100.0 * (sneddon / indentation - 1.0)
         ),
-        Err(_) => "it would be wider than the sphere of the same effective radius".to_owned(),
+        Err(_) => "it is wider than a sphere of the effective radius".to_owned(),
     };
     Some(format!(
-        "warning: the contact's radius is {share:.2} of the sensor's, past {LARGE_CONTACT}: {sneddon}"
+        "the contact's radius is {share:.2} of the sensor's, past {LARGE_CONTACT}: {doubt}"
     ))
 }
 

@@ -1,0 +1,284 @@
+//! The curvature of an object from a recorded press.
+
+use palpate_press::{
+    Body, ContactRegime, ForwardFit, Markers, Measured, PressError, PressEstimate, Prior, Reading,
+    Skin, calibrated_c,
+};
+
+use super::Value;
+use super::press::PressReadings;
+use super::pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
+use super::sheet::{RecordedError, agreed_unit};
+use crate::Unit;
+use crate::config::LengthUnit;
+use crate::legible::legible;
+use crate::press::large_contact;
+
+/// A body that is pressed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PressBody {
+    /// An elastic half-space.
+    HalfSpace {
+        /// Poisson's ratio.
+        poisson: f64,
+        /// Of the markers under the skin, length.
+        depth: f64,
+    },
+    /// An incompressible layer bonded to a rigid core.
+    BondedLayer {
+        /// Of the layer, length.
+        thickness: f64,
+        /// Of the markers under the skin, length.
+        depth: f64,
+    },
+}
+
+/// How to estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PressMethod {
+    /// A fit of what a body does.
+    Body(PressBody),
+    /// A fit of the 2020 paper's Gaussian, R = c σ²/δ.
+    Gaussian {
+        /// The c; `None` takes what gives the sensor's own radius on a plane pressed as deep.
+        c: Option<f64>,
+        /// The body that is then pressed.
+        calibrated_on: PressBody,
+        /// Only markers within this distance of the contact count, length.
+        window: Option<f64>,
+    },
+}
+
+impl PressMethod {
+    /// The name used in configs.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Body(PressBody::HalfSpace { .. }) => "half-space",
+            Self::Body(PressBody::BondedLayer { .. }) => "bonded-layer",
+            Self::Gaussian { .. } => "gaussian",
+        }
+    }
+}
+
+/// What the readings do not say themselves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PressOptions {
+    /// Radius of the skin, length.
+    pub sensor_radius: f64,
+    /// The estimator.
+    pub method: PressMethod,
+    /// The indentation and its standard deviation, if something else tells it; length.
+    pub indentation: Option<(f64, f64)>,
+    /// Whether all normal displacements may be off by the same, which is then fitted.
+    pub fits_baseline: bool,
+    /// Standard deviation of the factor on all normal displacements; 0 where it is 1. Of no use to a Gaussian, whose
+    /// amplitude is fitted.
+    pub gain_std: f64,
+    /// Standard deviation of normal displacements, length; `None` finds it from the residuals.
+    pub normal_std: Option<f64>,
+    /// The same of displacements along the skin.
+    pub tangential_std: Option<f64>,
+    /// What positions are multiplied with.
+    pub radial_scale: f64,
+    /// Young's modulus of the soft body, force per length²; gives forces.
+    pub young: Option<f64>,
+    /// The unit of lengths, where the header does not state it.
+    pub length_unit: Option<LengthUnit>,
+}
+
+impl PressOptions {
+    /// With nothing known but the sensor and the body.
+    pub const fn new(sensor_radius: f64, method: PressMethod) -> Self {
+        Self {
+            sensor_radius,
+            method,
+            indentation: None,
+            fits_baseline: false,
+            gain_std: 0.0,
+            normal_std: None,
+            tangential_std: None,
+            radial_scale: 1.0,
+            young: None,
+            length_unit: None,
+        }
+    }
+}
+
+/// Estimates the curvature of an object from a recorded press.
+///
+/// # Errors
+/// [`RecordedError::Line`] where one marker is at fault, else [`RecordedError::Readings`]: where the options contradict
+/// the file, or the readings tell no press.
+pub fn estimate_press(
+    recorded: &PressReadings,
+    options: &PressOptions,
+) -> Result<PressedObject, RecordedError> {
+    let unit = agreed_unit(&recorded.file, recorded.unit, options.length_unit)?;
+    let refused = |error| refused(recorded, options, &error);
+    let scaled = |place: &[f64; 2]| place.map(|component| component * options.radial_scale);
+    let places: Vec<[f64; 2]> = recorded.places.iter().map(scaled).collect();
+    let skin = Skin::new(options.sensor_radius).map_err(refused)?;
+    let markers = Markers::new(skin, &places).map_err(refused)?;
+    let (fit, c) = fit(options, &markers).map_err(refused)?;
+    let reading = Reading {
+        markers: &markers,
+        normal: &recorded.normal,
+        tangential: recorded.tangential.as_deref(),
+        indentation: options
+            .indentation
+            .map(|(value, std)| Measured { value, std }),
+    };
+    let estimate = fit.estimate(&reading).map_err(refused)?;
+    let told = |estimated, power| Told::new(&estimated, power, unit);
+    let curvature = estimate.object_curvature();
+    Ok(PressedObject {
+        method: options.method.name(),
+        c,
+        markers: recorded.places.len(),
+        with_tangential: recorded.tangential.is_some(),
+        length_unit: unit.as_str(),
+        relative_curvature: told(estimate.relative_curvature, Unit::PerLength),
+        effective_radius: told(estimate.effective_radius(), Unit::Length),
+        object_curvature: told(curvature, Unit::PerLength),
+        object_radius: Radius::of(&curvature, unit),
+        regime: ContactRegime::of(skin.curvature(), curvature.value).name(),
+        verdict: estimate.verdict.name(),
+        indentation: told(estimate.indentation, Unit::Length),
+        contact_radius: told(estimate.contact_radius, Unit::Length),
+        contact: estimate.contact.map(|component| component + 0.0),
+        contact_std: estimate
+            .contact_std
+            .map(|std| Some(std).filter(|std| std.is_finite())),
+        baseline: estimate
+            .baseline
+            .map(|baseline| told(baseline, Unit::Length)),
+        gain: estimate.gain.map(|gain| told(gain, Unit::One)),
+        wrong_markers: estimate
+            .wrong_markers
+            .iter()
+            .map(|&marker| Row {
+                row: marker + 1,
+                line: recorded.lines.get(marker).copied(),
+            })
+            .collect(),
+        noise: PressNoise {
+            normal_std: Value::new(estimate.normal_std, None, Unit::Length, unit),
+            tangential_std: estimate
+                .tangential_std
+                .map(|std| Value::new(std, None, Unit::Length, unit)),
+            reduced_chi_squared: estimate.reduced_chi_squared,
+        },
+        r_squared: estimate.r_squared,
+        warnings: warnings(&estimate, options),
+    })
+}
+
+/// The fit, and the c of a Gaussian.
+fn fit(options: &PressOptions, markers: &Markers) -> Result<(ForwardFit, Option<f64>), PressError> {
+    let (body, c, gain, window) = match options.method {
+        PressMethod::Body(body) => {
+            let gain = match options.gain_std {
+                std if std > 0.0 => Prior::Within(std),
+                _ => Prior::Exact,
+            };
+            (self::body(body)?, None, gain, None)
+        }
+        PressMethod::Gaussian {
+            c,
+            calibrated_on,
+            window,
+        } => {
+            let c = match (c, options.indentation) {
+                (Some(c), _) => c,
+                (None, Some((indentation, _))) => {
+                    calibrated_c(markers, &self::body(calibrated_on)?, indentation, window)?
+                }
+                (None, None) => {
+                    return Err(PressError::Undetermined {
+                        what: "the c of a Gaussian is calibrated at a known indentation",
+                    });
+                }
+            };
+            // The amplitude is fitted, unless it is the indentation.
+            let gain = match options.indentation {
+                Some(_) => Prior::Free,
+                None => Prior::Exact,
+            };
+            (Body::gaussian(c)?, Some(c), gain, window)
+        }
+    };
+    let fit = ForwardFit {
+        baseline: if options.fits_baseline {
+            Prior::Free
+        } else {
+            Prior::Exact
+        },
+        gain,
+        normal_std: options.normal_std,
+        tangential_std: options.tangential_std,
+        window,
+        ..ForwardFit::new(body)
+    };
+    Ok((fit, c))
+}
+
+fn body(body: PressBody) -> Result<Body, PressError> {
+    match body {
+        PressBody::HalfSpace { poisson, depth } => Body::half_space(poisson, depth),
+        PressBody::BondedLayer { thickness, depth } => Body::bonded_layer(thickness, depth),
+    }
+}
+
+/// Past this ratio of the residuals to the noise that is stated, the intervals are too narrow.
+const LARGE_RESIDUALS: f64 = 1.5;
+
+fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
+    let is_layer = matches!(
+        options.method,
+        PressMethod::Body(PressBody::BondedLayer { .. })
+    );
+    let large = large_contact(
+        estimate.relative_curvature.value,
+        estimate.indentation.value,
+        estimate.contact_radius.value,
+        options.sensor_radius,
+        is_layer,
+    );
+    let ratio = estimate.reduced_chi_squared.sqrt();
+    let residuals = (options.normal_std.is_some() && ratio > LARGE_RESIDUALS).then(|| {
+        format!(
+            "the residuals are {ratio:.1} times the noise that is given: intervals are too narrow"
+        )
+    });
+    large.into_iter().chain(residuals).collect()
+}
+
+/// The error in the words of the command line, with the line of the marker that is at fault, if it is one.
+fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError) -> RecordedError {
+    let file = recorded.file.clone();
+    let message = legible(&match error {
+        PressError::BadSetting {
+            setting,
+            value,
+            expected,
+        } => {
+            let option = match *setting {
+                "radius" => "sensor-radius".to_owned(),
+                setting => setting.replace('_', "-"),
+            };
+            format!("--{option} is {value}; it must be {expected}")
+        }
+        PressError::Undetermined { .. } if options.indentation.is_none() => {
+            format!("{error}; give the indentation with --indentation D if it is known")
+        }
+        _ => error.to_string(),
+    });
+    match error {
+        PressError::NotFinite { marker } if *marker < recorded.lines.len() => RecordedError::Line {
+            file,
+            line: recorded.lines[*marker],
+            message,
+        },
+        _ => RecordedError::Readings { file, message },
+    }
+}

@@ -1,0 +1,179 @@
+//! What is told of a pressed object, as JSON.
+
+use palpate_press::Estimated;
+use serde::Serialize;
+
+use super::Value;
+use crate::Unit;
+use crate::config::LengthUnit;
+
+/// A value with its uncertainty; an end of the interval is `null` where the readings set no bound.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Told {
+    value: f64,
+    std: Option<f64>,
+    interval95: [Option<f64>; 2],
+    unit: String,
+}
+
+/// The radius of an object that may be flat: the larger, the flatter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Radius {
+    /// Negative where concave; `null` where flat.
+    value: Option<f64>,
+    std: Option<f64>,
+    /// The radii that it may have if it is convex, without a sign; an end that is `null` is flat. `null` where it cannot
+    /// be convex.
+    convex95: Option<[Option<f64>; 2]>,
+    /// The same if it is concave.
+    concave95: Option<[Option<f64>; 2]>,
+    unit: String,
+}
+
+/// A row of the readings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Row {
+    /// Counted from 1, without the header.
+    pub(super) row: usize,
+    /// Its line in the file.
+    pub(super) line: Option<usize>,
+}
+
+/// How far displacements are off, as given or as found from the residuals.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PressNoise {
+    pub(super) normal_std: Value,
+    /// `null` where none are used.
+    pub(super) tangential_std: Option<Value>,
+    /// About 1 where residuals are as large as the noise.
+    pub(super) reduced_chi_squared: f64,
+}
+
+/// What `estimate press` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PressedObject {
+    pub(super) method: &'static str,
+    /// The c of a Gaussian, given or calibrated; `null` of other methods.
+    pub(super) c: Option<f64>,
+    pub(super) markers: usize,
+    pub(super) with_tangential: bool,
+    pub(super) length_unit: &'static str,
+    /// 1/R_s + 1/R_o.
+    pub(super) relative_curvature: Told,
+    /// Its inverse.
+    pub(super) effective_radius: Told,
+    /// 1/R_o, positive where convex.
+    pub(super) object_curvature: Told,
+    /// R_o.
+    pub(super) object_radius: Radius,
+    /// How sensor and object touch, by the estimate.
+    pub(super) regime: &'static str,
+    /// What of the object's shape the interval leaves open.
+    pub(super) verdict: &'static str,
+    pub(super) indentation: Told,
+    pub(super) contact_radius: Told,
+    /// Place of the contact on the skin, as the markers'.
+    pub(super) contact: [f64; 2],
+    pub(super) contact_std: [Option<f64>; 2],
+    /// `null` where it is not fitted.
+    pub(super) baseline: Option<Told>,
+    /// The factor on normal displacements, of a Gaussian its amplitude over the indentation; `null` where it is not
+    /// fitted.
+    pub(super) gain: Option<Told>,
+    /// Readings that contradict the others and were left out.
+    pub(super) wrong_markers: Vec<Row>,
+    pub(super) noise: PressNoise,
+    /// The share of the normal displacements' variance that the fit explains.
+    pub(super) r_squared: f64,
+    pub(super) warnings: Vec<String>,
+}
+
+fn finite(number: f64) -> Option<f64> {
+    // Zero without a sign.
+    Some(number + 0.0).filter(|number| number.is_finite())
+}
+
+impl Told {
+    pub(super) fn new(estimated: &Estimated, power: Unit, length: LengthUnit) -> Self {
+        Self {
+            value: estimated.value + 0.0,
+            std: finite(estimated.std),
+            interval95: [estimated.interval.low, estimated.interval.high]
+                .map(|end| end.and_then(finite)),
+            unit: power.of(length),
+        }
+    }
+}
+
+impl Radius {
+    /// The inverse of a curvature.
+    pub(super) fn of(curvature: &Estimated, length: LengthUnit) -> Self {
+        let value = finite(curvature.value.recip());
+        let [low, high] = [curvature.interval.low, curvature.interval.high];
+        // Without a bound on the curvature, the radius may be as small as can be.
+        let sharpest = |end: Option<f64>| end.map_or(Some(0.0), |end| finite(end.recip().abs()));
+        let flattest = |end: Option<f64>, is_beyond: bool| {
+            end.filter(|_| is_beyond)
+                .and_then(|end| finite(end.recip().abs()))
+        };
+        let may_be_convex = high.is_none_or(|high| high > 0.0);
+        let may_be_concave = low.is_none_or(|low| low < 0.0);
+        Self {
+            value,
+            std: value.and_then(|radius| finite(curvature.std * radius * radius)),
+            convex95: may_be_convex.then(|| [sharpest(high), flattest(low, !may_be_concave)]),
+            concave95: may_be_concave.then(|| [sharpest(low), flattest(high, !may_be_convex)]),
+            unit: Unit::Length.of(length),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_press::Interval;
+
+    fn radius(value: f64, low: Option<f64>, high: Option<f64>) -> Radius {
+        let interval = Interval { low, high };
+        let std = 0.001;
+        Radius::of(
+            &Estimated {
+                value,
+                std,
+                interval,
+            },
+            LengthUnit::Mm,
+        )
+    }
+
+    #[test]
+    fn radii_of_either_sign_and_of_none() {
+        let ball = radius(0.02, Some(0.01), Some(0.04));
+        assert_eq!(ball.value, Some(50.0));
+        assert_eq!(
+            (ball.convex95, ball.concave95),
+            (Some([Some(25.0), Some(100.0)]), None)
+        );
+        assert_eq!(ball.std, Some(2.5));
+        let dish = radius(-0.02, Some(-0.04), Some(-0.01));
+        assert_eq!(dish.value, Some(-50.0));
+        assert_eq!(
+            (dish.convex95, dish.concave95),
+            (None, Some([Some(25.0), Some(100.0)]))
+        );
+        let flat = radius(0.0, Some(-0.01), Some(0.005));
+        assert_eq!((flat.value, flat.std), (None, None));
+        assert_eq!(flat.convex95, Some([Some(200.0), None]));
+        assert_eq!(flat.concave95, Some([Some(100.0), None]));
+        let sharp = radius(1.0, Some(0.5), None);
+        assert_eq!(
+            (sharp.convex95, sharp.concave95),
+            (Some([Some(0.0), Some(2.0)]), None)
+        );
+        let at_most = radius(0.0, Some(-0.01), Some(0.0));
+        assert_eq!(
+            (at_most.convex95, at_most.concave95),
+            (None, Some([Some(100.0), None]))
+        );
+    }
+}
