@@ -1,43 +1,267 @@
 //! Contact with an incompressible elastic layer bonded to a rigid core.
+//!
+//! The object is rigid, free of friction, and a paraboloid of the relative curvature; the layer is flat, its depth
+//! counted from the surface. The displacement is that of a half-space under the contact's pressure, in closed form
+//! ([`rings`]), and what the base takes from it, a sum over wavenumbers ([`waves`]) or a table of it ([`table`]).
+//!
+//! Everything scales with the thickness: in its units only the contact's radius, the depth and the distance matter.
+
+mod pressure;
+mod reflection;
+mod rings;
+mod table;
+mod waves;
+
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+use pressure::Pressure;
+use rings::Term;
+use table::{ENDS, Panels, Table};
+use waves::Waves;
 
 use crate::{Field, PressError};
+
+/// The widest contact that is solved, in thicknesses.
+const LIMIT: f64 = 50.0;
+/// Newton's method takes four steps or so.
+const STEPS: usize = 30;
 
 /// An incompressible layer on a rigid base, read at a depth.
 #[derive(Clone, Debug)]
 pub struct BondedLayer {
     thickness: f64,
     depth: f64,
+    /// Each made when first asked for.
+    tables: [OnceLock<Table>; ENDS.len() - 1],
+}
+
+/// A contact with a [`BondedLayer`], per unit relative curvature.
+#[derive(Clone, Debug)]
+pub struct LayerContact {
+    thickness: f64,
+    /// In thicknesses, as all that follows.
+    depth: f64,
+    contact: f64,
+    /// Indentation, its derivative by the radius, ∫ φ dt, −∫ φ'/t dt.
+    numbers: [f64; 4],
+    terms: Vec<Term>,
+    base: Base,
+}
+
+/// What the base takes from the displacement.
+#[derive(Clone, Debug)]
+enum Base {
+    Waves(Vec<Waves>),
+    Panels(Panels),
 }
 
 impl BondedLayer {
-    /// A layer of this thickness whose displacements are read at this depth.
+    /// A layer of this thickness whose displacements are read at this depth below its surface.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`].
+    /// [`PressError::BadSetting`] for a `thickness` that is not from 1e-50 to 1e50, or a `depth` that is not from 0 to
+    /// the thickness.
     pub fn new(thickness: f64, depth: f64) -> Result<Self, PressError> {
-        Ok(Self { thickness, depth })
+        let good = (1e-50..=1e50).contains(&thickness);
+        PressError::unless_good("thickness", thickness, good, "from 1e-50 to 1e50")?;
+        let good = (0.0..=thickness).contains(&depth);
+        PressError::unless_good("depth", depth, good, "from 0 to the layer's thickness")?;
+        Ok(Self {
+            thickness,
+            depth,
+            tables: Default::default(),
+        })
     }
+
     /// Its thickness.
     pub const fn thickness(&self) -> f64 {
         self.thickness
     }
-    /// D(a) and its derivative.
+
+    /// The depth at which displacements are read.
+    pub const fn depth(&self) -> f64 {
+        self.depth
+    }
+
+    /// The indentation over the relative curvature, D(a), of a contact of radius `a > 0`, and its derivative by a.
     ///
     /// # Errors
-    /// [`PressError::LayerTooThin`].
-    pub fn indentation_of(&self, _a: f64) -> Result<[f64; 2], PressError> {
-        Err(PressError::OutOfRange)
+    /// [`PressError::LayerTooThin`] for a contact wider than 50 thicknesses, [`PressError::OutOfRange`] for a radius
+    /// that is not positive.
+    pub fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
+        let [indentation, slope] = self.scaled_indentation(self.scaled(a)?)?;
+        Ok([
+            indentation * self.thickness * self.thickness,
+            slope * self.thickness,
+        ])
     }
-    /// a from D.
+
+    /// The contact's radius from the indentation over the relative curvature: the inverse of D(a).
     ///
     /// # Errors
-    /// [`PressError::LayerTooThin`].
-    pub fn contact_radius(&self, _d: f64) -> Result<f64, PressError> {
-        Err(PressError::OutOfRange)
+    /// As [`Self::indentation_of`], and [`PressError::NoIndentation`] where `indentation_over_curvature` is not
+    /// positive.
+    pub fn contact_radius(&self, indentation_over_curvature: f64) -> Result<f64, PressError> {
+        let indentation = indentation_over_curvature;
+        if indentation.is_nan() || indentation <= 0.0 {
+            return Err(PressError::NoIndentation { indentation });
+        }
+        let root = indentation.sqrt() / self.thickness;
+        let mut contact = guessed_contact(root);
+        if contact > 1.2 * LIMIT {
+            return Err(too_thin(contact));
+        }
+        // Newton's method on logarithms, between which the relation is almost a straight line of slope 1.7 to 2.
+        for _ in 0..STEPS {
+            let tried = contact.min(LIMIT);
+            let [reached, slope] = self.scaled_indentation(tried)?;
+            let power = reached / (tried * slope);
+            contact = tried * (root / reached.sqrt()).powf(2.0 * power);
+            if tried == LIMIT && contact > LIMIT * (1.0 + 1e-12) {
+                return Err(too_thin(contact));
+            }
+            if (contact - tried).abs() <= 1e-14 * tried {
+                break;
+            }
+        }
+        Ok(contact.min(LIMIT) * self.thickness)
     }
-    /// The field.
-    pub fn field(&self, _a: f64, _r: f64) -> Field {
-        let _ = self.depth;
-        Field::default()
+
+    /// A contact of radius `a`, for fits: within 1e-7 of the peak displacement, in a few microseconds. The first in
+    /// each of nine ranges of radii takes some ten milliseconds, for a table; beyond 12 thicknesses it is as
+    /// [`Self::solved`].
+    ///
+    /// # Errors
+    /// As [`Self::indentation_of`].
+    pub fn contact(&self, a: f64) -> Result<LayerContact, PressError> {
+        let contact = self.scaled(a)?;
+        let Some(place) = Table::place(contact) else {
+            return self.solved(a);
+        };
+        let entry = self.table(place)?.entry(contact);
+        Ok(LayerContact {
+            thickness: self.thickness,
+            depth: self.depth / self.thickness,
+            contact,
+            numbers: entry.numbers,
+            terms: entry.terms,
+            base: Base::Panels(entry.panels),
+        })
+    }
+
+    /// A contact of radius `a`, solved for itself: within 1e-9 of the peak displacement at the surface.
+    ///
+    /// # Errors
+    /// As [`Self::indentation_of`].
+    pub fn solved(&self, a: f64) -> Result<LayerContact, PressError> {
+        let contact = self.scaled(a)?;
+        let depth = self.depth / self.thickness;
+        let pressure = Pressure::solve(contact)?;
+        let base = Base::Waves(Waves::bands(&pressure, depth));
+        Ok(LayerContact {
+            thickness: self.thickness,
+            depth,
+            contact,
+            numbers: [
+                pressure.indentation,
+                pressure.slope,
+                pressure.force,
+                pressure.peak,
+            ],
+            terms: pressure.terms,
+            base,
+        })
+    }
+
+    /// A radius in thicknesses, if it can be solved for.
+    fn scaled(&self, a: f64) -> Result<f64, PressError> {
+        let contact = a / self.thickness;
+        if contact.is_nan() || contact <= 0.0 {
+            return Err(PressError::OutOfRange);
+        }
+        if contact > LIMIT {
+            return Err(too_thin(contact));
+        }
+        Ok(contact)
+    }
+
+    fn scaled_indentation(&self, contact: f64) -> Result<[f64; 2], PressError> {
+        if let Some(place) = Table::place(contact) {
+            let [indentation, slope, ..] = self.table(place)?.numbers(contact);
+            return Ok([indentation, slope]);
+        }
+        Pressure::solve(contact).map(|pressure| [pressure.indentation, pressure.slope])
+    }
+
+    fn table(&self, place: usize) -> Result<&Table, PressError> {
+        if let Some(table) = self.tables[place].get() {
+            return Ok(table);
+        }
+        let table = Table::new(place, self.depth / self.thickness)?;
+        Ok(self.tables[place].get_or_init(|| table))
+    }
+}
+
+impl LayerContact {
+    /// Radius of the contact.
+    pub fn radius(&self) -> f64 {
+        self.contact * self.thickness
+    }
+
+    /// The indentation over the relative curvature, and its derivative by the contact's radius.
+    pub fn indentation(&self) -> [f64; 2] {
+        let [indentation, slope, ..] = self.numbers;
+        let thickness = self.thickness;
+        [indentation * thickness * thickness, slope * thickness]
+    }
+
+    /// The force over the relative curvature and E* = E/(1 − ν²) = 4E/3.
+    pub fn force(&self) -> f64 {
+        PI * self.numbers[2] * self.thickness.powi(3)
+    }
+
+    /// The pressure in the middle of the contact, the highest, over the relative curvature and E*.
+    pub fn peak_pressure(&self) -> f64 {
+        0.5 * self.numbers[3] * self.thickness
+    }
+
+    /// Displacements at distance `r >= 0` from the contact, and their derivatives. Nothing moves at the base, and
+    /// nothing worth a number 30 thicknesses beyond the contact.
+    pub fn field(&self, r: f64) -> Field {
+        let r = r / self.thickness;
+        if r.is_nan() || r > self.contact + waves::BEYOND || self.depth == 1.0 {
+            return Field::default();
+        }
+        let pressed = rings::field(self.contact, &self.terms, self.depth, r);
+        let base = match &self.base {
+            Base::Waves(bands) => Waves::field(bands, r),
+            Base::Panels(panels) => panels.field(r),
+        };
+        let (length, area) = (self.thickness, self.thickness * self.thickness);
+        Field {
+            normal: area * (pressed.normal + base.normal),
+            normal_per_r: length * (pressed.normal_per_r + base.normal_per_r),
+            normal_per_a: length * (pressed.normal_per_a + base.normal_per_a),
+            radial: area * (pressed.radial + base.radial),
+            radial_per_r: length * (pressed.radial_per_r + base.radial_per_r),
+            radial_per_a: length * (pressed.radial_per_a + base.radial_per_a),
+        }
+    }
+}
+
+/// The contact's radius from √D, both in thicknesses, within a few per cent: D/a² falls from 1 to ¼.
+fn guessed_contact(root: f64) -> f64 {
+    let mut contact = root;
+    for _ in 0..STEPS {
+        contact = root / (0.25 + 0.75 / (1.0 + 1.15 * contact)).sqrt();
+    }
+    contact
+}
+
+const fn too_thin(ratio: f64) -> PressError {
+    PressError::LayerTooThin {
+        ratio,
+        limit: LIMIT,
     }
 }

@@ -18,7 +18,7 @@ mod regime;
 mod skin;
 
 pub use body::{Body, Contact, Displacement};
-pub use bonded_layer::BondedLayer;
+pub use bonded_layer::{BondedLayer, LayerContact};
 pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use field::Field;

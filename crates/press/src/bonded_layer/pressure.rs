@@ -1,0 +1,253 @@
+//! The pressure of a frictionless rigid paraboloid on a layer, from the contact's radius.
+//!
+//! Lengths are in units of the thickness, displacements per unit relative curvature. The transform of the pressure is
+//! written Q(k) = ∫₀^α φ(t) cos(kt) dt. Then the pressure vanishes beyond α by itself, and the displacement
+//! D − r²/2 within the contact is a Fredholm equation of the second kind (Copson's method; Lebedev and Ufliand 1958):
+//!
+//!     φ(t) − (2/π) ∫₀^α φ(s) ∫₀^∞ g(k) cos kt cos ks dk ds = (2/π)(D − t²)
+//!
+//! with g of [`reflection::at_surface`](super::reflection::at_surface). It is solved at Gauss nodes for the right-hand
+//! sides 1 and t²; the pressure vanishes at the edge, φ(α) = 0, which gives D. A wider contact adds the pressure of a
+//! flat punch, ∂φ/∂α = (2/π) D' φ₁, where φ₁ solves for 1; with φ(α) = 0 again, D' = −(π/2) φ'(α)/φ₁(α).
+
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+use std::num::NonZeroUsize;
+
+use gauss_quad::GaussLegendre;
+use nalgebra::{DMatrix, DVector};
+
+use super::reflection;
+use super::rings::Term;
+use crate::PressError;
+
+/// Coefficients below this share of the largest are rounding.
+const ROUNDING: f64 = 3e-14;
+
+/// A solved contact.
+#[derive(Clone, Debug)]
+pub(super) struct Pressure {
+    /// Radius of the contact.
+    pub(super) contact: f64,
+    /// The indentation D.
+    pub(super) indentation: f64,
+    /// Its derivative by the radius.
+    pub(super) slope: f64,
+    /// ∫ φ dt, which is the force over π E* C_r.
+    pub(super) force: f64,
+    /// −∫ φ'/t dt, which is the pressure in the middle over E* C_r/2.
+    pub(super) peak: f64,
+    /// φ and ∂φ/∂α.
+    pub(super) terms: Vec<Term>,
+    /// Nodes t and, times their weights, φ and ∂φ/∂α there.
+    nodes: Vec<[f64; 3]>,
+}
+
+impl Pressure {
+    /// Solves for the contact of this radius. Everything is good to about 1e-11; nodes between them stand less than
+    /// half the thickness apart.
+    pub(super) fn solve(contact: f64) -> Result<Self, PressError> {
+        Self::solve_finer(contact, 1.0)
+    }
+
+    /// The same with so many times the nodes.
+    pub(super) fn solve_finer(contact: f64, finer: f64) -> Result<Self, PressError> {
+        let count = (finer * (16.0 + 5.0 * contact)).ceil() as usize;
+        let shares = positive_gauss(count);
+        let waves = wavenumbers(
+            reflection::SURFACE_REACH,
+            2.0 * contact,
+            (finer * 24.0).ceil() as usize,
+        );
+        // Symmetric with the square roots of the weights on either side; positive definite, for g < 1.
+        let ripples = DMatrix::from_fn(count, waves.len(), |row, column| {
+            let ([share, weight], [k, dk]) = (shares[row], waves[column]);
+            let strength = FRAC_2_PI * contact * weight * dk * reflection::at_surface(k);
+            strength.sqrt() * (k * contact * share).cos()
+        });
+        let matrix = DMatrix::identity(count, count) - &ripples * ripples.transpose();
+        let solved = matrix.cholesky().ok_or(PressError::OutOfRange)?;
+        let solve = |right: fn(f64) -> f64| {
+            let weighted = shares
+                .iter()
+                .map(|[share, weight]| weight.sqrt() * right(*share));
+            let solution = solved.solve(&DVector::from_iterator(count, weighted));
+            let values = solution.iter().zip(&shares);
+            values
+                .map(|(value, [_, weight])| value / weight.sqrt())
+                .collect::<Vec<_>>()
+        };
+        let (ones, squares) = (solve(|_| 1.0), solve(|share| share * share));
+        Ok(Self::assemble(contact, &shares, &ones, &squares))
+    }
+
+    fn assemble(contact: f64, shares: &[[f64; 2]], ones: &[f64], squares: &[f64]) -> Self {
+        let (one, square) = (legendre(shares, ones), legendre(shares, squares));
+        let edge: f64 = one.iter().sum();
+        // In units of α².
+        let indentation = square.iter().sum::<f64>() / edge;
+        let unit = contact * contact;
+        let values: Vec<f64> = ones
+            .iter()
+            .zip(squares)
+            .map(|(one, square)| FRAC_2_PI * (indentation * one - square))
+            .collect();
+        let scaled = legendre(shares, &values);
+        // P_n'(1) = n(n+1)/2.
+        let edge_slope: f64 = scaled
+            .iter()
+            .enumerate()
+            .map(|(j, c)| c * (j * (2 * j + 1)) as f64)
+            .sum();
+        let slope = -FRAC_PI_2 * edge_slope / edge * contact;
+        let nodes = shares.iter().zip(&values).zip(ones);
+        Self {
+            contact,
+            indentation: indentation * unit,
+            slope,
+            force: scaled[0] * unit * contact,
+            peak: contact * middle(&scaled),
+            terms: terms(&scaled, unit, &one, FRAC_2_PI * slope),
+            nodes: nodes
+                .map(|(([share, weight], value), one)| {
+                    [
+                        contact * share,
+                        contact * weight * unit * value,
+                        contact * weight * FRAC_2_PI * slope * one,
+                    ]
+                })
+                .collect(),
+        }
+    }
+
+    /// Q(k) and ∂Q/∂α.
+    pub(super) fn transform(&self, k: f64) -> [f64; 2] {
+        self.nodes
+            .iter()
+            .fold([0.0; 2], |[curved, flat], [t, phi, per_contact]| {
+                let wave = (k * t).cos();
+                [curved + phi * wave, flat + per_contact * wave]
+            })
+    }
+}
+
+/// −∫ φ'/t dt over a contact of radius 1: −∫ P_n'/t dt over [0, 1] is (−1)ʲ n (2/3)(4/5) ⋯ ((n−2)/(n−1)) for n = 2j.
+/// P₀ stands for a flat punch, and gives 1.
+fn middle(coefficients: &[f64]) -> f64 {
+    let (mut product, mut sign) = (1.0, -1.0);
+    let mut sum = coefficients[0];
+    for (j, coefficient) in coefficients.iter().enumerate().skip(1) {
+        let n = 2.0 * j as f64;
+        sum += sign * coefficient * n * product;
+        product *= n / (n + 1.0);
+        sign = -sign;
+    }
+    sum
+}
+
+/// Gauss–Legendre nodes and weights on [−1, 1] of twice that count: the positive half, for even functions.
+fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
+    let degree = NonZeroUsize::new(2 * count).expect("a contact takes some nodes");
+    let rule = GaussLegendre::new(degree);
+    rule.iter()
+        .filter(|(node, _)| *node > 0.0)
+        .map(|(node, weight)| [*node, *weight])
+        .collect()
+}
+
+/// Wavenumbers and weights on [0, reach] for a smooth decaying function times waves over that distance.
+pub(super) fn wavenumbers(reach: f64, distance: f64, least: usize) -> Vec<[f64; 2]> {
+    let count = (0.3 * reach * distance).ceil() as usize + 2 * least;
+    let degree = NonZeroUsize::new(count).expect("a least count is positive");
+    let half = 0.5 * reach;
+    let rule = GaussLegendre::new(degree);
+    rule.iter()
+        .map(|(node, weight)| [half * (node + 1.0), half * weight])
+        .collect()
+}
+
+/// Coefficients of P₀, P₂, … of an even function with these values at [`positive_gauss`].
+fn legendre(shares: &[[f64; 2]], values: &[f64]) -> Vec<f64> {
+    let mut coefficients = vec![0.0; shares.len()];
+    for ([share, weight], value) in shares.iter().zip(values) {
+        let (mut before, mut here) = (0.0, 1.0);
+        for (j, coefficient) in coefficients.iter_mut().enumerate() {
+            let n = 2.0 * j as f64;
+            *coefficient += weight * value * (2.0 * n + 1.0) * here;
+            let odd = ((2.0 * n + 1.0) * share * here - n * before) / (n + 1.0);
+            let even = ((2.0 * n + 3.0) * share * odd - (n + 1.0) * here) / (n + 2.0);
+            (before, here) = (odd, even);
+        }
+    }
+    let largest = coefficients
+        .iter()
+        .fold(0.0_f64, |largest, c| largest.max(c.abs()));
+    let kept = coefficients
+        .iter()
+        .rposition(|c| c.abs() > ROUNDING * largest);
+    coefficients.truncate(kept.map_or(1, |last| last + 1));
+    coefficients
+}
+
+/// Both series' coefficients times a factor and (−1)ʲ.
+fn terms(curved: &[f64], curved_factor: f64, flat: &[f64], flat_factor: f64) -> Vec<Term> {
+    let at = |series: &[f64], j: usize| series.get(j).copied().unwrap_or(0.0);
+    let count = curved.len().max(flat.len());
+    let terms = (0..count).map(|j| {
+        let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
+        [
+            sign * curved_factor * at(curved, j),
+            sign * flat_factor * at(flat, j),
+        ]
+    });
+    terms.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    #[test]
+    fn more_nodes_change_nothing() {
+        for (contact, tolerance) in [
+            (1e-9, 1e-11),
+            (0.1, 1e-11),
+            (1.0, 1e-11),
+            (6.0, 1e-10),
+            (12.0, 1e-9),
+            (50.0, 1e-8),
+        ] {
+            let numbers = |finer| {
+                let solved = Pressure::solve_finer(contact, finer).expect("a solvable contact");
+                [
+                    solved.indentation,
+                    solved.force,
+                    solved.peak,
+                    solved.transform(1.7 / contact)[0],
+                ]
+            };
+            for (coarse, fine) in numbers(1.0).into_iter().zip(numbers(1.7)) {
+                assert!(
+                    (coarse / fine - 1.0).abs() < tolerance,
+                    "{contact}: {coarse} {fine}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn half_spaces_have_the_pressure_of_hertz() {
+        let contact = 1e-10;
+        let solved = Pressure::solve(contact).expect("a solvable contact");
+        let half_space = [
+            (solved.indentation, contact * contact),
+            (solved.slope, 2.0 * contact),
+            (solved.force, 4.0 / (3.0 * PI) * contact.powi(3)),
+            (solved.peak, 4.0 / PI * contact),
+        ];
+        for (got, expected) in half_space {
+            assert!((got / expected - 1.0).abs() < 1e-9, "{got} {expected}");
+        }
+    }
+}

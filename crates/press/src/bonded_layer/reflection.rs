@@ -1,0 +1,70 @@
+//! What the rigid base takes from a half-space's displacement, wavenumber by wavenumber.
+//!
+//! In units of the thickness, with H the wavenumber, ζ the depth and x = H(1 − ζ), a pressure of Hankel transform Q
+//! moves the layer by ∫ Q N J₀ dk inward and ∫ Q R J₁ dk outward,
+//!
+//!     N = [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H · x sinh x] / (cosh² H + H²)      R = ∂N/∂x likewise
+//!
+//! and the half-space by N = (1 + Hζ) e^{−Hζ}, R = Hζ e^{−Hζ}. Their difference decays as e^{−(2−ζ)H}; it is
+//! formed below from its own terms in e^{−2H} and e^{−2x}, so that nothing cancels where it is small.
+
+/// Beyond this exponent a term is below 1e-17 of the whole.
+const NEGLIGIBLE: f64 = 40.0;
+
+/// Half-space less layer at the surface, as a share of the half-space: 1 − (sinh 2H − 2H)/(cosh 2H + 2H² + 1).
+pub(super) fn at_surface(wavenumber: f64) -> f64 {
+    let h = wavenumber;
+    let q = (-2.0 * h).exp();
+    2.0 * q * (1.0 + 2.0 * h + 2.0 * h * h + q) / ((1.0 + q) * (1.0 + q) + 4.0 * h * h * q)
+}
+
+/// The wavenumber beyond which [`at_surface`] is negligible.
+pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
+
+/// Layer less half-space at a depth: inward under J₀, outward under J₁.
+pub(super) fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
+    let (h, x) = (wavenumber, wavenumber * (1.0 - depth));
+    let (q, p) = ((-2.0 * h).exp(), (-2.0 * x).exp());
+    let decay = (-h * depth).exp();
+    let denominator = (1.0 + q) * (1.0 + q) + 4.0 * h * h * q;
+    let excess = q * (2.0 + q + 4.0 * h * h);
+    let cross = 2.0 * h * x;
+    let normal = q * (1.0 - h - x + cross)
+        - p * (1.0 + h + x + cross)
+        - p * q * (1.0 - h + x)
+        - (1.0 + h - x) * excess;
+    let radial = q * (h - x + cross) + p * (x - h + cross) + p * q * (x - h) - (h - x) * excess;
+    [decay * normal / denominator, decay * radial / denominator]
+}
+
+/// The wavenumber beyond which [`at_depth`] is negligible.
+pub(super) fn reach(depth: f64) -> f64 {
+    NEGLIGIBLE / (2.0 - depth)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_equal_the_quotients() {
+        for (h, depth) in [(0.3_f64, 0.0), (1.0, 0.4), (2.5, 0.9), (4.0, 0.1)] {
+            let x = h * (1.0 - depth);
+            let denominator = h.cosh().powi(2) + h * h;
+            let stiff = h.cosh() + h * h.sinh();
+            let normal = stiff * (x.sinh() - x * x.cosh()) + h * h.cosh() * x * x.sinh();
+            let radial = -stiff * x * x.sinh() + h * h.cosh() * (x.sinh() + x * x.cosh());
+            let half_space = (-h * depth).exp();
+            let expected = [
+                normal / denominator - (1.0 + h * depth) * half_space,
+                radial / denominator - h * depth * half_space,
+            ];
+            let got = at_depth(h, depth);
+            for (got, expected) in got.iter().zip(expected) {
+                assert!((got - expected).abs() < 1e-13, "{got} {expected}");
+            }
+            let surface = ((2.0 * h).sinh() - 2.0 * h) / ((2.0 * h).cosh() + 2.0 * h * h + 1.0);
+            assert!((1.0 - at_surface(h) - surface).abs() < 1e-13);
+        }
+    }
+}

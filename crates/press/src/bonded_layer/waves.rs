@@ -1,0 +1,93 @@
+//! The base's share of the displacement as a sum over wavenumbers.
+
+use super::pressure::{Pressure, wavenumbers};
+use super::reflection;
+use crate::Field;
+
+/// So many thicknesses beyond the contact's edge the layer moves by less than 1e-9 of its most: it falls off as
+/// e^{−0.739 r}, where cos 0.739 = 0.739.
+pub(super) const BEYOND: f64 = 30.0;
+/// Wavenumbers for a smooth function alone.
+const LEAST: usize = 24;
+
+/// A sum good up to some distance.
+#[derive(Clone, Debug)]
+pub(super) struct Waves {
+    reach: f64,
+    waves: Vec<Wave>,
+}
+
+/// One wavenumber.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wave {
+    pub(super) wavenumber: f64,
+    /// Inward under J₀ and outward under J₁.
+    pub(super) strength: [f64; 2],
+    /// The same for ∂φ/∂a.
+    pub(super) per_contact: [f64; 2],
+}
+
+impl Wave {
+    /// Every wavenumber that the base reflects from this pressure, close enough for distances up to `reach`.
+    pub(super) fn all(pressure: &Pressure, depth: f64, reach: f64) -> Vec<Self> {
+        let distance = pressure.contact + reach;
+        let nodes = wavenumbers(reflection::reach(depth), distance, LEAST);
+        let waves = nodes.into_iter().map(|[wavenumber, weight]| {
+            let [curved, flat] = pressure.transform(wavenumber);
+            let share = reflection::at_depth(wavenumber, depth);
+            Self {
+                wavenumber,
+                strength: share.map(|share| weight * share * curved),
+                per_contact: share.map(|share| weight * share * flat),
+            }
+        });
+        waves.collect()
+    }
+}
+
+impl Waves {
+    /// Sums for all distances, shorter ones for small distances.
+    pub(super) fn bands(pressure: &Pressure, depth: f64) -> Vec<Self> {
+        let end = pressure.contact + BEYOND;
+        let mut bands = Vec::new();
+        let mut reach = 4.0;
+        loop {
+            let reach_here = f64::min(reach, end);
+            bands.push(Self {
+                reach: reach_here,
+                waves: Wave::all(pressure, depth, reach_here),
+            });
+            if reach_here == end {
+                return bands;
+            }
+            reach *= 2.0;
+        }
+    }
+
+    /// The base's share at this distance.
+    pub(super) fn field(bands: &[Self], r: f64) -> Field {
+        let band = bands.iter().find(|band| r <= band.reach);
+        let Some(Self { waves, .. }) = band else {
+            return Field::default();
+        };
+        let mut field = Field::default();
+        for wave in waves {
+            let k = wave.wavenumber;
+            let [j0, j1, j1_over] = bessel(k * r);
+            field.normal += wave.strength[0] * j0;
+            field.normal_per_r -= wave.strength[0] * k * j1;
+            field.normal_per_a += wave.per_contact[0] * j0;
+            field.radial += wave.strength[1] * j1;
+            field.radial_per_r += wave.strength[1] * k * (j0 - j1_over);
+            field.radial_per_a += wave.per_contact[1] * j1;
+        }
+        field
+    }
+}
+
+/// J₀(x), J₁(x) and J₁(x)/x.
+pub(super) fn bessel(x: f64) -> [f64; 3] {
+    let j1 = libm::j1(x);
+    let over = if x < 1e-8 { 0.5 } else { j1 / x };
+    [libm::j0(x), j1, over]
+}
