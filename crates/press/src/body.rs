@@ -1,5 +1,6 @@
 //! The soft body that is pressed, and a contact with it.
 
+use std::f64::consts::FRAC_2_PI;
 use std::sync::Arc;
 
 use crate::bonded_layer::{BondedLayer, LayerContact};
@@ -161,6 +162,31 @@ impl Contact<'_> {
         Displacement {
             normal: self.relative_curvature * field.normal,
             radial: self.relative_curvature * field.radial,
+        }
+    }
+
+    /// The force between the bodies for a Young's modulus of the soft one, in its unit times length²; none for the
+    /// Gaussian, which knows no stress.
+    pub fn force(&self, young: f64) -> Option<f64> {
+        let unit = self.relative_curvature * young;
+        match &self.body.0 {
+            Rung::HalfSpace { poisson, .. } => {
+                Some(unit / (1.0 - poisson * poisson) * 4.0 / 3.0 * self.radius.powi(3))
+            }
+            Rung::BondedLayer(_) => Some(unit / 0.75 * self.layer.as_ref()?.force()),
+            Rung::Gaussian { .. } => None,
+        }
+    }
+
+    /// The pressure in the middle of the contact for a Young's modulus, in its unit; none for the Gaussian.
+    pub fn peak_pressure(&self, young: f64) -> Option<f64> {
+        let unit = self.relative_curvature * young;
+        match &self.body.0 {
+            Rung::HalfSpace { poisson, .. } => {
+                Some(unit / (1.0 - poisson * poisson) * FRAC_2_PI * self.radius)
+            }
+            Rung::BondedLayer(_) => Some(unit / 0.75 * self.layer.as_ref()?.peak_pressure()),
+            Rung::Gaussian { .. } => None,
         }
     }
 

@@ -72,7 +72,7 @@ impl Spheroidal {
         let edge = (((r + 1.0) * (r + 1.0) + z * z) * ((r - 1.0) * (r - 1.0) + z * z)).sqrt();
         let (xi, eta) = if difference >= 0.0 {
             let xi = (0.5 * (edge + difference)).sqrt();
-            (xi, if z > 0.0 { z / xi } else { 0.0 })
+            (xi, if xi > 0.0 { z / xi } else { 0.0 })
         } else {
             let eta = (0.5 * (edge - difference)).sqrt();
             (z / eta, eta)
