@@ -52,12 +52,14 @@ struct Course {
     deepest: Estimates,
 }
 
-/// Many estimates: their median in mm, its error and their scatter as shares of the truth.
+/// Many estimates: their median in mm, its error and their scatter as shares of the truth, and the share of trials
+/// that gave none.
 #[derive(Clone, Copy)]
 struct Estimates {
     median: f64,
     error: f64,
     scatter: f64,
+    failed: f64,
 }
 
 impl Course {
@@ -101,10 +103,15 @@ fn course(study: &Study, rows: &[usize], radius: f64, unit: f64) -> Result<Cours
     let estimates = |row: usize| {
         let quantile = |name: &str| Some(unit * table.statistic(row, name)?);
         let (low, median, high) = (quantile("q05")?, quantile("q50")?, quantile("q95")?);
+        let (failures, trials) = (
+            table.statistic(row, "failures")?,
+            table.statistic(row, "trials")?,
+        );
         Some(Estimates {
             median,
             error: (median - truth).abs() / truth,
             scatter: (high - low) / (2.0 * truth),
+            failed: failures / trials.max(1.0),
         })
     };
     let mut depths: Vec<f64> = rows
@@ -151,12 +158,16 @@ fn told(courses: &[Course]) -> String {
     let deepest = range(courses.iter().map(|course| course.deepest.scatter));
     let deepest = deepest.map_or(String::new(), |range| span(range, percent));
     let beyond = known().filter(|one| one.scatter > one.error).count();
+    let failed = match range(known().map(|one| one.failed)) {
+        Some((_, most)) if most > 0.0 => format!(" (up to {} of the trials fail)", percent(most)),
+        _ => String::new(),
+    };
     let without = match shallow().count() - known().count() {
         0 => String::new(),
         cells => format!("; {cells} cells there give no estimate"),
     };
     format!(
-        "medians at {DEEPEST} mm {ends}; scatter {scatter} below {SHALLOW} mm, where it exceeds the median's error in {beyond} of {} cells, and {deepest} at {DEEPEST} mm{without}",
+        "medians at {DEEPEST} mm {ends}; scatter {scatter} below {SHALLOW} mm{failed}, where it exceeds the median's error in {beyond} of {} cells, and {deepest} at {DEEPEST} mm{without}",
         known().count()
     )
 }

@@ -149,6 +149,9 @@ fn claim_16_wants_an_end_near_the_truth_and_a_noisy_start() {
         Verdict::Differs,
         &["25 % at 1.4 mm"],
     );
+    let (_dir, study) = course(1.15, [1.2, 0.3], 0.1);
+    let score = score(&[study]).remove(0);
+    assert!(!score.measured.contains("fail"), "{score:?}");
     // Where nothing is estimated, noise has won.
     judged(
         radii(|depth| (depth > 0.6).then_some(if depth < 1.0 { [1.0, 0.3] } else { [1.0, 0.1] })),
