@@ -33,7 +33,7 @@ const EDGE: f64 = 1e-20;
 ///
 /// At the surface under the edge (z = 0, r = a), where derivatives jump, they are those from inside.
 pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
-    let moments = if a < FAR * r.hypot(z) {
+    let moments = if a * a < FAR * FAR * (r * r + z * z) {
         Moments::far(z, a, r)
     } else {
         Moments::near(z, a, r)
@@ -58,7 +58,9 @@ impl Moments {
     fn near(z: f64, a: f64, r: f64) -> Self {
         let difference = (r - a) * (r + a) + z * z;
         // |X + iY|², the product of the distances to both ends of a diameter of the contact.
-        let size = ((r + a).hypot(z) * (r - a).hypot(z)).max(EDGE * a * a);
+        let near = (r - a) * (r - a) + z * z;
+        let far = (r + a) * (r + a) + z * z;
+        let size = (near * far).sqrt().max(EDGE * a * a);
         let (x, y) = if difference >= 0.0 {
             let x = (0.5 * (size + difference)).sqrt();
             (x, z * a / x)
@@ -95,7 +97,7 @@ impl Moments {
     fn far(z: f64, a: f64, r: f64) -> Self {
         const TERMS: usize = 7;
         const ORDERS: usize = 2 * TERMS + 2;
-        let distance = r.hypot(z);
+        let distance = (r * r + z * z).sqrt();
         let (cosine, s) = (z / distance, a / distance);
         // P_m and P'_m by their recurrences.
         let (mut legendre, mut slope) = ([0.0; ORDERS], [0.0; ORDERS]);

@@ -96,7 +96,7 @@ impl Markers {
         // A marker on the contact is seen along +x.
         let unit = |along: Vector3<f64>, axes: &Place| {
             let (x, y) = (along.dot(&axes.x_axis), along.dot(&axes.y_axis));
-            let length = x.hypot(y);
+            let length = (x * x + y * y).sqrt();
             if length > 0.0 {
                 Vector2::new(x, y) / length
             } else {

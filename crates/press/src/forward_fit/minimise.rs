@@ -4,17 +4,19 @@ use super::problem::{Problem, Square, State, Sums, UNKNOWNS, Unknowns};
 use crate::PressError;
 
 const MOST_STEPS: usize = 200;
-/// A step that promises less than this share of chi-squared is not worth taking.
-const PROMISE: f64 = 1e-10;
-/// Nor is one that moves the unknowns by less than this share of what they are.
+/// Nor is a step worth taking that moves the unknowns by less than this share of what they are.
 const SMALLEST_STEP: f64 = 1e-13;
 const MOST_DAMPING: f64 = 1e12;
 
-/// The least sum of squares near a start.
+/// The least sum of squares near a start, found when the next step promises to lower it by less than `enough`.
 ///
 /// # Errors
 /// Where the start itself is out of range.
-pub(super) fn minimise(problem: &Problem<'_>, start: State) -> Result<(State, Sums), PressError> {
+pub(super) fn minimise(
+    problem: &Problem<'_>,
+    start: State,
+    enough: f64,
+) -> Result<(State, Sums), PressError> {
     let mut state = start;
     let mut sums = problem.sums(&state)?;
     let mut damping = 1e-3;
@@ -38,12 +40,12 @@ pub(super) fn minimise(problem: &Problem<'_>, start: State) -> Result<(State, Su
                 } else {
                     damping
                 };
-                if promise <= PROMISE * sums.chi_squared || is_small(&step, &state) {
+                if promise <= enough || is_small(&step, &state) {
                     break;
                 }
             }
             _ => {
-                if promise <= PROMISE * sums.chi_squared || is_small(&step, &state) {
+                if promise <= enough || is_small(&step, &state) {
                     break;
                 }
                 damping = damping.max(1e-6) * 10.0;

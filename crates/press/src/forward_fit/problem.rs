@@ -3,6 +3,7 @@
 use nalgebra::{SMatrix, SVector, UnitVector3, Vector2, Vector3};
 
 use super::{ForwardFit, Measured, Prior, Reading};
+use crate::markers::Sight;
 use crate::{Contact, MarkerDisplacement, Place, PressError};
 
 /// Unknowns, in this order: the logarithm of the relative curvature; steps of the contact's place along the axes there;
@@ -58,11 +59,10 @@ pub(super) struct Sums {
     pub(super) hessian: Square,
 }
 
-/// What the model says of one marker: normal displacement, and the tangential components.
+/// What the model says of one marker: its normal displacement and the tangential ones, and their slopes.
 struct Predicted {
-    normal: f64,
+    moved: (f64, Vector2<f64>),
     normal_slopes: Unknowns,
-    tangential: Vector2<f64>,
     tangential_slopes: [Unknowns; 2],
 }
 
@@ -104,17 +104,20 @@ impl<'a> Problem<'a> {
         self.sought.iter().filter(|&&sought| sought).count()
     }
 
-    /// Chi-squared alone.
-    pub(super) fn cost(&self, state: &State) -> Result<f64, PressError> {
+    /// Where all markers lie, seen from a place.
+    pub(super) fn sights(&self, place: &Place) -> Vec<Sight> {
+        let markers = self.reading.markers;
+        let places = markers.places().iter();
+        places.map(|marker| markers.sight(place, marker)).collect()
+    }
+
+    /// Chi-squared alone, with the markers seen from the state's place.
+    pub(super) fn cost(&self, state: &State, sights: &[Sight]) -> Result<f64, PressError> {
         let contact = self.contact(state)?;
         let mut chi_squared = self.priors(state).0;
         for marker in self.counting() {
-            let sight = self.sight(state, marker);
-            let moved = contact.displacement(sight.distance);
-            let normal = state.gain * moved.normal + state.baseline;
-            let tangential = sight.outward * moved.radial;
-            let (squared, _) = self.squared(self.residuals(marker, normal, tangential));
-            chi_squared += squared;
+            let moved = moved(&contact, state, &sights[marker]);
+            chi_squared += self.squared(self.residuals(marker, moved)).0;
         }
         finite(chi_squared)
     }
@@ -132,7 +135,7 @@ impl<'a> Problem<'a> {
         };
         for marker in self.counting() {
             let predicted = self.predicted(state, &contact, per_d, marker);
-            let residuals = self.residuals(marker, predicted.normal, predicted.tangential);
+            let residuals = self.residuals(marker, predicted.moved);
             let (squared, weight) = self.squared(residuals);
             sums.chi_squared += squared;
             sums.add(
@@ -159,10 +162,7 @@ impl<'a> Problem<'a> {
         state: &State,
         marker: usize,
     ) -> [f64; 3] {
-        let sight = self.sight(state, marker);
-        let moved = contact.displacement(sight.distance);
-        let normal = state.gain * moved.normal + state.baseline;
-        self.residuals(marker, normal, sight.outward * moved.radial)
+        self.residuals(marker, moved(contact, state, &self.sight(state, marker)))
     }
 
     /// What the model says of all markers.
@@ -173,11 +173,9 @@ impl<'a> Problem<'a> {
     ) -> Vec<MarkerDisplacement> {
         (0..self.kept.len())
             .map(|marker| {
-                let sight = self.sight(state, marker);
-                let moved = contact.displacement(sight.distance);
-                let tangential = sight.outward * moved.radial;
+                let (normal, tangential) = moved(contact, state, &self.sight(state, marker));
                 MarkerDisplacement {
-                    normal: state.gain * moved.normal + state.baseline,
+                    normal,
                     tangential: [tangential.x, tangential.y],
                 }
             })
@@ -215,12 +213,12 @@ impl<'a> Problem<'a> {
         (0..self.kept.len()).filter(|&marker| self.kept[marker])
     }
 
-    fn sight(&self, state: &State, marker: usize) -> crate::markers::Sight {
+    fn sight(&self, state: &State, marker: usize) -> Sight {
         let markers = self.reading.markers;
         markers.sight(&state.place, &markers.places()[marker])
     }
 
-    fn residuals(&self, marker: usize, normal: f64, tangential: Vector2<f64>) -> [f64; 3] {
+    fn residuals(&self, marker: usize, (normal, tangential): (f64, Vector2<f64>)) -> [f64; 3] {
         let normal = (self.reading.normal[marker] - normal) / self.normal_std;
         match self.tangential() {
             Some(measured) => {
@@ -291,9 +289,11 @@ impl<'a> Problem<'a> {
             }
         }
         Predicted {
-            normal: state.gain * normal + state.baseline,
+            moved: (
+                state.gain * normal + state.baseline,
+                sight.outward * (curvature * field.radial),
+            ),
             normal_slopes,
-            tangential: sight.outward * (curvature * field.radial),
             tangential_slopes,
         }
     }
@@ -382,6 +382,13 @@ impl Sums {
             }
         }
     }
+}
+
+/// What a contact does to a marker, as it is read: the normal displacement with gain and baseline, the tangential ones.
+fn moved(contact: &Contact<'_>, state: &State, sight: &Sight) -> (f64, Vector2<f64>) {
+    let moved = contact.displacement(sight.distance);
+    let normal = state.gain * moved.normal + state.baseline;
+    (normal, sight.outward * moved.radial)
 }
 
 fn finite(value: f64) -> Result<f64, PressError> {

@@ -5,7 +5,9 @@ use super::problem::{CURVATURE, Problem, Square, State, Sums};
 use crate::Interval;
 
 /// How near chi-squared's rise must come to the limit, as a share of its root.
-const TOLERANCE: f64 = 1e-3;
+const TOLERANCE: f64 = 3e-3;
+/// What a further step must promise to lower chi-squared by.
+const ENOUGH: f64 = 1e-4;
 const MOST_TRIES: usize = 40;
 /// The curvature is sought up to this many times its estimate, and down to one over that.
 const FURTHEST: f64 = 1e6;
@@ -58,7 +60,7 @@ fn walk(
     let mut from = (*best, 0.0);
     let mut root_at = |step: f64| -> Option<Result<f64, State>> {
         let start = problem.moved(&from.0, &(ridge * (step - from.1)));
-        let (state, least) = minimise(&held, start).ok()?;
+        let (state, least) = minimise(&held, start, ENOUGH).ok()?;
         from = (state, step);
         let rise = least.chi_squared - sums.chi_squared;
         if rise < -1e-6 * (1.0 + sums.chi_squared) {

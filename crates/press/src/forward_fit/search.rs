@@ -18,12 +18,16 @@ const WRONG: f64 = 5.0;
 const MOST_WRONG: f64 = 1.0 / 8.0;
 /// Residuals count less and less beyond this while it is not known which are wrong.
 const ROBUST: f64 = 3.0;
+/// What a further step must promise to lower chi-squared by, before and after it is known which are wrong.
+const ROUGHLY: f64 = 1e-2;
+const EXACTLY: f64 = 1e-8;
 /// By how much a contact must explain the readings better than none.
 const SEEN: f64 = 16.0;
 /// The normal quantile of a two-sided interval of 95 %.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// A search for the press behind a reading.
+#[derive(Clone)]
 pub(super) struct Search<'a> {
     problem: Problem<'a>,
     /// Whether the noise of normal and of tangential displacements must be found.
@@ -119,8 +123,7 @@ impl<'a> Search<'a> {
     }
 
     pub(super) fn run(mut self) -> Result<PressEstimate, PressError> {
-        let mut state = self.robust()?;
-        let mut sums = self.settle(&mut state)?;
+        let (mut state, mut sums) = self.begin()?;
         // The profile may find a better fit than the one it starts from.
         for _ in 0..4 {
             self.seen(&sums)?;
@@ -143,29 +146,55 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// The best fit that no few markers can lead astray.
-    fn robust(&mut self) -> Result<State, PressError> {
-        self.problem.tolerance = ROBUST;
-        let starts = starts(&self.problem);
-        let mut best: Option<(f64, State)> = None;
-        let mut failure = PressError::NoContact {
-            improvement: 0.0,
-            needed: SEEN,
-        };
-        for start in starts {
-            let mut problem = self.problem.clone();
-            problem.keep_window(&start);
-            match minimise(&problem, start) {
-                Ok((state, sums)) => {
-                    if best.is_none_or(|(cost, _)| sums.chi_squared < cost) {
-                        best = Some((sums.chi_squared, state));
+    /// The best of the fits that are begun; where the noise is to be found, the one that finds the least.
+    fn begin(&mut self) -> Result<(State, Sums), PressError> {
+        let mut fits = self.robust_fits()?;
+        if !self.find_normal {
+            fits.truncate(1);
+        }
+        let mut failure = PressError::OutOfRange;
+        let mut best: Option<(Self, State, Sums)> = None;
+        for mut state in fits {
+            let mut settled = self.clone();
+            match settled.settle(&mut state) {
+                Ok(sums) => {
+                    let noise = settled.problem.normal_std;
+                    let is_better =
+                        |(best, _, _): &(Self, State, Sums)| noise < best.problem.normal_std;
+                    if best.as_ref().is_none_or(is_better) {
+                        best = Some((settled, state, sums));
                     }
                 }
                 Err(error) => failure = error,
             }
         }
-        self.problem.tolerance = f64::INFINITY;
-        best.map(|(_, state)| state).ok_or(failure)
+        let (settled, state, sums) = best.ok_or(failure)?;
+        *self = settled;
+        Ok((state, sums))
+    }
+
+    /// Fits that no few markers can lead astray, the best first.
+    fn robust_fits(&self) -> Result<Vec<State>, PressError> {
+        let mut problem = self.problem.clone();
+        problem.tolerance = ROBUST;
+        let mut fits: Vec<(f64, State)> = Vec::new();
+        let mut failure = PressError::NoContact {
+            improvement: 0.0,
+            needed: SEEN,
+        };
+        let few = if self.find_normal { 6 } else { 3 };
+        for start in starts(&problem).into_iter().take(few) {
+            problem.keep_window(&start);
+            match minimise(&problem, start, ROUGHLY) {
+                Ok((state, sums)) => fits.push((sums.chi_squared, state)),
+                Err(error) => failure = error,
+            }
+        }
+        fits.sort_by(|one, other| one.0.total_cmp(&other.0));
+        if fits.is_empty() {
+            return Err(failure);
+        }
+        Ok(fits.into_iter().map(|(_, state)| state).collect())
     }
 
     /// Least squares over the markers that are not wrong, with the noise that they show where it must be found.
@@ -179,7 +208,7 @@ impl<'a> Search<'a> {
             if round > 0 && kept == self.problem.kept && !self.is_noise_new(&mut last) {
                 break;
             }
-            (*state, _) = minimise(&self.problem, *state)?;
+            (*state, _) = minimise(&self.problem, *state, EXACTLY)?;
         }
         self.problem.sums(state)
     }
