@@ -375,6 +375,7 @@ impl<'a> Search<'a> {
         Ok(PressEstimate {
             sensor_curvature: skin.curvature(),
             relative_curvature,
+            most_likely_curvature: contact.relative_curvature,
             indentation: around(state.indentation, stds.indentation),
             contact_radius: around(contact.radius, stds.contact_radius),
             contact: skin.chart(state.place.direction.as_ref()),

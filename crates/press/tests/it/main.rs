@@ -2,4 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod bonded_layer;
+mod forward_fit;
 mod half_space;
+mod refusals;
+mod sensor;

@@ -1,0 +1,300 @@
+//! Fits of presses: exact data, noisy data, wrong markers, published data.
+
+use approx::assert_relative_eq;
+use palpate_press::{Body, ForwardFit, Interval, Measured, Prior, Verdict, calibrated_c};
+
+use crate::sensor::{RADIUS, Readings, along, at, exactly, half_space, published};
+
+/// Curvatures of dishes, a plane and balls, 1/mm.
+const OBJECTS: [f64; 6] = [
+    -1.0 / 80.0,
+    -1.0 / 25.0,
+    0.0,
+    1.0 / 80.0,
+    1.0 / 20.0,
+    1.0 / 5.0,
+];
+
+#[test]
+fn exact_readings_of_a_half_space_give_the_curvature() {
+    let (markers, body) = (published(), half_space());
+    let fit = ForwardFit::new(body.clone());
+    for object in OBJECTS {
+        for indentation in [0.05, 0.3, 1.0, 1.4] {
+            let contact = markers.skin().contact(&body, object, indentation).unwrap();
+            for place in [at(0.0, 0.0), at(6.0, 20.0), at(17.0, 0.0), at(30.0, 300.0)] {
+                let readings = Readings::of(&markers, &contact, place);
+                for known in [exactly(indentation), None] {
+                    let found = fit.estimate(&readings.reading(&markers, known)).unwrap();
+                    let curvature = found.relative_curvature.value;
+                    assert_relative_eq!(curvature, contact.relative_curvature, max_relative = 1e-6);
+                    assert_relative_eq!(found.indentation.value, indentation, max_relative = 1e-6);
+                    assert!(found.wrong_markers.is_empty());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn exact_readings_of_a_layer_give_the_curvature() {
+    let markers = published();
+    for thickness in [5.0, 10.0] {
+        let body = Body::bonded_layer(thickness, 2.0).unwrap();
+        let fit = ForwardFit::new(body.clone());
+        for object in OBJECTS {
+            for indentation in [0.05, 0.3, 1.4] {
+                let Ok(contact) = markers.skin().contact(&body, object, indentation) else {
+                    continue;
+                };
+                for place in [at(0.0, 0.0), at(17.0, 0.0), at(30.0, 300.0)] {
+                    let readings = Readings::of(&markers, &contact, place);
+                    let reading = readings.reading(&markers, exactly(indentation));
+                    let found = fit.estimate(&reading).unwrap().relative_curvature.value;
+                    assert_relative_eq!(found, contact.relative_curvature, max_relative = 1e-4);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn tangential_readings_help_where_the_indentation_is_free() {
+    let (markers, body) = (published(), half_space());
+    let fit = ForwardFit {
+        normal_std: Some(0.07),
+        tangential_std: Some(0.02),
+        ..ForwardFit::new(body.clone())
+    };
+    for object in [-1.0 / 80.0, 0.0, 1.0 / 80.0] {
+        let contact = markers.skin().contact(&body, object, 1.4).unwrap();
+        let bound = |tangential| {
+            let bounds = fit.bounds(&markers, &contact, [0.0; 2], tangential, None);
+            bounds.unwrap().relative_curvature
+        };
+        assert!(bound(true) < 0.8 * bound(false));
+    }
+}
+
+/// The standard deviation over 400 presses is that of the bound within what 400 presses can tell, their intervals hold
+/// the truth, and an independent calculation has the bound at 6.7 % of the curvature.
+#[test]
+fn noisy_readings_are_used_to_the_bound() {
+    let (markers, body) = (published(), half_space());
+    let fit = ForwardFit {
+        normal_std: Some(0.07),
+        ..ForwardFit::new(body.clone())
+    };
+    let contact = markers.skin().contact(&body, 0.0, 1.4).unwrap();
+    let truth = contact.relative_curvature;
+    let exact = Readings::of(&markers, &contact, [0.0; 2]);
+    let bounds = fit.bounds(&markers, &contact, [0.0; 2], false, Some(0.02));
+    let bound = bounds.unwrap().relative_curvature;
+    assert_relative_eq!(bound / truth, 0.067, max_relative = 0.01);
+
+    const PRESSES: u64 = 400;
+    let known = Measured {
+        value: 1.4,
+        std: 0.02,
+    };
+    let (mut squares, mut held) = (0.0, 0);
+    for press in 0..PRESSES {
+        // The robot errs by the standard deviation it states, now up and now down.
+        let value = known.value + known.std * if press % 2 == 0 { 1.0 } else { -1.0 };
+        let readings = exact.noisy(0.07, press);
+        let reading = readings.reading(&markers, Some(Measured { value, ..known }));
+        let found = fit.estimate(&reading).unwrap().relative_curvature;
+        squares += (found.value - truth).powi(2);
+        held += u32::from(found.interval.holds(truth));
+    }
+    let rms = (squares / PRESSES as f64).sqrt();
+    assert!(
+        rms < 1.2 * bound,
+        "rms error {rms} against a bound of {bound}"
+    );
+    let coverage = f64::from(held) / PRESSES as f64;
+    assert!((0.92..=0.97).contains(&coverage), "coverage {coverage}");
+}
+
+#[test]
+fn wrong_markers_are_named() {
+    let (markers, body) = (published(), half_space());
+    let contact = markers.skin().contact(&body, 1.0 / 80.0, 1.0).unwrap();
+    let mut readings = Readings::of(&markers, &contact, at(4.0, 30.0)).noisy(0.03, 1);
+    for (marker, error) in [(2, 0.9), (40, -1.2), (60, 5.0)] {
+        readings.normal[marker] += error;
+    }
+    for normal_std in [Some(0.03), None] {
+        let fit = ForwardFit {
+            normal_std,
+            ..ForwardFit::new(body.clone())
+        };
+        let found = fit
+            .estimate(&readings.reading(&markers, exactly(1.0)))
+            .unwrap();
+        assert_eq!(found.wrong_markers, [2, 40, 60]);
+        assert!(
+            found
+                .relative_curvature
+                .interval
+                .holds(contact.relative_curvature)
+        );
+        assert_relative_eq!(found.normal_std, 0.03, max_relative = 0.3);
+    }
+}
+
+#[test]
+fn a_gain_that_the_fit_is_told_of_widens_its_intervals_to_hold_the_truth() {
+    let (markers, body) = (published(), half_space());
+    let contact = markers.skin().contact(&body, 0.0, 1.4).unwrap();
+    let mut readings = Readings::of(&markers, &contact, [0.0; 2]);
+    readings
+        .normal
+        .iter_mut()
+        .for_each(|normal| *normal *= 1.17);
+    let told = |gain| ForwardFit {
+        normal_std: Some(0.02),
+        gain,
+        ..ForwardFit::new(body.clone())
+    };
+    let reading = readings.reading(&markers, exactly(1.4));
+    let trusting = told(Prior::Exact).estimate(&reading).unwrap();
+    let wary = told(Prior::Within(0.17)).estimate(&reading).unwrap();
+    assert!(
+        !trusting
+            .relative_curvature
+            .interval
+            .holds(contact.relative_curvature)
+    );
+    assert!(
+        wary.relative_curvature
+            .interval
+            .holds(contact.relative_curvature)
+    );
+    assert!((wary.gain.unwrap().value - 1.17).abs() < 0.05);
+}
+
+/// Effective radius, indentation; amplitude, σ, R² and σ²/δ of a Gaussian through the half-space's profile at 2 mm, at
+/// 60 equal steps from 0 to 2a, by unweighted least squares in another program.
+const GAUSSIANS: [[f64; 6]; 4] = [
+    [26.67, 1.0, 0.870, 5.385, 0.977, 29.0],
+    [20.0, 1.0, 0.844, 4.763, 0.978, 22.7],
+    [16.0, 1.0, 0.820, 4.342, 0.979, 18.9],
+    [20.0, 1.4, 1.224, 5.501, 0.977, 21.6],
+];
+
+#[test]
+fn a_gaussian_through_a_profile() {
+    let body = half_space();
+    for [radius, indentation, amplitude, sigma, r_squared, ratio] in GAUSSIANS {
+        let object = 1.0 / radius - 1.0 / RADIUS;
+        let contact = body.press(1.0 / RADIUS + object, indentation).unwrap();
+        let steps: Vec<f64> = (-60..=60)
+            .map(|step| f64::from(step) / 30.0 * contact.radius)
+            .collect();
+        let markers = along(&steps);
+        let readings = Readings::of(&markers, &contact, [0.0; 2]);
+        let fit = ForwardFit {
+            gain: Prior::Free,
+            ..ForwardFit::new(Body::gaussian(1.0).unwrap())
+        };
+        let found = fit
+            .estimate(&readings.reading(&markers, exactly(indentation)))
+            .unwrap();
+        let squared = indentation / found.most_likely_curvature;
+        let gain = found.gain.unwrap().value;
+        assert_relative_eq!(gain * indentation, amplitude, max_relative = 5e-3);
+        assert_relative_eq!(squared.sqrt(), sigma, max_relative = 5e-3);
+        assert_relative_eq!(found.r_squared, r_squared, max_relative = 5e-3);
+        assert_relative_eq!(squared / indentation, ratio, max_relative = 5e-3);
+    }
+}
+
+#[test]
+fn a_calibrated_gaussian_gives_the_plane_on_which_it_was_calibrated() {
+    let (markers, body) = (published(), half_space());
+    let c = calibrated_c(&markers, &body, 1.0, None).unwrap();
+    let fit = ForwardFit {
+        gain: Prior::Free,
+        ..ForwardFit::new(Body::gaussian(c).unwrap())
+    };
+    let contact = markers.skin().contact(&body, 0.0, 1.0).unwrap();
+    let readings = Readings::of(&markers, &contact, [0.0; 2]);
+    let found = fit
+        .estimate(&readings.reading(&markers, exactly(1.0)))
+        .unwrap();
+    assert_relative_eq!(found.effective_radius().value, RADIUS, max_relative = 1e-9);
+}
+
+/// Radial position as drawn and normal displacement, mm: Fig. 7c of the 2020 paper, a plane and a dish of 80 mm.
+const PLANE: [[f64; 2]; 11] = [
+    [-9.576, -0.0006],
+    [-7.684, -0.0268],
+    [-5.792, -0.0208],
+    [-3.901, 0.4397],
+    [-2.009, 0.8896],
+    [-0.117, 0.9893],
+    [1.775, 0.6722],
+    [3.667, 0.2366],
+    [5.559, 0.1191],
+    [7.450, 0.1236],
+    [9.342, 0.0827],
+];
+const DISH: [[f64; 2]; 11] = [
+    [-9.500, -0.0021],
+    [-7.602, 0.0048],
+    [-5.705, 0.0739],
+    [-3.807, 0.4087],
+    [-1.910, 0.8025],
+    [-0.012, 0.9776],
+    [1.885, 0.7624],
+    [3.783, 0.4417],
+    [5.681, 0.2783],
+    [7.578, 0.0809],
+    [9.476, -0.0361],
+];
+
+/// The effective radius of a published profile whose axis is stretched: most likely, and its interval.
+fn published_radius(profile: &[[f64; 2]], stretch: f64) -> (f64, Interval) {
+    let positions: Vec<f64> = profile
+        .iter()
+        .map(|[position, _]| stretch * position)
+        .collect();
+    let markers = along(&positions);
+    let normal: Vec<f64> = profile.iter().map(|[_, normal]| *normal).collect();
+    let readings = Readings {
+        normal,
+        tangential: Vec::new(),
+    };
+    let fit = ForwardFit::new(half_space());
+    let found = fit.estimate(&readings.reading(&markers, None)).unwrap();
+    assert_ne!(found.verdict, Verdict::Convex);
+    (
+        1.0 / found.most_likely_curvature,
+        found.effective_radius().interval,
+    )
+}
+
+/// The axis as drawn is compressed about 2.19 times. An independent fit has 21.7 and 31.5 there.
+#[test]
+fn published_profiles() {
+    let (plane, _) = published_radius(&PLANE, 2.19);
+    let (dish, interval) = published_radius(&DISH, 2.19);
+    assert_relative_eq!(plane, 21.7, max_relative = 0.01);
+    assert_relative_eq!(dish, 31.5, max_relative = 0.01);
+    assert!(interval.holds(26.7));
+
+    // With the axis stretched so that the plane gives the sensor's radius.
+    let (mut low, mut high) = (1.9, 2.3);
+    while high - low > 1e-6 {
+        let middle = 0.5 * (low + high);
+        if published_radius(&PLANE, middle).0 < RADIUS {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let (dish, interval) = published_radius(&DISH, low);
+    assert_relative_eq!(dish, 26.7, max_relative = 0.2);
+    assert!(interval.holds(26.7) && interval.holds(31.4));
+}

@@ -1,0 +1,157 @@
+//! Presses that do not happen, and readings that tell nothing.
+
+use palpate_press::{
+    Body, ForwardFit, Markers, Measured, PressError, PressEstimate, Skin, Verdict,
+};
+
+use crate::sensor::{DEPTH, RADIUS, Readings, along, at, exactly, half_space, published};
+
+fn refusal<T>(result: Result<T, PressError>) -> &'static str {
+    result.err().map_or("none", |error| error.name())
+}
+
+fn read(normal: Vec<f64>, known: Option<Measured>) -> Result<PressEstimate, PressError> {
+    let readings = Readings {
+        normal,
+        tangential: Vec::new(),
+    };
+    ForwardFit::new(half_space()).estimate(&readings.reading(&published(), known))
+}
+
+#[test]
+fn bodies_that_are_none() {
+    assert_eq!(refusal(Body::half_space(0.5, DEPTH)), "none");
+    for poisson in [-0.1, 0.6, f64::NAN] {
+        assert_eq!(refusal(Body::half_space(poisson, DEPTH)), "bad-setting");
+    }
+    for depth in [-1.0, f64::INFINITY, f64::NAN] {
+        assert_eq!(refusal(Body::half_space(0.3, depth)), "bad-setting");
+    }
+    for (thickness, depth) in [(1.0, 2.0), (0.0, 0.0), (-5.0, 2.0), (f64::NAN, 2.0)] {
+        assert_eq!(refusal(Body::bonded_layer(thickness, depth)), "bad-setting");
+    }
+    for c in [0.0, -1.0, f64::NAN] {
+        assert_eq!(refusal(Body::gaussian(c)), "bad-setting");
+    }
+    for radius in [0.0, -1.0, f64::NAN, 1e60] {
+        assert_eq!(refusal(Skin::new(radius)), "bad-setting");
+    }
+}
+
+#[test]
+fn presses_that_do_not_happen() {
+    let skin = Skin::new(RADIUS).unwrap();
+    let body = half_space();
+    let press = |object, indentation| refusal(skin.contact(&body, object, indentation));
+    assert_eq!(press(0.0, 0.0), "no-indentation");
+    assert_eq!(press(0.0, -1.0), "no-indentation");
+    assert_eq!(press(0.0, f64::NAN), "out-of-range");
+    assert_eq!(press(0.0, RADIUS), "too-deep");
+    assert_eq!(press(-1.0 / RADIUS, 1.0), "conforming");
+    assert_eq!(press(-1.0 / 10.0, 1.0), "edge-contact");
+    assert_eq!(press(-1.0 / 20.1, 1.0), "too-wide");
+    assert_eq!(press(1e9, 1.0), "none");
+    let layer = Body::bonded_layer(5.0, DEPTH).unwrap();
+    assert_eq!(refusal(skin.contact(&layer, 0.0, 5.0)), "too-deep");
+}
+
+#[test]
+fn readings_that_tell_nothing() {
+    let count = published().places().len();
+    assert_eq!(refusal(read(vec![0.0; count], exactly(1.0))), "no-contact");
+    assert_eq!(refusal(read(vec![0.3; count], exactly(1.0))), "no-contact");
+    assert_eq!(refusal(read(vec![0.3; count], None)), "no-contact");
+    assert_eq!(refusal(read(vec![0.1; 3], None)), "bad-setting");
+    for bad in [f64::NAN, f64::INFINITY, -1e200] {
+        let mut normal = vec![0.1; count];
+        normal[7] = bad;
+        let refused = read(normal, exactly(1.0));
+        assert_eq!(refused.unwrap_err(), PressError::NotFinite { marker: 7 });
+    }
+    for (value, name) in [
+        (0.0, "no-indentation"),
+        (-1.0, "no-indentation"),
+        (f64::NAN, "out-of-range"),
+    ] {
+        let mut normal = vec![0.0; count];
+        normal[0] = 0.5;
+        assert_eq!(refusal(read(normal, exactly(value))), name);
+    }
+}
+
+#[test]
+fn too_few_markers() {
+    for distances in [&[][..], &[0.0], &[0.0, 3.0]] {
+        let markers = along(distances);
+        let readings = Readings {
+            normal: distances
+                .iter()
+                .map(|distance| 1.0 / (1.0 + distance))
+                .collect(),
+            tangential: Vec::new(),
+        };
+        let fit = ForwardFit::new(half_space());
+        let refused = fit.estimate(&readings.reading(&markers, exactly(1.0)));
+        assert_eq!(refusal(refused), "too-few-markers");
+    }
+}
+
+#[test]
+fn noise_alone_is_no_contact() {
+    let markers = published();
+    let nothing = Readings {
+        normal: vec![0.0; markers.places().len()],
+        tangential: Vec::new(),
+    };
+    let fit = ForwardFit {
+        normal_std: Some(0.05),
+        ..ForwardFit::new(half_space())
+    };
+    for trial in 0..20 {
+        let readings = nothing.noisy(0.05, trial);
+        let found = fit.estimate(&readings.reading(&markers, exactly(1.0)));
+        assert_eq!(refusal(found), "no-contact", "trial {trial}");
+    }
+}
+
+/// One marker moved: the object may be a needle under it.
+#[test]
+fn an_object_sharper_than_the_markers_are_spaced_has_no_upper_bound_or_an_honest_one() {
+    let (markers, body) = (published(), half_space());
+    let fit = ForwardFit {
+        normal_std: Some(0.02),
+        ..ForwardFit::new(body.clone())
+    };
+    for radius in [0.2, 0.5, 1.0] {
+        let contact = markers.skin().contact(&body, 1.0 / radius, 0.5).unwrap();
+        for trial in 0..10 {
+            let readings = Readings::of(&markers, &contact, at(0.5, 10.0)).noisy(0.02, trial);
+            let found = fit.estimate(&readings.reading(&markers, exactly(0.5)));
+            match found {
+                Ok(found) => {
+                    let Measured { value, .. } = exactly(found.relative_curvature.value).unwrap();
+                    assert!(value.is_finite() && found.relative_curvature.std.is_finite());
+                    assert_eq!(found.verdict, Verdict::Convex);
+                }
+                Err(error) => assert_eq!(error.name(), "no-contact"),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_contact_beyond_the_markers_is_far_off_or_refused() {
+    let skin = Skin::new(RADIUS).unwrap();
+    let positions: Vec<[f64; 2]> = (0..25)
+        .map(|index| [f64::from(index % 5) - 2.0, f64::from(index / 5) - 2.0])
+        .collect();
+    let markers = Markers::new(skin, &positions).unwrap();
+    let body = half_space();
+    let contact = skin.contact(&body, 0.0, 1.0).unwrap();
+    let readings = Readings::of(&markers, &contact, [25.0, 0.0]);
+    let found = ForwardFit::new(body.clone()).estimate(&readings.reading(&markers, exactly(1.0)));
+    match found {
+        Ok(found) => assert!((found.contact[0] - 25.0).abs() < 1e-3),
+        Err(error) => assert_eq!(error.name(), "off-markers"),
+    }
+}

@@ -1,0 +1,90 @@
+//! The published sensor, and readings of its markers.
+
+use std::f64::consts::FRAC_PI_2;
+
+use palpate_press::{Body, Contact, Markers, Measured, Reading, Skin};
+use palpate_sensing::{Channel, Stream};
+
+/// Radius of the skin, mm.
+pub(crate) const RADIUS: f64 = 20.0;
+/// How far under it the markers lie, mm.
+pub(crate) const DEPTH: f64 = 2.0;
+
+/// 77 markers: one at the apex; rows of 1, 3, 3, 5 and 7 in each of four gores, 11.9 degrees apart.
+pub(crate) fn published() -> Markers {
+    let mut positions = vec![[0.0, 0.0]];
+    for gore in 0..4 {
+        for (row, count) in [1, 3, 3, 5, 7].into_iter().enumerate() {
+            let polar = 11.9 * (row + 1) as f64;
+            for marker in 0..count {
+                let share = (f64::from(marker) + 0.5) / f64::from(count);
+                let azimuth = FRAC_PI_2 * (f64::from(gore) + share);
+                positions.push(at(polar, azimuth.to_degrees()));
+            }
+        }
+    }
+    Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
+}
+
+/// Markers along a great circle through the apex.
+pub(crate) fn along(distances: &[f64]) -> Markers {
+    let positions: Vec<[f64; 2]> = distances.iter().map(|&distance| [distance, 0.0]).collect();
+    Markers::new(Skin::new(RADIUS).unwrap(), &positions).unwrap()
+}
+
+/// Chart coordinates of a place by polar angle and azimuth, in degrees.
+pub(crate) fn at(polar: f64, azimuth: f64) -> [f64; 2] {
+    let distance = RADIUS * polar.to_radians();
+    let (sine, cosine) = azimuth.to_radians().sin_cos();
+    [distance * cosine, distance * sine]
+}
+
+/// A half-space seen at the markers' depth.
+pub(crate) fn half_space() -> Body {
+    Body::half_space(0.5, DEPTH).unwrap()
+}
+
+/// What the markers read.
+#[derive(Clone)]
+pub(crate) struct Readings {
+    pub(crate) normal: Vec<f64>,
+    pub(crate) tangential: Vec<[f64; 2]>,
+}
+
+impl Readings {
+    /// Without error.
+    pub(crate) fn of(markers: &Markers, contact: &Contact<'_>, at: [f64; 2]) -> Self {
+        let moved = markers.displacements(contact, at);
+        Self {
+            normal: moved.iter().map(|moved| moved.normal).collect(),
+            tangential: moved.iter().map(|moved| moved.tangential).collect(),
+        }
+    }
+
+    /// With errors of the normal displacements.
+    pub(crate) fn noisy(&self, std: f64, trial: u64) -> Self {
+        let mut stream = Stream::new(2020, trial, Channel::Position);
+        let mut readings = self.clone();
+        for normal in &mut readings.normal {
+            *normal += std * stream.standard_normal();
+        }
+        readings
+    }
+
+    pub(crate) fn reading<'a>(
+        &'a self,
+        markers: &'a Markers,
+        indentation: Option<Measured>,
+    ) -> Reading<'a> {
+        Reading {
+            markers,
+            normal: &self.normal,
+            tangential: None,
+            indentation,
+        }
+    }
+}
+
+pub(crate) fn exactly(value: f64) -> Option<Measured> {
+    Some(Measured { value, std: 0.0 })
+}
