@@ -40,7 +40,7 @@ pub(crate) enum Command {
     #[command(after_help = "Examples:
   palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5
   palpate estimate glide examples/glide-readings.csv --map map.csv
-  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1")]
+  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1.5")]
     Estimate(Estimator),
     /// Validate a config; prints cells, trials, the models that it needs and an estimate of the time.
     #[command(after_help = "Example:

@@ -22,7 +22,7 @@ is what the interval leaves open: convex, concave, flat-within-noise or not-reso
 `wrong_markers` are the rows that contradict the others and were left out.
 
 Examples:
-  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1 --indentation-std 0.02
+  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1.5 --indentation-std 0.02
   palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --method bonded-layer --thickness 5
   palpate estimate press examples/chromatouch-2020/profile-dish.csv --sensor-radius 20 --depth 2 --radial-scale 2.19";
 

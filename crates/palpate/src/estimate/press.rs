@@ -119,6 +119,15 @@ fn possible(args: &EstimatePressArgs) -> Result<(), Failure> {
             "--depth is {depth}; it must be less than --sensor-radius, {radius}"
         ));
     }
+    let (what, limit) = match (args.method, args.thickness) {
+        (PressMethodName::BondedLayer, Some(thickness)) => ("--thickness", thickness),
+        _ => ("--sensor-radius", radius),
+    };
+    if let Some(indentation) = args.indentation.filter(|&indentation| indentation >= limit) {
+        return refuse(format_args!(
+            "--indentation is {indentation}; it must be less than {what}, {limit}"
+        ));
+    }
     if let Some(thickness) = args.thickness {
         if depth > thickness {
             return refuse(format_args!(

@@ -86,7 +86,12 @@ fn choice(variants: &[Json], node: &Node) -> Result<(), Fault> {
     if known.contains(&text) {
         Ok(())
     } else {
-        Err(not_among("unknown choice", text, &known, node))
+        let mut fault = not_among("unknown choice", text, &known, node);
+        let kinds: Vec<&str> = variants.iter().filter_map(kind_of).collect();
+        if !kinds.is_empty() {
+            fault.message += &format!(", or a table whose `kind` is one of {}", kinds.join(", "));
+        }
+        Err(fault)
     }
 }
 

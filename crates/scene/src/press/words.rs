@@ -33,15 +33,16 @@ pub(super) fn of_model(
     match contact {
         Ok(contact) => {
             let what = match regime {
-                ContactRegime::Convex => "bulges",
-                ContactRegime::Flat => "is flat",
-                _ => "is hollow, less so than the sensor is round",
+                ContactRegime::Convex => ": the object bulges",
+                ContactRegime::Concave => {
+                    ": the object is hollow, less so than the sensor is round"
+                }
+                ContactRegime::Flat | ContactRegime::Conforming | ContactRegime::Edge => "",
             };
-            needs.push(format!("{} contact: the object {what}", regime.name()));
+            needs.push(format!("{} contact{what}", regime.name()));
             let is_layer = matches!(model, PressModelConfig::BondedLayer { .. });
             let large = large_contact(
                 contact.relative_curvature,
-                contact.indentation,
                 contact.radius,
                 skin.radius(),
                 is_layer,
@@ -59,7 +60,6 @@ pub(super) fn of_model(
 /// A warning where the contact is so wide that small-strain theory errs.
 pub(crate) fn large_contact(
     relative_curvature: f64,
-    indentation: f64,
     contact_radius: f64,
     sensor_radius: f64,
     is_layer: bool,
@@ -72,7 +72,7 @@ pub(crate) fn large_contact(
         _ if is_layer => "strains are not small".to_owned(),
         Ok(sneddon) => format!(
             "by Sneddon's relation it takes an indentation {:.1} % larger than by Hertz's",
-            100.0 * (sneddon / indentation - 1.0)
+            100.0 * (sneddon / (contact_radius * contact_radius * relative_curvature) - 1.0)
         ),
         Err(_) => "it is wider than a sphere of the effective radius".to_owned(),
     };

@@ -239,7 +239,6 @@ fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
     );
     let large = large_contact(
         estimate.relative_curvature.value,
-        estimate.indentation.value,
         estimate.contact_radius.value,
         options.sensor_radius,
         is_layer,

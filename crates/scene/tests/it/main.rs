@@ -3,5 +3,6 @@
 
 mod config;
 mod glide;
+mod press;
 mod recorded;
 mod roll;

@@ -1,0 +1,466 @@
+//! `palpate run`, `trace` and `check` of presses, and `estimate press` on what `trace` wrote.
+
+use serde_json::Value;
+
+use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
+
+/// A ball, a plane, a dish and one that is tighter than the sensor.
+pub(crate) const PRESS: &str = r#"name = "a-press"
+length_unit = "mm"
+seed = 7
+trials = 40
+outputs = ["cells", "trace", "map"]
+
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0 }
+object = { kind = "plane" }
+motion = { indentation = 1.0 }
+noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
+estimator = { kind = "half-space", indentation_std = 0.02 }
+
+[[sweep]]
+path = "scene.object"
+values = [{ label = "ball", kind = "sphere", radius = 30 }, { label = "plane", kind = "plane" }, { label = "dish", kind = "dish", radius = 80 }, { label = "cup", kind = "dish", radius = 10 }]
+"#;
+
+fn json(desk: &Desk, arguments: &str) -> Value {
+    let printed = desk
+        .palpate(&format!("estimate press {arguments}"))
+        .printed();
+    serde_json::from_str(&printed).unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value}"))
+}
+
+#[test]
+fn a_run_writes_cells_trace_and_profiles() {
+    let desk = Desk::with(PRESS);
+    let ended = desk.palpate("run c.toml --out o");
+    assert_eq!(
+        (ended.status, ended.stdout.as_str()),
+        (
+            Some(0),
+            "a-press: 4 cells, 160 trials, 40 failed (edge-contact 40) -> o\n"
+        )
+    );
+    assert_eq!(
+        ended.stderr,
+        "warning: map.csv lacks estimates of cells whose trial 0 failed: 3 (edge-contact)\n"
+    );
+    let mut names = [&RUN_FILES[..], &["trace.csv", "readings.csv", "map.csv"]].concat();
+    names.sort_unstable();
+    assert_eq!(desk.names("o"), names);
+
+    let cells = desk.table("o/cells.csv");
+    assert_eq!(cells.header.last().unwrap(), "std_bound");
+    // The plane has no radius.
+    assert_eq!(cells.rows.len(), 7 + 6 + 7 + 7);
+    for (row, (quantity, unit, truth)) in [
+        ("relative_curvature", "1/mm", 1.0 / 12.0),
+        ("effective_radius", "mm", 12.0),
+        ("object_curvature", "1/mm", 1.0 / 30.0),
+        ("indentation", "mm", 1.0),
+        ("contact_radius", "mm", 12.0_f64.sqrt()),
+        ("r_squared", "1", 1.0),
+        ("object_radius", "mm", 30.0),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert_eq!(
+            (cells.text(row, "quantity"), cells.text(row, "unit")),
+            (quantity, unit)
+        );
+        assert_close(cells.number(row, "truth"), truth, 1e-12);
+        assert_eq!(cells.text(row, "trials"), "40");
+        assert_eq!(
+            cells.text(row, "std_bound").is_empty(),
+            quantity == "r_squared"
+        );
+        assert_eq!(
+            cells.text(row, "coverage95").is_empty(),
+            quantity == "r_squared"
+        );
+    }
+    let std = cells.number(0, "std");
+    assert_close(std, cells.number(0, "std_bound"), 0.35);
+    assert!(cells.number(0, "coverage95") > 0.8);
+    let dish = cells.row_of(2, "object_radius");
+    assert_eq!(cells.number(dish, "truth"), -80.0);
+    let cup = cells.row_of(3, "effective_radius");
+    assert_eq!(
+        (cells.text(cup, "failures"), cells.text(cup, "truth")),
+        ("40", "")
+    );
+    assert_eq!(
+        desk.read("o/failures.csv"),
+        "cell,kind,count,first_trial\n3,edge-contact,40,0\n"
+    );
+
+    let map = desk.table("o/map.csv");
+    assert_eq!(
+        map.header.join(","),
+        "cell,radial_position_mm,normal_displacement_mm,radial_displacement_mm,\
+         estimated_normal_displacement_mm,estimated_radial_displacement_mm"
+    );
+    assert_eq!(map.rows.len(), 3 * 121);
+    assert_close(
+        map.number(120, "radial_position_mm"),
+        3.0 * 12.0_f64.sqrt(),
+        1e-12,
+    );
+    // At a depth of 2, u(0)/δ of a half-space with R = 20, δ = 1 is 0.844 as fitted, 0.87 at most.
+    let middle = map.number(121, "normal_displacement_mm");
+    assert!((0.8..0.875).contains(&middle), "{middle}");
+    assert_close(
+        map.number(121, "estimated_normal_displacement_mm"),
+        middle,
+        0.1,
+    );
+
+    // The resolved config gives the same bytes.
+    desk.palpate("run o/run.toml --out again --threads 1");
+    for name in names {
+        assert_eq!(
+            desk.read(&format!("o/{name}")),
+            desk.read(&format!("again/{name}")),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn only_presses_have_a_bound() {
+    let desk = Desk::with(STUDY);
+    desk.palpate("run c.toml --out o").printed();
+    assert_eq!(
+        desk.table("o/cells.csv").header.last().unwrap(),
+        "coverage95"
+    );
+}
+
+#[test]
+fn a_trace_can_be_estimated_from() {
+    let desk = Desk::with(PRESS);
+    let printed = desk.palpate("trace c.toml --out t --cell 2").printed();
+    assert_eq!(
+        printed,
+        "a-press: 77 markers under an indentation told as 1 mm -> t\n"
+    );
+    assert_eq!(
+        desk.table("t/trace.csv").header.join(","),
+        "marker,x_mm,y_mm,radial_position_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm"
+    );
+    assert_eq!(
+        desk.table("t/readings.csv").header.join(","),
+        "x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm"
+    );
+    for options in [
+        "--indentation 1",
+        "",
+        "--baseline fitted",
+        "--indentation 1 --gain-std 0.1",
+    ] {
+        let told = json(
+            &desk,
+            &format!("t/readings.csv --sensor-radius 20 --depth 2 {options}"),
+        );
+        for (name, value, unit) in [
+            ("relative_curvature", 0.0375, "1/mm"),
+            ("effective_radius", 1.0 / 0.0375, "mm"),
+            ("object_curvature", -0.0125, "1/mm"),
+            ("object_radius", -80.0, "mm"),
+            ("indentation", 1.0, "mm"),
+            ("contact_radius", 0.0375_f64.powf(-0.5), "mm"),
+        ] {
+            assert_close(number(&told[name]["value"]), value, 1e-5);
+            assert_eq!(told[name]["unit"], unit);
+        }
+        assert_eq!(
+            (&told["verdict"], &told["regime"]),
+            (&"concave".into(), &"concave".into())
+        );
+        assert!(told["object_radius"]["convex95"].is_null());
+    }
+
+    let printed = desk
+        .palpate("trace c.toml --out n --cell 0 --trial 3")
+        .printed();
+    let told = printed
+        .split("told as ")
+        .nth(1)
+        .unwrap()
+        .split(' ')
+        .next()
+        .unwrap();
+    assert_ne!(desk.read("n/readings.csv"), desk.read("t/readings.csv"));
+    let told = json(
+        &desk,
+        &format!(
+            "n/readings.csv --sensor-radius 20 --depth 2 --indentation {told} --indentation-std 0.02"
+        ),
+    );
+    let curvature = &told["object_curvature"];
+    assert!((number(&curvature["value"]) - 1.0 / 30.0).abs() < 4.0 * number(&curvature["std"]));
+    let ends = &curvature["interval95"];
+    assert!(number(&ends[0]) < number(&curvature["value"]));
+    assert!(number(&ends[1]) > number(&curvature["value"]));
+    assert_close(number(&told["noise"]["normal_std"]["value"]), 0.05, 0.3);
+    assert_close(number(&told["noise"]["tangential_std"]["value"]), 0.02, 0.3);
+    assert_eq!(told["wrong_markers"], Value::Array(Vec::new()));
+
+    // There is nothing to trace of a press that cannot be.
+    let said = desk.palpate("trace c.toml --out e --cell 3").said(1);
+    assert_eq!(
+        said,
+        "error: the relative curvature is -0.05, below 0: the contact is at the edge\n"
+    );
+    assert!(desk.names("e").is_empty());
+}
+
+#[test]
+fn without_the_tangential_columns_and_along_a_row() {
+    let normal = edited(
+        PRESS,
+        "estimator",
+        "sensor = { kind = \"direct\", tangential = false }\nestimator",
+    );
+    let desk = Desk::with(&normal);
+    desk.palpate("trace c.toml --out t").printed();
+    assert_eq!(
+        desk.table("t/readings.csv").header.join(","),
+        "x_mm,y_mm,normal_displacement_mm"
+    );
+    let told = json(
+        &desk,
+        "t/readings.csv --sensor-radius 20 --depth 2 --indentation 1",
+    );
+    assert_close(number(&told["object_radius"]["value"]), 30.0, 1e-5);
+    assert!(told["noise"]["tangential_std"].is_null());
+
+    let row = edited(
+        &normal,
+        "marker_depth = 2.0",
+        "marker_depth = 2.0, layout = { kind = \"line\", markers = 21, length = 30 }",
+    );
+    let row = edited(
+        &row,
+        "indentation = 1.0",
+        "indentation = 1.0, contact_deg = [6, 0]",
+    );
+    let desk = Desk::with(&row);
+    desk.palpate("trace c.toml --out t").printed();
+    // Positions in a unit that is to be scaled.
+    let readings = desk.table("t/readings.csv");
+    let mut text = "radial_position_mm,normal_displacement_mm\n".to_owned();
+    for one in 0..readings.rows.len() {
+        let position = readings.number(one, "x_mm") / 2.19;
+        text += &format!(
+            "{position},{}\n",
+            readings.text(one, "normal_displacement_mm")
+        );
+    }
+    desk.write("row.csv", &text);
+    let options = "--sensor-radius 20 --depth 2 --indentation 1 --radial-scale 2.19";
+    let told = json(&desk, &format!("row.csv {options}"));
+    assert_close(number(&told["object_radius"]["value"]), 30.0, 1e-5);
+    assert_close(
+        number(&told["contact"][0]),
+        20.0 * 6.0_f64.to_radians(),
+        1e-5,
+    );
+    assert!(number(&told["contact"][1]).abs() < 1e-9);
+}
+
+#[test]
+fn rows_that_contradict_the_others_are_named() {
+    let desk = Desk::with(PRESS);
+    desk.palpate("trace c.toml --out t --trial 1").printed();
+    let readings = desk.read("t/readings.csv");
+    let mut lines: Vec<String> = readings.lines().map(str::to_owned).collect();
+    for line in [3, 20] {
+        let mut fields: Vec<&str> = lines[line].split(',').collect();
+        fields[2] = "-1.5";
+        lines[line] = fields.join(",");
+    }
+    // A blank line is no row.
+    lines.insert(10, String::new());
+    desk.write("r.csv", lines.join("\n"));
+    let told = json(
+        &desk,
+        "r.csv --sensor-radius 20 --depth 2 --indentation 1 --indentation-std 0.02 --normal-std 0.05 --tangential-std 0.02",
+    );
+    assert_eq!(
+        told["wrong_markers"],
+        serde_json::json!([{ "row": 3, "line": 4 }, { "row": 20, "line": 22 }])
+    );
+    let curvature = &told["object_curvature"];
+    assert!((number(&curvature["value"]) - 1.0 / 30.0).abs() < 4.0 * number(&curvature["std"]));
+}
+
+#[test]
+fn a_gaussian_is_calibrated_on_a_plane() {
+    let gaussian = edited(
+        PRESS,
+        r#"{ kind = "half-space", indentation_std = 0.02 }"#,
+        r#"{ kind = "gaussian" }"#,
+    );
+    // 60 steps to either side over twice the contact's radius.
+    let gaussian = edited(
+        &gaussian,
+        "marker_depth = 2.0",
+        "marker_depth = 2.0, layout = { kind = \"line\", markers = 121, length = 17.88854382 }",
+    );
+    let noiseless: String = gaussian
+        .lines()
+        .filter(|line| !line.starts_with("noise"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let desk = Desk::with(&noiseless);
+    desk.palpate("run c.toml --out o");
+    let cells = desk.table("o/cells.csv");
+    assert_close(
+        cells.number(cells.row_of(1, "effective_radius"), "mean"),
+        20.0,
+        1e-6,
+    );
+    assert!(cells.text(0, "std_bound").is_empty());
+    let map = desk.table("o/map.csv");
+    assert!(map.text(5, "estimated_radial_displacement_mm").is_empty());
+    // The command line calibrates alike.
+    desk.palpate("trace c.toml --out t --cell 1").printed();
+    let told = json(
+        &desk,
+        "t/readings.csv --sensor-radius 20 --depth 2 --method gaussian --indentation 1",
+    );
+    assert_close(number(&told["effective_radius"]["value"]), 20.0, 1e-6);
+    let c = number(&told["c"]);
+    // Computed by another program: σ²/δ = 22.7 of an unweighted fit, of which R² is 0.978.
+    assert_close(c, 20.0 / 22.7, 0.005);
+    assert_close(number(&told["r_squared"]), 0.978, 0.001);
+    let paper = json(
+        &desk,
+        "t/readings.csv --sensor-radius 20 --depth 2 --method gaussian --indentation 1 --c 1",
+    );
+    assert_close(number(&paper["effective_radius"]["value"]), 20.0 / c, 1e-6);
+}
+
+#[test]
+fn check_tells_what_is_needed() {
+    let printed = Desk::with(PRESS).palpate("check c.toml").printed();
+    for line in [
+        "cells   4, of which 0 run a single trial",
+        "trials  160",
+        "    Hertz contact on a half-space, at the markers' depth: closed form",
+        "    convex contact: the object bulges",
+        "    warning: no press; every trial fails as `edge-contact`: the relative curvature is -0.05, below 0: the contact is at the edge",
+        "    noise: Gaussian errors of normal displacements, drawn per marker; of tangential displacements, drawn per marker and component; of the given indentation",
+        "    direct sensor: 77 markers, with displacements along the skin",
+        "    least-squares fit of a half-space, indentation given, noise as stated",
+    ] {
+        assert!(
+            printed.lines().any(|told| told == line),
+            "{line:?} is not in {printed}"
+        );
+    }
+}
+
+#[test]
+fn bad_scenes_are_refused_at_their_field() {
+    for (from, to, field, words) in [
+        (
+            "marker_depth = 2.0",
+            "marker_depht = 2.0",
+            "9:50: scene.probe.marker_depht",
+            "unknown key for kind `marker-sphere`; did you mean `marker_depth`?",
+        ),
+        (
+            "marker_depth = 2.0",
+            "marker_depth = 2.0, layout = \"lattice\"",
+            "9:79: scene.probe.layout",
+            "unknown choice \"lattice\" (known: published), or a table whose `kind` is one of gores, lattice, line, radius",
+        ),
+        (
+            "marker_depth = 2.0",
+            "marker_depth = 2.0, layout = { kind = \"lattice\", pitch = 1, cap = 60 }",
+            "9:110: scene.probe.layout.cap",
+            "unknown key for kind `lattice`; did you mean `cap_deg`?",
+        ),
+        (
+            "indentation = 1.0",
+            "indentation = -1.0",
+            "11:26: scene.motion.indentation",
+            "must be > 0, is -1",
+        ),
+        (
+            "values = [{ label = \"ball\", kind = \"sphere\", radius = 30 }",
+            "values = [{ label = \"ball\", kind = \"torus\", radius = 30 }",
+            "17:36: scene.object.kind",
+            "unknown kind \"torus\"",
+        ),
+        (
+            "std = 0.05",
+            "std = nan",
+            "12:60: scene.noise.normal_displacement.std",
+            "must be finite, is nan",
+        ),
+    ] {
+        let said = Desk::with(&edited(PRESS, from, to))
+            .palpate("run c.toml")
+            .said(2);
+        assert!(
+            said.starts_with(&format!("error: c.toml:{field}: ")),
+            "{to}: {said}"
+        );
+        assert!(said.contains(words), "{to}: {said}");
+    }
+    let mixed = edited(PRESS, "path = \"scene.object\"", "path = \"scene.motion\"");
+    assert!(
+        Desk::with(&mixed)
+            .palpate("run c.toml")
+            .said(2)
+            .contains("scene.motion.kind")
+    );
+}
+
+#[test]
+fn the_examples_are_what_they_say() {
+    let example = |name: &str| {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+        std::fs::read_to_string(root.join(name)).unwrap()
+    };
+    let desk = Desk::with(&example("press-a-ball.toml"));
+    desk.palpate("trace c.toml --out t --cell 10 --trial 0")
+        .printed();
+    desk.write("r.csv", example("press-readings.csv"));
+    let (traced, kept) = (desk.table("t/readings.csv"), desk.table("r.csv"));
+    assert_eq!(
+        (&traced.header, traced.rows.len()),
+        (&kept.header, kept.rows.len())
+    );
+    for (traced, kept) in traced.rows.iter().zip(&kept.rows) {
+        for (traced, kept) in traced.iter().zip(kept) {
+            let [traced, kept] = [traced, kept].map(|text| text.parse::<f64>().unwrap());
+            assert!((traced - kept).abs() < 1e-5);
+        }
+    }
+    let told = json(
+        &desk,
+        "r.csv --sensor-radius 20 --depth 2 --indentation 1.5 --indentation-std 0.02",
+    );
+    let ends = &told["object_radius"]["convex95"];
+    assert!(number(&ends[0]) < 30.0 && number(&ends[1]) > 30.0, "{told}");
+    for name in ["dish", "plane"] {
+        desk.write(
+            "p.csv",
+            example(&format!("chromatouch-2020/profile-{name}.csv")),
+        );
+        let options = "--sensor-radius 20 --depth 2 --indentation 1 --radial-scale 2.19";
+        let told = json(&desk, &format!("p.csv {options}"));
+        assert_eq!(told["markers"], 11);
+        assert!(number(&told["r_squared"]) > 0.85, "{told}");
+    }
+}

@@ -1,0 +1,525 @@
+//! Scenes of a press: what they do to markers, what they estimate, and what does not change it.
+
+use palpate_scene::config::{LengthUnit, parse};
+use palpate_scene::{Outcome, PressScene, Scene, Table};
+
+/// A sensor of 20 on a plane, pressed 1 deep; lines replace the defaults.
+fn text(object: &str, lines: &str) -> String {
+    format!(
+        r#"name = "a-study"
+seed = 3
+
+[scene]
+kind = "press"
+probe = {{ kind = "marker-sphere", radius = 20.0, marker_depth = 2.0 }}
+object = {object}
+motion = {{ indentation = 1.0 }}
+{lines}"#
+    )
+}
+
+fn scene_of(text: &str) -> Scene {
+    let study = parse("study.toml", text).unwrap_or_else(|error| panic!("{error}"));
+    study
+        .estimable_scene(0)
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn press(text: &str) -> PressScene {
+    match scene_of(text) {
+        Scene::Press(press) => press,
+        _ => panic!("not a press"),
+    }
+}
+
+#[track_caller]
+fn refused(text: &str) -> String {
+    let study = match parse("study.toml", text) {
+        Ok(study) => study,
+        Err(error) => return format!("{}: {}", error.path(), error.message()),
+    };
+    let error = study.estimable_scene(0).unwrap_err();
+    format!("{}: {}", error.path(), error.message())
+}
+
+fn outcomes(scene: &Scene, trial: u64) -> Result<Vec<(&'static str, Outcome)>, &'static str> {
+    let mut outcomes = Vec::new();
+    scene.trial(trial, |quantity, outcome| {
+        outcomes.push((scene.quantities()[quantity].name, outcome));
+    })?;
+    Ok(outcomes)
+}
+
+fn numbers(table: &Table) -> Vec<Vec<f64>> {
+    let row = |row: &Vec<String>| row.iter().map(|field| field.parse().unwrap()).collect();
+    table.rows.iter().map(row).collect()
+}
+
+const PLANE: &str = r#"{ kind = "plane" }"#;
+const BALL: &str = r#"{ kind = "sphere", radius = 80 }"#;
+const DISH: &str = r#"{ kind = "dish", radius = 80 }"#;
+const NOISE: &str = r#"noise = { normal_displacement = { kind = "gaussian", std = 0.07 }, tangential_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
+"#;
+
+#[test]
+fn without_noise_every_object_is_found() {
+    for (object, curvature, quantities) in [
+        (BALL, 1.0 / 80.0, 7),
+        (PLANE, 0.0, 6),
+        (DISH, -1.0 / 80.0, 7),
+    ] {
+        let scene = scene_of(&text(object, ""));
+        assert_eq!(scene.trials(1000), 1);
+        let outcomes = outcomes(&scene, 0).unwrap();
+        assert_eq!(scene.quantities().len(), quantities);
+        let relative_curvature: f64 = 0.05 + curvature;
+        for (name, truth) in [
+            ("relative_curvature", relative_curvature),
+            ("effective_radius", 1.0 / relative_curvature),
+            ("object_curvature", curvature),
+            ("indentation", 1.0),
+            // a² = R δ.
+            ("contact_radius", relative_curvature.powf(-0.5)),
+            ("r_squared", 1.0),
+            ("object_radius", 1.0 / curvature),
+        ] {
+            let Some((_, outcome)) = outcomes.iter().find(|(known, _)| *known == name) else {
+                assert!(name == "object_radius" && object == PLANE, "{name}");
+                continue;
+            };
+            assert!(
+                (outcome.truth - truth).abs() <= 1e-12 * truth.abs(),
+                "{name}"
+            );
+            let off = (outcome.estimate - truth).abs();
+            assert!(off < 1e-6 * truth.abs().max(0.05), "{name}: {outcome:?}");
+            // There is no noise, and so no bound.
+            let place = scene.quantities().iter().position(|one| one.name == name);
+            assert_eq!(scene.std_bound(place.unwrap()), None);
+        }
+    }
+}
+
+#[test]
+fn hertz_seen_at_the_surface_is_the_closed_form() {
+    let lines = "model = { kind = \"hertz\" }\n";
+    let line = r#"layout = { kind = "line", markers = 41, length = 16.0 } }"#;
+    let text = text(PLANE, lines).replace(
+        "marker_depth = 2.0 }",
+        &format!("marker_depth = 2.0, {line}"),
+    );
+    let trace = press(&text).trace(None, LengthUnit::Mm).unwrap();
+    let (contact_radius, mut inside) = (20.0_f64.sqrt(), 0);
+    for (marker, row) in numbers(&trace.contacts).iter().enumerate() {
+        let [number, x, y, position, normal, ..] = row[..] else {
+            panic!("{row:?}");
+        };
+        assert_eq!((number, y), (marker as f64, 0.0));
+        assert!((x - (0.4 * marker as f64 - 8.0)).abs() < 1e-12);
+        assert!((position - x.abs()).abs() < 1e-12);
+        if position <= contact_radius {
+            inside += 1;
+            assert!(
+                (normal - (1.0 - position * position / 40.0)).abs() < 1e-12,
+                "{position}"
+            );
+        } else {
+            assert!(normal > 0.0 && normal < 0.5);
+        }
+    }
+    assert_eq!(inside, 23);
+}
+
+#[test]
+fn markers_move_away_from_the_contact_wherever_it_is() {
+    let off_apex = text(PLANE, "").replace(
+        "indentation = 1.0 }",
+        "indentation = 1.0, contact_deg = [11.9, 45.0] }",
+    );
+    let rows = |text: &str| numbers(&press(text).trace(None, LengthUnit::Mm).unwrap().contacts);
+    let apex = rows(&text(PLANE, ""));
+    for row in &apex {
+        let [_, x, y, position, _, along_x, along_y] = row[..] else {
+            panic!("{row:?}");
+        };
+        // Under an incompressible half-space the skin moves outward, here along (x, y).
+        let (outward, across) = (along_x * x + along_y * y, along_y * x - along_x * y);
+        assert!(position == 0.0 || outward > 0.0, "{row:?}");
+        assert!(across.abs() < 1e-12, "{row:?}");
+    }
+    // The second marker lies there: it moves as the apex did, and the apex as it did, the other way.
+    let moved = rows(&off_apex);
+    assert!(moved[1][3] < 1e-12 && (moved[1][4] - apex[0][4]).abs() < 1e-12);
+    assert!((moved[0][4] - apex[1][4]).abs() < 1e-12);
+    assert!((moved[0][5] + apex[1][5]).abs() < 1e-12 && (moved[0][6] + apex[1][6]).abs() < 1e-12);
+}
+
+#[test]
+fn noise_has_the_stated_size_and_frames_average_it() {
+    let sample = |lines: &str| {
+        let press = press(&text(PLANE, &format!("{NOISE}{lines}")));
+        let exact = numbers(&press.trace(None, LengthUnit::Mm).unwrap().readings);
+        let (mut normal, mut tangential, mut count) = (0.0, 0.0, 0.0);
+        for trial in 0..60 {
+            let read = numbers(&press.trace(Some(trial), LengthUnit::Mm).unwrap().readings);
+            for (read, exact) in read.iter().zip(&exact) {
+                assert_eq!((read[0], read[1]), (exact[0], exact[1]));
+                normal += (read[2] - exact[2]).powi(2);
+                tangential += 0.5 * ((read[3] - exact[3]).powi(2) + (read[4] - exact[4]).powi(2));
+                count += 1.0;
+            }
+        }
+        let told = (0..500).map(|trial| (press.told_indentation(Some(trial)) - 1.0).powi(2));
+        let indentation: f64 = told.sum::<f64>() / 500.0;
+        [normal / count, tangential / count, indentation].map(f64::sqrt)
+    };
+    // 4,620 draws: their standard deviation is good to 1 %, that of 500 to 3 %.
+    let single = sample("");
+    let four = sample("sensor = { kind = \"direct\", frames = 4 }\n");
+    for (found, expected, tolerance) in [
+        (single[0], 0.07, 0.04),
+        (single[1], 0.02, 0.04),
+        (single[2], 0.02, 0.12),
+        (four[0], 0.035, 0.04),
+        (four[1], 0.01, 0.04),
+        (four[2], 0.02, 0.12),
+    ] {
+        assert!(
+            (found / expected - 1.0).abs() < tolerance,
+            "{found} {expected}"
+        );
+    }
+}
+
+#[test]
+fn a_gain_is_one_factor_and_wrong_markers_are_so_many() {
+    let exact = press(&text(PLANE, ""));
+    let exact = numbers(&exact.trace(None, LengthUnit::Mm).unwrap().readings);
+    let gain = press(&text(
+        PLANE,
+        r#"noise = { gain = { kind = "gaussian", std = 0.17 } }"#,
+    ));
+    let mut factors = Vec::new();
+    for trial in 0..400 {
+        let read = numbers(&gain.trace(Some(trial), LengthUnit::Mm).unwrap().readings);
+        let factor = read[0][2] / exact[0][2];
+        for (read, exact) in read.iter().zip(&exact) {
+            assert!((read[2] - factor * exact[2]).abs() < 1e-12);
+            assert_eq!(read[3..], exact[3..]);
+        }
+        factors.push(factor - 1.0);
+    }
+    let square: f64 = factors.iter().map(|factor| factor * factor).sum::<f64>() / 400.0;
+    assert!((square.sqrt() / 0.17 - 1.0).abs() < 0.12, "{square}");
+
+    let wrong = press(&text(
+        PLANE,
+        "noise = { wrong_markers = { count = 3, std = 1.0 } }",
+    ));
+    let mut seen = std::collections::BTreeSet::new();
+    for trial in 0..60 {
+        let read = numbers(&wrong.trace(Some(trial), LengthUnit::Mm).unwrap().readings);
+        let off: Vec<usize> = (0..77).filter(|&one| read[one] != exact[one]).collect();
+        assert_eq!(off.len(), 3);
+        seen.extend(off);
+    }
+    assert!(seen.len() > 60, "{}", seen.len());
+}
+
+#[test]
+fn cells_share_their_draws() {
+    let readings = |object: &str, lines: &str| {
+        let press = press(&text(object, &format!("{NOISE}{lines}")));
+        let read = numbers(&press.trace(Some(4), LengthUnit::Mm).unwrap().readings);
+        let exact = numbers(&press.trace(None, LengthUnit::Mm).unwrap().readings);
+        let errors = read
+            .iter()
+            .zip(exact)
+            .map(|(read, exact)| read[2] - exact[2]);
+        errors.collect::<Vec<f64>>()
+    };
+    let plane = readings(PLANE, "");
+    for other in [
+        readings(BALL, ""),
+        readings(
+            PLANE,
+            "sensor = { kind = \"direct\", tangential = false }\n",
+        ),
+        readings(
+            PLANE,
+            "estimator = { kind = \"gaussian\", indentation = \"fitted\" }\n",
+        ),
+    ] {
+        for (one, other) in plane.iter().zip(other) {
+            assert!((one - other).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn intervals_hold_the_truth_about_as_often_as_they_say_and_bounds_are_reached() {
+    let scene = scene_of(&text(
+        BALL,
+        &format!("{NOISE}estimator = {{ kind = \"half-space\", indentation_std = 0.02 }}\n"),
+    ));
+    let trials = 200;
+    let (mut held, mut square) = (0, 0.0);
+    for trial in 0..trials {
+        let outcomes = outcomes(&scene, trial).unwrap();
+        let (name, outcome) = outcomes[0];
+        assert_eq!(name, "relative_curvature");
+        held += u32::from(outcome.interval_holds.unwrap());
+        square += (outcome.estimate - outcome.truth).powi(2);
+        let object = outcomes.iter().find(|(name, _)| *name == "object_radius");
+        assert_eq!(object.unwrap().1.interval_holds, outcome.interval_holds);
+    }
+    // Of 200 tries at 95 %: 190 ± 3.1.
+    assert!((178..=199).contains(&held), "{held}");
+    let (rms, bound) = ((square / trials as f64).sqrt(), scene.std_bound(0).unwrap());
+    assert!(rms > 0.85 * bound && rms < 1.25 * bound, "{rms} {bound}");
+    // The same bound, carried to what follows from the relative curvature.
+    let radius = 1.0 / 0.0625;
+    let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-9;
+    assert!(close(scene.std_bound(1), bound * radius * radius));
+    assert!(close(scene.std_bound(2), bound) && close(scene.std_bound(6), bound * 6400.0));
+    assert_eq!(scene.std_bound(5), None);
+    // A known indentation can only help; a Gaussian is not what the markers follow.
+    let of = |estimator: &str| {
+        scene_of(&text(BALL, &format!("{NOISE}estimator = {estimator}\n"))).std_bound(0)
+    };
+    assert!(of(r#"{ kind = "half-space", indentation = "fitted" }"#).unwrap() > 1.2 * bound);
+    assert_eq!(of(r#"{ kind = "gaussian" }"#), None);
+}
+
+#[test]
+fn presses_that_cannot_be_are_failures_with_a_name() {
+    for (object, motion, name) in [
+        (r#"{ kind = "dish", radius = 20 }"#, "1.0", "conforming"),
+        (r#"{ kind = "dish", radius = 10 }"#, "1.0", "edge-contact"),
+        (PLANE, "20.0", "too-deep"),
+        (r#"{ kind = "dish", radius = 20.5 }"#, "5.0", "too-wide"),
+        (PLANE, "1e-300", "out-of-range"),
+    ] {
+        let text = text(object, NOISE)
+            .replace("indentation = 1.0 }", &format!("indentation = {motion} }}"));
+        let scene = scene_of(&text);
+        assert_eq!(outcomes(&scene, 0).unwrap_err(), name, "{object} {motion}");
+        let needs = scene.needs().join("\n");
+        assert!(needs.contains(&format!("fails as `{name}`")), "{needs}");
+        assert!(needs.len() < 1000, "{needs}");
+        // What is known is still told.
+        assert!(scene.truth(3).is_some());
+        assert_eq!(
+            scene.truth(1).is_some(),
+            !["conforming", "edge-contact"].contains(&name)
+        );
+    }
+}
+
+#[test]
+fn what_a_scene_needs_is_told() {
+    let needs = |object: &str, indentation: &str, lines: &str| {
+        let text = text(object, lines);
+        let text = text.replace(
+            "indentation = 1.0 }",
+            &format!("indentation = {indentation} }}"),
+        );
+        scene_of(&text).needs().join("\n")
+    };
+    let plain = needs(PLANE, "1.0", "");
+    for line in [
+        "Hertz contact on a half-space, at the markers' depth: closed form",
+        "flat contact",
+        "no noise: no random numbers are drawn",
+        "direct sensor: 77 markers, with displacements along the skin",
+        "least-squares fit of a half-space, indentation given, noise as stated",
+    ] {
+        assert!(plain.lines().any(|told| told == line), "{line}: {plain}");
+    }
+    assert!(!plain.contains("warning"), "{plain}");
+    // a = 6.32: δ of Sneddon is a atanh(a/R) = 2.0710, of Hertz 2.
+    let wide = needs(PLANE, "2.0", "");
+    assert!(
+        wide.contains("warning: the contact's radius is 0.32 of the sensor's, past 0.3: by Sneddon's relation it takes an indentation 3.5 % larger than by Hertz's"),
+        "{wide}"
+    );
+    let surface = needs(PLANE, "1.0", "model = { kind = \"hertz\" }\n");
+    assert!(
+        surface.contains("warning: the model moves markers as at the surface"),
+        "{surface}"
+    );
+    let frames = needs(
+        DISH,
+        "1.0",
+        "sensor = { kind = \"direct\", tangential = false, frames = 4 }\n",
+    );
+    assert!(
+        frames.contains("77 markers, without displacements along the skin, the mean of 4 frames")
+    );
+    assert!(frames.contains("concave contact: the object is hollow"));
+}
+
+#[test]
+fn bad_scenes_are_refused_at_their_field() {
+    let probe = |from: &str, to: &str| text(PLANE, "").replace(from, to);
+    let with = |lines: &str| text(PLANE, lines);
+    for (text, message) in [
+        (
+            text(
+                r#"{ kind = "torus", major_radius = 3, minor_radius = 1 }"#,
+                "",
+            ),
+            "scene.object.kind: unknown kind \"torus\" (known: sphere, dish, plane)",
+        ),
+        (
+            probe("marker_depth = 2.0 }", "}"),
+            "scene.probe.marker_depth: missing key",
+        ),
+        (
+            probe("marker_depth = 2.0", "marker_depth = 20"),
+            "scene.probe.marker_depth: must be less than the sensor's radius 20, is 20",
+        ),
+        (
+            probe("radius = 20.0", "radius = 1e99"),
+            "scene.probe.radius: radius is 1e99; it must be between 1e-50 and 1e50",
+        ),
+        (
+            probe(
+                "marker_depth = 2.0 }",
+                "marker_depth = 2.0, layout = \"publishd\" }",
+            ),
+            "scene.probe.layout: unknown choice \"publishd\"; did you mean `published`? (known: published), or a table whose `kind` is one of gores, lattice, line, radius",
+        ),
+        (
+            probe("marker_depth = 2.0 }", "marker_depth = 2.0, layout = 3 }"),
+            "scene.probe.layout: expected \"published\" or a table with `kind`, found the integer 3",
+        ),
+        (
+            probe(
+                "marker_depth = 2.0 }",
+                "marker_depth = 2.0, layout = { kind = \"latice\" } }",
+            ),
+            "scene.probe.layout.kind: unknown kind \"latice\"; did you mean `lattice`? (known: gores, lattice, line, radius)",
+        ),
+        (
+            probe(
+                "marker_depth = 2.0 }",
+                "marker_depth = 2.0, layout = { kind = \"line\", markers = 5, length = 126 } }",
+            ),
+            "scene.probe.layout.length: length: the markers would reach 180.4817 degrees from the apex; it must be less than 180",
+        ),
+        (
+            probe(
+                "marker_depth = 2.0 }",
+                "marker_depth = 2.0, layout = { kind = \"lattice\", pitch = 0.01, cap_deg = 60 } }",
+            ),
+            "scene.probe.layout: there would be 12566370 markers; at most 100000 are possible",
+        ),
+        (
+            probe(
+                "marker_depth = 2.0 }",
+                "marker_depth = 2.0, layout = { kind = \"line\", markers = 2, length = 2 } }\nsensor = { kind = \"direct\", tangential = false }",
+            ),
+            "scene.probe.layout: 2 marker(s)",
+        ),
+        (
+            probe("indentation = 1.0", "indentation = 0"),
+            "scene.motion.indentation: must be > 0, is 0",
+        ),
+        (
+            probe(
+                "indentation = 1.0",
+                "indentation = 1.0, contact_deg = [-1, 0]",
+            ),
+            "scene.motion.contact_deg: the polar angle must be from 0 to 180, is -1",
+        ),
+        (
+            with("model = { kind = \"half-space\", poisson = 0.6 }"),
+            "scene.model.poisson: must be <= 0.5, is 0.6",
+        ),
+        (
+            with("model = { kind = \"bonded-layer\", thickness = 1.5 }"),
+            "scene.probe.marker_depth: the markers lie below the layer: must be at most `scene.model.thickness`",
+        ),
+        (
+            with("model = { kind = \"bonded-layer\", thickness = 21 }"),
+            "scene.model.thickness: must be at most the sensor's radius 20, is 21",
+        ),
+        (
+            with("estimator = { kind = \"bonded-layer\" }"),
+            "scene.estimator: `thickness` is missing, and the model has no layer to take it from",
+        ),
+        (
+            with("estimator = { kind = \"bonded-layer\", thickness = 1 }"),
+            "scene.estimator.thickness: the layer ends above the markers: must be at least `scene.probe.marker_depth`",
+        ),
+        (
+            with("estimator = { kind = \"gaussian\", gain_std = 0.1 }"),
+            "scene.estimator.gain_std: unknown key for kind `gaussian`",
+        ),
+        (
+            with("estimator = { kind = \"half-space\", indentation = \"free\" }"),
+            "scene.estimator.indentation: unknown choice \"free\" (known: known, fitted)",
+        ),
+        (
+            with("sensor = { kind = \"direct\", frames = 0 }"),
+            "scene.sensor.frames: must be >= 1, is 0",
+        ),
+        (
+            with("sensor = { kind = \"rendered\" }"),
+            "scene.sensor.kind: unknown kind \"rendered\" (known: direct)",
+        ),
+        (
+            with("noise = { wrong_markers = { count = 78, std = 1.0 } }"),
+            "scene.noise.wrong_markers.count: must be at most the number of markers 77, is 78",
+        ),
+        (
+            with("noise = { gain = { kind = \"gaussian\", std = 1e200 } }"),
+            "scene.noise.gain.std: std is 1e200; it must be from 0 to 1e150",
+        ),
+    ] {
+        let said = refused(&text);
+        assert!(said.starts_with(message), "{said}\n{message}");
+    }
+}
+
+#[test]
+fn every_layout_and_estimator_runs() {
+    for layout in [
+        r#""published""#,
+        r#"{ kind = "gores", gores = 6, rows = [1, 2, 3], row_spacing_deg = 10 }"#,
+        r#"{ kind = "lattice", pitch = 2.0, cap_deg = 60 }"#,
+    ] {
+        for estimator in [
+            r#"{ kind = "half-space", baseline = "fitted", gain_std = 0.1, noise = "found" }"#,
+            r#"{ kind = "bonded-layer", indentation = "fitted" }"#,
+            r#"{ kind = "gaussian", window = 9.0 }"#,
+            r#"{ kind = "gaussian", c = 0.88, window = 9.0, indentation = "fitted" }"#,
+        ] {
+            let model = if estimator.contains("layer") {
+                r#"{ kind = "bonded-layer", thickness = 8.0 }"#
+            } else {
+                r#"{ kind = "half-space" }"#
+            };
+            let lines = format!("{NOISE}model = {model}\nestimator = {estimator}\n");
+            let text = text(BALL, &lines).replace(
+                "marker_depth = 2.0 }",
+                &format!("marker_depth = 2.0, layout = {layout} }}"),
+            );
+            let outcomes = outcomes(&scene_of(&text), 0)
+                .unwrap_or_else(|name| panic!("{name}: {layout} {estimator}"));
+            let (_, radius) = outcomes[1];
+            // A Gaussian of no calibration has any radius.
+            let tolerance = if estimator.contains("c = ") {
+                10.0
+            } else {
+                0.6
+            };
+            let relative = radius.estimate / 16.0 - 1.0;
+            assert!(
+                relative.abs() < tolerance,
+                "{layout} {estimator}: {radius:?}"
+            );
+        }
+    }
+}
