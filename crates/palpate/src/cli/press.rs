@@ -75,7 +75,7 @@ pub(crate) struct EstimatePressArgs {
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
     pub(crate) radial_scale: f64,
     /// Young's modulus of the soft body, force per squared length unit: tells the force and the
-    /// highest pressure.
+    /// highest pressure, which are as uncertain as it.
     #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) young: Option<f64>,
     /// The unit of lengths, if the header does not state it (x_mm).

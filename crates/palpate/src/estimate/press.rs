@@ -80,6 +80,12 @@ fn useful(args: &EstimatePressArgs) -> Result<(), Failure> {
             "half-space and bonded-layer: a Gaussian's amplitude is fitted",
         ),
         (
+            "--young",
+            args.young.is_some(),
+            !is_gaussian,
+            "half-space and bonded-layer: a Gaussian knows no stress",
+        ),
+        (
             "--thickness",
             args.thickness.is_some(),
             has_layer,

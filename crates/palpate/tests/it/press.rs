@@ -276,6 +276,29 @@ fn without_the_tangential_columns_and_along_a_row() {
 }
 
 #[test]
+fn forces_follow_from_a_modulus() {
+    let desk = Desk::with(PRESS);
+    desk.palpate("trace c.toml --out t --cell 1").printed();
+    let told = |options: &str| {
+        json(
+            &desk,
+            &format!("t/readings.csv --sensor-radius 20 --depth 2 --indentation 1 {options}"),
+        )
+    };
+    let press = told("--young 0.3");
+    // (4/3) E* √R δ^1.5 and (2 E*/π) √(δ/R), E* = E/(1 − 1/4).
+    assert_close(
+        number(&press["force"]["value"]),
+        4.0 / 3.0 * 0.4 * 20.0_f64.sqrt(),
+        1e-5,
+    );
+    assert_eq!(press["force"]["unit"], "unit of --young x mm^2");
+    let pressure = 0.8 / std::f64::consts::PI / 20.0_f64.sqrt();
+    assert_close(number(&press["peak_pressure"]["value"]), pressure, 1e-5);
+    assert!(told("")["force"].is_null());
+}
+
+#[test]
 fn rows_that_contradict_the_others_are_named() {
     let desk = Desk::with(PRESS);
     desk.palpate("trace c.toml --out t --trial 1").printed();

@@ -131,6 +131,7 @@ pub fn estimate_press(
     let estimate = fit.estimate(&reading).map_err(refused)?;
     let told = |estimated, power| Told::new(&estimated, power, unit);
     let curvature = estimate.object_curvature();
+    let [force, peak_pressure] = stresses(&fit.body, &estimate, options, unit).map_err(refused)?;
     Ok(PressedObject {
         method: options.method.name(),
         c,
@@ -145,6 +146,8 @@ pub fn estimate_press(
         verdict: estimate.verdict.name(),
         indentation: told(estimate.indentation, Unit::Length),
         contact_radius: told(estimate.contact_radius, Unit::Length),
+        force,
+        peak_pressure,
         contact: estimate.contact.map(|component| component + 0.0),
         contact_std: estimate
             .contact_std
@@ -220,6 +223,31 @@ fn fit(options: &PressOptions, markers: &Markers) -> Result<(ForwardFit, Option<
         ..ForwardFit::new(body)
     };
     Ok((fit, c))
+}
+
+/// The force and the highest pressure of the estimated press, where they are known.
+fn stresses(
+    body: &Body,
+    estimate: &PressEstimate,
+    options: &PressOptions,
+    unit: LengthUnit,
+) -> Result<[Option<Value>; 2], PressError> {
+    let Some(young) = options.young else {
+        return Ok([None, None]);
+    };
+    let (curvature, indentation) = (estimate.relative_curvature, estimate.indentation);
+    let contact = body.press(curvature.value, indentation.value)?;
+    let value = |value: f64, unit: &str| Value {
+        value,
+        std: None,
+        unit: unit.to_owned(),
+    };
+    let sound = |number: Option<f64>| number.filter(|number| number.is_finite());
+    let area = format!("unit of --young x {}^2", unit.as_str());
+    Ok([
+        sound(contact.force(young)).map(|force| value(force, &area)),
+        sound(contact.peak_pressure(young)).map(|pressure| value(pressure, "unit of --young")),
+    ])
 }
 
 fn body(body: PressBody) -> Result<Body, PressError> {

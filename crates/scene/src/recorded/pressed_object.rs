@@ -72,6 +72,10 @@ pub struct PressedObject {
     pub(super) verdict: &'static str,
     pub(super) indentation: Told,
     pub(super) contact_radius: Told,
+    /// Between the bodies; `null` without a Young's modulus, and of a Gaussian, which knows no stress.
+    pub(super) force: Option<Value>,
+    /// In the middle of the contact; likewise.
+    pub(super) peak_pressure: Option<Value>,
     /// Place of the contact on the skin, as the markers'.
     pub(super) contact: [f64; 2],
     pub(super) contact_std: [Option<f64>; 2],
