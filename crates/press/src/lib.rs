@@ -15,7 +15,9 @@ mod half_space;
 pub mod hertz;
 mod markers;
 mod regime;
+pub mod shear;
 mod skin;
+mod spheroidal;
 
 pub use body::{Body, Contact, Displacement};
 pub use bonded_layer::{BondedLayer, LayerContact};

@@ -9,6 +9,7 @@
 //! Nothing in the sum grows: |Pₙ| ≤ 1, and qₙ falls as e^{−nϑ}, ϑ = asinh ξ. Its recurrence is run upward while
 //! e^{nϑ} is small and downward otherwise.
 
+use crate::spheroidal::Spheroidal;
 use crate::{Field, half_space};
 
 /// Contacts below this share of the distance press as a point does.
@@ -21,7 +22,7 @@ const NEGLIGIBLE: f64 = 32.0;
 const FORGOTTEN: f64 = 15.0;
 /// Orders up to this need no memory of their own.
 const FEW: usize = 64;
-/// Squared distances from the edge are at least this share of the contact's.
+/// ξ² + η² is taken to be at least this, where it divides what would cancel.
 const EDGE: f64 = 1e-7;
 
 /// Coefficients of a pressure: the (−1)ʲ cₙ of φ and of ∂φ/∂a.
@@ -32,7 +33,8 @@ pub(super) fn field(a: f64, terms: &[Term], z: f64, r: f64) -> Field {
     if a * a < POINT * POINT * (r * r + z * z) {
         return half_space::field(0.5, z, a, r);
     }
-    let place = Spheroidal::new(a, z, r);
+    let mut place = Spheroidal::new(a, z, r);
+    place.edge = place.edge.max(EDGE);
     let mut few = [0.0; FEW];
     let mut many = Vec::new();
     let orders = 2 * terms.len();
@@ -49,41 +51,6 @@ pub(super) fn field(a: f64, terms: &[Term], z: f64, r: f64) -> Field {
         normal_per_a,
         radial_per_a,
         ..curved.field(place, a)
-    }
-}
-
-/// A place in oblate spheroidal coordinates.
-#[derive(Clone, Copy)]
-struct Spheroidal {
-    xi: f64,
-    eta: f64,
-    /// 1 − η², which η near 1 would lose.
-    off_axis: f64,
-    /// r/a.
-    r: f64,
-    /// ξ² + η².
-    edge: f64,
-}
-
-impl Spheroidal {
-    fn new(a: f64, z: f64, r: f64) -> Self {
-        let (z, r) = (z / a, r / a);
-        let difference = (r - 1.0) * (r + 1.0) + z * z;
-        let edge = (((r + 1.0) * (r + 1.0) + z * z) * ((r - 1.0) * (r - 1.0) + z * z)).sqrt();
-        let (xi, eta) = if difference >= 0.0 {
-            let xi = (0.5 * (edge + difference)).sqrt();
-            (xi, if xi > 0.0 { z / xi } else { 0.0 })
-        } else {
-            let eta = (0.5 * (edge - difference)).sqrt();
-            (z / eta, eta)
-        };
-        Self {
-            xi,
-            eta,
-            off_axis: r * r / (1.0 + xi * xi),
-            r,
-            edge: edge.max(EDGE),
-        }
     }
 }
 

@@ -6,3 +6,4 @@ mod forward_fit;
 mod half_space;
 mod refusals;
 mod sensor;
+mod shear;

@@ -1,0 +1,99 @@
+//! Tangential motion of the skin under an object that sticks to it and moves sideways.
+//!
+//! A small shift without slip moves the contact, a disc of radius a, as one. On an elastic half-space the traction is
+//! then q₀/√(1 − r²/a²) (Mindlin 1949), whose Hankel transform is q₀ a sin(ka)/k. Waves of traction move the depth z, as
+//! multiples of q̄ e^{−kz}/(2Gk), by 2(1−ν) − kz along their direction, by 2 across it, and by (1−2ν) + kz inward, a
+//! quarter of a wave behind. Per unit shift, which is π(2−ν) q₀ a/(4G), with φ the azimuth from the shift:
+//!
+//!     along  = s [2(2−ν) A₀ − z B₀ + cos 2φ (2ν A₂ + z B₂)]     across = s sin 2φ (2ν A₂ + z B₂)
+//!     inward = 2s cos φ [(1−2ν) A₁ + z B₁]                      s = 1/(π(2−ν))
+//!     A_m = ∫ sin(ka) e^{−kz} J_m(kr) dk/k                      B_m = ∫ sin(ka) e^{−kz} J_m(kr) dk
+//!
+//! With the complex distance ρ = √(r² + ζ²), ζ = z − ia, and t = r/(ρ + ζ) they are Im tᵐ/m (A₀ = asin of a over half
+//! the sum of the distances to both ends of a diameter) and Im tᵐ/ρ.
+
+use std::f64::consts::PI;
+
+use crate::PressError;
+use crate::spheroidal::Spheroidal;
+
+/// How far a place moves, per unit shift of the contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StuckShift {
+    /// Along the shift.
+    pub along: f64,
+    /// Along the skin, a quarter turn from the shift in the sense in which the azimuth grows.
+    pub across: f64,
+    /// Inward.
+    pub normal: f64,
+}
+
+/// How far the skin moves at depth `depth >= 0`, distance `r >= 0` from the middle of the contact and `azimuth`
+/// (radians, from the direction of the shift), when a contact of this radius moves by 1 and nothing slips: at the surface
+/// all of it moves by 1, far away the skin moves as under a force at a point (Cerruti).
+///
+/// # Errors
+/// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` or `distance` that is not from 0 to 1e50, a
+/// `contact_radius` that is not from 1e-50 to 1e50, or an `azimuth` that is not finite.
+pub fn stuck_shift(
+    poisson: f64,
+    depth: f64,
+    contact_radius: f64,
+    r: f64,
+    azimuth: f64,
+) -> Result<StuckShift, PressError> {
+    let good = (0.0..=0.5).contains(&poisson);
+    PressError::unless_good("poisson", poisson, good, "from 0 to 0.5")?;
+    for (setting, value) in [("depth", depth), ("distance", r)] {
+        let good = (0.0..=1e50).contains(&value);
+        PressError::unless_good(setting, value, good, "at least 0 and at most 1e50")?;
+    }
+    let good = (1e-50..=1e50).contains(&contact_radius);
+    PressError::unless_good("contact_radius", contact_radius, good, "from 1e-50 to 1e50")?;
+    PressError::unless_good("azimuth", azimuth, azimuth.is_finite(), "finite")?;
+
+    let z = depth / contact_radius;
+    let waves = Waves::new(z, Spheroidal::new(contact_radius, depth, r));
+    let scale = 1.0 / (PI * (2.0 - poisson));
+    let uniform = 2.0 * (2.0 - poisson) * waves.a[0] - z * waves.b[0];
+    let turning = 2.0 * poisson * waves.a[2] + z * waves.b[2];
+    let inward = (1.0 - 2.0 * poisson) * waves.a[1] + z * waves.b[1];
+    Ok(StuckShift {
+        along: scale * (uniform + (2.0 * azimuth).cos() * turning),
+        across: scale * (2.0 * azimuth).sin() * turning,
+        normal: 2.0 * scale * azimuth.cos() * inward,
+    })
+}
+
+/// What part of the object's shift a marker under the middle of the contact follows: 1 at the surface, less below, and
+/// the more the wider the contact, so that it rises with the indentation. A lateral calibration at one indentation is
+/// therefore off at another, as the 2020 paper found.
+///
+/// # Errors
+/// As [`stuck_shift`].
+pub fn followed(poisson: f64, depth: f64, contact_radius: f64) -> Result<f64, PressError> {
+    stuck_shift(poisson, depth, contact_radius, 0.0, 0.0).map(|shift| shift.along)
+}
+
+/// A_m and B_m for m = 0, 1, 2, lengths in units of the contact's radius.
+struct Waves {
+    a: [f64; 3],
+    b: [f64; 3],
+}
+
+impl Waves {
+    fn new(z: f64, place: Spheroidal) -> Self {
+        let Spheroidal { xi, eta, r, .. } = place;
+        // ρ = ξ − iη and ζ = z − i.
+        let (real, imaginary) = (xi + z, eta + 1.0);
+        let share = r / (real * real + imaginary * imaginary);
+        let t = [share * real, share * imaginary];
+        let t_squared = [(t[0] - t[1]) * (t[0] + t[1]), 2.0 * t[0] * t[1]];
+        let size = place.edge.max(f64::MIN_POSITIVE);
+        let over_distance = |[real, imaginary]: [f64; 2]| (imaginary * xi + real * eta) / size;
+        Self {
+            a: [1.0_f64.atan2(xi), t[1], 0.5 * t_squared[1]],
+            b: [[1.0, 0.0], t, t_squared].map(over_distance),
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Sideways motion of the skin against a Fourier integral over wavenumbers and directions, and known forms.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use palpate_press::shear::{followed, stuck_shift};
+
+/// Poisson ratio, depth, contact radius, distance, azimuth; along, across, inward. Made by summing the waves of traction
+/// over 4,000 wavenumbers (Gauss) and 256 directions.
+#[rustfmt::skip]
+const QUADRATURE: [[f64; 8]; 18] = [
+    [0.0, 0.5, 2.0, 0.0, 0.0, 0.806593517359, 0.0, 0.0],
+    [0.0, 0.5, 2.0, 1.0, 0.4, 0.780864170961, -0.001310411549, 0.083602022178],
+    [0.0, 0.5, 2.0, 2.0, 1.1, 0.648569141512, 0.004121679376, 0.106262980214],
+    [0.0, 2.0, 2.0, 3.0, 2.5, 0.32529663307, -0.020751849763, -0.121946965268],
+    [0.0, 2.0, 5.0, 1.0, 0.7, 0.698574413465, -0.000202844973, 0.027078894188],
+    [0.0, 1.0, 0.5, 4.0, 0.9, 0.074754732326, 0.006193215011, 0.024367716889],
+    [0.3, 0.5, 2.0, 0.0, 0.0, 0.799985007611, 0.0, 0.0],
+    [0.3, 0.5, 2.0, 1.0, 0.4, 0.774752063796, -0.000146796537, 0.047366385657],
+    [0.3, 0.5, 2.0, 2.0, 1.1, 0.631602203561, 0.018437861085, 0.070976448093],
+    [0.3, 2.0, 2.0, 3.0, 2.5, 0.324003666121, -0.035828151647, -0.097457231075],
+    [0.3, 2.0, 5.0, 1.0, 0.7, 0.688868341512, 9.8813508e-05, 0.016986273253],
+    [0.3, 1.0, 0.5, 4.0, 0.9, 0.07242985635, 0.015282142969, 0.015473188536],
+    [0.5, 0.5, 2.0, 0.0, 0.0, 0.794110776724, 0.0, 0.0],
+    [0.5, 0.5, 2.0, 1.0, 0.4, 0.769319079649, 0.000887527918, 0.015156930972],
+    [0.5, 0.5, 2.0, 2.0, 1.1, 0.616520480938, 0.031163355938, 0.039610641763],
+    [0.5, 2.0, 2.0, 3.0, 2.5, 0.322854362167, -0.049229308878, -0.07568857846],
+    [0.5, 2.0, 5.0, 1.0, 0.7, 0.680240721998, 0.00036695438, 0.008015054643],
+    [0.5, 1.0, 0.5, 4.0, 0.9, 0.070363299927, 0.023361190043, 0.00756694111],
+];
+
+#[test]
+fn waves_of_traction_add_up() {
+    for [poisson, depth, a, r, azimuth, along, across, normal] in QUADRATURE {
+        let shift = stuck_shift(poisson, depth, a, r, azimuth).unwrap();
+        let error = (shift.along - along)
+            .abs()
+            .max((shift.across - across).abs())
+            .max((shift.normal - normal).abs());
+        assert!(
+            error < 1e-10,
+            "{poisson} {depth} {a} {r} {azimuth}: off by {error:e}"
+        );
+    }
+}
+
+#[test]
+fn the_contact_moves_as_one() {
+    for poisson in [0.0, 0.3, 0.5] {
+        for share in [0.0, 0.4, 0.999] {
+            for azimuth in [0.0, 0.8, 2.0, 4.0] {
+                let shift = stuck_shift(poisson, 0.0, 3.0, 3.0 * share, azimuth).unwrap();
+                assert!((shift.along - 1.0).abs() < 1e-14 && shift.across.abs() < 1e-14);
+            }
+        }
+    }
+}
+
+#[test]
+fn far_away_it_is_a_force_at_a_point() {
+    // Cerruti's solution for a force of which π(2−ν)/(8 a G) gives the contact the shift 1.
+    for (poisson, r, z, azimuth) in [
+        (0.0, 3.0, 4.0, 0.5),
+        (0.3, 5.0, 0.0, 2.0),
+        (0.5, 0.1, 7.0, 4.0),
+    ] {
+        let a = 1e-5;
+        let rho = f64::hypot(r, z);
+        let (x, y) = (r * f64::cos(azimuth), r * f64::sin(azimuth));
+        let unit = 8.0 * a / (2.0 - poisson) / (4.0 * PI);
+        let spread = (1.0 - 2.0 * poisson) / (rho * (rho + z) * (rho + z));
+        let along =
+            1.0 / rho + x * x / rho.powi(3) + (1.0 - 2.0 * poisson) / (rho + z) - x * x * spread;
+        let across = x * y / rho.powi(3) - x * y * spread;
+        let normal = x * z / rho.powi(3) + x * spread * (rho + z);
+        let shift = stuck_shift(poisson, z, a, r, azimuth).unwrap();
+        for (got, expected) in [
+            (shift.along, along),
+            (shift.across, across),
+            (shift.normal, normal),
+        ] {
+            assert!(
+                (got - unit * expected).abs() < 1e-9 * unit,
+                "{poisson}: {got} {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn wider_contacts_take_more_of_the_skin_along() {
+    for poisson in [0.0, 0.3, 0.5] {
+        assert_eq!(followed(poisson, 0.0, 1.0).unwrap(), 1.0);
+        let mut before = 0.0;
+        for a in [1e-3, 0.5, 1.0, 2.0, 4.0, 5.3, 100.0, 1e9] {
+            let part = followed(poisson, 2.0, a).unwrap();
+            assert!(part > before && part < 1.0, "{poisson} {a}: {part}");
+            before = part;
+        }
+        assert!(before > 1.0 - 1e-8);
+    }
+}
+
+#[test]
+fn extremes_are_finite_or_named() {
+    let extreme = [0.0, 1e-300, 1e-50, 1e-9, 1.0, 1e9, 1e50];
+    for z in extreme {
+        for r in extreme {
+            for a in [1e-50, 1e-9, 1.0, 1e50] {
+                let shift = stuck_shift(0.5, z, a, r, FRAC_PI_2).unwrap();
+                let sum = shift.along + shift.across + shift.normal;
+                assert!(sum.is_finite() && sum.abs() < 2.0, "{z} {r} {a}: {shift:?}");
+            }
+        }
+    }
+    let nan = f64::NAN;
+    for [poisson, z, a, r, azimuth] in [
+        [0.6, 1.0, 1.0, 1.0, 0.0],
+        [nan, 1.0, 1.0, 1.0, 0.0],
+        [0.5, -1.0, 1.0, 1.0, 0.0],
+        [0.5, 1.0, 0.0, 1.0, 0.0],
+        [0.5, 1.0, 1.0, nan, 0.0],
+        [0.5, 1.0, 1.0, 1.0, f64::INFINITY],
+    ] {
+        let error = stuck_shift(poisson, z, a, r, azimuth).unwrap_err();
+        assert_eq!(error.name(), "bad-setting");
+    }
+}
