@@ -19,7 +19,7 @@
 //! Derivatives follow from J₀' = −J₁, J₁' = J₀ − J₁/x and ∂(sin ka − ka cos ka)/∂a = k² a sin ka.
 //! Where a is small against the distance these forms cancel, and the series in a/√(r² + z²) is taken.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::Field;
 
@@ -69,7 +69,11 @@ impl Moments {
             (z * a / y, y)
         };
         let l2 = x * x + a * a;
-        let theta = a.atan2(x);
+        let theta = if a <= x {
+            (a / x).atan()
+        } else {
+            FRAC_PI_2 - (x / a).atan()
+        };
         // X²/(X + z), which is 0 at the surface within the contact.
         let ratio = if x > 0.0 { x * x / (x + z) } else { 0.0 };
         let ring_odd_1 = a * a / (l2 * (a + y));

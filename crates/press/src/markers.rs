@@ -88,24 +88,22 @@ impl Markers {
 
     pub(crate) fn sight(&self, contact: &Place, marker: &Place) -> Sight {
         let (from, to) = (contact.direction.as_ref(), marker.direction.as_ref());
-        let cosine = from.dot(to);
-        // The chord keeps its digits where the cosine does not: 1 − cos = chord²/2.
+        // The chord keeps its digits where the angle's cosine does not: 1 − cos = chord²/2.
         let chord = to - from;
         let half_square = 0.5 * chord.norm_squared();
-        let sine = from.cross(to).norm();
+        let half_chord = (0.5 * half_square).sqrt().min(1.0);
+        let sine = 2.0 * half_chord * (1.0 - 0.5 * half_square).max(0.0).sqrt();
         // A marker on the contact is seen along +x.
         let unit = |along: Vector3<f64>, axes: &Place| {
-            let (x, y) = (along.dot(&axes.x_axis), along.dot(&axes.y_axis));
-            let length = (x * x + y * y).sqrt();
-            if length > 0.0 {
-                Vector2::new(x, y) / length
+            if sine > 0.0 {
+                Vector2::new(along.dot(&axes.x_axis), along.dot(&axes.y_axis)) / sine
             } else {
                 Vector2::x()
             }
         };
         let radius = self.skin.radius();
         Sight {
-            distance: radius * sine.atan2(cosine),
+            distance: 2.0 * radius * half_chord.asin(),
             reach: radius * sine,
             bearing: unit(chord + from * half_square, contact),
             outward: unit(chord - to * half_square, marker),

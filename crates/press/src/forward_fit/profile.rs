@@ -70,7 +70,9 @@ fn walk(
     };
     let furthest = FURTHEST.ln();
     let mut step = (limit * variance.sqrt()).clamp(1e-12, 1.0);
-    let (mut inside, mut outside): ((f64, f64), Option<(f64, Option<f64>)>) = ((0.0, 0.0), None);
+    // Steps with the root there; no root where no press is possible.
+    let mut inside = (0.0, 0.0);
+    let mut outside: Option<(f64, Option<f64>)> = None;
     for _ in 0..MOST_TRIES {
         match root_at(sign * step) {
             Some(Err(state)) => return Walk::Better(state),

@@ -182,7 +182,7 @@ impl<'a> Search<'a> {
             improvement: 0.0,
             needed: SEEN,
         };
-        let few = if self.find_normal { 6 } else { 3 };
+        let few = if self.find_normal { 6 } else { 2 };
         for start in starts(&problem).into_iter().take(few) {
             problem.keep_window(&start);
             match minimise(&problem, start, ROUGHLY) {
