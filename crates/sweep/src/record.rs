@@ -36,7 +36,7 @@ pub struct Observations<const N: usize> {
     pub stds: Option<[f64; N]>,
 }
 
-/// Without the interval, which [`Column::judge`] takes.
+/// Without what it says of its interval.
 impl From<Observation> for Observations<1> {
     #[inline]
     fn from(observation: Observation) -> Self {
