@@ -156,7 +156,7 @@ fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
 
 /// Wavenumbers and weights on [0, reach] for a smooth decaying function times waves over that distance.
 pub(super) fn wavenumbers(reach: f64, distance: f64, least: usize) -> Vec<[f64; 2]> {
-    let count = (0.3 * reach * distance).ceil() as usize + 2 * least;
+    let count = (0.27 * reach * distance).ceil() as usize + 2 * least;
     let degree = NonZeroUsize::new(count).expect("a least count is positive");
     let half = 0.5 * reach;
     let rule = GaussLegendre::new(degree);

@@ -8,8 +8,8 @@
 //! and the half-space by N = (1 + Hζ) e^{−Hζ}, R = Hζ e^{−Hζ}. Their difference decays as e^{−(2−ζ)H}; it is
 //! formed below from its own terms in e^{−2H} and e^{−2x}, so that nothing cancels where it is small.
 
-/// Beyond this exponent a term is below 1e-17 of the whole.
-const NEGLIGIBLE: f64 = 40.0;
+/// Terms of e to minus this power do not count.
+const NEGLIGIBLE: f64 = 36.0;
 
 /// Half-space less layer at the surface, as a share of the half-space: 1 − (sinh 2H − 2H)/(cosh 2H + 2H² + 1).
 pub(super) fn at_surface(wavenumber: f64) -> f64 {

@@ -1,5 +1,7 @@
 //! The base's share of the displacement as a sum over wavenumbers.
 
+use std::sync::OnceLock;
+
 use super::pressure::{Pressure, wavenumbers};
 use super::reflection;
 use crate::Field;
@@ -10,11 +12,16 @@ pub(super) const BEYOND: f64 = 30.0;
 /// Wavenumbers for a smooth function alone.
 const LEAST: usize = 24;
 
-/// A sum good up to some distance.
+/// Distances up to which the sums are good, the shortest; each following one reaches twice as far.
+const NEAR: f64 = 4.0;
+
+/// The sums over the wavenumbers that a pressure's reflection takes at some depth.
 #[derive(Clone, Debug)]
 pub(super) struct Waves {
-    reach: f64,
-    waves: Vec<Wave>,
+    pressure: Pressure,
+    depth: f64,
+    /// Sums for short distances first, each made when first needed.
+    bands: Vec<OnceLock<Vec<Wave>>>,
 }
 
 /// One wavenumber.
@@ -46,30 +53,27 @@ impl Wave {
 }
 
 impl Waves {
-    /// Sums for all distances, shorter ones for small distances.
-    pub(super) fn bands(pressure: &Pressure, depth: f64) -> Vec<Self> {
-        let end = pressure.contact + BEYOND;
-        let mut bands = Vec::new();
-        let mut reach = 4.0;
-        loop {
-            let reach_here = f64::min(reach, end);
-            bands.push(Self {
-                reach: reach_here,
-                waves: Wave::all(pressure, depth, reach_here),
-            });
-            if reach_here == end {
-                return bands;
-            }
-            reach *= 2.0;
+    pub(super) fn new(pressure: Pressure, depth: f64) -> Self {
+        let count = ((pressure.contact + BEYOND) / NEAR).log2().ceil() as usize + 1;
+        Self {
+            pressure,
+            depth,
+            bands: vec![OnceLock::new(); count],
         }
     }
 
     /// The base's share at this distance.
-    pub(super) fn field(bands: &[Self], r: f64) -> Field {
-        let band = bands.iter().find(|band| r <= band.reach);
-        let Some(Self { waves, .. }) = band else {
+    pub(super) fn field(&self, r: f64) -> Field {
+        let reaches = std::iter::successors(Some(NEAR), |reach| Some(2.0 * reach));
+        let band = self
+            .bands
+            .iter()
+            .zip(reaches)
+            .find(|(_, reach)| r <= *reach);
+        let Some((waves, reach)) = band else {
             return Field::default();
         };
+        let waves = waves.get_or_init(|| Wave::all(&self.pressure, self.depth, reach));
         let mut field = Field::default();
         for wave in waves {
             let k = wave.wavenumber;
