@@ -21,6 +21,8 @@ const ROBUST: f64 = 3.0;
 /// What a further step must promise to lower chi-squared by, before and after it is known which are wrong.
 const ROUGHLY: f64 = 1e-2;
 const EXACTLY: f64 = 1e-8;
+/// No displacement is taken to be more exact than this share of the largest.
+const EXACT: f64 = 1e-10;
 /// By how much a contact must explain the readings better than none.
 const SEEN: f64 = 16.0;
 /// The normal quantile of a two-sided interval of 95 %.
@@ -243,7 +245,7 @@ impl<'a> Search<'a> {
         let equations = problem.equations() as f64;
         let freedom = equations - problem.unknowns() as f64;
         let correction = (equations / freedom.max(1.0)).sqrt();
-        let floor = 1e-13 * self.largest;
+        let floor = EXACT * self.largest;
         let std = |residuals: &[f64]| {
             // The median of |x| is 0.6745 standard deviations.
             let raw = if robustly {
