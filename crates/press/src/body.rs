@@ -125,6 +125,21 @@ impl Body {
         if !(1e-50..=1e50).contains(&radius) {
             return Err(PressError::OutOfRange);
         }
+        self.contact(relative_curvature, indentation, radius)
+    }
+
+    /// The contact of this radius with an object of relative curvature 1: however deep, displacements are F(a, r).
+    pub(crate) fn unit_contact(&self, radius: f64) -> Result<Contact<'_>, PressError> {
+        let [indentation, _] = self.indentation_of(radius)?;
+        self.contact(1.0, indentation, radius)
+    }
+
+    fn contact(
+        &self,
+        relative_curvature: f64,
+        indentation: f64,
+        radius: f64,
+    ) -> Result<Contact<'_>, PressError> {
         let layer = match &self.0 {
             Rung::BondedLayer(layer) => Some(layer.contact(radius)?),
             Rung::HalfSpace { .. } | Rung::Gaussian { .. } => None,

@@ -91,6 +91,19 @@ pub enum PressError {
         /// How much that must be.
         needed: f64,
     },
+    /// One marker moved and the others did not: it is wrong, or the object is a needle under it.
+    #[error(
+        "only marker {marker} (counting from 0) moved: a contact explains the others only \
+         {improvement:.1} better than none does (chi-squared; {needed} are needed)"
+    )]
+    OneMarker {
+        /// Which marker.
+        marker: usize,
+        /// Chi-squared of the others without a contact minus that with one.
+        improvement: f64,
+        /// How much that must be.
+        needed: f64,
+    },
     /// The contact that would explain the readings lies away from all markers.
     #[error("the contact lies {distance} from the nearest marker, off the sensor's markers")]
     OffMarkers {
@@ -140,6 +153,7 @@ impl PressError {
             Self::LayerTooThin { .. } => "layer-too-thin",
             Self::TooFewMarkers { .. } => "too-few-markers",
             Self::NoContact { .. } => "no-contact",
+            Self::OneMarker { .. } => "one-marker",
             Self::OffMarkers { .. } => "off-markers",
             Self::Undetermined { .. } => "undetermined",
             Self::OutOfRange => "out-of-range",

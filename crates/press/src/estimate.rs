@@ -21,6 +21,23 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// All numbers.
+    pub const UNBOUNDED: Self = Self {
+        low: None,
+        high: None,
+    };
+
+    /// The smallest interval that holds this one and another.
+    pub fn hull(&self, other: Self) -> Self {
+        let both = |one: Option<f64>, other: Option<f64>, end: fn(f64, f64) -> f64| {
+            one.zip(other).map(|(one, other)| end(one, other))
+        };
+        Self {
+            low: both(self.low, other.low, f64::min),
+            high: both(self.high, other.high, f64::max),
+        }
+    }
+
     /// Whether it holds a value.
     pub fn holds(&self, value: f64) -> bool {
         self.low.is_none_or(|low| low <= value) && self.high.is_none_or(|high| value <= high)

@@ -2,6 +2,8 @@
 
 mod bias;
 mod minimise;
+mod outcome;
+mod presence;
 mod problem;
 mod profile;
 mod search;
@@ -9,8 +11,9 @@ mod start;
 
 use crate::{Body, Contact, Markers, PressError, PressEstimate};
 use minimise::inverse;
+use outcome::Stds;
 use problem::{Problem, State};
-use search::{Search, Stds};
+use search::Search;
 
 /// What was read of one press.
 #[derive(Clone, Copy, Debug)]
@@ -90,7 +93,8 @@ impl ForwardFit {
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for what is given;
-    /// [`PressError::NoContact`] where nothing moved beyond noise or all markers moved alike;
+    /// [`PressError::NoContact`] and [`PressError::OneMarker`] where no more than one marker moved beyond noise, or all
+    /// moved alike;
     /// [`PressError::OffMarkers`], [`PressError::Undetermined`] and those of [`Body::press`] where the readings fit no
     /// press.
     pub fn estimate(&self, reading: &Reading<'_>) -> Result<PressEstimate, PressError> {

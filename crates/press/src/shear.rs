@@ -5,9 +5,11 @@
 //! multiples of q̄ e^{−kz}/(2Gk), by 2(1−ν) − kz along their direction, by 2 across it, and by (1−2ν) + kz inward, a
 //! quarter of a wave behind. Per unit shift, which is π(2−ν) q₀ a/(4G), with φ the azimuth from the shift:
 //!
-//!     along  = s [2(2−ν) A₀ − z B₀ + cos 2φ (2ν A₂ + z B₂)]     across = s sin 2φ (2ν A₂ + z B₂)
-//!     inward = 2s cos φ [(1−2ν) A₁ + z B₁]                      s = 1/(π(2−ν))
-//!     A_m = ∫ sin(ka) e^{−kz} J_m(kr) dk/k                      B_m = ∫ sin(ka) e^{−kz} J_m(kr) dk
+//! ```text
+//! along  = s [2(2−ν) A₀ − z B₀ + cos 2φ (2ν A₂ + z B₂)]     across = s sin 2φ (2ν A₂ + z B₂)
+//! inward = 2s cos φ [(1−2ν) A₁ + z B₁]                      s = 1/(π(2−ν))
+//! A_m = ∫ sin(ka) e^{−kz} J_m(kr) dk/k                      B_m = ∫ sin(ka) e^{−kz} J_m(kr) dk
+//! ```
 //!
 //! With the complex distance ρ = √(r² + ζ²), ζ = z − ia, and t = r/(ρ + ζ) they are Im tᵐ/m (A₀ = asin of a over half
 //! the sum of the distances to both ends of a diameter) and Im tᵐ/ρ.

@@ -4,7 +4,9 @@
 //! written Q(k) = ∫₀^α φ(t) cos(kt) dt. Then the pressure vanishes beyond α by itself, and the displacement
 //! D − r²/2 within the contact is a Fredholm equation of the second kind (Copson's method; Lebedev and Ufliand 1958):
 //!
-//!     φ(t) − (2/π) ∫₀^α φ(s) ∫₀^∞ g(k) cos kt cos ks dk ds = (2/π)(D − t²)
+//! ```text
+//! φ(t) − (2/π) ∫₀^α φ(s) ∫₀^∞ g(k) cos kt cos ks dk ds = (2/π)(D − t²)
+//! ```
 //!
 //! with g of [`reflection::at_surface`](super::reflection::at_surface). It is solved at Gauss nodes for the right-hand
 //! sides 1 and t²; the pressure vanishes at the edge, φ(α) = 0, which gives D. A wider contact adds the pressure of a

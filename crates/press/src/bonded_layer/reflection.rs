@@ -3,7 +3,9 @@
 //! In units of the thickness, with H the wavenumber, ζ the depth and x = H(1 − ζ), a pressure of Hankel transform Q
 //! moves the layer by ∫ Q N J₀ dk inward and ∫ Q R J₁ dk outward,
 //!
-//!     N = [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H · x sinh x] / (cosh² H + H²)      R = ∂N/∂x likewise
+//! ```text
+//! N = [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H · x sinh x] / (cosh² H + H²)      R = ∂N/∂x likewise
+//! ```
 //!
 //! and the half-space by N = (1 + Hζ) e^{−Hζ}, R = Hζ e^{−Hζ}. Their difference decays as e^{−(2−ζ)H}; it is
 //! formed below from its own terms in e^{−2H} and e^{−2x}, so that nothing cancels where it is small.

@@ -4,7 +4,9 @@
 //! Legendre polynomials of t/a give oblate spheroidal harmonics (Hobson 1931, §251): with z = aξη and
 //! r² = a²(1 + ξ²)(1 − η²), and φ = Σ (−1)ʲ cₙ Pₙ(t/a), n = 2j,
 //!
-//!     Φ = Σ cₙ Pₙ(η) qₙ(ξ)      (n + 1) qₙ₊₁ = n qₙ₋₁ − (2n + 1) ξ qₙ      q₀ = acot ξ
+//! ```text
+//! Φ = Σ cₙ Pₙ(η) qₙ(ξ)      (n + 1) qₙ₊₁ = n qₙ₋₁ − (2n + 1) ξ qₙ      q₀ = acot ξ
+//! ```
 //!
 //! Nothing in the sum grows: |Pₙ| ≤ 1, and qₙ falls as e^{−nϑ}, ϑ = asinh ξ. Its recurrence is run upward while
 //! e^{nϑ} is small and downward otherwise.

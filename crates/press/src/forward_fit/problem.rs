@@ -111,15 +111,15 @@ impl<'a> Problem<'a> {
         places.map(|marker| markers.sight(place, marker)).collect()
     }
 
-    /// Chi-squared alone, with the markers seen from the state's place.
-    pub(super) fn cost(&self, state: &State, sights: &[Sight]) -> Result<f64, PressError> {
-        let contact = self.contact(state)?;
-        let mut chi_squared = self.priors(state).0;
-        for marker in self.counting() {
-            let moved = moved(&contact, state, &sights[marker]);
-            chi_squared += self.squared(self.residuals(marker, moved)).0;
-        }
-        finite(chi_squared)
+    /// Chi-squared alone, where the model says how all markers move: normal displacements and tangential ones.
+    pub(super) fn cost(
+        &self,
+        state: &State,
+        moved: impl Fn(usize) -> (f64, Vector2<f64>),
+    ) -> Result<f64, PressError> {
+        let squared = |marker| self.squared(self.residuals(marker, moved(marker))).0;
+        let chi_squared: f64 = self.counting().map(squared).sum();
+        finite(self.priors(state).0 + chi_squared)
     }
 
     /// Chi-squared with its derivatives.
@@ -163,6 +163,11 @@ impl<'a> Problem<'a> {
         marker: usize,
     ) -> [f64; 3] {
         self.residuals(marker, moved(contact, state, &self.sight(state, marker)))
+    }
+
+    /// Residuals of a marker, in standard deviations, if nothing moves it but the baseline.
+    pub(super) fn readings_of(&self, marker: usize, baseline: f64) -> [f64; 3] {
+        self.residuals(marker, (baseline, Vector2::zeros()))
     }
 
     /// What the model says of all markers.

@@ -2,15 +2,14 @@
 
 use nalgebra::Vector3;
 
-use super::bias::relative_bias;
 use super::minimise::{inverse, minimise};
-use super::problem::{
-    ACROSS, ALONG, BASELINE, CURVATURE, GAIN, INDENTATION, Problem, Square, State, Sums,
-};
+use super::outcome::outcome;
+use super::presence::{NOTHING, on_markers, seen};
+use super::problem::{ACROSS, BASELINE, GAIN, INDENTATION, Problem, State, Sums};
 use super::profile::{Profile, profile};
 use super::start::{median, starts};
 use super::{ForwardFit, Prior, Reading};
-use crate::{Estimated, Interval, PressError, PressEstimate, Verdict};
+use crate::{Contact, Interval, PressError, PressEstimate};
 
 /// A residual beyond this many standard deviations is wrong, not noisy: chance brings one in two million.
 const WRONG: f64 = 5.0;
@@ -23,8 +22,6 @@ const ROUGHLY: f64 = 1e-2;
 const EXACTLY: f64 = 1e-8;
 /// No displacement is taken to be more exact than this share of the largest.
 const EXACT: f64 = 1e-10;
-/// By how much a contact must explain the readings better than none.
-const SEEN: f64 = 16.0;
 /// The normal quantile of a two-sided interval of 95 %.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 
@@ -37,6 +34,8 @@ pub(super) struct Search<'a> {
     find_tangential: bool,
     /// The largest displacement that was read.
     largest: f64,
+    /// Fits that began elsewhere.
+    rivals: Vec<State>,
 }
 
 impl<'a> Problem<'a> {
@@ -106,10 +105,7 @@ impl<'a> Search<'a> {
             .copied()
             .fold(f64::NEG_INFINITY, f64::max);
         if least == most {
-            return Err(PressError::NoContact {
-                improvement: 0.0,
-                needed: SEEN,
-            });
+            return Err(NOTHING);
         }
         let largest = most.abs().max(least.abs());
         let stated = |std: Option<f64>| std.filter(|&std| std > 0.0);
@@ -121,6 +117,7 @@ impl<'a> Search<'a> {
             find_tangential: tangential.is_none(),
             problem,
             largest,
+            rivals: Vec::new(),
         })
     }
 
@@ -128,29 +125,80 @@ impl<'a> Search<'a> {
         let (mut state, mut sums) = self.begin()?;
         // The profile may find a better fit than the one it starts from.
         for _ in 0..4 {
-            self.seen(&sums)?;
+            seen(&self.problem, &state)?;
             let covariance = inverse(&sums.hessian).ok_or(PressError::Undetermined {
                 what: "some combination of curvature, place, indentation, baseline and gain is free",
             })?;
             let limit = self.limit();
             match profile(&self.problem, &state, &sums, &covariance, limit * limit) {
-                Profile::Interval(interval) => {
-                    return self.estimate(&state, &sums, &covariance, interval);
-                }
-                Profile::Better(better) => {
-                    state = better;
-                    sums = self.settle(&mut state)?;
-                }
+                Profile::Interval(interval) => match self.with_rivals(&state, &sums, interval) {
+                    Profile::Interval(interval) => {
+                        on_markers(&self.problem, &state)?;
+                        return outcome(&self.problem, &state, &sums, &covariance, interval, limit);
+                    }
+                    Profile::Better(better) => state = better,
+                },
+                Profile::Better(better) => state = better,
             }
+            sums = self.settle(&mut state)?;
         }
         Err(PressError::Undetermined {
             what: "the sum of squares has no clear minimum",
         })
     }
 
+    /// An interval that holds what other fits tell which explain the readings about as well.
+    fn with_rivals(&self, best: &State, sums: &Sums, interval: Interval) -> Profile {
+        let limit = self.limit() * self.limit();
+        let mut hull = interval;
+        for rival in self
+            .rivals
+            .iter()
+            .filter(|rival| !self.is_same(best, rival))
+        {
+            let Ok((state, least)) = minimise(&self.problem, *rival, EXACTLY) else {
+                continue;
+            };
+            let rise = least.chi_squared - sums.chi_squared;
+            if self.is_same(best, &state) || rise >= limit {
+                continue;
+            }
+            if rise < -ROUGHLY {
+                return Profile::Better(state);
+            }
+            let covariance = inverse(&least.hessian);
+            let around = |covariance| {
+                profile(
+                    &self.problem,
+                    &state,
+                    &least,
+                    covariance,
+                    limit - rise.max(0.0),
+                )
+            };
+            hull = match covariance.as_ref().map(around) {
+                Some(Profile::Interval(interval)) => hull.hull(interval),
+                // Where nothing bounds a rival, it may be anything.
+                Some(Profile::Better(_)) | None => Interval::UNBOUNDED,
+            };
+        }
+        Profile::Interval(hull)
+    }
+
+    /// Whether two fits are one and the same.
+    fn is_same(&self, one: &State, other: &State) -> bool {
+        let near = |contact: Contact<'_>| {
+            let markers = self.problem.reading.markers;
+            markers.sight(&one.place, &other.place).distance < 0.2 * contact.radius
+        };
+        (one.log_curvature - other.log_curvature).abs() < 0.1
+            && self.problem.contact(one).is_ok_and(near)
+    }
+
     /// The best of the fits that are begun; where the noise is to be found, the one that finds the least.
     fn begin(&mut self) -> Result<(State, Sums), PressError> {
         let mut fits = self.robust_fits()?;
+        self.rivals.clone_from(&fits);
         if !self.find_normal {
             fits.truncate(1);
         }
@@ -180,12 +228,9 @@ impl<'a> Search<'a> {
         let mut problem = self.problem.clone();
         problem.tolerance = ROBUST;
         let mut fits: Vec<(f64, State)> = Vec::new();
-        let mut failure = PressError::NoContact {
-            improvement: 0.0,
-            needed: SEEN,
-        };
+        let mut failure = NOTHING;
         let few = if self.find_normal { 6 } else { 2 };
-        for start in starts(&problem).into_iter().take(few) {
+        for start in starts(&problem, few) {
             problem.keep_window(&start);
             match minimise(&problem, start, ROUGHLY) {
                 Ok((state, sums)) => fits.push((sums.chi_squared, state)),
@@ -305,234 +350,6 @@ impl<'a> Search<'a> {
         } else {
             NORMAL_95
         }
-    }
-
-    /// That a contact explains the readings better than none.
-    fn seen(&self, sums: &Sums) -> Result<(), PressError> {
-        let problem = &self.problem;
-        let baseline = match problem.fit.baseline {
-            Prior::Exact => 0.0,
-            Prior::Within(_) | Prior::Free => {
-                let kept = problem.reading.normal.iter().zip(&problem.kept);
-                let (sum, count) = kept
-                    .filter(|(_, kept)| **kept)
-                    .fold((0.0, 0.0), |(sum, count), (value, _)| {
-                        (sum + value, count + 1.0)
-                    });
-                sum / count
-            }
-        };
-        let without: f64 = problem.unmoved(baseline);
-        let improvement = without - sums.chi_squared;
-        if improvement >= SEEN {
-            Ok(())
-        } else {
-            Err(PressError::NoContact {
-                improvement,
-                needed: SEEN,
-            })
-        }
-    }
-
-    fn estimate(
-        &self,
-        state: &State,
-        sums: &Sums,
-        covariance: &Square,
-        interval: Interval,
-    ) -> Result<PressEstimate, PressError> {
-        let problem = &self.problem;
-        let contact = problem.contact(state)?;
-        self.on_markers(state, contact.radius)?;
-        let limit = self.limit();
-        let stds = Stds::new(problem, state, covariance)?;
-        let around = |value: f64, std: f64| Estimated {
-            value,
-            std,
-            interval: Interval {
-                low: Some(value - limit * std),
-                high: Some(value + limit * std),
-            },
-        };
-        let skin = problem.reading.markers.skin();
-        let unbiased = without_bias(
-            contact.relative_curvature,
-            relative_bias(problem, state, covariance),
-            interval,
-        );
-        let relative_curvature = Estimated {
-            value: unbiased,
-            std: stds.relative_curvature * (unbiased / contact.relative_curvature),
-            interval,
-        };
-        let freedom = problem.equations() - problem.unknowns();
-        let nuisance = |index: usize, value: f64| {
-            problem.sought[index].then(|| around(value, covariance[(index, index)].sqrt()))
-        };
-        let window = problem.fit.window.unwrap_or(f64::INFINITY);
-        let distance = |marker: usize| {
-            let place = &problem.reading.markers.places()[marker];
-            problem.reading.markers.sight(&state.place, place).distance
-        };
-        Ok(PressEstimate {
-            sensor_curvature: skin.curvature(),
-            relative_curvature,
-            most_likely_curvature: contact.relative_curvature,
-            indentation: around(state.indentation, stds.indentation),
-            contact_radius: around(contact.radius, stds.contact_radius),
-            contact: skin.chart(state.place.direction.as_ref()),
-            contact_std: stds.contact,
-            baseline: nuisance(BASELINE, state.baseline),
-            gain: nuisance(GAIN, state.gain),
-            wrong_markers: (0..problem.kept.len())
-                .filter(|&marker| !problem.kept[marker] && distance(marker) <= window)
-                .collect(),
-            normal_std: problem.normal_std,
-            tangential_std: problem.uses_tangential().then_some(problem.tangential_std),
-            r_squared: problem.r_squared(state)?,
-            reduced_chi_squared: sums.chi_squared / freedom.max(1) as f64,
-            verdict: verdict(interval, skin.curvature()),
-        })
-    }
-
-    /// That some marker is near the contact, or that markers surround it.
-    fn on_markers(&self, state: &State, radius: f64) -> Result<(), PressError> {
-        let markers = self.problem.reading.markers;
-        let mut bearings = Vec::with_capacity(markers.places().len());
-        let mut nearest = f64::INFINITY;
-        for place in markers.places() {
-            let sight = markers.sight(&state.place, place);
-            nearest = nearest.min(sight.distance);
-            bearings.push(sight.bearing.y.atan2(sight.bearing.x));
-        }
-        if nearest <= 2.0 * radius {
-            return Ok(());
-        }
-        bearings.sort_by(f64::total_cmp);
-        let turn = std::f64::consts::TAU;
-        let around = bearings
-            .iter()
-            .skip(1)
-            .chain([&(bearings[0] + turn)])
-            .copied()
-            .collect::<Vec<_>>();
-        let gap = bearings
-            .iter()
-            .zip(around)
-            .map(|(one, next)| next - one)
-            .fold(0.0, f64::max);
-        if gap > 0.5 * turn + 1e-6 {
-            return Err(PressError::OffMarkers { distance: nearest });
-        }
-        Ok(())
-    }
-}
-
-impl Problem<'_> {
-    /// Chi-squared if nothing had moved but by the baseline.
-    fn unmoved(&self, baseline: f64) -> f64 {
-        let mut squared = 0.0;
-        for marker in (0..self.kept.len()).filter(|&marker| self.kept[marker]) {
-            squared += ((self.reading.normal[marker] - baseline) / self.normal_std).powi(2);
-            if let Some(tangential) = self.reading.tangential.filter(|_| self.uses_tangential()) {
-                let [x, y] = tangential[marker];
-                squared += (x * x + y * y) / (self.tangential_std * self.tangential_std);
-            }
-        }
-        squared
-    }
-
-    /// The share of the variance of the normal displacements that count which the model explains.
-    fn r_squared(&self, state: &State) -> Result<f64, PressError> {
-        let contact = self.contact(state)?;
-        let moved = self.displacements(&contact, state);
-        let pairs = || {
-            let read = self.reading.normal.iter().zip(&moved).zip(&self.kept);
-            read.filter(|(_, kept)| **kept)
-                .map(|((read, moved), _)| (*read, moved.normal))
-        };
-        let count = pairs().count().max(1) as f64;
-        let mean = pairs().map(|(read, _)| read).sum::<f64>() / count;
-        let (left, all) = pairs().fold((0.0, 0.0), |(left, all), (read, moved)| {
-            (left + (read - moved).powi(2), all + (read - mean).powi(2))
-        });
-        Ok(if all > 0.0 { 1.0 - left / all } else { 0.0 })
-    }
-}
-
-/// Standard deviations of what is reported.
-pub(super) struct Stds {
-    pub(super) relative_curvature: f64,
-    pub(super) indentation: f64,
-    pub(super) contact_radius: f64,
-    pub(super) contact: [f64; 2],
-}
-
-impl Stds {
-    pub(super) fn new(
-        problem: &Problem<'_>,
-        state: &State,
-        covariance: &Square,
-    ) -> Result<Self, PressError> {
-        let variance = |one: usize, other: usize| {
-            if problem.sought[one] && problem.sought[other] {
-                covariance[(one, other)]
-            } else {
-                0.0
-            }
-        };
-        let contact = problem.contact(state)?;
-        let [_, slope] = problem.fit.body.indentation_of(contact.radius)?;
-        // C D(a) = δ: C D' da = dδ − δ d ln C.
-        let share = 1.0 / (contact.relative_curvature * slope);
-        let depth = state.indentation;
-        let of_radius = variance(INDENTATION, INDENTATION)
-            - 2.0 * depth * variance(INDENTATION, CURVATURE)
-            + depth * depth * variance(CURVATURE, CURVATURE);
-        // On a circle the axes at the contact are the circle's own.
-        let axes = problem
-            .reading
-            .markers
-            .skin()
-            .place_at(state.place.direction.as_ref());
-        let along = |axis: &Vector3<f64>| {
-            let (x, y) = (axis.dot(&state.place.x_axis), axis.dot(&state.place.y_axis));
-            let squared = x * x * variance(ALONG, ALONG)
-                + 2.0 * x * y * variance(ALONG, ACROSS)
-                + y * y * variance(ACROSS, ACROSS);
-            squared.max(0.0).sqrt()
-        };
-        Ok(Self {
-            relative_curvature: contact.relative_curvature * variance(CURVATURE, CURVATURE).sqrt(),
-            indentation: variance(INDENTATION, INDENTATION).sqrt(),
-            contact_radius: share * of_radius.max(0.0).sqrt(),
-            contact: [along(&axes.x_axis), along(&axes.y_axis)],
-        })
-    }
-}
-
-/// A curvature without its bias (a share of it), within its interval. Divided by what it is too large by rather than
-/// lowered: a curvature that may be anything is not estimated as none.
-fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
-    let corrected = if bias > 0.0 {
-        curvature / (1.0 + bias)
-    } else {
-        curvature * (1.0 - bias)
-    };
-    corrected.clamp(
-        interval.low.unwrap_or(0.0),
-        interval.high.unwrap_or(f64::INFINITY),
-    )
-}
-
-/// What an interval of the relative curvature tells of the object, for a sensor of this curvature.
-fn verdict(interval: Interval, sensor: f64) -> Verdict {
-    let Interval { low, high } = interval;
-    match (low, high) {
-        (Some(low), _) if low > sensor => Verdict::Convex,
-        (_, Some(high)) if high < sensor => Verdict::Concave,
-        (Some(low), Some(high)) if high - low < sensor => Verdict::FlatWithinNoise,
-        _ => Verdict::NotResolved,
     }
 }
 

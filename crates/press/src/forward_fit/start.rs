@@ -2,89 +2,118 @@
 
 use nalgebra::Vector3;
 
-use super::problem::{INDENTATION, Problem, State};
+use super::problem::{Problem, State};
 use super::{Measured, Prior};
 use crate::markers::Sight;
+use crate::{Displacement, Place};
 
 /// Markers at which the contact is tried: those that moved most; and between the two, three … of them.
 const MARKERS: usize = 4;
-/// Radii of the contact that are tried, in radii of the sensor.
-const RADII: [f64; 5] = [0.03, 0.07, 0.14, 0.24, 0.4];
+/// The contact is also tried so far beyond the markers, in radians.
+const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
+/// A start that costs so much more than another in chi-squared is not worth beginning from.
+const MUCH: f64 = 50.0;
+/// Radii of the contact that are tried, in radii of the sensor, a middling one first.
+const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
+/// In how many directions all radii are tried.
+const VIEWS: usize = 3;
 
-/// States from which to begin, the likeliest first.
-pub(super) fn starts(problem: &Problem<'_>) -> Vec<State> {
-    let baseline = match problem.fit.baseline {
-        Prior::Exact => 0.0,
-        Prior::Within(_) | Prior::Free => median(problem.reading.normal),
-    };
+/// States from which to begin: the `few` likeliest, and the likeliest with a contact beyond the markers if that is not
+/// much less likely.
+pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
+    let mut near = tried(problem, &with_between(most_moved(problem)));
+    let mut beyond = tried(problem, &beyond(problem));
+    near.truncate(few);
+    beyond.truncate(1);
+    let likely = near.first().map_or(f64::INFINITY, |(cost, _)| cost + MUCH);
+    beyond.retain(|(cost, _)| *cost < likely);
+    near.into_iter()
+        .chain(beyond)
+        .map(|(_, state)| state)
+        .collect()
+}
+
+/// States with a contact in these directions, with their costs, the likeliest first: of a middling radius in each, and
+/// of all radii in the likeliest few.
+fn tried(problem: &Problem<'_>, directions: &[Vector3<f64>]) -> Vec<(f64, State)> {
+    let [middling, others @ ..] = RADII;
     let skin = problem.reading.markers.skin();
-    let mut best: Vec<(f64, State)> = Vec::new();
-    for direction in places(problem) {
-        let from = State {
-            log_curvature: 0.0,
-            place: problem.place_at(&direction),
-            indentation: 0.0,
-            baseline,
-            gain: 1.0,
-        };
-        let sights = problem.sights(&from.place);
-        let states = RADII.iter().filter_map(|radius| {
-            let state = of_radius(problem, radius * skin.radius(), from, &sights)?;
-            problem.cost(&state, &sights).ok().map(|cost| (cost, state))
-        });
-        best.extend(states);
+    let mut views: Vec<(f64, Vec<Sight>, State)> = Vec::new();
+    for direction in directions {
+        let place = problem.place_at(direction);
+        let sights = problem.sights(&place);
+        if let Some((cost, state)) = of_radius(problem, middling * skin.radius(), place, &sights) {
+            views.push((cost, sights, state));
+        }
     }
-    best.sort_by(|one, other| one.0.total_cmp(&other.0));
-    best.into_iter().map(|(_, state)| state).collect()
+    views.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let mut states: Vec<(f64, State)> = Vec::new();
+    for (_, sights, state) in views.iter().take(VIEWS) {
+        let of_radius =
+            |share: &f64| of_radius(problem, share * skin.radius(), state.place, sights);
+        states.extend(others.iter().filter_map(of_radius));
+    }
+    states.extend(views.iter().map(|(cost, _, state)| (*cost, *state)));
+    states.sort_by(|one, other| one.0.total_cmp(&other.0));
+    states
 }
 
 /// The state with a contact of this radius, and with the indentation or the gain that suits the readings best where
-/// they are free.
-fn of_radius(problem: &Problem<'_>, radius: f64, from: State, sights: &[Sight]) -> Option<State> {
-    let [depth, _] = problem.fit.body.indentation_of(radius).ok()?;
-    let amplitude = |state: State| -> Option<f64> {
-        let contact = problem.contact(&state).ok()?;
+/// they are free; and its cost.
+fn of_radius(
+    problem: &Problem<'_>,
+    radius: f64,
+    place: Place,
+    sights: &[Sight],
+) -> Option<(f64, State)> {
+    let fit = problem.fit;
+    let unit = fit.body.unit_contact(radius).ok()?;
+    let moved: Vec<Displacement> = sights
+        .iter()
+        .map(|sight| unit.displacement(sight.distance))
+        .collect();
+    let baseline = match fit.baseline {
+        Prior::Exact => 0.0,
+        Prior::Within(_) | Prior::Free => median(problem.reading.normal),
+    };
+    // The readings in multiples of the displacements.
+    let amplitude = || {
         let (mut product, mut square) = (0.0, 0.0);
-        for (read, sight) in problem.reading.normal.iter().zip(sights) {
-            let moved = contact.displacement(sight.distance).normal;
-            product += (read - state.baseline) * moved;
-            square += moved * moved;
+        for (read, moved) in problem.reading.normal.iter().zip(&moved) {
+            product += (read - baseline) * moved.normal;
+            square += moved.normal * moved.normal;
         }
         (product > 0.0 && square > 0.0).then(|| product / square)
     };
-    match problem.reading.indentation {
-        Some(Measured { value, .. }) => {
-            let state = State {
-                log_curvature: (value / depth).ln(),
-                indentation: value,
-                ..from
-            };
-            let gain = match problem.fit.gain {
-                Prior::Free => amplitude(state)?,
-                Prior::Exact | Prior::Within(_) => 1.0,
-            };
-            Some(State { gain, ..state })
+    let (curvature, gain) = match (problem.reading.indentation, fit.gain) {
+        (Some(Measured { value, .. }), Prior::Free) => {
+            let curvature = value / unit.indentation;
+            (curvature, amplitude()? / curvature)
         }
-        None => {
-            debug_assert!(problem.sought[INDENTATION]);
-            // Displacements are proportional to the curvature at a given radius.
-            let unit = State {
-                log_curvature: -depth.ln(),
-                indentation: 1.0,
-                ..from
-            };
-            let indentation = amplitude(unit)?;
-            Some(State {
-                log_curvature: unit.log_curvature + indentation.ln(),
-                indentation,
-                ..unit
-            })
-        }
-    }
+        (Some(Measured { value, .. }), _) => (value / unit.indentation, 1.0),
+        (None, _) => (amplitude()?, 1.0),
+    };
+    let state = State {
+        log_curvature: curvature.ln(),
+        place,
+        indentation: curvature * unit.indentation,
+        baseline,
+        gain,
+    };
+    let scaled = |marker: usize| {
+        let Displacement { normal, radial } = moved[marker];
+        (
+            gain * curvature * normal + baseline,
+            sights[marker].outward * (curvature * radial),
+        )
+    };
+    problem.contact(&state).ok()?;
+    let cost = problem.cost(&state, scaled).ok()?;
+    Some((cost, state))
 }
 
-/// Directions of the contact that are tried.
-fn places(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
+/// The directions of the markers that moved most, the furthest first.
+fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let normal = problem.reading.normal;
     let mut order: Vec<usize> = (0..normal.len()).collect();
     let by_displacement = |one: &usize, other: &usize| normal[*other].total_cmp(&normal[*one]);
@@ -93,19 +122,49 @@ fn places(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
         order.truncate(MARKERS);
     }
     order.sort_by(by_displacement);
-    let directions: Vec<Vector3<f64>> = order
-        .iter()
-        .map(|&marker| {
-            problem.reading.markers.places()[marker]
-                .direction
-                .into_inner()
-        })
+    let direction = |marker: usize| problem.reading.markers.places()[marker].direction;
+    order
+        .into_iter()
+        .map(|marker| direction(marker).into_inner())
+        .collect()
+}
+
+/// Directions, and those between the first two, three … of them.
+fn with_between(mut directions: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
+    let between = |count: usize| directions[..count].iter().sum::<Vector3<f64>>();
+    let between: Vec<Vector3<f64>> = (2..=directions.len())
+        .filter_map(|count| between(count).try_normalize(1e-9))
         .collect();
-    let between = (2..=directions.len()).filter_map(|count| {
-        let sum: Vector3<f64> = directions[..count].iter().sum();
-        sum.try_normalize(1e-9)
-    });
-    directions.iter().copied().chain(between).collect()
+    directions.extend(between);
+    directions
+}
+
+/// Directions beyond the markers, on the side to which displacements grow.
+fn beyond(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
+    let directions = || {
+        let places = problem.reading.markers.places().iter();
+        places.map(|place| place.direction.into_inner())
+    };
+    let normal = problem.reading.normal;
+    let mean = normal.iter().sum::<f64>() / normal.len().max(1) as f64;
+    let growth: Vector3<f64> = directions()
+        .zip(normal)
+        .map(|(direction, value)| direction * (value - mean))
+        .sum();
+    let Some(middle) = directions().sum::<Vector3<f64>>().try_normalize(1e-9) else {
+        return Vec::new();
+    };
+    let Some(outward) = (growth - middle * growth.dot(&middle)).try_normalize(0.0) else {
+        return Vec::new();
+    };
+    let rim = directions()
+        .map(|direction| direction.dot(&middle))
+        .fold(1.0, f64::min);
+    let at = |angle: f64| middle * angle.cos() + outward * angle.sin();
+    BEYOND
+        .iter()
+        .map(|beyond| at(rim.acos() + beyond))
+        .collect()
 }
 
 pub(super) fn median(values: &[f64]) -> f64 {

@@ -1,0 +1,97 @@
+//! Whether there is a contact to be seen at all.
+
+use std::f64::consts::{PI, TAU};
+
+use super::Prior;
+use super::problem::{Problem, State};
+use crate::PressError;
+use crate::markers::Sight;
+
+/// By how much (in chi-squared) a contact must explain the readings better than none does.
+const SEEN: f64 = 16.0;
+/// The same without the marker that gains most: one marker alone may as well be wrong.
+const SEEN_BY_OTHERS: f64 = 9.0;
+
+/// The refusal where even the start explains nothing.
+pub(super) const NOTHING: PressError = PressError::NoContact {
+    improvement: 0.0,
+    needed: SEEN,
+};
+
+/// That a contact explains the readings better than none.
+///
+/// # Errors
+/// [`PressError::NoContact`], and [`PressError::OneMarker`] where all but one marker stay where they were.
+pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<(), PressError> {
+    let baseline = resting(problem);
+    let contact = problem.contact(state)?;
+    let (mut improvement, mut most, mut marker) = (0.0, 0.0, 0);
+    for index in (0..problem.kept.len()).filter(|&index| problem.kept[index]) {
+        let squared = |residuals: [f64; 3]| residuals.iter().map(|one| one * one).sum::<f64>();
+        let gain = squared(problem.readings_of(index, baseline))
+            - squared(problem.residuals_at(&contact, state, index));
+        improvement += gain;
+        if gain > most {
+            (most, marker) = (gain, index);
+        }
+    }
+    if improvement < SEEN {
+        return Err(PressError::NoContact {
+            improvement,
+            needed: SEEN,
+        });
+    }
+    if improvement - most < SEEN_BY_OTHERS {
+        return Err(PressError::OneMarker {
+            marker,
+            improvement: improvement - most,
+            needed: SEEN_BY_OTHERS,
+        });
+    }
+    Ok(())
+}
+
+/// What normal displacements are without a contact.
+fn resting(problem: &Problem<'_>) -> f64 {
+    if problem.fit.baseline == Prior::Exact {
+        return 0.0;
+    }
+    let kept = problem.reading.normal.iter().zip(&problem.kept);
+    let (sum, count) = kept
+        .filter(|(_, kept)| **kept)
+        .fold((0.0, 0.0), |(sum, count), (value, _)| {
+            (sum + value, count + 1.0)
+        });
+    sum / count
+}
+
+/// That some marker is near the contact, or that markers surround it.
+///
+/// # Errors
+/// [`PressError::OffMarkers`].
+pub(super) fn on_markers(problem: &Problem<'_>, state: &State) -> Result<(), PressError> {
+    let near = 2.0 * problem.contact(state)?.radius;
+    let sights = problem.sights(&state.place);
+    let distances = sights.iter().map(|sight| sight.distance);
+    let nearest = distances.fold(f64::INFINITY, f64::min);
+    if nearest <= near || are_around(&sights) {
+        Ok(())
+    } else {
+        Err(PressError::OffMarkers { distance: nearest })
+    }
+}
+
+/// Whether bearings leave no gap of more than half a turn.
+fn are_around(sights: &[Sight]) -> bool {
+    let mut bearings: Vec<f64> = sights
+        .iter()
+        .map(|sight| sight.bearing.y.atan2(sight.bearing.x))
+        .collect();
+    bearings.sort_by(f64::total_cmp);
+    let Some(&first) = bearings.first() else {
+        return false;
+    };
+    bearings.push(first + TAU);
+    let is_gap = |pair: &[f64]| pair[1] - pair[0] > PI + 1e-6;
+    !bearings.windows(2).any(is_gap)
+}
