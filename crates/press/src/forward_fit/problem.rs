@@ -240,7 +240,7 @@ impl<'a> Problem<'a> {
 
     /// What a marker's residuals add to chi-squared, and the weight of its slopes: c² ln(1 + s/c²) after Cauchy, which
     /// is s within the tolerance c.
-    fn squared(&self, residuals: [f64; 3]) -> (f64, f64) {
+    pub(super) fn squared(&self, residuals: [f64; 3]) -> (f64, f64) {
         let squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
         if self.tolerance == f64::INFINITY {
             return (squared, 1.0);

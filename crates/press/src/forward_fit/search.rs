@@ -74,6 +74,16 @@ impl<'a> Problem<'a> {
     }
 }
 
+impl Problem<'_> {
+    /// Chi-squared of the markers that do not count, taken as unmoved.
+    fn left_out(&self) -> f64 {
+        (0..self.kept.len())
+            .filter(|&marker| !self.kept[marker])
+            .map(|marker| self.squared(self.readings_of(marker, 0.0)).0)
+            .sum()
+    }
+}
+
 /// The pole of the great circle on which all markers lie, if they do.
 fn common_circle(reading: &Reading<'_>) -> Option<Vector3<f64>> {
     let mut spread = nalgebra::Matrix3::zeros();
@@ -198,6 +208,10 @@ impl<'a> Search<'a> {
     /// The best of the fits that are begun; where the noise is to be found, the one that finds the least.
     fn begin(&mut self) -> Result<(State, Sums), PressError> {
         let mut fits = self.robust_fits()?;
+        if self.problem.fit.window.is_some() {
+            // Fits to other markers are not to be compared by their residuals.
+            fits.truncate(1);
+        }
         self.rivals.clone_from(&fits);
         if !self.find_normal {
             fits.truncate(1);
@@ -233,7 +247,7 @@ impl<'a> Search<'a> {
         for start in starts(&problem, few) {
             problem.keep_window(&start);
             match minimise(&problem, start, ROUGHLY) {
-                Ok((state, sums)) => fits.push((sums.chi_squared, state)),
+                Ok((state, sums)) => fits.push((sums.chi_squared + problem.left_out(), state)),
                 Err(error) => failure = error,
             }
         }

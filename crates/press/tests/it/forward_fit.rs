@@ -151,6 +151,27 @@ fn wrong_markers_are_named() {
     }
 }
 
+/// Markers that a window leaves out are no reason to look elsewhere.
+#[test]
+fn a_window_stays_on_the_contact() {
+    let (markers, body) = (published(), half_space());
+    let contact = markers.skin().contact(&body, 0.0, 1.0).unwrap();
+    let exact = Readings::of(&markers, &contact, at(10.0, 70.0));
+    let fit = ForwardFit {
+        normal_std: Some(0.05),
+        window: Some(9.0),
+        ..ForwardFit::new(body.clone())
+    };
+    for trial in 0..20 {
+        let readings = exact.noisy(0.05, trial);
+        let found = fit
+            .estimate(&readings.reading(&markers, exactly(1.0)))
+            .unwrap();
+        let [x, y] = at(10.0, 70.0);
+        assert!((found.contact[0] - x).hypot(found.contact[1] - y) < 1.5);
+    }
+}
+
 #[test]
 fn a_gain_that_the_fit_is_told_of_widens_its_intervals_to_hold_the_truth() {
     let (markers, body) = (published(), half_space());
