@@ -140,6 +140,12 @@ pub fn estimate_press(
         length_unit: unit.as_str(),
         relative_curvature: told(estimate.relative_curvature, Unit::PerLength),
         effective_radius: told(estimate.effective_radius(), Unit::Length),
+        most_likely_effective_radius: Value::new(
+            estimate.most_likely_curvature.recip(),
+            None,
+            Unit::Length,
+            unit,
+        ),
         object_curvature: told(curvature, Unit::PerLength),
         object_radius: Radius::of(&curvature, unit),
         regime: ContactRegime::of(skin.curvature(), curvature.value).name(),
@@ -301,11 +307,15 @@ fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError)
         _ => error.to_string(),
     });
     match error {
-        PressError::NotFinite { marker } if *marker < recorded.lines.len() => RecordedError::Line {
-            file,
-            line: recorded.lines[*marker],
-            message,
-        },
+        PressError::NotFinite { marker } | PressError::OneMarker { marker, .. }
+            if *marker < recorded.lines.len() =>
+        {
+            RecordedError::Line {
+                file,
+                line: recorded.lines[*marker],
+                message,
+            }
+        }
         _ => RecordedError::Readings { file, message },
     }
 }
