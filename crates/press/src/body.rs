@@ -88,6 +88,11 @@ impl Body {
         !matches!(self.0, Rung::Gaussian { .. })
     }
 
+    /// Whether this only resembles what a press does: readings then differ from it by more than their noise.
+    pub(crate) fn is_approximate(&self) -> bool {
+        matches!(self.0, Rung::Gaussian { .. })
+    }
+
     /// A press of this indentation, by an object of this relative curvature.
     ///
     /// # Errors

@@ -16,10 +16,22 @@ pub enum PressError {
         expected: &'static str,
     },
     /// A reading, or what follows from it, is not a finite number.
-    #[error("marker {marker} (counting from 0): a number is not finite, or beyond 1e150")]
+    #[error("marker {marker} (counting from 0): a number is not finite, or beyond 1e50")]
     NotFinite {
         /// Which marker.
         marker: usize,
+    },
+    /// A marker's place is further along the skin than the skin goes.
+    #[error(
+        "marker {marker} (counting from 0) lies {distance} from the apex along the skin, whose other pole is at {limit}"
+    )]
+    OffSkin {
+        /// Which marker.
+        marker: usize,
+        /// Distance from the apex, length.
+        distance: f64,
+        /// Half the sensor's circumference, length.
+        limit: f64,
     },
     /// The bodies do not press into each other.
     #[error("the indentation is {indentation}; a contact needs one > 0")]
@@ -145,6 +157,7 @@ impl PressError {
         match self {
             Self::BadSetting { .. } => "bad-setting",
             Self::NotFinite { .. } => "not-finite",
+            Self::OffSkin { .. } => "off-skin",
             Self::NoIndentation { .. } => "no-indentation",
             Self::Conforming { .. } => "conforming",
             Self::EdgeContact { .. } => "edge-contact",

@@ -82,9 +82,9 @@ pub struct PressEstimate {
     pub indentation: Estimated,
     /// Radius of the contact, length.
     pub contact_radius: Estimated,
-    /// Chart coordinates of the contact on the skin, and their standard deviations, length.
+    /// Chart coordinates of the contact on the skin, length.
     pub contact: [f64; 2],
-    /// Standard deviations of the contact's place, length.
+    /// Standard deviations along the axes there, length; across a row of markers, on which the contact is then sought, 0.
     pub contact_std: [f64; 2],
     /// What all normal displacements are off by, length, if fitted.
     pub baseline: Option<Estimated>,
@@ -105,17 +105,19 @@ pub struct PressEstimate {
 }
 
 impl PressEstimate {
-    /// R = 1/C_r, length.
+    /// R = 1/C_r of the best fit, length: radii are nearly without bias as they are, unlike curvatures.
     pub fn effective_radius(&self) -> Estimated {
         let Estimated {
             value,
             std,
             interval,
         } = self.relative_curvature;
+        let most_likely = self.most_likely_curvature;
         let inverse = |end: Option<f64>| end.filter(|&end| end > 0.0).map(f64::recip);
         Estimated {
-            value: value.recip(),
-            std: std / (value * value),
+            value: most_likely.recip(),
+            // The relative standard deviation is the same.
+            std: std / (value * most_likely),
             interval: Interval {
                 low: Some(interval.high.map_or(0.0, f64::recip)),
                 high: inverse(interval.low),
@@ -123,7 +125,12 @@ impl PressEstimate {
         }
     }
 
-    /// 1/R_o, positive where the object is convex, 1/length.
+    /// 1/R_o of the best fit, 1/length; its inverse is the object's radius.
+    pub fn most_likely_object_curvature(&self) -> f64 {
+        self.most_likely_curvature - self.sensor_curvature
+    }
+
+    /// 1/R_o, positive where the object is convex, 1/length; without bias, as the relative curvature.
     pub fn object_curvature(&self) -> Estimated {
         let shift = |end: f64| end - self.sensor_curvature;
         let Estimated {

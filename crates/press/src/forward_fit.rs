@@ -233,5 +233,5 @@ pub fn calibrated_c(
             std: 0.0,
         }),
     })?;
-    Ok(markers.skin().radius() * found.relative_curvature.value)
+    Ok(markers.skin().radius() * found.most_likely_curvature)
 }

@@ -37,11 +37,23 @@ impl Markers {
     /// Markers at chart coordinates of the skin.
     ///
     /// # Errors
-    /// [`PressError::NotFinite`] for the first that has none.
+    /// [`PressError::NotFinite`] for the first that has none; [`PressError::OffSkin`] for the first beyond the pole
+    /// opposite the apex.
     pub fn new(skin: Skin, positions: &[[f64; 2]]) -> Result<Self, PressError> {
-        let sound = |[x, y]: &[f64; 2]| x.abs() <= 1e100 && y.abs() <= 1e100;
+        let sound = |[x, y]: &[f64; 2]| x.abs() <= 1e50 && y.abs() <= 1e50;
         if let Some(marker) = positions.iter().position(|position| !sound(position)) {
             return Err(PressError::NotFinite { marker });
+        }
+        let limit = std::f64::consts::PI * skin.radius();
+        for (marker, [x, y]) in positions.iter().enumerate() {
+            let distance = x.hypot(*y);
+            if distance > limit * (1.0 + 1e-9) {
+                return Err(PressError::OffSkin {
+                    marker,
+                    distance,
+                    limit,
+                });
+            }
         }
         let places = positions
             .iter()

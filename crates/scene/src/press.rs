@@ -218,7 +218,7 @@ impl PressScene {
             },
         );
         // The radius of what is taken for flat is no number.
-        let radius = curvature.value.recip();
+        let radius = estimate.most_likely_object_curvature().recip();
         if let Some(truth) = self.object.radius
             && radius.is_finite()
         {

@@ -10,12 +10,14 @@ const STEP: f64 = 0.3;
 /// (Box 1971) and half its variance.
 ///
 /// The readings are nearly linear in the radius and not in the curvature, whose estimate therefore has a long tail
-/// towards sharp objects. Where the second differences leave the domain of presses, the bias is that of 1/x for a
+/// towards sharp objects. Where the variance is large, or second differences leave the domain of presses, the bias is that of 1/x for a
 /// normally distributed x.
 pub(super) fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f64 {
     let variance = covariance[(CURVATURE, CURVATURE)];
     match bias(problem, state, covariance) {
-        Ok(bias) if bias[CURVATURE].is_finite() => bias[CURVATURE] + 0.5 * variance,
+        Ok(bias) if bias[CURVATURE].is_finite() && variance < 1.0 => {
+            bias[CURVATURE] + 0.5 * variance
+        }
         _ => variance,
     }
 }

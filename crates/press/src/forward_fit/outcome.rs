@@ -31,7 +31,6 @@ pub(super) fn outcome(
     let unbiased = without_bias(
         contact.relative_curvature,
         relative_bias(problem, state, covariance),
-        interval,
     );
     let relative_curvature = Estimated {
         value: unbiased,
@@ -51,8 +50,8 @@ pub(super) fn outcome(
         sensor_curvature: skin.curvature(),
         relative_curvature,
         most_likely_curvature: contact.relative_curvature,
-        indentation: around(state.indentation, stds.indentation),
-        contact_radius: around(contact.radius, stds.contact_radius),
+        indentation: positive(around(state.indentation, stds.indentation)),
+        contact_radius: positive(around(contact.radius, stds.contact_radius)),
         contact: skin.chart(state.place.direction.as_ref()),
         contact_std: stds.contact,
         baseline: nuisance(BASELINE, state.baseline),
@@ -138,18 +137,26 @@ impl Stds {
     }
 }
 
-/// A curvature without its bias (a share of it), within its interval. Divided by what it is too large by rather than
-/// lowered: a curvature that may be anything is not estimated as none.
-fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
-    let corrected = if bias > 0.0 {
+/// A curvature without its bias (a share of it). The radius is nearly Gaussian; where it may as well be 0, its inverse
+/// is taken at the radius of one standard deviation.
+fn without_bias(curvature: f64, bias: f64) -> f64 {
+    if bias > 1.0 {
+        curvature / (2.0 * bias.sqrt())
+    } else if bias > 0.0 {
         curvature / (1.0 + bias)
     } else {
         curvature * (1.0 - bias)
-    };
-    corrected.clamp(
-        interval.low.unwrap_or(0.0),
-        interval.high.unwrap_or(f64::INFINITY),
-    )
+    }
+}
+
+/// A length that cannot be negative.
+fn positive(estimated: Estimated) -> Estimated {
+    let Interval { low, high } = estimated.interval;
+    let low = low.map(|low| low.max(0.0));
+    Estimated {
+        interval: Interval { low, high },
+        ..estimated
+    }
 }
 
 /// What an interval of the relative curvature tells of the object, for a sensor of this curvature.

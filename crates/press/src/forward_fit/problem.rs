@@ -76,6 +76,13 @@ impl<'a> Problem<'a> {
     pub(super) fn contact(&self, state: &State) -> Result<Contact<'a>, PressError> {
         let contact = self.fit.body.press(state.curvature(), state.indentation)?;
         let limit = self.reading.markers.skin().radius();
+        if contact.indentation >= limit {
+            return Err(PressError::TooDeep {
+                indentation: contact.indentation,
+                limit,
+                what: "the sensor's radius",
+            });
+        }
         if contact.radius > limit {
             let radius = contact.radius;
             return Err(PressError::TooWide { radius, limit });
@@ -316,10 +323,14 @@ impl<'a> Problem<'a> {
         {
             add(INDENTATION, state.indentation - value, std);
         }
-        if let Prior::Within(std) = self.fit.baseline {
+        if let Prior::Within(std) = self.fit.baseline
+            && self.sought[BASELINE]
+        {
             add(BASELINE, state.baseline, std);
         }
-        if let Prior::Within(std) = self.fit.gain {
+        if let Prior::Within(std) = self.fit.gain
+            && self.sought[GAIN]
+        {
             add(GAIN, state.gain - 1.0, std);
         }
         (squared, gradient, hessian)

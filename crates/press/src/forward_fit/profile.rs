@@ -96,12 +96,18 @@ fn walk(
                 linear.clamp(1.05 * inside.0, 4.0 * inside.0).min(furthest)
             }
         };
-        if outside.is_some_and(|(far, root)| root.is_none() && far - inside.0 < 1e-3 * far) {
+        let is_edge = |(far, root): (f64, Option<f64>)| {
+            root.is_none() && (far - inside.0 < 1e-3 * far || far < 1e-6)
+        };
+        if outside.is_some_and(is_edge) {
             return Walk::Endless;
         }
         if outside.is_some_and(|(far, _)| far - inside.0 < 1e-12 * far) {
             return Walk::End(best.log_curvature + sign * inside.0);
         }
     }
-    Walk::End(best.log_curvature + sign * outside.map_or(inside.0, |(far, _)| far))
+    match outside {
+        Some((far, Some(_))) => Walk::End(best.log_curvature + sign * far),
+        Some((_, None)) | None => Walk::Endless,
+    }
 }

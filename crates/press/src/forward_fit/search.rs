@@ -15,6 +15,8 @@ use crate::{Contact, Interval, PressError, PressEstimate};
 const WRONG: f64 = 5.0;
 /// At most this share of the markers can be wrong; if more seem so, the model is.
 const MOST_WRONG: f64 = 1.0 / 8.0;
+/// Markers are in a row where they spread (squared) less across it than this share of what they do along it.
+const ROW: f64 = 1e-5;
 /// Residuals count less and less beyond this while it is not known which are wrong.
 const ROBUST: f64 = 3.0;
 /// What a further step must promise to lower chi-squared by, before and after it is known which are wrong.
@@ -42,9 +44,21 @@ impl<'a> Problem<'a> {
     /// All that is not known is sought; every marker counts, and all with a standard deviation of 1.
     pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Self {
         let mut sought = [true; super::problem::UNKNOWNS];
-        sought[INDENTATION] = reading.indentation.is_none_or(|known| known.std > 0.0);
-        sought[BASELINE] = fit.baseline != Prior::Exact;
-        sought[GAIN] = fit.gain != Prior::Exact;
+        // What is known to rounding is known exactly.
+        let largest = reading
+            .normal
+            .iter()
+            .fold(0.0, |most: f64, one| most.max(one.abs()));
+        let is_sought = |prior: Prior, scale: f64| match prior {
+            Prior::Exact => false,
+            Prior::Within(std) => std > EXACT * scale,
+            Prior::Free => true,
+        };
+        sought[INDENTATION] = reading
+            .indentation
+            .is_none_or(|known| known.std > EXACT * known.value);
+        sought[BASELINE] = is_sought(fit.baseline, largest);
+        sought[GAIN] = is_sought(fit.gain, 1.0);
         let mut problem = Self {
             fit,
             reading,
@@ -92,8 +106,9 @@ fn common_circle(reading: &Reading<'_>) -> Option<Vector3<f64>> {
     }
     let eigen = spread.symmetric_eigen();
     let least = eigen.eigenvalues.imin();
-    let flat = eigen.eigenvalues[least] <= 1e-12 * reading.markers.places().len() as f64;
-    flat.then(|| eigen.eigenvectors.column(least).into_owned())
+    let mut spreads: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
+    spreads.sort_by(f64::total_cmp);
+    (spreads[0] <= ROW * spreads[1]).then(|| eigen.eigenvectors.column(least).into_owned())
 }
 
 impl<'a> Search<'a> {
@@ -240,9 +255,13 @@ impl<'a> Search<'a> {
     /// Fits that no few markers can lead astray, the best first.
     fn robust_fits(&self) -> Result<Vec<State>, PressError> {
         let mut problem = self.problem.clone();
-        problem.tolerance = ROBUST;
+        if !problem.fit.body.is_approximate() {
+            problem.tolerance = ROBUST;
+        }
         let mut fits: Vec<(f64, State)> = Vec::new();
-        let mut failure = NOTHING;
+        let middling = 0.1 * self.problem.reading.markers.skin().radius();
+        let unsolved = self.problem.fit.body.unit_contact(middling).err();
+        let mut failure = unsolved.unwrap_or(NOTHING);
         let few = if self.find_normal { 6 } else { 2 };
         for start in starts(&problem, few) {
             problem.keep_window(&start);
@@ -341,7 +360,7 @@ impl<'a> Search<'a> {
             .filter(is_wrong)
             .collect();
         let most = (MOST_WRONG * inside as f64).max(1.0) as usize;
-        if wrong.len() <= most {
+        if wrong.len() <= most && !problem.fit.body.is_approximate() {
             for marker in wrong {
                 problem.kept[marker] = false;
             }

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
+use super::Prior;
 use super::problem::{Problem, State};
-use super::{Measured, Prior};
 use crate::markers::Sight;
 use crate::{Displacement, Place};
 
@@ -85,18 +85,19 @@ fn of_radius(
         }
         (product > 0.0 && square > 0.0).then(|| product / square)
     };
-    let (curvature, gain) = match (problem.reading.indentation, fit.gain) {
-        (Some(Measured { value, .. }), Prior::Free) => {
-            let curvature = value / unit.indentation;
+    let known = problem.reading.indentation.map(|known| known.value);
+    let (curvature, gain) = match (known, fit.gain) {
+        (Some(known), Prior::Free) => {
+            let curvature = known / unit.indentation;
             (curvature, amplitude()? / curvature)
         }
-        (Some(Measured { value, .. }), _) => (value / unit.indentation, 1.0),
+        (Some(known), _) => (known / unit.indentation, 1.0),
         (None, _) => (amplitude()?, 1.0),
     };
     let state = State {
         log_curvature: curvature.ln(),
         place,
-        indentation: curvature * unit.indentation,
+        indentation: known.unwrap_or(curvature * unit.indentation),
         baseline,
         gain,
     };

@@ -33,6 +33,16 @@ fn bodies_that_are_none() {
     for c in [0.0, -1.0, f64::NAN] {
         assert_eq!(refusal(Body::gaussian(c)), "bad-setting");
     }
+    let skin = Skin::new(RADIUS).unwrap();
+    assert_eq!(refusal(Markers::new(skin, &[[0.0, 62.8]])), "none");
+    assert_eq!(
+        refusal(Markers::new(skin, &[[0.0, 0.0], [0.0, 62.9]])),
+        "off-skin"
+    );
+    assert_eq!(
+        refusal(Markers::new(skin, &[[f64::NAN, 0.0]])),
+        "not-finite"
+    );
     for radius in [0.0, -1.0, f64::NAN, 1e60] {
         assert_eq!(refusal(Skin::new(radius)), "bad-setting");
     }

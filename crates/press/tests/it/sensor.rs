@@ -71,6 +71,16 @@ impl Readings {
         readings
     }
 
+    /// With errors of the tangential displacements too.
+    pub(crate) fn noisy_along(&self, std: f64, tangential_std: f64, trial: u64) -> Self {
+        let mut stream = Stream::new(2020, trial, Channel::Normal);
+        let mut readings = self.noisy(std, trial);
+        for along in readings.tangential.iter_mut().flatten() {
+            *along += tangential_std * stream.standard_normal();
+        }
+        readings
+    }
+
     pub(crate) fn reading<'a>(
         &'a self,
         markers: &'a Markers,

@@ -1,8 +1,8 @@
 //! The curvature of an object from a recorded press.
 
 use palpate_press::{
-    Body, ContactRegime, ForwardFit, Markers, Measured, PressError, PressEstimate, Prior, Reading,
-    Skin, calibrated_c,
+    Body, ContactRegime, Estimated, ForwardFit, Markers, Measured, PressError, PressEstimate,
+    Prior, Reading, Skin, calibrated_c,
 };
 
 use super::Value;
@@ -131,6 +131,11 @@ pub fn estimate_press(
     let estimate = fit.estimate(&reading).map_err(refused)?;
     let told = |estimated, power| Told::new(&estimated, power, unit);
     let curvature = estimate.object_curvature();
+    // Radii are those of the best fit.
+    let most_likely = Estimated {
+        value: estimate.most_likely_object_curvature(),
+        ..curvature
+    };
     let [force, peak_pressure] = stresses(&fit.body, &estimate, options, unit).map_err(refused)?;
     Ok(PressedObject {
         method: options.method.name(),
@@ -140,15 +145,9 @@ pub fn estimate_press(
         length_unit: unit.as_str(),
         relative_curvature: told(estimate.relative_curvature, Unit::PerLength),
         effective_radius: told(estimate.effective_radius(), Unit::Length),
-        most_likely_effective_radius: Value::new(
-            estimate.most_likely_curvature.recip(),
-            None,
-            Unit::Length,
-            unit,
-        ),
         object_curvature: told(curvature, Unit::PerLength),
-        object_radius: Radius::of(&curvature, unit),
-        regime: ContactRegime::of(skin.curvature(), curvature.value).name(),
+        object_radius: Radius::of(&most_likely, unit),
+        regime: ContactRegime::of(skin.curvature(), most_likely.value).name(),
         verdict: estimate.verdict.name(),
         indentation: told(estimate.indentation, Unit::Length),
         contact_radius: told(estimate.contact_radius, Unit::Length),
@@ -266,6 +265,9 @@ fn body(body: PressBody) -> Result<Body, PressError> {
 /// Past this ratio of the residuals to the noise that is stated, the intervals are too narrow.
 const LARGE_RESIDUALS: f64 = 1.5;
 
+/// Below this share of the variance the fit explains little.
+const LITTLE: f64 = 0.5;
+
 fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
     let is_layer = matches!(
         options.method,
@@ -283,7 +285,17 @@ fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
             "the residuals are {ratio:.1} times the noise that is given: intervals are too narrow"
         )
     });
-    large.into_iter().chain(residuals).collect()
+    let unexplained = (estimate.r_squared < LITTLE).then(|| {
+        let percent = 100.0 * estimate.r_squared.max(0.0);
+        format!(
+            "the fit explains {percent:.0} % of the normal displacements' variance: noise, or not the press of this body"
+        )
+    });
+    large
+        .into_iter()
+        .chain(residuals)
+        .chain(unexplained)
+        .collect()
 }
 
 /// The error in the words of the command line, with the line of the marker that is at fault, if it is one.
@@ -307,7 +319,9 @@ fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError)
         _ => error.to_string(),
     });
     match error {
-        PressError::NotFinite { marker } | PressError::OneMarker { marker, .. }
+        PressError::NotFinite { marker }
+        | PressError::OffSkin { marker, .. }
+        | PressError::OneMarker { marker, .. }
             if *marker < recorded.lines.len() =>
         {
             RecordedError::Line {

@@ -62,8 +62,6 @@ pub struct PressedObject {
     pub(super) relative_curvature: Told,
     /// Its inverse.
     pub(super) effective_radius: Told,
-    /// That of the best fit, from which the bias of least squares in the curvature is not taken out.
-    pub(super) most_likely_effective_radius: Value,
     /// 1/R_o, positive where convex.
     pub(super) object_curvature: Told,
     /// R_o.

@@ -1,0 +1,96 @@
+//! Patterns that cannot be.
+
+use thiserror::Error;
+
+use super::{FEWEST_GORES, MOST_GORES};
+use crate::LayoutError;
+
+/// Why there is no such flat pattern.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PatternError {
+    /// A setting is out of its range, or there is no such layout.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// Nothing to fold, or gores so wide that folding would stretch them to more than twice their length.
+    #[error("gores is {gores}; it must be at least {FEWEST_GORES}{}", stretched(*.strain))]
+    TooFewGores {
+        /// How many were asked for.
+        gores: u32,
+        /// By how much they would stretch at most, if there are any.
+        strain: Option<f64>,
+    },
+    /// More gores than can be cut.
+    #[error("gores is {gores}; a pattern has at most {MOST_GORES}")]
+    TooManyGores {
+        /// How many were asked for.
+        gores: u32,
+    },
+    /// A place beyond the equator, where the gores end.
+    #[error("marker {marker} lies {polar_deg:.4} degrees from the apex; the gores end at 90")]
+    BeyondTheEquator {
+        /// Which marker of the layout, from 0.
+        marker: usize,
+        /// Its polar angle, degrees.
+        polar_deg: f64,
+    },
+    /// Two discs lie on each other.
+    #[error(
+        "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap"
+    )]
+    DiscsOverlap {
+        /// One marker of the layout, from 0.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Between their centres on the flat pattern, length.
+        distance: f64,
+        /// Diameter of the larger disc of a marker, length.
+        diameter: f64,
+    },
+    /// A disc that is not at the apex would be cut.
+    #[error(
+        "the disc of marker {marker} is {diameter} across and its centre {distance} inside the gore's edge: it would be cut"
+    )]
+    DiscAcrossEdge {
+        /// Which marker of the layout, from 0.
+        marker: usize,
+        /// From its centre to the nearest edge of the gore, length.
+        distance: f64,
+        /// Diameter of the larger disc of a marker, length.
+        diameter: f64,
+    },
+    /// A drawing too small or too large for a file in millimetres.
+    #[error("the sphere's radius would be {radius_mm} mm; a drawing takes from {least} to {most}")]
+    NotDrawable {
+        /// Radius of the sphere, mm.
+        radius_mm: f64,
+        /// The least that can be drawn, mm.
+        least: f64,
+        /// The most that can be drawn, mm.
+        most: f64,
+    },
+}
+
+fn stretched(strain: Option<f64>) -> String {
+    strain.map_or_else(String::new, |strain| {
+        format!(
+            " (folding would stretch so wide a gore by up to {:.0} %)",
+            100.0 * strain
+        )
+    })
+}
+
+impl PatternError {
+    /// The stable name of this kind of error.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Layout(error) => error.name(),
+            Self::TooFewGores { .. } => "too-few-gores",
+            Self::TooManyGores { .. } => "too-many-gores",
+            Self::BeyondTheEquator { .. } => "beyond-the-equator",
+            Self::DiscsOverlap { .. } => "discs-overlap",
+            Self::DiscAcrossEdge { .. } => "disc-across-edge",
+            Self::NotDrawable { .. } => "not-drawable",
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! How much a flat gore stretches when it is folded onto the sphere.
+//!
+//! A gore holds |x| ≤ (πR/n) cos φ at the height y = Rφ above the equator. Folded, the point (x, y) comes to the
+//! latitude φ = y/R and, from the gore's middle meridian, to the longitude λ = x/(R cos φ): heights and widths keep
+//! their lengths. From R cos φ dλ = dx + λ sin φ dy and R dφ = dy,
+//!
+//! ```text
+//! ds² = (R cos φ dλ)² + (R dφ)² = (dx + s dy)² + dy²,    s = λ sin φ:
+//! ```
+//!
+//! a simple shear by s. It keeps areas, so that the principal stretches are σ and 1/σ, where σ − 1/σ = s:
+//!
+//! ```text
+//! σ = s/2 + √(1 + s²/4).
+//! ```
+//!
+//! The strain is σ − 1. It is greatest where the seams meet the apex, |λ| = π/n and φ = π/2, and vanishes on the
+//! middle meridian and on the equator. Over the gore's area R² cos φ dλ dφ, sin φ and nλ/π are independent and uniform,
+//! so that mean squares are integrals over a square.
+//!
+//! This is the strain of the construction: parallels and the middle meridian keep their lengths. A skin left to slide
+//! on the sphere would relax to less elastic energy.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::num::NonZeroUsize;
+
+use gauss_quad::GaussLegendre;
+
+use super::{FEWEST_GORES, PatternError};
+use crate::LayoutError;
+
+/// Nodes per direction: from three gores on, the nearest singularity (s = 2i) makes the error less than 1e-20.
+const NODES: usize = 16;
+
+/// Strain of a polyconic gore that is folded onto its sphere: its greatest principal stretch less 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoldStrain {
+    gores: u32,
+    greatest: f64,
+    rms: f64,
+}
+
+impl FoldStrain {
+    /// Of a sphere made of this many gores per turn, of any radius.
+    ///
+    /// # Errors
+    /// [`PatternError::TooFewGores`] for less than three.
+    pub fn of(gores: u32) -> Result<Self, PatternError> {
+        enough(gores)?;
+        Ok(Self {
+            gores,
+            greatest: strain_of_shear(PI / f64::from(gores)),
+            rms: rms(gores, NODES),
+        })
+    }
+
+    /// Greatest over the gore: at its edges by the apex.
+    pub const fn greatest(&self) -> f64 {
+        self.greatest
+    }
+
+    /// Root of its mean square over the gore's area.
+    pub const fn rms(&self) -> f64 {
+        self.rms
+    }
+
+    /// At the longitude from the gore's middle meridian and the latitude above the equator, radians. The other
+    /// principal strain is that of 1/(1 + strain).
+    ///
+    /// # Errors
+    /// [`LayoutError::BadSetting`] for a place that is not on the gore.
+    pub fn at(&self, longitude: f64, latitude: f64) -> Result<f64, PatternError> {
+        let half_width = PI / f64::from(self.gores);
+        let on_gore = longitude.abs() <= half_width;
+        let expected = format!("at most {half_width} from 0");
+        LayoutError::unless(on_gore, "longitude", longitude, &expected)?;
+        let on_gore = (0.0..=FRAC_PI_2).contains(&latitude);
+        LayoutError::unless(on_gore, "latitude", latitude, "from 0 to a quarter turn")?;
+        Ok(strain_of_shear((longitude * latitude.sin()).abs()))
+    }
+}
+
+/// σ − 1 for s ≥ 0, without cancellation.
+fn strain_of_shear(shear: f64) -> f64 {
+    let half = 0.5 * shear;
+    half + half * half / (1.0 + half.hypot(1.0))
+}
+
+fn rms(gores: u32, nodes: usize) -> f64 {
+    let nodes = NonZeroUsize::new(nodes).expect("a rule has nodes");
+    let rule: Vec<[f64; 2]> = GaussLegendre::new(nodes)
+        .iter()
+        .map(|(node, weight)| [0.5 + 0.5 * node, 0.5 * weight])
+        .collect();
+    let widest = PI / f64::from(gores);
+    let mut mean_square = 0.0;
+    for [share_of_width, weight] in &rule {
+        for [sine_of_latitude, other_weight] in &rule {
+            let strain = strain_of_shear(widest * share_of_width * sine_of_latitude);
+            mean_square += weight * other_weight * strain * strain;
+        }
+    }
+    mean_square.sqrt()
+}
+
+pub(super) fn enough(gores: u32) -> Result<(), PatternError> {
+    if gores >= FEWEST_GORES {
+        return Ok(());
+    }
+    Err(PatternError::TooFewGores {
+        gores,
+        strain: (gores > 0).then(|| strain_of_shear(PI / f64::from(gores))),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn four_six_and_eight_gores_stretch_by_47_30_and_22_percent() {
+        for (gores, percent) in [(4, 47.0), (6, 30.0), (8, 22.0)] {
+            let greatest = FoldStrain::of(gores).unwrap().greatest();
+            assert_eq!((100.0 * greatest).round(), percent);
+        }
+    }
+
+    /// The fold itself, in space, for a sphere of radius 1.
+    fn fold([x, y]: [f64; 2]) -> [f64; 3] {
+        let longitude = x / y.cos();
+        [
+            y.cos() * longitude.cos(),
+            y.cos() * longitude.sin(),
+            y.sin(),
+        ]
+    }
+
+    /// Principal stretches of the fold: the eigenvalues of JᵀJ, J by central differences.
+    fn stretches(x: f64, y: f64) -> [f64; 2] {
+        let step = 1e-5;
+        let difference = |ahead: [f64; 3], behind: [f64; 3]| {
+            [0, 1, 2].map(|axis| (ahead[axis] - behind[axis]) / (2.0 * step))
+        };
+        let along_x = difference(fold([x + step, y]), fold([x - step, y]));
+        let along_y = difference(fold([x, y + step]), fold([x, y - step]));
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (xx, xy, yy) = (
+            dot(along_x, along_x),
+            dot(along_x, along_y),
+            dot(along_y, along_y),
+        );
+        let spread = (0.5 * (xx - yy)).hypot(xy);
+        [0.5 * (xx + yy) + spread, 0.5 * (xx + yy) - spread].map(f64::sqrt)
+    }
+
+    #[test]
+    fn the_strain_is_that_of_the_fold_in_space() {
+        for gores in [3, 4, 8] {
+            let strain = FoldStrain::of(gores).unwrap();
+            for latitude in [0.01_f64, 0.4, 0.9, 1.4] {
+                for share in [-1.0, -0.3, 0.0, 0.7, 1.0] {
+                    let longitude = share * PI / f64::from(gores);
+                    let [greatest, least] = stretches(longitude * latitude.cos(), latitude);
+                    let expected = 1.0 + strain.at(longitude, latitude).unwrap();
+                    assert_relative_eq!(greatest, expected, max_relative = 1e-8);
+                    assert_relative_eq!(least, 1.0 / expected, max_relative = 1e-8);
+                    assert!(expected - 1.0 <= strain.greatest());
+                }
+            }
+        }
+    }
+
+    /// Mean of (σ − 1)² = 2 − s·2/2 … by its series: (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)), and the mean of sᵏ
+    /// over the gore is (π/n)ᵏ/(k + 1)².
+    fn mean_square_by_series(gores: u32) -> f64 {
+        let widest = PI / f64::from(gores);
+        let moment = |power: i32| widest.powi(power) / f64::from((power + 1).pow(2));
+        let mut mean = moment(2) / 2.0 - moment(1) + 2.0;
+        let mut binomial = 1.0;
+        for term in 0..60 {
+            // √(1 + s²/4) = Σ C(½, j) (s/2)²ʲ.
+            let weight = binomial / 4.0_f64.powi(term);
+            mean += weight * (moment(2 * term + 1) - 2.0 * moment(2 * term));
+            binomial *= (0.5 - f64::from(term)) / f64::from(term + 1);
+        }
+        mean
+    }
+
+    #[test]
+    fn the_mean_square_is_that_of_a_finer_rule_of_cells_and_of_the_series() {
+        for gores in 3..=12 {
+            let strain = FoldStrain::of(gores).unwrap();
+            assert_relative_eq!(strain.rms(), rms(gores, 48), max_relative = 1e-14);
+            let series = mean_square_by_series(gores).sqrt();
+            assert_relative_eq!(strain.rms(), series, max_relative = 1e-11);
+
+            // Cells of the flat gore itself, weighed by their areas.
+            let cells = 400;
+            let (mut area, mut sum) = (0.0, 0.0);
+            for row in 0..cells {
+                let latitude = FRAC_PI_2 * (f64::from(row) + 0.5) / f64::from(cells);
+                for column in 0..cells {
+                    let share = (f64::from(column) + 0.5) / f64::from(cells);
+                    let value = strain.at(share * PI / f64::from(gores), latitude).unwrap();
+                    area += latitude.cos();
+                    sum += latitude.cos() * value * value;
+                }
+            }
+            assert_relative_eq!(strain.rms(), (sum / area).sqrt(), max_relative = 2e-5);
+        }
+    }
+
+    #[test]
+    fn more_gores_strain_less_in_proportion_in_the_end() {
+        let strains: Vec<_> = (3..=12).map(|n| FoldStrain::of(n).unwrap()).collect();
+        for pair in strains.windows(2) {
+            assert!(pair[1].greatest() < pair[0].greatest() && pair[1].rms() < pair[0].rms());
+        }
+        // Where s is small, the strain is s/2, at most π/2n, and the rms a third of that.
+        for gores in [1_000_000, u32::MAX] {
+            let strain = FoldStrain::of(gores).unwrap();
+            let limit = FRAC_PI_2 / f64::from(gores);
+            assert_relative_eq!(strain.greatest(), limit, max_relative = 1e-5);
+            assert_relative_eq!(strain.rms(), limit / 3.0, max_relative = 1e-5);
+        }
+    }
+
+    #[test]
+    fn too_few_gores_and_places_off_the_gore_are_named() {
+        for (gores, percent) in [(0, None), (1, Some("243 %")), (2, Some("106 %"))] {
+            let error = FoldStrain::of(gores).unwrap_err();
+            assert_eq!(error.name(), "too-few-gores");
+            let message = error.to_string();
+            assert!(message.contains(&format!("gores is {gores}; it must be at least 3")));
+            assert_eq!(message.contains('%'), percent.is_some());
+            assert!(percent.is_none_or(|percent| message.contains(percent)));
+        }
+        let strain = FoldStrain::of(4).unwrap();
+        for (longitude, latitude) in [
+            (0.8, 0.1),
+            (0.0, -0.1),
+            (0.0, 1.6),
+            (f64::NAN, 0.0),
+            (0.0, f64::NAN),
+        ] {
+            let error = strain.at(longitude, latitude).unwrap_err();
+            assert_eq!(error.name(), "bad-setting");
+        }
+    }
+}
