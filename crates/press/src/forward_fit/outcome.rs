@@ -31,6 +31,7 @@ pub(super) fn outcome(
     let unbiased = without_bias(
         contact.relative_curvature,
         relative_bias(problem, state, covariance),
+        interval,
     );
     let relative_curvature = Estimated {
         value: unbiased,
@@ -137,16 +138,18 @@ impl Stds {
     }
 }
 
-/// A curvature without its bias (a share of it). The radius is nearly Gaussian; where it may as well be 0, its inverse
-/// is taken at the radius of one standard deviation.
-fn without_bias(curvature: f64, bias: f64) -> f64 {
-    if bias > 1.0 {
+/// A curvature without its bias (a share of it), within its interval. The radius is nearly Gaussian; where it may as well
+/// be 0, its inverse is taken at the radius of two standard deviations.
+fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
+    let corrected = if bias > 1.0 {
         curvature / (2.0 * bias.sqrt())
     } else if bias > 0.0 {
         curvature / (1.0 + bias)
     } else {
         curvature * (1.0 - bias)
-    }
+    };
+    let corrected = interval.low.map_or(corrected, |low| corrected.max(low));
+    interval.high.map_or(corrected, |high| corrected.min(high))
 }
 
 /// A length that cannot be negative.
