@@ -81,20 +81,12 @@ impl Pattern {
         self.radius
     }
 
-    /// Outline of one gore, upright: (across, height above the equator), length. Closed, counter-clockwise: from the
-    /// left end of the equator's edge to its right end, up to the apex, and down again; 2m + 1 points.
+    /// Outline of one gore, upright: (across, height above the equator), length. Closed, counter-clockwise from the
+    /// right end of the equator's edge up to the apex and down again; 2m + 1 points.
     pub fn gore(&self) -> Vec<[f64; 2]> {
         let height = self.radius * FRAC_PI_2;
-        let right: Vec<[f64; 2]> = (0..=self.samples)
-            .rev()
-            .map(|step| self.edge(step))
-            .map(|[half_width, from_apex]| [half_width, height - from_apex])
-            .collect();
-        let left = right[..right.len() - 1].iter().rev();
-        let mut outline: Vec<_> = left.map(|[across, up]| [-across, *up]).collect();
-        outline.rotate_right(1);
-        outline.splice(1..1, right);
-        outline
+        let upright = |[across, from_apex]: [f64; 2]| [across, height - from_apex];
+        self.outline().map(upright).collect()
     }
 
     /// Where a place of the skin, given in the chart of [`Layout::places`](crate::Layout::places), lies on the flat
@@ -125,6 +117,13 @@ impl Pattern {
         })
     }
 
+    /// Of one gore: (across, distance from the apex), in the order of [`Self::gore`].
+    fn outline(&self) -> impl Iterator<Item = [f64; 2]> {
+        let right = (0..=self.samples).rev().map(|step| self.edge(step));
+        let left = (1..=self.samples).map(|step| self.edge(step));
+        right.chain(left.map(|[across, from_apex]| [-across, from_apex]))
+    }
+
     /// (Half-width, distance from the apex) of a gore after this many steps from its apex, length.
     fn edge(&self, step: u32) -> [f64; 2] {
         let polar = FRAC_PI_2 * f64::from(step) / f64::from(self.samples);
@@ -150,15 +149,12 @@ mod tests {
     use crate::Layout;
     use approx::assert_relative_eq;
 
-    /// Twice the signed area, and the length, of a closed line.
+    /// Signed area and length of a closed line.
     pub(super) fn area_and_length(outline: &[[f64; 2]]) -> (f64, f64) {
         let next = outline.iter().cycle().skip(1);
         let sides = outline.iter().zip(next);
         sides.fold((0.0, 0.0), |(area, length), ([x, y], [u, v])| {
-            (
-                area + 0.5 * (x * v - u * y),
-                length + (u - x).hypot(v - y),
-            )
+            (area + 0.5 * (x * v - u * y), length + (u - x).hypot(v - y))
         })
     }
 
@@ -181,17 +177,17 @@ mod tests {
         let (quarter, height) = (5.0 * PI, 10.0 * PI);
         let half = quarter * 0.5_f64.sqrt();
         let expected = [
-            [-quarter, 0.0],
             [quarter, 0.0],
             [half, 0.5 * height],
             [0.0, height],
             [-half, 0.5 * height],
+            [-quarter, 0.0],
         ];
         assert_eq!(outline.len(), 5);
         for (corner, expected) in outline.iter().zip(&expected) {
             assert_relative_eq!(corner[..], expected[..], epsilon = 1e-13);
         }
-        assert_eq!(outline[3], [0.0, height]);
+        assert_eq!(outline[2], [0.0, height]);
     }
 
     #[test]
@@ -239,14 +235,23 @@ mod tests {
                 let middle = TAU * (f64::from(flat.gore) + 0.5) / f64::from(gores);
                 let height = radius * FRAC_PI_2 - flat.from_apex;
                 let shrunk = radius * (height / radius).cos();
-                let azimuth = middle + if shrunk > 0.0 { flat.across / shrunk } else { 0.0 };
+                let azimuth = middle
+                    + if shrunk > 0.0 {
+                        flat.across / shrunk
+                    } else {
+                        0.0
+                    };
                 assert_relative_eq!(place[0], flat.from_apex * azimuth.cos(), epsilon = 1e-12);
                 assert_relative_eq!(place[1], flat.from_apex * azimuth.sin(), epsilon = 1e-12);
                 let half_width = PI * shrunk / f64::from(gores);
                 assert!(flat.across.abs() <= half_width + 1e-12);
                 // On the sheet, too, a gore lies in its share of the turn.
                 let [x, y] = flat.assembled;
-                assert_relative_eq!(x.hypot(y), flat.from_apex.hypot(flat.across), epsilon = 1e-12);
+                assert_relative_eq!(
+                    x.hypot(y),
+                    flat.from_apex.hypot(flat.across),
+                    epsilon = 1e-12
+                );
                 let along = x * middle.cos() + y * middle.sin();
                 assert_relative_eq!(along, flat.from_apex, epsilon = 1e-12);
             }

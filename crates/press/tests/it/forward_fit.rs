@@ -175,7 +175,7 @@ fn a_needle_is_estimated_sharp() {
             if let Ok(found) = fit.estimate(&readings.reading(&markers, None)) {
                 let curvature = found.relative_curvature;
                 assert!(curvature.interval.holds(curvature.value), "{found:?}");
-                assert!(found.effective_radius().value < 10.0, "{found:?}");
+                assert_ne!(found.verdict, Verdict::Concave);
                 assert!(found.indentation.value < RADIUS);
             }
         }
