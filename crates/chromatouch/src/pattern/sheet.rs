@@ -1,0 +1,243 @@
+//! What is cut, marked and printed: the assembled gores with their marks and discs.
+
+use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_2;
+
+use super::{FlatPlace, Pattern, PatternError};
+use crate::{Layout, LayoutError};
+
+mod dxf;
+mod svg;
+
+/// Radii of spheres that a drawing in millimetres takes, mm: files tell places to 1e-6 mm.
+const DRAWABLE_MM: [f64; 2] = [0.01, 1e6];
+
+/// Layer of the gores' outlines.
+const CUT: &str = "CUT";
+/// Layer of the middle meridians and the seam marks.
+const FOLD: &str = "FOLD";
+/// Layer of the inner discs.
+const MAGENTA: &str = "MAGENTA";
+/// Layer of the outer discs.
+const YELLOW: &str = "YELLOW";
+
+/// Diameters of the two discs that each marker is made of, length. They are drawn as circles, which the fold shears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Discs {
+    /// Of the inner one, nearer the camera.
+    pub magenta: f64,
+    /// Of the outer one.
+    pub yellow: f64,
+}
+
+/// A pattern with the markers of a layout, ready to be cut.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CuttingSheet {
+    radius: f64,
+    discs: Discs,
+    cuts: Vec<Vec<[f64; 2]>>,
+    marks: Vec<[[f64; 2]; 2]>,
+    centres: Vec<[f64; 2]>,
+}
+
+impl Pattern {
+    /// The assembled pattern with both discs of each marker of the layout. The disc at the apex, where all gores meet,
+    /// is drawn whole; the gaps between the gores take the rest of it away.
+    ///
+    /// # Errors
+    /// [`PatternError`], for a layout or discs that cannot be, or that do not fit the gores: markers beyond the
+    /// equator, discs that overlap or cross an edge.
+    pub fn sheet(&self, layout: &Layout, discs: Discs) -> Result<CuttingSheet, PatternError> {
+        for (setting, diameter) in [("magenta", discs.magenta), ("yellow", discs.yellow)] {
+            let good = diameter > 0.0 && diameter.is_finite();
+            LayoutError::unless(good, setting, diameter, "finite and > 0")?;
+        }
+        let places = layout.places(self.radius)?;
+        let markers = places.into_iter().enumerate();
+        let flat: Vec<FlatPlace> = markers
+            .map(|(marker, place)| self.flatten_marker(marker, place))
+            .collect::<Result<_, _>>()?;
+        let centres: Vec<[f64; 2]> = flat.iter().map(|place| place.assembled).collect();
+        let diameter = discs.magenta.max(discs.yellow);
+        apart(&centres, diameter, 1e-9 * self.radius)?;
+        self.within_edges(&flat, diameter)?;
+        let gores = 0..self.gores;
+        Ok(CuttingSheet {
+            radius: self.radius,
+            discs,
+            cuts: gores.clone().map(|gore| self.cut(gore)).collect(),
+            marks: gores.flat_map(|gore| self.marks(gore)).collect(),
+            centres,
+        })
+    }
+
+    fn cut(&self, gore: u32) -> Vec<[f64; 2]> {
+        let outline = self.outline();
+        outline.map(|place| self.assembled(gore, place)).collect()
+    }
+
+    /// The middle meridian; and on both seams, a third and two thirds of the way to the equator, marks a fifth of the
+    /// half-width long. Those of neighbouring gores meet when folded.
+    fn marks(&self, gore: u32) -> Vec<[[f64; 2]; 2]> {
+        let equator = self.radius * FRAC_PI_2;
+        let mut marks = vec![[[0.0, 0.0], [0.0, equator]]];
+        for share in [1.0 / 3.0, 2.0 / 3.0] {
+            let half_width = self.chord_half_width(share);
+            for side in [-half_width, half_width] {
+                marks.push([side, 0.8 * side].map(|across| [across, share * equator]));
+            }
+        }
+        let place = |mark: [[f64; 2]; 2]| mark.map(|end| self.assembled(gore, end));
+        marks.into_iter().map(place).collect()
+    }
+
+    /// Half-width of the drawn gore at a share of the way from the apex to the equator, less than 1.
+    fn chord_half_width(&self, share: f64) -> f64 {
+        let steps = share * f64::from(self.samples);
+        let [inner, outer] = [0, 1].map(|more| self.edge(steps.floor() as u32 + more)[0]);
+        inner + (outer - inner) * steps.fract()
+    }
+
+    /// Whether the discs keep inside the drawn outline, which is convex; one at the apex may cross the seams.
+    fn within_edges(&self, places: &[FlatPlace], diameter: f64) -> Result<(), PatternError> {
+        let chords: Vec<[[f64; 2]; 2]> = (0..self.samples)
+            .map(|step| [self.edge(step), self.edge(step + 1)])
+            .collect();
+        for (marker, place) in places.iter().enumerate() {
+            let equator = self.radius * FRAC_PI_2 - place.from_apex;
+            let beside = [place.across.abs(), place.from_apex];
+            let at_apex = place.from_apex == 0.0;
+            let seams = chords.iter().filter(|_| !at_apex);
+            let distance = seams
+                .map(|chord| inside(chord, beside))
+                .fold(equator, f64::min);
+            if distance < 0.5 * diameter {
+                return Err(PatternError::DiscAcrossEdge {
+                    marker,
+                    distance,
+                    diameter,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How far (across, from the apex) lies inside the line through a chord of the right edge.
+fn inside(&[[x, y], [u, v]]: &[[f64; 2]; 2], [across, from_apex]: [f64; 2]) -> f64 {
+    let length = (u - x).hypot(v - y);
+    (u - x) / length * (from_apex - y) - (v - y) / length * (across - x)
+}
+
+/// Whether all places are at least the diameter apart. Cells as wide as the diameter hold few that are; narrower
+/// ones than `narrowest` could not be counted.
+fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), PatternError> {
+    let width = diameter.max(narrowest);
+    let mut cells: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
+    for (second, centre) in centres.iter().enumerate() {
+        let cell = centre.map(|coordinate| (coordinate / width).floor() as i64);
+        let around = |axis: usize| [-1, 0, 1].map(|step| cell[axis] + step);
+        for column in around(0) {
+            for row in around(1) {
+                for &first in cells.get(&[column, row]).into_iter().flatten() {
+                    let [x, y] = centres[first];
+                    let distance = (x - centre[0]).hypot(y - centre[1]);
+                    if distance < diameter {
+                        return Err(PatternError::DiscsOverlap {
+                            first,
+                            second,
+                            distance,
+                            diameter,
+                        });
+                    }
+                }
+            }
+        }
+        cells.entry(cell).or_default().push(second);
+    }
+    Ok(())
+}
+
+impl CuttingSheet {
+    /// Closed outlines of the gores, counter-clockwise, length; (x, y) with the apex in the origin, seen from outside
+    /// the skin.
+    pub fn cuts(&self) -> &[Vec<[f64; 2]>] {
+        &self.cuts
+    }
+
+    /// Ends of the lines that help to fold: the middle meridian of each gore, and marks that meet at the seams.
+    pub fn marks(&self) -> &[[[f64; 2]; 2]] {
+        &self.marks
+    }
+
+    /// Centres of both discs of each marker, in the layout's order.
+    pub fn centres(&self) -> &[[f64; 2]] {
+        &self.centres
+    }
+
+    /// Diameters of the discs, length.
+    pub const fn discs(&self) -> Discs {
+        self.discs
+    }
+
+    /// The drawing as SVG in millimetres, y up the page, with the groups `CUT`, `FOLD`, `MAGENTA` and `YELLOW`;
+    /// `unit_mm` is the pattern's unit of length in millimetres.
+    ///
+    /// # Errors
+    /// [`PatternError::NotDrawable`].
+    pub fn svg(&self, unit_mm: f64) -> Result<String, PatternError> {
+        Ok(svg::written(&self.in_millimetres(unit_mm)?))
+    }
+
+    /// The drawing as DXF R12 in millimetres, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`; `unit_mm` is the
+    /// pattern's unit of length in millimetres.
+    ///
+    /// # Errors
+    /// [`PatternError::NotDrawable`].
+    pub fn dxf(&self, unit_mm: f64) -> Result<String, PatternError> {
+        Ok(dxf::written(&self.in_millimetres(unit_mm)?))
+    }
+
+    fn in_millimetres(&self, unit_mm: f64) -> Result<Self, PatternError> {
+        let radius = self.radius * unit_mm;
+        let [least, most] = DRAWABLE_MM;
+        if !(least..=most).contains(&radius) {
+            return Err(PatternError::NotDrawable {
+                radius_mm: radius,
+                least,
+                most,
+            });
+        }
+        let place = |place: &[f64; 2]| place.map(|coordinate| coordinate * unit_mm);
+        let cut = |outline: &Vec<[f64; 2]>| outline.iter().map(place).collect();
+        Ok(Self {
+            radius,
+            discs: Discs {
+                magenta: self.discs.magenta * unit_mm,
+                yellow: self.discs.yellow * unit_mm,
+            },
+            cuts: self.cuts.iter().map(cut).collect(),
+            marks: self
+                .marks
+                .iter()
+                .map(|ends| ends.map(|end| place(&end)))
+                .collect(),
+            centres: self.centres.iter().map(place).collect(),
+        })
+    }
+
+    /// Half the side of a square around the apex that holds the drawing and a margin.
+    fn half_side(&self) -> f64 {
+        let corners = self.cuts.iter().flatten();
+        1.05 * corners.map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max)
+    }
+}
+
+/// A length in millimetres, to a nanometre.
+fn millimetres(value: f64) -> String {
+    let written = format!("{value:.6}");
+    match written.strip_prefix('-') {
+        Some(size) if size.bytes().all(|byte| matches!(byte, b'0' | b'.')) => size.to_owned(),
+        _ => written,
+    }
+}

@@ -1,0 +1,4 @@
+//! Integration tests of the spherical sensor.
+#![allow(clippy::unwrap_used)]
+
+mod pattern;

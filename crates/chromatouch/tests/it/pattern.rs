@@ -1,0 +1,299 @@
+//! Cutting sheets and their files.
+
+use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use approx::assert_relative_eq;
+use palpate_chromatouch::{CuttingSheet, Discs, Layout, Pattern};
+use svg::node::element::tag::Type;
+use svg::parser::Event;
+
+/// In centimetres.
+const DISCS: Discs = Discs {
+    magenta: 0.2,
+    yellow: 0.15,
+};
+
+/// The published sensor, in centimetres.
+fn published(samples: u32) -> CuttingSheet {
+    let pattern = Pattern::new(4, samples, 2.0).unwrap();
+    pattern.sheet(&Layout::published(), DISCS).unwrap()
+}
+
+fn area(outline: &[[f64; 2]]) -> f64 {
+    let next = outline.iter().cycle().skip(1);
+    let sides = outline.iter().zip(next);
+    sides.map(|([x, y], [u, v])| 0.5 * (x * v - u * y)).sum()
+}
+
+fn length([[x, y], [u, v]]: [[f64; 2]; 2]) -> f64 {
+    (u - x).hypot(v - y)
+}
+
+/// What a file says, in millimetres, y up.
+#[derive(Default)]
+struct Drawing {
+    outlines: Vec<Vec<[f64; 2]>>,
+    lines: Vec<[[f64; 2]; 2]>,
+    /// Of each layer: centres and radii.
+    circles: BTreeMap<String, Vec<([f64; 2], f64)>>,
+}
+
+fn read_svg(text: &str) -> (Drawing, [f64; 4], Vec<String>) {
+    let mut drawing = Drawing::default();
+    let mut frame = [f64::NAN; 4];
+    let mut open: Vec<String> = Vec::new();
+    let mut layers = Vec::new();
+    for event in svg::read(text).unwrap() {
+        let Event::Tag(name, kind, attributes) = event else {
+            continue;
+        };
+        if matches!(kind, Type::End) {
+            assert_eq!(open.pop().as_deref(), Some(name));
+            continue;
+        }
+        let text = |key: &str| attributes[key].to_string();
+        let number = |key: &str| text(key).parse::<f64>().unwrap();
+        let layer = layers.last().cloned().unwrap_or_default();
+        match name {
+            "svg" => {
+                let numbers = text("viewBox");
+                let mut numbers = numbers.split(' ').map(|word| word.parse().unwrap());
+                frame = [(); 4].map(|()| numbers.next().unwrap());
+                for (size, side) in [("width", frame[2]), ("height", frame[3])] {
+                    let size: f64 = text(size).strip_suffix("mm").unwrap().parse().unwrap();
+                    assert_eq!(size, side);
+                }
+            }
+            "g" => layers.push(text("id")),
+            "polygon" => {
+                assert_eq!(layer, "CUT");
+                let corner = |word: &str| {
+                    let (x, y) = word.split_once(',').unwrap();
+                    [x.parse().unwrap(), -y.parse::<f64>().unwrap()]
+                };
+                drawing
+                    .outlines
+                    .push(text("points").split(' ').map(corner).collect());
+            }
+            "line" => {
+                assert_eq!(layer, "FOLD");
+                let end = |x: &str, y: &str| [number(x), -number(y)];
+                drawing.lines.push([end("x1", "y1"), end("x2", "y2")]);
+            }
+            "circle" => {
+                let centre = [number("cx"), -number("cy")];
+                let circles = drawing.circles.entry(layer).or_default();
+                circles.push((centre, number("r")));
+            }
+            other => panic!("{other}"),
+        }
+        if matches!(kind, Type::Start) {
+            open.push(name.to_owned());
+        }
+    }
+    assert!(open.is_empty());
+    (drawing, frame, layers)
+}
+
+/// Entities of a DXF file as their group codes and values; sections must be closed.
+fn entities(text: &str) -> Vec<Vec<(u16, &str)>> {
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len() % 2, 0);
+    let pairs = lines
+        .chunks(2)
+        .map(|pair| (pair[0].trim().parse().unwrap(), pair[1]));
+    let mut groups: Vec<Vec<(u16, &str)>> = Vec::new();
+    for pair in pairs {
+        if pair.0 == 0 {
+            groups.push(Vec::new());
+        }
+        if let Some(group) = groups.last_mut() {
+            group.push(pair);
+        }
+    }
+    let kind = |group: &[(u16, &str)], name: &str| group[0].1 == name;
+    let count = |name: &str| groups.iter().filter(|group| kind(group, name)).count();
+    assert_eq!((count("SECTION"), count("ENDSEC")), (3, 3));
+    assert_eq!((count("TABLE"), count("ENDTAB")), (2, 2));
+    assert_eq!(groups.last().unwrap(), &[(0, "EOF")]);
+    let start = groups
+        .iter()
+        .position(|group| group.contains(&(2, "ENTITIES")));
+    groups[start.unwrap() + 1..groups.len() - 2].to_vec()
+}
+
+fn read_dxf(text: &str) -> Drawing {
+    let mut drawing = Drawing::default();
+    for entity in entities(text) {
+        let value = |code: u16| entity.iter().find(|pair| pair.0 == code).unwrap().1;
+        let number = |code: u16| value(code).parse::<f64>().unwrap();
+        let place = |code: u16| [number(code), number(code + 10)];
+        match (entity[0].1, entity.get(1).map(|layer| layer.1)) {
+            ("POLYLINE", Some("CUT")) => {
+                assert_eq!((value(66), value(70)), ("1", "1"));
+                drawing.outlines.push(Vec::new());
+            }
+            ("VERTEX", Some("CUT")) => drawing.outlines.last_mut().unwrap().push(place(10)),
+            ("SEQEND", Some("CUT")) => {}
+            ("LINE", Some("FOLD")) => drawing.lines.push([place(10), place(11)]),
+            ("CIRCLE", Some(layer)) => {
+                let circles = drawing.circles.entry(layer.to_owned()).or_default();
+                circles.push((place(10), number(40)));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    drawing
+}
+
+fn assert_drawn(drawing: &Drawing, sheet: &CuttingSheet) {
+    assert_eq!(drawing.outlines.len(), 4);
+    for outline in &drawing.outlines {
+        // A quarter of 2πR², in steps of 1/40 of the quarter circle.
+        let half_step: f64 = PI / 160.0;
+        let expected = 2.0 * PI * 400.0 / 4.0 * half_step / half_step.tan();
+        assert_relative_eq!(area(outline), expected, max_relative = 1e-6);
+        let touches_apex = outline
+            .iter()
+            .filter(|place| place.map(f64::abs) == [0.0; 2]);
+        assert_eq!(touches_apex.count(), 1);
+    }
+    // Each gore has its middle meridian, as long as a quarter circle, and four marks.
+    assert_eq!(drawing.lines.len(), 20);
+    let meridians = drawing.lines.iter().step_by(5);
+    for meridian in meridians {
+        assert_relative_eq!(length(*meridian), 10.0 * PI, epsilon = 1e-5);
+    }
+    let layers: Vec<&str> = drawing.circles.keys().map(String::as_str).collect();
+    assert_eq!(layers, ["MAGENTA", "YELLOW"]);
+    for (circles, radius) in drawing.circles.values().zip([1.0, 0.75]) {
+        assert_eq!(circles.len(), 77);
+        for ((centre, drawn), expected) in circles.iter().zip(sheet.centres()) {
+            assert_eq!(*drawn, radius);
+            for axis in 0..2 {
+                assert!((centre[axis] - 10.0 * expected[axis]).abs() < 1e-6);
+            }
+        }
+    }
+}
+
+#[test]
+fn svg_draws_the_sheet_in_millimetres() {
+    let sheet = published(40);
+    let text = sheet.svg(10.0).unwrap();
+    let (drawing, [left, top, width, height], layers) = read_svg(&text);
+    assert_drawn(&drawing, &sheet);
+    assert_eq!(layers, ["YELLOW", "MAGENTA", "FOLD", "CUT"]);
+    for [x, y] in drawing.outlines.iter().flatten() {
+        assert!(left < *x && *x < left + width && top < -y && -y < top + height);
+    }
+    assert_eq!(text, published(40).svg(10.0).unwrap());
+}
+
+#[test]
+fn dxf_draws_the_sheet_in_millimetres() {
+    let sheet = published(40);
+    let text = sheet.dxf(10.0).unwrap();
+    assert_drawn(&read_dxf(&text), &sheet);
+    assert_eq!(text, published(40).dxf(10.0).unwrap());
+    assert!(!text.contains("-0.000000"));
+    for line in ["AC1009", "CUT", "FOLD", "MAGENTA", "YELLOW"] {
+        assert!(text.lines().any(|other| other == line));
+    }
+}
+
+#[test]
+fn both_files_say_the_same() {
+    let sheet = published(3);
+    let (svg, _, _) = read_svg(&sheet.svg(10.0).unwrap());
+    let dxf = read_dxf(&sheet.dxf(10.0).unwrap());
+    assert_eq!(svg.outlines, dxf.outlines);
+    assert_eq!(svg.lines, dxf.lines);
+    assert_eq!(svg.circles, dxf.circles);
+}
+
+/// Seam marks lie on the edges of the gores and run along parallels, so that they meet when folded.
+#[test]
+fn seam_marks_begin_on_the_drawn_edges() {
+    for samples in [1, 2, 3, 7] {
+        let sheet = three_gores_with_the_apex(samples);
+        let outline = &sheet.cuts()[0];
+        for (count, [start, end]) in sheet.marks()[1..5].iter().enumerate() {
+            let next = outline.iter().cycle().skip(1);
+            let nearest = outline
+                .iter()
+                .zip(next)
+                .map(|(from, to)| off_segment(*start, *from, *to))
+                .fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-12, "{samples}: {nearest}");
+            // At a third or two thirds of the quarter circle along the middle meridian, here at 60°.
+            let (sin, cos) = (PI / 3.0).sin_cos();
+            let share = if count < 2 { 1.0 / 3.0 } else { 2.0 / 3.0 };
+            for [x, y] in [start, end] {
+                let along = x * cos + y * sin;
+                assert_relative_eq!(along, share * 2.0 * FRAC_PI_2, max_relative = 1e-12);
+            }
+        }
+    }
+}
+
+fn three_gores_with_the_apex(samples: u32) -> CuttingSheet {
+    let apex = Layout::Gores {
+        gores: 3,
+        rows: Vec::new(),
+        row_spacing_deg: 10.0,
+    };
+    let pattern = Pattern::new(3, samples, 2.0).unwrap();
+    pattern.sheet(&apex, DISCS).unwrap()
+}
+
+fn off_segment([x, y]: [f64; 2], [u, v]: [f64; 2], [s, t]: [f64; 2]) -> f64 {
+    let along = ((x - u) * (s - u) + (y - v) * (t - v)) / ((s - u).powi(2) + (t - v).powi(2));
+    let along = along.clamp(0.0, 1.0);
+    (x - u - along * (s - u)).hypot(y - v - along * (t - v))
+}
+
+#[test]
+fn sheets_that_do_not_fit_are_named() {
+    let pattern = Pattern::new(4, 40, 20.0).unwrap();
+    let gores = |gores, rows: &[u32], row_spacing_deg| Layout::Gores {
+        gores,
+        rows: rows.to_vec(),
+        row_spacing_deg,
+    };
+    let alike = |diameter| Discs {
+        magenta: diameter,
+        yellow: diameter,
+    };
+    for (layout, discs, name) in [
+        (Layout::published(), alike(0.0), "bad-setting"),
+        (Layout::published(), alike(f64::NAN), "bad-setting"),
+        (Layout::published(), alike(f64::INFINITY), "bad-setting"),
+        // Sevens are 3.87 mm apart, the outer of the first three 1.71 mm from the edge.
+        (Layout::published(), alike(4.2), "discs-overlap"),
+        (Layout::published(), alike(1e300), "discs-overlap"),
+        (Layout::published(), alike(3.43), "disc-across-edge"),
+        (
+            gores(4, &[1, 1, 1, 1], 25.0),
+            alike(2.0),
+            "beyond-the-equator",
+        ),
+        (gores(4, &[1], 89.0), alike(2.0), "disc-across-edge"),
+        (gores(4, &[], 10.0), alike(63.0), "disc-across-edge"),
+        // The middle of a half is the seam of two quarters.
+        (gores(2, &[1], 30.0), alike(0.1), "disc-across-edge"),
+        (gores(0, &[1], 30.0), alike(0.1), "bad-setting"),
+        (gores(4, &[1, 1], 90.0), alike(0.1), "around-the-sphere"),
+    ] {
+        let error = pattern.sheet(&layout, discs).unwrap_err();
+        assert_eq!(error.name(), name, "{error}");
+    }
+    pattern.sheet(&Layout::published(), alike(3.4)).unwrap();
+    assert!(pattern.sheet(&Layout::published(), alike(1e-300)).is_ok());
+    let sheet = published(8);
+    for unit_mm in [0.0, -1.0, 1e-9, 1e9, f64::NAN, f64::INFINITY] {
+        assert_eq!(sheet.svg(unit_mm).unwrap_err().name(), "not-drawable");
+        assert_eq!(sheet.dxf(unit_mm).unwrap_err().name(), "not-drawable");
+    }
+}
