@@ -76,15 +76,15 @@ impl Pattern {
         outline.map(|place| self.assembled(gore, place)).collect()
     }
 
-    /// The middle meridian; and on both seams, a third and two thirds of the way to the equator, marks a fifth of the
-    /// half-width long. Those of neighbouring gores meet when folded.
+    /// The middle meridian; and on both seams, a third and two thirds of the way to the equator, marks a twentieth
+    /// of the half-width long. Those of neighbouring gores meet when folded.
     fn marks(&self, gore: u32) -> Vec<[[f64; 2]; 2]> {
         let equator = self.radius * FRAC_PI_2;
         let mut marks = vec![[[0.0, 0.0], [0.0, equator]]];
         for share in [1.0 / 3.0, 2.0 / 3.0] {
             let half_width = self.chord_half_width(share);
             for side in [-half_width, half_width] {
-                marks.push([side, 0.8 * side].map(|across| [across, share * equator]));
+                marks.push([side, 0.95 * side].map(|across| [across, share * equator]));
             }
         }
         let place = |mark: [[f64; 2]; 2]| mark.map(|end| self.assembled(gore, end));

@@ -173,8 +173,8 @@ mod tests {
         }
     }
 
-    /// Mean of (σ − 1)² = 2 − s·2/2 … by its series: (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)), and the mean of sᵏ
-    /// over the gore is (π/n)ᵏ/(k + 1)².
+    /// By series: from σ² = sσ + 1, (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)); the mean of sᵏ over the gore is
+    /// (π/n)ᵏ/(k + 1)².
     fn mean_square_by_series(gores: u32) -> f64 {
         let widest = PI / f64::from(gores);
         let moment = |power: i32| widest.powi(power) / f64::from((power + 1).pow(2));

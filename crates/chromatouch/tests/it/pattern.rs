@@ -20,6 +20,14 @@ fn published(samples: u32) -> CuttingSheet {
     pattern.sheet(&Layout::published(), DISCS).unwrap()
 }
 
+fn rows(gores: u32, rows: &[u32]) -> Layout {
+    Layout::Gores {
+        gores,
+        rows: rows.to_vec(),
+        row_spacing_deg: 15.0,
+    }
+}
+
 fn area(outline: &[[f64; 2]]) -> f64 {
     let next = outline.iter().cycle().skip(1);
     let sides = outline.iter().zip(next);
@@ -182,13 +190,22 @@ fn assert_drawn(drawing: &Drawing, sheet: &CuttingSheet) {
 fn svg_draws_the_sheet_in_millimetres() {
     let sheet = published(40);
     let text = sheet.svg(10.0).unwrap();
-    let (drawing, [left, top, width, height], layers) = read_svg(&text);
+    let (drawing, _, layers) = read_svg(&text);
     assert_drawn(&drawing, &sheet);
     assert_eq!(layers, ["YELLOW", "MAGENTA", "FOLD", "CUT"]);
-    for [x, y] in drawing.outlines.iter().flatten() {
-        assert!(left < *x && *x < left + width && top < -y && -y < top + height);
-    }
     assert_eq!(text, published(40).svg(10.0).unwrap());
+}
+
+#[test]
+fn the_frame_holds_the_drawing() {
+    for gores in [3, 4, 8, 12] {
+        let pattern = Pattern::new(gores, 40, 2.0).unwrap();
+        let sheet = pattern.sheet(&rows(gores, &[0, 1]), DISCS).unwrap();
+        let (drawing, [left, top, width, height], _) = read_svg(&sheet.svg(10.0).unwrap());
+        for [x, y] in drawing.outlines.iter().flatten() {
+            assert!(left < *x && *x < left + width && top < -y && -y < top + height);
+        }
+    }
 }
 
 #[test]
@@ -217,7 +234,8 @@ fn both_files_say_the_same() {
 #[test]
 fn seam_marks_begin_on_the_drawn_edges() {
     for samples in [1, 2, 3, 7] {
-        let sheet = three_gores_with_the_apex(samples);
+        let pattern = Pattern::new(3, samples, 2.0).unwrap();
+        let sheet = pattern.sheet(&rows(3, &[]), DISCS).unwrap();
         let outline = &sheet.cuts()[0];
         for (count, [start, end]) in sheet.marks()[1..5].iter().enumerate() {
             let next = outline.iter().cycle().skip(1);
@@ -230,6 +248,8 @@ fn seam_marks_begin_on_the_drawn_edges() {
             // At a third or two thirds of the quarter circle along the middle meridian, here at 60°.
             let (sin, cos) = (PI / 3.0).sin_cos();
             let share = if count < 2 { 1.0 / 3.0 } else { 2.0 / 3.0 };
+            let across = |[x, y]: [f64; 2]| y * cos - x * sin;
+            assert_relative_eq!(across(*end), 0.95 * across(*start), max_relative = 1e-12);
             for [x, y] in [start, end] {
                 let along = x * cos + y * sin;
                 assert_relative_eq!(along, share * 2.0 * FRAC_PI_2, max_relative = 1e-12);
@@ -238,20 +258,36 @@ fn seam_marks_begin_on_the_drawn_edges() {
     }
 }
 
-fn three_gores_with_the_apex(samples: u32) -> CuttingSheet {
-    let apex = Layout::Gores {
-        gores: 3,
-        rows: Vec::new(),
-        row_spacing_deg: 10.0,
-    };
-    let pattern = Pattern::new(3, samples, 2.0).unwrap();
-    pattern.sheet(&apex, DISCS).unwrap()
-}
-
 fn off_segment([x, y]: [f64; 2], [u, v]: [f64; 2], [s, t]: [f64; 2]) -> f64 {
     let along = ((x - u) * (s - u) + (y - v) * (t - v)) / ((s - u).powi(2) + (t - v).powi(2));
     let along = along.clamp(0.0, 1.0);
     (x - u - along * (s - u)).hypot(y - v - along * (t - v))
+}
+
+/// Discs may be as large as the nearest two are apart, by comparing all.
+#[test]
+fn discs_overlap_from_the_least_distance_on() {
+    let pattern = Pattern::new(4, 40, 2.0).unwrap();
+    let sheet = |layout: &Layout, diameter| {
+        let discs = Discs {
+            magenta: 0.5 * diameter,
+            yellow: diameter,
+        };
+        pattern.sheet(layout, discs)
+    };
+    for layout in [rows(4, &[1]), rows(4, &[1, 5, 5]), rows(4, &[0, 3, 9])] {
+        let small = sheet(&layout, 1e-3).unwrap();
+        let centres = small.centres();
+        let pairs = centres.iter().enumerate().flat_map(|(count, first)| {
+            let others = centres[..count].iter();
+            others.map(|second| length([*first, *second]))
+        });
+        let least = pairs.fold(f64::INFINITY, f64::min);
+        let overlap =
+            |diameter| sheet(&layout, diameter).is_err_and(|e| e.name() == "discs-overlap");
+        assert!(overlap(1.0001 * least));
+        assert!(!overlap(0.9999 * least));
+    }
 }
 
 #[test]
