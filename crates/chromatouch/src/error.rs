@@ -17,7 +17,7 @@ pub enum LayoutError {
     },
     /// The markers reach around the sphere and meet themselves.
     #[error(
-        "{setting}: the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180"
+        "the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180"
     )]
     AroundTheSphere {
         /// Name of the setting that makes them reach so far.

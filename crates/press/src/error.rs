@@ -40,7 +40,7 @@ pub enum PressError {
         indentation: f64,
     },
     /// The object is exactly as hollow as the sensor is round: they touch everywhere at once.
-    #[error("the bodies conform: the relative curvature is {relative_curvature:e}")]
+    #[error("the bodies conform: the relative curvature is {relative_curvature}")]
     Conforming {
         /// 1/R_s + 1/R_o, 1/length.
         relative_curvature: f64,

@@ -68,6 +68,9 @@ impl PressScene {
                 .unwrap_or_else(|| "no noise: no random numbers are drawn".to_owned()),
         );
         needs.push(words::of_sensor(places.len(), sensor));
+        if tangential && noise.normal.is_random() && !noise.tangential.is_random() {
+            needs.push(words::EXACT_TANGENTIAL.to_owned());
+        }
         needs.extend(words::of_estimator(config, &method));
         Ok(Self {
             seed,

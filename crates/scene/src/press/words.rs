@@ -81,6 +81,9 @@ pub(crate) fn large_contact(
     ))
 }
 
+pub(super) const EXACT_TANGENTIAL: &str = "warning: displacements along the skin have no error and outweigh all \
+    others; give `noise.tangential_displacement`, or set `sensor.tangential` = false";
+
 pub(super) fn of_sensor(markers: usize, sensor: PressSensor) -> String {
     let plural = if markers == 1 { "" } else { "s" };
     let with = if sensor.tangential { "with" } else { "without" };

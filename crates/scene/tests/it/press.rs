@@ -406,7 +406,7 @@ fn bad_scenes_are_refused_at_their_field() {
                 "marker_depth = 2.0 }",
                 "marker_depth = 2.0, layout = { kind = \"line\", markers = 5, length = 126 } }",
             ),
-            "scene.probe.layout.length: length: the markers would reach 180.4817 degrees from the apex; it must be less than 180",
+            "scene.probe.layout.length: the markers would reach 180.4817 degrees from the apex; it must be less than 180",
         ),
         (
             probe(
