@@ -28,6 +28,20 @@ pub enum Channel {
     Gain = 9,
     /// Which markers are wrong, and how far.
     WrongMarkers = 10,
+    /// How the discs of a marker are misaligned by manufacture.
+    Misalignment = 11,
+    /// Error of a pixel.
+    Pixel = 12,
+    /// Error of a marker's mean hue.
+    Hue = 13,
+    /// Error of a marker's centroid in the image.
+    Centroid = 14,
+    /// Error of a marker's size in the image.
+    Size = 15,
+    /// Which markers are not seen.
+    LostMarkers = 16,
+    /// Error of a pixel in the frames that a sensor is calibrated with.
+    CalibrationPixel = 17,
 }
 
 /// The random numbers of one channel in one trial: a function of seed, trial and channel alone.

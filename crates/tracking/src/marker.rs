@@ -1,0 +1,87 @@
+//! A marker in a frame, and what became of it in another.
+
+/// A marker as a frame shows it. The middle of the first pixel has the coordinates (0, 0); x counts columns to the
+/// right, y rows downward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Marker {
+    /// Centroid of what sets the marker off from the ground, px.
+    pub centroid_px: [f64; 2],
+    /// Mean hue in turns, from 0 (red) to below 1: the circular mean of its pixels, each with the weight of its chroma.
+    pub hue_turns: f64,
+    /// How much sets it off from the ground, px²: on a bright ground the shares of green and of blue light that it
+    /// takes, summed over its pixels, so that a disc that takes all of one of them counts with its area; on a dark
+    /// ground the share of the brightest marker's light that it adds.
+    pub size_px2: f64,
+    /// Pixels that are its own.
+    pub pixels: u32,
+}
+
+/// What became of a marker of the rest frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// Found again.
+    Tracked,
+    /// Not found again.
+    Lost,
+    /// Found grown together with another.
+    Merged,
+    /// Found in more than one piece.
+    Split,
+    /// Found without a counterpart at rest.
+    New,
+}
+
+impl Status {
+    /// The stable name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tracked => "tracked",
+            Self::Lost => "lost",
+            Self::Merged => "merged",
+            Self::Split => "split",
+            Self::New => "new",
+        }
+    }
+}
+
+/// A marker in a rest frame and in a pressed one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Track {
+    /// At rest; `None` for one that is new.
+    pub rest: Option<Marker>,
+    /// Pressed; `None` for one that is lost.
+    pub pressed: Option<Marker>,
+    /// What became of it.
+    pub status: Status,
+}
+
+/// How the sight of a marker changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Change {
+    /// Of the centroid, px.
+    pub shift_px: [f64; 2],
+    /// Of the mean hue, turns, from -0.5 to below 0.5.
+    pub hue_turns: f64,
+    /// Of the logarithm of its diameter: half that of its size.
+    pub growth: f64,
+}
+
+impl Track {
+    /// The change of a marker that was found again as it was: not of one that merged or split.
+    pub fn change(&self) -> Option<Change> {
+        let (rest, pressed) = match self {
+            Self {
+                rest: Some(rest),
+                pressed: Some(pressed),
+                status: Status::Tracked,
+            } => (rest, pressed),
+            _ => return None,
+        };
+        let turn = pressed.hue_turns - rest.hue_turns;
+        Some(Change {
+            shift_px: [0, 1].map(|axis| pressed.centroid_px[axis] - rest.centroid_px[axis]),
+            hue_turns: turn - (turn + 0.5).floor(),
+            growth: 0.5 * (pressed.size_px2 / rest.size_px2).ln(),
+        })
+    }
+}
