@@ -4,7 +4,10 @@ mod angular_velocity;
 mod edge;
 mod effective_radius;
 mod evidence;
+mod fisheye;
 mod gaussian_profile;
+mod gores;
+mod hue;
 mod pads;
 mod patches;
 mod presses;
@@ -12,6 +15,7 @@ mod regimes;
 mod roll_length;
 mod second_fit;
 mod shape_classes;
+mod straight_line;
 mod turned_cylinder;
 mod wrist;
 
@@ -69,7 +73,7 @@ struct Finding {
     why: String,
 }
 
-const CLAIMS: [Claim; 18] = [
+const CLAIMS: [Claim; 21] = [
     Claim {
         number: 1,
         paper_says: "The error for a given noise in angular velocity grows as the relative curvature falls, dramatically from R₂ of about 50 R₁ up.",
@@ -136,6 +140,11 @@ const CLAIMS: [Claim; 18] = [
         judge: turned_cylinder::is_fitted_worse,
     },
     Claim {
+        number: 14,
+        paper_says: "A marker's hue is linear in its normal displacement, its centroid in the tangential one.",
+        judge: hue::and_centroid_are_linear,
+    },
+    Claim {
         number: 15,
         paper_says: "A Gaussian fits the displacement that Hertz's theory gives under a layer of skin with R² of 0.96.",
         judge: gaussian_profile::fits_the_filtered_profile,
@@ -149,6 +158,16 @@ const CLAIMS: [Claim; 18] = [
         number: 17,
         paper_says: "Contact is at a point where the relative curvature is positive, ill-defined where it is zero, at the edge where it is negative; so a small sensor is the most versatile.",
         judge: regimes::go_by_relative_curvature,
+    },
+    Claim {
+        number: 18,
+        paper_says: "A skin cut into 6 or 8 gores is distorted less than one of 4.",
+        judge: gores::more_distort_less,
+    },
+    Claim {
+        number: 19,
+        paper_says: "The fisheye lens gives all markers a similar area in the image.",
+        judge: fisheye::keeps_the_area,
     },
     Claim {
         number: 20,

@@ -1,8 +1,10 @@
 //! Paths, columns, units and numbers in the words of a reader.
 
 mod path;
+mod statistic;
 
 pub(crate) use path::path;
+pub(crate) use statistic::{quantity, short_statistic, statistic, statistic_of};
 
 /// Units a header may end in, alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio (`_rad_per_s`).
 const UNITS: [&str; 9] = ["m", "cm", "mm", "um", "unit", "rad", "deg", "s", "px"];
@@ -32,7 +34,8 @@ pub(crate) fn split_unit(header: &str) -> (&str, &str) {
     (header, "")
 }
 
-/// A unit as a reader writes it: `per_cm2` is `1/cm²`, `rad_per_s` is `rad/s`. Nothing for a pure number.
+/// A unit as a reader writes it: `per_cm2` is `1/cm²`, `rad_per_s` is `rad/s`, `turn` is `turns`. Nothing for a pure
+/// number.
 pub(crate) fn unit(text: &str) -> String {
     let text = text.trim();
     if text.is_empty() || text == "1" || text == "-" {
@@ -42,6 +45,8 @@ pub(crate) fn unit(text: &str) -> String {
         Some(rest) => format!("1/{rest}"),
         None => text.replace("_per_", "/"),
     };
+    let plural = |part: &str| if part == "turn" { "turns" } else { part }.to_owned();
+    let text = text.split('/').map(plural).collect::<Vec<_>>().join("/");
     text.replace("um", "µm")
         .replace("deg", "°")
         .replace("^2", "²")
@@ -89,96 +94,6 @@ impl Meaning {
     pub(crate) fn bare_value(&self, text: &str) -> String {
         crate::table::finite(text)
             .map_or_else(|| text.to_owned(), |value| number(value * self.factor))
-    }
-}
-
-/// The meaning of a statistic of a quantity whose unit in the table is `quantity_unit`.
-pub(crate) fn statistic(name: &str, quantity: &str, quantity_unit: &str) -> Meaning {
-    let share = quantity == "class";
-    let quantity = self::quantity(quantity);
-    let (words, percent, pure) = match name {
-        "mean" if share => (quantity, true, true),
-        "truth" => (format!("true {quantity}"), false, false),
-        "trials" => ("trials".to_owned(), false, true),
-        "failures" => ("failed trials".to_owned(), false, true),
-        "mean" => (format!("mean estimate of {quantity}"), false, false),
-        "std" => (format!("standard deviation of {quantity}"), false, false),
-        "bias" => (format!("bias of {quantity}"), false, false),
-        "rms_error" => (format!("rms error of {quantity}"), false, false),
-        "mean_abs_error" => (format!("mean |error| of {quantity}"), false, false),
-        "relative_rms_error" => (format!("rms relative error of {quantity}"), true, true),
-        "relative_mean_abs_error" => (format!("mean |relative error| of {quantity}"), true, true),
-        "mean_reported_std" => (format!("mean reported std of {quantity}"), false, false),
-        "std_bound" => (
-            format!("Cramér–Rao bound on the std of {quantity}"),
-            false,
-            false,
-        ),
-        "q50" => (format!("median estimate of {quantity}"), false, false),
-        "coverage95" => (
-            format!("share of 95 % intervals that hold the true {quantity}"),
-            true,
-            true,
-        ),
-        _ => match name.strip_prefix('q').and_then(|p| p.parse::<u8>().ok()) {
-            Some(percent) => (
-                format!("{percent} % quantile of the estimates of {quantity}"),
-                false,
-                false,
-            ),
-            None => (
-                format!("{} of {quantity}", name.replace('_', " ")),
-                false,
-                false,
-            ),
-        },
-    };
-    match (percent, pure) {
-        (true, _) => Meaning {
-            words,
-            unit: "%".to_owned(),
-            factor: 100.0,
-        },
-        (false, true) => Meaning {
-            words,
-            unit: String::new(),
-            factor: 1.0,
-        },
-        (false, false) => Meaning {
-            words,
-            unit: unit(quantity_unit),
-            factor: 1.0,
-        },
-    }
-}
-
-/// The short name of a statistic, for a legend that already says of what.
-pub(crate) fn short_statistic(name: &str) -> String {
-    match name {
-        "rms_error" => "rms error".to_owned(),
-        "mean_abs_error" => "mean |error|".to_owned(),
-        "relative_rms_error" => "rms relative error".to_owned(),
-        "relative_mean_abs_error" => "mean |relative error|".to_owned(),
-        "mean_reported_std" => "mean reported std".to_owned(),
-        "truth" => "true value".to_owned(),
-        "mean" => "mean estimate".to_owned(),
-        "coverage95" => "coverage of 95 % intervals".to_owned(),
-        "std" => "standard deviation".to_owned(),
-        "q50" => "median estimate".to_owned(),
-        "std_bound" => "Cramér–Rao bound".to_owned(),
-        other => other.replace('_', " "),
-    }
-}
-
-/// The words of a quantity.
-pub(crate) fn quantity(name: &str) -> String {
-    match name {
-        "normal_curvature_u" => "normal curvature along u".to_owned(),
-        "normal_curvature_v" => "normal curvature along v".to_owned(),
-        "gaussian_curvature" => "Gaussian curvature".to_owned(),
-        "class" => "share classified correctly".to_owned(),
-        "r_squared" => "R² of the fit".to_owned(),
-        other => other.replace('_', " "),
     }
 }
 
@@ -294,27 +209,20 @@ mod tests {
     }
 
     #[test]
-    fn statistics_are_words_with_units() {
-        assert_eq!(
-            statistic("rms_error", "gaussian_curvature", "per_cm2").label(),
-            "rms error of Gaussian curvature (1/cm²)"
-        );
-        assert_eq!(
-            statistic("relative_mean_abs_error", "normal_curvature_u", "1/cm").label(),
-            "mean |relative error| of normal curvature along u (%)"
-        );
-        assert_eq!(
-            statistic("mean", "class", "").label(),
-            "share classified correctly (%)"
-        );
-        assert_eq!(
-            statistic("std_bound", "relative_curvature", "1/mm").label(),
-            "Cramér–Rao bound on the std of relative curvature (1/mm)"
-        );
-        assert_eq!(
-            statistic("mean", "r_squared", "1").label(),
-            "mean estimate of R² of the fit"
-        );
+    fn units_are_as_a_reader_writes_them() {
+        for (written, shown) in [
+            ("per_cm2", "1/cm²"),
+            ("rad_per_s", "rad/s"),
+            ("1/mm^2", "1/mm²"),
+            ("um", "µm"),
+            ("deg", "°"),
+            ("turn", "turns"),
+            ("turn_per_mm", "turns/mm"),
+            ("px^2", "px²"),
+            ("1", ""),
+        ] {
+            assert_eq!(unit(written), shown);
+        }
     }
 
     #[test]

@@ -36,9 +36,14 @@ fn swept<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
 
 /// The `kind` of what stands at `path` for `row`.
 pub(super) fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
-    match study.cells().axis(&format!("{path}.kind")) {
+    word(study, row, path, "kind")
+}
+
+/// The text `key` of what stands at `path` for `row`.
+pub(super) fn word<'a>(study: &'a Study, row: usize, path: &str, key: &str) -> Option<&'a str> {
+    match study.cells().axis(&format!("{path}.{key}")) {
         Some(axis) => Some(axis.text(row)),
-        None => settings(study, row, path)?.get("kind")?.as_str(),
+        None => settings(study, row, path)?.get(key)?.as_str(),
     }
 }
 

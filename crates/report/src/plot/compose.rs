@@ -35,13 +35,9 @@ impl<'a> Composer<'a> {
     fn new(of: &'a Selection<'a>) -> Result<Self, ReportError> {
         let (table, spec) = (of.study.cells(), of.spec);
         let quantities = present(table.quantities(), &of.rows);
-        let quantity = if let [one] = quantities.as_slice() {
-            one
-        } else {
-            "each quantity"
-        };
         let meaning = |name: &str| {
-            let of_row = |row: &usize| words::statistic(name, quantity, table.unit(*row));
+            let of_row =
+                |row: &usize| words::statistic(name, table.quantity(*row), table.unit(*row));
             let first = of_row(&of.rows[0]);
             match of
                 .rows
@@ -49,7 +45,11 @@ impl<'a> Composer<'a> {
                 .map(of_row)
                 .find(|other| other.unit != first.unit)
             {
-                None => Ok(first),
+                None => Ok(words::statistic_of(
+                    name,
+                    &quantities,
+                    table.unit(of.rows[0]),
+                )),
                 Some(other) => Err(of.bad(format!(
                     "{name} is in {} and in {}; choose one quantity",
                     first.unit, other.unit

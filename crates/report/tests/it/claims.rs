@@ -358,11 +358,14 @@ fn claim_21_needs_its_labels() {
 
 #[test]
 fn unknown_claims_and_other_quantities_are_not_testable() {
-    let (_dir, study) = angular_velocity("claims = [14]");
+    let (_dir, study) = angular_velocity("claims = [22]");
     judged(&only(&study), Verdict::NotTestable, &["no function"]);
     let mut cells = Cells::new("scene.object.radius_cm");
     cells.push("5", Numbers::new(-0.2, 0.1));
-    let (_dir, study) = cells.study(&config("dish", "claims = [1, 2, 3, 4, 5, 6, 7, 8, 20, 21]"));
+    let (_dir, study) = cells.study(&config(
+        "dish",
+        "claims = [1, 2, 3, 4, 5, 6, 7, 8, 14, 18, 19, 20, 21]",
+    ));
     for score in score(&[study]) {
         assert_eq!(score.verdict, Verdict::NotTestable, "{score:?}");
         assert!(!score.why.is_empty() && !score.paper_says.is_empty() && score.measured.is_empty());

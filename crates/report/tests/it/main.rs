@@ -14,3 +14,4 @@ mod plots;
 mod press_claims;
 mod presses;
 mod profiles;
+mod sensor_claims;

@@ -5,7 +5,7 @@ use palpate_report::{Score, Study, Verdict, score};
 use tempfile::TempDir;
 
 #[track_caller]
-fn judged((_dir, study): (TempDir, Study), verdict: Verdict, parts: &[&str]) {
+pub(crate) fn judged((_dir, study): (TempDir, Study), verdict: Verdict, parts: &[&str]) {
     let scores = score(std::slice::from_ref(&study));
     let [score] = scores.as_slice() else {
         panic!("{scores:?}")

@@ -1,0 +1,129 @@
+//! Claim 14: how a marker's picture follows its displacement (2020 paper, section IV.A, Fig. 6).
+
+use super::Finding;
+use super::evidence::{groups, near, range, short, span};
+use super::presses::{label, number, rows_of};
+use super::straight_line::{Reading, StraightLine};
+use crate::Study;
+
+/// The paper's own R² of its lines through the hue and through the centroid.
+const HUE: f64 = 0.89;
+const CENTROID: f64 = 0.99;
+
+const MOTION: &str = "scene.motion";
+
+/// Claim 14.
+pub(super) fn and_centroid_are_linear(study: &Study) -> Result<Finding, String> {
+    let hue = hue_lines(study)?;
+    let centroid = centroid_lines(study)?;
+    let least = |lines: &Lines| range(lines.iter().map(|(_, line)| line.r_squared));
+    let reaches = |lines: &Lines, r_squared| least(lines).is_some_and(|(low, _)| low >= r_squared);
+    let length = match study.setting("length_unit").and_then(toml::Value::as_str) {
+        Some(unit) if unit != "unit" => unit,
+        _ => "unit of length",
+    };
+    Ok(Finding {
+        holds: reaches(&hue, HUE) && reaches(&centroid, CENTROID),
+        measured: format!(
+            "Hue against indentation: {}. Centroid against shift: {}.",
+            told(&hue, &format!("turns/{length}")),
+            told(&centroid, &format!("px/{length}"))
+        ),
+        why: format!(
+            "Holds if R² is at least {HUE} of every line through the hue and {CENTROID} of every one through the centroid: the paper's own. The scatter of single readings counts against it. Per object the slopes of the paper's hues differ by ±20 %."
+        ),
+    })
+}
+
+/// Lines, each with the object it is of.
+type Lines = Vec<(String, StraightLine)>;
+
+/// Hue against indentation without shift, per object and whatever else is swept.
+fn hue_lines(study: &Study) -> Result<Lines, String> {
+    let unmoved = |row: &usize| shift(study, *row) == 0.0;
+    let rows: Vec<usize> = rows_of(study, "hue_change")
+        .into_iter()
+        .filter(unmoved)
+        .collect();
+    let along = |row| number(study, row, MOTION, "indentation");
+    let missing = "the table has no hue_change without shift at three indentations of one object";
+    lines(study, groups(study, &rows, &[MOTION]), along, missing)
+}
+
+/// Centroid against shift, per object, indentation and whatever else is swept.
+fn centroid_lines(study: &Study) -> Result<Lines, String> {
+    let indentation = |row: usize| number(study, row, MOTION, "indentation").unwrap_or(0.0);
+    let mut pressed: Vec<Vec<usize>> = Vec::new();
+    for group in groups(study, &rows_of(study, "centroid_shift"), &[MOTION]) {
+        let first = pressed.len();
+        for row in group {
+            let alike = |known: &&mut Vec<usize>| near(indentation(known[0]), indentation(row));
+            match pressed[first..].iter_mut().find(alike) {
+                Some(known) => known.push(row),
+                None => pressed.push(vec![row]),
+            }
+        }
+    }
+    let along = |row| Some(shift(study, row));
+    let missing = "the table has no centroid_shift at three shifts of one object and indentation";
+    lines(study, pressed, along, missing)
+}
+
+/// The shift along the skin in `row`: none where neither the table nor the config has one.
+fn shift(study: &Study, row: usize) -> f64 {
+    number(study, row, MOTION, "shift").unwrap_or(0.0)
+}
+
+/// The lines through those of the groups of rows that have one; what is missing, if none has.
+fn lines(
+    study: &Study,
+    groups: Vec<Vec<usize>>,
+    along: impl Fn(usize) -> Option<f64>,
+    missing: &str,
+) -> Result<Lines, String> {
+    let reading = |row: usize| {
+        let table = study.cells();
+        Some(Reading {
+            x: along(row)?,
+            mean: table.statistic(row, "mean")?,
+            std: table.statistic(row, "std").unwrap_or(0.0),
+        })
+    };
+    let line = |rows: Vec<usize>| {
+        let readings: Vec<Reading> = rows.iter().filter_map(|row| reading(*row)).collect();
+        let object = label(study, *rows.first()?, "scene.object").unwrap_or("the only object");
+        Some((object.to_owned(), StraightLine::through(&readings)?))
+    };
+    let lines: Lines = groups.into_iter().filter_map(line).collect();
+    if lines.is_empty() {
+        Err(missing.to_owned())
+    } else {
+        Ok(lines)
+    }
+}
+
+/// R², the slopes per object and by how much they differ.
+fn told(lines: &Lines, unit: &str) -> String {
+    let r_squared = range(lines.iter().map(|(_, line)| line.r_squared));
+    let r_squared = r_squared.map_or(String::new(), |range| span(range, short));
+    let mut objects: Vec<&str> = Vec::new();
+    for (object, _) in lines {
+        if !objects.contains(&object.as_str()) {
+            objects.push(object);
+        }
+    }
+    let slope = |object: &&str| {
+        let of_it = lines.iter().filter(|(name, _)| name == object);
+        let slopes = range(of_it.map(|(_, line)| line.slope))?;
+        Some(format!("{} ({object})", span(slopes, short)))
+    };
+    let slopes: Vec<String> = objects.iter().filter_map(slope).collect();
+    let differ = match range(lines.iter().map(|(_, line)| line.slope)) {
+        Some((low, high)) if lines.len() > 1 && low + high != 0.0 => {
+            let half = ((high - low) / (high + low)).abs();
+            format!(", which differ by ±{} %", short(100.0 * half))
+        }
+        _ => String::new(),
+    };
+    format!("R² {r_squared}, slope {} {unit}{differ}", slopes.join(", "))
+}

@@ -1,0 +1,224 @@
+//! Claims about the camera and the skin on fabricated tables, both ways.
+
+use crate::press_claims::judged;
+use crate::presses::{Cells, Numbers, OBJECTS, config};
+use palpate_report::{Study, Verdict};
+use tempfile::TempDir;
+
+fn mean(mean: f64) -> Numbers {
+    Numbers {
+        trials: 1,
+        mean: Some(mean),
+        ..Numbers::default()
+    }
+}
+
+// ---- 14: straight lines
+
+/// Hue by indentation on each object, then centroid by shift at two indentations; the object by its number.
+fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f64) -> Cells {
+    let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.motion.shift_mm");
+    for (at, (object, ..)) in OBJECTS.iter().enumerate() {
+        for depth in [0.4, 0.8, 1.2] {
+            for shift in [0.0, 0.5, 1.0] {
+                let place = format!("{object},{depth},{shift}");
+                // A hue under shift is another matter.
+                let wild = mean(100.0 * shift);
+                let read = if shift == 0.0 { hue(at, depth) } else { wild };
+                cells.push(&place, "hue_change", read, "");
+                cells.push(&place, "centroid_shift", mean(centroid(at, shift)), "");
+            }
+        }
+    }
+    cells
+}
+
+fn of_lines(cells: &Cells) -> (TempDir, Study) {
+    cells.study(&config("[14]", ""), None)
+}
+
+#[test]
+fn claim_14_holds_for_straight_lines_of_any_slope() {
+    let hue = |at: usize, depth: f64| mean([0.02, 0.025, 0.03][at] * depth);
+    judged(
+        of_lines(&lines(hue, |_, shift| 7.0 * shift)),
+        Verdict::Holds,
+        &[
+            "Hue against indentation: R² 1, slope 0.02 (dish of 80 mm), 0.025 (plane), 0.03 (ball of 80 mm) turns/mm",
+            "which differ by ±20 %",
+            "Centroid against shift: R² 1, slope 7 (dish of 80 mm)",
+            "px/mm",
+        ],
+    );
+}
+
+#[test]
+fn claim_14_differs_for_bent_or_scattered_lines() {
+    let straight = |_: usize, depth: f64| mean(0.025 * depth);
+    // Through 0, 0, 1: R² = 3/4. Through 0, 0.41, 1: just under 0.99.
+    let bent = |at: usize, depth: f64| mean(if at == 2 && depth < 1.0 { 0.0 } else { depth });
+    judged(
+        of_lines(&lines(bent, |_, shift| 7.0 * shift)),
+        Verdict::Differs,
+        &["R² 0.75 to 1"],
+    );
+    let sagging = |at: usize, shift: f64| if at == 1 { shift.powf(1.3) } else { shift };
+    judged(
+        of_lines(&lines(straight, sagging)),
+        Verdict::Differs,
+        &["R² 0.98"],
+    );
+    // Sums of squares 0.0002 of the means, and 3 × 0.005² of the scatter: R² = 0.73.
+    let scattered = |_: usize, depth: f64| Numbers {
+        std: Some(0.005),
+        ..mean(0.025 * depth)
+    };
+    judged(
+        of_lines(&lines(scattered, |_, shift| 7.0 * shift)),
+        Verdict::Differs,
+        &["R² 0.727,"],
+    );
+    judged(
+        of_lines(&lines(|_, _| mean(0.0), |_, shift| 7.0 * shift)),
+        Verdict::Differs,
+        &["R² 0, slope 0"],
+    );
+}
+
+#[test]
+fn claim_14_needs_three_indentations_and_three_shifts() {
+    let few = |quantity: &str, axis: &str| {
+        let mut cells = Cells::new(&format!("scene.motion.{axis}_mm"));
+        for place in ["0", "0.5"] {
+            cells.push(place, quantity, mean(1.0), "");
+        }
+        of_lines(&cells)
+    };
+    judged(
+        few("hue_change", "indentation"),
+        Verdict::NotTestable,
+        &["hue_change", "three indentations"],
+    );
+    // Hues, but no shift anywhere.
+    let mut cells = Cells::new("scene.motion.indentation_mm");
+    for depth in ["0.4", "0.8", "1.2"] {
+        cells.push(depth, "hue_change", mean(depth.parse().unwrap()), "");
+        cells.push(depth, "centroid_shift", mean(0.1), "");
+    }
+    judged(
+        of_lines(&cells),
+        Verdict::NotTestable,
+        &["centroid_shift", "three shifts"],
+    );
+}
+
+// ---- 18: gores
+
+fn gores(greatest: &[(u32, f64)], rms: &[(u32, f64)]) -> (TempDir, Study) {
+    let mut cells = Cells::new("scene.probe.layout.gores");
+    for (quantity, strains) in [("greatest_fold_strain", greatest), ("rms_fold_strain", rms)] {
+        for (count, strain) in strains {
+            cells.push(&count.to_string(), quantity, mean(*strain), "");
+        }
+    }
+    cells.study(&config("[18]", ""), None)
+}
+
+#[test]
+fn claim_18_wants_both_strains_to_fall() {
+    let published = [(4, 0.47), (5, 0.37), (6, 0.30), (8, 0.22)];
+    let rms = [(4, 0.2), (6, 0.1), (8, 0.05)];
+    judged(
+        gores(&published, &rms),
+        Verdict::Holds,
+        &[
+            "Folding 4, 6, 8 gores strains them by at most 47 %, 30 %, 22 %, by 20 %, 10 %, 5 % in the rms",
+        ],
+    );
+    for strains in [
+        [(4, 0.2), (6, 0.2), (8, 0.1)],
+        [(4, 0.2), (6, 0.1), (8, 0.15)],
+        [(4, 0.2), (6, 0.1), (8, 0.3)],
+    ] {
+        judged(gores(&published, &strains), Verdict::Differs, &["47 %"]);
+        judged(
+            gores(&strains, &rms),
+            Verdict::Differs,
+            &["20 %, 10 %, 5 %"],
+        );
+    }
+}
+
+#[test]
+fn claim_18_needs_each_number_of_gores_once() {
+    let all = [(4, 0.4), (6, 0.3), (8, 0.2)];
+    let missing = &["no greatest_fold_strain of 8 gores"];
+    judged(gores(&all[..2], &all), Verdict::NotTestable, missing);
+    let missing = &["no rms_fold_strain of 4 gores"];
+    judged(gores(&all, &[]), Verdict::NotTestable, missing);
+    let twice = [(4, 0.4), (4, 0.4), (6, 0.3), (8, 0.2)];
+    judged(
+        gores(&twice, &all),
+        Verdict::NotTestable,
+        &["several rows", "of 4 gores"],
+    );
+}
+
+// ---- 19: the fisheye
+
+/// Areas at 0, 30 and 60°, of each lens.
+fn areas(lenses: &[(&str, [Option<f64>; 3])]) -> (TempDir, Study) {
+    let mut cells = Cells::new("scene.sensor.lens,scene.view.polar_deg");
+    for (lens, areas) in lenses {
+        for (polar, area) in [0, 30, 60].iter().zip(areas) {
+            let numbers = Numbers {
+                mean: *area,
+                ..mean(0.0)
+            };
+            cells.push(&format!("{lens},{polar}"), "marker_area", numbers, "");
+        }
+    }
+    cells.study(&config("[19]", ""), None)
+}
+
+#[test]
+fn claim_19_wants_an_even_fisheye_beside_an_uneven_pinhole() {
+    let even = ("fisheye", [100.0, 105.0, 120.0].map(Some));
+    let uneven = ("pinhole", [Some(100.0), Some(154.0), None]);
+    judged(
+        areas(&[even, uneven]),
+        Verdict::Holds,
+        &["fisheye 1.2 over polar angles of 0 to 60°; pinhole 1.54 over polar angles of 0 to 30°"],
+    );
+    let stretched = ("fisheye", [100.0, 105.0, 126.0].map(Some));
+    judged(
+        areas(&[stretched, uneven]),
+        Verdict::Differs,
+        &["fisheye 1.26"],
+    );
+    let as_even = ("pinhole", [100.0, 110.0, 125.0].map(Some));
+    judged(areas(&[even, as_even]), Verdict::Differs, &["pinhole 1.25"]);
+}
+
+#[test]
+fn claim_19_needs_both_lenses_at_several_angles() {
+    let even = ("fisheye", [100.0, 105.0, 120.0].map(Some));
+    judged(
+        areas(&[even]),
+        Verdict::NotTestable,
+        &["marker_area of a pinhole"],
+    );
+    let lone = ("pinhole", [Some(100.0), None, None]);
+    judged(
+        areas(&[even, lone]),
+        Verdict::NotTestable,
+        &["marker_area of a pinhole"],
+    );
+    // What has no area has no ratio.
+    let none = ("fisheye", [Some(0.0), Some(0.0), Some(-1.0)]);
+    judged(
+        areas(&[none, ("pinhole", even.1)]),
+        Verdict::NotTestable,
+        &["marker_area of a fisheye"],
+    );
+}
