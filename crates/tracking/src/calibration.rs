@@ -1,0 +1,146 @@
+//! How the sight of a marker follows its displacement.
+
+mod error;
+mod lateral;
+mod line;
+mod normal;
+
+pub use error::CalibrationError;
+pub use lateral::{LateralCalibration, LateralPoint};
+pub use line::Line;
+pub use normal::{MarkerGain, NormalCalibration, NormalFrom, NormalPoint};
+
+use crate::Change;
+
+/// A marker whose displacement is known, and how its sight changed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// Which marker of the sensor.
+    pub marker: usize,
+    /// Inward displacement, length.
+    pub normal: f64,
+    /// Displacement along the skin, length, along the axes of its place; `None` where it is not known.
+    pub tangential: Option<[f64; 2]>,
+    /// How its sight changed; the shift does not count.
+    pub change: Change,
+    /// The shift along the axes of its place, px: f times the angle, as of [`crate::Equidistant::change`]. `None` where
+    /// it is not known.
+    pub lateral: Option<[f64; 2]>,
+}
+
+/// Turns changes of sight into displacements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    normal: Option<NormalCalibration>,
+    lateral: Option<LateralCalibration>,
+    markers: Option<usize>,
+}
+
+impl Calibration {
+    /// A calibration from its parts: of normal displacements, of tangential ones, or of both. `markers` is how many the
+    /// sensor shows at rest, where that is known.
+    ///
+    /// # Errors
+    /// [`CalibrationError::TooFewPoints`] without either part, [`CalibrationError::OutOfRange`] for a number that is not
+    /// finite or a slope of 0.
+    pub fn new(
+        normal: Option<NormalCalibration>,
+        lateral: Option<LateralCalibration>,
+        markers: Option<usize>,
+    ) -> Result<Self, CalibrationError> {
+        if normal.is_none() && lateral.is_none() {
+            return Err(CalibrationError::TooFewPoints {
+                what: "parts",
+                count: 0,
+                needed: 1,
+            });
+        }
+        Ok(Self {
+            normal: normal.map(NormalCalibration::checked).transpose()?,
+            lateral: lateral.map(LateralCalibration::checked).transpose()?,
+            markers,
+        })
+    }
+
+    /// Fits both parts to what was shown; the lateral one is missing where fewer than two points know both shift and
+    /// tangential displacement.
+    ///
+    /// # Errors
+    /// Those of [`NormalCalibration::fit`] and [`LateralCalibration::fit`].
+    pub fn fit(shown: &[Shown], from: NormalFrom) -> Result<Self, CalibrationError> {
+        let normal: Vec<NormalPoint> = shown
+            .iter()
+            .map(|shown| NormalPoint {
+                marker: Some(shown.marker),
+                normal: shown.normal,
+                hue_turns: shown.change.hue_turns,
+                growth: shown.change.growth,
+            })
+            .collect();
+        let lateral: Vec<LateralPoint> = shown
+            .iter()
+            .filter_map(|shown| {
+                Some(LateralPoint {
+                    tangential: shown.tangential?,
+                    shift_px: shown.lateral?,
+                    normal: Some(shown.normal),
+                })
+            })
+            .collect();
+        let lateral = (lateral.len() > 1)
+            .then(|| LateralCalibration::fit(&lateral))
+            .transpose()?;
+        Ok(Self {
+            normal: Some(NormalCalibration::fit(&normal, from)?),
+            lateral,
+            markers: None,
+        })
+    }
+
+    /// The same, of a sensor that shows this many markers at rest.
+    pub fn of_markers(self, markers: usize) -> Self {
+        Self {
+            markers: Some(markers),
+            ..self
+        }
+    }
+
+    /// The part of normal displacements.
+    pub const fn normal_part(&self) -> Option<&NormalCalibration> {
+        self.normal.as_ref()
+    }
+
+    /// The part of tangential displacements.
+    pub const fn lateral_part(&self) -> Option<&LateralCalibration> {
+        self.lateral.as_ref()
+    }
+
+    /// How many markers the sensor shows at rest, where that is known.
+    pub const fn markers(&self) -> Option<usize> {
+        self.markers
+    }
+
+    /// Refuses a sensor that shows another number of markers at rest.
+    ///
+    /// # Errors
+    /// [`CalibrationError::AnotherLayout`].
+    pub fn fits(&self, found: usize) -> Result<(), CalibrationError> {
+        match self.markers {
+            Some(calibrated) if calibrated != found => {
+                Err(CalibrationError::AnotherLayout { calibrated, found })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The inward displacement of a marker, length; `None` where it is not calibrated, or the change is not finite.
+    pub fn normal(&self, marker: usize, change: &Change) -> Option<f64> {
+        self.normal.as_ref()?.read(marker, change)
+    }
+
+    /// The displacement along the skin, length, of a marker that was displaced inward by `normal`, from its shift along
+    /// the axes of its place (px, f times the angle); `None` as of [`Calibration::normal`].
+    pub fn tangential(&self, shift_px: [f64; 2], normal: f64) -> Option<[f64; 2]> {
+        self.lateral.as_ref()?.read(shift_px, normal)
+    }
+}

@@ -1,0 +1,74 @@
+//! Points from which no calibration follows.
+
+use thiserror::Error;
+
+/// Why there is no calibration, or why one does not apply.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum CalibrationError {
+    /// Fewer points than a line needs.
+    #[error("{count} {what}; a calibration needs at least {needed}")]
+    TooFewPoints {
+        /// What is counted.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many it takes.
+        needed: usize,
+    },
+    /// All points show the same displacement.
+    #[error(
+        "all {count} points have a {what} displacement of {displacement}; a slope needs at least two"
+    )]
+    OneDisplacement {
+        /// Normal or tangential.
+        what: &'static str,
+        /// The displacement, length.
+        displacement: f64,
+        /// Points.
+        count: usize,
+    },
+    /// A number is not finite.
+    #[error("point {point} (counting from 0): a number is not finite, or beyond 1e100")]
+    NotFinite {
+        /// Which point.
+        point: usize,
+    },
+    /// What should follow the displacement does not change with it.
+    #[error("{what} does not change with the displacement: there is no slope to calibrate")]
+    NoSlope {
+        /// What should.
+        what: &'static str,
+    },
+    /// A number of a calibration or of a camera makes no sense, or leaves the range of doubles.
+    #[error("{what} is {value}, out of range")]
+    OutOfRange {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The calibration is of a sensor with another number of markers.
+    #[error(
+        "the calibration is of a sensor with {calibrated} markers; the frame at rest shows {found}"
+    )]
+    AnotherLayout {
+        /// Markers of the sensor that was calibrated.
+        calibrated: usize,
+        /// Markers found.
+        found: usize,
+    },
+}
+
+impl CalibrationError {
+    /// The stable name.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::TooFewPoints { .. } => "too-few-points",
+            Self::OneDisplacement { .. } => "one-displacement",
+            Self::NotFinite { .. } => "not-finite",
+            Self::NoSlope { .. } => "no-slope",
+            Self::OutOfRange { .. } => "out-of-range",
+            Self::AnotherLayout { .. } => "another-layout",
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! A straight line through points of a known displacement.
+
+use super::CalibrationError;
+
+/// Numbers up to this can be squared and summed.
+const LARGEST: f64 = 1e100;
+
+/// A least-squares line: a signal (hue in turns, px, …) over the displacement that is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Signal per length.
+    pub slope: f64,
+    /// Its standard error; `None` where there are no more points than unknowns.
+    pub slope_std: Option<f64>,
+    /// The signal without displacement; `None` of a line that is drawn through rest, where it is 0.
+    pub intercept: Option<f64>,
+    /// The share of the signal's variance about its mean that the line explains; below 0 where a line through rest is
+    /// worse than the mean.
+    pub r_squared: f64,
+    /// Root mean square of the signal's residuals over the slope, length.
+    pub residual_rms: f64,
+    /// The same with the number of points less the number of unknowns as divisor; `None` where that is 0.
+    pub residual_std: Option<f64>,
+    /// Points.
+    pub count: usize,
+}
+
+/// What is fitted, for messages.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Words {
+    /// Of the displacement: normal or tangential.
+    pub(super) displacement: &'static str,
+    /// The signal.
+    pub(super) signal: &'static str,
+}
+
+impl Line {
+    /// The line of a normal displacement's points, (displacement, signal), with an intercept: as the 2020 paper draws
+    /// its Fig. 6b and c.
+    ///
+    /// # Errors
+    /// [`CalibrationError`]: fewer than two points, all of one displacement, a signal that never changes.
+    pub fn with_intercept(points: &[[f64; 2]]) -> Result<Self, CalibrationError> {
+        fit(points, true, Words::default())
+    }
+
+    /// The line through rest: a marker whose sight did not change was not displaced.
+    ///
+    /// # Errors
+    /// As [`Line::with_intercept`].
+    pub fn through_rest(points: &[[f64; 2]]) -> Result<Self, CalibrationError> {
+        fit(points, false, Words::default())
+    }
+}
+
+impl Default for Words {
+    fn default() -> Self {
+        Self {
+            displacement: "known",
+            signal: "the signal",
+        }
+    }
+}
+
+/// Fits a line to points (displacement, signal).
+pub(super) fn fit(
+    points: &[[f64; 2]],
+    has_intercept: bool,
+    words: Words,
+) -> Result<Line, CalibrationError> {
+    let [length, signal] = spans(points, words)?;
+    let count = points.len() as f64;
+    let scaled = || points.iter().map(|[x, y]| [x / length, y / signal]);
+    let mean = |axis: usize| scaled().map(|point| point[axis]).sum::<f64>() / count;
+    let [mean_x, mean_y] = [mean(0), mean(1)];
+    let [x_0, y_0] = if has_intercept {
+        [mean_x, mean_y]
+    } else {
+        [0.0, 0.0]
+    };
+    let sum = |of: &dyn Fn([f64; 2]) -> f64| scaled().map(of).sum::<f64>();
+    let squares = sum(&|[x, _]| (x - x_0).powi(2));
+    let slope = sum(&|[x, y]| (x - x_0) * (y - y_0)) / squares;
+    let residuals = sum(&|[x, y]| (y - y_0 - slope * (x - x_0)).powi(2));
+    let variance = sum(&|[_, y]| (y - mean_y).powi(2));
+    let freedom = points.len() - 1 - usize::from(has_intercept);
+    let mean_square = (freedom > 0).then(|| residuals / freedom as f64);
+    let unit = signal / length;
+    // What the mean alone explains as well is no slope.
+    if slope.abs() < 1e-12 {
+        return Err(CalibrationError::NoSlope { what: words.signal });
+    }
+    let line = Line {
+        slope: slope * unit,
+        slope_std: mean_square.map(|square| (square / squares).sqrt() * unit),
+        intercept: has_intercept.then_some((y_0 - slope * x_0) * signal),
+        r_squared: 1.0 - residuals / variance,
+        residual_rms: (residuals / count).sqrt() / slope.abs() * length,
+        residual_std: mean_square.map(|square| square.sqrt() / slope.abs() * length),
+        count: points.len(),
+    };
+    line.checked()
+}
+
+impl Line {
+    /// A line all of whose numbers are finite, with a slope.
+    pub(super) fn checked(self) -> Result<Self, CalibrationError> {
+        let optional = [self.slope_std, self.intercept, self.residual_std];
+        let bad = |what, value| Err(CalibrationError::OutOfRange { what, value });
+        if !self.slope.is_normal() {
+            return bad("a line's slope", self.slope);
+        }
+        let others = [self.r_squared, self.residual_rms].into_iter();
+        match others
+            .chain(optional.into_iter().flatten())
+            .find(|number| !number.is_finite())
+        {
+            Some(number) => bad("a number of a line", number),
+            None => Ok(self),
+        }
+    }
+}
+
+/// The largest displacement and the largest signal, of points that allow a slope.
+fn spans(points: &[[f64; 2]], words: Words) -> Result<[f64; 2], CalibrationError> {
+    finite(points.iter().map(|point| &point[..]))?;
+    if points.len() < 2 {
+        return Err(CalibrationError::TooFewPoints {
+            what: "points",
+            count: points.len(),
+            needed: 2,
+        });
+    }
+    let [x, y] = points[0];
+    if points.iter().all(|point| point[0] == x) {
+        return Err(CalibrationError::OneDisplacement {
+            what: words.displacement,
+            displacement: x,
+            count: points.len(),
+        });
+    }
+    if points.iter().all(|point| point[1] == y) {
+        return Err(CalibrationError::NoSlope { what: words.signal });
+    }
+    Ok([0, 1].map(|axis| {
+        points
+            .iter()
+            .fold(0.0, |largest: f64, point| largest.max(point[axis].abs()))
+    }))
+}
+
+/// Refuses the first point with a number that cannot be reckoned with.
+pub(super) fn finite<'a>(
+    mut points: impl Iterator<Item = &'a [f64]>,
+) -> Result<(), CalibrationError> {
+    let bad = |point: &[f64]| point.iter().any(|one| one.is_nan() || one.abs() > LARGEST);
+    match points.position(bad) {
+        Some(point) => Err(CalibrationError::NotFinite { point }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,348 @@
+//! Normal displacements, from hue and size.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::CalibrationError;
+use super::line::{Line, Words, finite, fit};
+use crate::Change;
+
+/// What of a marker tells its normal displacement.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NormalFrom {
+    /// Its mean hue: the overlap of the two discs, and so the difference between the displacements at their depths.
+    #[default]
+    Hue,
+    /// Its size: with a camera in the sensor's centre, a disc that moves inward by u from the distance ρ looks larger by
+    /// ρ/(ρ - u). So the nearness 1 - 1/e^growth is u/ρ: proportional to the displacement itself.
+    Size,
+    /// Hue and nearness with the weights that fit the known displacements best. The two sense different things, so what
+    /// they tell differs with the shape of the contact.
+    Both,
+}
+
+impl NormalFrom {
+    /// All, the default first.
+    pub const ALL: [Self; 3] = [Self::Hue, Self::Size, Self::Both];
+
+    /// The stable name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hue => "hue",
+            Self::Size => "size",
+            Self::Both => "both",
+        }
+    }
+
+    const fn words(self) -> Words {
+        Words {
+            displacement: "normal",
+            signal: match self {
+                Self::Hue => "the hue",
+                Self::Size => "the size",
+                Self::Both => "neither hue nor size",
+            },
+        }
+    }
+}
+
+/// A marker whose normal displacement is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalPoint {
+    /// Which marker of the sensor, where it is known.
+    pub marker: Option<usize>,
+    /// Inward displacement, length.
+    pub normal: f64,
+    /// Change of its hue, turns.
+    pub hue_turns: f64,
+    /// Change of the logarithm of its diameter.
+    pub growth: f64,
+}
+
+/// How normal displacement follows from a marker's sight: signal / slope x gain, where the signal is the weighted sum of
+/// the change of hue and the nearness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NormalCalibration {
+    /// What counts.
+    pub from: NormalFrom,
+    /// The weights of hue (per turn) and of nearness in the signal. From hue alone they are 1 and 0, so that the signal
+    /// is in turns; from both, the signal is a length.
+    pub weights: [f64; 2],
+    /// The line through rest from which displacements are read.
+    pub line: Line,
+    /// The line with an intercept, for comparison; `None` where it is not known.
+    pub with_intercept: Option<Line>,
+    /// The smallest and the largest displacement that it was fitted to, length.
+    pub range: [f64; 2],
+    /// Markers that have a slope of their own, by number.
+    pub gains: Vec<MarkerGain>,
+    /// Whether the markers' own slopes count.
+    pub uses_gains: bool,
+}
+
+/// The slope of one marker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MarkerGain {
+    /// Which marker of the sensor.
+    pub marker: usize,
+    /// The slope of all markers over its own.
+    pub gain: f64,
+    /// Its own line through rest.
+    pub line: Line,
+}
+
+impl NormalCalibration {
+    /// Fits the slope of all points; and that of each marker with at least three different displacements whose slope is
+    /// at least twice its standard error, which are used only after [`NormalCalibration::per_marker`].
+    ///
+    /// # Errors
+    /// [`CalibrationError`]: fewer than two points, all of one displacement, numbers that are not finite, a sight that
+    /// never changes.
+    pub fn fit(points: &[NormalPoint], from: NormalFrom) -> Result<Self, CalibrationError> {
+        let numbers: Vec<[f64; 3]> = points
+            .iter()
+            .map(|point| [point.normal, point.hue_turns, nearness(point.growth)])
+            .collect();
+        finite(numbers.iter().map(|numbers| &numbers[..]))?;
+        let weights = match from {
+            NormalFrom::Hue => [1.0, 0.0],
+            NormalFrom::Size => [0.0, 1.0],
+            NormalFrom::Both => best_weights(&numbers),
+        };
+        let signals: Vec<[f64; 2]> = numbers
+            .iter()
+            .map(|&[normal, hue, nearness]| [normal, signal(weights, hue, nearness)])
+            .collect();
+        let line = fit(&signals, false, from.words())?;
+        let calibration = Self {
+            from,
+            weights,
+            line,
+            with_intercept: Some(fit(&signals, true, from.words())?),
+            range: range(signals.iter().map(|point| point[0])),
+            gains: gains(points, &signals, line.slope),
+            uses_gains: false,
+        };
+        calibration.checked()
+    }
+
+    /// The same, with the markers' own slopes where they are known.
+    pub fn per_marker(self) -> Self {
+        Self {
+            uses_gains: true,
+            ..self
+        }
+    }
+
+    /// The signal of a change of sight.
+    pub fn signal(&self, change: &Change) -> f64 {
+        signal(self.weights, change.hue_turns, nearness(change.growth))
+    }
+
+    pub(super) fn read(&self, marker: usize, change: &Change) -> Option<f64> {
+        let own = self.gains.iter().find(|gain| gain.marker == marker);
+        let gain = own.filter(|_| self.uses_gains).map_or(1.0, |own| own.gain);
+        let normal = self.signal(change) / self.line.slope * gain;
+        Some(normal).filter(|normal| normal.is_finite())
+    }
+
+    pub(super) fn checked(self) -> Result<Self, CalibrationError> {
+        self.line.checked()?;
+        if let Some(line) = self.with_intercept {
+            line.checked()?;
+        }
+        for gain in &self.gains {
+            gain.line.checked()?;
+        }
+        let gains = self.gains.iter().map(|gain| ("a gain", gain.gain));
+        let weights = self.weights.map(|weight| ("a weight", weight));
+        let range = self.range.map(|end| ("an end of the range", end));
+        let mut numbers = weights.into_iter().chain(range).chain(gains);
+        match numbers.find(|(_, number)| !number.is_finite()) {
+            Some((what, value)) => Err(CalibrationError::OutOfRange { what, value }),
+            None => Ok(self),
+        }
+    }
+}
+
+/// The share of its distance from the camera by which a marker came nearer: 1 - 1/e^growth.
+fn nearness(growth: f64) -> f64 {
+    -(-growth).exp_m1()
+}
+
+fn signal(weights: [f64; 2], hue_turns: f64, nearness: f64) -> f64 {
+    let [per_turn, per_nearness] = weights;
+    // A part without weight may be unknown.
+    let part = |weight: f64, number: f64| if weight == 0.0 { 0.0 } else { weight * number };
+    part(per_turn, hue_turns) + part(per_nearness, nearness)
+}
+
+pub(super) fn range(displacements: impl Iterator<Item = f64>) -> [f64; 2] {
+    displacements.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], one| {
+        [low.min(one), high.max(one)]
+    })
+}
+
+/// The weights of hue and nearness whose sum is the known displacement in the least squares; of the shortest ones where
+/// the two always change together. Zero where neither changes.
+fn best_weights(numbers: &[[f64; 3]]) -> [f64; 2] {
+    let largest = |part: usize| {
+        numbers
+            .iter()
+            .fold(0.0, |largest: f64, one| largest.max(one[part].abs()))
+    };
+    let spans = [0, 1, 2].map(largest);
+    if spans[0] == 0.0 {
+        return [0.0, 0.0];
+    }
+    let scaled = |number: f64, span: f64| if span > 0.0 { number / span } else { 0.0 };
+    let mut squares = Matrix2::zeros();
+    let mut products = Vector2::zeros();
+    for [normal, hue, nearness] in numbers {
+        let parts = Vector2::new(scaled(*hue, spans[1]), scaled(*nearness, spans[2]));
+        squares += parts * parts.transpose();
+        products += parts * (normal / spans[0]);
+    }
+    let eigen = squares.symmetric_eigen();
+    let least = 1e-10 * eigen.eigenvalues.max();
+    let mut weights = Vector2::zeros();
+    for (value, vector) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        if *value > least {
+            weights += vector * (vector.dot(&products) / value);
+        }
+    }
+    [
+        scaled(spans[0] * weights.x, spans[1]),
+        scaled(spans[0] * weights.y, spans[2]),
+    ]
+}
+
+/// Displacements that a marker must have been shown at, for a slope of its own.
+const DIFFERENT_DISPLACEMENTS: usize = 3;
+
+fn gains(points: &[NormalPoint], signals: &[[f64; 2]], slope: f64) -> Vec<MarkerGain> {
+    let mut of_marker: BTreeMap<usize, Vec<[f64; 2]>> = BTreeMap::new();
+    for (point, signal) in points.iter().zip(signals) {
+        if let Some(marker) = point.marker {
+            of_marker.entry(marker).or_default().push(*signal);
+        }
+    }
+    of_marker
+        .into_iter()
+        .filter_map(|(marker, signals)| {
+            let mut displacements: Vec<f64> = signals.iter().map(|point| point[0]).collect();
+            displacements.sort_by(f64::total_cmp);
+            displacements.dedup();
+            if displacements.len() < DIFFERENT_DISPLACEMENTS {
+                return None;
+            }
+            let line = Line::through_rest(&signals).ok()?;
+            let gain = slope / line.slope;
+            let is_clear = line
+                .slope_std
+                .is_some_and(|std| line.slope.abs() >= 2.0 * std);
+            (is_clear && gain.is_finite()).then_some(MarkerGain { marker, gain, line })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn point(marker: usize, normal: f64, hue_turns: f64, growth: f64) -> NormalPoint {
+        NormalPoint {
+            marker: Some(marker),
+            normal,
+            hue_turns,
+            growth,
+        }
+    }
+
+    /// Two markers 18 deep, one of twice the hue per length.
+    fn two_markers() -> Vec<NormalPoint> {
+        (0..4)
+            .flat_map(|step| {
+                let normal = 0.4 * f64::from(step);
+                let growth = (18.0 / (18.0 - normal)).ln();
+                [
+                    point(4, normal, 0.02 * normal, growth),
+                    point(9, normal, 0.04 * normal, growth),
+                ]
+            })
+            .collect()
+    }
+
+    fn change(hue_turns: f64, growth: f64) -> Change {
+        Change {
+            hue_turns,
+            growth,
+            ..Change::default()
+        }
+    }
+
+    #[test]
+    fn nearness_is_the_displacement_over_the_distance() {
+        let fitted = NormalCalibration::fit(&two_markers(), NormalFrom::Size).expect("a slope");
+        assert_relative_eq!(fitted.line.slope, 1.0 / 18.0, max_relative = 1e-12);
+        let deep = change(f64::NAN, (18.0_f64 / 16.0).ln());
+        assert_relative_eq!(
+            fitted.read(0, &deep).expect("finite"),
+            2.0,
+            max_relative = 1e-12
+        );
+    }
+
+    #[test]
+    fn markers_have_slopes_of_their_own_only_when_asked() {
+        let fitted = NormalCalibration::fit(&two_markers(), NormalFrom::Hue).expect("a slope");
+        assert_relative_eq!(fitted.line.slope, 0.03, max_relative = 1e-12);
+        let sight = change(0.03, 0.0);
+        for marker in [4, 9] {
+            assert_relative_eq!(
+                fitted.read(marker, &sight).expect("finite"),
+                1.0,
+                epsilon = 1e-12
+            );
+        }
+        let fitted = fitted.per_marker();
+        for (marker, normal) in [(4, 1.5), (9, 0.75), (0, 1.0)] {
+            let read = fitted.read(marker, &sight).expect("finite");
+            assert_relative_eq!(read, normal, epsilon = 1e-12);
+        }
+    }
+
+    #[test]
+    fn both_take_what_each_tells() {
+        // u = 10 hue + 5 nearness, at displacements that tell the two apart.
+        let points: Vec<NormalPoint> = [(0.01, 0.02), (0.02, 0.01), (0.03, 0.05), (-0.01, 0.04)]
+            .map(|(hue, nearness): (f64, f64)| {
+                let normal = 10.0 * hue + 5.0 * nearness;
+                point(0, normal, hue, -(-nearness).ln_1p())
+            })
+            .to_vec();
+        let fitted = NormalCalibration::fit(&points, NormalFrom::Both).expect("a slope");
+        assert_relative_eq!(fitted.weights[0], 10.0, max_relative = 1e-9);
+        assert_relative_eq!(fitted.weights[1], 5.0, max_relative = 1e-9);
+        assert_relative_eq!(fitted.line.slope, 1.0, max_relative = 1e-9);
+    }
+
+    #[test]
+    fn both_that_always_change_together_share() {
+        let points: Vec<NormalPoint> = (1..5)
+            .map(|step| {
+                let normal = f64::from(step);
+                point(0, normal, 0.01 * normal, -(-0.002 * normal).ln_1p())
+            })
+            .collect();
+        let fitted = NormalCalibration::fit(&points, NormalFrom::Both).expect("a slope");
+        assert_relative_eq!(0.01 * fitted.weights[0], 0.5, max_relative = 1e-9);
+        assert_relative_eq!(0.002 * fitted.weights[1], 0.5, max_relative = 1e-9);
+    }
+}

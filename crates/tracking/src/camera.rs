@@ -1,0 +1,198 @@
+//! The camera as far as tracking knows it: from pixels to directions.
+
+use nalgebra::Vector3;
+
+use crate::{CalibrationError, Change, Marker, Track};
+
+/// An equidistant fisheye, r = f θ, in the centre of a spherical sensor, looking at its apex.
+///
+/// Places are directions from the centre, given as their logarithm map from the apex in radians: √(x² + y²) is the
+/// angle from the apex, (x, y) the way there. The picture's columns count along x, its rows against y. Displacements of
+/// a place count along the axes of the apex, carried to the place along the meridian.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equidistant {
+    centre_px: [f64; 2],
+    px_per_rad: f64,
+}
+
+impl Equidistant {
+    /// A camera that sees the apex at `centre_px`, with an `f` of `px_per_rad`.
+    ///
+    /// # Errors
+    /// [`CalibrationError::OutOfRange`] unless the centre is finite and `px_per_rad` lies between 1e-6 and 1e12.
+    pub fn new(centre_px: [f64; 2], px_per_rad: f64) -> Result<Self, CalibrationError> {
+        let bad = |what, value| Err(CalibrationError::OutOfRange { what, value });
+        match centre_px
+            .iter()
+            .find(|one| one.abs() > 1e12 || one.is_nan())
+        {
+            Some(&one) => bad("a coordinate of the picture's centre", one),
+            None if (1e-6..=1e12).contains(&px_per_rad) => Ok(Self {
+                centre_px,
+                px_per_rad,
+            }),
+            None => bad("the camera's px per rad", px_per_rad),
+        }
+    }
+
+    /// Where the apex is seen, px.
+    pub const fn centre_px(&self) -> [f64; 2] {
+        self.centre_px
+    }
+
+    /// The f of r = f θ.
+    pub const fn px_per_rad(&self) -> f64 {
+        self.px_per_rad
+    }
+
+    /// The place that a finite point of the picture shows, rad.
+    pub fn place(&self, point_px: [f64; 2]) -> [f64; 2] {
+        [
+            (point_px[0] - self.centre_px[0]) / self.px_per_rad,
+            (self.centre_px[1] - point_px[1]) / self.px_per_rad,
+        ]
+    }
+
+    /// How far a place moved along the sphere, rad along the axes at rest.
+    ///
+    /// This is the great-circle displacement. Pixels over f are it only along the radius of the picture: across, the
+    /// picture is stretched by θ/sin θ.
+    pub fn shift(&self, rest_px: [f64; 2], pressed_px: [f64; 2]) -> [f64; 2] {
+        great_circle(self.place(rest_px), self.place(pressed_px))
+    }
+
+    /// How the sight of a marker that was found again changed, as seen without the picture's stretching: the shift is f
+    /// times that of [`Equidistant::shift`], and the growth half that of the logarithm of the solid angle.
+    pub fn change(&self, track: &Track) -> Option<Change> {
+        let (rest, pressed) = (track.rest?, track.pressed?);
+        let change = track.change()?;
+        let shift = self.shift(rest.centroid_px, pressed.centroid_px);
+        let stretched = |marker: &Marker| {
+            let [x, y] = self.place(marker.centroid_px);
+            stretching(x.hypot(y)).ln()
+        };
+        Some(Change {
+            shift_px: shift.map(|angle| self.px_per_rad * angle),
+            growth: change.growth - 0.5 * (stretched(&pressed) - stretched(&rest)),
+            ..change
+        })
+    }
+}
+
+/// By how much an equidistant picture enlarges areas this far from its middle, θ/sin θ; past a right angle as there.
+fn stretching(angle: f64) -> f64 {
+    let angle = angle.min(std::f64::consts::FRAC_PI_2);
+    if angle < 1e-8 {
+        1.0
+    } else {
+        angle / angle.sin()
+    }
+}
+
+/// The direction of a place, and the apex's axes carried there.
+fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
+    let angle = x.hypot(y);
+    let [along_x, along_y] = if angle > 0.0 {
+        [x / angle, y / angle]
+    } else {
+        [1.0, 0.0]
+    };
+    let (sine, cosine) = angle.sin_cos();
+    let meridian = Vector3::new(along_x * cosine, along_y * cosine, -sine);
+    let across = Vector3::new(-along_y, along_x, 0.0);
+    [
+        Vector3::new(along_x * sine, along_y * sine, cosine),
+        meridian * along_x - across * along_y,
+        meridian * along_y + across * along_x,
+    ]
+}
+
+/// The logarithm map of a place from another, rad along the axes of the latter.
+pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
+    let [start, x_axis, y_axis] = frame(from);
+    let [end, ..] = frame(to);
+    // From the chord, which keeps its digits where it is short.
+    let chord = end - start;
+    let [x, y] = [chord.dot(&x_axis), chord.dot(&y_axis)];
+    let across = x.hypot(y);
+    let angle = across.atan2(start.dot(&end));
+    if across > 0.0 {
+        [angle * x / across, angle * y / across]
+    } else {
+        [angle, 0.0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Status;
+    use approx::assert_relative_eq;
+
+    fn camera() -> Equidistant {
+        Equidistant::new([319.5, 319.5], 230.0).expect("between the limits")
+    }
+
+    #[test]
+    fn places_count_upward() {
+        let place = camera().place([319.5 + 23.0, 319.5 - 46.0]);
+        assert_relative_eq!(place[0], 0.1, epsilon = 1e-15);
+        assert_relative_eq!(place[1], 0.2, epsilon = 1e-15);
+    }
+
+    #[test]
+    fn along_the_radius_a_pixel_is_an_angle_and_across_it_is_less() {
+        let camera = camera();
+        let rest = [319.5 + 230.0, 319.5];
+        let along = camera.shift(rest, [rest[0] + 2.3, rest[1]]);
+        assert_relative_eq!(along[0], 0.01, epsilon = 1e-12);
+        assert_relative_eq!(along[1], 0.0, epsilon = 1e-12);
+        // Across, a place 1 rad from the apex lies on a circle of radius sin 1 and not 1.
+        let across = camera.shift(rest, [rest[0], rest[1] - 1e-3]);
+        assert_relative_eq!(across[1], 1e-3 / 230.0 * 1.0_f64.sin(), max_relative = 1e-6);
+    }
+
+    #[test]
+    fn at_the_apex_and_back() {
+        let camera = camera();
+        let [apex, point] = [[319.5, 319.5], [330.0, 301.5]];
+        let there = camera.shift(apex, point);
+        let back = camera.shift(point, apex);
+        for axis in 0..2 {
+            assert_relative_eq!(there[axis], camera.place(point)[axis], epsilon = 1e-14);
+            // Along a meridian the carried axes do not turn.
+            assert_relative_eq!(back[axis], -there[axis], epsilon = 1e-14);
+        }
+        assert_eq!(camera.shift(point, point), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_marker_that_only_moves_outward_does_not_grow() {
+        let camera = camera();
+        // The areas that the picture gives to the same solid angle, at 0.5 and 0.8 rad.
+        let marker = |angle: f64| Marker {
+            centroid_px: [319.5 + 230.0 * angle, 319.5],
+            hue_turns: 0.9,
+            size_px2: 500.0 * angle / angle.sin(),
+            pixels: 500,
+        };
+        let track = Track {
+            rest: Some(marker(0.5)),
+            pressed: Some(marker(0.8)),
+            status: Status::Tracked,
+        };
+        let change = camera.change(&track).expect("it was tracked");
+        assert_relative_eq!(change.growth, 0.0, epsilon = 1e-12);
+        assert_relative_eq!(change.shift_px[0], 69.0, epsilon = 1e-9);
+        assert!(track.change().expect("it was tracked").growth > 0.01);
+    }
+
+    #[test]
+    fn no_camera_without_a_scale() {
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-300] {
+            let error = Equidistant::new([0.0, 0.0], bad).expect_err("is out of range");
+            assert_eq!(error.name(), "out-of-range");
+        }
+        assert!(Equidistant::new([f64::NAN, 0.0], 1.0).is_err());
+    }
+}

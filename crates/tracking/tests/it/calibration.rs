@@ -1,0 +1,279 @@
+//! Calibration of the published tables, and points from which no calibration follows.
+
+use approx::assert_abs_diff_eq;
+use palpate_tracking::{
+    Calibration, CalibrationError, Change, LateralCalibration, LateralPoint, Line,
+    NormalCalibration, NormalFrom, NormalPoint, Shown,
+};
+
+/// Fig. 6b of the 2020 paper: object, normal displacement in mm, hue in turns.
+const HUE: [(u8, f64, f64); 39] = [
+    (0, 0.0929, 0.00342),
+    (0, 0.1905, 0.00504),
+    (0, 0.2880, 0.00582),
+    (0, 0.3856, 0.01022),
+    (0, 0.4832, 0.01430),
+    (0, 0.5808, 0.01773),
+    (0, 0.6784, 0.01609),
+    (0, 0.7760, 0.02414),
+    (0, 0.8736, 0.02544),
+    (0, 0.9712, 0.02886),
+    (0, 1.0688, 0.03387),
+    (0, 1.1664, 0.03694),
+    (0, 1.2640, 0.03656),
+    (1, 0.0929, 0.00418),
+    (1, 0.1905, 0.00616),
+    (1, 0.2880, 0.00741),
+    (1, 0.3856, 0.00828),
+    (1, 0.4832, 0.00907),
+    (1, 0.5808, 0.01229),
+    (1, 0.6784, 0.01547),
+    (1, 0.7760, 0.01694),
+    (1, 0.8736, 0.02075),
+    (1, 0.9712, 0.02472),
+    (1, 1.0688, 0.02589),
+    (1, 1.1664, 0.02885),
+    (1, 1.2640, 0.03353),
+    (2, 0.0929, 0.00390),
+    (2, 0.1905, 0.00470),
+    (2, 0.2880, 0.00550),
+    (2, 0.3856, 0.00504),
+    (2, 0.4832, 0.00735),
+    (2, 0.5808, 0.00681),
+    (2, 0.6784, 0.00719),
+    (2, 0.7760, 0.01158),
+    (2, 0.8736, 0.01494),
+    (2, 0.9712, 0.01868),
+    (2, 1.0688, 0.02118),
+    (2, 1.1664, 0.02643),
+    (2, 1.2640, 0.02859),
+];
+
+/// Fig. 6c: tangential displacement in mm, shift of the centroid in px.
+const SHIFT: [[f64; 2]; 21] = [
+    [0.0001, 0.0001],
+    [0.1001, 1.6218],
+    [0.2001, 2.2795],
+    [0.3001, 2.9784],
+    [0.4001, 3.5450],
+    [0.5000, 4.3539],
+    [0.6001, 5.2669],
+    [0.7000, 5.9049],
+    [0.8000, 6.0898],
+    [0.9000, 7.4788],
+    [1.0000, 7.8549],
+    [1.1000, 8.8098],
+    [1.1999, 9.2073],
+    [1.2999, 10.0514],
+    [1.3999, 10.7208],
+    [1.4999, 11.2233],
+    [1.5999, 12.2318],
+    [1.6999, 12.6530],
+    [1.7998, 13.3637],
+    [1.8998, 13.8282],
+    [1.9998, 14.2978],
+];
+
+fn hue_points(series: impl Fn(u8) -> bool) -> Vec<NormalPoint> {
+    let of_series = HUE.into_iter().filter(|point| series(point.0));
+    of_series
+        .map(|(_, normal, hue_turns)| NormalPoint {
+            marker: None,
+            normal,
+            hue_turns,
+            growth: 0.0,
+        })
+        .collect()
+}
+
+fn shift_points() -> Vec<LateralPoint> {
+    let points = SHIFT.into_iter();
+    points
+        .map(|[tangential, shift]| LateralPoint {
+            tangential: [tangential, 0.0],
+            shift_px: [shift, 0.0],
+            normal: None,
+        })
+        .collect()
+}
+
+/// (slope, R², rms of the residual) of a line, to so many units.
+#[track_caller]
+fn assert_line(line: &Line, expected: [f64; 3], units: [f64; 3]) {
+    let found = [line.slope, line.r_squared, line.residual_rms];
+    for ((found, expected), unit) in found.into_iter().zip(expected).zip(units) {
+        assert_abs_diff_eq!(found, expected, epsilon = 0.51 * unit);
+    }
+}
+
+/// Independently read: 0.0258 turns/mm, R² 0.85, residual 0.15 mm. It is the line with an intercept, and the residual its
+/// root mean square over the slope.
+#[test]
+fn the_published_hue() {
+    let fitted = NormalCalibration::fit(&hue_points(|_| true), NormalFrom::Hue).unwrap();
+    let line = fitted.with_intercept.unwrap();
+    assert_line(&line, [0.0258, 0.85, 0.154], [1e-4, 0.01, 0.001]);
+    assert_eq!((line.count, fitted.range), (39, [0.0929, 1.264]));
+    // Sums reckoned with another program.
+    assert_abs_diff_eq!(line.slope_std.unwrap(), 0.00179, epsilon = 1e-5);
+    assert_abs_diff_eq!(line.intercept.unwrap(), -0.00127, epsilon = 1e-5);
+    assert_abs_diff_eq!(line.residual_std.unwrap(), 0.1579, epsilon = 1e-4);
+    assert_line(&fitted.line, [0.02438, 0.8458, 0.1649], [1e-5, 1e-4, 1e-4]);
+}
+
+#[test]
+fn the_published_hue_of_each_object() {
+    let expected = [
+        [0.03125, 0.9805, 0.0514],
+        [0.02482, 0.9711, 0.0629],
+        [0.02142, 0.8836, 0.1326],
+    ];
+    for (series, expected) in (0..).zip(expected) {
+        let points = hue_points(|one| one == series);
+        let fitted = NormalCalibration::fit(&points, NormalFrom::Hue).unwrap();
+        assert_line(
+            &fitted.with_intercept.unwrap(),
+            expected,
+            [1e-5, 1e-4, 1e-4],
+        );
+    }
+}
+
+/// Independently read: 7.0 px/mm; the paper's R² is 0.99.
+#[test]
+fn the_published_shift() {
+    let fitted = LateralCalibration::fit(&shift_points()).unwrap();
+    let line = fitted.with_intercept.unwrap();
+    assert_line(&line, [6.982, 0.996, 0.039], [1e-3, 1e-3, 1e-3]);
+    assert_abs_diff_eq!(line.intercept.unwrap(), 0.816, epsilon = 1e-3);
+    assert_line(&fitted.line, [7.579, 0.986, 0.066], [1e-3, 1e-3, 1e-3]);
+    assert_eq!(fitted.px_per_length, fitted.line.slope);
+}
+
+#[test]
+fn what_is_shown_is_read() {
+    let shown: Vec<Shown> = (1..5)
+        .map(|step| {
+            let normal = 0.3 * f64::from(step);
+            let change = Change {
+                hue_turns: -0.02 * normal,
+                ..Change::default()
+            };
+            let tangential = [0.1 * normal, 0.2];
+            Shown {
+                marker: 3,
+                normal,
+                tangential: Some(tangential),
+                change,
+                lateral: Some(tangential.map(|one| (7.0 + normal) * one)),
+            }
+        })
+        .collect();
+    let fitted = Calibration::fit(&shown, NormalFrom::Hue)
+        .unwrap()
+        .of_markers(77);
+    let change = Change {
+        hue_turns: -0.012,
+        ..Change::default()
+    };
+    assert_abs_diff_eq!(fitted.normal(0, &change).unwrap(), 0.6, epsilon = 1e-12);
+    let read = fitted.tangential([0.76, -1.52], 0.6).unwrap();
+    assert_abs_diff_eq!(read[0], 0.1, epsilon = 1e-9);
+    assert_abs_diff_eq!(read[1], -0.2, epsilon = 1e-9);
+    assert_eq!(fitted.normal(0, &Change::default()), Some(0.0));
+    assert_eq!(fitted.fits(77), Ok(()));
+    assert_eq!(fitted.fits(76).unwrap_err().name(), "another-layout");
+}
+
+fn point(normal: f64, hue_turns: f64) -> NormalPoint {
+    NormalPoint {
+        marker: Some(0),
+        normal,
+        hue_turns,
+        growth: hue_turns,
+    }
+}
+
+#[test]
+fn points_that_tell_no_slope_are_refused() {
+    let refusals = [
+        (vec![], "too-few-points"),
+        (vec![point(1.0, 0.02)], "too-few-points"),
+        (vec![point(1.0, 0.02); 5], "one-displacement"),
+        (vec![point(0.0, 0.0), point(0.0, 0.1)], "one-displacement"),
+        (vec![point(0.0, 0.02), point(1.0, 0.02)], "no-slope"),
+        (vec![point(0.0, 0.0), point(1.0, 0.0)], "no-slope"),
+        (vec![point(0.0, 0.0), point(1.0, f64::NAN)], "not-finite"),
+        (
+            vec![point(f64::INFINITY, 0.0), point(1.0, 0.1)],
+            "not-finite",
+        ),
+        (vec![point(1e200, 0.0), point(1.0, 0.1)], "not-finite"),
+    ];
+    for (points, name) in refusals {
+        for from in NormalFrom::ALL {
+            let error = NormalCalibration::fit(&points, from).unwrap_err();
+            assert_eq!(error.name(), name, "{points:?} from {}", from.name());
+        }
+    }
+    // The first that errs is told.
+    let points = [point(0.0, 0.0), point(1.0, f64::NAN)];
+    let error = NormalCalibration::fit(&points, NormalFrom::Hue).unwrap_err();
+    assert_eq!(error, CalibrationError::NotFinite { point: 1 });
+}
+
+#[test]
+fn a_centroid_that_shifts_backward_at_some_depth_is_refused() {
+    let points =
+        [(0.1, 0.0), (0.2, 0.0), (0.1, 1.0), (0.2, 1.0)].map(|(tangential, normal)| LateralPoint {
+            tangential: [tangential, 0.0],
+            shift_px: [(7.0 - 9.0 * normal) * tangential, 0.0],
+            normal: Some(normal),
+        });
+    let error = LateralCalibration::fit(&points).unwrap_err();
+    assert_eq!(error.name(), "no-slope");
+}
+
+/// Whatever the size of the numbers, there is a calibration of finite numbers or an error.
+#[test]
+fn extremes_give_numbers_or_errors() {
+    let sizes = [
+        0.0, 5e-324, 1e-300, 1e-50, 1e-9, 1.0, 1e9, 1e50, 1e100, -1.0, -1e100,
+    ];
+    for first in sizes {
+        for second in sizes {
+            for hue in sizes {
+                let points = [
+                    point(first, hue),
+                    point(second, 0.1),
+                    point(1.0, -0.3 * hue),
+                ];
+                for from in NormalFrom::ALL {
+                    let Ok(fitted) = NormalCalibration::fit(&points, from) else {
+                        continue;
+                    };
+                    assert!(fitted.line.slope.is_finite());
+                    let calibration = Calibration::new(Some(fitted), None, None).unwrap();
+                    let change = Change {
+                        hue_turns: hue,
+                        growth: hue,
+                        ..Change::default()
+                    };
+                    let read = calibration.normal(0, &change);
+                    assert!(read.is_none_or(f64::is_finite), "{first} {second} {hue}");
+                }
+                let points =
+                    [(first, hue), (second, 1.0), (1.0, 2.0)].map(|(along, shift)| LateralPoint {
+                        tangential: [along, 0.0],
+                        shift_px: [shift, hue],
+                        normal: Some(second),
+                    });
+                if let Ok(fitted) = LateralCalibration::fit(&points) {
+                    let calibration = Calibration::new(None, Some(fitted), None).unwrap();
+                    let read = calibration.tangential([hue, 1.0], first);
+                    assert!(read.is_none_or(|read| read.iter().all(|one| one.is_finite())));
+                }
+            }
+        }
+    }
+}

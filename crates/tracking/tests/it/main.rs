@@ -1,0 +1,4 @@
+//! Tests of the public face.
+#![allow(clippy::unwrap_used)]
+
+mod calibration;
