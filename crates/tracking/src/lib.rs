@@ -1,12 +1,35 @@
 //! Frames of a camera that watches colour markers, to the markers' displacements. Knows nothing of how frames come about.
 
+mod binned;
 mod calibration;
 mod camera;
+mod difference;
+mod error;
+mod field;
+mod finder;
+mod image_circle;
+mod lighting;
 mod marker;
+mod matching;
+mod measure;
+mod opening;
+mod selection;
+mod shapes;
+mod sight;
+mod split;
+mod threshold;
+mod window;
 
 pub use calibration::{
     Calibration, CalibrationError, LateralCalibration, LateralPoint, Line, MarkerGain,
     NormalCalibration, NormalFrom, NormalPoint, Shown,
 };
 pub use camera::Equidistant;
+pub use difference::{SizesDiffer, difference};
+pub use error::TrackingError;
+pub use field::{Displaced, Field, FieldError, Outward};
+pub use finder::{Finder, FinderSettings, Found, Ground};
+pub use image_circle::Mask;
 pub use marker::{Change, Marker, Status, Track};
+pub use matching::match_markers;
+pub use sight::HueWindow;

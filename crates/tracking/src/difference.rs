@@ -1,0 +1,82 @@
+//! What changed between two frames, as a picture.
+
+use std::num::NonZeroU8;
+
+use image::{Rgb, RgbImage};
+use thiserror::Error;
+
+/// Two frames of different sizes.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[error("the frame at rest has {} x {} px, the pressed one {} x {}", rest[0], rest[1], pressed[0], pressed[1])]
+pub struct SizesDiffer {
+    /// Width and height at rest, px.
+    pub rest: [u32; 2],
+    /// Width and height pressed, px.
+    pub pressed: [u32; 2],
+}
+
+/// The signed difference of the frames' green channels, which magenta takes away, on white: where the pressed frame
+/// has more green the picture is green, where it has less magenta, as in Fig. 7b of the 2020 paper. A difference of
+/// `full_levels` (of 255) and beyond has the full colour.
+///
+/// # Errors
+/// [`SizesDiffer`].
+pub fn difference(
+    rest: &RgbImage,
+    pressed: &RgbImage,
+    full_levels: NonZeroU8,
+) -> Result<RgbImage, SizesDiffer> {
+    let size = |frame: &RgbImage| [frame.width(), frame.height()];
+    if size(rest) != size(pressed) {
+        return Err(SizesDiffer {
+            rest: size(rest),
+            pressed: size(pressed),
+        });
+    }
+    let full = i32::from(full_levels.get());
+    let mut picture = rest.clone();
+    for (pixel, after) in picture.pixels_mut().zip(pressed.pixels()) {
+        let more = i32::from(after.0[1]) - i32::from(pixel.0[1]);
+        let share = (more.abs() * 255 / full).min(255);
+        let left = 255 - u8::try_from(share).unwrap_or(u8::MAX);
+        *pixel = if more > 0 {
+            Rgb([left, 255, left])
+        } else {
+            Rgb([255, left, 255])
+        };
+    }
+    Ok(picture)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_is_green_and_less_is_magenta() {
+        let frame =
+            |greens: [u8; 4]| RgbImage::from_fn(4, 1, |x, _| Rgb([x as u8, greens[x as usize], 9]));
+        let full = NonZeroU8::new(100).expect("is 100");
+        let picture = difference(&frame([50, 50, 50, 0]), &frame([50, 100, 30, 200]), full);
+        let colours: Vec<[u8; 3]> = picture
+            .expect("same size")
+            .pixels()
+            .map(|one| one.0)
+            .collect();
+        let expected = [
+            [255, 255, 255],
+            [128, 255, 128],
+            [255, 204, 255],
+            [0, 255, 0],
+        ];
+        assert_eq!(colours, expected);
+    }
+
+    #[test]
+    fn frames_of_different_sizes_are_refused() {
+        let [one, other] = [RgbImage::new(0, 0), RgbImage::new(2, 1)];
+        let error = difference(&one, &other, NonZeroU8::MAX).expect_err("differ");
+        assert!(error.to_string().contains("2 x 1"));
+        assert!(difference(&one, &one, NonZeroU8::MAX).is_ok());
+    }
+}

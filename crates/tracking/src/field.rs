@@ -1,0 +1,431 @@
+//! The field of displacement over the skin, from the displacements of its markers.
+
+use spade::{DelaunayTriangulation, FloatTriangulation, HasPosition, Point2, Triangulation};
+use thiserror::Error;
+
+use crate::camera::great_circle;
+
+/// A place of the skin and its displacement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Displaced {
+    /// The place at rest: its logarithm map from the apex, rad.
+    pub place: [f64; 2],
+    /// Along the skin, length, along the axes of the apex carried to the place along the meridian.
+    pub tangential: [f64; 2],
+    /// Inward, length.
+    pub normal: f64,
+}
+
+/// Why there is no field.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum FieldError {
+    /// There are no markers.
+    #[error("a field needs at least one marker")]
+    NoMarkers,
+    /// A number of a marker is not finite or too large, or its place is not on the sphere.
+    #[error(
+        "marker {marker} (counting from 0): a displacement is not finite, or beyond 1e100, or its place more than half a turn from the apex"
+    )]
+    OutOfRange {
+        /// Which marker.
+        marker: usize,
+    },
+    /// Two markers have the same place.
+    #[error("marker {marker} (counting from 0) has the place of an earlier one")]
+    Coincident {
+        /// The later one.
+        marker: usize,
+    },
+    /// A filter needs a width.
+    #[error("the filter's standard deviation is {value} rad; it must be at least 0 and finite")]
+    BadFilter {
+        /// The width.
+        value: f64,
+    },
+}
+
+impl FieldError {
+    /// The stable name.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::NoMarkers => "no-markers",
+            Self::OutOfRange { .. } => "out-of-range",
+            Self::Coincident { .. } => "coincident",
+            Self::BadFilter { .. } => "bad-filter",
+        }
+    }
+}
+
+/// Displacements at the markers, and between them by natural-neighbour interpolation over the map of places, which is
+/// continuous, and smooth but at the markers; there is none outside their convex hull.
+#[derive(Clone, Debug)]
+pub struct Field {
+    markers: Vec<Displaced>,
+    triangulation: DelaunayTriangulation<Site>,
+}
+
+/// A marker in the triangulation.
+#[derive(Clone, Copy, Debug)]
+struct Site {
+    at: Point2<f64>,
+    marker: usize,
+}
+
+impl HasPosition for Site {
+    type Scalar = f64;
+
+    fn position(&self) -> Point2<f64> {
+        self.at
+    }
+}
+
+/// How far the skin moved outward around a contact: what moves outward under a press slips on the object, or is pushed
+/// aside by it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outward {
+    /// The marker of the largest normal displacement, from which the others move away.
+    pub centre: usize,
+    /// The component of each marker's tangential displacement away from it, length; 0 of itself.
+    pub of_marker: Vec<f64>,
+    /// Their mean with normal displacements as weights, inward ones only: over the contact. `None` where no other marker
+    /// was displaced inward.
+    pub mean: Option<f64>,
+}
+
+impl Field {
+    /// The field of these markers.
+    ///
+    /// # Errors
+    /// [`FieldError`] without markers, for numbers out of range and for two markers in one place.
+    pub fn new(markers: &[Displaced]) -> Result<Self, FieldError> {
+        if markers.is_empty() {
+            return Err(FieldError::NoMarkers);
+        }
+        let mut triangulation = DelaunayTriangulation::new();
+        for (marker, displaced) in markers.iter().enumerate() {
+            let Displaced {
+                place: [x, y],
+                tangential: [along_x, along_y],
+                normal,
+            } = *displaced;
+            let is_sound = [along_x, along_y, normal]
+                .iter()
+                .all(|one| one.abs() <= 1e100)
+                && x.hypot(y) <= std::f64::consts::PI;
+            let out_of_range = FieldError::OutOfRange { marker };
+            if !is_sound {
+                return Err(out_of_range);
+            }
+            let site = Site {
+                at: site(displaced.place),
+                marker,
+            };
+            triangulation.insert(site).map_err(|_| out_of_range)?;
+            if triangulation.num_vertices() <= marker {
+                return Err(FieldError::Coincident { marker });
+            }
+        }
+        Ok(Self {
+            markers: markers.to_vec(),
+            triangulation,
+        })
+    }
+
+    /// The markers.
+    pub fn markers(&self) -> &[Displaced] {
+        &self.markers
+    }
+
+    /// The same field with each displacement replaced by a mean over all markers, with weights that fall with the
+    /// great-circle distance as a Gaussian of standard deviation `std_rad`; 0 leaves it as it is.
+    ///
+    /// # Errors
+    /// [`FieldError::BadFilter`] unless `std_rad` is finite and at least 0.
+    pub fn smoothed(&self, std_rad: f64) -> Result<Self, FieldError> {
+        if !(std_rad >= 0.0 && std_rad.is_finite()) {
+            return Err(FieldError::BadFilter { value: std_rad });
+        }
+        let mean = |centre: &Displaced| {
+            let weights = self.markers.iter().map(|marker| {
+                let [x, y] = great_circle(centre.place, marker.place);
+                let distance = x.hypot(y);
+                if distance == 0.0 {
+                    1.0
+                } else {
+                    (-0.5 * (distance / std_rad).powi(2)).exp()
+                }
+            });
+            let weights: Vec<f64> = weights.collect();
+            self.mean(centre.place, weights.into_iter().enumerate())
+        };
+        Ok(Self {
+            markers: self.markers.iter().map(mean).collect(),
+            triangulation: self.triangulation.clone(),
+        })
+    }
+
+    /// The displacement of a place; `None` outside the markers' convex hull.
+    pub fn at(&self, place: [f64; 2]) -> Option<Displaced> {
+        if !place.iter().all(|one| one.is_finite()) {
+            return None;
+        }
+        let weights = self.weights(site(place));
+        let found = (!weights.is_empty()).then(|| self.mean(place, weights.into_iter()))?;
+        let [x, y] = found.tangential;
+        (x + y + found.normal).is_finite().then_some(found)
+    }
+
+    /// The weights of markers at a point; none outside their convex hull.
+    fn weights(&self, point: Point2<f64>) -> Vec<(usize, f64)> {
+        // Which has no edges to walk along.
+        if let [marker] = self.markers[..] {
+            let is_there = site(marker.place) == point;
+            return is_there.then_some((0, 1.0)).into_iter().collect();
+        }
+        let mut weights = Vec::new();
+        let natural = self.triangulation.natural_neighbor();
+        natural.get_weights(point, &mut weights);
+        let is_mean = |(_, weight): &(_, f64)| (-1e-6..=1.0 + 1e-6).contains(weight);
+        if !weights.iter().all(is_mean) {
+            // In slivers, whose circumcircles are beyond reckoning, those of the corners.
+            let corners = self.triangulation.barycentric();
+            corners.get_weights(point, &mut weights);
+        }
+        let marker = |vertex| self.triangulation.vertex(vertex).data().marker;
+        weights
+            .into_iter()
+            .map(|(vertex, weight)| (marker(vertex), weight))
+            .collect()
+    }
+
+    /// The displacements of a grid of `count` by `count` places over the rectangle that holds all markers, row by row,
+    /// upward; without the places outside their convex hull.
+    pub fn grid(&self, count: usize) -> Vec<Displaced> {
+        let [columns, rows] = [0, 1].map(|axis| self.steps(axis, count));
+        let places = rows
+            .iter()
+            .flat_map(|&y| columns.iter().map(move |&x| [x, y]));
+        places.filter_map(|place| self.at(place)).collect()
+    }
+
+    /// Evenly spaced coordinates from the least to the largest of the markers.
+    fn steps(&self, axis: usize, count: usize) -> Vec<f64> {
+        let all = || self.markers.iter().map(|marker| marker.place[axis]);
+        let low = all().fold(f64::INFINITY, f64::min);
+        let high = all().fold(f64::NEG_INFINITY, f64::max);
+        let middle = 0.5 * (low + high);
+        match count {
+            1 => vec![middle],
+            // From the middle, so that both ends are met to the last digit.
+            _ => (0..count)
+                .map(|step| step as f64 / (count as f64 - 1.0))
+                .map(|share| low * (1.0 - share) + high * share)
+                .collect(),
+        }
+    }
+
+    /// The mean displacement of markers with weights, at a place.
+    fn mean(&self, place: [f64; 2], weights: impl Iterator<Item = (usize, f64)>) -> Displaced {
+        let mut sum = [0.0; 4];
+        for (marker, weight) in weights {
+            let Displaced {
+                tangential: [x, y],
+                normal,
+                ..
+            } = self.markers[marker];
+            for (sum, part) in sum.iter_mut().zip([x, y, normal, 1.0]) {
+                *sum += weight * part;
+            }
+        }
+        let [x, y, normal, total] = sum;
+        Displaced {
+            place,
+            tangential: [x / total, y / total],
+            normal: normal / total,
+        }
+    }
+
+    /// How far the skin moved away from the marker of the largest normal displacement.
+    pub fn outward(&self) -> Outward {
+        let normals = self.markers.iter().map(|marker| marker.normal).enumerate();
+        let (centre, _) = normals.fold((0, f64::NEG_INFINITY), |best, one| {
+            if one.1 > best.1 { one } else { best }
+        });
+        let away = |marker: &Displaced| {
+            let [x, y] = great_circle(marker.place, self.markers[centre].place);
+            let distance = x.hypot(y);
+            if distance == 0.0 {
+                return 0.0;
+            }
+            let [along_x, along_y] = marker.tangential;
+            -(along_x * (x / distance) + along_y * (y / distance))
+        };
+        let of_marker: Vec<f64> = self.markers.iter().map(away).collect();
+        let largest = self.markers[centre].normal;
+        let weight = |marker: usize| (self.markers[marker].normal / largest).max(0.0);
+        let others = || (0..of_marker.len()).filter(|&marker| marker != centre && largest > 0.0);
+        let total: f64 = others().map(weight).sum();
+        let sum: f64 = others()
+            .map(|marker| weight(marker) * of_marker[marker])
+            .sum();
+        Outward {
+            centre,
+            mean: (total > 0.0).then(|| sum / total),
+            of_marker,
+        }
+    }
+}
+
+/// A place as the triangulation takes it: lengths too small for it are none.
+fn site(place: [f64; 2]) -> Point2<f64> {
+    let [x, y] = place.map(|one| if one.abs() < 1e-30 { 0.0 } else { one });
+    Point2::new(x, y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// A 5 x 5 net of places, each with the displacement of a linear field.
+    fn linear() -> Vec<Displaced> {
+        (0..25)
+            .map(|index| {
+                [
+                    f64::from(index % 5) * 0.1 - 0.2,
+                    f64::from(index / 5) * 0.1 - 0.2,
+                ]
+            })
+            .map(of_linear)
+            .collect()
+    }
+
+    fn of_linear([x, y]: [f64; 2]) -> Displaced {
+        Displaced {
+            place: [x, y],
+            tangential: [x + 2.0 * y, -y],
+            normal: 1.0 - x + 0.5 * y,
+        }
+    }
+
+    /// Natural neighbours reproduce what is linear.
+    #[test]
+    fn a_linear_field_is_itself() {
+        let field = Field::new(&linear()).expect("sound markers");
+        let found = field.grid(13);
+        assert_eq!(found.len(), 13 * 13);
+        for found in found {
+            let expected = of_linear(found.place);
+            assert_relative_eq!(found.normal, expected.normal, epsilon = 1e-12);
+            for axis in 0..2 {
+                let [found, expected] = [found, expected].map(|one| one.tangential[axis]);
+                assert_relative_eq!(found, expected, epsilon = 1e-12);
+            }
+        }
+        assert_eq!(field.at([0.21, 0.0]), None);
+        assert_eq!(field.at([f64::NAN, 0.0]), None);
+    }
+
+    #[test]
+    fn a_filter_takes_noise_and_leaves_a_constant() {
+        let still = linear().into_iter().map(|marker| Displaced {
+            tangential: [0.1, -0.2],
+            normal: 0.3,
+            ..marker
+        });
+        let still: Vec<Displaced> = still.collect();
+        let smooth = Field::new(&still).and_then(|field| field.smoothed(0.1));
+        for marker in smooth.expect("sound markers").markers() {
+            assert_relative_eq!(marker.normal, 0.3, epsilon = 1e-15);
+            assert_relative_eq!(marker.tangential[1], -0.2, epsilon = 1e-15);
+        }
+        // A spike in the middle is spread by the kernel 1, e^-1/2 (four), e^-1 (four), …
+        let mut spike = still;
+        spike.iter_mut().for_each(|marker| marker.normal = 0.0);
+        spike[12].normal = 1.0;
+        let field = Field::new(&spike).expect("sound markers");
+        let smooth = field.smoothed(0.1).expect("a width");
+        let row: f64 = (-2..=2).map(|k| (-0.5 * f64::from(k * k)).exp()).sum();
+        assert_relative_eq!(
+            smooth.markers()[12].normal,
+            1.0 / (row * row),
+            max_relative = 0.02
+        );
+        assert_eq!(
+            field.smoothed(0.0).expect("none").markers(),
+            field.markers()
+        );
+        assert!(field.smoothed(f64::NAN).is_err());
+    }
+
+    #[test]
+    fn outward_is_away_from_the_contact() {
+        let [east, north] = [[0.1, 0.0], [0.0, 0.1]];
+        let marker = |place, tangential, normal| Displaced {
+            place,
+            tangential,
+            normal,
+        };
+        let field = Field::new(&[
+            marker(east, [0.2, 5.0], 0.5),
+            marker([0.0, 0.0], [9.0, 9.0], 1.0),
+            marker(north, [0.0, -0.1], 0.25),
+            marker([0.3, 0.0], [1.0, 0.0], -0.1),
+        ]);
+        let outward = field.expect("sound markers").outward();
+        assert_eq!(outward.centre, 1);
+        for (found, expected) in outward.of_marker.iter().zip([0.2, 0.0, -0.1, 1.0]) {
+            assert_relative_eq!(*found, expected, epsilon = 1e-12);
+        }
+        let mean = outward.mean.expect("others were displaced");
+        assert_relative_eq!(mean, (0.5 * 0.2 - 0.25 * 0.1) / 0.75, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn markers_that_make_no_field_are_refused() {
+        let of = |place, normal| Displaced {
+            place,
+            tangential: [0.0, 0.0],
+            normal,
+        };
+        let sound = of([0.1, 0.2], 0.3);
+        for (markers, name) in [
+            (vec![], "no-markers"),
+            (vec![sound, of([0.1, 0.2], 0.0)], "coincident"),
+            (vec![sound, of([f64::NAN, 0.2], 0.0)], "out-of-range"),
+            (vec![of([4.0, 0.2], 0.0)], "out-of-range"),
+            (vec![of([0.0, 0.0], f64::INFINITY)], "out-of-range"),
+        ] {
+            assert_eq!(Field::new(&markers).expect_err("no field").name(), name);
+        }
+    }
+
+    /// Few markers, markers on a line and markers all but in one place have a field, if a small one.
+    #[test]
+    fn thin_fields() {
+        let of = |x: f64, y: f64| Displaced {
+            place: [x, y],
+            tangential: [x, 1e100],
+            normal: 1e100,
+        };
+        for markers in [
+            vec![of(0.1, 0.0)],
+            vec![of(0.1, 0.0), of(0.2, 0.0)],
+            vec![of(0.1, 0.1), of(0.2, 0.2), of(0.4, 0.4)],
+            vec![
+                of(0.0, 0.0),
+                of(1e-320, 1.0),
+                of(1.0, 1e-9),
+                of(1.0, 1.000_000_001e-9),
+            ],
+        ] {
+            let field = Field::new(&markers).expect("sound markers");
+            let smooth = field.smoothed(1e-300).expect("a width");
+            for count in [0, 1, 2, 7] {
+                assert!(smooth.grid(count).len() <= count * count);
+            }
+            assert!(field.outward().of_marker.iter().all(|one| one.is_finite()));
+            assert!(field.at(markers[0].place).is_some());
+        }
+    }
+}

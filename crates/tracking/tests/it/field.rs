@@ -1,0 +1,77 @@
+//! Interpolation over nets that are hard on a triangulation.
+
+use std::f64::consts::TAU;
+
+use palpate_tracking::{Displaced, Field};
+
+/// Markers with displacements from -1 to 1.
+fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
+    let markers = places.into_iter().enumerate().map(|(index, place)| {
+        let phase = index as f64;
+        Displaced {
+            place,
+            tangential: [phase.cos(), (2.0 * phase).cos()],
+            normal: phase.sin(),
+        }
+    });
+    Field::new(&markers.collect::<Vec<_>>()).unwrap()
+}
+
+/// Around `place`, at steps from one that is lost in rounding to one that is not.
+fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+    let steps = [0.0, 1e-17, 1e-13, 1e-9, 1e-4];
+    steps.into_iter().flat_map(move |step| {
+        (0..8).map(move |eighth| {
+            let (sine, cosine) = (TAU * f64::from(eighth) / 8.0).sin_cos();
+            [x + step * cosine, y + step * sine]
+        })
+    })
+}
+
+/// A mean of the markers' displacements lies between them, at, between and beside them.
+fn assert_means(field: &Field) {
+    let markers = field.markers();
+    for one in markers {
+        for other in markers {
+            for share in [0.0, 0.5, 1.0] {
+                let between =
+                    [0, 1].map(|axis| one.place[axis] * (1.0 - share) + other.place[axis] * share);
+                for place in around(between) {
+                    let Some(found) = field.at(place) else {
+                        continue;
+                    };
+                    let parts = [found.normal, found.tangential[0], found.tangential[1]];
+                    assert!(
+                        parts.iter().all(|part| part.abs() < 1.0 + 1e-4),
+                        "{place:?} {found:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn rings_and_nets() {
+    let ring = |count: u32, radius: f64| {
+        (0..count).map(move |index| {
+            let (sine, cosine) = (TAU * f64::from(index) / f64::from(count)).sin_cos();
+            [radius * cosine, radius * sine]
+        })
+    };
+    // Markers of a ring lie on one circle: which triangles they make is a matter of rounding.
+    assert_means(&field(ring(12, 0.3).chain([[0.0, 0.0]])));
+    assert_means(&field(ring(7, 0.2).chain(ring(14, 0.4))));
+    let net = |step: f64| (0..16).map(move |k| [f64::from(k % 4) * step, f64::from(k / 4) * step]);
+    assert_means(&field(net(0.1)));
+    assert_means(&field(net(1e-9)));
+}
+
+#[test]
+fn slivers() {
+    for thin in [1e-3, 1e-9, 1e-15, 1e-29, 0.0] {
+        let arc = (0..8).map(|k| f64::from(k) * 0.1 - 0.35);
+        assert_means(&field(arc.clone().map(|x| [x, thin * x * x])));
+        assert_means(&field(arc.map(|x| [x, thin * (10.0 * x).sin()])));
+    }
+}
