@@ -2,6 +2,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::shear::stuck_shift;
 use crate::{Contact, Place, PressError, Skin};
 
 /// Markers at places under the skin.
@@ -62,6 +63,16 @@ impl Markers {
         Ok(Self { skin, places })
     }
 
+    /// Those with these numbers, counted from 0; numbers that no marker has are passed over.
+    #[must_use]
+    pub fn subset(&self, chosen: &[usize]) -> Self {
+        let places = chosen.iter().filter_map(|&marker| self.places.get(marker));
+        Self {
+            skin: self.skin,
+            places: places.copied().collect(),
+        }
+    }
+
     /// The skin above them.
     pub const fn skin(&self) -> &Skin {
         &self.skin
@@ -96,6 +107,37 @@ impl Markers {
                 }
             })
             .collect()
+    }
+
+    /// What it does to each marker, `depth` under the skin of a half-space, that an object in contact with radius
+    /// `contact_radius` at chart coordinates `at` then moves by `shift` along the x axis there, sticking to the skin.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`] as [`stuck_shift`].
+    pub fn shifted(
+        &self,
+        poisson: f64,
+        depth: f64,
+        contact_radius: f64,
+        at: [f64; 2],
+        shift: f64,
+    ) -> Result<Vec<MarkerDisplacement>, PressError> {
+        let middle = self.skin.place(at);
+        let moved = |place: &Place| {
+            let sight = self.sight(&middle, place);
+            let (cosine, sine) = (sight.bearing.x, sight.bearing.y);
+            let azimuth = sine.atan2(cosine);
+            let moved = stuck_shift(poisson, depth, contact_radius, sight.distance, azimuth)?;
+            let outward = moved.along * cosine + moved.across * sine;
+            let around = moved.across * cosine - moved.along * sine;
+            let turned = Vector2::new(-sight.outward.y, sight.outward.x);
+            let tangential = (sight.outward * outward + turned * around) * shift;
+            Ok(MarkerDisplacement {
+                normal: moved.normal * shift,
+                tangential: [tangential.x, tangential.y],
+            })
+        };
+        self.places.iter().map(moved).collect()
     }
 
     pub(crate) fn sight(&self, contact: &Place, marker: &Place) -> Sight {

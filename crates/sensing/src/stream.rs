@@ -40,8 +40,6 @@ pub enum Channel {
     Size = 15,
     /// Which markers are not seen.
     LostMarkers = 16,
-    /// Error of a pixel in the frames that a sensor is calibrated with.
-    CalibrationPixel = 17,
 }
 
 /// The random numbers of one channel in one trial: a function of seed, trial and channel alone.

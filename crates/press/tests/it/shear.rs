@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use palpate_press::shear::{followed, stuck_shift};
+use palpate_press::{Markers, Skin};
 
 /// Poisson ratio, depth, contact radius, distance, azimuth; along, across, inward. Made by summing the waves of traction
 /// over 4,000 wavenumbers (Gauss) and 256 directions.
@@ -124,4 +125,29 @@ fn extremes_are_finite_or_named() {
         let error = stuck_shift(poisson, z, a, r, azimuth).unwrap_err();
         assert_eq!(error.name(), "bad-setting");
     }
+}
+
+#[test]
+fn markers_of_a_nearly_flat_skin_move_as_on_a_plane() {
+    let (poisson, depth, contact_radius, shift) = (0.5, 2.0, 4.0, 0.7);
+    let places = [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0], [-4.0, 2.0], [1.0, -5.0]];
+    let markers = Markers::new(Skin::new(1e7).unwrap(), &places).unwrap();
+    let at = [0.5, -0.25];
+    let moved = markers
+        .shifted(poisson, depth, contact_radius, at, shift)
+        .unwrap();
+    for ([x, y], moved) in places.iter().zip(moved) {
+        let (x, y) = (x - at[0], y - at[1]);
+        let flat = stuck_shift(poisson, depth, contact_radius, x.hypot(y), y.atan2(x)).unwrap();
+        let expected = [flat.along, flat.across, flat.normal].map(|one| one * shift);
+        // `across` counts a quarter turn from the shift, which is along x.
+        let found = [moved.tangential[0], moved.tangential[1], moved.normal];
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+        }
+    }
+    let none = markers.subset(&[3, 99, 0]);
+    assert_eq!(none.places(), [markers.places()[3], markers.places()[0]]);
+    let error = markers.shifted(0.7, depth, contact_radius, at, shift);
+    assert_eq!(error.unwrap_err().name(), "bad-setting");
 }
