@@ -22,6 +22,10 @@ const GAP: f64 = 30.0;
 const SMALLEST_WIDTH: f64 = 960.0;
 const PANEL_HEIGHT: f64 = 390.0;
 const LEGEND_LIMIT: f64 = 250.0;
+/// Names along x make no panel wider than this, and no row of several.
+const LARGEST_WIDTH: f64 = 1500.0;
+/// Between names along x.
+const BESIDE: f64 = 12.0;
 /// More panels than this make several rows.
 const PER_ROW: usize = 4;
 
@@ -86,10 +90,6 @@ impl Entry {
 impl Layout {
     /// Finds room for everything.
     pub(crate) fn of(figure: &Figure) -> Self {
-        let count = figure.panels.len();
-        let rows = count.div_ceil(PER_ROW);
-        let columns = count.div_ceil(rows.max(1)).max(1);
-
         let y_ticks = figure.y.ticks(6);
         let left =
             EDGE + largest(y_ticks.iter().map(|tick| width(&tick.label, TEXT))) + TICK_GAP + 2.0;
@@ -104,12 +104,12 @@ impl Layout {
         } else {
             GAP + legend_width + EDGE
         };
+        let count = figure.panels.len();
+        let named = named_width(figure);
+        let columns = columns(count, left + right, named);
+        let rows = count.div_ceil(columns);
         let gaps = GAP * (columns - 1) as f64;
-        let narrowest = match columns {
-            1 => 560.0,
-            2 => 380.0,
-            _ => 300.0,
-        };
+        let narrowest = narrowest(columns).max(named);
         let panel_width = ((SMALLEST_WIDTH - left - right - gaps) / columns as f64).max(narrowest);
         let total = left + columns as f64 * panel_width + gaps + right;
 
@@ -172,12 +172,37 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, f64::max)
 }
 
+/// Panels in a row: as many as make rows of nearly the same length, and of names along x as leave room for them.
+fn columns(count: usize, margins: f64, named: f64) -> usize {
+    let even = |per_row: usize| count.div_ceil(count.div_ceil(per_row).max(1)).max(1);
+    let room = (LARGEST_WIDTH - margins + GAP) / (named + GAP);
+    even(PER_ROW.min(room as usize).max(1))
+}
+
+/// The least width of a panel.
+fn narrowest(columns: usize) -> f64 {
+    match columns {
+        1 => 560.0,
+        2 => 380.0,
+        _ => 300.0,
+    }
+}
+
+/// The width of a panel in which every word of the names along x has room beside its neighbours, as far as may be; 0 if
+/// there are none.
+fn named_width(figure: &Figure) -> f64 {
+    let names = figure.x.categories();
+    let words = names.iter().flat_map(|name| name.split_whitespace());
+    let widest = largest(words.map(|word| width(word, TEXT)));
+    (names.len() as f64 * (widest + BESIDE)).min(LARGEST_WIDTH)
+}
+
 /// As many ticks along x as have room for their labels.
 fn x_ticks(figure: &Figure, panel_width: f64) -> Vec<(f64, Vec<String>)> {
     let labelled = |about: usize| {
         let ticks = figure.x.ticks(about);
         let slot = panel_width / ticks.len().max(1) as f64;
-        let label = |tick: Tick| (tick.at, wrap(&tick.label, TEXT, slot - 10.0));
+        let label = |tick: Tick| (tick.at, wrap(&tick.label, TEXT, slot - BESIDE));
         ticks.into_iter().map(label).collect::<Vec<_>>()
     };
     let fits = |ticks: &Vec<(f64, Vec<String>)>| {

@@ -98,6 +98,11 @@ impl Scale {
         }
     }
 
+    /// The names along the axis; empty for numbers.
+    pub(crate) fn categories(&self) -> &[String] {
+        &self.categories
+    }
+
     /// Where `value` stands: 0 at the lower end, 1 at the upper.
     pub(crate) fn place(&self, value: f64) -> f64 {
         let value = if self.spacing == Spacing::Log {

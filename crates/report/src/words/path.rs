@@ -73,7 +73,7 @@ fn plain(segments: &[&str]) -> String {
         ["sensor", "kind"] => "sensor".to_owned(),
         ["sensor", "size"] => "image size".to_owned(),
         ["sensor", "field"] => "field of view, from its middle".to_owned(),
-        ["sensor", "tangential"] => "tangential displacement read".to_owned(),
+        ["sensor", "tangential"] => "tangential readings".to_owned(),
         ["sensor", "normal from"] => "normal displacement from".to_owned(),
         ["sensor", "frames"] => "frames averaged".to_owned(),
         ["sensor", leaf @ ("lens" | "blur" | "seam width")] => (*leaf).to_owned(),
@@ -141,7 +141,7 @@ mod tests {
                 "light at the rim (% of the middle's)",
             ),
             ("scene.sensor.blur_px", "blur (px)"),
-            ("scene.sensor.tangential", "tangential displacement read"),
+            ("scene.sensor.tangential", "tangential readings"),
             ("scene.sensor.normal_from", "normal displacement from"),
             (
                 "scene.probe.discs.magenta_diameter_mm",

@@ -296,6 +296,67 @@ fn a_long_legend_makes_a_taller_picture() {
     assert!(height > 900.0 && lowest < height - 9.0, "{height} {lowest}");
 }
 
+/// Places along x, in pixels, of the lines of text that are `word`.
+fn across(svg: &str, word: &str) -> Vec<f64> {
+    let number = |line: &str| {
+        let x = line.split("x=\"").nth(1).unwrap();
+        x.split('"').next().unwrap().parse::<f64>().unwrap() / 3.0
+    };
+    let lines: Vec<&str> = svg.lines().collect();
+    let here = lines.windows(2).filter(|pair| pair[1] == word);
+    here.map(|pair| number(pair[0])).collect()
+}
+
+#[test]
+fn names_along_x_stand_beside_each_other() {
+    for panels in ["", "panels = \"scene.object\"\n"] {
+        let mut cells = Cells::new("scene.sensor,scene.object");
+        for object in ["plane", "ball"] {
+            for sensor in 0..8_u8 {
+                let numbers = Numbers::new(1.0, 0.1 / f64::from(sensor + 1));
+                cells.push(
+                    &format!("rendered misaligned {sensor} px,{object}"),
+                    numbers,
+                );
+            }
+        }
+        let series = if panels.is_empty() {
+            "series = \"scene.object\"\n"
+        } else {
+            panels
+        };
+        let plots = format!(
+            "\n[[plot]]\nx = \"scene.sensor\"\ny = \"relative_rms_error\"\nscale = \"log-y\"\n{series}"
+        );
+        let (dir, study) = cells.study(&(config("sphere", "") + &plots));
+        plot(&study).unwrap();
+        let places = across(&svg(dir.path(), "plot-1"), "misaligned");
+        assert_eq!(places.len(), if panels.is_empty() { 8 } else { 16 });
+        // The word is at least 80 pixels wide in any sans-serif of 18.
+        assert!(
+            places[..8].windows(2).all(|pair| pair[1] - pair[0] > 85.0),
+            "{places:?}"
+        );
+    }
+}
+
+#[test]
+fn many_and_long_names_make_no_endless_picture() {
+    let mut cells = Cells::new("scene.sensor");
+    for sensor in 0..40 {
+        cells.push(
+            &format!("{}{sensor}", "long".repeat(50)),
+            Numbers::new(1.0, 0.1),
+        );
+    }
+    let plots = "\n[[plot]]\nx = \"scene.sensor\"\ny = \"relative_rms_error\"\n";
+    let (dir, study) = cells.study(&(config("sphere", "") + plots));
+    plot(&study).unwrap();
+    let text = svg(dir.path(), "plot-1");
+    let width = text.split('"').nth(1).unwrap();
+    assert!(width.parse::<f64>().unwrap() < 1700.0, "{width}");
+}
+
 #[test]
 fn a_study_without_plots_writes_none() {
     let (_dir, study) = angular_velocity("");
