@@ -1,0 +1,89 @@
+//! Frames in which no markers can be found.
+
+use thiserror::Error;
+
+/// Why a frame, or the settings to read it by, gives no markers.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum TrackingError {
+    /// The frame has no pixels.
+    #[error("the frame has no pixels: {width} by {height}")]
+    EmptyImage {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// The frame, or what the mask leaves of it, is too small to hold a marker.
+    #[error("{width} by {height} px are too few: at least {least} by {least} are needed")]
+    TooSmall {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// The least number of either.
+        least: u32,
+    },
+    /// The frame is larger than is read.
+    #[error("{width} by {height} px are too many: at most {most} by {most} are read")]
+    TooLarge {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// The largest number of either.
+        most: u32,
+    },
+    /// The image circle is not a circle, or lies outside the frame.
+    #[error(
+        "the image circle about ({x_px}, {y_px}) of radius {radius_px} px shows nothing of the \
+         frame: its centre must lie in the frame and its radius be positive"
+    )]
+    MaskOutside {
+        /// Column of the centre.
+        x_px: f64,
+        /// Row of the centre.
+        y_px: f64,
+        /// Radius.
+        radius_px: f64,
+    },
+    /// The markers' diameter is not a length of at least a pixel.
+    #[error("a marker's diameter of {diameter_px} px: it must be at least {least} px and finite")]
+    Diameter {
+        /// What was asked for.
+        diameter_px: f64,
+        /// The least that is read.
+        least: f64,
+    },
+    /// Nothing sets itself off from the ground as a marker does.
+    #[error(
+        "no markers: {shapes} shape(s) set off from the ground, none of the size, form and colour \
+         of a marker"
+    )]
+    NoMarkers {
+        /// Connected shapes that were looked at.
+        shapes: usize,
+    },
+    /// More shapes than a sensor has markers: noise, or not a frame of a sensor.
+    #[error("{shapes} shapes set themselves off from the ground: at most {most} are looked at")]
+    TooMany {
+        /// How many there are.
+        shapes: usize,
+        /// The largest number.
+        most: usize,
+    },
+}
+
+impl TrackingError {
+    /// The stable name of this kind of error.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::EmptyImage { .. } => "empty-image",
+            Self::TooSmall { .. } => "too-small",
+            Self::TooLarge { .. } => "too-large",
+            Self::MaskOutside { .. } => "mask-outside",
+            Self::Diameter { .. } => "marker-diameter",
+            Self::NoMarkers { .. } => "no-markers",
+            Self::TooMany { .. } => "too-many",
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! The morphological opening of a plane of bytes by a square, and with it the top-hat.
+//!
+//! The least of `n` neighbours along a line is had from the least of `n/2`: windows are doubled until the wanted length is
+//! between one and two of them, and two overlapping ones make it up. Rows shifted against rows and bytes shifted against
+//! bytes are both streams side by side, so that no plane is turned and every pass runs on whole vectors.
+
+/// A plane of bytes and room to work in.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Opening {
+    here: Vec<u8>,
+    there: Vec<u8>,
+    padded: Vec<u8>,
+}
+
+impl Opening {
+    /// The opening of `plane`, rows of `width` bytes, by a square of `2 half + 1` pixels a side. Where `inside` is false
+    /// nothing limits the square, but its middle stays inside; the result there has no meaning.
+    pub(crate) fn open(
+        &mut self,
+        plane: &[u8],
+        width: usize,
+        inside: &[bool],
+        half: usize,
+    ) -> &[u8] {
+        self.here.clear();
+        self.here.extend(
+            plane
+                .iter()
+                .zip(inside)
+                .map(|(&value, &inside)| if inside { value } else { u8::MAX }),
+        );
+        self.pass::<Least>(width, half);
+        for (value, &inside) in self.here.iter_mut().zip(inside) {
+            *value = if inside { *value } else { 0 };
+        }
+        self.pass::<Greatest>(width, half);
+        &self.here
+    }
+
+    /// The extreme over squares, from `here` to `here`.
+    fn pass<E: Extreme>(&mut self, width: usize, half: usize) {
+        let height = self.here.len() / width;
+        self.down::<E>(width, height, half);
+        self.across::<E>(width, half);
+    }
+
+    fn down<E: Extreme>(&mut self, width: usize, height: usize, half: usize) {
+        let pad = width * half;
+        self.padded.clear();
+        self.padded.resize(pad, E::NEUTRAL);
+        self.padded.extend_from_slice(&self.here);
+        self.padded.resize(2 * pad + self.here.len(), E::NEUTRAL);
+        let window = 2 * half + 1;
+        slide::<E>(&mut self.padded, &mut self.there, width, window);
+        self.here.clear();
+        self.here.extend_from_slice(&self.padded[..width * height]);
+    }
+
+    fn across<E: Extreme>(&mut self, width: usize, half: usize) {
+        for row in self.here.chunks_exact_mut(width) {
+            self.padded.clear();
+            self.padded.resize(half, E::NEUTRAL);
+            self.padded.extend_from_slice(row);
+            self.padded.resize(width + 2 * half, E::NEUTRAL);
+            slide::<E>(&mut self.padded, &mut self.there, 1, 2 * half + 1);
+            row.copy_from_slice(&self.padded[..width]);
+        }
+    }
+}
+
+/// Replaces every element of `line` by the extreme of itself and of the `window - 1` that follow it `stride` apart; the
+/// last `stride (window - 1)` elements, which lack followers, are dropped.
+fn slide<E: Extreme>(line: &mut Vec<u8>, spare: &mut Vec<u8>, stride: usize, window: usize) {
+    let mut have = 1;
+    while have < window {
+        let step = have.min(window - have);
+        let left = line.len() - step * stride;
+        spare.clear();
+        spare.extend(
+            line[..left]
+                .iter()
+                .zip(&line[step * stride..])
+                .map(|(&a, &b)| E::of(a, b)),
+        );
+        std::mem::swap(line, spare);
+        have += step;
+    }
+}
+
+trait Extreme {
+    const NEUTRAL: u8;
+    fn of(a: u8, b: u8) -> u8;
+}
+
+struct Least;
+struct Greatest;
+
+impl Extreme for Least {
+    const NEUTRAL: u8 = u8::MAX;
+    fn of(a: u8, b: u8) -> u8 {
+        a.min(b)
+    }
+}
+
+impl Extreme for Greatest {
+    const NEUTRAL: u8 = 0;
+    fn of(a: u8, b: u8) -> u8 {
+        a.max(b)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The definition: at each place the greatest, over squares with their middle inside that hold it, of the least
+    /// inside such a square.
+    fn by_definition(plane: &[u8], width: usize, inside: &[bool], half: usize) -> Vec<u8> {
+        let height = plane.len() / width;
+        let square = |at: usize| {
+            let (x, y) = (at % width, at / width);
+            (y.saturating_sub(half)..(y + half + 1).min(height)).flat_map(move |row| {
+                (x.saturating_sub(half)..(x + half + 1).min(width))
+                    .map(move |column| row * width + column)
+            })
+        };
+        let eroded: Vec<u8> = (0..plane.len())
+            .map(|at| {
+                square(at)
+                    .filter(|&at| inside[at])
+                    .map(|at| plane[at])
+                    .min()
+                    .unwrap_or(255)
+            })
+            .collect();
+        (0..plane.len())
+            .map(|at| {
+                square(at)
+                    .filter(|&at| inside[at])
+                    .map(|at| eroded[at])
+                    .max()
+                    .unwrap_or(0)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn doubling_is_the_definition() {
+        let (width, height) = (37, 23);
+        let plane: Vec<u8> = (0..width * height)
+            .map(|at| ((at * 7919 + at * at * 31) % 251) as u8)
+            .collect();
+        let inside: Vec<bool> = (0..width * height)
+            .map(|at| (at % width).abs_diff(18).pow(2) + (at / width).abs_diff(11).pow(2) < 180)
+            .collect();
+        for half in [0, 1, 2, 3, 6, 11, 40] {
+            let mut opening = Opening::default();
+            let opened = opening.open(&plane, width, &inside, half);
+            let expected = by_definition(&plane, width, &inside, half);
+            for at in (0..plane.len()).filter(|&at| inside[at]) {
+                assert_eq!(opened[at], expected[at], "half {half} at {at}");
+            }
+        }
+    }
+}

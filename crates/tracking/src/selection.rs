@@ -1,0 +1,121 @@
+//! Which shapes may be markers: of a marker's size and form, whole or cut off by the rim.
+
+use crate::Mask;
+use crate::binned::Binned;
+use crate::shapes::Shape;
+use crate::split::split;
+
+/// Shapes that may be markers.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Selection {
+    /// Those seen whole.
+    pub(crate) whole: Vec<Shape>,
+    /// Those cut off by the circle or the frame.
+    pub(crate) cut: Vec<Shape>,
+    /// A typical one's diameter, in squares.
+    pub(crate) diameter: f64,
+}
+
+/// The least area of a shape, squares.
+const LEAST_AREA: usize = 9;
+/// Areas of whole markers, in typical ones.
+const AREAS: [f64; 2] = [0.3, 3.0];
+/// The least area of what is left of a cut one, in typical ones.
+const LEAST_CUT: f64 = 0.1;
+/// Larger ones, in typical ones, are cut in pieces where they can be.
+const OVERSIZED: f64 = 1.6;
+/// The longest, in breadths.
+const LONGEST: f64 = 3.0;
+/// The least share of its ellipse that a marker fills.
+const LEAST_FILL: f64 = 0.7;
+
+impl Selection {
+    /// All, the whole ones first.
+    pub(crate) fn shapes(&self) -> impl Iterator<Item = &Shape> {
+        self.whole.iter().chain(&self.cut)
+    }
+}
+
+/// Chooses among the shapes of `top_hat` above `limit`.
+pub(crate) fn select(
+    shapes: Vec<Shape>,
+    top_hat: &[u8],
+    limit: u8,
+    binned: &Binned,
+    mask: &Mask,
+) -> Selection {
+    let sized = shapes
+        .into_iter()
+        .filter(|shape| shape.area() >= LEAST_AREA);
+    let (cut, whole): (Vec<Shape>, Vec<Shape>) =
+        sized.partition(|shape| is_cut(shape, binned, mask));
+    let Some(typical) = typical_area(if whole.is_empty() { &cut } else { &whole }) else {
+        return Selection::default();
+    };
+    let least = (AREAS[0] * typical) as usize;
+    let parted = whole
+        .into_iter()
+        .flat_map(|shape| {
+            if shape.area() as f64 > OVERSIZED * typical {
+                split(shape, top_hat, binned.width, limit, least)
+            } else {
+                vec![shape]
+            }
+        })
+        .filter(|shape| {
+            let form = shape.form();
+            let areas = AREAS[0] * typical..AREAS[1] * typical;
+            areas.contains(&(shape.area() as f64))
+                && form.elongation < LONGEST
+                && form.fill > LEAST_FILL
+        });
+    Selection {
+        whole: parted.collect(),
+        cut: cut
+            .into_iter()
+            .filter(|shape| {
+                (LEAST_CUT * typical..AREAS[1] * typical).contains(&(shape.area() as f64))
+            })
+            .collect(),
+        diameter: (4.0 / std::f64::consts::PI * typical).sqrt(),
+    }
+}
+
+/// The area up to which shapes that might be markers hold half of all their pixels: specks do not count for much.
+fn typical_area(shapes: &[Shape]) -> Option<f64> {
+    let mut areas: Vec<usize> = shapes
+        .iter()
+        .filter(|shape| {
+            let form = shape.form();
+            form.elongation < LONGEST && form.fill > LEAST_FILL
+        })
+        .map(Shape::area)
+        .collect();
+    areas.sort_unstable();
+    let half = areas.iter().sum::<usize>() / 2;
+    let mut sum = 0;
+    areas
+        .into_iter()
+        .find(|area| {
+            sum += area;
+            sum >= half
+        })
+        .map(|area| area as f64)
+}
+
+/// Whether a shape reaches the rim of the circle or the border of the frame.
+fn is_cut(shape: &Shape, binned: &Binned, mask: &Mask) -> bool {
+    let bin = binned.bin as f64;
+    let rim = mask.radius_px - 2.25 * bin;
+    shape.runs.iter().any(|run| {
+        let outside = |column: usize| {
+            let [x, y] = [column, run.row].map(|at| binned.middle_px(at));
+            (x - mask.centre_px[0]).hypot(y - mask.centre_px[1]) > rim
+        };
+        let border = run.first == 0
+            || run.row == 0
+            || run.last + 1 == binned.width
+            || run.row + 1 == binned.height;
+        border || outside(run.first) || outside(run.last)
+    })
+}
