@@ -1,11 +1,18 @@
-//! The spherical colour-marker sensor, forward: where its markers lie, and the flat pattern that its skin is cut from.
+//! The spherical colour-marker sensor, forward: where its markers lie, the flat pattern that its skin is cut from, and
+//! what its camera sees of displaced markers.
 
 mod error;
 mod layout;
+mod optics;
 mod pattern;
+mod spacing;
 
 pub use error::LayoutError;
 pub use layout::{Layout, MOST_MARKERS};
+pub use optics::{
+    Blemishes, Camera, Colours, DiscDepths, DiscMotion, LARGEST_FRAME, Lens, MarkerArray,
+    MarkerMotion, Optics, OpticsError, Seams, SeenMarker,
+};
 pub use pattern::{
     CuttingSheet, Discs, FEWEST_GORES, FlatPlace, FoldStrain, MOST_GORES, MOST_SAMPLES, Pattern,
     PatternError,

@@ -1,9 +1,9 @@
 //! What is cut, marked and printed: the assembled gores with their marks and discs.
 
-use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
 use super::{FlatPlace, Pattern, PatternError};
+use crate::spacing::too_close;
 use crate::{Layout, LayoutError};
 
 mod dxf;
@@ -129,33 +129,17 @@ fn inside(&[[x, y], [u, v]]: &[[f64; 2]; 2], [across, from_apex]: [f64; 2]) -> f
     (u - x) / length * (from_apex - y) - (v - y) / length * (across - x)
 }
 
-/// Whether all places are at least the diameter apart. Cells as wide as the diameter hold few that are; narrower
-/// ones than `narrowest` could not be counted.
+/// Whether all places are at least the diameter apart.
 fn apart(centres: &[[f64; 2]], diameter: f64, narrowest: f64) -> Result<(), PatternError> {
-    let width = diameter.max(narrowest);
-    let mut cells: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
-    for (second, centre) in centres.iter().enumerate() {
-        let cell = centre.map(|coordinate| (coordinate / width).floor() as i64);
-        let around = |axis: usize| [-1, 0, 1].map(|step| cell[axis] + step);
-        for column in around(0) {
-            for row in around(1) {
-                for &first in cells.get(&[column, row]).into_iter().flatten() {
-                    let [x, y] = centres[first];
-                    let distance = (x - centre[0]).hypot(y - centre[1]);
-                    if distance < diameter {
-                        return Err(PatternError::DiscsOverlap {
-                            first,
-                            second,
-                            distance,
-                            diameter,
-                        });
-                    }
-                }
-            }
-        }
-        cells.entry(cell).or_default().push(second);
+    match too_close(centres, diameter, narrowest) {
+        None => Ok(()),
+        Some(pair) => Err(PatternError::DiscsOverlap {
+            first: pair.first,
+            second: pair.second,
+            distance: pair.distance,
+            diameter,
+        }),
     }
-    Ok(())
 }
 
 impl CuttingSheet {

@@ -1,0 +1,81 @@
+//! What a camera sees: without pixels, and frames.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,
+    MarkerMotion, Optics, Seams,
+};
+use palpate_sensing::{Channel, Stream};
+
+fn published(size_px: u32, blemishes: Blemishes) -> Optics {
+    let places = Layout::published().places(20.0).unwrap();
+    let discs = Discs {
+        magenta: 2.0,
+        yellow: 2.0,
+    };
+    let depths = DiscDepths {
+        magenta: 3.0,
+        yellow: 1.0,
+    };
+    let array = MarkerArray::new(20.0, &places, discs, depths).unwrap();
+    let array = array.misaligned(0.3, 1).unwrap();
+    let camera = Camera::new(Lens::Fisheye, size_px, 70.0).unwrap();
+    Optics::new(array, camera, Colours::default(), blemishes).unwrap()
+}
+
+fn motions() -> Vec<Option<MarkerMotion>> {
+    let disc = |normal, along| DiscMotion {
+        normal,
+        tangential: [along, -0.5 * along],
+    };
+    let motion = |marker: i32| MarkerMotion {
+        magenta: disc(0.4 / f64::from(1 + marker), 0.05),
+        yellow: disc(0.6 / f64::from(1 + marker), 0.1),
+    };
+    (0..77).map(|marker| Some(motion(marker))).collect()
+}
+
+fn benches(criterion: &mut Criterion) {
+    let motions = motions();
+    let noise = Blemishes {
+        pixel_std: 2.0,
+        ..Blemishes::default()
+    };
+    let all = Blemishes {
+        light_at_rim: 0.5,
+        blur_px: 1.0,
+        seams: Some(Seams {
+            gores: 4,
+            width: 0.3,
+        }),
+        ..noise
+    };
+    let clean = Blemishes::default();
+    let optics = published(640, clean);
+    criterion.bench_function("projected, 77 markers", |bencher| {
+        bencher.iter(|| optics.projected(black_box(&motions)).unwrap());
+    });
+    for (name, size_px, blemishes) in [
+        ("rendered, 265 px", 265, clean),
+        ("rendered, 640 px", 640, clean),
+        ("rendered, 2048 px", 2048, clean),
+        ("rendered, 640 px, pixel noise", 640, noise),
+        ("rendered, 640 px, all blemishes", 640, all),
+    ] {
+        let optics = published(size_px, blemishes);
+        criterion.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                let mut stream = Stream::new(1, 0, Channel::Pixel);
+                optics
+                    .rendered(black_box(&motions), Some(&mut stream))
+                    .unwrap()
+            });
+        });
+    }
+}
+
+criterion_group!(optics, benches);
+criterion_main!(optics);

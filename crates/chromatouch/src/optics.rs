@@ -1,0 +1,94 @@
+//! What a camera in the sensor's centre sees of the markers: with and without pixels.
+
+mod array;
+mod blemishes;
+mod camera;
+mod colours;
+mod error;
+mod overlap;
+mod projected;
+mod rendered;
+mod sines;
+
+pub use array::{DiscDepths, DiscMotion, MarkerArray, MarkerMotion};
+pub use blemishes::{Blemishes, Seams};
+pub use camera::{Camera, LARGEST_FRAME, Lens};
+pub use colours::Colours;
+pub use error::OpticsError;
+
+use array::MarkerSight;
+use colours::Contrasts;
+
+/// A sensor's markers and the camera that looks at them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Optics {
+    array: MarkerArray,
+    camera: Camera,
+    colours: Colours,
+    blemishes: Blemishes,
+    contrasts: Contrasts,
+}
+
+/// A marker in the image of a sensor without blemishes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenMarker {
+    /// Centroid of the image with the weights of `size_px2`, px.
+    pub centroid_px: [f64; 2],
+    /// Mean hue in turns, from 0 (red) to below 1: the circular mean over the image with the weight of its chroma. 0
+    /// where there is none.
+    pub hue_turns: f64,
+    /// The shares of the white layer's green and of its blue light that the marker takes, summed over its image, px²:
+    /// a disc that takes all of one of them counts with its area.
+    pub size_px2: f64,
+}
+
+impl Optics {
+    /// Markers, a camera, and what light and camera do.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadSetting`] for a colour that is not a share, `light_at_rim`, `blur_px`, `gores`, `seam_width`
+    /// or `pixel_std`.
+    pub fn new(
+        array: MarkerArray,
+        camera: Camera,
+        colours: Colours,
+        blemishes: Blemishes,
+    ) -> Result<Self, OpticsError> {
+        Ok(Self {
+            array,
+            camera,
+            colours: colours.checked()?,
+            blemishes: blemishes.checked()?,
+            contrasts: colours.contrasts(),
+        })
+    }
+
+    /// The camera.
+    pub const fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The markers as they were made.
+    pub const fn array(&self) -> &MarkerArray {
+        &self.array
+    }
+
+    /// How each marker is seen from the centre after its motion; `None` for one that is not there.
+    fn sights<'a>(
+        &'a self,
+        motions: &'a [Option<MarkerMotion>],
+    ) -> Result<impl Iterator<Item = Result<Option<MarkerSight>, OpticsError>> + 'a, OpticsError>
+    {
+        if motions.len() != self.array.len() {
+            return Err(OpticsError::WrongCount {
+                motions: motions.len(),
+                markers: self.array.len(),
+            });
+        }
+        let motions = motions.iter().enumerate();
+        Ok(motions.map(|(marker, motion)| {
+            let sight = motion.map(|motion| self.array.sight(marker, &motion));
+            sight.transpose()
+        }))
+    }
+}

@@ -1,0 +1,298 @@
+//! The markers of a sensor as they were made, and what a press does to them.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Vector3;
+use palpate_sensing::{Channel, Stream};
+
+use super::OpticsError;
+use super::sines::sinc_and_cosine;
+use crate::spacing::too_close;
+use crate::{Discs, MOST_MARKERS};
+
+/// Lengths that can be multiplied a few times without leaving the range of doubles.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
+
+/// Narrowest disc, as a share of the distance from the centre that it is seen over.
+const NARROWEST: f64 = 1e-9;
+
+/// Depths of the two discs of each marker under the skin, length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiscDepths {
+    /// Of the inner one, nearer the camera; at least that of the other.
+    pub magenta: f64,
+    /// Of the outer one, at least 0.
+    pub yellow: f64,
+}
+
+/// What a press does to one disc; at rest by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DiscMotion {
+    /// Displacement toward the sensor's centre, length.
+    pub normal: f64,
+    /// Displacement along the skin: the disc's arc around the centre, length, in the axes of the apex carried along
+    /// the meridian to the marker's place.
+    pub tangential: [f64; 2],
+}
+
+/// What a press does to a marker; at rest by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MarkerMotion {
+    /// To its inner disc.
+    pub magenta: DiscMotion,
+    /// To its outer disc.
+    pub yellow: DiscMotion,
+}
+
+/// The markers of a sensor as they were made: two flat discs each, perpendicular to the radius through their centres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MarkerArray {
+    radius: f64,
+    places: Vec<[f64; 2]>,
+    magenta: Layer,
+    yellow: Layer,
+    stands: Vec<Stand>,
+}
+
+/// All discs of one colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Layer {
+    name: &'static str,
+    /// From the sensor's centre at rest, length.
+    distance: f64,
+    /// Radius of a disc over that distance.
+    half_width: f64,
+}
+
+/// Where a marker stands at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stand {
+    direction: Vector3<f64>,
+    x_axis: Vector3<f64>,
+    y_axis: Vector3<f64>,
+    /// Of the yellow disc against the magenta one along the skin, rad, in the axes.
+    misalignment: [f64; 2],
+}
+
+/// A disc as seen from the centre: all directions within an angle of its middle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sight {
+    /// Unit vector to the middle.
+    pub(super) direction: Vector3<f64>,
+    /// Sine of the angular radius, which is less than 90°.
+    pub(super) sine: f64,
+    /// Its cosine.
+    pub(super) cosine: f64,
+}
+
+/// A marker as seen from the centre.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MarkerSight {
+    pub(super) magenta: Sight,
+    pub(super) yellow: Sight,
+}
+
+impl MarkerArray {
+    /// Markers at places on the skin of a sensor, in chart coordinates as those of
+    /// [`Layout::places`](crate::Layout::places), with these discs at these depths.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadSetting`] for `radius`, `magenta_diameter`, `yellow_diameter`; [`OpticsError::BadDepth`]
+    /// unless radius > magenta ≥ yellow ≥ 0; [`OpticsError::OffTheSkin`]; [`OpticsError::TooManyMarkers`];
+    /// [`OpticsError::DiscsOverlap`] where the discs of two markers would cover each other as seen from the centre.
+    pub fn new(
+        sensor_radius: f64,
+        places: &[[f64; 2]],
+        discs: Discs,
+        depths: DiscDepths,
+    ) -> Result<Self, OpticsError> {
+        let good = LENGTHS.contains(&sensor_radius);
+        OpticsError::unless(good, "radius", sensor_radius, "between 1e-50 and 1e50")?;
+        if places.len() > MOST_MARKERS {
+            return Err(OpticsError::TooManyMarkers {
+                markers: places.len(),
+                limit: MOST_MARKERS,
+            });
+        }
+        let bad_depth = |disc, depth, expected| OpticsError::BadDepth {
+            disc,
+            depth,
+            radius: sensor_radius,
+            expected,
+        };
+        if !(depths.magenta >= 0.0 && depths.magenta < sensor_radius) {
+            let expected = "it must be at least 0 and less than the radius";
+            return Err(bad_depth("magenta", depths.magenta, expected));
+        }
+        if !(depths.yellow >= 0.0 && depths.yellow <= depths.magenta) {
+            let expected = "it must be at least 0 and at most the depth of the magenta ones";
+            return Err(bad_depth("yellow", depths.yellow, expected));
+        }
+        let layer = |name, setting, diameter, depth| {
+            let distance = sensor_radius - depth;
+            let half_width = 0.5 * diameter / distance;
+            let good = (NARROWEST..=1.0).contains(&half_width);
+            let expected = "between 1e-9 and 1 times twice the disc's distance from the centre";
+            OpticsError::unless(good, setting, diameter, expected)?;
+            Ok(Layer {
+                name,
+                distance,
+                half_width,
+            })
+        };
+        let magenta = layer("magenta", "magenta_diameter", discs.magenta, depths.magenta)?;
+        let yellow = layer("yellow", "yellow_diameter", discs.yellow, depths.yellow)?;
+        let stands = places.iter().enumerate();
+        let stands: Vec<Stand> = stands
+            .map(|(marker, place)| stand(marker, *place, sensor_radius))
+            .collect::<Result<_, _>>()?;
+        let wider = if magenta.half_width > yellow.half_width {
+            magenta
+        } else {
+            yellow
+        };
+        apart(&stands, wider)?;
+        Ok(Self {
+            radius: sensor_radius,
+            places: places.to_vec(),
+            magenta,
+            yellow,
+            stands,
+        })
+    }
+
+    /// The same markers misaligned by manufacture: the yellow disc of each is displaced along the skin against the
+    /// magenta one, which keeps its place, by a vector that is uniform over a disc whose radius is `most` times the
+    /// yellow diameter. Displacements that there were are replaced.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.
+    pub fn misaligned(mut self, most: f64, seed: u64) -> Result<Self, OpticsError> {
+        let good = (0.0..=1.0).contains(&most);
+        OpticsError::unless(good, "misalignment", most, "from 0 to 1")?;
+        let most_rad = most * 2.0 * self.yellow.half_width;
+        let mut stream = Stream::new(seed, 0, Channel::Misalignment);
+        for stand in &mut self.stands {
+            // A uniform share of the disc's area is within the square of the share of its radius.
+            let share = 0.5 * (stream.symmetric_uniform() + 1.0);
+            let (sine, cosine) = (PI * stream.symmetric_uniform()).sin_cos();
+            let size = most_rad * share.sqrt();
+            stand.misalignment = [size * cosine, size * sine];
+        }
+        Ok(self)
+    }
+
+    /// How many markers there are.
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// Chart coordinates of the markers on the skin, length.
+    pub fn places(&self) -> &[[f64; 2]] {
+        &self.places
+    }
+
+    /// Radius of the skin, length.
+    pub(super) const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// How the discs of one marker are seen after a motion.
+    pub(super) fn sight(
+        &self,
+        marker: usize,
+        motion: &MarkerMotion,
+    ) -> Result<MarkerSight, OpticsError> {
+        let stand = &self.stands[marker];
+        let seen = |layer: &Layer, motion: &DiscMotion, offset| {
+            layer
+                .sight(stand, motion, offset)
+                .map_err(|motion| OpticsError::ImpossibleMotion {
+                    marker,
+                    disc: layer.name,
+                    motion,
+                    distance: layer.distance,
+                })
+        };
+        Ok(MarkerSight {
+            magenta: seen(&self.magenta, &motion.magenta, [0.0; 2])?,
+            yellow: seen(&self.yellow, &motion.yellow, stand.misalignment)?,
+        })
+    }
+}
+
+impl Layer {
+    /// A disc of the layer, this far from its marker's place, rad. The error is the motion that cannot be.
+    #[inline]
+    fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
+        let inward = motion.normal / self.distance;
+        let [x, y] = motion.tangential.map(|along| along / self.distance);
+        // Neither holds for what is no number.
+        let (shorter, beside) = (inward.abs() < 1.0, x * x + y * y < 1.0);
+        if !shorter {
+            return Err(motion.normal);
+        }
+        if !beside {
+            return Err(motion.tangential[0].hypot(motion.tangential[1]));
+        }
+        let (x, y) = (x + offset[0], y + offset[1]);
+        // Exponential map from the marker's place.
+        let (sinc, cosine) = sinc_and_cosine(x * x + y * y);
+        let along = stand.x_axis * (x * sinc) + stand.y_axis * (y * sinc);
+        let distance = 1.0 - inward;
+        let slant = (distance * distance + self.half_width * self.half_width).sqrt();
+        Ok(Sight {
+            direction: stand.direction * cosine + along,
+            sine: self.half_width / slant,
+            cosine: distance / slant,
+        })
+    }
+}
+
+fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, OpticsError> {
+    let [x, y] = place.map(|coordinate| coordinate / sensor_radius);
+    let angle = x.hypot(y);
+    let on_the_skin = angle < PI;
+    if !on_the_skin {
+        return Err(OpticsError::OffTheSkin {
+            marker,
+            place,
+            limit: 0.5 * TAU * sensor_radius,
+        });
+    }
+    let [along_x, along_y] = if angle > 0.0 {
+        [x / angle, y / angle]
+    } else {
+        [1.0, 0.0]
+    };
+    let (sine, cosine) = angle.sin_cos();
+    let meridian = Vector3::new(along_x * cosine, along_y * cosine, -sine);
+    let across = Vector3::new(-along_y, along_x, 0.0);
+    Ok(Stand {
+        direction: Vector3::new(along_x * sine, along_y * sine, cosine),
+        x_axis: meridian * along_x - across * along_y,
+        y_axis: meridian * along_y + across * along_x,
+        misalignment: [0.0; 2],
+    })
+}
+
+/// Whether no two discs of a layer cover each other as seen from the centre.
+fn apart(stands: &[Stand], layer: Layer) -> Result<(), OpticsError> {
+    let directions: Vec<[f64; 3]> = stands.iter().map(|stand| stand.direction.into()).collect();
+    // Two caps of an angle touch where their middles' chord is twice the angle's sine.
+    let reach = 2.0 * layer.half_width / layer.half_width.hypot(1.0);
+    match too_close(&directions, reach, 1e-9) {
+        None => Ok(()),
+        Some(pair) => Err(OpticsError::DiscsOverlap {
+            first: pair.first,
+            second: pair.second,
+            distance: pair.distance * layer.distance,
+            diameter: 2.0 * layer.half_width * layer.distance,
+        }),
+    }
+}

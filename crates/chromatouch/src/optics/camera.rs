@@ -1,0 +1,204 @@
+//! The camera in the sensor's centre, looking at the apex.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use nalgebra::{UnitVector3, Vector3};
+
+use super::OpticsError;
+use super::sines::sinc_and_cosine;
+
+mod local;
+
+pub(super) use local::{Local, Region, cap};
+
+/// Most pixels that a frame may have along a side.
+pub const LARGEST_FRAME: u32 = 8192;
+
+/// How a lens maps the angle θ from its axis to the distance r from the image's centre, with the focal length f.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lens {
+    /// Equidistant: r = f θ.
+    Fisheye,
+    /// r = f tan θ.
+    Pinhole,
+}
+
+/// A camera in the sensor's centre, looking at the apex, with a square image.
+///
+/// The middle of the first pixel has the coordinates (0, 0); the first counts columns to the right, which is the
+/// sensor's x, the second rows downward, which is against the sensor's y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    pub(super) lens: Lens,
+    size_px: u32,
+    /// Polar angle of the image circle's rim.
+    pub(super) rim_rad: f64,
+    pub(super) px_per_rad: f64,
+}
+
+/// What a pixel looks at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ray {
+    /// Unit vector.
+    pub(super) direction: [f64; 3],
+    /// Angle that a pixel spans away from the axis, rad.
+    pub(super) radial_rad: f64,
+    /// Angle that it spans around the axis, rad: on the sphere, not of the azimuth.
+    pub(super) lateral_rad: f64,
+}
+
+impl Camera {
+    /// A camera with a square image of so many pixels a side. The largest circle in it is the image; what is seen at
+    /// its rim is `field_deg` from the apex.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadSetting`] for `size_px` unless it is from 1 to [`LARGEST_FRAME`], and for `field_deg` unless
+    /// it is at least 1e-6 and at most 180, or less than 90 through a pinhole.
+    pub fn new(lens: Lens, size_px: u32, field_deg: f64) -> Result<Self, OpticsError> {
+        let good = (1..=LARGEST_FRAME).contains(&size_px);
+        OpticsError::unless(good, "size_px", f64::from(size_px), "from 1 to 8192")?;
+        let (good, expected) = match lens {
+            Lens::Fisheye => (field_deg <= 180.0, "from 1e-6 to 180"),
+            Lens::Pinhole => (field_deg <= 89.9999, "from 1e-6 to 89.9999"),
+        };
+        OpticsError::unless(good && field_deg >= 1e-6, "field_deg", field_deg, expected)?;
+        let rim_rad = field_deg.to_radians();
+        let rim = match lens {
+            Lens::Fisheye => rim_rad,
+            Lens::Pinhole => rim_rad.tan(),
+        };
+        Ok(Self {
+            lens,
+            size_px,
+            rim_rad,
+            px_per_rad: 0.5 * f64::from(size_px) / rim,
+        })
+    }
+
+    /// Pixels along a side of the image.
+    pub const fn size_px(&self) -> u32 {
+        self.size_px
+    }
+
+    /// Pixels per radian at the image's centre, the focal length; everywhere along the radius for a fisheye.
+    pub const fn px_per_rad(&self) -> f64 {
+        self.px_per_rad
+    }
+
+    /// The image's centre, where the apex is seen.
+    pub fn centre_px(&self) -> [f64; 2] {
+        [0.5 * (f64::from(self.size_px) - 1.0); 2]
+    }
+
+    /// Radius of the image circle.
+    pub fn rim_px(&self) -> f64 {
+        0.5 * f64::from(self.size_px)
+    }
+
+    /// Where a direction from the sensor's centre, of any length, is seen; `None` outside the image circle.
+    pub fn image(&self, direction: &Vector3<f64>) -> Option<[f64; 2]> {
+        let across = direction.x.hypot(direction.y);
+        let polar = across.atan2(direction.z);
+        let is_direction = direction.iter().all(|component| component.is_finite())
+            && (across > 0.0 || direction.z != 0.0);
+        if !is_direction || polar > self.rim_rad {
+            return None;
+        }
+        let [column, row] = self.centre_px();
+        let radius = self.radius(polar);
+        let [x, y] = if across > 0.0 {
+            [direction.x / across, direction.y / across]
+        } else {
+            [1.0, 0.0]
+        };
+        Some([column + radius * x, row - radius * y])
+    }
+
+    /// The direction from the sensor's centre that is seen at a place in the image; `None` outside the image circle.
+    pub fn direction(&self, [column, row]: [f64; 2]) -> Option<UnitVector3<f64>> {
+        let centre = self.centre_px();
+        let (x, y) = (column - centre[0], centre[1] - row);
+        let radius = x.hypot(y);
+        let inside = radius <= self.rim_px();
+        if !inside {
+            return None;
+        }
+        let polar = match self.lens {
+            Lens::Fisheye => radius / self.px_per_rad,
+            Lens::Pinhole => (radius / self.px_per_rad).atan(),
+        };
+        let (sine, cosine) = polar.sin_cos();
+        let along = if radius > 0.0 { sine / radius } else { 0.0 };
+        Some(UnitVector3::new_normalize(Vector3::new(
+            x * along,
+            y * along,
+            cosine,
+        )))
+    }
+
+    /// Image area of a disc of this angular radius whose middle lies at this polar angle, rad; px². `None` unless it
+    /// is all in the image circle and less than 90° in radius.
+    ///
+    /// To second order in the angular radius α beyond its solid angle, which is exact: what is left out is a share of
+    /// the order of α⁴. For α = 0.05 and at most 60° from the axis it is below 1e-5, through either lens.
+    pub fn disc_area(&self, angular_radius: f64, polar: f64) -> Option<f64> {
+        let good = angular_radius > 0.0
+            && angular_radius < FRAC_PI_2
+            && polar >= 0.0
+            && polar + angular_radius <= self.rim_rad
+            && polar + angular_radius < PI;
+        if !good {
+            return None;
+        }
+        let (sine, cosine) = angular_radius.sin_cos();
+        Some(cap(&Local::new(self, polar, polar.sin_cos()), sine, cosine).area)
+    }
+
+    /// From the image's centre to what is seen at a polar angle in the field, px.
+    pub(super) fn radius(&self, polar: f64) -> f64 {
+        match self.lens {
+            Lens::Fisheye => self.px_per_rad * polar,
+            Lens::Pinhole => self.px_per_rad * polar.tan(),
+        }
+    }
+
+    /// The lens around a direction, a unit vector; at the rim, for one beyond.
+    pub(super) fn local(&self, direction: &Vector3<f64>) -> Local {
+        let polar = direction.x.hypot(direction.y).atan2(direction.z);
+        let polar = polar.min(self.rim_rad).min(PI - 1e-6);
+        Local::new(self, polar, polar.sin_cos())
+    }
+
+    /// Most pixels per radian, in any direction, at a polar angle in the field.
+    pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
+        let (sine, cosine) = polar.sin_cos();
+        match self.lens {
+            Lens::Fisheye if polar > 0.0 => self.px_per_rad * (polar / sine.max(0.0)),
+            Lens::Fisheye => self.px_per_rad,
+            Lens::Pinhole => self.px_per_rad / (cosine * cosine),
+        }
+    }
+
+    /// What is seen (x, y) from the image's centre, px, y up. Valid a little beyond the image circle.
+    #[inline]
+    pub(super) fn ray(&self, x: f64, y: f64) -> Ray {
+        let rad_per_px = 1.0 / self.px_per_rad;
+        let square = (x * x + y * y) * (rad_per_px * rad_per_px);
+        let (lateral_rad, radial_rad, cosine) = match self.lens {
+            Lens::Fisheye => {
+                let (sinc, cosine) = sinc_and_cosine(square);
+                (sinc * rad_per_px, rad_per_px, cosine)
+            }
+            Lens::Pinhole => {
+                let cosine = 1.0 / (1.0 + square).sqrt();
+                let lateral_rad = cosine * rad_per_px;
+                (lateral_rad, lateral_rad * cosine, cosine)
+            }
+        };
+        Ray {
+            direction: [x * lateral_rad, y * lateral_rad, cosine],
+            radial_rad,
+            lateral_rad,
+        }
+    }
+}

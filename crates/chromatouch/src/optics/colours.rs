@@ -1,0 +1,88 @@
+//! What light becomes on its way through the discs.
+
+use super::OpticsError;
+
+/// Colours in linear light: red, green, blue.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colours {
+    /// Light of the lit white layer, shares of full scale.
+    pub white: [f64; 3],
+    /// Share of it that a magenta disc lets through.
+    pub magenta: [f64; 3],
+    /// Share that a yellow disc lets through.
+    pub yellow: [f64; 3],
+    /// Share that a seam lets through.
+    pub seam: [f64; 3],
+    /// What surrounds the image circle, shares of full scale.
+    pub outside: [f64; 3],
+}
+
+impl Default for Colours {
+    /// As in the frame that the 2020 paper's camera took: pink, yellow, orange-red where they overlap, a white
+    /// surround.
+    fn default() -> Self {
+        Self {
+            white: [0.96, 0.96, 0.96],
+            magenta: [0.98, 0.38, 0.68],
+            yellow: [0.99, 0.90, 0.10],
+            seam: [0.90, 0.82, 0.86],
+            outside: [1.0, 1.0, 1.0],
+        }
+    }
+}
+
+/// What a pixel of a region of a marker counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Contrast {
+    /// Shares of the white layer's green and blue light that are taken, summed.
+    pub(super) taken: f64,
+    /// Chroma: red − (green + blue)/2 and √3/2 (green − blue).
+    pub(super) chroma: [f64; 2],
+}
+
+/// What the regions of a marker count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Contrasts {
+    pub(super) magenta: Contrast,
+    pub(super) yellow: Contrast,
+    pub(super) overlap: Contrast,
+}
+
+impl Colours {
+    pub(super) fn checked(self) -> Result<Self, OpticsError> {
+        let named = [
+            ("white", self.white),
+            ("magenta", self.magenta),
+            ("yellow", self.yellow),
+            ("seam", self.seam),
+            ("outside", self.outside),
+        ];
+        for (setting, colour) in named {
+            for share in colour {
+                let good = (0.0..=1.0).contains(&share);
+                OpticsError::unless(good, setting, share, "shares from 0 to 1")?;
+            }
+        }
+        Ok(self)
+    }
+
+    pub(super) fn contrasts(&self) -> Contrasts {
+        let contrast = |through: [f64; 3]| {
+            let [red, green, blue]: [f64; 3] =
+                std::array::from_fn(|channel| self.white[channel] * through[channel]);
+            Contrast {
+                taken: 2.0 - through[1] - through[2],
+                chroma: [
+                    red - 0.5 * (green + blue),
+                    0.5 * 3.0_f64.sqrt() * (green - blue),
+                ],
+            }
+        };
+        let both = std::array::from_fn(|channel| self.magenta[channel] * self.yellow[channel]);
+        Contrasts {
+            magenta: contrast(self.magenta),
+            yellow: contrast(self.yellow),
+            overlap: contrast(both),
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! What two discs share, as seen from the centre.
+//!
+//! Discs are caps of the sphere of directions. Stereographic projection from a direction keeps them circles; around
+//! what they share, areas on the sphere are those on the plane times 1 − p²/2, to second order in the distance p. What
+//! two circles share is a segment of each, with moments in closed form.
+
+use nalgebra::Vector3;
+
+use super::array::Sight;
+use super::camera::{Local, Region};
+
+/// What two discs share.
+pub(super) enum Overlap {
+    None,
+    AllOfMagenta,
+    AllOfYellow,
+    Part(Part),
+}
+
+/// What two discs share that cross each other, looked at from a direction within it.
+pub(super) struct Part {
+    /// Unit vector.
+    pub(super) direction: Vector3<f64>,
+    /// Unit tangent there, from the middle of the magenta disc to that of the yellow one.
+    pub(super) axis: Vector3<f64>,
+    moments: Moments,
+}
+
+/// Moments of an area about a point, along an axis of symmetry and across it.
+#[derive(Clone, Copy)]
+struct Moments {
+    area: f64,
+    first: f64,
+    second_along: f64,
+    second_across: f64,
+}
+
+#[inline]
+pub(super) fn overlap(magenta: &Sight, yellow: &Sight) -> Overlap {
+    let step = yellow.direction - magenta.direction;
+    let square = step.norm_squared();
+    let chord = square.sqrt();
+    let products = [
+        magenta.sine * yellow.cosine,
+        magenta.cosine * yellow.sine,
+        magenta.cosine * yellow.cosine,
+        magenta.sine * yellow.sine,
+    ];
+    let difference = chord_of(products[0] - products[1], products[2] + products[3]);
+    if chord <= difference.abs() {
+        return if difference < 0.0 {
+            Overlap::AllOfMagenta
+        } else {
+            Overlap::AllOfYellow
+        };
+    }
+    if chord >= chord_of(products[0] + products[1], products[2] - products[3]) {
+        return Overlap::None;
+    }
+    Overlap::Part(part(magenta, yellow, &step, square))
+}
+
+/// Chord of an angle in (−180°, 180°), of which sine and cosine are given: 2 sin(angle/2).
+#[inline]
+fn chord_of(sine: f64, cosine: f64) -> f64 {
+    sine * (2.0 / (1.0 + cosine)).sqrt()
+}
+
+#[inline]
+fn part(magenta: &Sight, yellow: &Sight, step: &Vector3<f64>, square: f64) -> Part {
+    let chord = square.sqrt();
+    // About half-way between the edges that bound what is shared; any direction near it would do.
+    let wider = chord_of(magenta.sine, magenta.cosine) - chord_of(yellow.sine, yellow.cosine);
+    let share = (0.5 + 0.5 * wider / chord).clamp(0.0, 1.0);
+    let rest = 1.0 - share;
+    let between = magenta.direction + step * share;
+    let scale = 1.0 / (1.0 - share * rest * square).sqrt();
+    let direction = between * scale;
+    let along = step - direction * direction.dot(step);
+    // Sine of the angle between the middles, and of its parts.
+    let sine = chord * (1.0 - 0.25 * square).max(0.0).sqrt();
+    let circle = |disc: &Sight, side: f64, away: f64| {
+        let cosine = (1.0 - 0.5 * away * square) * scale;
+        let scale_there = 2.0 / (cosine + disc.cosine);
+        let centre = side * away * sine * scale * scale_there;
+        (centre, disc.sine * scale_there)
+    };
+    Part {
+        direction,
+        axis: along / along.norm(),
+        moments: lens(circle(magenta, -1.0, share), circle(yellow, 1.0, rest)),
+    }
+}
+
+/// What two circles (centre on the axis, radius) share that cross each other; the second centre is farther along.
+#[inline]
+fn lens((first, first_radius): (f64, f64), (second, second_radius): (f64, f64)) -> Moments {
+    let distance = second - first;
+    let power = (first_radius - second_radius) / distance * (first_radius + second_radius);
+    let [to_first, to_second] = [0.5 * (distance + power), 0.5 * (distance - power)];
+    let half_square = (first_radius - to_first) * (first_radius + to_first);
+    let half = half_square.max(0.0).sqrt();
+    let one = segment(first_radius, to_first, half).about(first);
+    let other = segment(second_radius, to_second, half)
+        .mirrored()
+        .about(second);
+    Moments {
+        area: one.area + other.area,
+        first: one.first + other.first,
+        second_along: one.second_along + other.second_along,
+        second_across: one.second_across + other.second_across,
+    }
+}
+
+/// Moments about a circle's centre of its segment beyond a chord this far from the centre, with this half-length; the
+/// segment of half-angle β is farther along.
+#[inline]
+fn segment(radius: f64, to_chord: f64, half: f64) -> Moments {
+    let angle = half.atan2(to_chord);
+    let square = radius * radius;
+    // r² sin β cos β, r² sin² β.
+    let (triangle, half_square) = (half * to_chord, half * half);
+    let area = square * angle - triangle;
+    let fourth = half_square * triangle;
+    Moments {
+        area,
+        first: 2.0 / 3.0 * half * half_square,
+        second_along: 0.25 * square * area + 0.5 * fourth,
+        second_across: 0.25 * square * area - fourth / 6.0,
+    }
+}
+
+impl Moments {
+    /// With the axis turned round.
+    fn mirrored(self) -> Self {
+        Self {
+            first: -self.first,
+            ..self
+        }
+    }
+
+    /// About the origin, for moments about a point of the axis.
+    fn about(self, point: f64) -> Self {
+        Self {
+            area: self.area,
+            first: self.first + point * self.area,
+            second_along: self.second_along + point * (2.0 * self.first + point * self.area),
+            second_across: self.second_across,
+        }
+    }
+}
+
+impl Part {
+    /// Its image through a lens, of which the derivatives at the direction are given; the axis has these components
+    /// away from the lens's axis and around it.
+    #[inline]
+    pub(super) fn seen(&self, local: &Local, [outward, around]: [f64; 2]) -> Region {
+        let Moments {
+            area,
+            first,
+            second_along,
+            second_across,
+        } = self.moments;
+        let first = [first * outward, first * around];
+        let [outer, middle, inner] = [
+            second_along * outward * outward + second_across * around * around,
+            (second_along - second_across) * outward * around,
+            second_along * around * around + second_across * outward * outward,
+        ];
+        let solid = area - 0.5 * (second_along + second_across);
+        let curved = local.area_curve * outer + local.area_bend * inner;
+        let moved = 2.0 * local.area_slope * local.radial + local.area * local.radial_slope;
+        let turned = local.area_slope * local.lateral + local.area * local.lateral_slope;
+        Region {
+            area: local.area * solid + local.area_slope * first[0] + 0.5 * curved,
+            moment: [
+                local.area * local.radial * first[0]
+                    + 0.5 * (moved * outer + local.area * local.bend * inner),
+                local.area * local.lateral * first[1] + turned * middle,
+            ],
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Frames.
+
+use image::RgbImage;
+use palpate_sensing::Stream;
+
+use super::{MarkerMotion, Optics, OpticsError};
+
+mod blur;
+mod painted;
+mod row;
+mod seams;
+
+use blur::Blur;
+use painted::{PaintedMarker, painted};
+use row::{Row, Rows};
+
+impl Optics {
+    /// A frame of the markers, anti-aliased: 8 bits per channel, linear in light. Markers that have no motion are not
+    /// there. Pixel noise is drawn from `pixels`, row by row, three numbers for each pixel whose middle is in the image
+    /// circle; nothing is drawn, and there is no noise, without it or where its standard deviation is 0.
+    ///
+    /// # Errors
+    /// As [`Optics::projected`].
+    pub fn rendered(
+        &self,
+        motions: &[Option<MarkerMotion>],
+        pixels: Option<&mut Stream>,
+    ) -> Result<RgbImage, OpticsError> {
+        let mut markers = Vec::new();
+        for sight in self.sights(motions)? {
+            if let Some(sight) = sight? {
+                markers.extend(painted(&self.camera, &sight));
+            }
+        }
+        markers.sort_by_key(|marker: &PaintedMarker| marker.rows.start);
+        Ok(self.frame(&markers, pixels))
+    }
+
+    fn frame(&self, markers: &[PaintedMarker], pixels: Option<&mut Stream>) -> RgbImage {
+        let size = self.camera.size_px();
+        let mut frame = RgbImage::new(size, size);
+        let mut noise = pixels.filter(|_| self.blemishes.pixel_std > 0.0);
+        let mut rows = Rows::new(self, markers);
+        let mut blur = Blur::new(self.blemishes.blur_px, size as usize);
+        let mut row = Row::new(size as usize);
+        let bytes_per_row = 3 * size as usize;
+        for (number, bytes) in frame.chunks_exact_mut(bytes_per_row).enumerate() {
+            match &mut blur {
+                None => rows.paint(number, &mut row),
+                Some(blur) => blur.blurred(number, &mut row, |number, row| rows.paint(number, row)),
+            }
+            if let Some(stream) = noise.as_deref_mut() {
+                row.add_noise(rows.inside(number), self.blemishes.pixel_std, stream);
+            }
+            row.write(bytes);
+        }
+        frame
+    }
+}

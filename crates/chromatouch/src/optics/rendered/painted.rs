@@ -1,0 +1,195 @@
+//! A marker, ready to be painted.
+
+use std::ops::Range;
+
+use super::super::Camera;
+use super::super::array::{MarkerSight, Sight};
+use super::super::camera::Ray;
+
+/// A marker and the pixels that it may touch.
+pub(super) struct PaintedMarker {
+    pub(super) rows: Range<usize>,
+    pub(super) columns: Range<usize>,
+    magenta: PaintedDisc,
+    yellow: PaintedDisc,
+}
+
+/// A disc: all directions v with v·n > cos α.
+struct PaintedDisc {
+    direction: [f64; 3],
+    cosine: f64,
+    per_sine: f64,
+    /// v·n − cos α is beyond ± this in pixels that the edge does not cross.
+    band: f64,
+    /// Discs that are smaller than a pixel are fainter instead.
+    opacity: f64,
+}
+
+/// How much of a pixel the discs cover.
+pub(super) struct Cover {
+    pub(super) magenta: f64,
+    pub(super) yellow: f64,
+    pub(super) both: f64,
+}
+
+/// How much of a pixel a disc covers, and, where its edge crosses the pixel, which way it lies (in pixels, away from
+/// the image's centre and around it; of any length).
+struct DiscCover {
+    share: f64,
+    toward: Option<[f64; 2]>,
+}
+
+/// A marker as it is to be painted; `None` if it is outside the image circle.
+pub(super) fn painted(camera: &Camera, sight: &MarkerSight) -> Option<PaintedMarker> {
+    let boxes = [&sight.magenta, &sight.yellow].map(|disc| pixels(camera, disc));
+    let union = |axis: usize| {
+        let ranges = boxes.iter().flatten().map(|ranges| &ranges[axis]);
+        let start = ranges.clone().map(|range| range.start).min()?;
+        Some(start..ranges.map(|range| range.end).max()?)
+    };
+    Some(PaintedMarker {
+        rows: union(1)?,
+        columns: union(0)?,
+        magenta: PaintedDisc::new(camera, &sight.magenta),
+        yellow: PaintedDisc::new(camera, &sight.yellow),
+    })
+}
+
+/// Columns and rows of a box around a disc's image.
+fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
+    let direction = &disc.direction;
+    let polar = direction.x.hypot(direction.y).atan2(direction.z);
+    let radius = disc.sine.atan2(disc.cosine);
+    let rim = camera.rim_rad;
+    if polar - radius > rim * (1.0 + 1e-9) {
+        return None;
+    }
+    let size = f64::from(camera.size_px());
+    // The middle, or the point of the rim next to it, and how far the disc reaches from there, at the most that a
+    // lens magnifies. Across the rim the way along the sphere may leave the field; around it, it is longer.
+    let crosses = polar + radius > rim;
+    let reach = if crosses { 4.0 * radius } else { radius };
+    let farthest = (polar + radius).min(rim);
+    let half = reach * camera.most_px_per_rad(farthest) + 1.5;
+    let [centre, _] = camera.centre_px();
+    let from_centre = camera.radius(polar.min(rim));
+    let across = direction.x.hypot(direction.y);
+    let along = |component: f64| {
+        if across > 0.0 {
+            from_centre * (component / across)
+        } else {
+            from_centre
+        }
+    };
+    let range = |middle: f64| {
+        let clamped = |edge: f64| edge.clamp(0.0, size) as usize;
+        clamped((middle - half).ceil())..clamped((middle + half).floor() + 1.0)
+    };
+    Some([
+        range(centre + along(direction.x)),
+        range(centre - along(direction.y)),
+    ])
+}
+
+impl PaintedDisc {
+    fn new(camera: &Camera, disc: &Sight) -> Self {
+        let ray_scale = camera.px_per_rad;
+        // Radius of a circle of the same area in the image, px.
+        let radius = camera.local(&disc.direction).area.sqrt() * disc.sine;
+        Self {
+            direction: disc.direction.into(),
+            cosine: disc.cosine,
+            per_sine: 1.0 / disc.sine,
+            band: 0.5 * disc.sine / ray_scale,
+            opacity: if radius < 1.0 {
+                4.0 * radius / ((1.0 + radius) * (1.0 + radius))
+            } else {
+                1.0
+            },
+        }
+    }
+
+    /// How far inside the edge a ray is: v·n − cos α.
+    #[inline]
+    fn inside(&self, ray: &Ray) -> f64 {
+        let [x, y, z] = ray.direction;
+        self.direction[0] * x + self.direction[1] * y + (self.direction[2] * z - self.cosine)
+    }
+
+    /// How much of a pixel is covered, seen (x, y) from the image's centre. v·n grows with the solid angle inside, so
+    /// that a share that is linear in it around the edge, by one pixel across it, sums to the disc's area.
+    #[inline]
+    fn cover(&self, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
+        if inside.abs() >= self.band {
+            return DiscCover {
+                share: if inside > 0.0 { self.opacity } else { 0.0 },
+                toward: None,
+            };
+        }
+        let [n_x, n_y, n_z] = self.direction;
+        let [_, _, cosine] = ray.direction;
+        let sine = (x * x + y * y).sqrt() * ray.lateral_rad;
+        let (outward, around) = if sine > 0.0 {
+            let per_radius = ray.lateral_rad / sine;
+            (
+                (n_x * x + n_y * y) * per_radius * cosine - n_z * sine,
+                (n_y * x - n_x * y) * per_radius,
+            )
+        } else {
+            (n_x, n_y)
+        };
+        let toward = [outward * ray.radial_rad, around * ray.lateral_rad];
+        let length = outward.hypot(around);
+        let rad_per_px = if length > 0.0 {
+            toward[0].hypot(toward[1]) / length
+        } else {
+            ray.radial_rad
+        };
+        let share = (0.5 + inside * self.per_sine / rad_per_px).clamp(0.0, 1.0);
+        DiscCover {
+            share: share * self.opacity,
+            toward: Some(toward).filter(|_| share > 0.0 && share < 1.0),
+        }
+    }
+}
+
+impl PaintedMarker {
+    /// How the discs cover the pixel that is seen (x, y) from the image's centre; `None` if they do not.
+    #[inline]
+    pub(super) fn cover(&self, camera: &Camera, place: [f64; 2]) -> Option<Cover> {
+        let ray = camera.ray(place[0], place[1]);
+        let [magenta, yellow] = [&self.magenta, &self.yellow].map(|disc| disc.inside(&ray));
+        if magenta <= -self.magenta.band && yellow <= -self.yellow.band {
+            return None;
+        }
+        let magenta = self.magenta.cover(&ray, magenta, place);
+        let yellow = self.yellow.cover(&ray, yellow, place);
+        Some(Cover {
+            magenta: magenta.share,
+            yellow: yellow.share,
+            both: shared(&magenta, &yellow),
+        })
+    }
+}
+
+/// How much of a pixel two discs cover together. Where both edges cross it: the lesser of the two where the discs lie
+/// the same way, what does not fit side by side where they lie opposite ways, and their product at right angles.
+#[inline]
+fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
+    let product = one.share * other.share;
+    let (Some(toward), Some(other_toward)) = (one.toward, other.toward) else {
+        return product;
+    };
+    let dot = toward[0] * other_toward[0] + toward[1] * other_toward[1];
+    let lengths = toward[0].hypot(toward[1]) * other_toward[0].hypot(other_toward[1]);
+    if lengths <= 0.0 {
+        return product;
+    }
+    let alike = dot / lengths;
+    let extreme = if alike > 0.0 {
+        one.share.min(other.share)
+    } else {
+        (one.share + other.share - 1.0).max(0.0)
+    };
+    product + alike.abs() * (extreme - product)
+}

@@ -1,0 +1,253 @@
+//! One row of a frame in linear light.
+
+use std::ops::Range;
+
+use palpate_sensing::Stream;
+
+use super::super::{Camera, Lens, Optics};
+use super::painted::{Cover, PaintedMarker};
+use super::seams::SeamLines;
+
+/// Levels of red, green and blue of each pixel, from 0 to 255, not yet rounded.
+#[derive(Clone)]
+pub(super) struct Row {
+    levels: Vec<f32>,
+}
+
+impl Row {
+    pub(super) fn new(size: usize) -> Self {
+        Self {
+            levels: vec![0.0; 3 * size],
+        }
+    }
+
+    fn fill(&mut self, colour: [f32; 3]) {
+        for pixel in self.levels.chunks_exact_mut(3) {
+            pixel.copy_from_slice(&colour);
+        }
+    }
+
+    /// The pixel of a column.
+    fn pixel(&mut self, column: usize) -> &mut [f32] {
+        &mut self.levels[3 * column..3 * column + 3]
+    }
+
+    /// Lets shares of the light through.
+    fn filter(&mut self, column: usize, shares: [f32; 3]) {
+        for (level, share) in self.pixel(column).iter_mut().zip(shares) {
+            *level *= share;
+        }
+    }
+
+    /// Sets it to another, times a weight.
+    pub(super) fn set(&mut self, other: &Self, weight: f32) {
+        for (level, other) in self.levels.iter_mut().zip(&other.levels) {
+            *level = weight * other;
+        }
+    }
+
+    /// Adds another, times a weight.
+    pub(super) fn add(&mut self, other: &Self, weight: f32) {
+        for (level, other) in self.levels.iter_mut().zip(&other.levels) {
+            *level += weight * other;
+        }
+    }
+
+    /// Blurs it along itself with weights from the middle outward, into another row.
+    pub(super) fn blur_into(&self, weights: &[f32], blurred: &mut Self) {
+        blurred.set(self, weights[0]);
+        let last = self.levels.len() / 3 - 1;
+        for (step, &weight) in weights.iter().enumerate().skip(1) {
+            let (ahead, behind) = (self.levels.iter().skip(3 * step), &self.levels);
+            for (level, other) in blurred.levels.iter_mut().zip(ahead) {
+                *level += weight * other;
+            }
+            for (level, other) in blurred.levels.iter_mut().skip(3 * step).zip(behind) {
+                *level += weight * other;
+            }
+            // Beyond the ends.
+            for column in 0..step.min(last + 1) {
+                for channel in 0..3 {
+                    blurred.levels[3 * column + channel] += weight * self.levels[channel];
+                    blurred.levels[3 * (last - column) + channel] +=
+                        weight * self.levels[3 * last + channel];
+                }
+            }
+        }
+    }
+
+    /// Adds a Gaussian error of this standard deviation to the pixels of some columns.
+    pub(super) fn add_noise(&mut self, columns: Range<usize>, std: f64, stream: &mut Stream) {
+        for level in &mut self.levels[3 * columns.start..3 * columns.end] {
+            *level += (std * stream.standard_normal()) as f32;
+        }
+    }
+
+    /// Rounds to whole levels.
+    pub(super) fn write(&self, bytes: &mut [u8]) {
+        for (byte, level) in bytes.iter_mut().zip(&self.levels) {
+            *byte = (level + 0.5).clamp(0.0, 255.0) as u8;
+        }
+    }
+}
+
+/// Paints the rows of a frame, from the first to the last.
+pub(super) struct Rows<'a> {
+    camera: &'a Camera,
+    /// In the order of their first rows.
+    markers: &'a [PaintedMarker],
+    /// Those that began and have not ended.
+    active: Vec<usize>,
+    /// How many began.
+    begun: usize,
+    ground: [f32; 3],
+    outside: [f32; 3],
+    /// Shares that a cover of 1 takes: of magenta, yellow and what both share beyond the two.
+    taken: [[f64; 3]; 3],
+    light_at_rim: f64,
+    seams: Option<SeamLines>,
+}
+
+impl<'a> Rows<'a> {
+    pub(super) fn new(optics: &'a Optics, markers: &'a [PaintedMarker]) -> Self {
+        let levels = |colour: [f64; 3]| colour.map(|share| (255.0 * share) as f32);
+        let (magenta, yellow) = (optics.colours.magenta, optics.colours.yellow);
+        Self {
+            camera: &optics.camera,
+            markers,
+            active: Vec::new(),
+            begun: 0,
+            ground: levels(optics.colours.white),
+            outside: levels(optics.colours.outside),
+            taken: [
+                magenta.map(|share| 1.0 - share),
+                yellow.map(|share| 1.0 - share),
+                std::array::from_fn(|channel| (1.0 - magenta[channel]) * (1.0 - yellow[channel])),
+            ],
+            light_at_rim: optics.blemishes.light_at_rim,
+            seams: SeamLines::new(optics),
+        }
+    }
+
+    /// Half the chord of a circle around the image's centre along a row, px; negative if the circle does not reach it.
+    fn half_chord(&self, radius: f64, number: usize) -> f64 {
+        let y = self.camera.centre_px()[1] - number as f64;
+        let square = radius * radius - y * y;
+        if square < 0.0 || radius < 0.0 {
+            return -1.0;
+        }
+        square.sqrt()
+    }
+
+    /// Columns at most this far from the middle of a row.
+    fn columns(&self, half: f64) -> Range<usize> {
+        if half < 0.0 {
+            return 0..0;
+        }
+        let size = self.camera.size_px() as usize;
+        let [middle, _] = self.camera.centre_px();
+        let first = (middle - half).ceil().max(0.0) as usize;
+        first..((middle + half).floor() as usize + 1).min(size).max(first)
+    }
+
+    /// Columns of the pixels whose middles are in the image circle.
+    pub(super) fn inside(&self, number: usize) -> Range<usize> {
+        self.columns(self.half_chord(self.camera.rim_px(), number))
+    }
+
+    /// Paints a row.
+    pub(super) fn paint(&mut self, number: usize, row: &mut Row) {
+        let rim = self.camera.rim_px();
+        let touched = self.columns(self.half_chord(rim + 0.5, number));
+        row.fill(self.ground);
+        self.paint_markers(number, &touched, row);
+        let y = self.camera.centre_px()[1] - number as f64;
+        if let Some(seams) = &mut self.seams {
+            seams.paint(self.camera, y, &touched, |column, shares| {
+                row.filter(column, shares);
+            });
+        }
+        if self.light_at_rim < 1.0 {
+            self.light(y, &touched, row);
+        }
+        self.cut(number, &touched, row);
+    }
+
+    fn paint_markers(&mut self, number: usize, touched: &Range<usize>, row: &mut Row) {
+        let markers = self.markers;
+        self.active
+            .retain(|&marker| markers[marker].rows.end > number);
+        while let Some(marker) = markers.get(self.begun) {
+            if marker.rows.start > number {
+                break;
+            }
+            if marker.rows.end > number {
+                self.active.push(self.begun);
+            }
+            self.begun += 1;
+        }
+        let [middle_column, middle_row] = self.camera.centre_px();
+        let y = middle_row - number as f64;
+        for &marker in &self.active {
+            let marker = &markers[marker];
+            let first = marker.columns.start.max(touched.start);
+            for column in first..marker.columns.end.min(touched.end) {
+                let x = column as f64 - middle_column;
+                if let Some(cover) = marker.cover(self.camera, [x, y]) {
+                    row.filter(column, self.through(&cover));
+                }
+            }
+        }
+    }
+
+    /// Shares of light that a partly covered pixel lets through.
+    #[inline]
+    fn through(&self, cover: &Cover) -> [f32; 3] {
+        let [magenta, yellow, both] = &self.taken;
+        std::array::from_fn(|channel| {
+            let taken = cover.magenta * magenta[channel] + cover.yellow * yellow[channel]
+                - cover.both * both[channel];
+            (1.0 - taken) as f32
+        })
+    }
+
+    fn light(&self, y: f64, touched: &Range<usize>, row: &mut Row) {
+        let [middle, _] = self.camera.centre_px();
+        let fall = (1.0 - self.light_at_rim) / (self.camera.rim_rad * self.camera.rim_rad);
+        let per_square = 1.0 / (self.camera.px_per_rad * self.camera.px_per_rad);
+        for column in touched.clone() {
+            let x = column as f64 - middle;
+            let square = (x * x + y * y) * per_square;
+            let polar_square = match self.camera.lens {
+                Lens::Fisheye => square,
+                Lens::Pinhole => square.sqrt().atan().powi(2),
+            };
+            let light = (1.0 - fall * polar_square).max(0.0) as f32;
+            row.filter(column, [light; 3]);
+        }
+    }
+
+    /// Cuts the image circle out of what surrounds it.
+    fn cut(&self, number: usize, touched: &Range<usize>, row: &mut Row) {
+        let rim = self.camera.rim_px();
+        let [middle, _] = self.camera.centre_px();
+        let y = middle - number as f64;
+        let whole = self.columns(self.half_chord(rim - 0.5, number));
+        let whole = if whole.is_empty() {
+            touched.end..touched.end
+        } else {
+            whole
+        };
+        let outside = self.outside;
+        for column in (0..touched.start).chain(touched.end..self.camera.size_px() as usize) {
+            row.pixel(column).copy_from_slice(&outside);
+        }
+        for column in (touched.start..whole.start).chain(whole.end..touched.end) {
+            let x = column as f64 - middle;
+            let share = (0.5 + rim - x.hypot(y)).clamp(0.0, 1.0) as f32;
+            for (level, outside) in row.pixel(column).iter_mut().zip(outside) {
+                *level = outside + share * (*level - outside);
+            }
+        }
+    }
+}
