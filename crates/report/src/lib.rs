@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | a folder | [`Study`] | [`Study::load`] |
 //! | its `[[plot]]` tables | `NAME.svg` and `NAME.png` beside the tables | [`plot`] |
+//! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile`, each SVG and PNG | [`draw_press_trace`] |
 //! | its `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`write_claims`] |
 //! | several studies | one HTML page, one text for the terminal | [`write_page`], [`scorecard_text`] |
 
@@ -27,7 +28,7 @@ mod words;
 pub use claims::{Score, Verdict, score, write_claims};
 pub use error::ReportError;
 pub use page::{page, write_page};
-pub use plot::plot;
+pub use plot::{draw_press_trace, plot};
 pub use scorecard::scorecard_text;
 pub use study::{Failure, Study};
 pub use table::{Axis, Table};

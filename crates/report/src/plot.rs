@@ -13,6 +13,7 @@ mod layout;
 mod lettering;
 mod picture;
 mod points;
+mod press_trace;
 mod profile;
 mod scale;
 mod select;
@@ -21,7 +22,9 @@ mod style;
 
 use crate::{ReportError, Study, file};
 use picture::Picture;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+pub use press_trace::draw_press_trace;
 
 /// Draws every `[[plot]]` of the study, as SVG and PNG beside its tables, and returns the files written, in
 /// the order of the config. A plot of kind `class-map` or `profile` is of `map.csv`, one of kind `contacts` of `trace.csv` and
@@ -34,13 +37,17 @@ use std::path::PathBuf;
 pub fn plot(study: &Study) -> Result<Vec<PathBuf>, ReportError> {
     let mut written = Vec::new();
     for picture in pictures(study)? {
-        let svg = study.dir().join(format!("{}.svg", picture.name()));
-        file::write(&svg, canvas::svg(&picture, &svg)?.as_bytes())?;
-        let png = study.dir().join(format!("{}.png", picture.name()));
-        file::replace(&png, |temporary| canvas::png(&picture, temporary))?;
-        written.extend([svg, png]);
+        written.extend(write(&picture, study.dir())?);
     }
     Ok(written)
+}
+
+/// Writes a picture to `dir` as SVG and PNG.
+fn write(picture: &Picture, dir: &Path) -> Result<[PathBuf; 2], ReportError> {
+    let [svg, png] = ["svg", "png"].map(|kind| dir.join(format!("{}.{kind}", picture.name())));
+    file::write(&svg, canvas::svg(picture, &svg)?.as_bytes())?;
+    file::replace(&png, |temporary| canvas::png(picture, temporary))?;
+    Ok([svg, png])
 }
 
 /// The study's plots as (title, SVG text), in the order of the config.

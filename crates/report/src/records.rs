@@ -48,6 +48,17 @@ pub(crate) struct Columns {
 impl Columns {
     /// The columns `names` of the file at `path`, in the order of `names`; it has at least one row.
     pub(crate) fn read(path: &Path, names: &[&str]) -> Result<Self, ReportError> {
+        let columns = Self::read_any(path, names)?;
+        if columns.rows.is_empty() {
+            return Err(ReportError::EmptyTable {
+                path: path.to_owned(),
+            });
+        }
+        Ok(columns)
+    }
+
+    /// The same of a file that may have no rows.
+    pub(crate) fn read_any(path: &Path, names: &[&str]) -> Result<Self, ReportError> {
         let text = file::read(path)?;
         let (header, mut reader) = open(path, &text)?;
         let place = |name: &&str| {
@@ -64,11 +75,6 @@ impl Columns {
             let cells = places.iter().map(|at| record.get(*at).unwrap_or_default());
             rows.push(cells.map(|cell| cell.trim().to_owned()).collect());
         }
-        if rows.is_empty() {
-            return Err(ReportError::EmptyTable {
-                path: path.to_owned(),
-            });
-        }
         Ok(Self {
             path: path.to_owned(),
             headers: places.into_iter().map(|at| header[at].clone()).collect(),
@@ -77,9 +83,16 @@ impl Columns {
         })
     }
 
-    /// Number of rows, at least 1.
+    /// Number of rows.
     pub(crate) fn rows(&self) -> usize {
         self.rows.len()
+    }
+
+    /// The error that the `column`-th of the columns asked for is not in `unit`.
+    pub(crate) fn in_another_unit(&self, column: usize, unit: &str) -> ReportError {
+        let name = words::split_unit(&self.headers[column]).0;
+        let wanted = [name, unit].join(if unit.is_empty() { "" } else { "_" });
+        missing(&self.path, &wanted, self.headers.clone())
     }
 
     /// The unit of the `column`-th of the columns asked for, as in its header; may be empty.

@@ -186,7 +186,7 @@ impl<B: DrawingBackend> Canvas<B> {
         }
     }
 
-    /// The outline of such a marker, white within.
+    /// The outline of such a marker, white within unless it is never open.
     pub(crate) fn open_marker(
         &self,
         marker: Marker,
@@ -195,7 +195,10 @@ impl<B: DrawingBackend> Canvas<B> {
         colour: RGBColor,
     ) -> Drawn {
         self.marker(marker, place, size, colour)?;
-        self.shape(marker, place, 0.55 * size, 0.0, WHITE)
+        match marker {
+            Marker::Dot | Marker::Dash => Ok(()),
+            _ => self.shape(marker, place, 0.55 * size, 0.0, WHITE),
+        }
     }
 
     /// The shape of a marker of about `size + grow` pixels in radius, whose bars are those of `size`, as much wider.
@@ -233,6 +236,15 @@ impl<B: DrawingBackend> Canvas<B> {
         };
         match marker {
             Marker::Circle | Marker::Ring => self.disc((x, y), r, colour),
+            Marker::Dot => self.disc((x, y), 0.55 * size + grow, colour),
+            Marker::Dash => {
+                let (wide, high) = (1.9 * size, 0.25 * size + grow);
+                let (left, right, top, bottom) = (x - wide, x + wide, y - high, y + high);
+                self.polygon(
+                    &[(left, top), (right, top), (right, bottom), (left, bottom)],
+                    colour,
+                )
+            }
             Marker::Square => corners(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
             Marker::Up => corners(&[(-1.1, 0.85), (1.1, 0.85), (0.0, -1.15)]),
             Marker::Down => corners(&[(-1.1, -0.85), (1.1, -0.85), (0.0, 1.15)]),

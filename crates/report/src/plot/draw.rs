@@ -19,14 +19,13 @@ const OPEN_MARKER: f64 = 7.0;
 /// Lines of more points than this get small markers.
 const MANY_POINTS: usize = 25;
 
-/// Draws the figure.
+/// Draws the figure on a white ground.
 pub(crate) fn draw<B: DrawingBackend>(
     figure: &Figure,
     layout: &Layout,
     canvas: &Canvas<B>,
 ) -> Drawn {
-    canvas.fill(WHITE)?;
-    let y = paragraph(canvas, &layout.title, EDGE, TITLE, INK)?;
+    let y = paragraph(canvas, &layout.title, layout.top, TITLE, INK)?;
     paragraph(canvas, &layout.subtitle, y, TEXT, QUIET)?;
     paragraph(canvas, &layout.notes, layout.notes_at, TEXT, QUIET)?;
     canvas.text(&figure.y_label, layout.y_label_at, TEXT, Anchor::Left, INK)?;

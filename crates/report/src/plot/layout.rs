@@ -31,8 +31,10 @@ const PER_ROW: usize = 4;
 
 /// Sizes and places of a figure's parts. Places of text are the middle of its height.
 pub(crate) struct Layout {
-    /// Width and height of the picture.
+    /// Width of the picture, and how far down it reaches.
     pub(crate) size: (f64, f64),
+    /// Top of the title.
+    pub(crate) top: f64,
     pub(crate) title: Vec<String>,
     pub(crate) subtitle: Vec<String>,
     pub(crate) notes: Vec<String>,
@@ -90,20 +92,45 @@ impl Entry {
 impl Layout {
     /// Finds room for everything.
     pub(crate) fn of(figure: &Figure) -> Self {
-        let y_ticks = figure.y.ticks(6);
-        let left =
-            EDGE + largest(y_ticks.iter().map(|tick| width(&tick.label, TEXT))) + TICK_GAP + 2.0;
-        let legend = legend(figure);
-        let legend_width = largest(
-            legend
-                .iter()
-                .map(|entry| entry.indent() + width(&entry.text, TEXT)),
-        );
-        let right = if legend.is_empty() {
-            EDGE + 10.0
-        } else {
-            GAP + legend_width + EDGE
+        Self::within(figure, margins(figure))
+    }
+
+    /// Figures below each other, their panels one above the other.
+    pub(crate) fn stack(figures: Vec<Figure>) -> Vec<(Figure, Self)> {
+        let wider = |(left, right): (f64, f64), figure: &Figure| {
+            let margins = margins(figure);
+            (margins.0.max(left), margins.1.max(right))
         };
+        let margins = figures.iter().fold((0.0, 0.0), wider);
+        let mut top = 0.0;
+        let place = |figure: Figure| {
+            let layout = Self::within(&figure, margins).moved_down(top);
+            top = layout.size.1 - EDGE;
+            (figure, layout)
+        };
+        figures.into_iter().map(place).collect()
+    }
+
+    /// The same below another picture of height `by`.
+    fn moved_down(mut self, by: f64) -> Self {
+        let places = [
+            &mut self.legend_at,
+            &mut self.x_label_at,
+            &mut self.y_label_at,
+        ];
+        for place in places.into_iter().chain(&mut self.panels) {
+            place.1 += by;
+        }
+        self.top += by;
+        self.notes_at += by;
+        self.size.1 += by;
+        self
+    }
+
+    /// Finds room for everything beside margins of these widths, left and right.
+    fn within(figure: &Figure, (left, right): (f64, f64)) -> Self {
+        let y_ticks = figure.y.ticks(6);
+        let legend = legend(figure);
         let count = figure.panels.len();
         let named = named_width(figure);
         let columns = columns(count, left + right, named);
@@ -144,12 +171,14 @@ impl Layout {
         let legend_bottom = legend_at.1 + legend.len() as f64 * line;
         y += rows as f64 * row_height;
         let x_label_at = (left + (total - right - left) / 2.0, y + TEXT / 2.0 - 2.0);
-        y = (y + line).max(legend_bottom);
+        let x_label = if figure.x_label.is_empty() { 0.0 } else { line };
+        y = (y + x_label).max(legend_bottom);
         let notes_at = y + 10.0;
         if !notes.is_empty() {
             y = notes_at + notes.len() as f64 * line;
         }
         Self {
+            top: EDGE,
             size: (total.ceil(), (y + EDGE - 6.0).ceil()),
             title,
             subtitle,
@@ -170,6 +199,20 @@ impl Layout {
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, f64::max)
+}
+
+/// Room to the left and right of the panels.
+fn margins(figure: &Figure) -> (f64, f64) {
+    let ticks = figure.y.ticks(6);
+    let left = EDGE + largest(ticks.iter().map(|tick| width(&tick.label, TEXT))) + TICK_GAP + 2.0;
+    let entries = legend(figure);
+    let width_of = |entry: &Entry| entry.indent() + width(&entry.text, TEXT);
+    let right = if entries.is_empty() {
+        EDGE + 10.0
+    } else {
+        GAP + largest(entries.iter().map(width_of)) + EDGE
+    };
+    (left, right)
 }
 
 /// Panels in a row: as many as make rows of nearly the same length, and of names along x as leave room for them.

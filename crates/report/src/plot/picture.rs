@@ -3,6 +3,7 @@
 use super::canvas::{Canvas, Drawn};
 use super::figure::Figure;
 use super::layout::Layout;
+use super::press_trace::Quiver;
 use super::spec::Plot;
 use super::{class_map, compose, contacts, draw, profile};
 use crate::{ReportError, Study};
@@ -11,8 +12,11 @@ use plotters::prelude::DrawingBackend;
 /// A picture with the place of everything in it.
 pub(crate) enum Picture {
     Lines(Box<(Figure, Layout)>),
+    /// Figures below each other, at least one.
+    Stack(Vec<(Figure, Layout)>),
     ClassMap(class_map::Layout),
     Contacts(contacts::Layout),
+    Quiver(Box<Quiver>),
 }
 
 impl Picture {
@@ -35,16 +39,20 @@ impl Picture {
     pub(crate) fn name(&self) -> &str {
         match self {
             Self::Lines(lines) => &lines.0.name,
+            Self::Stack(figures) => figures.first().map_or("", |first| &first.0.name),
             Self::ClassMap(map) => &map.name,
             Self::Contacts(contacts) => &contacts.name,
+            Self::Quiver(_) => "quiver",
         }
     }
 
     pub(crate) fn title(&self) -> &str {
         match self {
             Self::Lines(lines) => &lines.0.title,
+            Self::Stack(figures) => figures.first().map_or("", |first| &first.0.title),
             Self::ClassMap(map) => &map.title_text,
             Self::Contacts(contacts) => &contacts.title_text,
+            Self::Quiver(quiver) => &quiver.title,
         }
     }
 
@@ -52,16 +60,27 @@ impl Picture {
     pub(crate) fn size(&self) -> (f64, f64) {
         match self {
             Self::Lines(lines) => lines.1.size,
+            Self::Stack(figures) => figures.last().map_or((1.0, 1.0), |last| last.1.size),
             Self::ClassMap(map) => map.size,
             Self::Contacts(contacts) => contacts.size,
+            Self::Quiver(quiver) => quiver.size,
         }
     }
 
     pub(crate) fn draw<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Drawn {
         match self {
-            Self::Lines(lines) => draw::draw(&lines.0, &lines.1, canvas),
+            Self::Lines(lines) => {
+                canvas.fill(draw::WHITE)?;
+                draw::draw(&lines.0, &lines.1, canvas)
+            }
+            Self::Stack(figures) => {
+                canvas.fill(draw::WHITE)?;
+                let mut all = figures.iter();
+                all.try_for_each(|(figure, layout)| draw::draw(figure, layout, canvas))
+            }
             Self::ClassMap(map) => class_map::draw(map, canvas),
             Self::Contacts(picture) => contacts::draw(picture, canvas),
+            Self::Quiver(quiver) => quiver.draw(canvas),
         }
     }
 }

@@ -240,7 +240,7 @@ fn power(exponent: i32) -> f64 {
 }
 
 /// The 1, 2 or 5 times a power of ten that is nearest to `width` in ratio.
-fn round_step(width: f64) -> f64 {
+pub(crate) fn round_step(width: f64) -> f64 {
     let ten = 10f64.powf(width.log10().floor());
     let ratio = width / ten;
     let factor = [(1.0, 1.41), (2.0, 3.16), (5.0, 7.07)]

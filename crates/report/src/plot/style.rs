@@ -27,6 +27,10 @@ pub(crate) enum Marker {
     Ring,
     Plus,
     Cross,
+    /// Small and never open: of points so dense that others would hide each other.
+    Dot,
+    /// Level and never open: seen on both sides of a dot.
+    Dash,
 }
 
 const MARKERS: [Marker; 8] = [

@@ -12,6 +12,7 @@ mod page;
 mod patch_claims;
 mod plots;
 mod press_claims;
+mod press_traces;
 mod presses;
 mod profiles;
 mod sensor_claims;
