@@ -45,11 +45,6 @@ impl Binned {
         }
     }
 
-    /// The coordinate, in pixels of the frame, of the middle of square `index` along a row or a column.
-    pub(crate) fn middle_px(&self, index: usize) -> f64 {
-        (index * self.bin) as f64 + (self.bin - 1) as f64 / 2.0
-    }
-
     /// Pixels in a square.
     pub(crate) fn pixels(&self) -> usize {
         self.bin * self.bin

@@ -6,6 +6,7 @@ use crate::binned::{Binned, LARGEST_BIN};
 use crate::lighting::Lighting;
 use crate::measure::Scene;
 use crate::opening::Opening;
+use crate::rim::Rim;
 use crate::selection::{self, Selection};
 use crate::shapes::{Shape, shapes};
 use crate::sight::{self, HueWindow};
@@ -60,6 +61,8 @@ const LEAST_DIAMETER_PX: f64 = 3.0;
 const FINE: f64 = 256.0;
 /// Squares across a marker that suffice to find it.
 const FINE_MARKER: f64 = 6.0;
+/// Share of the circle's radius, at its outside, in which the rim may lie.
+const OUTERMOST: f64 = 0.08;
 /// Shapes that are looked at.
 const MOST_SHAPES: usize = 16_384;
 /// How far markers set themselves off from the ground at least, in standard deviations of the ground's own top-hat.
@@ -75,6 +78,7 @@ pub struct Finder {
     settings: FinderSettings,
     binned: Binned,
     inside: Vec<bool>,
+    middles: Vec<bool>,
     plane: Vec<u8>,
     top_hat: Vec<u8>,
     is_ground: Vec<bool>,
@@ -125,10 +129,18 @@ impl Finder {
         let circle = given.map_or(f64::from(width.min(height)), |mask| 2.0 * mask.radius_px);
         self.binned
             .read(frame, self.bin(circle.min(f64::from(width.max(height)))));
+        let rim = if given.is_none() {
+            Rim::find(&self.binned)
+        } else {
+            None
+        };
+        let seen = rim
+            .as_ref()
+            .and_then(|rim| Some((Mask::of(rim, &self.binned)?, rim)));
         let mask = given
-            .or_else(|| Mask::find(&self.binned))
+            .or(seen.map(|(mask, _)| mask))
             .unwrap_or_else(|| Mask::whole(width, height));
-        self.set_inside(&mask);
+        self.set_inside(&mask, seen.map(|(_, rim)| rim));
         let ground = self.settings.ground.unwrap_or_else(|| self.told_ground());
         self.set_plane(ground);
         self.set_top_hat(&mask, frame);
@@ -137,8 +149,13 @@ impl Finder {
         };
         let shapes = self.shapes(classes.limit)?;
         let count = shapes.len();
-        let selection =
-            selection::select(shapes, &self.top_hat, classes.limit, &self.binned, &mask);
+        let selection = selection::select(
+            shapes,
+            &self.top_hat,
+            classes.limit,
+            self.binned.width,
+            &self.inside,
+        );
         let found = self.look(frame, mask, ground, classes.limit, &selection);
         if found.markers.is_empty() && found.cut.is_empty() {
             return Err(TrackingError::NoMarkers { shapes: count });
@@ -166,19 +183,20 @@ impl Finder {
         half.clamp(2, self.binned.width.max(self.binned.height))
     }
 
-    fn set_inside(&mut self, mask: &Mask) {
-        let bin = self.binned.bin as f64;
-        self.inside.clear();
-        self.inside
-            .resize(self.binned.width * self.binned.height, false);
-        // In squares: the circle, less a square's half diagonal.
-        let coarse = Mask {
-            centre_px: mask.centre_px.map(|at| (at - 0.5 * (bin - 1.0)) / bin),
-            radius_px: mask.radius_px / bin,
+    /// What shows the sensor: what lies within the rim near the circle, or else the circle.
+    fn set_inside(&mut self, mask: &Mask, rim: Option<&Rim>) {
+        let circle = mask.coarse(self.binned.bin);
+        let band = OUTERMOST * circle.radius_px;
+        let size = [self.binned.width, self.binned.height];
+        let Some(rim) = rim else {
+            return circle.fill(0.75, size, &mut self.inside);
         };
-        for (row, line) in self.inside.chunks_exact_mut(self.binned.width).enumerate() {
-            let (first, end) = coarse.columns(row as f64, 0.75, line.len());
-            line[first..end].fill(true);
+        circle.fill(-band, size, &mut self.inside);
+        for (row, line) in self.inside.chunks_exact_mut(size[0]).enumerate() {
+            let (left, right) = circle.columns(row as f64, band, size[0]);
+            for (column, inside) in line.iter_mut().enumerate() {
+                *inside &= (left..right).contains(&column) || !rim.excludes(column, row);
+            }
         }
     }
 
@@ -190,12 +208,14 @@ impl Finder {
             .sums
             .iter()
             .zip(&self.inside)
+            .step_by(3)
             .filter(|(_, inside)| **inside)
         {
             let [red, green, blue] = colour.map(|sum| share(sum));
             dark[usize::from(green.min(blue))] += 1;
             bright[usize::from(red.max(green).max(blue))] += 1;
         }
+        // Every third square tells as much as all.
         let below = quantile(&dark, 0.5) - quantile(&dark, 0.002);
         let above = quantile(&bright, 0.998) - quantile(&bright, 0.5);
         if below >= above {
@@ -229,9 +249,12 @@ impl Finder {
     fn set_top_hat(&mut self, mask: &Mask, frame: &RgbImage) {
         let half = self.half(mask, frame);
         let bright = self.is_ground.first() == Some(&true);
+        let size = [self.binned.width, self.binned.height];
+        mask.coarse(self.binned.bin)
+            .fill(-0.5 * half as f64, size, &mut self.middles);
         let opened = self
             .opening
-            .open(&self.plane, self.binned.width, &self.inside, half);
+            .open(&self.plane, size[0], &self.inside, &self.middles, half);
         let planes = self.plane.iter().zip(opened).zip(&self.inside);
         for (top_hat, ((&plane, &opened), &inside)) in self.top_hat.iter_mut().zip(planes) {
             let above = if inside { plane - opened } else { 0 };
@@ -239,7 +262,7 @@ impl Finder {
             *top_hat = if light < DARKEST_GROUND {
                 0
             } else {
-                (u16::from(above) * 255 / u16::from(light)) as u8
+                (255.0 * f32::from(above) / f32::from(light)) as u8
             };
         }
     }
@@ -288,6 +311,24 @@ impl Finder {
         }
     }
 
+    /// First and last column of the pixels of each row of the frame that show the sensor.
+    fn rows(&self, height: usize) -> Vec<(i32, i32)> {
+        let bin = self.binned.bin;
+        let mut rows = Vec::with_capacity(height);
+        for line in self.inside.chunks_exact(self.binned.width) {
+            let first = line.iter().position(|&inside| inside);
+            let last = line.iter().rposition(|&inside| inside);
+            let row = first
+                .zip(last)
+                .map_or((i32::MAX, i32::MIN), |(first, last)| {
+                    ((first * bin) as i32, ((last + 1) * bin) as i32 - 1)
+                });
+            rows.extend(std::iter::repeat_n(row, bin));
+        }
+        rows.resize(height, (i32::MAX, i32::MIN));
+        rows
+    }
+
     /// Measures the selected shapes and keeps those that look like markers.
     fn look(
         &mut self,
@@ -299,10 +340,11 @@ impl Finder {
     ) -> Found {
         self.set_is_ground(limit, selection);
         let lighting = Lighting::fit(&self.binned, &self.is_ground, &mask);
+        let rows = self.rows(frame.height() as usize);
         let scene = Scene {
             frame,
             ground,
-            mask: &mask,
+            rows: &rows,
             lighting: &lighting,
             bin: self.binned.bin,
             diameter_px: selection.diameter * self.binned.bin as f64,

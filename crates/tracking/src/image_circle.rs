@@ -2,6 +2,7 @@
 
 use crate::TrackingError;
 use crate::binned::Binned;
+use crate::rim::Rim;
 
 /// The image circle of a camera. Pixels with their middle in it show the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,12 +13,14 @@ pub struct Mask {
     pub radius_px: f64,
 }
 
-/// Share of the corners' points that must lie on one circle for it to be the image circle.
+/// Share of a rim's points that must lie on one circle for it to be the image circle.
 const ON_CIRCLE: f64 = 0.5;
-/// How far from a circle its points may lie, squares.
-const NEAR: f64 = 1.5;
+/// How far from a circle its points may lie: squares, and shares of its radius.
+const NEAR: [f64; 2] = [1.5, 0.01];
 /// Circles through three points that are tried.
-const TRIES: usize = 256;
+const TRIES: usize = 64;
+/// Points that are tried at most.
+const POINTS: usize = 256;
 
 impl Mask {
     /// The circle that holds a whole frame.
@@ -62,11 +65,28 @@ impl Mask {
         }
     }
 
-    /// Finds the circle: the corners of the frame show one colour, and where that colour ends lies on a circle.
-    pub(crate) fn find(binned: &Binned) -> Option<Self> {
-        let outside = Outside::of(binned)?;
-        let edge = outside.edge(binned);
-        let circle = Circle::through_most(&edge)?;
+    /// The circle in squares of `bin` pixels a side.
+    pub(crate) fn coarse(&self, bin: usize) -> Self {
+        let bin = bin as f64;
+        Self {
+            centre_px: self.centre_px.map(|at| (at - 0.5 * (bin - 1.0)) / bin),
+            radius_px: self.radius_px / bin,
+        }
+    }
+
+    /// For each pixel of a frame of `size` columns and rows whether it lies in the circle made smaller by `less` px.
+    pub(crate) fn fill(&self, less: f64, size: [usize; 2], inside: &mut Vec<bool>) {
+        inside.clear();
+        inside.resize(size[0] * size[1], false);
+        for (row, line) in inside.chunks_exact_mut(size[0]).enumerate() {
+            let (first, end) = self.columns(row as f64, less, size[0]);
+            line[first..end].fill(true);
+        }
+    }
+
+    /// The circle that a rim lies on, if it does.
+    pub(crate) fn of(rim: &Rim, binned: &Binned) -> Option<Self> {
+        let circle = Circle::through_most(&rim.points())?;
         let [x, y] = circle.centre;
         let (width, height) = (binned.width as f64, binned.height as f64);
         let fits = (0.0..width).contains(&x)
@@ -81,104 +101,6 @@ impl Mask {
     }
 }
 
-/// The colour outside the circle, in sums over squares, and how far it strays.
-struct Outside {
-    colour: [f64; 3],
-    tolerance: f64,
-}
-
-impl Outside {
-    /// The corners' colour, when at least three of the four are alike.
-    fn of(binned: &Binned) -> Option<Self> {
-        let (width, height) = (binned.width, binned.height);
-        let side = (width.min(height) / 40).max(2);
-        let corners = [
-            (0, 0),
-            (width - side, 0),
-            (0, height - side),
-            (width - side, height - side),
-        ]
-        .map(|(x, y)| {
-            let mut corner: Vec<[u16; 3]> = Vec::with_capacity(side * side);
-            for row in y..y + side {
-                corner.extend_from_slice(&binned.sums[row * width + x..][..side]);
-            }
-            corner
-        });
-        let means = corners.each_ref().map(|corner| mean(corner));
-        let grey = binned.pixels() as f64;
-        let (like, colour) = means
-            .iter()
-            .map(|colour| {
-                let like = [0, 1, 2, 3].map(|other| away(colour, &means[other]) < 16.0 * grey);
-                (like, colour)
-            })
-            .max_by_key(|(like, _)| like.iter().filter(|&&like| like).count())?;
-        if like.iter().filter(|&&like| like).count() < 3 {
-            return None;
-        }
-        let (mut square, mut count) = (0.0, 0.0);
-        for value in corners
-            .iter()
-            .zip(like)
-            .filter(|(_, like)| *like)
-            .flat_map(|(corner, _)| corner)
-        {
-            square += away(colour, &value.map(f64::from)).powi(2);
-            count += 1.0;
-        }
-        Some(Self {
-            colour: *colour,
-            tolerance: (4.0 * (square / count).sqrt()).max(8.0 * grey),
-        })
-    }
-
-    /// The first squares of another colour, seen along rows and columns from all four sides.
-    fn edge(&self, binned: &Binned) -> Vec<[f64; 2]> {
-        let (width, height) = (binned.width, binned.height);
-        let differs = |x: usize, y: usize| {
-            away(&self.colour, &binned.sums[y * width + x].map(f64::from)) > self.tolerance
-        };
-        let mut edge = Vec::with_capacity(2 * (width + height));
-        for y in 0..height {
-            if let Some(left) = (0..width).find(|&x| differs(x, y)) {
-                let right = (left..width).rfind(|&x| differs(x, y)).unwrap_or(left);
-                edge.push([left as f64 - 0.5, y as f64]);
-                edge.push([right as f64 + 0.5, y as f64]);
-            }
-        }
-        for x in 0..width {
-            if let Some(top) = (0..height).find(|&y| differs(x, y)) {
-                let bottom = (top..height).rfind(|&y| differs(x, y)).unwrap_or(top);
-                edge.push([x as f64, top as f64 - 0.5]);
-                edge.push([x as f64, bottom as f64 + 0.5]);
-            }
-        }
-        // Where another colour reaches the frame's own border the circle is cut off: no point of it is seen there.
-        let (right, bottom) = (width as f64 - 1.0, height as f64 - 1.0);
-        edge.retain(|[x, y]| *x > 0.5 && *y > 0.5 && *x < right - 0.5 && *y < bottom - 0.5);
-        edge
-    }
-}
-
-fn mean(values: &[[u16; 3]]) -> [f64; 3] {
-    let mut sum = [0.0; 3];
-    for value in values {
-        for (sum, &value) in sum.iter_mut().zip(value) {
-            *sum += f64::from(value);
-        }
-    }
-    sum.map(|sum| sum / values.len() as f64)
-}
-
-/// The largest difference of the three colours.
-fn away(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
-}
-
 #[derive(Clone, Copy)]
 struct Circle {
     centre: [f64; 2],
@@ -188,6 +110,11 @@ struct Circle {
 impl Circle {
     /// The circle that most points lie on, if at least half do; then fitted to those by least squares.
     fn through_most(points: &[[f64; 2]]) -> Option<Self> {
+        let points: Vec<[f64; 2]> = points
+            .iter()
+            .copied()
+            .step_by(points.len().div_ceil(POINTS).max(1))
+            .collect();
         let count = points.len();
         if count < 16 {
             return None;
@@ -217,7 +144,7 @@ impl Circle {
 
     fn holds(&self, point: &[f64; 2]) -> bool {
         let [x, y] = [0, 1].map(|axis| point[axis] - self.centre[axis]);
-        (x.hypot(y) - self.radius).abs() < NEAR
+        ((x * x + y * y).sqrt() - self.radius).abs() < NEAR[0] + NEAR[1] * self.radius
     }
 
     fn through(points: [[f64; 2]; 3]) -> Option<Self> {

@@ -13,6 +13,7 @@ mod marker;
 mod matching;
 mod measure;
 mod opening;
+mod rim;
 mod selection;
 mod shapes;
 mod sight;

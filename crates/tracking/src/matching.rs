@@ -1,8 +1,322 @@
 //! Markers of a rest frame found again in a pressed one.
+//!
+//! Neighbours move alike. Markers that are each other's nearest within half the distance to the next one are matched
+//! first; those that moved otherwise than their neighbours are let go; then each marker is looked for where its matched
+//! neighbours say that it went, and again, until nothing changes.
 
-use crate::{Marker, Track};
+use crate::{Marker, Status, Track};
 
-/// Draft.
-pub fn match_markers(_rest: &[Marker], _pressed: &[Marker]) -> Vec<Track> {
-    Vec::new()
+/// How far, in distances to the next marker, a first match may lie.
+const FIRST_GATE: f64 = 0.5;
+/// How far from where its neighbours say that it went a marker may lie, in the same distances.
+const GATE: f64 = 0.3;
+/// Neighbours that say where a marker went.
+const WITNESSES: usize = 6;
+/// How often all is looked through again at most.
+const ROUNDS: usize = 8;
+/// How far the size of a merged marker may lie from the sum of two, as a share of it.
+const SIZE_GATE: f64 = 0.3;
+/// How far off two markers that merge, or the pieces of one that splits, may be, in distances to the next marker.
+const REACH: f64 = 1.5;
+
+/// Matches the markers of a rest frame with those of a pressed one: one track for each marker at rest, in their order,
+/// then one for each that is new, in the pressed ones' order.
+///
+/// Markers are told apart that move less than about a third of the distance to the next one, or further if all around
+/// them move alike. A merged one is the pressed marker of both tracks that it belongs to; the pieces of a split one are
+/// put together in its track: their common centroid, sizes added up. Markers that are not finite match nothing. The time
+/// grows with the product of the two numbers.
+pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
+    let mut matching = Matching::new(rest, pressed);
+    matching.first();
+    for _ in 0..ROUNDS {
+        let before = matching.pairs.clone();
+        matching.look_again();
+        if matching.pairs == before {
+            break;
+        }
+    }
+    matching.tracks()
+}
+
+struct Matching<'a> {
+    rest: &'a [Marker],
+    pressed: &'a [Marker],
+    /// For each marker at rest the distance to the next one, px.
+    spacing: Vec<f64>,
+    /// For each marker at rest its nearest others, the nearest first.
+    around: Vec<Vec<usize>>,
+    /// For each marker at rest its pressed one.
+    pairs: Vec<Option<usize>>,
+}
+
+impl<'a> Matching<'a> {
+    fn new(rest: &'a [Marker], pressed: &'a [Marker]) -> Self {
+        let around: Vec<Vec<usize>> = rest
+            .iter()
+            .map(|marker| nearest(rest, marker, 2 * WITNESSES))
+            .collect();
+        let mut spacing: Vec<f64> = rest
+            .iter()
+            .zip(&around)
+            .map(|(marker, around)| {
+                let next = around.iter().map(|&other| distance(marker, &rest[other]));
+                next.fold(f64::INFINITY, f64::min)
+            })
+            .collect();
+        // A marker that stands alone: as far as markers of its size might stand.
+        for (spacing, marker) in spacing.iter_mut().zip(rest) {
+            *spacing = spacing.min(8.0 * marker.size_px2.max(0.0).sqrt());
+        }
+        Self {
+            rest,
+            pressed,
+            spacing,
+            around,
+            pairs: vec![None; rest.len()],
+        }
+    }
+
+    /// Matches those that are each other's nearest.
+    fn first(&mut self) {
+        let places: Vec<[f64; 2]> = self.rest.iter().map(|marker| marker.centroid_px).collect();
+        self.pair(&places, FIRST_GATE);
+    }
+
+    /// Matches markers at rest, expected at `places`, with pressed ones within `gate` spacings.
+    fn pair(&mut self, places: &[[f64; 2]], gate: f64) {
+        let away = |at: usize, other: usize| apart(places[at], self.pressed[other].centroid_px);
+        let closest = |count: usize, away: &dyn Fn(usize) -> f64| {
+            (0..count)
+                .filter(|&at| away(at).is_finite())
+                .min_by(|&a, &b| away(a).total_cmp(&away(b)))
+        };
+        let back: Vec<Option<usize>> = (0..self.pressed.len())
+            .map(|other| closest(places.len(), &|at| away(at, other)))
+            .collect();
+        let pairs = (0..places.len())
+            .map(|at| {
+                let other = closest(self.pressed.len(), &|other| away(at, other))?;
+                (back[other] == Some(at) && away(at, other) < gate * self.spacing[at])
+                    .then_some(other)
+            })
+            .collect();
+        self.pairs = pairs;
+    }
+
+    /// Lets go of those that moved otherwise than their neighbours and matches all anew where they are expected.
+    fn look_again(&mut self) {
+        let strange: Vec<usize> = (0..self.rest.len())
+            .filter(|&at| {
+                let moved = self.moved(at);
+                moved.is_some_and(|moved| {
+                    self.expected_move(at)
+                        .is_some_and(|expected| apart(moved, expected) > GATE * self.spacing[at])
+                })
+            })
+            .collect();
+        for at in strange {
+            self.pairs[at] = None;
+        }
+        let places: Vec<[f64; 2]> = (0..self.rest.len()).map(|at| self.place(at)).collect();
+        self.pair(&places, GATE);
+    }
+
+    fn moved(&self, at: usize) -> Option<[f64; 2]> {
+        let pressed = self.pressed[self.pairs[at]?].centroid_px;
+        let rest = self.rest[at].centroid_px;
+        Some([0, 1].map(|axis| pressed[axis] - rest[axis]))
+    }
+
+    /// How far the neighbours say that a marker moved: the middle one of their moves along each axis.
+    fn expected_move(&self, at: usize) -> Option<[f64; 2]> {
+        let moves: Vec<[f64; 2]> = self.around[at]
+            .iter()
+            .filter_map(|&other| self.moved(other))
+            .take(WITNESSES)
+            .collect();
+        (!moves.is_empty())
+            .then(|| [0, 1].map(|axis| middle(moves.iter().map(|moved| moved[axis]).collect())))
+    }
+
+    /// Where a marker is expected in the pressed frame.
+    fn place(&self, at: usize) -> [f64; 2] {
+        let moved = self
+            .expected_move(at)
+            .or_else(|| self.moved(at))
+            .unwrap_or_default();
+        let rest = self.rest[at].centroid_px;
+        [0, 1].map(|axis| rest[axis] + moved[axis])
+    }
+
+    fn tracks(&self) -> Vec<Track> {
+        let places: Vec<[f64; 2]> = (0..self.rest.len()).map(|at| self.place(at)).collect();
+        let mut tracks: Vec<Track> = (0..self.rest.len())
+            .map(|at| Track {
+                rest: Some(self.rest[at]),
+                pressed: self.pairs[at].map(|other| self.pressed[other]),
+                status: if self.pairs[at].is_some() {
+                    Status::Tracked
+                } else {
+                    Status::Lost
+                },
+            })
+            .collect();
+        let mut used = vec![false; self.pressed.len()];
+        for &other in self.pairs.iter().flatten() {
+            used[other] = true;
+        }
+        self.merge(&places, &mut tracks, &mut used);
+        self.split(&places, &mut tracks, &mut used);
+        tracks.extend(self.pressed.iter().zip(used).filter(|(_, used)| !used).map(
+            |(marker, _)| Track {
+                rest: None,
+                pressed: Some(*marker),
+                status: Status::New,
+            },
+        ));
+        tracks
+    }
+
+    /// Lost markers that are in one pressed marker together with another.
+    fn merge(&self, places: &[[f64; 2]], tracks: &mut [Track], used: &mut [bool]) {
+        for at in 0..self.rest.len() {
+            if tracks[at].status != Status::Lost {
+                continue;
+            }
+            let partner = self.around[at].iter().find_map(|&other| {
+                let with = match tracks[other].status {
+                    Status::Tracked => self.pairs[other],
+                    Status::Lost => self.closest_free(places, [at, other], used),
+                    _ => None,
+                }?;
+                let parts = [at, other].map(|part| (places[part], self.rest[part].size_px2));
+                self.is_sum(&parts, &self.pressed[with], self.spacing[at])
+                    .then_some((other, with))
+            });
+            if let Some((other, with)) = partner {
+                used[with] = true;
+                for part in [at, other] {
+                    tracks[part].pressed = Some(self.pressed[with]);
+                    tracks[part].status = Status::Merged;
+                }
+            }
+        }
+    }
+
+    /// The unmatched pressed marker closest to the middle of two places.
+    fn closest_free(&self, places: &[[f64; 2]], parts: [usize; 2], used: &[bool]) -> Option<usize> {
+        let middle = [0, 1].map(|axis| 0.5 * (places[parts[0]][axis] + places[parts[1]][axis]));
+        (0..self.pressed.len())
+            .filter(|&other| !used[other])
+            .map(|other| (other, apart(middle, self.pressed[other].centroid_px)))
+            .filter(|(_, away)| *away < REACH * self.spacing[parts[0]])
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(other, _)| other)
+    }
+
+    /// Markers of which two pressed ones are pieces.
+    fn split(&self, places: &[[f64; 2]], tracks: &mut [Track], used: &mut [bool]) {
+        for at in 0..self.rest.len() {
+            let reach = REACH * self.spacing[at];
+            let mut near: Vec<usize> = (0..self.pressed.len())
+                .filter(|&other| {
+                    !used[other] && apart(places[at], self.pressed[other].centroid_px) < reach
+                })
+                .collect();
+            near.extend(self.pairs[at].filter(|_| tracks[at].status == Status::Tracked));
+            let own = match tracks[at].status {
+                Status::Tracked => self.pairs[at],
+                Status::Lost => None,
+                _ => continue,
+            };
+            let whole = Marker {
+                centroid_px: places[at],
+                ..self.rest[at]
+            };
+            let pieces = pairs_of(&near).find(|pair| {
+                let parts = pair.map(|piece| {
+                    (
+                        self.pressed[piece].centroid_px,
+                        self.pressed[piece].size_px2,
+                    )
+                });
+                own.is_none_or(|own| pair.contains(&own))
+                    && self.is_sum(&parts, &whole, self.spacing[at])
+            });
+            if let Some(pieces) = pieces {
+                for piece in pieces {
+                    used[piece] = true;
+                }
+                tracks[at].pressed = Some(together(pieces.map(|piece| self.pressed[piece])));
+                tracks[at].status = Status::Split;
+            }
+        }
+    }
+
+    /// Whether a marker is as large as two places' together, and where they would be together.
+    fn is_sum(&self, parts: &[([f64; 2], f64); 2], whole: &Marker, spacing: f64) -> bool {
+        let size = parts[0].1 + parts[1].1;
+        let centre = [0, 1]
+            .map(|axis| (parts[0].1 * parts[0].0[axis] + parts[1].1 * parts[1].0[axis]) / size);
+        let larger = parts[0].1.max(parts[1].1);
+        (whole.size_px2 - size).abs() < SIZE_GATE * size
+            && (whole.size_px2 - size).abs() < (whole.size_px2 - larger).abs()
+            && apart(centre, whole.centroid_px) < GATE * spacing
+    }
+}
+
+/// Two pieces as one marker.
+fn together(pieces: [Marker; 2]) -> Marker {
+    let [a, b] = pieces;
+    let size_px2 = a.size_px2 + b.size_px2;
+    let turn = b.hue_turns - a.hue_turns;
+    let turn = turn - (turn + 0.5).floor();
+    let share = b.size_px2 / size_px2;
+    Marker {
+        centroid_px: [0, 1]
+            .map(|axis| a.centroid_px[axis] + share * (b.centroid_px[axis] - a.centroid_px[axis])),
+        hue_turns: (a.hue_turns + share * turn).rem_euclid(1.0),
+        size_px2,
+        pixels: a.pixels.saturating_add(b.pixels),
+    }
+}
+
+fn pairs_of(items: &[usize]) -> impl Iterator<Item = [usize; 2]> {
+    (0..items.len()).flat_map(move |a| (a + 1..items.len()).map(move |b| [items[a], items[b]]))
+}
+
+/// The `count` markers nearest to one, without it.
+fn nearest(markers: &[Marker], marker: &Marker, count: usize) -> Vec<usize> {
+    let mut others: Vec<(usize, f64)> = markers
+        .iter()
+        .enumerate()
+        .filter(|(_, other)| !std::ptr::eq(*other, marker))
+        .map(|(at, other)| (at, distance(marker, other)))
+        .filter(|(_, away)| away.is_finite())
+        .collect();
+    if others.len() > count {
+        others.select_nth_unstable_by(count, |a, b| a.1.total_cmp(&b.1));
+        others.truncate(count);
+    }
+    others.sort_by(|a, b| a.1.total_cmp(&b.1));
+    others.into_iter().map(|(at, _)| at).collect()
+}
+
+fn middle(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let half = values.len() / 2;
+    if values.len() % 2 == 1 {
+        values[half]
+    } else {
+        0.5 * (values[half - 1] + values[half])
+    }
+}
+
+fn distance(a: &Marker, b: &Marker) -> f64 {
+    apart(a.centroid_px, b.centroid_px)
+}
+
+fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
 }

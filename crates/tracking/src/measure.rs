@@ -4,7 +4,6 @@
 use image::RgbImage;
 
 use crate::Ground;
-use crate::image_circle::Mask;
 use crate::lighting::{Lighting, Local};
 use crate::shapes::Shape;
 use crate::window::Window;
@@ -39,7 +38,8 @@ pub(crate) struct Sums {
 pub(crate) struct Scene<'a> {
     pub(crate) frame: &'a RgbImage,
     pub(crate) ground: Ground,
-    pub(crate) mask: &'a Mask,
+    /// First and last column of each row that show the sensor.
+    pub(crate) rows: &'a [(i32, i32)],
     pub(crate) lighting: &'a Lighting,
     pub(crate) bin: usize,
     /// A marker's diameter, px.
@@ -92,10 +92,6 @@ impl Scene<'_> {
         sums
     }
 
-    fn size(&self) -> [usize; 2] {
-        [self.frame.width() as usize, self.frame.height() as usize]
-    }
-
     fn patch(&self, shape: &Shape) -> Patch {
         let bin = self.bin as f64;
         let middle = shape.form().middle.map(|at| at * bin + 0.5 * (bin - 1.0));
@@ -114,8 +110,8 @@ impl Scene<'_> {
     /// Grows the windows and finds who is near whom.
     fn grow(&self, patches: &mut [Patch], reach: i32) {
         for patch in patches.iter_mut() {
-            patch.window = patch.hull.grown(reach, self.mask, self.size());
-            patch.surroundings = patch.hull.grown(reach + RING_PX, self.mask, self.size());
+            patch.window = patch.hull.grown(reach, self.rows);
+            patch.surroundings = patch.hull.grown(reach + RING_PX, self.rows);
         }
         let mut order: Vec<usize> = (0..patches.len()).collect();
         order.sort_by_key(|&at| patches[at].surroundings.top);
@@ -148,7 +144,7 @@ impl Scene<'_> {
             let patch = &patches[at];
             let mut inner: Option<Window> = None;
             for (reach, ring) in (0..).zip(&mut rings) {
-                let outer = patch.hull.grown(reach, self.mask, self.size());
+                let outer = patch.hull.grown(reach, self.rows);
                 self.each(
                     patches,
                     at,
@@ -192,7 +188,7 @@ impl Scene<'_> {
         mut pixel: impl FnMut(f32, f32, [f32; 3]),
     ) {
         let patch = &patches[at];
-        let width = self.size()[0];
+        let width = self.frame.width() as usize;
         let mut rivals: Vec<(i32, i32, &Patch)> = Vec::new();
         for (row, &(first, last)) in (outer.top..).zip(&outer.rows) {
             if first > last {

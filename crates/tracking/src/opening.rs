@@ -1,8 +1,8 @@
 //! The morphological opening of a plane of bytes by a square, and with it the top-hat.
 //!
 //! The least of `n` neighbours along a line is had from the least of `n/2`: windows are doubled until the wanted length is
-//! between one and two of them, and two overlapping ones make it up. Rows shifted against rows and bytes shifted against
-//! bytes are both streams side by side, so that no plane is turned and every pass runs on whole vectors.
+//! between one and two of them, and two overlapping ones make it up. Rows against rows and bytes against bytes are both
+//! one stream against itself, shifted, so that no plane is turned and every pass runs on whole vectors.
 
 /// A plane of bytes and room to work in.
 #[derive(Clone, Debug, Default)]
@@ -13,13 +13,14 @@ pub(crate) struct Opening {
 }
 
 impl Opening {
-    /// The opening of `plane`, rows of `width` bytes, by a square of `2 half + 1` pixels a side. Where `inside` is false
-    /// nothing limits the square, but its middle stays inside; the result there has no meaning.
+    /// The opening of `plane`, rows of `width` bytes, by a square of `2 half + 1` pixels a side. The square's middle stays
+    /// where `middles` is true, and where `inside` is false nothing limits the square; the result there has no meaning.
     pub(crate) fn open(
         &mut self,
         plane: &[u8],
         width: usize,
         inside: &[bool],
+        middles: &[bool],
         half: usize,
     ) -> &[u8] {
         self.here.clear();
@@ -30,8 +31,8 @@ impl Opening {
                 .map(|(&value, &inside)| if inside { value } else { u8::MAX }),
         );
         self.pass::<Least>(width, half);
-        for (value, &inside) in self.here.iter_mut().zip(inside) {
-            *value = if inside { *value } else { 0 };
+        for (value, &middle) in self.here.iter_mut().zip(middles) {
+            *value = if middle { *value } else { 0 };
         }
         self.pass::<Greatest>(width, half);
         &self.here
@@ -39,31 +40,23 @@ impl Opening {
 
     /// The extreme over squares, from `here` to `here`.
     fn pass<E: Extreme>(&mut self, width: usize, half: usize) {
-        let height = self.here.len() / width;
-        self.down::<E>(width, height, half);
-        self.across::<E>(width, half);
-    }
-
-    fn down<E: Extreme>(&mut self, width: usize, height: usize, half: usize) {
-        let pad = width * half;
+        let pitch = width + 2 * half;
         self.padded.clear();
-        self.padded.resize(pad, E::NEUTRAL);
-        self.padded.extend_from_slice(&self.here);
-        self.padded.resize(2 * pad + self.here.len(), E::NEUTRAL);
-        let window = 2 * half + 1;
-        slide::<E>(&mut self.padded, &mut self.there, width, window);
-        self.here.clear();
-        self.here.extend_from_slice(&self.padded[..width * height]);
-    }
-
-    fn across<E: Extreme>(&mut self, width: usize, half: usize) {
-        for row in self.here.chunks_exact_mut(width) {
-            self.padded.clear();
-            self.padded.resize(half, E::NEUTRAL);
+        self.padded.resize(half * pitch + half, E::NEUTRAL);
+        for row in self.here.chunks_exact(width) {
             self.padded.extend_from_slice(row);
-            self.padded.resize(width + 2 * half, E::NEUTRAL);
-            slide::<E>(&mut self.padded, &mut self.there, 1, 2 * half + 1);
-            row.copy_from_slice(&self.padded[..width]);
+            self.padded.resize(self.padded.len() + 2 * half, E::NEUTRAL);
+        }
+        self.padded
+            .resize(self.padded.len() + half * pitch, E::NEUTRAL);
+        slide::<E>(&mut self.padded, &mut self.there, pitch, 2 * half + 1);
+        slide::<E>(&mut self.padded, &mut self.there, 1, 2 * half + 1);
+        for (row, padded) in self
+            .here
+            .chunks_exact_mut(width)
+            .zip(self.padded.chunks(pitch))
+        {
+            row.copy_from_slice(&padded[..width]);
         }
     }
 }
@@ -113,9 +106,15 @@ impl Extreme for Greatest {
 mod tests {
     use super::*;
 
-    /// The definition: at each place the greatest, over squares with their middle inside that hold it, of the least
+    /// The definition: at each place the greatest, over squares with an allowed middle that hold it, of the least
     /// inside such a square.
-    fn by_definition(plane: &[u8], width: usize, inside: &[bool], half: usize) -> Vec<u8> {
+    fn by_definition(
+        plane: &[u8],
+        width: usize,
+        inside: &[bool],
+        middles: &[bool],
+        half: usize,
+    ) -> Vec<u8> {
         let height = plane.len() / width;
         let square = |at: usize| {
             let (x, y) = (at % width, at / width);
@@ -136,7 +135,7 @@ mod tests {
         (0..plane.len())
             .map(|at| {
                 square(at)
-                    .filter(|&at| inside[at])
+                    .filter(|&at| middles[at])
                     .map(|at| eroded[at])
                     .max()
                     .unwrap_or(0)
@@ -150,13 +149,18 @@ mod tests {
         let plane: Vec<u8> = (0..width * height)
             .map(|at| ((at * 7919 + at * at * 31) % 251) as u8)
             .collect();
-        let inside: Vec<bool> = (0..width * height)
-            .map(|at| (at % width).abs_diff(18).pow(2) + (at / width).abs_diff(11).pow(2) < 180)
-            .collect();
+        let disc = |square: usize| -> Vec<bool> {
+            (0..width * height)
+                .map(|at: usize| {
+                    (at % width).abs_diff(18).pow(2) + (at / width).abs_diff(11).pow(2) < square
+                })
+                .collect()
+        };
+        let (inside, middles) = (disc(140), disc(180));
         for half in [0, 1, 2, 3, 6, 11, 40] {
             let mut opening = Opening::default();
-            let opened = opening.open(&plane, width, &inside, half);
-            let expected = by_definition(&plane, width, &inside, half);
+            let opened = opening.open(&plane, width, &inside, &middles, half);
+            let expected = by_definition(&plane, width, &inside, &middles, half);
             for at in (0..plane.len()).filter(|&at| inside[at]) {
                 assert_eq!(opened[at], expected[at], "half {half} at {at}");
             }

@@ -1,9 +1,7 @@
 //! Which shapes may be markers: of a marker's size and form, whole or cut off by the rim.
 
-use crate::Mask;
-use crate::binned::Binned;
 use crate::shapes::Shape;
-use crate::split::split;
+use crate::split::{split, steep};
 
 /// Shapes that may be markers.
 #[derive(Clone, Debug, Default)]
@@ -41,36 +39,44 @@ pub(crate) fn select(
     shapes: Vec<Shape>,
     top_hat: &[u8],
     limit: u8,
-    binned: &Binned,
-    mask: &Mask,
+    width: usize,
+    inside: &[bool],
 ) -> Selection {
-    let sized = shapes
+    let sized = |shape: &Shape| shape.area() >= LEAST_AREA;
+    let (dim, mut whole): (Vec<Shape>, Vec<Shape>) = shapes
         .into_iter()
-        .filter(|shape| shape.area() >= LEAST_AREA);
-    let (cut, whole): (Vec<Shape>, Vec<Shape>) =
-        sized.partition(|shape| is_cut(shape, binned, mask));
-    let Some(typical) = typical_area(if whole.is_empty() { &cut } else { &whole }) else {
+        .filter(sized)
+        .partition(|shape| is_cut(shape, width, inside));
+    // Towards the rim light often falls steeply: the shade there joins what stands in it.
+    let steep: Vec<Shape> = dim
+        .iter()
+        .flat_map(|shape| steep(shape, top_hat, width))
+        .filter(sized)
+        .collect();
+    let Some(typical) = typical_area(&whole).or_else(|| typical_area(&steep)) else {
         return Selection::default();
     };
     let least = (AREAS[0] * typical) as usize;
-    let parted = whole
+    let parted = |shape: Shape| {
+        if shape.area() as f64 > OVERSIZED * typical {
+            split(shape, top_hat, width, limit, least)
+        } else {
+            vec![shape]
+        }
+    };
+    let (cut, freed): (Vec<Shape>, Vec<Shape>) = steep
         .into_iter()
-        .flat_map(|shape| {
-            if shape.area() as f64 > OVERSIZED * typical {
-                split(shape, top_hat, binned.width, limit, least)
-            } else {
-                vec![shape]
-            }
-        })
-        .filter(|shape| {
-            let form = shape.form();
-            let areas = AREAS[0] * typical..AREAS[1] * typical;
-            areas.contains(&(shape.area() as f64))
-                && form.elongation < LONGEST
-                && form.fill > LEAST_FILL
-        });
+        .flat_map(parted)
+        .partition(|shape| is_cut(shape, width, inside));
+    whole = whole.into_iter().flat_map(parted).chain(freed).collect();
+    whole.retain(|shape| {
+        let form = shape.form();
+        (AREAS[0] * typical..AREAS[1] * typical).contains(&(shape.area() as f64))
+            && form.elongation < LONGEST
+            && form.fill > LEAST_FILL
+    });
     Selection {
-        whole: parted.collect(),
+        whole,
         cut: cut
             .into_iter()
             .filter(|shape| {
@@ -104,18 +110,15 @@ fn typical_area(shapes: &[Shape]) -> Option<f64> {
 }
 
 /// Whether a shape reaches the rim of the circle or the border of the frame.
-fn is_cut(shape: &Shape, binned: &Binned, mask: &Mask) -> bool {
-    let bin = binned.bin as f64;
-    let rim = mask.radius_px - 2.25 * bin;
+fn is_cut(shape: &Shape, width: usize, inside: &[bool]) -> bool {
+    let height = inside.len() / width;
     shape.runs.iter().any(|run| {
-        let outside = |column: usize| {
-            let [x, y] = [column, run.row].map(|at| binned.middle_px(at));
-            (x - mask.centre_px[0]).hypot(y - mask.centre_px[1]) > rim
-        };
-        let border = run.first == 0
-            || run.row == 0
-            || run.last + 1 == binned.width
-            || run.row + 1 == binned.height;
-        border || outside(run.first) || outside(run.last)
+        let border =
+            run.first == 0 || run.row == 0 || run.last + 1 == width || run.row + 1 == height;
+        border
+            || (run.row - 1..=run.row + 1).any(|row| {
+                let line = &inside[row * width..][..width];
+                line[run.first - 1..=run.last + 1].contains(&false)
+            })
     })
 }

@@ -2,6 +2,9 @@
 
 use crate::shapes::{Run, Shape, join};
 
+/// Share of its height above which a shape is more than the shade it stands in.
+const STEEP: f64 = 0.6;
+
 /// Cuts a shape in pieces where a higher limit does: each piece of at least `least` pixels. The pixels between the pieces
 /// go to the nearest. The shape alone, if no limit parts it.
 pub(crate) fn split(
@@ -31,6 +34,21 @@ pub(crate) fn split(
         higher = higher.saturating_add(step);
     }
     vec![shape]
+}
+
+/// The pieces of a shape that lie above a share of its own height, which nine tenths of it do not exceed: what it is
+/// without the shade that it stands in.
+pub(crate) fn steep(shape: &Shape, plane: &[u8], width: usize) -> Vec<Shape> {
+    let mut values: Vec<u8> = shape
+        .runs
+        .iter()
+        .flat_map(|run| &plane[run.row * width + run.first..=run.row * width + run.last])
+        .copied()
+        .collect();
+    let high = values.len() * 9 / 10;
+    let (_, &mut height, _) = values.select_nth_unstable(high);
+    let limit = (STEEP * f64::from(height)) as u8;
+    join(&above(shape, plane, width, limit), usize::MAX).unwrap_or_default()
 }
 
 fn above(shape: &Shape, plane: &[u8], width: usize, limit: u8) -> Vec<Run> {

@@ -1,6 +1,5 @@
 //! The pixels of the frame about a shape: its hull along rows, grown.
 
-use crate::image_circle::Mask;
 use crate::shapes::Shape;
 
 /// For rows from `top` on, the first and last column; none where the first is greater.
@@ -29,26 +28,28 @@ impl Window {
         }
     }
 
-    /// All pixels within `reach` px of this window's, kept inside the circle and the frame of `size` columns and rows.
-    pub(crate) fn grown(&self, reach: i32, mask: &Mask, size: [usize; 2]) -> Self {
+    /// All pixels within `reach` px of this window's that lie between the first and last column of `rows`.
+    pub(crate) fn grown(&self, reach: i32, rows: &[(i32, i32)]) -> Self {
         let top = (self.top - reach).max(0);
-        let bottom = (self.top + self.rows.len() as i32 + reach).min(size[1] as i32);
-        let rows = (top..bottom)
+        let bottom = (self.top + self.rows.len() as i32 + reach).min(rows.len() as i32);
+        let across: Vec<i32> = (-reach..=reach)
+            .map(|down| f64::from(reach * reach - down * down).sqrt() as i32)
+            .collect();
+        let grown = (top..bottom)
             .map(|row| {
                 let (mut first, mut last) = (i32::MAX, i32::MIN);
-                for down in -reach..=reach {
+                for (down, across) in (-reach..).zip(&across) {
                     let (left, right) = self.row(row + down);
                     if left <= right {
-                        let across = f64::from(reach * reach - down * down).sqrt() as i32;
                         first = first.min(left - across);
                         last = last.max(right + across);
                     }
                 }
-                let (left, right) = mask.columns(f64::from(row), 0.0, size[0]);
-                (first.max(left as i32), last.min(right as i32 - 1))
+                let (left, right) = rows[row as usize];
+                (first.max(left), last.min(right))
             })
             .collect();
-        Self { top, rows }
+        Self { top, rows: grown }
     }
 
     /// First and last column of a row.
