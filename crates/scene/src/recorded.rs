@@ -1,5 +1,8 @@
 //! Recorded readings: CSV in and out, and the estimators on them.
 
+mod calibration;
+mod calibration_file;
+mod calibration_report;
 mod glide;
 mod patch;
 mod patch_estimate;
@@ -7,10 +10,17 @@ mod press;
 mod pressed;
 mod pressed_object;
 mod roll;
+mod sensed;
 mod sheet;
+mod shown;
+mod tracked;
 
+pub use calibration::{CalibrateOptions, CalibrationPoints, calibrate, read_calibration_points};
+pub use calibration_file::{calibration_toml, read_calibration};
+pub use calibration_report::{CalibrationReport, Fitted};
 pub use glide::{GlideReadings, read_glide};
 pub use palpate_geometry::ShapeThresholds;
+pub use palpate_tracking::{Calibration, Marker, NormalFrom, Status, Track};
 pub use patch::{GlideMethod, GlideOptions, estimate_glide};
 pub use patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds};
 pub use press::{PressReadings, read_press};
@@ -20,7 +30,10 @@ pub use roll::{
     RollEstimate, RollMethod, RollOptions, RollReadings, UnresolvedProbe, estimate_roll, read_roll,
     roll_readings_table,
 };
+pub use sensed::{Sensed, SensorOptions, TrackedPress};
 pub use sheet::RecordedError;
+pub use shown::{KnownOfFrames, calibration_points_of_frames};
+pub use tracked::{Fates, Frame, TrackedFrames, difference_image, track_frames};
 
 use serde::Serialize;
 

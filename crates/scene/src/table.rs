@@ -29,6 +29,21 @@ impl Table {
         self.rows.push(numbers.into_iter().map(number).collect());
     }
 
+    /// A row that begins with a whole number and ends with a word; what is not known is empty.
+    pub(crate) fn push_sight(
+        &mut self,
+        index: usize,
+        numbers: impl IntoIterator<Item = Option<f64>>,
+        word: &str,
+    ) {
+        let numbers = numbers
+            .into_iter()
+            .map(|one| one.map_or_else(String::new, number));
+        let index = std::iter::once(index.to_string());
+        let word = std::iter::once(word.to_owned());
+        self.rows.push(index.chain(numbers).chain(word).collect());
+    }
+
     /// The table as CSV text.
     pub fn to_csv(&self) -> String {
         let mut text = self.header.join(",");

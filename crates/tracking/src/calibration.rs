@@ -120,17 +120,21 @@ impl Calibration {
         self.markers
     }
 
-    /// Refuses a sensor that shows another number of markers at rest.
+    /// Refuses a sensor that shows another number of markers at rest: by more than a tenth, for some may be hidden; by
+    /// any where the markers' own slopes count, which go by number.
     ///
     /// # Errors
     /// [`CalibrationError::AnotherLayout`].
     pub fn fits(&self, found: usize) -> Result<(), CalibrationError> {
-        match self.markers {
-            Some(calibrated) if calibrated != found => {
-                Err(CalibrationError::AnotherLayout { calibrated, found })
-            }
-            _ => Ok(()),
+        let Some(calibrated) = self.markers else {
+            return Ok(());
+        };
+        let by_number = self.normal.as_ref().is_some_and(|normal| normal.uses_gains);
+        let allowed = if by_number { 0 } else { calibrated / 10 };
+        if calibrated.abs_diff(found) > allowed {
+            return Err(CalibrationError::AnotherLayout { calibrated, found });
         }
+        Ok(())
     }
 
     /// The inward displacement of a marker, length; `None` where it is not calibrated, or the change is not finite.

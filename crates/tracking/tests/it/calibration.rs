@@ -182,7 +182,11 @@ fn what_is_shown_is_read() {
     assert_abs_diff_eq!(read[1], -0.2, epsilon = 1e-9);
     assert_eq!(fitted.normal(0, &Change::default()), Some(0.0));
     assert_eq!(fitted.fits(77), Ok(()));
-    assert_eq!(fitted.fits(76).unwrap_err().name(), "another-layout");
+    assert_eq!(fitted.fits(70), Ok(()));
+    assert_eq!(fitted.fits(69).unwrap_err().name(), "another-layout");
+    let by_number = fitted.normal_part().unwrap().clone().per_marker();
+    let fitted = Calibration::new(Some(by_number), None, Some(77)).unwrap();
+    assert!(fitted.fits(77).is_ok() && fitted.fits(76).is_err());
 }
 
 fn point(normal: f64, hue_turns: f64) -> NormalPoint {

@@ -1,0 +1,340 @@
+//! Calibration of a camera sensor from tables of known displacements.
+
+use std::path::Path;
+
+use palpate_tracking::{
+    Calibration, CalibrationError, LateralCalibration, LateralPoint, NormalCalibration, NormalFrom,
+    NormalPoint,
+};
+
+use super::calibration_report::{CalibrationReport, Fitted};
+use super::sheet::{Column, RecordedError, Sheet, header, read_text};
+use crate::config::LengthUnit;
+use crate::legible::legible;
+
+/// A point of a calibration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Known<P> {
+    point: P,
+    /// Which series of the file, where it has several.
+    series: Option<u64>,
+    /// The line of the file.
+    line: Option<usize>,
+}
+
+/// Displacements that are known, and how the sight of a marker changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibrationPoints {
+    /// The file, for messages.
+    file: String,
+    unit: Option<LengthUnit>,
+    normal: Vec<Known<NormalPoint>>,
+    lateral: Vec<Known<LateralPoint>>,
+    has_hue: bool,
+    has_growth: bool,
+}
+
+/// How to calibrate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CalibrateOptions {
+    /// What tells normal displacements.
+    pub from: NormalFrom,
+    /// Whether the slopes of markers that have one of their own count.
+    pub per_marker: bool,
+    /// How many markers the sensor shows at rest, where that is known.
+    pub markers: Option<usize>,
+    /// The unit of lengths, where the headers do not state it.
+    pub length_unit: Option<LengthUnit>,
+}
+
+const NORMAL: Column = Column::length("normal_displacement");
+const TANGENTIAL: Column = Column::length("tangential_displacement");
+const HUE: Column = Column::plain("hue_turns");
+const GROWTH: Column = Column::plain("growth");
+const SHIFT: Column = Column::plain("centroid_shift_px");
+const SERIES: Column = Column::plain("series");
+const MARKER: Column = Column::plain("marker");
+
+impl CalibrationPoints {
+    /// What frames showed, `source` being their name.
+    pub fn shown(source: String, normal: &[NormalPoint], lateral: &[LateralPoint]) -> Self {
+        fn known<P: Copy>(points: &[P]) -> Vec<Known<P>> {
+            let known = |point: &P| Known {
+                point: *point,
+                series: None,
+                line: None,
+            };
+            points.iter().map(known).collect()
+        }
+        Self {
+            file: source,
+            unit: None,
+            normal: known(normal),
+            lateral: known(lateral),
+            has_hue: true,
+            has_growth: true,
+        }
+    }
+}
+
+/// Reads a table of known displacements: `normal_displacement` with `hue_turns`, `growth` (of the logarithm of the
+/// marker's diameter) or both, `tangential_displacement` with `centroid_shift_px`, or all of these; a `series` and a
+/// `marker` may be named.
+///
+/// # Errors
+/// [`RecordedError`] with file, line, column and value.
+pub fn read_calibration_points(path: &Path) -> Result<CalibrationPoints, RecordedError> {
+    let (file, text) = read_text(path)?;
+    let columns = columns(&header(&text));
+    let sheet = Sheet::parse(&file, &text, &columns)?;
+    let place = |column: Column| columns.iter().position(|one| *one == column);
+    let has_hue = place(HUE).is_some();
+    let has_growth = place(GROWTH).is_some();
+    let mut points = CalibrationPoints {
+        unit: sheet.unit,
+        file: sheet.file.clone(),
+        normal: Vec::new(),
+        lateral: Vec::new(),
+        has_hue,
+        has_growth,
+    };
+    for (line, numbers) in sheet.rows() {
+        let of = |column: Column| place(column).map(|place| numbers[place]);
+        let index = |column: Column| {
+            let number = of(column);
+            number
+                .map(|number| sheet.index(line, column.name, number))
+                .transpose()
+        };
+        let (series, line) = (index(SERIES)?, Some(line));
+        let marker = index(MARKER)?.map(|marker| marker as usize);
+        let normal = of(NORMAL);
+        if let Some(normal) = normal.filter(|_| has_hue || has_growth) {
+            let point = NormalPoint {
+                marker,
+                normal,
+                hue_turns: of(HUE).unwrap_or(0.0),
+                growth: of(GROWTH).unwrap_or(0.0),
+            };
+            points.normal.push(Known {
+                point,
+                series,
+                line,
+            });
+        }
+        if let Some((tangential, shift)) = of(TANGENTIAL).zip(of(SHIFT)) {
+            let point = LateralPoint {
+                tangential: [tangential, 0.0],
+                shift_px: [shift, 0.0],
+                normal,
+            };
+            points.lateral.push(Known {
+                point,
+                series,
+                line,
+            });
+        }
+    }
+    Ok(points)
+}
+
+/// The columns that a header's names ask for.
+fn columns(names: &[&str]) -> Vec<Column> {
+    let has = |column: Column| names.iter().any(|name| name.starts_with(column.name));
+    let mut columns = Vec::new();
+    if has(TANGENTIAL) || has(SHIFT) {
+        columns.extend([TANGENTIAL, SHIFT]);
+    }
+    let is_lateral = !columns.is_empty();
+    if has(NORMAL) || has(HUE) || has(GROWTH) || !is_lateral {
+        columns.push(NORMAL);
+    }
+    let sights = [HUE, GROWTH].into_iter().filter(|&column| has(column));
+    columns.extend(sights);
+    // The commonest is asked for where nothing is named.
+    if !is_lateral && !has(HUE) && !has(GROWTH) {
+        columns.push(HUE);
+    }
+    let names_of = [SERIES, MARKER].into_iter().filter(|&column| has(column));
+    columns.extend(names_of);
+    columns
+}
+
+/// Calibrates a sensor to all points together.
+///
+/// # Errors
+/// [`RecordedError::Line`] where one point is at fault, else [`RecordedError::Readings`]: where the files contradict each
+/// other or the options, or the points tell no slope.
+pub fn calibrate(
+    points: &[CalibrationPoints],
+    options: &CalibrateOptions,
+) -> Result<CalibrationReport, RecordedError> {
+    let length_unit = agreed_units(points, options.length_unit)?;
+    let normal = Pooled::of(points, |points| &points.normal);
+    let lateral = Pooled::of(points, |points| &points.lateral);
+    if !normal.points.is_empty() {
+        shows(points, options.from)?;
+    }
+    let of_normal = |points: &[NormalPoint]| NormalCalibration::fit(points, options.from);
+    let normal_part = (!normal.points.is_empty() || lateral.points.is_empty())
+        .then(|| of_normal(&normal.points).map_err(|error| normal.refused(points, &error)))
+        .transpose()?
+        .map(|part| {
+            if options.per_marker {
+                part.per_marker()
+            } else {
+                part
+            }
+        });
+    let lateral_part = (!lateral.points.is_empty())
+        .then(|| {
+            LateralCalibration::fit(&lateral.points)
+                .map_err(|error| lateral.refused(points, &error))
+        })
+        .transpose()?;
+    let all = Calibration::new(normal_part, lateral_part, options.markers);
+    let calibration = all.map_err(|error| normal.refused(points, &error))?;
+    Ok(CalibrationReport {
+        calibration,
+        length_unit,
+        normal: normal.series(|points| {
+            let part = of_normal(points)?;
+            Ok(Fitted {
+                through_rest: part.line,
+                with_intercept: part.with_intercept,
+            })
+        }),
+        lateral: lateral.series(|points| {
+            let part = LateralCalibration::fit(points)?;
+            Ok(Fitted {
+                through_rest: part.line,
+                with_intercept: part.with_intercept,
+            })
+        }),
+    })
+}
+
+/// The unit that headers or `--length-unit` state.
+fn agreed_units(
+    points: &[CalibrationPoints],
+    option: Option<LengthUnit>,
+) -> Result<LengthUnit, RecordedError> {
+    let mut stated = option.map(|unit| (unit, "--length-unit"));
+    for CalibrationPoints { file, unit, .. } in points {
+        match (*unit, stated) {
+            (Some(unit), Some((before, source))) if unit != before => {
+                let (unit, before) = (unit.as_str(), before.as_str());
+                return Err(RecordedError::Readings {
+                    file: file.clone(),
+                    message: format!("the header says {unit}, {source} says {before}"),
+                });
+            }
+            (Some(unit), None) => stated = Some((unit, file)),
+            _ => {}
+        }
+    }
+    Ok(stated.map(|(unit, _)| unit).unwrap_or_default())
+}
+
+/// Refuses files that do not show what is asked for.
+fn shows(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), RecordedError> {
+    let needs_hue = matches!(from, NormalFrom::Hue | NormalFrom::Both);
+    let needs_growth = matches!(from, NormalFrom::Size | NormalFrom::Both);
+    for one in points.iter().filter(|one| !one.normal.is_empty()) {
+        for (column, is_needed, is_there) in [
+            (HUE.name, needs_hue, one.has_hue),
+            (GROWTH.name, needs_growth, one.has_growth),
+        ] {
+            if is_needed && !is_there {
+                return Err(RecordedError::Readings {
+                    file: one.file.clone(),
+                    message: format!("no column `{column}`; --from {} needs it", from.name()),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The points of all files.
+struct Pooled<P> {
+    points: Vec<P>,
+    /// Which file, which series and which line each is of.
+    sources: Vec<(usize, Option<u64>, Option<usize>)>,
+    files: Vec<String>,
+}
+
+impl<P: Copy> Pooled<P> {
+    fn of(
+        files: &[CalibrationPoints],
+        part: impl Fn(&CalibrationPoints) -> &Vec<Known<P>>,
+    ) -> Self {
+        let mut pooled = Self {
+            points: Vec::new(),
+            sources: Vec::new(),
+            files: Vec::new(),
+        };
+        for file in files.iter().filter(|file| !part(file).is_empty()) {
+            for known in part(file) {
+                pooled.points.push(known.point);
+                let source = (pooled.files.len(), known.series, known.line);
+                pooled.sources.push(source);
+            }
+            pooled.files.push(file.file.clone());
+        }
+        pooled
+    }
+
+    /// What `fit` makes of each series, if there are several, in the order in which they appear.
+    fn series<F>(
+        &self,
+        fit: impl Fn(&[P]) -> Result<F, CalibrationError>,
+    ) -> Vec<(String, Result<F, CalibrationError>)> {
+        let mut names: Vec<(usize, Option<u64>)> = Vec::new();
+        for &(file, series, _) in &self.sources {
+            if !names.contains(&(file, series)) {
+                names.push((file, series));
+            }
+        }
+        if names.len() < 2 {
+            return Vec::new();
+        }
+        let fitted = |&(file, series): &(usize, Option<u64>)| {
+            let of_series = self.sources.iter().zip(&self.points);
+            let points: Vec<P> = of_series
+                .filter(|(source, _)| (source.0, source.1) == (file, series))
+                .map(|(_, point)| *point)
+                .collect();
+            let name = match (series, self.files.len()) {
+                (Some(series), 1) => format!("series {series}"),
+                (Some(series), _) => format!("{} series {series}", self.files[file]),
+                (None, _) => self.files[file].clone(),
+            };
+            (name, fit(&points))
+        };
+        names.iter().map(fitted).collect()
+    }
+
+    /// The error with the file and the line that is at fault.
+    fn refused(&self, all: &[CalibrationPoints], error: &CalibrationError) -> RecordedError {
+        let message = legible(&error.to_string());
+        if let CalibrationError::NotFinite { point } = error
+            && let Some((file, _, Some(line))) = self.sources.get(*point)
+        {
+            return RecordedError::Line {
+                file: self.files[*file].clone(),
+                line: *line,
+                message: "a number is beyond 1e100".to_owned(),
+            };
+        }
+        let files: Vec<&str> = if self.files.is_empty() {
+            all.iter().map(|points| points.file.as_str()).collect()
+        } else {
+            self.files.iter().map(String::as_str).collect()
+        };
+        RecordedError::Readings {
+            file: files.join(", "),
+            message,
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! What is told of a calibration.
+
+use palpate_tracking::{Calibration, CalibrationError, Line, NormalFrom};
+
+use super::calibration_file::calibration_toml;
+use crate::config::LengthUnit;
+
+/// A calibration, with what its series say by themselves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibrationReport {
+    /// The calibration of all points.
+    pub calibration: Calibration,
+    /// The unit of its lengths.
+    pub length_unit: LengthUnit,
+    /// The normal lines of each series, where there are several.
+    pub normal: Vec<(String, Result<Fitted, CalibrationError>)>,
+    /// The lateral ones.
+    pub lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
+}
+
+/// The two lines of a set of points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fitted {
+    /// From which displacements are read.
+    pub through_rest: Line,
+    /// As the 2020 paper draws it; `None` where it is not known.
+    pub with_intercept: Option<Line>,
+}
+
+/// Residuals of more than this share of the largest displacement are told.
+const LARGE_RESIDUAL: f64 = 0.1;
+
+/// Slopes of series that differ by more than this share are told.
+const LARGE_SPREAD: f64 = 0.2;
+
+impl CalibrationReport {
+    /// The calibration as TOML.
+    pub fn to_toml(&self) -> String {
+        calibration_toml(&self.calibration, self.length_unit)
+    }
+
+    /// The calibration in words, a line each.
+    pub fn summary(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if let Some(part) = self.calibration.normal_part() {
+            let words = Words {
+                title: format!("normal displacement from {}", sight(part.from)),
+                signal: match part.from {
+                    NormalFrom::Hue => "turns/",
+                    NormalFrom::Size => "1/",
+                    NormalFrom::Both => "",
+                },
+                unit: self.length_unit,
+            };
+            let fitted = Fitted {
+                through_rest: part.line,
+                with_intercept: part.with_intercept,
+            };
+            lines.extend(words.tell(part.range, &fitted, &self.normal));
+            if !part.gains.is_empty() {
+                let slopes: Vec<f64> = part.gains.iter().map(|gain| gain.line.slope).collect();
+                let [low, high] = ends(&slopes).map(|slope| figures(slope, 3));
+                let used = if part.uses_gains { "used" } else { "not used" };
+                lines.push(format!(
+                    "  slopes of {} markers by themselves, {used}: {low} to {high}",
+                    slopes.len()
+                ));
+            }
+        }
+        if let Some(part) = self.calibration.lateral_part() {
+            let unit = self.length_unit;
+            let words = Words {
+                title: "tangential displacement from the centroid".to_owned(),
+                signal: "px/",
+                unit,
+            };
+            let fitted = Fitted {
+                through_rest: part.line,
+                with_intercept: part.with_intercept,
+            };
+            lines.extend(words.tell(part.range, &fitted, &self.lateral));
+            if let Some(slope) = part.per_indentation {
+                let unit = unit.as_str();
+                let [low, high] = part.normal_range.map(|end| figures(end, 4));
+                lines.push(format!(
+                    "  with the normal displacement u from {low} to {high} {unit}, used: ({} + {} u) px/{unit}, residual {} {unit}",
+                    figures(part.px_per_length, 4),
+                    figures(slope, 3),
+                    figures(part.residual_rms, 3),
+                ));
+            }
+        }
+        lines
+    }
+
+    /// What to beware of.
+    pub fn warnings(&self) -> Vec<String> {
+        let unit = self.length_unit.as_str();
+        let normal = self.calibration.normal_part();
+        let lateral = self.calibration.lateral_part();
+        let parts = [
+            normal.map(|part| ("normal", part.line.residual_rms, part.range, &self.normal)),
+            lateral.map(|part| ("tangential", part.residual_rms, part.range, &self.lateral)),
+        ];
+        let mut warnings = Vec::new();
+        for (what, residual, range, series) in parts.into_iter().flatten() {
+            let largest = range[0].abs().max(range[1].abs());
+            let percent = 100.0 * residual / largest;
+            if residual > LARGE_RESIDUAL * largest {
+                warnings.push(format!(
+                    "the {what} residual is {} {unit}, {percent:.0} % of the largest displacement",
+                    figures(residual, 3)
+                ));
+            }
+            let slopes: Vec<f64> = series
+                .iter()
+                .filter_map(|(_, fitted)| Some(fitted.as_ref().ok()?.through_rest.slope))
+                .collect();
+            let [low, high] = ends(&slopes);
+            let spread = (high - low) / (0.5 * (low + high)).abs();
+            if spread > LARGE_SPREAD {
+                let percent = 100.0 * spread;
+                warnings.push(format!(
+                    "the {what} slopes of the series differ by up to {percent:.0} %: a series tells its displacements with an error of scale"
+                ));
+            }
+        }
+        warnings
+    }
+}
+
+const fn sight(from: NormalFrom) -> &'static str {
+    match from {
+        NormalFrom::Hue => "hue",
+        NormalFrom::Size => "size",
+        NormalFrom::Both => "hue and size",
+    }
+}
+
+/// How to tell lines.
+struct Words {
+    title: String,
+    /// The unit of the signal, per.
+    signal: &'static str,
+    unit: LengthUnit,
+}
+
+impl Words {
+    fn tell(
+        &self,
+        range: [f64; 2],
+        all: &Fitted,
+        series: &[(String, Result<Fitted, CalibrationError>)],
+    ) -> Vec<String> {
+        let [low, high] = range.map(|end| figures(end, 4));
+        let unit = self.unit.as_str();
+        let mut lines = vec![format!("{}, {low} to {high} {unit}:", self.title)];
+        if let Some(line) = &all.with_intercept {
+            lines.push(format!("  all: {}", self.line(line)));
+        }
+        for (name, fitted) in series {
+            lines.push(match fitted {
+                Err(error) => format!("  {name}: {error}"),
+                Ok(fitted) => {
+                    let line = fitted.with_intercept.unwrap_or(fitted.through_rest);
+                    format!("  {name}: {}", self.line(&line))
+                }
+            });
+        }
+        lines.push(format!(
+            "  through rest, used: {}",
+            self.line(&all.through_rest)
+        ));
+        lines
+    }
+
+    fn line(&self, line: &Line) -> String {
+        let unit = self.unit.as_str();
+        let per_length = match self.signal {
+            "" => format!("{unit}/{unit}"),
+            signal => format!("{signal}{unit}"),
+        };
+        let std = line
+            .slope_std
+            .map_or_else(String::new, |std| format!(" (std {})", figures(std, 2)));
+        format!(
+            "{} {per_length}{std}, R^2 {}, residual {} {unit} rms, {} points",
+            figures(line.slope, 4),
+            figures(line.r_squared, 3),
+            figures(line.residual_rms, 3),
+            line.count
+        )
+    }
+}
+
+fn ends(numbers: &[f64]) -> [f64; 2] {
+    let low = numbers.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = numbers.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    [low, high]
+}
+
+/// A number with so many significant figures.
+fn figures(number: f64, count: usize) -> String {
+    let exponent = format!("{number:.*e}", count - 1);
+    let rounded = exponent.parse().unwrap_or(number);
+    if rounded != 0.0 && !(1e-5..1e7).contains(&f64::abs(rounded)) {
+        return format!("{rounded:e}");
+    }
+    format!("{rounded}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_figures_that_count() {
+        for (number, count, text) in [
+            (0.025_834_9, 4, "0.02583"),
+            (6.981_91, 3, "6.98"),
+            (0.0, 3, "0"),
+            (-1234.56, 2, "-1200"),
+            (1.0e-9, 2, "1e-9"),
+            (2.34e30, 2, "2.3e30"),
+        ] {
+            assert_eq!(figures(number, count), text);
+        }
+    }
+}

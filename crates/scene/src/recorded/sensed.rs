@@ -1,0 +1,179 @@
+//! What a calibrated camera sensor reads from two frames.
+
+use palpate_tracking::{Calibration, CalibrationError, Displaced, Equidistant, Field, FieldError};
+use serde::Serialize;
+
+use super::Value;
+use super::press::PressReadings;
+use super::pressed::{PressOptions, estimate_press};
+use super::pressed_object::PressedObject;
+use super::sheet::RecordedError;
+use super::tracked::{Fates, TrackedFrames};
+use crate::config::LengthUnit;
+use crate::{Table, Unit};
+
+/// The sensor, as far as a calibration does not tell it; lengths in the calibration's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorOptions {
+    /// Radius of the skin.
+    pub radius: f64,
+    /// Of the markers under the skin.
+    pub depth: f64,
+    /// The camera's scale; `None` for the calibration's px per length times the markers' distance from the centre.
+    pub px_per_rad: Option<f64>,
+}
+
+/// The displacements of the markers that were tracked.
+#[derive(Clone, Debug)]
+pub struct Sensed {
+    file: String,
+    unit: LengthUnit,
+    radius: f64,
+    has_tangential: bool,
+    fates: Fates,
+    field: Field,
+}
+
+/// What `sensor track` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TrackedPress {
+    frames: Fates,
+    /// Mean tangential displacement away from the marker of the largest normal displacement, over the contact; `null`
+    /// where tangential displacements are not calibrated or no other marker was displaced inward.
+    outward_displacement: Option<Value>,
+    #[serde(flatten)]
+    object: PressedObject,
+}
+
+impl Sensed {
+    /// Reads the markers that were tracked with a calibration. `file` is the name of the readings, for messages.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] for a calibration of a sensor with other markers or of no normal displacements, a
+    /// camera of unknown scale, and where no marker was tracked.
+    pub fn read(
+        frames: &TrackedFrames,
+        (calibration, unit): (&Calibration, LengthUnit),
+        options: &SensorOptions,
+        file: String,
+    ) -> Result<Self, RecordedError> {
+        let fail = |message: String| RecordedError::Readings {
+            file: file.clone(),
+            message,
+        };
+        let refused = |error: CalibrationError| fail(error.to_string());
+        calibration.fits(frames.at_rest()).map_err(refused)?;
+        if calibration.normal_part().is_none() {
+            return Err(fail(
+                "the calibration is of tangential displacements alone; the normal ones are needed"
+                    .to_owned(),
+            ));
+        }
+        let lateral = calibration.lateral_part();
+        let distance = options.radius - options.depth;
+        let px_per_rad = options
+            .px_per_rad
+            .or_else(|| Some(lateral?.px_per_length * distance))
+            .ok_or_else(|| {
+                fail("the calibration tells no px per length: give --px-per-rad F".to_owned())
+            })?;
+        let lens = Equidistant::new(frames.centre_px, px_per_rad).map_err(refused)?;
+        let mut displaced = Vec::new();
+        for (marker, track) in frames.tracks.iter().enumerate() {
+            let Some((rest, change)) = track.rest.zip(lens.change(track)) else {
+                continue;
+            };
+            let Some(normal) = calibration.normal(marker, &change) else {
+                continue;
+            };
+            let tangential = calibration.tangential(change.shift_px, normal);
+            displaced.push(Displaced {
+                place: lens.place(rest.centroid_px),
+                tangential: tangential.unwrap_or_default(),
+                normal,
+            });
+        }
+        let refused = |error: FieldError| match error {
+            FieldError::NoMarkers => fail("no marker was found again".to_owned()),
+            FieldError::OutOfRange { .. } => fail(format!(
+                "{error}: is the camera's scale, {px_per_rad} px per rad, right?"
+            )),
+            _ => fail(error.to_string()),
+        };
+        let field = Field::new(&displaced).map_err(refused)?;
+        Ok(Self {
+            field,
+            unit,
+            radius: options.radius,
+            has_tangential: lateral.is_some(),
+            fates: frames.fates(),
+            file,
+        })
+    }
+
+    /// One row per marker that was tracked: what `estimate press` accepts.
+    pub fn readings(&self) -> Table {
+        self.table(self.field.markers())
+    }
+
+    /// The field on a grid over the rectangle of the markers, without the places outside their hull; filtered by a
+    /// Gaussian of this standard deviation along the skin, length.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] for a filter of no width.
+    pub fn field(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
+        let smooth = self.field.smoothed(filter_std / self.radius);
+        let smooth = smooth.map_err(|error| RecordedError::Readings {
+            file: self.file.clone(),
+            message: error.to_string(),
+        })?;
+        Ok(self.table(&smooth.grid(grid)))
+    }
+
+    fn table(&self, displaced: &[Displaced]) -> Table {
+        let columns = [
+            "x",
+            "y",
+            "normal_displacement",
+            "tangential_x",
+            "tangential_y",
+        ];
+        let columns = &columns[..if self.has_tangential { 5 } else { 3 }];
+        let unit = self.unit.as_str();
+        let mut table = Table::new(columns.iter().map(|name| format!("{name}_{unit}")));
+        for one in displaced {
+            let [x, y] = one.place.map(|angle| self.radius * angle);
+            let along = self.has_tangential.then_some(one.tangential);
+            let along = along.into_iter().flatten();
+            table.push_numbers([x, y, one.normal].into_iter().chain(along));
+        }
+        table
+    }
+
+    /// The curvature of the object.
+    ///
+    /// # Errors
+    /// Those of [`estimate_press`].
+    pub fn estimate(&self, options: &PressOptions) -> Result<TrackedPress, RecordedError> {
+        let markers = self.field.markers();
+        let tangential = markers.iter().map(|marker| marker.tangential).collect();
+        let readings = PressReadings {
+            file: self.file.clone(),
+            lines: (2..markers.len() + 2).collect(),
+            places: markers
+                .iter()
+                .map(|marker| marker.place.map(|angle| self.radius * angle))
+                .collect(),
+            normal: markers.iter().map(|marker| marker.normal).collect(),
+            tangential: self.has_tangential.then_some(tangential),
+            unit: Some(self.unit),
+        };
+        let outward = self.field.outward().mean.filter(|_| self.has_tangential);
+        Ok(TrackedPress {
+            frames: self.fates,
+            outward_displacement: outward
+                .map(|mean| Value::new(mean, None, Unit::Length, self.unit)),
+            object: estimate_press(&readings, options)?,
+        })
+    }
+}

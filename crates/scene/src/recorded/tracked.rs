@@ -1,0 +1,236 @@
+//! Two frames of a camera sensor, at rest and pressed.
+
+use std::num::NonZeroU8;
+
+use image::RgbImage;
+use palpate_tracking::{
+    Change, Finder, FinderSettings, Found, Marker, Status, Track, TrackingError, difference,
+    match_markers,
+};
+use serde::Serialize;
+
+use super::sheet::RecordedError;
+use crate::Table;
+
+/// A camera's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Its file, for messages.
+    pub file: String,
+    /// Its pixels.
+    pub image: RgbImage,
+}
+
+/// What became of the markers of a rest frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackedFrames {
+    /// Those of the rest frame, from its middle outward; then those that are new.
+    pub tracks: Vec<Track>,
+    /// Those of the rest frame that are cut off by its rim, which are not tracked.
+    pub cut: Vec<Marker>,
+    /// Where the rest frame shows the apex if the camera looks straight at it, px: the middle of its image circle.
+    pub centre_px: [f64; 2],
+    files: [String; 2],
+}
+
+/// How many markers had which fate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Fates {
+    /// Markers of the rest frame.
+    pub at_rest: usize,
+    /// Found again.
+    pub tracked: usize,
+    /// Not found again.
+    pub lost: usize,
+    /// Found grown together with another.
+    pub merged: usize,
+    /// Found in pieces.
+    pub split: usize,
+    /// Found without a counterpart at rest.
+    pub new: usize,
+    /// Markers of the rest frame that its rim cuts, which are left out.
+    pub cut_at_rest: usize,
+}
+
+/// Difference of green, of 255 levels, that has the full colour in a difference image.
+const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
+
+/// The markers of a frame.
+pub(super) fn find(frame: &Frame) -> Result<Found, RecordedError> {
+    let refused = |error: TrackingError| RecordedError::Readings {
+        file: frame.file.clone(),
+        message: error.to_string(),
+    };
+    let finder = Finder::new(FinderSettings::default());
+    finder
+        .and_then(|mut finder| finder.find(&frame.image))
+        .map_err(refused)
+}
+
+/// Finds the markers of both frames and matches them.
+///
+/// # Errors
+/// [`RecordedError::Readings`] for frames of different sizes, and for one in which no markers can be found.
+pub fn track_frames(rest: &Frame, pressed: &Frame) -> Result<TrackedFrames, RecordedError> {
+    let [of_rest, of_pressed] = [rest, pressed].map(|frame| frame.image.dimensions());
+    if of_rest != of_pressed {
+        return Err(RecordedError::Readings {
+            file: pressed.file.clone(),
+            message: format!(
+                "has {} x {} px; {} has {} x {}",
+                of_pressed.0, of_pressed.1, rest.file, of_rest.0, of_rest.1
+            ),
+        });
+    }
+    let at_rest = find(rest)?;
+    let found = find(pressed)?;
+    Ok(TrackedFrames {
+        tracks: match_markers(&at_rest.markers, &found.markers),
+        cut: at_rest.cut,
+        centre_px: at_rest.mask.centre_px,
+        files: [rest, pressed].map(|frame| frame.file.clone()),
+    })
+}
+
+/// The signed difference of two frames of one size.
+///
+/// # Errors
+/// [`RecordedError::Readings`] for frames of different sizes.
+pub fn difference_image(rest: &Frame, pressed: &Frame) -> Result<RgbImage, RecordedError> {
+    difference(&rest.image, &pressed.image, FULL_LEVELS).map_err(|error| RecordedError::Readings {
+        file: pressed.file.clone(),
+        message: error.to_string(),
+    })
+}
+
+impl TrackedFrames {
+    /// How many markers had which fate.
+    pub fn fates(&self) -> Fates {
+        let count = |status| {
+            let of_status = self.tracks.iter().filter(|track| track.status == status);
+            of_status.count()
+        };
+        Fates {
+            at_rest: self.at_rest(),
+            tracked: count(Status::Tracked),
+            lost: count(Status::Lost),
+            merged: count(Status::Merged),
+            split: count(Status::Split),
+            new: count(Status::New),
+            cut_at_rest: self.cut.len(),
+        }
+    }
+
+    /// How many markers the rest frame shows whole.
+    pub fn at_rest(&self) -> usize {
+        let at_rest = self.tracks.iter().filter(|track| track.rest.is_some());
+        at_rest.count()
+    }
+
+    /// The marker whose sight changed the most, by the size of `strength`.
+    pub(super) fn strongest(
+        &self,
+        strength: impl Fn(&Track) -> Option<f64>,
+    ) -> Option<(usize, f64)> {
+        let strengths = self.tracks.iter().enumerate();
+        strengths
+            .filter_map(|(marker, track)| Some((marker, strength(track)?)))
+            .filter(|(_, strength)| strength.is_finite())
+            .max_by(|one, other| one.1.abs().total_cmp(&other.1.abs()))
+    }
+
+    /// One row per marker: place and hue at rest (pressed, of one that is new) and how they changed, as far as they did.
+    pub fn table(&self) -> Table {
+        let header = "marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status";
+        let mut table = Table::new(header.split(',').map(str::to_owned));
+        for (marker, track) in self.tracks.iter().enumerate() {
+            let seen = track.rest.or(track.pressed);
+            let change = track.change();
+            let numbers = [
+                seen.map(|seen| seen.centroid_px[0]),
+                seen.map(|seen| seen.centroid_px[1]),
+                seen.map(|seen| seen.hue_turns),
+                change.map(|change| change.shift_px[0]),
+                change.map(|change| change.shift_px[1]),
+                change.map(|change| change.hue_turns),
+            ];
+            table.push_sight(marker, numbers, track.status.name());
+        }
+        table
+    }
+
+    /// Refuses frames that do not show the same sensor.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] where fewer than half of the markers are found again.
+    pub fn of_one_sensor(&self) -> Result<(), RecordedError> {
+        let Fates {
+            at_rest, tracked, ..
+        } = self.fates();
+        let [rest, pressed] = &self.files;
+        if 2 * tracked >= at_rest {
+            return Ok(());
+        }
+        Err(RecordedError::Readings {
+            file: pressed.clone(),
+            message: format!(
+                "shows {tracked} of the {at_rest} markers of {rest} again: are these frames of one sensor?"
+            ),
+        })
+    }
+
+    /// What to beware of.
+    pub fn warnings(&self) -> Vec<String> {
+        let [rest, pressed] = &self.files;
+        let moved = self.moved_together().map(|(median, spacing)| {
+            format!(
+                "half of the markers of {rest} moved by more than {median:.1} px, which stand {spacing:.1} px apart: another sensor in {pressed}, or a camera that moved?"
+            )
+        });
+        let swapped = self.looks_swapped().map(|growth| {
+            let percent = -100.0 * growth;
+            format!(
+                "the marker that changed most shrank by {percent:.1} %: a press brings it nearer; are {rest} and {pressed} swapped?"
+            )
+        });
+        moved.into_iter().chain(swapped).collect()
+    }
+
+    fn changes(&self) -> impl Iterator<Item = Change> {
+        self.tracks.iter().filter_map(Track::change)
+    }
+
+    /// The median shift and the distance between neighbours, where the former is no small part of the latter.
+    fn moved_together(&self) -> Option<(f64, f64)> {
+        let shifts = self.changes().map(|change| {
+            let [x, y] = change.shift_px;
+            x.hypot(y)
+        });
+        let places: Vec<[f64; 2]> = self
+            .tracks
+            .iter()
+            .filter_map(|track| Some(track.rest?.centroid_px))
+            .collect();
+        let away = |[x, y]: [f64; 2]| {
+            let distances = places.iter().map(move |at| (at[0] - x).hypot(at[1] - y));
+            let others = distances.filter(|&distance| distance > 0.0);
+            others.fold(f64::INFINITY, f64::min)
+        };
+        let spacing = median(places.iter().map(|&place| away(place)))?;
+        let shift = median(shifts)?;
+        (shift > 0.25 * spacing).then_some((shift, spacing))
+    }
+
+    /// The growth of the marker that grew or shrank the most, where it shrank by more than the others scatter.
+    fn looks_swapped(&self) -> Option<f64> {
+        let (_, growth) = self.strongest(|track| Some(track.change()?.growth))?;
+        let scatter = median(self.changes().map(|change| change.growth.abs()))?;
+        (growth < -0.01 && -growth > 5.0 * scatter).then_some(growth)
+    }
+}
+
+fn median(numbers: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut numbers: Vec<f64> = numbers.filter(|number| number.is_finite()).collect();
+    numbers.sort_by(f64::total_cmp);
+    numbers.get(numbers.len() / 2).copied()
+}
