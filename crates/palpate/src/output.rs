@@ -37,7 +37,7 @@ pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
 ///
 /// All are written under temporary names first and renamed only when every byte is on disk, so that
 /// a full disk leaves what was there before.
-pub(crate) fn write_files(dir: &Path, files: &[(&str, String)]) -> Result<(), Failure> {
+pub(crate) fn write_files<C: AsRef<[u8]>>(dir: &Path, files: &[(&str, C)]) -> Result<(), Failure> {
     make_directory(dir)?;
     let write = || -> Result<(), Error> {
         let cannot = |name: &str| format!("cannot write {}", dir.join(name).display());
@@ -46,7 +46,7 @@ pub(crate) fn write_files(dir: &Path, files: &[(&str, String)]) -> Result<(), Fa
             let mut file =
                 NamedTempFile::with_prefix_in(".palpate-", dir).with_context(|| cannot(name))?;
             file.as_file_mut()
-                .write_all(contents.as_bytes())
+                .write_all(contents.as_ref())
                 .with_context(|| cannot(name))?;
             file.as_file().sync_all().with_context(|| cannot(name))?;
             written.push((name, file));
@@ -72,4 +72,14 @@ fn set_readable(file: &NamedTempFile) -> std::io::Result<()> {
     }
     let _ = file;
     Ok(())
+}
+
+/// A picture as a PNG file.
+pub(crate) fn png(picture: &image::RgbImage) -> Result<Vec<u8>, Failure> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    picture
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .context("cannot write a picture as PNG")
+        .map_err(Failure::work)?;
+    Ok(bytes.into_inner())
 }

@@ -3,10 +3,10 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use palpate_scene::Scene;
 use palpate_scene::config::{self, Output, Study, StudyConfig};
 use palpate_scene::glide::MapTable;
 use palpate_scene::press::ProfileTable;
-use palpate_scene::{Scene, Table};
 use palpate_sweep::{Cell, RunOptions};
 
 use crate::cli::RunArgs;
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     // Before the work, which would be lost where there is no pass to follow.
     let traced = study.config.outputs.contains(&Output::Trace);
     let traced = traced
-        .then(|| trace_tables(&study, &scenes[0].0, None))
+        .then(|| trace_files(&study, &scenes[0].0, None))
         .transpose()?;
     let bar = progress::bar(cells.iter().map(|cell| cell.trials).sum());
     let options = RunOptions {
@@ -70,23 +70,20 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             statistics,
         })
         .collect();
-    let mut files = vec![
+    let mut files: Vec<(&str, Vec<u8>)> = vec![
         (
             "cells.csv",
-            tables::cells(&study, &ran).map_err(Failure::work)?,
+            tables::cells(&study, &ran).map_err(Failure::work)?.into(),
         ),
         (
             "failures.csv",
-            tables::failures(&ran).map_err(Failure::work)?,
+            tables::failures(&ran).map_err(Failure::work)?.into(),
         ),
-        ("run.toml", resolved(&study)),
+        ("run.toml", resolved(&study).into()),
     ];
-    if let Some((contacts, readings)) = traced {
-        files.push(("trace.csv", contacts.to_csv()));
-        files.push(("readings.csv", readings.to_csv()));
-    }
+    files.extend(traced.into_iter().flat_map(|traced| traced.files));
     if study.config.outputs.contains(&Output::Map) {
-        files.push(("map.csv", maps(&study, &ran)));
+        files.push(("map.csv", maps(&study, &ran).into()));
     }
     output::write_files(&out, &files)?;
     output::print(&summary(&study, &ran, &out))
@@ -107,6 +104,11 @@ fn refuse_maps(study: &Study, scenes: &[SceneTrial]) -> Result<(), Failure> {
     let is_press = |scene: &SceneTrial| matches!(scene.0, Scene::Press(_));
     let message = if scenes.iter().any(|scene| matches!(scene.0, Scene::Roll(_))) {
         "a roll has no map; \"cells\" and \"trace\" are possible"
+    } else if scenes
+        .iter()
+        .any(|scene| matches!(scene.0, Scene::Fingertip(_)))
+    {
+        "a fingertip that touches nothing has no map; \"cells\" is possible"
     } else if scenes.iter().any(is_press) && !scenes.iter().all(is_press) {
         "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
     } else {
@@ -125,7 +127,7 @@ fn maps(study: &Study, ran: &[Ran<'_>]) -> String {
     let mut missing = Vec::new();
     for Ran { cell, scene, .. } in ran {
         let failed = match scene {
-            Scene::Roll(_) => None,
+            Scene::Roll(_) | Scene::Fingertip(_) => None,
             Scene::Glide(glide) => glide.map(*cell, 0, &mut maps).err().map(|e| e.name()),
             Scene::Press(press) => {
                 is_press = true;
@@ -161,26 +163,62 @@ fn resolved(study: &Study) -> String {
     })
 }
 
-/// Truth and readings of one pass.
-pub(crate) fn trace_tables(
+/// One pass, as files.
+pub(crate) struct Traced {
+    /// Their names and contents.
+    pub(crate) files: Vec<(&'static str, Vec<u8>)>,
+    /// How many contacts the truth has, or markers.
+    pub(crate) contacts: usize,
+    /// How many rows the readings have.
+    pub(crate) readings: usize,
+    /// Whether a camera saw it.
+    pub(crate) is_seen: bool,
+}
+
+/// Truth and readings of one pass, and what a camera saw of it.
+pub(crate) fn trace_files(
     study: &Study,
     scene: &Scene,
     trial: Option<u64>,
-) -> Result<(Table, Table), Failure> {
+) -> Result<Traced, Failure> {
     let unit = study.config.length_unit;
-    Ok(match scene {
+    let (contacts, readings, seen) = match scene {
         Scene::Roll(roll) => {
             let trace = roll.trace(trial, unit).map_err(Failure::work)?;
-            (trace.contacts, trace.readings)
+            (trace.contacts, trace.readings, None)
         }
         Scene::Glide(glide) => {
             let trace = glide.trace(trial, unit);
-            (trace.contacts, trace.readings)
+            (trace.contacts, trace.readings, None)
         }
         Scene::Press(press) => {
             let trace = press.trace(trial, unit).map_err(Failure::work)?;
-            (trace.contacts, trace.readings)
+            (trace.contacts, trace.readings, trace.seen)
         }
+        Scene::Fingertip(_) => {
+            let message = "a fingertip touches nothing: there is no pass to follow";
+            return Err(Failure::usage(study.error_at(0, "scene.kind", message)));
+        }
+    };
+    let mut files = vec![
+        ("trace.csv", contacts.to_csv().into_bytes()),
+        ("readings.csv", readings.to_csv().into_bytes()),
+    ];
+    let is_seen = seen.is_some();
+    if let Some(seen) = seen {
+        files.push(("markers.csv", seen.markers.to_csv().into_bytes()));
+        for (name, frame) in ["rest.png", "pressed.png"]
+            .into_iter()
+            .zip(seen.frames.iter().flatten())
+        {
+            files.push((name, output::png(frame)?));
+        }
+    }
+    Ok(Traced {
+        files,
+        contacts: contacts.rows.len(),
+        readings: readings.rows.len(),
+        is_seen,
     })
 }
 

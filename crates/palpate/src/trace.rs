@@ -18,11 +18,11 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
         )));
     }
     let scene = study.scene(args.cell).map_err(Failure::usage)?;
-    let (contacts, readings) = run::trace_tables(&study, &scene, args.trial)?;
-    let rows = contacts.rows.len();
+    let traced = run::trace_files(&study, &scene, args.trial)?;
+    let rows = traced.contacts;
     let what = match &scene {
         Scene::Roll(_) => {
-            let probes = counted(readings.rows.len(), "probe");
+            let probes = counted(traced.readings, "probe");
             format!("{} of {probes}", counted(rows, "contact"))
         }
         Scene::Glide(glide) => {
@@ -33,18 +33,17 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
             let unit = study.config.length_unit.as_str();
             let told = press.told_indentation(args.trial);
             format!(
-                "{} under an indentation told as {told} {unit}",
+                "{} of {} under an indentation told as {told} {unit}",
+                traced.readings,
                 counted(rows, "marker")
             )
         }
+        Scene::Fingertip(_) => String::new(),
     };
-    output::write_files(
-        &args.out,
-        &[
-            ("trace.csv", contacts.to_csv()),
-            ("readings.csv", readings.to_csv()),
-        ],
-    )?;
+    output::write_files(&args.out, &traced.files)?;
+    if traced.is_seen {
+        palpate_report::draw_press_trace(&args.out).map_err(Failure::work)?;
+    }
     output::print(&format!(
         "{}: {what} -> {}",
         study.config.name,

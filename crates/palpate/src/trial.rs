@@ -22,6 +22,9 @@ impl Trial for SceneTrial {
             Scene::Press(press) => press.trial(trial, |quantity, outcome| {
                 record.observe(quantity, observation(outcome));
             })?,
+            Scene::Fingertip(fingertip) => fingertip.trial(|quantity, outcome| {
+                record.observe(quantity, observation(outcome));
+            })?,
         }
         Ok(())
     }
@@ -29,7 +32,7 @@ impl Trial for SceneTrial {
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
         match &self.0 {
             Scene::Roll(roll) => roll_together(roll, trials, record),
-            Scene::Glide(_) | Scene::Press(_) => 0,
+            Scene::Glide(_) | Scene::Press(_) | Scene::Fingertip(_) => 0,
         }
     }
 }

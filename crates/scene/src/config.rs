@@ -11,6 +11,7 @@
 //! Whatever fails becomes a [`ConfigError`] with file, line, column, field and an excerpt.
 
 mod error;
+mod fingertip;
 mod glide;
 mod grid;
 mod load;
@@ -26,6 +27,7 @@ mod tree;
 mod validate;
 
 pub use error::ConfigError;
+pub use fingertip::{BareFingertipConfig, LensConfig, LensName, ViewConfig};
 pub use glide::{
     CriterionName, EvaluateConfig, FingertipConfig, GlideConfig, GlideEstimatorConfig,
     GlideMotionConfig, GlideNoiseConfig, GlideSensorConfig, NoiseAxis, NormalNoise, NormalsOf,
@@ -38,9 +40,11 @@ pub use plot::{
     Component, Mark, MarkAxis, PlotConfig, PlotKind, Points, STATISTICS, STD_BOUND, Scale,
 };
 pub use press::{
-    Baseline, GainNoise, Indentation, LayoutConfig, LayoutTable, LengthNoise, NamedLayout,
-    NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig, PressMotionConfig,
-    PressNoiseConfig, PressObjectConfig, PressProbeConfig, PressSensorConfig, WrongMarkers,
+    Baseline, CalibrationConfig, CameraConfig, CentroidNoise, DiscsConfig, GainNoise, HueNoise,
+    Indentation, LayoutConfig, LayoutTable, LengthNoise, LostMarkers, NamedLayout, NoiseKnown,
+    NormalFrom, PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressMotionConfig,
+    PressNoiseConfig, PressObjectConfig, PressProbeConfig, PressSensorConfig, ShownMarkers,
+    SizeNoise, WrongMarkers,
 };
 pub use roll::{
     AngularVelocityNoise, Chart, EncoderConfig, ProbeConfig, RollAxis, RollConfig,

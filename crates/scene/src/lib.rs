@@ -6,6 +6,7 @@
 //! the reading. [`recorded`] estimates from readings that somebody measured.
 
 pub mod config;
+pub mod fingertip;
 pub mod glide;
 mod legible;
 mod plan;
@@ -15,6 +16,7 @@ pub mod recorded;
 pub mod roll;
 mod table;
 
+pub use fingertip::FingertipScene;
 pub use glide::GlideScene;
 pub use plan::PlanError;
 pub use press::PressScene;
@@ -34,6 +36,8 @@ pub enum Scene {
     Glide(GlideScene),
     /// A soft sphere is pressed onto an object.
     Press(PressScene),
+    /// A soft sphere with markers touches nothing.
+    Fingertip(FingertipScene),
 }
 
 /// One trial's estimate of a quantity, and its truth, in the quantity's unit.
@@ -57,6 +61,7 @@ impl Scene {
             Self::Roll(_) => &roll::QUANTITIES,
             Self::Glide(_) => &glide::QUANTITIES,
             Self::Press(press) => press.quantities(),
+            Self::Fingertip(fingertip) => fingertip.quantities(),
         }
     }
 
@@ -66,6 +71,7 @@ impl Scene {
             Self::Roll(roll) if !roll.is_random() => 1,
             Self::Glide(glide) if !glide.is_random() => 1,
             Self::Press(press) if !press.is_random() => 1,
+            Self::Fingertip(_) => 1,
             Self::Roll(_) | Self::Glide(_) | Self::Press(_) => wanted,
         }
     }
@@ -85,6 +91,7 @@ impl Scene {
             Self::Roll(roll) => roll.trial(trial, observe),
             Self::Glide(glide) => glide.trial(trial, observe),
             Self::Press(press) => press.trial(trial, observe),
+            Self::Fingertip(fingertip) => fingertip.trial(observe),
         }
     }
 
@@ -94,6 +101,7 @@ impl Scene {
             Self::Roll(roll) => roll.truths().get(quantity).copied(),
             Self::Glide(glide) => glide.truth(quantity),
             Self::Press(press) => press.truth(quantity),
+            Self::Fingertip(fingertip) => fingertip.truth(quantity),
         }
     }
 
@@ -101,7 +109,7 @@ impl Scene {
     /// index, where it is known: of presses with noise.
     pub fn std_bound(&self, quantity: usize) -> Option<f64> {
         match self {
-            Self::Roll(_) | Self::Glide(_) => None,
+            Self::Roll(_) | Self::Glide(_) | Self::Fingertip(_) => None,
             Self::Press(press) => press.std_bound(quantity),
         }
     }
@@ -112,6 +120,7 @@ impl Scene {
             Self::Roll(roll) => roll.needs(),
             Self::Glide(glide) => glide.needs(),
             Self::Press(press) => press.needs(),
+            Self::Fingertip(fingertip) => fingertip.needs(),
         }
     }
 }
@@ -131,6 +140,9 @@ impl Study {
             SceneConfig::Roll(roll) => RollScene::new(roll, config.seed).map(Scene::Roll),
             SceneConfig::Glide(glide) => GlideScene::new(glide, config.seed).map(Scene::Glide),
             SceneConfig::Press(press) => PressScene::new(press, config.seed).map(Scene::Press),
+            SceneConfig::Fingertip(fingertip) => {
+                FingertipScene::new(fingertip).map(Scene::Fingertip)
+            }
         }
         .map_err(|error| self.plan_error(cell, error))
     }
@@ -149,6 +161,7 @@ impl Study {
             Scene::Roll(roll) => roll.estimable(),
             Scene::Glide(glide) => glide.estimable(),
             Scene::Press(press) => press.estimable(),
+            Scene::Fingertip(_) => Ok(()),
         }
         .map_err(|error| self.plan_error(cell, error))?;
         Ok(scene)

@@ -1,12 +1,17 @@
 //! A press: a soft spherical sensor touches an object once, and the object's curvature is estimated from how the markers
 //! under its skin move.
 
+mod camera;
+mod failure;
 mod noise;
 mod plan;
 mod profile;
+mod seen;
 mod trace;
 mod words;
 
+pub use failure::PressFailure;
+pub(crate) use plan::{disc_depths, discs, layout_of, of_layout, of_optics};
 pub use profile::ProfileTable;
 pub use trace::PressTrace;
 pub(crate) use words::large_contact;
@@ -17,39 +22,50 @@ use palpate_press::{
 };
 
 use crate::{Outcome, PlanError, Quantity, Unit};
+use camera::Sight;
 use noise::ReadingNoise;
+use seen::CameraPress;
 
-/// What a press estimates. The last only of objects that have a radius.
-pub const QUANTITIES: [Quantity; 7] = [
-    Quantity {
-        name: "relative_curvature",
-        unit: Unit::PerLength,
-    },
-    Quantity {
-        name: "effective_radius",
-        unit: Unit::Length,
-    },
-    Quantity {
-        name: "object_curvature",
-        unit: Unit::PerLength,
-    },
-    Quantity {
-        name: "indentation",
-        unit: Unit::Length,
-    },
-    Quantity {
-        name: "contact_radius",
-        unit: Unit::Length,
-    },
-    Quantity {
-        name: "r_squared",
-        unit: Unit::One,
-    },
-    Quantity {
-        name: "object_radius",
-        unit: Unit::Length,
-    },
+/// What a press estimates.
+const ESTIMATED: [Quantity; 6] = [
+    quantity("relative_curvature", Unit::PerLength),
+    quantity("effective_radius", Unit::Length),
+    quantity("object_curvature", Unit::PerLength),
+    quantity("indentation", Unit::Length),
+    quantity("contact_radius", Unit::Length),
+    quantity("r_squared", Unit::One),
 ];
+
+/// What a camera adds: errors of every marker that is tracked, what the marker under the contact shows, and how the
+/// tracking went.
+const SEEN: [Quantity; 7] = [
+    quantity("normal_displacement", Unit::Length),
+    quantity("tangential_displacement", Unit::Length),
+    quantity("hue_change", Unit::Turn),
+    quantity("centroid_shift", Unit::Pixel),
+    quantity("markers_tracked", Unit::One),
+    quantity("wrong_matches", Unit::One),
+    quantity("pixels", Unit::One),
+];
+
+/// Of objects that have a radius, the last.
+const RADIUS: Quantity = quantity("object_radius", Unit::Length);
+
+const fn quantity(name: &'static str, unit: Unit) -> Quantity {
+    Quantity { name, unit }
+}
+
+/// What a press with a direct sensor estimates. The last only of objects that have a radius.
+const OF_DIRECT: [Quantity; 7] = {
+    let [a, b, c, d, e, f] = ESTIMATED;
+    [a, b, c, d, e, f, RADIUS]
+};
+
+/// The same with a camera.
+const OF_CAMERA: [Quantity; 14] = {
+    let ([a, b, c, d, e, f], [g, h, i, j, k, l, m]) = (ESTIMATED, SEEN);
+    [a, b, c, d, e, f, g, h, i, j, k, l, m, RADIUS]
+};
 
 /// A press that is ready to run: the truth, the sensor, the noise and the method of a cell.
 #[derive(Clone, Debug)]
@@ -66,6 +82,8 @@ pub struct PressScene {
     /// What the press does, or why there is none: then every trial fails.
     truth: Result<TruePress, PressError>,
     sensor: PressSensor,
+    /// Whether displacements along the skin are read.
+    tangential: bool,
     noise: ReadingNoise,
     method: PressMethod,
     bounds: Option<Bounds>,
@@ -86,16 +104,17 @@ struct PressedObject {
 #[derive(Clone, Debug, PartialEq)]
 struct TruePress {
     contact_radius: f64,
+    /// To the markers, midway between their discs.
     markers: Vec<MarkerDisplacement>,
 }
 
-/// What of a press is read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct PressSensor {
-    /// Whether displacements along the skin are.
-    tangential: bool,
-    /// How many readings are averaged.
-    frames: u32,
+/// What a press is read with.
+#[derive(Clone, Debug)]
+enum PressSensor {
+    /// Displacements, as they are.
+    Direct,
+    /// What a camera sees; `None` where there is no press to be seen.
+    Camera(Option<Box<CameraPress>>),
 }
 
 /// How curvature follows from the readings.
@@ -110,23 +129,48 @@ struct PressMethod {
 /// What is read of a press.
 #[derive(Clone, Debug, PartialEq)]
 struct PressReadings {
+    /// The markers that are, in ascending order; `None`: all.
+    tracked: Option<Vec<usize>>,
     normal: Vec<f64>,
     tangential: Vec<[f64; 2]>,
+    /// What a camera saw.
+    sight: Option<Sight>,
+}
+
+impl PressReadings {
+    /// Leaves out the markers that were not tracked.
+    fn keep_tracked(&mut self) {
+        if let Some(tracked) = &self.tracked {
+            self.normal = tracked.iter().map(|&marker| self.normal[marker]).collect();
+            self.tangential = tracked
+                .iter()
+                .map(|&marker| self.tangential[marker])
+                .collect();
+        }
+    }
 }
 
 impl PressScene {
     /// What is estimated.
     pub fn quantities(&self) -> &'static [Quantity] {
+        let all: &[Quantity] = match self.sensor {
+            PressSensor::Direct => &OF_DIRECT,
+            PressSensor::Camera(_) => &OF_CAMERA,
+        };
         match self.object.radius {
-            Some(_) => &QUANTITIES,
-            None => &QUANTITIES[..6],
+            Some(_) => all,
+            None => &all[..all.len() - 1],
         }
     }
 
     /// Whether trials differ.
     pub fn is_random(&self) -> bool {
         let knows = self.method.known_indentation.is_some();
-        self.noise.is_random(self.sensor.tangential, knows)
+        let camera = match &self.sensor {
+            PressSensor::Camera(Some(camera)) => camera.is_random(),
+            PressSensor::Camera(None) | PressSensor::Direct => false,
+        };
+        camera || self.noise.is_random(self.tangential, knows)
     }
 
     /// Whether the readings have enough markers, and the method settings that can be, to tell a press. Where there is no
@@ -136,10 +180,10 @@ impl PressScene {
     /// [`PlanError`] at what keeps them from it.
     pub fn estimable(&self) -> Result<(), PlanError> {
         match self.estimate(None) {
-            Err(error @ PressError::TooFewMarkers { .. }) => {
+            Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {
                 Err(PlanError::at("scene.probe.layout", error))
             }
-            Err(error @ PressError::BadSetting { setting, .. }) => {
+            Err(PressFailure::Press(error @ PressError::BadSetting { setting, .. })) => {
                 Err(PlanError::at(format!("scene.estimator.{setting}"), error))
             }
             Ok(_) | Err(_) => Ok(()),
@@ -157,30 +201,47 @@ impl PressScene {
     }
 
     /// What the sensor reads: without noise, or in trial number `trial`.
-    fn readings(&self, trial: Option<u64>) -> Result<PressReadings, PressError> {
+    fn readings(&self, trial: Option<u64>) -> Result<PressReadings, PressFailure> {
         let truth = self.truth.as_ref().map_err(|error| *error)?;
         let mut readings = PressReadings {
+            tracked: None,
             normal: truth.markers.iter().map(|marker| marker.normal).collect(),
             tangential: truth.markers.iter().map(|one| one.tangential).collect(),
+            sight: None,
         };
+        if let PressSensor::Camera(Some(camera)) = &self.sensor {
+            camera.read(&mut readings, trial)?;
+        }
         if let Some(trial) = trial {
             self.noise.add_to(&mut readings, self.seed, trial);
         }
+        readings.keep_tracked();
         Ok(readings)
     }
 
-    fn estimate(&self, trial: Option<u64>) -> Result<PressEstimate, PressError> {
+    fn estimate(&self, trial: Option<u64>) -> Result<PressEstimate, PressFailure> {
+        self.estimate_from(&self.readings(trial)?, trial)
+    }
+
+    fn estimate_from(
+        &self,
+        readings: &PressReadings,
+        trial: Option<u64>,
+    ) -> Result<PressEstimate, PressFailure> {
         let fit = self.method.fit.as_ref().map_err(|error| *error)?;
-        let readings = self.readings(trial)?;
-        fit.estimate(&Reading {
-            markers: &self.markers,
+        let tracked = readings
+            .tracked
+            .as_ref()
+            .map(|tracked| self.markers.subset(tracked));
+        Ok(fit.estimate(&Reading {
+            markers: tracked.as_ref().unwrap_or(&self.markers),
             normal: &readings.normal,
-            tangential: self.sensor.tangential.then_some(&readings.tangential),
+            tangential: self.tangential.then_some(&readings.tangential),
             indentation: self.method.known_indentation.map(|std| Measured {
                 value: self.told_indentation(trial),
                 std,
             }),
-        })
+        })?)
     }
 
     /// One trial, from truth to estimate; see [`crate::Scene::trial`].
@@ -192,7 +253,10 @@ impl PressScene {
         trial: u64,
         mut observe: impl FnMut(usize, Outcome),
     ) -> Result<(), &'static str> {
-        let estimate = self.estimate(Some(trial)).map_err(|error| error.name())?;
+        let readings = self.readings(Some(trial)).map_err(|error| error.name())?;
+        let estimate = self
+            .estimate_from(&readings, Some(trial))
+            .map_err(|error| error.name())?;
         let curvature = estimate.object_curvature();
         for (quantity, estimated) in [
             estimate.relative_curvature,
@@ -208,15 +272,8 @@ impl PressScene {
                 observe(quantity, outcome(&estimated, truth));
             }
         }
-        observe(
-            5,
-            Outcome {
-                estimate: estimate.r_squared,
-                truth: 1.0,
-                std: None,
-                interval_holds: None,
-            },
-        );
+        observe(5, plain(estimate.r_squared, 1.0));
+        self.observe_sight(&readings, &mut observe);
         // The radius of what is taken for flat is no number.
         let radius = estimate.most_likely_object_curvature().recip();
         if let Some(truth) = self.object.radius
@@ -224,7 +281,7 @@ impl PressScene {
         {
             let of_curvature = outcome(&curvature, self.object.curvature);
             observe(
-                6,
+                self.quantities().len() - 1,
                 Outcome {
                     estimate: radius,
                     truth,
@@ -234,6 +291,37 @@ impl PressScene {
             );
         }
         Ok(())
+    }
+
+    /// What a camera saw in a trial that was estimated from.
+    fn observe_sight(&self, readings: &PressReadings, observe: &mut impl FnMut(usize, Outcome)) {
+        let (Some(sight), Ok(truth)) = (&readings.sight, &self.truth) else {
+            return;
+        };
+        let PressSensor::Camera(Some(camera)) = &self.sensor else {
+            return;
+        };
+        let first = ESTIMATED.len();
+        let tracked = readings.tracked.iter().flatten();
+        let read = tracked.zip(readings.normal.iter().zip(&readings.tangential));
+        for (&marker, (&normal, tangential)) in read {
+            let moved = &truth.markers[marker];
+            observe(first, plain(normal, moved.normal));
+            if self.tangential {
+                for (read, truth) in tangential.iter().zip(moved.tangential) {
+                    observe(first + 1, plain(*read, truth));
+                }
+            }
+        }
+        if let (Some(read), Some(exact)) = (camera.under_contact(sight), camera.shown) {
+            observe(first + 2, plain(read.hue_turns, exact.hue_turns));
+            observe(first + 3, plain(read.shift_px, exact.shift_px));
+        }
+        let tracked = readings.normal.len() as f64;
+        observe(first + 4, plain(tracked, camera.seen as f64));
+        observe(first + 5, plain(sight.wrong_matches as f64, 0.0));
+        let pixels = camera.sensor.eye.pixels();
+        observe(first + 6, plain(pixels, pixels));
     }
 
     /// The true value of a quantity, where it has one.
@@ -246,7 +334,7 @@ impl PressScene {
             3 => Some(self.indentation),
             4 => self.truth.as_ref().ok().map(|truth| truth.contact_radius),
             5 => Some(1.0),
-            6 => self.object.radius,
+            last if last + 1 == self.quantities().len() => self.object.radius,
             _ => None,
         }
     }
@@ -262,7 +350,9 @@ impl PressScene {
             1 => bounds.relative_curvature * square(self.truth(1)?),
             3 => bounds.indentation,
             4 => bounds.contact_radius,
-            6 => bounds.relative_curvature * square(self.object.radius?),
+            last if last + 1 == self.quantities().len() => {
+                bounds.relative_curvature * square(self.object.radius?)
+            }
             _ => return None,
         };
         finite(bound)
@@ -287,6 +377,16 @@ fn outcome(estimated: &Estimated, truth: f64) -> Outcome {
         truth,
         std: finite(estimated.std),
         interval_holds: Some(estimated.interval.holds(truth)),
+    }
+}
+
+/// An estimate that comes without a standard deviation.
+fn plain(estimate: f64, truth: f64) -> Outcome {
+    Outcome {
+        estimate,
+        truth,
+        std: None,
+        interval_holds: None,
     }
 }
 

@@ -15,6 +15,12 @@ pub enum Unit {
     LengthSquared,
     /// None: a share.
     One,
+    /// Turn, of a hue.
+    Turn,
+    /// Pixel.
+    Pixel,
+    /// Pixel².
+    PixelSquared,
 }
 
 /// A quantity that a scene estimates.
@@ -36,6 +42,9 @@ impl Unit {
             Self::PerLengthSquared => format!("1/{length}^2"),
             Self::LengthSquared => format!("{length}^2"),
             Self::One => "1".to_owned(),
+            Self::Turn => "turn".to_owned(),
+            Self::Pixel => "px".to_owned(),
+            Self::PixelSquared => "px^2".to_owned(),
         }
     }
 }

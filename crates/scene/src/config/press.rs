@@ -1,11 +1,13 @@
 //! The config of a press: a soft spherical fingertip with markers under its skin is pressed onto an object once.
 
+mod camera;
 mod estimator;
 mod layout;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use camera::{CalibrationConfig, CameraConfig, NormalFrom, ShownMarkers};
 pub use estimator::{Baseline, Indentation, NoiseKnown, PressEstimatorConfig};
 pub use layout::{LayoutConfig, LayoutTable, NamedLayout};
 
@@ -43,6 +45,13 @@ impl PressConfig {
                 "the markers lie below the layer: must be at most `scene.model.thickness`",
             ));
         }
+        self.check_sensor()?;
+        if self.motion.shift != 0.0 && of_model.is_some() {
+            return Err((
+                "scene.motion.shift",
+                "how a layer moves sideways is not modelled: must be 0, or the model a half-space",
+            ));
+        }
         let PressEstimatorConfig::BondedLayer { thickness, .. } = self.estimator else {
             return Ok(());
         };
@@ -56,6 +65,57 @@ impl PressConfig {
                 "the layer ends above the markers: must be at least `scene.probe.marker_depth`",
             )),
             Some(_) => Ok(()),
+        }
+    }
+}
+
+impl PressConfig {
+    /// A sensor has the noise and the blemishes of its kind.
+    fn check_sensor(&self) -> Result<(), (&'static str, &'static str)> {
+        let noise = &self.noise;
+        let of_pictures = [
+            ("scene.noise.hue", noise.hue.is_some()),
+            ("scene.noise.centroid", noise.centroid.is_some()),
+            ("scene.noise.size", noise.size.is_some()),
+        ];
+        let of_frames = ("scene.noise.pixel", noise.pixel.is_some());
+        let lost = ("scene.noise.lost_markers", noise.lost_markers.is_some());
+        let refuse = |rules: &[(&'static str, bool)], message: &'static str| {
+            let stray = rules.iter().find(|(_, is_given)| *is_given);
+            stray.map_or(Ok(()), |(path, _)| Err((*path, message)))
+        };
+        match &self.sensor {
+            PressSensorConfig::Direct { .. } => refuse(
+                &[&of_pictures[..], &[of_frames, lost]].concat(),
+                "a direct sensor has no camera; `projected` and `rendered` have",
+            ),
+            PressSensorConfig::Projected(camera) => refuse(
+                &[
+                    of_frames,
+                    ("scene.sensor.light_at_rim", camera.light_at_rim != 1.0),
+                    ("scene.sensor.blur_px", camera.blur_px != 0.0),
+                    ("scene.sensor.seam_width", camera.seam_width != 0.0),
+                ],
+                "a projected sensor has no pixels; a `rendered` one has",
+            ),
+            PressSensorConfig::Rendered(camera) => {
+                refuse(
+                    &of_pictures,
+                    "a rendered sensor errs by its pixels, `noise.pixel`; a `projected` one has this",
+                )?;
+                let PressProbeConfig::MarkerSphere { layout, .. } = &self.probe;
+                let has_gores = matches!(
+                    layout,
+                    LayoutConfig::Named(_) | LayoutConfig::Table(LayoutTable::Gores { .. })
+                );
+                refuse(
+                    &[(
+                        "scene.sensor.seam_width",
+                        camera.seam_width != 0.0 && !has_gores,
+                    )],
+                    "seams run between gores, which this layout has not",
+                )
+            }
         }
     }
 }
@@ -75,7 +135,38 @@ pub enum PressProbeConfig {
         /// Where the markers lie along the skin.
         #[serde(default)]
         layout: LayoutConfig,
+        /// The two discs that each marker is made of; a camera sees nothing else.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        discs: Option<DiscsConfig>,
+        /// In how many steps a gore's outline is drawn from the apex to the equator, on the flat pattern that the skin is cut from.
+        #[serde(default = "outline")]
+        #[schemars(extend("minimum" = 1, "maximum" = 1000))]
+        outline_samples: u32,
     },
+}
+
+fn outline() -> u32 {
+    24
+}
+
+/// The two discs that each marker is made of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DiscsConfig {
+    /// Diameter of the magenta disc, the inner one.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub magenta_diameter: f64,
+    /// Diameter of the yellow disc, the outer one.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub yellow_diameter: f64,
+    /// How far the yellow disc lies above the magenta one; `marker_depth` is midway.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub separation: f64,
+    /// How far the discs of a marker are apart along the skin by manufacture, at most, as a share of the yellow diameter; drawn once per seed.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub misalignment: f64,
 }
 
 /// What is pressed on.
@@ -108,6 +199,10 @@ pub struct PressMotionConfig {
     /// Where on the skin the contact lies: polar angle from the apex, from 0 to 180, and azimuth from x.
     #[serde(default)]
     pub contact_deg: [f64; 2],
+    /// How far the object then moves sideways, along x, sticking to the skin; of a half-space.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "length"))]
+    pub shift: f64,
 }
 
 /// What the press does to the markers.
@@ -170,6 +265,10 @@ pub enum PressSensorConfig {
         #[schemars(extend("minimum" = 1))]
         frames: u32,
     },
+    /// A camera in the sensor's centre, whose picture of each marker is computed without pixels.
+    Projected(CameraConfig),
+    /// A camera in the sensor's centre: frames are rendered, and the markers found and tracked in them.
+    Rendered(CameraConfig),
 }
 
 fn yes() -> bool {
@@ -208,6 +307,21 @@ pub struct PressNoiseConfig {
     /// Markers that err by more, others in every trial.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wrong_markers: Option<WrongMarkers>,
+    /// Error of each colour of each pixel of a rendered frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pixel: Option<PixelNoise>,
+    /// Error of each marker's mean hue, of a projected sensor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hue: Option<HueNoise>,
+    /// Error of each coordinate of each marker's centroid, of a projected sensor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub centroid: Option<CentroidNoise>,
+    /// Error of each marker's size, of a projected sensor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<SizeNoise>,
+    /// Markers that a camera does not see once the sensor is pressed, others in every trial.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lost_markers: Option<LostMarkers>,
 }
 
 /// Error of a length.
@@ -232,6 +346,62 @@ pub enum GainNoise {
         #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
         std: f64,
     },
+}
+
+/// Error of a pixel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum PixelNoise {
+    /// Gaussian with mean 0.
+    Gaussian {
+        /// Standard deviation, in levels of which full light has 255.
+        #[schemars(extend("minimum" = 0, "maximum" = 255, "x-unit" = "1"))]
+        std: f64,
+    },
+}
+
+/// Error of a hue.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum HueNoise {
+    /// Gaussian with mean 0.
+    Gaussian {
+        /// Standard deviation, turns.
+        #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+        std: f64,
+    },
+}
+
+/// Error of a place in the image.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum CentroidNoise {
+    /// Gaussian with mean 0.
+    Gaussian {
+        /// Standard deviation, pixels.
+        #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+        std: f64,
+    },
+}
+
+/// Error of a size in the image.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum SizeNoise {
+    /// Gaussian with mean 0.
+    Gaussian {
+        /// Standard deviation, a share of the size.
+        #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+        std: f64,
+    },
+}
+
+/// Markers that are not seen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LostMarkers {
+    /// How many, drawn anew in every trial.
+    pub count: u32,
 }
 
 /// Markers that are taken for others, say.

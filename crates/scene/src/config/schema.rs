@@ -11,7 +11,7 @@ pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
 /// `x-unit` states the unit of a number that has one: `length`, `1/length` or `1/length^2`, in the config's `length_unit`;
-/// `1` where others of its name have a unit and it has none. Numbers whose key ends in `_rad`, `_deg`, `_s` or `_rad_per_s` carry their unit there.
+/// `1` where others of its name have a unit and it has none. Numbers whose key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px` carry their unit there.
 pub fn schema() -> Json {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings

@@ -1,5 +1,6 @@
 //! The top level of a study's config.
 
+use super::fingertip::BareFingertipConfig;
 use super::glide::GlideConfig;
 use super::plot::PlotConfig;
 use super::press::PressConfig;
@@ -111,6 +112,8 @@ pub enum SceneConfig {
     Glide(GlideConfig),
     /// A soft sphere with markers is pressed onto an object.
     Press(PressConfig),
+    /// A sensor with markers is looked at, and touches nothing.
+    Fingertip(BareFingertipConfig),
 }
 
 impl SceneConfig {
@@ -120,6 +123,7 @@ impl SceneConfig {
             Self::Roll(roll) => roll.check(),
             Self::Glide(glide) => glide.check(),
             Self::Press(press) => press.check(),
+            Self::Fingertip(_) => Ok(()),
         }
     }
 }

@@ -1,5 +1,10 @@
 //! From a press's config to a [`PressScene`].
 
+mod camera;
+
+pub(super) use camera::AT_REST;
+pub(crate) use camera::{disc_depths, discs, of_optics};
+
 use palpate_chromatouch::{Layout, LayoutError};
 use palpate_press::{
     Body, Bounds, Contact, ForwardFit, Markers, PressError, Prior, Skin, calibrated_c,
@@ -15,6 +20,7 @@ use crate::config::{
     PressObjectConfig, PressProbeConfig, PressSensorConfig,
 };
 use crate::plan::PlanError;
+use camera::Pressed;
 
 impl PressScene {
     /// The scene that a config describes, with the random numbers of `seed`.
@@ -26,6 +32,7 @@ impl PressScene {
             radius,
             marker_depth,
             layout,
+            ..
         } = &config.probe;
         let skin =
             Skin::new(*radius).map_err(|error| PlanError::at("scene.probe.radius", error))?;
@@ -39,36 +46,65 @@ impl PressScene {
         let object = object(&config.object);
         let at = contact_place(config.motion.contact_deg, *radius)?;
         let body = body(config, *radius, *marker_depth)?;
-        let PressSensorConfig::Direct { tangential, frames } = config.sensor;
-        let sensor = PressSensor { tangential, frames };
+        let (tangential, frames) = match &config.sensor {
+            PressSensorConfig::Direct { tangential, frames } => (*tangential, *frames),
+            PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
+                (camera.tangential, camera.frames)
+            }
+        };
         let noise = noise(&config.noise, frames, places.len())?;
+        let pressed = Pressed {
+            object_curvature: object.curvature,
+            indentation: config.motion.indentation,
+            at,
+            shift: config.motion.shift,
+        };
         let contact = skin.contact(&body, object.curvature, config.motion.indentation);
         let truth = contact
             .as_ref()
             .map_err(|error| *error)
-            .map(|contact| TruePress {
-                contact_radius: contact.radius,
-                markers: markers.displacements(contact, at),
-            });
+            .and_then(|contact| true_press(config, &markers, contact, &pressed));
+        let sensor = match &config.sensor {
+            PressSensorConfig::Direct { .. } => PressSensor::Direct,
+            PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
+                let planned = camera::Planned {
+                    config,
+                    camera,
+                    seed,
+                    places: &places,
+                    markers: &markers,
+                    body: &body,
+                };
+                // A press that is none is not seen.
+                let seen = truth.as_ref().ok().map(|_| planned.press(&pressed));
+                let seen = seen.transpose()?.and_then(Result::ok);
+                PressSensor::Camera(seen.map(Box::new))
+            }
+        };
         let method = Planned {
             config,
             body: &body,
             markers: &markers,
             noise: &noise,
+            sensed: sensed_stds(&sensor),
         };
+        // What a camera errs by is not known beforehand.
         let bounds = contact
             .as_ref()
             .ok()
+            .filter(|_| matches!(sensor, PressSensor::Direct))
             .and_then(|contact| method.bounds(contact, at, tangential));
         let method = method.method(*radius, *marker_depth)?;
         let mut needs = words::of_model(&config.model, &object, &skin, &contact);
-        needs.push(
+        let is_seen = matches!(&sensor, PressSensor::Camera(Some(seen)) if seen.is_random());
+        needs.extend(
             noise
                 .need()
-                .unwrap_or_else(|| "no noise: no random numbers are drawn".to_owned()),
+                .or_else(|| (!is_seen).then(|| "no noise: no random numbers are drawn".to_owned())),
         );
-        needs.push(words::of_sensor(places.len(), sensor));
-        if tangential && noise.normal.is_random() && !noise.tangential.is_random() {
+        needs.extend(words::of_sensor(places.len(), &sensor, tangential, config));
+        let is_direct = matches!(sensor, PressSensor::Direct);
+        if is_direct && tangential && noise.normal.is_random() && !noise.tangential.is_random() {
             needs.push(words::EXACT_TANGENTIAL.to_owned());
         }
         needs.extend(words::of_estimator(config, &method));
@@ -80,6 +116,7 @@ impl PressScene {
             object,
             indentation: config.motion.indentation,
             sensor,
+            tangential,
             noise,
             method,
             bounds,
@@ -87,6 +124,38 @@ impl PressScene {
             markers,
             body,
         })
+    }
+}
+
+/// What the press does to the markers.
+fn true_press(
+    config: &PressConfig,
+    markers: &Markers,
+    contact: &Contact<'_>,
+    pressed: &Pressed,
+) -> Result<TruePress, PressError> {
+    let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
+    let mut moved = markers.displacements(contact, pressed.at);
+    let radius = contact.radius;
+    camera::shifted(
+        &config.model,
+        markers,
+        marker_depth,
+        radius,
+        pressed,
+        &mut moved,
+    )?;
+    Ok(TruePress {
+        contact_radius: radius,
+        markers: moved,
+    })
+}
+
+/// What a camera's displacements err by, as its calibration tells: normal, tangential.
+fn sensed_stds(sensor: &PressSensor) -> [Option<f64>; 2] {
+    match sensor {
+        PressSensor::Camera(Some(camera)) => camera.sensor.residual_stds(),
+        PressSensor::Camera(None) | PressSensor::Direct => [None; 2],
     }
 }
 
@@ -98,7 +167,7 @@ fn below_radius(path: &str, depth: f64, radius: f64) -> Result<(), PlanError> {
     Err(PlanError::at(path, message))
 }
 
-fn layout_of(config: &LayoutConfig) -> Layout {
+pub(crate) fn layout_of(config: &LayoutConfig) -> Layout {
     match config {
         LayoutConfig::Named(NamedLayout::Published) => Layout::published(),
         LayoutConfig::Table(LayoutTable::Gores {
@@ -125,7 +194,7 @@ fn layout_of(config: &LayoutConfig) -> Layout {
     }
 }
 
-fn of_layout(path: &str, error: &LayoutError) -> PlanError {
+pub(crate) fn of_layout(path: &str, error: &LayoutError) -> PlanError {
     match error.setting() {
         Some(setting) => PlanError::at(format!("{path}.{setting}"), error),
         None => PlanError::at(path, error),
@@ -229,6 +298,8 @@ struct Planned<'a> {
     body: &'a Body,
     markers: &'a Markers,
     noise: &'a ReadingNoise,
+    /// What a camera adds to the noise.
+    sensed: [Option<f64>; 2],
 }
 
 /// What all estimators have.
@@ -299,9 +370,9 @@ fn within(std: f64) -> Prior {
 impl Planned<'_> {
     fn method(&self, radius: f64, marker_depth: f64) -> Result<PressMethod, PlanError> {
         let nuisances = Nuisances::of(&self.config.estimator);
-        let stated = |error: GaussianError| {
-            let known = nuisances.noise == NoiseKnown::Stated && error.is_random();
-            known.then(|| error.std())
+        let stated = |error: GaussianError, sensed: Option<f64>| {
+            let std = error.std().hypot(sensed.unwrap_or(0.0));
+            Some(std).filter(|&std| nuisances.noise == NoiseKnown::Stated && std > 0.0)
         };
         let fit = self
             .assumed_body(radius, marker_depth)?
@@ -312,8 +383,8 @@ impl Planned<'_> {
                     None => Prior::Exact,
                 }),
                 baseline: nuisances.baseline,
-                normal_std: stated(self.noise.normal),
-                tangential_std: stated(self.noise.tangential),
+                normal_std: stated(self.noise.normal, self.sensed[0]),
+                tangential_std: stated(self.noise.tangential, self.sensed[1]),
                 window: match self.config.estimator {
                     PressEstimatorConfig::Gaussian { window, .. } => window,
                     _ => None,

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use palpate_press::{Displacement, PressError};
+use palpate_press::Displacement;
 
-use super::PressScene;
+use super::{PressFailure, PressScene};
 use crate::config::LengthUnit;
 
 /// Profiles as CSV: displacements against the distance from the contact, of the model and of an estimate. What an
@@ -64,7 +64,7 @@ impl PressScene {
         cell: usize,
         trial: u64,
         table: &mut ProfileTable,
-    ) -> Result<(), PressError> {
+    ) -> Result<(), PressFailure> {
         let contact = self.contact()?;
         let estimated = self.estimated_displacement(trial);
         for place in 0..PLACES {
@@ -83,7 +83,7 @@ impl PressScene {
     fn estimated_displacement(
         &self,
         trial: u64,
-    ) -> Result<impl Fn(f64) -> [Option<f64>; 2], PressError> {
+    ) -> Result<impl Fn(f64) -> [Option<f64>; 2], PressFailure> {
         let estimate = self.estimate(Some(trial))?;
         let body = &self.method.fit.as_ref().map_err(|error| *error)?.body;
         let contact = body.press(

@@ -1,8 +1,9 @@
 //! One press, written down.
 
-use palpate_press::PressError;
+use image::RgbImage;
 
-use super::PressScene;
+use super::camera::Sight;
+use super::{PressFailure, PressReadings, PressScene, PressSensor};
 use crate::Table;
 use crate::config::LengthUnit;
 
@@ -14,6 +15,17 @@ pub struct PressTrace {
     pub contacts: Table,
     /// What `estimate press` accepts.
     pub readings: Table,
+    /// What a camera sees.
+    pub seen: Option<SeenPress>,
+}
+
+/// What a camera sees of a press.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenPress {
+    /// The sight of each marker: `marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status`.
+    pub markers: Table,
+    /// The frames at rest and pressed, if they were rendered.
+    pub frames: Option<[RgbImage; 2]>,
 }
 
 impl PressScene {
@@ -26,8 +38,8 @@ impl PressScene {
     /// Presses once: noiseless, or as in trial number `trial`.
     ///
     /// # Errors
-    /// [`PressError`] where there is no press.
-    pub fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<PressTrace, PressError> {
+    /// [`PressFailure`] where there is no press, or none to be seen.
+    pub fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<PressTrace, PressFailure> {
         let truth = self.truth.as_ref().map_err(|error| *error)?;
         let named = |name: &&str| format!("{name}_{}", unit.as_str());
         let truths = ["x", "y", "radial_position", "normal_displacement"];
@@ -42,17 +54,71 @@ impl PressScene {
         }
 
         let read = self.readings(trial)?;
-        let sensed = self.sensor.tangential.then_some(&tangential);
+        let sensed = self.tangential.then_some(&tangential);
         let header = ["x", "y", "normal_displacement"];
         let header = header.iter().chain(sensed.into_iter().flatten()).map(named);
         let mut readings = Table::new(header);
-        for (marker, [x, y]) in self.places.iter().enumerate() {
-            let mut row = vec![*x, *y, read.normal[marker]];
-            if self.sensor.tangential {
-                row.extend(read.tangential[marker]);
+        let all: Vec<usize> = (0..self.places.len()).collect();
+        let markers = read.tracked.as_ref().unwrap_or(&all);
+        let rows = markers.iter().zip(read.normal.iter().zip(&read.tangential));
+        for (&marker, (&normal, along)) in rows {
+            let [x, y] = self.places[marker];
+            let mut row = vec![x, y, normal];
+            if self.tangential {
+                row.extend(along);
             }
             readings.push_numbers(row);
         }
-        Ok(PressTrace { contacts, readings })
+        Ok(PressTrace {
+            contacts,
+            readings,
+            seen: self.seen(&read, trial)?,
+        })
     }
+
+    fn seen(
+        &self,
+        read: &PressReadings,
+        trial: Option<u64>,
+    ) -> Result<Option<SeenPress>, PressFailure> {
+        match (&self.sensor, &read.sight) {
+            (PressSensor::Camera(Some(camera)), Some(sight)) => Ok(Some(SeenPress {
+                markers: sights(sight),
+                frames: camera.frames(trial)?,
+            })),
+            _ => Ok(None),
+        }
+    }
+}
+
+/// One row per marker of the layout; what is not seen is empty.
+fn sights(sight: &Sight) -> Table {
+    let header = [
+        "marker",
+        "x_px",
+        "y_px",
+        "hue_turns",
+        "dx_px",
+        "dy_px",
+        "dhue_turns",
+        "status",
+    ];
+    let mut table = Table::new(header.map(str::to_owned));
+    for (marker, track) in sight.tracks.iter().enumerate() {
+        let rest = track.and_then(|track| track.rest);
+        let change = track.and_then(|track| track.change());
+        let status = track.map_or("not-seen", |track| track.status.name());
+        let numbers = [
+            rest.map(|rest| rest.centroid_px[0]),
+            rest.map(|rest| rest.centroid_px[1]),
+            rest.map(|rest| rest.hue_turns),
+            change.map(|change| change.shift_px[0]),
+            change.map(|change| change.shift_px[1]),
+            change.map(|change| change.hue_turns),
+        ];
+        let text = |number: Option<f64>| number.map_or_else(String::new, |n| (n + 0.0).to_string());
+        let cells = std::iter::once(marker.to_string()).chain(numbers.map(text));
+        table.rows.push(cells.chain([status.to_owned()]).collect());
+    }
+    table
 }

@@ -5,8 +5,9 @@ use palpate_press::{Contact, ContactRegime, PressError, Skin};
 
 use super::{PressMethod, PressSensor, PressedObject};
 use crate::config::{
-    Baseline, Indentation, NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig,
-    PressProbeConfig,
+    Baseline, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown, NormalFrom,
+    PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
+    PressProbeConfig, PressSensorConfig, SizeNoise,
 };
 use crate::legible::legible;
 
@@ -84,14 +85,82 @@ pub(crate) fn large_contact(
 pub(super) const EXACT_TANGENTIAL: &str = "warning: displacements along the skin have no error and outweigh all \
     others; give `noise.tangential_displacement`, or set `sensor.tangential` = false";
 
-pub(super) fn of_sensor(markers: usize, sensor: PressSensor) -> String {
+pub(super) fn of_sensor(
+    markers: usize,
+    sensor: &PressSensor,
+    tangential: bool,
+    config: &PressConfig,
+) -> Vec<String> {
     let plural = if markers == 1 { "" } else { "s" };
-    let with = if sensor.tangential { "with" } else { "without" };
-    let frames = match sensor.frames {
+    let with = if tangential { "with" } else { "without" };
+    let averaged = |frames: u32| match frames {
         1 => String::new(),
         frames => format!(", the mean of {frames} frames"),
     };
-    format!("direct sensor: {markers} marker{plural}, {with} displacements along the skin{frames}")
+    let (rung, camera) = match &config.sensor {
+        PressSensorConfig::Direct { frames, .. } => {
+            let frames = averaged(*frames);
+            return vec![format!(
+                "direct sensor: {markers} marker{plural}, {with} displacements along the skin{frames}"
+            )];
+        }
+        PressSensorConfig::Projected(camera) => (
+            "projected sensor: the camera's picture of each marker in closed form, no pixels"
+                .to_owned(),
+            camera,
+        ),
+        PressSensorConfig::Rendered(camera) => (
+            format!(
+                "rendered sensor: frames of {0} x {0} px, in which markers are found and tracked",
+                camera.size_px
+            ),
+            camera,
+        ),
+    };
+    let from = match camera.normal_from {
+        NormalFrom::Hue => "hue",
+        NormalFrom::Size => "size",
+        NormalFrom::Both => "hue and size",
+    };
+    let mut needs = vec![format!(
+        "{rung}: {markers} marker{plural}, {with} displacements along the skin{}",
+        averaged(camera.frames)
+    )];
+    needs.push(format!(
+        "normal displacements from the {from} of markers, calibrated by {} presses on a plane",
+        camera.calibration.presses
+    ));
+    if let PressSensor::Camera(Some(seen)) = sensor {
+        let rest = seen.sensor.rest.iter().flatten().count();
+        if rest < markers {
+            needs.push(format!(
+                "warning: the camera sees {rest} of {markers} markers"
+            ));
+        }
+    }
+    needs.extend(camera_noise(&config.noise));
+    needs
+}
+
+/// The errors of what the camera sees, if there are any.
+fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
+    let mut errors = Vec::new();
+    if let Some(PixelNoise::Gaussian { std }) = noise.pixel {
+        errors.push(format!("{std} levels of 255 in each colour of each pixel"));
+    }
+    if let Some(HueNoise::Gaussian { std }) = noise.hue {
+        errors.push(format!("{std} turns in each hue"));
+    }
+    if let Some(CentroidNoise::Gaussian { std }) = noise.centroid {
+        errors.push(format!("{std} px in each centroid"));
+    }
+    if let Some(SizeNoise::Gaussian { std }) = noise.size {
+        errors.push(format!("{} % in each size", 100.0 * std));
+    }
+    if let Some(LostMarkers { count }) = noise.lost_markers {
+        errors.push(format!("{count} markers lost"));
+    }
+    (!errors.is_empty()).then(|| format!("noise of the camera: {}", errors.join("; ")))
 }
 
 /// The estimator, and what is doubtful about it.

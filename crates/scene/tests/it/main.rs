@@ -1,6 +1,7 @@
 //! Integration tests.
 #![allow(clippy::unwrap_used)]
 
+mod camera;
 mod config;
 mod glide;
 mod press;

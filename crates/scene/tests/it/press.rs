@@ -466,8 +466,12 @@ fn bad_scenes_are_refused_at_their_field() {
             "scene.sensor.frames: must be >= 1, is 0",
         ),
         (
+            with("sensor = { kind = \"filmed\" }"),
+            "scene.sensor.kind: unknown kind \"filmed\" (known: direct, projected, rendered)",
+        ),
+        (
             with("sensor = { kind = \"rendered\" }"),
-            "scene.sensor.kind: unknown kind \"rendered\" (known: direct)",
+            "scene.probe: `discs` is missing",
         ),
         (
             with("noise = { wrong_markers = { count = 78, std = 1.0 } }"),

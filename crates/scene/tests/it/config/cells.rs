@@ -16,7 +16,7 @@ fn objects(study: &Study) -> Vec<&ObjectConfig> {
         match scene {
             SceneConfig::Roll(roll) => &roll.object,
             SceneConfig::Glide(glide) => &glide.object,
-            SceneConfig::Press(_) => panic!("a press"),
+            SceneConfig::Press(_) | SceneConfig::Fingertip(_) => panic!("no object of a surface"),
         }
     }
     study

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Numbers without a unit, or in that of the field they speak of.
-const DIMENSIONLESS: [&str; 32] = [
+const DIMENSIONLESS: [&str; 34] = [
     "claims",              // their numbers
     "seed",                //
     "trials",              //
@@ -38,9 +38,11 @@ const DIMENSIONLESS: [&str; 32] = [
     "frames",              //
     "poisson",             //
     "gain_std",            // of a factor
+    "outline_samples",
+    "presses",
 ];
 
-const UNIT_SUFFIXES: [&str; 4] = ["_rad", "_deg", "_s", "_rad_per_s"];
+const UNIT_SUFFIXES: [&str; 5] = ["_rad", "_deg", "_s", "_rad_per_s", "_px"];
 
 /// Calls `visit` with the key and the schema of every property of every kind.
 fn properties(schema: &Value, visit: &mut impl FnMut(&str, &Value)) {

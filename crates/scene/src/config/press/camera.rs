@@ -1,0 +1,118 @@
+//! A camera in the sensor's centre.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What the camera sees, and how displacements follow from it. The lens is an equidistant fisheye.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CameraConfig {
+    /// Pixels along each side of the square image.
+    #[serde(default = "pixels")]
+    #[schemars(extend("minimum" = 1, "maximum" = 8192))]
+    pub size_px: u32,
+    /// Polar angle that the image's inscribed circle shows.
+    #[serde(default = "field")]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
+    pub field_deg: f64,
+    /// Light at the rim of the field, as a share of that in the middle; of a rendered sensor.
+    #[serde(default = "even")]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub light_at_rim: f64,
+    /// Standard deviation of the blur, pixels; of a rendered sensor.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0))]
+    pub blur_px: f64,
+    /// Width of the seams between gores; of a rendered sensor whose layout has gores.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub seam_width: f64,
+    /// What of a marker's picture tells its normal displacement.
+    #[serde(default)]
+    pub normal_from: NormalFrom,
+    /// Presses on a plane that calibrate the sensor.
+    #[serde(default)]
+    pub calibration: CalibrationConfig,
+    /// Whether displacements along the skin are read too.
+    #[serde(default = "yes")]
+    pub tangential: bool,
+    /// How many frames of a press are averaged.
+    #[serde(default = "one")]
+    #[schemars(extend("minimum" = 1))]
+    pub frames: u32,
+}
+
+fn pixels() -> u32 {
+    640
+}
+
+fn field() -> f64 {
+    65.0
+}
+
+fn even() -> f64 {
+    1.0
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn one() -> u32 {
+    1
+}
+
+/// What of a marker's picture tells its normal displacement.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NormalFrom {
+    /// Its mean hue, as the 2020 paper has it: the difference between the displacements of its two discs.
+    Hue,
+    /// Its size: the displacement towards the camera.
+    Size,
+    /// Both, weighted as calibrated.
+    #[default]
+    Both,
+}
+
+/// Presses on a plane, apex down, that calibrate the sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CalibrationConfig {
+    /// How many, in equal steps of indentation.
+    #[serde(default = "seven")]
+    #[schemars(extend("minimum" = 2, "maximum" = 1000))]
+    pub presses: u32,
+    /// Indentation of the deepest; by default that of the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    pub indentation: Option<f64>,
+    /// Of which markers the normal displacement is known.
+    #[serde(default)]
+    pub markers: ShownMarkers,
+}
+
+impl Default for CalibrationConfig {
+    fn default() -> Self {
+        Self {
+            presses: seven(),
+            indentation: None,
+            markers: ShownMarkers::default(),
+        }
+    }
+}
+
+fn seven() -> u32 {
+    7
+}
+
+/// The markers that calibrate.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShownMarkers {
+    /// All, from the model.
+    #[default]
+    All,
+    /// The one under the contact, as in the 2020 paper.
+    UnderContact,
+}

@@ -1,0 +1,253 @@
+//! A camera in the sensor's centre: from what a press does to the discs of each marker to what is read of it.
+
+use palpate_chromatouch::{MarkerMotion, Optics, SeenMarker};
+use palpate_sensing::{Channel, GaussianError, Stream};
+use palpate_tracking::{
+    Calibration, Equidistant, Finder, FinderSettings, Ground, Marker, Mask, Status, Track,
+    match_markers,
+};
+
+use super::PressFailure;
+
+/// A camera, what it sees at rest, and what it was calibrated to.
+#[derive(Clone, Debug)]
+pub(super) struct CameraSensor {
+    pub(super) eye: Eye,
+    /// Of each marker of the layout, where it is seen.
+    pub(super) rest: Vec<Option<Marker>>,
+    pub(super) calibration: Calibration,
+}
+
+/// What looks at the markers.
+#[derive(Clone, Debug)]
+pub(super) struct Eye {
+    pub(super) optics: Optics,
+    /// The lens, as far as tracking knows it.
+    pub(super) lens: Equidistant,
+    pub(super) rung: Rung,
+    /// Whether looks at the same differ.
+    pub(super) is_random: bool,
+    pub(super) seed: u64,
+}
+
+/// How far the camera's work is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Rung {
+    /// The picture of each marker, without pixels.
+    Projected(SightError),
+    /// Frames, in which markers are found and tracked.
+    Rendered,
+}
+
+/// Errors of a marker's picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SightError {
+    /// Of the mean hue, turns.
+    pub(super) hue: GaussianError,
+    /// Of each coordinate of the centroid, px.
+    pub(super) centroid: GaussianError,
+    /// Of the size, a share of it.
+    pub(super) size: GaussianError,
+}
+
+impl SightError {
+    pub(super) fn is_random(&self) -> bool {
+        self.hue.is_random() || self.centroid.is_random() || self.size.is_random()
+    }
+}
+
+/// What was seen of the markers of the layout in a press.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Sight {
+    /// What became of each since it was at rest; `None` for those that are not seen at rest.
+    pub(super) tracks: Vec<Option<Track>>,
+    /// How many were taken for another.
+    pub(super) wrong_matches: usize,
+}
+
+impl Eye {
+    /// The markers at rest.
+    pub(super) fn at_rest(&self, draw: Option<u64>) -> Result<Vec<Option<Marker>>, PressFailure> {
+        let motions = vec![Some(MarkerMotion::default()); self.optics.array().len()];
+        let images = self.images(&motions)?;
+        match self.rung {
+            Rung::Projected(error) => Ok(self.erring(images, error, draw)),
+            Rung::Rendered => {
+                let found = self.found(&motions, draw)?;
+                let mut rest = vec![None; motions.len()];
+                for marker in found {
+                    if let Some(nearest) = nearest(&images, marker.centroid_px) {
+                        rest[nearest] = Some(marker);
+                    }
+                }
+                Ok(rest)
+            }
+        }
+    }
+
+    /// What is seen of markers that moved so; `None` is not there. Errors are those of a trial.
+    pub(super) fn sight(
+        &self,
+        rest: &[Option<Marker>],
+        motions: &[Option<MarkerMotion>],
+        draw: Option<u64>,
+    ) -> Result<Sight, PressFailure> {
+        let images = self.images(motions)?;
+        match self.rung {
+            Rung::Projected(error) => {
+                let seen = self.erring(images, error, draw);
+                let tracks = rest.iter().zip(seen);
+                Ok(Sight {
+                    tracks: tracks
+                        .map(|(rest, seen)| rest.map(|rest| track(rest, seen)))
+                        .collect(),
+                    wrong_matches: 0,
+                })
+            }
+            Rung::Rendered => {
+                let known: Vec<usize> =
+                    (0..rest.len()).filter(|&one| rest[one].is_some()).collect();
+                let at_rest: Vec<Marker> = rest.iter().flatten().copied().collect();
+                let matched = match_markers(&at_rest, &self.found(motions, draw)?);
+                let mut tracks = vec![None; rest.len()];
+                let mut wrong_matches = 0;
+                for (&marker, track) in known.iter().zip(matched) {
+                    let is_other = track.change().is_some()
+                        && track
+                            .pressed
+                            .and_then(|pressed| nearest(&images, pressed.centroid_px))
+                            != Some(marker);
+                    wrong_matches += usize::from(is_other);
+                    tracks[marker] = Some(track);
+                }
+                Ok(Sight {
+                    tracks,
+                    wrong_matches,
+                })
+            }
+        }
+    }
+
+    /// Pixels that are rendered for one look.
+    pub(super) fn pixels(&self) -> f64 {
+        match self.rung {
+            Rung::Projected(_) => 0.0,
+            Rung::Rendered => f64::from(self.optics.camera().size_px()).powi(2),
+        }
+    }
+
+    /// A frame: without pixel noise, or with that of a trial.
+    pub(super) fn frame(
+        &self,
+        motions: &[Option<MarkerMotion>],
+        draw: Option<u64>,
+    ) -> Result<image::RgbImage, PressFailure> {
+        let mut stream = draw.map(|trial| Stream::new(self.seed, trial, Channel::Pixel));
+        Ok(self.optics.rendered(motions, stream.as_mut())?)
+    }
+
+    /// Where each marker is seen, without pixels.
+    fn images(
+        &self,
+        motions: &[Option<MarkerMotion>],
+    ) -> Result<Vec<Option<SeenMarker>>, PressFailure> {
+        Ok(self.optics.projected(motions)?)
+    }
+
+    fn erring(
+        &self,
+        images: Vec<Option<SeenMarker>>,
+        error: SightError,
+        draw: Option<u64>,
+    ) -> Vec<Option<Marker>> {
+        let exact = |seen: SeenMarker| Marker {
+            centroid_px: seen.centroid_px,
+            hue_turns: seen.hue_turns,
+            size_px2: seen.size_px2,
+            pixels: 0,
+        };
+        let Some(trial) = draw.filter(|_| error.is_random()) else {
+            return images.into_iter().map(|seen| seen.map(exact)).collect();
+        };
+        let [mut of_hue, mut of_centroid, mut of_size] =
+            [Channel::Hue, Channel::Centroid, Channel::Size]
+                .map(|channel| Stream::new(self.seed, trial, channel));
+        // Every marker draws, seen or not, so that scenes share their draws.
+        let erring = |seen: Option<SeenMarker>| {
+            let hue = error.hue.draw(&mut of_hue);
+            let centroid = [(); 2].map(|()| error.centroid.draw(&mut of_centroid));
+            let size = error.size.draw(&mut of_size);
+            let seen = exact(seen?);
+            Some(Marker {
+                centroid_px: [0, 1].map(|axis| seen.centroid_px[axis] + centroid[axis]),
+                hue_turns: (seen.hue_turns + hue).rem_euclid(1.0),
+                size_px2: seen.size_px2 * size.exp(),
+                ..seen
+            })
+        };
+        images.into_iter().map(erring).collect()
+    }
+
+    /// The markers that are found in a frame.
+    fn found(
+        &self,
+        motions: &[Option<MarkerMotion>],
+        draw: Option<u64>,
+    ) -> Result<Vec<Marker>, PressFailure> {
+        let camera = self.optics.camera();
+        let mut finder = Finder::new(FinderSettings {
+            mask: Some(Mask {
+                centre_px: camera.centre_px(),
+                radius_px: camera.rim_px(),
+            }),
+            ground: Some(Ground::Bright),
+            ..FinderSettings::default()
+        })?;
+        Ok(finder.find(&self.frame(motions, draw)?)?.markers)
+    }
+}
+
+impl CameraSensor {
+    /// The displacements of those markers that were tracked: marker, normal, tangential; lengths.
+    pub(super) fn displacements(&self, sight: &Sight) -> Vec<(usize, f64, [f64; 2])> {
+        let tracks = sight.tracks.iter().enumerate();
+        tracks
+            .filter_map(|(marker, track)| {
+                let change = self.eye.lens.change(track.as_ref()?)?;
+                let normal = self.calibration.normal(marker, &change)?;
+                let tangential = self.calibration.tangential(change.shift_px, normal)?;
+                Some((marker, normal, tangential))
+            })
+            .collect()
+    }
+
+    /// Standard deviations of normal and tangential displacements, as the calibration left them, where it can tell.
+    pub(super) fn residual_stds(&self) -> [Option<f64>; 2] {
+        let normal = self.calibration.normal_part();
+        let lateral = self.calibration.lateral_part();
+        [
+            normal.and_then(|normal| normal.line.residual_std),
+            lateral.and_then(|lateral| lateral.residual_std),
+        ]
+    }
+}
+
+fn track(rest: Marker, pressed: Option<Marker>) -> Track {
+    Track {
+        rest: Some(rest),
+        pressed,
+        status: match pressed {
+            Some(_) => Status::Tracked,
+            None => Status::Lost,
+        },
+    }
+}
+
+/// The marker that is seen nearest to a place in the image.
+fn nearest(images: &[Option<SeenMarker>], [x, y]: [f64; 2]) -> Option<usize> {
+    let distance = |seen: &SeenMarker| (seen.centroid_px[0] - x).hypot(seen.centroid_px[1] - y);
+    let seen = images.iter().enumerate();
+    seen.filter_map(|(marker, seen)| Some((marker, distance(seen.as_ref()?))))
+        .min_by(|one, other| one.1.total_cmp(&other.1))
+        .map(|(marker, _)| marker)
+}

@@ -1,0 +1,107 @@
+//! A press before a camera.
+
+use palpate_chromatouch::MarkerMotion;
+use palpate_sensing::{Channel, Stream};
+
+use super::camera::{CameraSensor, Eye, Rung, Sight};
+use super::{PressFailure, PressReadings};
+
+/// A press before a camera.
+#[derive(Clone, Debug)]
+pub(super) struct CameraPress {
+    pub(super) sensor: CameraSensor,
+    /// What the press does to the discs of each marker.
+    pub(super) motions: Vec<MarkerMotion>,
+    /// How many are not seen, others in every trial.
+    pub(super) lost_markers: usize,
+    /// How many are seen otherwise.
+    pub(super) seen: usize,
+    /// The marker nearest to the contact.
+    pub(super) under_contact: usize,
+    /// What it shows, but for errors and pixels.
+    pub(super) shown: Option<Shows>,
+}
+
+/// What a marker shows of a press.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shows {
+    /// Change of its mean hue, turns.
+    pub(super) hue_turns: f64,
+    /// How far its centroid moved, in pixels of the image's middle.
+    pub(super) shift_px: f64,
+}
+
+impl CameraPress {
+    /// Whether looks differ.
+    pub(super) fn is_random(&self) -> bool {
+        self.lost_markers > 0 || self.sensor.eye.is_random
+    }
+
+    /// Puts what the camera tells in the place of what is true.
+    pub(super) fn read(
+        &self,
+        readings: &mut PressReadings,
+        trial: Option<u64>,
+    ) -> Result<(), PressFailure> {
+        let sight = self.sight(trial)?;
+        let mut tracked = Vec::new();
+        for (marker, normal, tangential) in self.sensor.displacements(&sight) {
+            readings.normal[marker] = normal;
+            readings.tangential[marker] = tangential;
+            tracked.push(marker);
+        }
+        readings.tracked = Some(tracked);
+        readings.sight = Some(sight);
+        Ok(())
+    }
+
+    /// What the camera sees: without errors, or in trial number `trial`.
+    pub(super) fn sight(&self, trial: Option<u64>) -> Result<Sight, PressFailure> {
+        let motions = self.motions(trial);
+        let CameraSensor { eye, rest, .. } = &self.sensor;
+        eye.sight(rest, &motions, trial)
+    }
+
+    /// The frames at rest and pressed, if there are any.
+    pub(super) fn frames(
+        &self,
+        trial: Option<u64>,
+    ) -> Result<Option<[image::RgbImage; 2]>, PressFailure> {
+        let eye = &self.sensor.eye;
+        let rest = vec![Some(MarkerMotion::default()); self.motions.len()];
+        if !matches!(eye.rung, Rung::Rendered) {
+            return Ok(None);
+        }
+        let at_rest = trial.map(|_| super::plan::AT_REST);
+        let pressed = eye.frame(&self.motions(trial), trial)?;
+        Ok(Some([eye.frame(&rest, at_rest)?, pressed]))
+    }
+
+    /// How the discs move; `None` for the markers that are not seen.
+    fn motions(&self, trial: Option<u64>) -> Vec<Option<MarkerMotion>> {
+        let mut motions: Vec<_> = self.motions.iter().copied().map(Some).collect();
+        if let Some(trial) = trial.filter(|_| self.lost_markers > 0) {
+            let mut stream = Stream::new(self.sensor.eye.seed, trial, Channel::LostMarkers);
+            for marker in stream.choose(self.lost_markers, motions.len()) {
+                motions[marker] = None;
+            }
+        }
+        motions
+    }
+
+    /// What the marker under the contact shows, where it is tracked.
+    pub(super) fn under_contact(&self, sight: &Sight) -> Option<Shows> {
+        Shows::of(&self.sensor.eye, sight, self.under_contact)
+    }
+}
+
+impl Shows {
+    pub(super) fn of(eye: &Eye, sight: &Sight, marker: usize) -> Option<Self> {
+        let change = eye.lens.change(sight.tracks.get(marker)?.as_ref()?)?;
+        let [x, y] = change.shift_px;
+        Some(Self {
+            hue_turns: change.hue_turns,
+            shift_px: x.hypot(y),
+        })
+    }
+}

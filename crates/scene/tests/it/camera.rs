@@ -1,0 +1,259 @@
+//! Presses before a camera: what each rung sees, what it draws, and which settings make no sensor.
+
+use palpate_press::shear::followed;
+use palpate_scene::config::{LengthUnit, Study, parse};
+use palpate_scene::{Outcome, Scene};
+
+/// The 2020 paper's sensor: a layer of 5 on a core, pressed 1 deep onto a plane.
+fn text(sensor: &str, noise: &str) -> String {
+    format!(
+        r#"name = "a-study"
+length_unit = "mm"
+seed = 3
+
+[scene]
+kind = "press"
+probe = {{ kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, discs = {{ magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 }} }}
+object = {{ kind = "plane" }}
+motion = {{ indentation = 1.0 }}
+model = {{ kind = "bonded-layer", thickness = 5.0 }}
+sensor = {{ {sensor} }}
+noise = {{ {noise} }}
+estimator = {{ kind = "bonded-layer" }}
+"#
+    )
+}
+
+fn study(text: &str) -> Study {
+    parse("study.toml", text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn scene(text: &str) -> Scene {
+    study(text)
+        .estimable_scene(0)
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[track_caller]
+fn refused(text: &str) -> String {
+    let study = match parse("study.toml", text) {
+        Ok(study) => study,
+        Err(error) => return format!("{}: {}", error.path(), error.message()),
+    };
+    let error = study.estimable_scene(0).unwrap_err();
+    format!("{}: {}", error.path(), error.message())
+}
+
+/// The outcomes of a quantity in a trial.
+fn outcomes(scene: &Scene, trial: u64, name: &str) -> Vec<Outcome> {
+    let mut outcomes = Vec::new();
+    scene
+        .trial(trial, |quantity, outcome| {
+            if scene.quantities()[quantity].name == name {
+                outcomes.push(outcome);
+            }
+        })
+        .unwrap();
+    outcomes
+}
+
+fn rms_error(outcomes: &[Outcome]) -> f64 {
+    let squares = outcomes
+        .iter()
+        .map(|one| (one.estimate - one.truth).powi(2));
+    (squares.sum::<f64>() / outcomes.len() as f64).sqrt()
+}
+
+fn only(scene: &Scene, trial: u64, name: &str) -> Outcome {
+    let outcomes = outcomes(scene, trial, name);
+    assert_eq!(outcomes.len(), 1, "{name}");
+    outcomes[0]
+}
+
+#[test]
+fn a_picture_without_errors_tells_displacements_and_draws_nothing() {
+    for (from, limit) in [("hue", 0.012), ("size", 0.004), ("both", 0.002)] {
+        let sensor = format!(r#"kind = "projected", normal_from = "{from}""#);
+        let scene = scene(&text(&sensor, ""));
+        // Nothing is random: one trial is enough, and all are alike.
+        assert_eq!(scene.trials(1000), 1);
+        let normal = outcomes(&scene, 0, "normal_displacement");
+        assert_eq!(normal.len(), 77);
+        // The systematic error: the hue senses the difference between two depths.
+        assert!(rms_error(&normal) < limit, "{from}: {}", rms_error(&normal));
+        let tangential = outcomes(&scene, 0, "tangential_displacement");
+        assert_eq!(tangential.len(), 2 * 77);
+        assert!(rms_error(&tangential) < 0.01, "{}", rms_error(&tangential));
+        assert_eq!(only(&scene, 0, "pixels").estimate, 0.0);
+        assert_eq!(only(&scene, 0, "wrong_matches").estimate, 0.0);
+        assert_eq!(only(&scene, 0, "markers_tracked").estimate, 77.0);
+        let same = outcomes(&scene, 41, "normal_displacement");
+        assert_eq!(normal, same);
+    }
+}
+
+#[test]
+fn frames_tell_what_pictures_tell() {
+    let sensor = |kind: &str| text(&format!(r#"kind = "{kind}""#), "");
+    let (projected, rendered) = (scene(&sensor("projected")), scene(&sensor("rendered")));
+    assert_eq!(rendered.trials(1000), 1);
+    for (name, limit) in [
+        ("normal_displacement", 0.01),
+        ("tangential_displacement", 0.003),
+        ("hue_change", 2e-4),
+        ("centroid_shift", 0.02),
+    ] {
+        let (seen, found) = (outcomes(&projected, 0, name), outcomes(&rendered, 0, name));
+        assert_eq!(seen.len(), found.len(), "{name}");
+        for (seen, found) in seen.iter().zip(&found) {
+            assert_eq!(seen.truth, found.truth, "{name}");
+            let off = (seen.estimate - found.estimate).abs();
+            assert!(off < limit, "{name}: {seen:?} {found:?}");
+        }
+    }
+    assert_eq!(only(&rendered, 0, "pixels").estimate, 640.0 * 640.0);
+}
+
+#[test]
+fn pixel_noise_is_drawn_anew_in_every_trial_and_replayed() {
+    let noise = r#"pixel = { kind = "gaussian", std = 2.0 }, lost_markers = { count = 8 }"#;
+    let scene = scene(&text(r#"kind = "rendered", size_px = 265"#, noise));
+    assert_eq!(scene.trials(1000), 1000);
+    let tracked = only(&scene, 5, "markers_tracked");
+    assert_eq!((tracked.estimate, tracked.truth), (69.0, 69.0));
+    assert_eq!(only(&scene, 5, "wrong_matches").estimate, 0.0);
+    let [one, again, other] = [5, 5, 6].map(|trial| outcomes(&scene, trial, "normal_displacement"));
+    assert_eq!(one.len(), 69);
+    assert_eq!(one, again);
+    assert_ne!(one, other);
+    assert!(rms_error(&one) < 0.03, "{}", rms_error(&one));
+}
+
+#[test]
+fn errors_of_pictures_are_those_stated() {
+    let noise = r#"hue = { kind = "gaussian", std = 0.001 }"#;
+    let exact = scene(&text(r#"kind = "projected""#, ""));
+    let noisy = scene(&text(r#"kind = "projected""#, noise));
+    let truth = only(&exact, 0, "hue_change");
+    assert_eq!(truth.estimate, truth.truth);
+    let errors: Vec<f64> = (0..400)
+        .map(|trial| only(&noisy, trial, "hue_change").estimate - truth.truth)
+        .collect();
+    let mean = errors.iter().sum::<f64>() / 400.0;
+    // The picture at rest, taken once, errs too.
+    assert!(mean.abs() < 0.004, "{mean}");
+    let spread = errors
+        .iter()
+        .map(|error| (error - mean).powi(2))
+        .sum::<f64>()
+        / 399.0;
+    assert!((spread.sqrt() / 0.001 - 1.0).abs() < 0.15, "{spread}");
+}
+
+#[test]
+fn a_trace_has_what_the_camera_saw() {
+    let Scene::Press(press) = scene(&text(r#"kind = "rendered", size_px = 265"#, "")) else {
+        panic!("not a press");
+    };
+    let trace = press.trace(None, LengthUnit::Mm).unwrap();
+    let seen = trace.seen.unwrap();
+    assert_eq!(
+        seen.markers.header.join(","),
+        "marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status"
+    );
+    assert_eq!(seen.markers.rows.len(), 77);
+    assert!(seen.markers.rows.iter().all(|row| row[7] == "tracked"));
+    let [rest, pressed] = seen.frames.unwrap();
+    assert_eq!(rest.dimensions(), (265, 265));
+    assert_ne!(rest, pressed);
+    assert_eq!(trace.readings.rows.len(), 77);
+}
+
+#[test]
+fn sensors_that_cannot_be_are_refused_at_the_field() {
+    let camera = |sensor: &str, noise: &str| text(sensor, noise);
+    let projected = r#"kind = "projected""#;
+    let rendered = r#"kind = "rendered""#;
+    let pixel = r#"pixel = { kind = "gaussian", std = 2.0 }"#;
+    let hue = r#"hue = { kind = "gaussian", std = 0.001 }"#;
+    for (text, path) in [
+        (camera(projected, pixel), "scene.noise.pixel"),
+        (camera(rendered, hue), "scene.noise.hue"),
+        (camera(r#"kind = "direct""#, pixel), "scene.noise.pixel"),
+        (
+            camera(r#"kind = "projected", blur_px = 1.0"#, ""),
+            "scene.sensor.blur_px",
+        ),
+        (
+            camera(rendered, "lost_markers = { count = 78 }"),
+            "scene.noise.lost_markers.count",
+        ),
+        (
+            camera(r#"kind = "rendered", size_px = 0"#, ""),
+            "scene.sensor.size_px",
+        ),
+        (
+            camera(r#"kind = "rendered", size_px = 9000"#, ""),
+            "scene.sensor.size_px",
+        ),
+        // Nothing but the edge of a marker is in the field.
+        (
+            camera(r#"kind = "projected", field_deg = 1.0"#, ""),
+            "scene.sensor",
+        ),
+        (
+            camera(
+                r#"kind = "projected", calibration = { indentation = 6.0 }"#,
+                "",
+            ),
+            "scene.sensor.calibration",
+        ),
+        (
+            camera(projected, "").replace("separation = 2.0", "separation = 5.0"),
+            "scene.probe.discs.separation",
+        ),
+        (
+            camera(projected, "").replace("yellow_diameter = 2.0", "yellow_diameter = 5.0"),
+            "scene.probe.discs",
+        ),
+        (
+            camera(projected, "").replace("indentation = 1.0", "indentation = 1.0, shift = 0.5"),
+            "scene.motion.shift",
+        ),
+    ] {
+        let message = refused(&text);
+        assert!(message.starts_with(path), "{path}: {message}");
+    }
+    let without = camera(projected, "").replace(", discs = {", ", layout = \"published\" } #");
+    let message = refused(&without);
+    assert!(
+        message.starts_with("scene.probe: `discs` is missing"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_shift_sideways_is_seen() {
+    let half_space = |shift: &str| {
+        text(r#"kind = "projected""#, "")
+            .replace(
+                r#"kind = "bonded-layer", thickness = 5.0"#,
+                r#"kind = "half-space""#,
+            )
+            .replace(r#"estimator = { kind = "bonded-layer" }"#, "")
+            .replace("indentation = 1.0", &format!("indentation = 1.0{shift}"))
+    };
+    let still = only(&scene(&half_space("")), 0, "centroid_shift");
+    assert!(still.estimate < 1e-9, "{still:?}");
+    let shifted = |shift: f64| {
+        let scene = scene(&half_space(&format!(", shift = {shift}")));
+        only(&scene, 0, "centroid_shift").estimate
+    };
+    let [once, twice] = [shifted(0.5), shifted(1.0)];
+    // What the discs follow, 1 and 3 deep under a contact of a² = R δ, seen by f = 319.5 px / 65°.
+    let followed = |depth: f64| followed(0.5, depth, 20_f64.sqrt()).unwrap() / (20.0 - depth);
+    let expected = 319.5 / 65_f64.to_radians() * 0.5 * 0.5 * (followed(1.0) + followed(3.0));
+    // Up to what they move nearer, and how much of both shows.
+    assert!((once / expected - 1.0).abs() < 0.07, "{once} {expected}");
+    assert!((twice / once - 2.0).abs() < 0.05, "{once} {twice}");
+}
