@@ -25,7 +25,8 @@ pub enum Ground {
 /// How to read frames. The default finds out everything from the frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FinderSettings {
-    /// The image circle. `None`: where the colour of the frame's corners ends, if that is a circle; else the whole frame.
+    /// The image circle. `None`: where the colour of the frame's corners ends, if that is a circle, even a roughly cut out
+    /// one; else the whole frame.
     pub mask: Option<Mask>,
     /// What the markers are seen on. `None`: bright if the darkest of green and blue lie further from their median than
     /// the brightest colours from theirs.
@@ -61,6 +62,8 @@ const LEAST_DIAMETER_PX: f64 = 3.0;
 const FINE: f64 = 256.0;
 /// Squares across a marker that suffice to find it.
 const FINE_MARKER: f64 = 6.0;
+/// The least radius of an image circle that is looked for, in markers' diameters.
+const LEAST_CIRCLE: f64 = 1.5;
 /// Share of the circle's radius, at its outside, in which the rim may lie.
 const OUTERMOST: f64 = 0.08;
 /// Shapes that are looked at.
@@ -129,6 +132,10 @@ impl Finder {
         let circle = given.map_or(f64::from(width.min(height)), |mask| 2.0 * mask.radius_px);
         self.binned
             .read(frame, self.bin(circle.min(f64::from(width.max(height)))));
+        let least = self
+            .settings
+            .marker_diameter_px
+            .map_or(0.0, |diameter| LEAST_CIRCLE * diameter);
         let rim = if given.is_none() {
             Rim::find(&self.binned)
         } else {
@@ -136,7 +143,7 @@ impl Finder {
         };
         let seen = rim
             .as_ref()
-            .and_then(|rim| Some((Mask::of(rim, &self.binned)?, rim)));
+            .and_then(|rim| Some((Mask::of(rim, &self.binned, least)?, rim)));
         let mask = given
             .or(seen.map(|(mask, _)| mask))
             .unwrap_or_else(|| Mask::whole(width, height));

@@ -15,6 +15,10 @@ pub struct Mask {
 
 /// Share of a rim's points that must lie on one circle for it to be the image circle.
 const ON_CIRCLE: f64 = 0.5;
+/// Share of the circle, as far as it lies in the frame, along which its rim must be seen.
+const ALL_AROUND: f64 = 0.8;
+/// Squares along the circle within which a point of the rim must lie.
+const STEP: f64 = 4.0;
 /// How far from a circle its points may lie: squares, and shares of its radius.
 const NEAR: [f64; 2] = [1.5, 0.01];
 /// Circles through three points that are tried.
@@ -84,16 +88,20 @@ impl Mask {
         }
     }
 
-    /// The circle that a rim lies on, if it does.
-    pub(crate) fn of(rim: &Rim, binned: &Binned) -> Option<Self> {
-        let circle = Circle::through_most(&rim.points())?;
+    /// The circle of at least `least_px` radius that a rim lies on, if it does and is seen nearly all around: the edges
+    /// of a ring of markers have gaps between them.
+    pub(crate) fn of(rim: &Rim, binned: &Binned, least_px: f64) -> Option<Self> {
+        let points = rim.points();
+        let circle = Circle::through_most(&points)?;
         let [x, y] = circle.centre;
         let (width, height) = (binned.width as f64, binned.height as f64);
+        let bin = binned.bin as f64;
         let fits = (0.0..width).contains(&x)
             && (0.0..height).contains(&y)
             && circle.radius > 0.2 * width.min(height)
-            && circle.radius < 0.75 * width.max(height);
-        let bin = binned.bin as f64;
+            && circle.radius * bin > least_px
+            && circle.radius < 0.75 * width.max(height)
+            && circle.seen(&points, [width, height]) > ALL_AROUND;
         fits.then(|| Self {
             centre_px: circle.centre.map(|at| at * bin + (bin - 1.0) / 2.0),
             radius_px: circle.radius * bin,
@@ -145,6 +153,31 @@ impl Circle {
     fn holds(&self, point: &[f64; 2]) -> bool {
         let [x, y] = [0, 1].map(|axis| point[axis] - self.centre[axis]);
         ((x * x + y * y).sqrt() - self.radius).abs() < NEAR[0] + NEAR[1] * self.radius
+    }
+
+    /// Share of the circle within a frame of this size along which points lie on it.
+    fn seen(&self, points: &[[f64; 2]], size: [f64; 2]) -> f64 {
+        use std::f64::consts::TAU;
+        let steps = (TAU * self.radius / STEP).ceil().max(8.0);
+        let mut seen = vec![false; steps as usize];
+        for point in points.iter().filter(|point| self.holds(point)) {
+            let turn = (point[1] - self.centre[1]).atan2(point[0] - self.centre[0]) / TAU;
+            let step = (turn.rem_euclid(1.0) * steps) as usize % seen.len();
+            seen[step] = true;
+        }
+        let (mut within, mut count) = (0.0, 0.0);
+        for (step, &seen) in seen.iter().enumerate() {
+            let (sine, cosine) = (TAU * (step as f64 + 0.5) / steps).sin_cos();
+            let at = [
+                self.centre[0] + self.radius * cosine,
+                self.centre[1] + self.radius * sine,
+            ];
+            if (0..2).all(|axis| at[axis] > NEAR[0] && at[axis] < size[axis] - 1.0 - NEAR[0]) {
+                within += 1.0;
+                count += f64::from(u8::from(seen));
+            }
+        }
+        if within > 0.0 { count / within } else { 0.0 }
     }
 
     fn through(points: [[f64; 2]; 3]) -> Option<Self> {

@@ -30,6 +30,9 @@ pub(crate) struct Sums {
     pub(crate) light: [f64; 3],
     /// Of each colour times the offset.
     pub(crate) moment: [[f64; 2]; 3],
+    /// Of red, green and blue over the pixels that tell the hue: on a bright ground all; on a dark one, where the ground
+    /// adds nothing but noise to the chroma, the shape's own.
+    pub(crate) hue_light: [f64; 3],
     /// What the offsets are from, px.
     pub(crate) middle: [f64; 2],
 }
@@ -86,8 +89,15 @@ impl Scene<'_> {
             .map(|at| self.offset(&patches, at))
             .collect();
         trust(&mut offsets);
-        for (sums, offset) in sums.iter_mut().zip(&offsets) {
+        for (at, (sums, offset)) in sums.iter_mut().zip(&offsets).enumerate() {
             self.correct(sums, offset);
+            sums.hue_light = match self.ground {
+                Ground::Bright => sums.light,
+                Ground::Dark => {
+                    let (light, count) = self.core(&patches, at);
+                    [0, 1, 2].map(|colour| light[colour] - offset.share[colour] * count)
+                }
+            };
         }
         sums
     }
@@ -274,8 +284,28 @@ impl Scene<'_> {
             place: [sums[1], sums[2]],
             light: [sums[3], sums[4], sums[5]],
             moment: [0, 1, 2].map(|colour| [sums[6 + colour], sums[9 + colour]]),
+            hue_light: [0.0; 3],
             middle: patches[at].middle,
         }
+    }
+
+    /// The sums of colours over the shape alone, and its pixels.
+    fn core(&self, patches: &[Patch], at: usize) -> ([f64; 3], f64) {
+        let mut sums = [0.0f32; 4];
+        self.each(
+            patches,
+            at,
+            &patches[at].hull,
+            None,
+            Contested::Nearest,
+            |_, _, light| {
+                for (sum, term) in sums.iter_mut().zip([light[0], light[1], light[2], 1.0]) {
+                    *sum += term;
+                }
+            },
+        );
+        let [red, green, blue, count] = sums.map(f64::from);
+        ([red, green, blue], count)
     }
 
     /// The ground in the ring about a window, twice: what is strange is left out.

@@ -40,7 +40,7 @@ pub(crate) fn marker(
     let centroid_px = [0, 1].map(|axis| {
         sums.middle[axis] + dot(weights, sums.moment.map(|moment| moment[axis])) / light
     });
-    let (hue_turns, chroma) = hue(sums.light, ground);
+    let (hue_turns, chroma) = hue(sums.hue_light, ground);
     let coloured = chroma >= LEAST_CHROMA * light;
     let [first, last] = MAGENTA_TO_YELLOW;
     let wanted = match (hues, ground) {

@@ -3,3 +3,7 @@
 
 mod calibration;
 mod field;
+mod finder;
+#[path = "../frames/mod.rs"]
+mod frames;
+mod matching;

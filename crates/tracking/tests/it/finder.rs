@@ -1,0 +1,387 @@
+//! Markers of frames whose markers are known.
+
+use image::{Rgb, RgbImage};
+use palpate_tracking::{Finder, FinderSettings, Ground, HueWindow, Marker, Mask, TrackingError};
+
+use crate::frames::{self, Bright, Truth};
+
+fn find(frame: &RgbImage, settings: FinderSettings) -> palpate_tracking::Found {
+    Finder::new(settings).unwrap().find(frame).unwrap()
+}
+
+fn away(marker: &Marker, place: [f64; 2]) -> f64 {
+    (marker.centroid_px[0] - place[0]).hypot(marker.centroid_px[1] - place[1])
+}
+
+/// Root mean squares of the errors: of the centroid in px, of the hue in turns and of the size as a share. Each known
+/// marker must be found exactly once, and nothing else.
+fn errors(found: &[Marker], truth: &[Truth], reach: f64) -> [f64; 3] {
+    assert_eq!(found.len(), truth.len());
+    let mut squares = [0.0; 3];
+    for known in truth {
+        let near: Vec<&Marker> = found
+            .iter()
+            .filter(|marker| away(marker, known.centroid_px) < reach)
+            .collect();
+        assert_eq!(near.len(), 1, "{known:?}");
+        let turn = near[0].hue_turns - known.hue_turns;
+        let errors = [
+            away(near[0], known.centroid_px),
+            turn - turn.round(),
+            near[0].size_px2 / known.size_px2 - 1.0,
+        ];
+        for (square, error) in squares.iter_mut().zip(errors) {
+            *square += error * error;
+        }
+    }
+    squares.map(|square| (square / truth.len() as f64).sqrt())
+}
+
+#[test]
+fn discs_of_any_hue_on_a_dark_ground() {
+    for (size, centroid, degrees) in [(640, 0.020, 0.15), (1024, 0.020, 0.08)] {
+        let (frame, truth) = frames::dark(size, 5);
+        let circle = Mask {
+            centre_px: [0.5 * size as f64; 2],
+            radius_px: 0.48 * size as f64,
+        };
+        for mask in [Some(circle), None] {
+            let found = find(
+                &frame,
+                FinderSettings {
+                    mask,
+                    ..FinderSettings::default()
+                },
+            );
+            let [place, hue, _] = errors(&found.markers, &truth, 0.02 * size as f64);
+            eprintln!(
+                "{size} px, circle given: {}: centroid {place:.4} px, hue {:.4} degrees",
+                mask.is_some(),
+                360.0 * hue
+            );
+            assert_eq!((found.ground, found.cut.len()), (Ground::Dark, 0));
+            assert!(place < centroid && 360.0 * hue < degrees);
+            assert!((found.mask.radius_px - circle.radius_px).abs() < 2.0);
+        }
+    }
+}
+
+#[test]
+fn misaligned_discs_on_a_bright_ground() {
+    let clean = Bright {
+        size: 640,
+        disc_px: 32.0,
+        apart: 0.0,
+        blur_px: 0.0,
+        falloff: 0.0,
+        // Without any, all pixels of one colour are rounded alike, by up to half a step.
+        noise: 0.5,
+    };
+    let worst = Bright {
+        apart: 0.3,
+        blur_px: 2.0,
+        falloff: 0.5,
+        noise: 2.0,
+        ..clean
+    };
+    let places = frames::rings(640, 56.0, 4);
+    for (name, how) in [
+        ("clean", clean),
+        (
+            "apart",
+            Bright {
+                apart: 0.3,
+                ..clean
+            },
+        ),
+        (
+            "blurred",
+            Bright {
+                blur_px: 2.0,
+                ..clean
+            },
+        ),
+        (
+            "uneven",
+            Bright {
+                falloff: 0.5,
+                ..clean
+            },
+        ),
+        (
+            "noisy",
+            Bright {
+                noise: 2.0,
+                ..clean
+            },
+        ),
+        ("all", worst),
+    ] {
+        let (frame, truth) = frames::bright(how, &places, 9);
+        let found = find(&frame, FinderSettings::default());
+        let [place, hue, size] = errors(&found.markers, &truth, 16.0);
+        eprintln!(
+            "{name}: centroid {place:.4} px, hue {hue:.2e} turns, size {:.3} %",
+            100.0 * size
+        );
+        assert_eq!((found.ground, found.cut.len()), (Ground::Bright, 0));
+        assert!(place < 0.03 && hue < 2e-4 && size < 2e-3, "{name}");
+    }
+}
+
+#[test]
+fn a_photograph() {
+    // The list was made by eye from enlargements with a grid, quadrant by quadrant: `clear` markers stand free of the rim,
+    // `touching` ones reach it or almost do, of `cut` ones a part is beyond it. A place is the middle of both discs
+    // together, to about 2 px.
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/camera-frame-265px");
+    let frame = image::open(format!("{data}.png")).unwrap().to_rgb8();
+    let list = std::fs::read_to_string(format!("{data}-markers.csv")).unwrap();
+    let found = find(&frame, FinderSettings::default());
+    let mut counts = std::collections::BTreeMap::new();
+    let mut explained = 0;
+    for line in list.lines().skip(1) {
+        let [x, y, rim] = line.split(',').collect::<Vec<_>>()[..] else {
+            panic!("{line}")
+        };
+        let place = [x, y].map(|at| at.parse::<f64>().unwrap());
+        let near = |markers: &[Marker]| {
+            markers
+                .iter()
+                .filter(|marker| away(marker, place) < 4.5)
+                .count()
+        };
+        let (whole, cut) = (near(&found.markers), near(&found.cut));
+        match rim {
+            "clear" => assert_eq!((whole, cut), (1, 0), "{line}"),
+            "touching" => assert_eq!(whole + cut, 1, "{line}"),
+            _ => assert!(whole == 0 && cut <= 1, "{line}"),
+        }
+        explained += whole + cut;
+        *counts.entry(rim).or_insert(0) += whole + cut;
+    }
+    eprintln!(
+        "{counts:?} of {} whole and {} cut",
+        found.markers.len(),
+        found.cut.len()
+    );
+    assert_eq!(
+        explained,
+        found.markers.len() + found.cut.len(),
+        "nothing else is found"
+    );
+    assert_eq!(counts["clear"], 79);
+}
+
+#[test]
+fn order_is_from_the_middle_outward_and_memory_is_not_kept() {
+    let how = Bright {
+        size: 300,
+        disc_px: 16.0,
+        apart: 0.2,
+        blur_px: 1.0,
+        falloff: 0.2,
+        noise: 2.0,
+    };
+    let (frame, _) = frames::bright(how, &frames::rings(300, 40.0, 3), 1);
+    let (other, _) = frames::dark(240, 2);
+    let mut finder = Finder::new(FinderSettings::default()).unwrap();
+    let once = finder.find(&frame).unwrap();
+    finder.find(&other).unwrap();
+    assert_eq!(finder.find(&frame).unwrap(), once);
+    let outward: Vec<f64> = once
+        .markers
+        .iter()
+        .map(|marker| away(marker, once.mask.centre_px))
+        .collect();
+    assert!(outward.is_sorted() && outward.len() == 37);
+}
+
+#[test]
+fn grey_dust_and_blue_stains_are_no_markers() {
+    let how = Bright {
+        size: 320,
+        disc_px: 20.0,
+        apart: 0.2,
+        blur_px: 0.0,
+        falloff: 0.0,
+        noise: 1.0,
+    };
+    let (mut frame, truth) = frames::bright(how, &frames::rings(320, 44.0, 2), 4);
+    for (middle, colour) in [([40, 40], [60, 60, 60]), ([280, 60], [60, 120, 220])] {
+        for (x, y, pixel) in frame.enumerate_pixels_mut() {
+            if x.abs_diff(middle[0]).pow(2) + y.abs_diff(middle[1]).pow(2) < 100 {
+                *pixel = Rgb(colour);
+            }
+        }
+    }
+    errors(
+        &find(&frame, FinderSettings::default()).markers,
+        &truth,
+        8.0,
+    );
+    let any = FinderSettings {
+        hues: HueWindow::Any,
+        ..FinderSettings::default()
+    };
+    assert_eq!(find(&frame, any).markers.len(), truth.len() + 2);
+}
+
+#[test]
+fn a_disc_as_large_as_half_the_frame_is_found_when_its_size_is_known() {
+    let how = Bright {
+        size: 256,
+        disc_px: 110.0,
+        apart: 0.0,
+        blur_px: 1.0,
+        falloff: 0.0,
+        noise: 1.0,
+    };
+    let (frame, truth) = frames::bright(how, &[[128.4, 127.7]], 4);
+    let known = FinderSettings {
+        marker_diameter_px: Some(110.0),
+        ..FinderSettings::default()
+    };
+    let [place, ..] = errors(&find(&frame, known).markers, &truth, 8.0);
+    assert!(place < 0.1);
+}
+
+fn name(frame: &RgbImage, settings: FinderSettings) -> &'static str {
+    match Finder::new(settings).and_then(|mut finder| finder.find(frame)) {
+        Ok(found) => {
+            for marker in found.markers.iter().chain(&found.cut) {
+                let [x, y] = marker.centroid_px;
+                assert!(
+                    [x, y, marker.hue_turns, marker.size_px2]
+                        .iter()
+                        .all(|value| value.is_finite())
+                );
+                assert!((0.0..1.0).contains(&marker.hue_turns) && marker.size_px2 > 0.0);
+            }
+            "found"
+        }
+        Err(error) => {
+            assert!(
+                !error.to_string().contains("NaN")
+                    || error.name() == "mask-outside"
+                    || error.name() == "marker-diameter"
+            );
+            error.name()
+        }
+    }
+}
+
+#[test]
+fn frames_without_markers_have_names() {
+    let auto = FinderSettings::default();
+    let flat = |width, height, grey| RgbImage::from_pixel(width, height, Rgb([grey; 3]));
+    assert_eq!(name(&flat(0, 0, 0), auto), "empty-image");
+    assert_eq!(name(&flat(0, 9, 0), auto), "empty-image");
+    for (width, height) in [(1, 1), (2, 2), (1, 500), (500, 1), (15, 900)] {
+        assert_eq!(name(&flat(width, height, 7), auto), "too-small");
+    }
+    assert_eq!(name(&flat(40_000, 16, 7), auto), "too-large");
+    for ground in [None, Some(Ground::Bright), Some(Ground::Dark)] {
+        let settings = FinderSettings { ground, ..auto };
+        for (width, height) in [(16, 16), (17, 300), (300, 17), (256, 256), (700, 640)] {
+            for grey in [0, 1, 128, 254, 255] {
+                assert_eq!(name(&flat(width, height, grey), settings), "no-markers");
+            }
+        }
+    }
+}
+
+#[test]
+fn strange_frames_neither_panic_nor_hang() {
+    let mut random = frames::Random(8);
+    let mut frames = Vec::new();
+    for size in [16, 17, 64, 255, 600] {
+        frames.push(RgbImage::from_fn(size, size, |_, _| {
+            Rgb([0; 3].map(|_| random.uniform(0.0, 256.0) as u8))
+        }));
+        for pitch in [1, 2, 5, 16] {
+            frames.push(RgbImage::from_fn(size, size, |x, y| {
+                Rgb([if (x / pitch + y / pitch) % 2 == 0 {
+                    255
+                } else {
+                    0
+                }; 3])
+            }));
+            frames.push(RgbImage::from_fn(size, size, |x, _| {
+                Rgb([if x / pitch % 2 == 0 { 255 } else { 30 }, 40, 200])
+            }));
+        }
+        frames.push(RgbImage::from_fn(size, size, |x, y| {
+            Rgb(
+                [if x.abs_diff(size / 2).pow(2) + y.abs_diff(size / 2).pow(2) < size * size / 6 {
+                    0
+                } else {
+                    255
+                }; 3],
+            )
+        }));
+        frames.push(RgbImage::from_fn(size, size, |x, _| {
+            Rgb([(x * 255 / size) as u8; 3])
+        }));
+        let mut speck = RgbImage::from_pixel(size, size, Rgb([255; 3]));
+        speck.put_pixel(size / 2, size / 2, Rgb([255, 0, 0]));
+        frames.push(speck);
+    }
+    for frame in &frames {
+        for ground in [None, Some(Ground::Bright), Some(Ground::Dark)] {
+            for marker_diameter_px in [None, Some(3.0), Some(500.0)] {
+                for hues in [HueWindow::ByGround, HueWindow::Any] {
+                    name(
+                        frame,
+                        FinderSettings {
+                            mask: None,
+                            ground,
+                            hues,
+                            marker_diameter_px,
+                        },
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn impossible_settings_have_names() {
+    let frame = RgbImage::from_pixel(100, 80, Rgb([200; 3]));
+    let circle = |x: f64, y: f64, radius_px: f64| FinderSettings {
+        mask: Some(Mask {
+            centre_px: [x, y],
+            radius_px,
+        }),
+        ..FinderSettings::default()
+    };
+    for settings in [
+        circle(50.0, 40.0, 0.0),
+        circle(50.0, 40.0, -1.0),
+        circle(50.0, 40.0, f64::NAN),
+        circle(50.0, 40.0, f64::INFINITY),
+        circle(f64::NAN, 40.0, 30.0),
+        circle(100.0, 40.0, 30.0),
+        circle(50.0, -900.0, 1000.0),
+    ] {
+        assert_eq!(name(&frame, settings), "mask-outside");
+    }
+    for settings in [
+        circle(50.0, 40.0, 1e-300),
+        circle(0.0, 0.0, 1.0),
+        circle(99.9, 79.9, 1e300),
+    ] {
+        assert_eq!(name(&frame, settings), "no-markers");
+    }
+    for diameter_px in [f64::NAN, f64::INFINITY, -1.0, 0.0, 2.9] {
+        let settings = FinderSettings {
+            marker_diameter_px: Some(diameter_px),
+            ..FinderSettings::default()
+        };
+        assert!(matches!(
+            Finder::new(settings),
+            Err(TrackingError::Diameter { .. })
+        ));
+    }
+}
