@@ -3,19 +3,54 @@
 /// Terms of the series of sine and cosine.
 const TERMS: usize = 9;
 
+/// Coefficients of the powers of x² in cos x, from the constant.
+const COSINE: [f64; TERMS] = series(0);
+
+/// Those in sin x / x.
+const SINC: [f64; TERMS] = series(1);
+
+/// (−1)^k / (2k + odd)!
+const fn series(odd: usize) -> [f64; TERMS] {
+    let mut coefficients = [1.0; TERMS];
+    let mut term = 1;
+    while term < TERMS {
+        let last = 2 * term + odd;
+        coefficients[term] = -coefficients[term - 1] / ((last - 1) * last) as f64;
+        term += 1;
+    }
+    coefficients
+}
+
 /// sin θ / θ and cos θ of an angle up to half a turn, from θ². Even functions: no root is needed. From the power
 /// series at θ/2, whose first term left out is below 1e-12.
 #[inline]
 pub(super) fn sinc_and_cosine(angle_squared: f64) -> (f64, f64) {
     let half_squared = 0.25 * angle_squared;
-    let (mut sinc, mut cosine) = (1.0, 1.0);
-    for term in (1..TERMS).rev() {
-        let even = 2.0 * term as f64;
-        cosine = 1.0 - cosine * half_squared * (1.0 / ((even - 1.0) * even));
-        sinc = 1.0 - sinc * half_squared * (1.0 / (even * (even + 1.0)));
+    let (mut sinc, mut cosine) = (SINC[TERMS - 1], COSINE[TERMS - 1]);
+    for term in (0..TERMS - 1).rev() {
+        sinc = sinc * half_squared + SINC[term];
+        cosine = cosine * half_squared + COSINE[term];
     }
     // Double angle: sin θ = 2 sin(θ/2) cos(θ/2), cos θ = 1 − 2 sin²(θ/2).
     (sinc * cosine, 1.0 - 2.0 * half_squared * sinc * sinc)
+}
+
+/// The angle of a sine between −0.1 and 0.1: the power series, of which what is left out is below 1e-15.
+#[inline]
+pub(super) fn small_angle(sine: f64) -> f64 {
+    let square = sine * sine;
+    // (2k)! / (4^k k!² (2k + 1))
+    let series = [
+        1.0,
+        1.0 / 6.0,
+        3.0 / 40.0,
+        5.0 / 112.0,
+        35.0 / 1152.0,
+        63.0 / 2816.0,
+        231.0 / 13312.0,
+    ];
+    let sum = |sum, coefficient| sum * square + coefficient;
+    sine * series.into_iter().rev().fold(0.0, sum)
 }
 
 #[cfg(test)]
@@ -31,5 +66,13 @@ mod tests {
             assert!((cosine - angle.cos()).abs() < 2e-12, "{angle}");
         }
         assert_eq!(sinc_and_cosine(0.0), (1.0, 1.0));
+    }
+
+    #[test]
+    fn small_angles_are_inverse_sines() {
+        for step in -100..=100 {
+            let sine = f64::from(step) * 1e-3;
+            assert!((small_angle(sine) - sine.asin()).abs() < 1e-15, "{sine}");
+        }
     }
 }

@@ -1,4 +1,6 @@
 //! Integration tests of the spherical sensor.
 #![allow(clippy::unwrap_used)]
 
+mod frames;
+mod optics;
 mod pattern;

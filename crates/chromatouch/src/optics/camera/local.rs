@@ -105,12 +105,20 @@ impl Local {
     }
 }
 
-/// The image of all directions within an angle of a direction; of the angle, sine and cosine.
-///
+/// The image of all directions within an angle α of the direction that a lens was looked at in; of the angle, sine and
+/// cosine.
+#[inline]
+pub(in crate::optics) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
+    match lens {
+        Lens::Fisheye => fisheye_cap(local, sine, cosine),
+        Lens::Pinhole => pinhole_cap(local, sine, cosine),
+    }
+}
+
 /// The mean of a function over a cap of height h = 1 − cos α is the function in its middle plus h/4 times its Laplacian
 /// there, to second order in α.
 #[inline]
-pub(in crate::optics) fn cap(local: &Local, sine: f64, cosine: f64) -> Region {
+fn fisheye_cap(local: &Local, sine: f64, cosine: f64) -> Region {
     let height = sine * sine / (1.0 + cosine);
     let solid = TAU * height;
     let outward =
@@ -118,5 +126,20 @@ pub(in crate::optics) fn cap(local: &Local, sine: f64, cosine: f64) -> Region {
     Region {
         area: solid * (local.area + 0.25 * height * (local.area_curve + local.area_bend)),
         moment: [0.25 * solid * height * outward, 0.0],
+    }
+}
+
+/// An ellipse, exactly: with k = sin² α / cos² θ its area is π f² sin² α cos α / (cos² θ (1 − k))^(3/2), and its middle
+/// lies f tan θ / (1 − k) from the image's centre.
+#[inline]
+fn pinhole_cap(local: &Local, sine: f64, cosine: f64) -> Region {
+    // f / cos² θ over f / cos θ is 1 / cos θ.
+    let secant = local.radial / local.lateral;
+    let share = sine * sine * secant * secant;
+    let rest = 1.0 - share;
+    let area = 0.5 * TAU * local.area * sine * sine * cosine / (rest * rest.sqrt());
+    Region {
+        area,
+        moment: [area * local.radius * share / rest, 0.0],
     }
 }

@@ -6,6 +6,9 @@ use super::super::Camera;
 use super::super::array::{MarkerSight, Sight};
 use super::super::camera::Ray;
 
+/// Pixels of a row that are worked on together.
+const RUN: usize = 8;
+
 /// A marker and the pixels that it may touch.
 pub(super) struct PaintedMarker {
     pub(super) rows: Range<usize>,
@@ -111,15 +114,15 @@ impl PaintedDisc {
 
     /// How far inside the edge a ray is: v·n − cos α.
     #[inline]
-    fn inside(&self, ray: &Ray) -> f64 {
-        let [x, y, z] = ray.direction;
-        self.direction[0] * x + self.direction[1] * y + (self.direction[2] * z - self.cosine)
+    fn inside(&self, ray: &Ray, [x, y]: [f64; 2]) -> f64 {
+        let [n_x, n_y, n_z] = self.direction;
+        (n_x * x + n_y * y) * ray.lateral_rad + (n_z * ray.cosine - self.cosine)
     }
 
     /// How much of a pixel is covered, seen (x, y) from the image's centre. v·n grows with the solid angle inside, so
     /// that a share that is linear in it around the edge, by one pixel across it, sums to the disc's area.
     #[inline]
-    fn cover(&self, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
+    fn cover(&self, camera: &Camera, ray: &Ray, inside: f64, [x, y]: [f64; 2]) -> DiscCover {
         if inside.abs() >= self.band {
             return DiscCover {
                 share: if inside > 0.0 { self.opacity } else { 0.0 },
@@ -127,23 +130,23 @@ impl PaintedDisc {
             };
         }
         let [n_x, n_y, n_z] = self.direction;
-        let [_, _, cosine] = ray.direction;
-        let sine = (x * x + y * y).sqrt() * ray.lateral_rad;
+        let sine = length([x, y]) * ray.lateral_rad;
         let (outward, around) = if sine > 0.0 {
             let per_radius = ray.lateral_rad / sine;
             (
-                (n_x * x + n_y * y) * per_radius * cosine - n_z * sine,
+                (n_x * x + n_y * y) * per_radius * ray.cosine - n_z * sine,
                 (n_y * x - n_x * y) * per_radius,
             )
         } else {
             (n_x, n_y)
         };
-        let toward = [outward * ray.radial_rad, around * ray.lateral_rad];
-        let length = outward.hypot(around);
-        let rad_per_px = if length > 0.0 {
-            toward[0].hypot(toward[1]) / length
+        let radial_rad = camera.radial_rad(ray);
+        let toward = [outward * radial_rad, around * ray.lateral_rad];
+        let slope = length([outward, around]);
+        let rad_per_px = if slope > 0.0 {
+            length(toward) / slope
         } else {
-            ray.radial_rad
+            radial_rad
         };
         let share = (0.5 + inside * self.per_sine / rad_per_px).clamp(0.0, 1.0);
         DiscCover {
@@ -154,22 +157,56 @@ impl PaintedDisc {
 }
 
 impl PaintedMarker {
-    /// How the discs cover the pixel that is seen (x, y) from the image's centre; `None` if they do not.
-    #[inline]
-    pub(super) fn cover(&self, camera: &Camera, place: [f64; 2]) -> Option<Cover> {
-        let ray = camera.ray(place[0], place[1]);
-        let [magenta, yellow] = [&self.magenta, &self.yellow].map(|disc| disc.inside(&ray));
-        if magenta <= -self.magenta.band && yellow <= -self.yellow.band {
-            return None;
+    /// Calls `paint` with the column and the cover of each pixel of a row that the discs touch, within some columns; the
+    /// row is y up from the image's centre, and the centre at the column `middle`.
+    pub(super) fn cover(
+        &self,
+        camera: &Camera,
+        y: f64,
+        middle: f64,
+        within: &Range<usize>,
+        mut paint: impl FnMut(usize, &Cover),
+    ) {
+        let end = self.columns.end.min(within.end);
+        let mut start = self.columns.start.max(within.start);
+        while start < end {
+            let first = start as f64 - middle;
+            let rays: [Ray; RUN] = camera.rays(first, y);
+            let insides = |disc: &PaintedDisc| -> [f64; RUN] {
+                std::array::from_fn(|step| disc.inside(&rays[step], [first + step as f64, y]))
+            };
+            let (magenta, yellow) = (insides(&self.magenta), insides(&self.yellow));
+            for step in 0..RUN.min(end - start) {
+                let inside = [magenta[step], yellow[step]];
+                if inside[0] <= -self.magenta.band && inside[1] <= -self.yellow.band {
+                    continue;
+                }
+                let place = [first + step as f64, y];
+                paint(
+                    start + step,
+                    &self.pixel(camera, &rays[step], inside, place),
+                );
+            }
+            start += RUN;
         }
-        let magenta = self.magenta.cover(&ray, magenta, place);
-        let yellow = self.yellow.cover(&ray, yellow, place);
-        Some(Cover {
+    }
+
+    #[inline]
+    fn pixel(&self, camera: &Camera, ray: &Ray, inside: [f64; 2], place: [f64; 2]) -> Cover {
+        let magenta = self.magenta.cover(camera, ray, inside[0], place);
+        let yellow = self.yellow.cover(camera, ray, inside[1], place);
+        Cover {
             magenta: magenta.share,
             yellow: yellow.share,
             both: shared(&magenta, &yellow),
-        })
+        }
     }
+}
+
+/// Of vectors whose squares are in the range of doubles.
+#[inline]
+fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 /// How much of a pixel two discs cover together. Where both edges cross it: the lesser of the two where the discs lie
@@ -181,7 +218,7 @@ fn shared(one: &DiscCover, other: &DiscCover) -> f64 {
         return product;
     };
     let dot = toward[0] * other_toward[0] + toward[1] * other_toward[1];
-    let lengths = toward[0].hypot(toward[1]) * other_toward[0].hypot(other_toward[1]);
+    let lengths = length(toward) * length(other_toward);
     if lengths <= 0.0 {
         return product;
     }

@@ -86,7 +86,8 @@ impl Row {
     /// Rounds to whole levels.
     pub(super) fn write(&self, bytes: &mut [u8]) {
         for (byte, level) in bytes.iter_mut().zip(&self.levels) {
-            *byte = (level + 0.5).clamp(0.0, 255.0) as u8;
+            // Added to a number whose last bit is 1, the level is rounded and stands in the last bits.
+            *byte = (level.clamp(0.0, 255.0) + 8_388_608.0).to_bits() as u8;
         }
     }
 }
@@ -189,14 +190,8 @@ impl<'a> Rows<'a> {
         let [middle_column, middle_row] = self.camera.centre_px();
         let y = middle_row - number as f64;
         for &marker in &self.active {
-            let marker = &markers[marker];
-            let first = marker.columns.start.max(touched.start);
-            for column in first..marker.columns.end.min(touched.end) {
-                let x = column as f64 - middle_column;
-                if let Some(cover) = marker.cover(self.camera, [x, y]) {
-                    row.filter(column, self.through(&cover));
-                }
-            }
+            let paint = |column: usize, cover: &Cover| row.filter(column, self.through(cover));
+            markers[marker].cover(self.camera, y, middle_column, touched, paint);
         }
     }
 

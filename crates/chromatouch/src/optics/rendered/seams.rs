@@ -59,7 +59,7 @@ impl SeamLines {
                     x.hypot(y)
                 };
                 // Around the axis a pixel spans the angle that the seam's width is counted in.
-                let half = self.half_width / camera.ray(x, y).lateral_rad;
+                let half = self.half_width / camera.ray(x, y).lateral_rad.max(f64::MIN_POSITIVE);
                 // Seams narrower than a pixel cover their share of it.
                 let share = (0.5 + half - aside).clamp(0.0, (2.0 * half).min(1.0));
                 let cover = &mut self.covers[column];

@@ -1,0 +1,609 @@
+//! Markers in the image, without pixels.
+
+use std::f64::consts::PI;
+
+use approx::assert_relative_eq;
+use nalgebra::Vector3;
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,
+    MarkerMotion, Optics, OpticsError, SeenMarker,
+};
+
+/// Discs that take nothing but green and nothing but blue.
+const PURE: Colours = Colours {
+    white: [1.0; 3],
+    magenta: [1.0, 0.0, 1.0],
+    yellow: [1.0, 1.0, 0.0],
+    seam: [1.0; 3],
+    outside: [1.0; 3],
+};
+
+const DISCS: Discs = Discs {
+    magenta: 2.0,
+    yellow: 2.0,
+};
+
+fn depths(magenta: f64, yellow: f64) -> DiscDepths {
+    DiscDepths { magenta, yellow }
+}
+
+fn optics(places: &[[f64; 2]], depths: DiscDepths, lens: Lens, colours: Colours) -> Optics {
+    let array = MarkerArray::new(20.0, places, DISCS, depths).unwrap();
+    let camera = Camera::new(lens, 640, 70.0).unwrap();
+    Optics::new(array, camera, colours, Blemishes::default()).unwrap()
+}
+
+fn moved(magenta: DiscMotion, yellow: DiscMotion) -> Option<MarkerMotion> {
+    Some(MarkerMotion { magenta, yellow })
+}
+
+fn inward(normal: f64) -> DiscMotion {
+    DiscMotion {
+        normal,
+        ..DiscMotion::default()
+    }
+}
+
+/// The only marker.
+fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
+    optics.projected(&[motion]).unwrap()[0].unwrap()
+}
+
+/// On the skin of radius 20, this far from the apex.
+fn at(polar_deg: f64, azimuth_deg: f64) -> [f64; 2] {
+    let (sine, cosine) = azimuth_deg.to_radians().sin_cos();
+    [cosine, sine].map(|share| 20.0 * polar_deg.to_radians() * share)
+}
+
+/// ∫ θ 2Δφ dθ over a cap that does not hold the axis, where the circle of polar angle θ crosses the cap's edge at
+/// azimuths ±Δφ: θ = θ₀ − α cos t, midpoints.
+fn fisheye_area(radius: f64, polar: f64) -> f64 {
+    let steps = 20_000;
+    let step = PI / f64::from(steps);
+    let slice = |number: u32| {
+        let (sine, cosine) = ((f64::from(number) + 0.5) * step).sin_cos();
+        let angle = polar - radius * cosine;
+        let across = (radius.cos() - angle.cos() * polar.cos()) / (angle.sin() * polar.sin());
+        2.0 * across.clamp(-1.0, 1.0).acos() * angle * radius * sine * step
+    };
+    (0..steps).map(slice).sum()
+}
+
+#[test]
+fn a_disc_has_the_image_area_that_integration_gives() {
+    let fisheye = Camera::new(Lens::Fisheye, 640, 80.0).unwrap();
+    let square = fisheye.px_per_rad().powi(2);
+    for (radius, bound) in [(0.05, 1e-5), (0.1, 1e-4)] {
+        for polar_deg in [10.0_f64, 30.0, 60.0, 70.0] {
+            let polar = polar_deg.to_radians();
+            let area = fisheye.disc_area(radius, polar).unwrap();
+            let expected = square * fisheye_area(radius, polar);
+            assert_relative_eq!(area, expected, max_relative = bound);
+        }
+        // At the apex a circle of radius f α.
+        let area = fisheye.disc_area(radius, 0.0).unwrap();
+        assert_relative_eq!(area, PI * square * radius * radius, max_relative = 2e-6);
+    }
+    // A cone cuts the image plane of a pinhole in an ellipse.
+    let pinhole = Camera::new(Lens::Pinhole, 640, 70.0).unwrap();
+    let square = pinhole.px_per_rad().powi(2);
+    for polar_deg in [0.0_f64, 30.0, 60.0] {
+        let (radius, polar) = (0.05_f64, polar_deg.to_radians());
+        let (sine, cosine) = radius.sin_cos();
+        let power = polar.cos().powi(2) - sine * sine;
+        let expected = PI * square * sine * sine * cosine / power.powf(1.5);
+        let area = pinhole.disc_area(radius, polar).unwrap();
+        assert_relative_eq!(area, expected, max_relative = 1e-12);
+    }
+}
+
+#[test]
+fn series_at_the_axis_and_closed_forms_off_it_meet() {
+    // 0.05 rad is where one takes over from the other.
+    let camera = Camera::new(Lens::Fisheye, 640, 80.0).unwrap();
+    let area = |polar| camera.disc_area(0.05, polar).unwrap();
+    let step = 1e-6;
+    let rise = area(0.05 + step) - area(0.05 - step);
+    assert!((rise / area(0.05)).abs() < 1e-6, "{rise}");
+}
+
+#[test]
+fn concentric_discs_of_pure_colours_count_with_both_areas() {
+    for (lens, image) in [
+        (Lens::Fisheye, (|angle| angle) as fn(f64) -> f64),
+        (Lens::Pinhole, f64::tan),
+    ] {
+        let optics = optics(&[[0.0, 0.0]], depths(3.0, 1.0), lens, PURE);
+        let focal = optics.camera().px_per_rad();
+        let area = |distance: f64| PI * (focal * image((1.0 / distance).atan())).powi(2);
+        let marker = seen(&optics, Some(MarkerMotion::default()));
+        assert_relative_eq!(
+            marker.size_px2,
+            area(17.0) + area(19.0),
+            max_relative = 1e-5
+        );
+        assert_relative_eq!(marker.centroid_px[0], 319.5, epsilon = 1e-9);
+        assert_relative_eq!(marker.centroid_px[1], 319.5, epsilon = 1e-9);
+        // Red in the middle, and a ring of magenta, 60° from it, around: with chroma 1 each.
+        let (disc, ring) = (area(19.0), area(17.0) - area(19.0));
+        let sixth = PI / 3.0;
+        let angle = (-ring * sixth.sin()).atan2(disc + ring * sixth.cos());
+        let turns = 1.0 + angle / (2.0 * PI);
+        assert_relative_eq!(marker.hue_turns, turns, epsilon = 1e-5);
+    }
+}
+
+#[test]
+fn a_pinhole_shows_the_middle_of_the_ellipse() {
+    let optics = optics(&[at(50.0, 0.0)], depths(2.0, 2.0), Lens::Pinhole, PURE);
+    let marker = seen(&optics, Some(MarkerMotion::default()));
+    let (polar, radius) = (50.0_f64.to_radians(), (1.0_f64 / 18.0).atan());
+    let middle = 0.5 * ((polar + radius).tan() + (polar - radius).tan());
+    let expected = 319.5 + optics.camera().px_per_rad() * middle;
+    assert_relative_eq!(marker.centroid_px[0], expected, epsilon = 1e-9);
+    assert_relative_eq!(marker.centroid_px[1], 319.5, epsilon = 1e-9);
+}
+
+#[test]
+fn a_marker_moved_inward_grows_with_its_nearness() {
+    let optics = optics(&[[0.0, 0.0]], depths(2.0, 2.0), Lens::Fisheye, PURE);
+    let rest = seen(&optics, Some(MarkerMotion::default())).size_px2;
+    for normal in [-0.5_f64, 0.01, 0.5, 1.5] {
+        let size = seen(&optics, moved(inward(normal), inward(normal))).size_px2;
+        let growth = 0.5 * (size / rest).ln();
+        let exact = ((1.0 / (18.0 - normal)).atan() / (1.0_f64 / 18.0).atan()).ln();
+        assert_relative_eq!(growth, exact, epsilon = 1e-6);
+        // Small discs grow as −ln(1 − u/ρ).
+        assert_relative_eq!(growth, -(1.0 - normal / 18.0).ln(), max_relative = 3e-3);
+    }
+}
+
+#[test]
+fn the_disc_that_comes_nearer_tints_the_marker() {
+    for place in [[0.0, 0.0], at(50.0, 20.0)] {
+        let optics = optics(
+            &[place],
+            depths(3.0, 1.0),
+            Lens::Fisheye,
+            Colours::default(),
+        );
+        // From magenta, at −1/6, over red, at 0, to yellow, at 1/6.
+        let hue = |magenta, yellow| {
+            let turns = seen(&optics, moved(inward(magenta), inward(yellow))).hue_turns;
+            if turns > 0.5 { turns - 1.0 } else { turns }
+        };
+        let rest = hue(0.0, 0.0);
+        let (magenta, yellow) = (hue(0.3, 0.0), hue(0.0, 0.3));
+        assert!((-1.0 / 6.0..rest).contains(&magenta), "{magenta} {rest}");
+        assert!(
+            (rest..1.0 / 6.0).contains(&yellow) && yellow > rest,
+            "{yellow} {rest}"
+        );
+    }
+}
+
+#[test]
+fn markers_move_along_the_carried_axes() {
+    // 10 along the meridian from a place on it, and around it by the arc of a disc's own sphere.
+    let optics = optics(&[at(30.0, 90.0)], depths(2.0, 2.0), Lens::Fisheye, PURE);
+    let focal = optics.camera().px_per_rad();
+    let along = |tangential| DiscMotion {
+        normal: 0.0,
+        tangential,
+    };
+    let rest = seen(&optics, Some(MarkerMotion::default())).centroid_px;
+    // y is up, rows go down.
+    assert!(rest[1] < 319.5 - 0.5 * focal * 30.0_f64.to_radians());
+    let outward = seen(&optics, moved(along([0.0, 1.0]), along([0.0, 1.0]))).centroid_px;
+    assert_relative_eq!(outward[0], rest[0], epsilon = 1e-9);
+    assert_relative_eq!(rest[1] - outward[1], focal / 18.0, max_relative = 1e-3);
+    let around = seen(&optics, moved(along([0.1, 0.0]), along([0.1, 0.0]))).centroid_px;
+    let stretch = 30.0_f64.to_radians() / 0.5;
+    assert_relative_eq!(
+        around[0] - rest[0],
+        stretch * focal * 0.1 / 18.0,
+        max_relative = 1e-3
+    );
+}
+
+#[test]
+fn a_camera_finds_the_direction_of_each_place_it_shows() {
+    for (lens, field) in [
+        (Lens::Fisheye, 180.0),
+        (Lens::Fisheye, 70.0),
+        (Lens::Pinhole, 80.0),
+    ] {
+        let camera = Camera::new(lens, 101, field).unwrap();
+        assert_eq!((camera.rim_px(), camera.centre_px()), (50.5, [50.0, 50.0]));
+        for place in [[50.0, 50.0], [50.0, 20.0], [3.0, 60.0], [80.0, 80.0]] {
+            let direction = camera.direction(place).unwrap();
+            let image = camera.image(&(direction.into_inner() * 7.0)).unwrap();
+            assert_relative_eq!(image[0], place[0], epsilon = 1e-9);
+            assert_relative_eq!(image[1], place[1], epsilon = 1e-9);
+        }
+        // x to the right, y up.
+        let [column, row] = camera.image(&Vector3::new(0.1, 0.2, 1.0)).unwrap();
+        assert!(column > 50.0 && row < 50.0);
+        assert_eq!(camera.direction([0.0, 0.0]), None);
+    }
+    let camera = Camera::new(Lens::Fisheye, 101, 70.0).unwrap();
+    let turn = 50.5 / 70.0_f64.to_radians();
+    assert_relative_eq!(camera.px_per_rad(), turn, max_relative = 1e-15);
+    for direction in [
+        Vector3::zeros(),
+        -Vector3::z(),
+        Vector3::x(),
+        Vector3::new(f64::NAN, 0.0, 1.0),
+        Vector3::new(f64::INFINITY, 0.0, 1.0),
+    ] {
+        assert_eq!(camera.image(&direction), None);
+    }
+    assert_eq!(camera.direction([f64::NAN, 50.0]), None);
+    for (radius, polar) in [
+        (0.0, 0.1),
+        (0.1, 1.2),
+        (f64::NAN, 0.1),
+        (0.1, f64::NAN),
+        (0.1, -1.0),
+    ] {
+        assert_eq!(camera.disc_area(radius, polar), None, "{radius} {polar}");
+    }
+}
+
+#[test]
+fn misaligned_discs_lie_uniformly_within_a_disc() {
+    let layout = Layout::Lattice {
+        pitch: 0.5,
+        cap_deg: 50.0,
+    };
+    let places = layout.places(20.0).unwrap();
+    let small = Discs {
+        magenta: 0.1,
+        yellow: 0.2,
+    };
+    let array = MarkerArray::new(20.0, &places, small, depths(1.0, 1.0)).unwrap();
+    // Only the yellow discs are seen.
+    let yellow = Colours {
+        magenta: [1.0; 3],
+        ..PURE
+    };
+    let camera = Camera::new(Lens::Fisheye, 640, 70.0).unwrap();
+    let directions = |array: MarkerArray| -> Vec<Vector3<f64>> {
+        let motions = vec![Some(MarkerMotion::default()); array.len()];
+        let optics = Optics::new(array, camera, yellow, Blemishes::default()).unwrap();
+        let seen = optics.projected(&motions).unwrap().into_iter();
+        seen.map(|marker| {
+            camera
+                .direction(marker.unwrap().centroid_px)
+                .unwrap()
+                .into_inner()
+        })
+        .collect()
+    };
+    let misaligned = |seed| array.clone().misaligned(0.5, seed).unwrap();
+    let rest = directions(array.clone());
+    let shifts: Vec<Vector3<f64>> = directions(misaligned(1))
+        .iter()
+        .zip(&rest)
+        .map(|(one, other)| (one - other) * 19.0)
+        .collect();
+    let count = shifts.len() as f64;
+    assert!(count > 3000.0);
+    // Within half a diameter; of its disc, a quarter lies within half the radius.
+    let within = |radius: f64| shifts.iter().filter(|shift| shift.norm() < radius).count() as f64;
+    assert_eq!(within(0.1001), count);
+    assert_relative_eq!(
+        within(0.05) / count,
+        0.25,
+        epsilon = 4.0 * (0.1875 / count).sqrt()
+    );
+    let mean = shifts.iter().sum::<Vector3<f64>>() / count;
+    assert!(mean.norm() < 4.0 * 0.05 / count.sqrt(), "{mean}");
+    assert_eq!(misaligned(1), misaligned(1));
+    assert_ne!(misaligned(1), misaligned(2));
+    assert_eq!(array.clone().misaligned(0.0, 1).unwrap(), array);
+}
+
+#[test]
+fn only_what_is_all_in_the_picture_is_seen() {
+    let places = [[0.0, 0.0], at(65.0, 10.0), at(68.0, 100.0), at(80.0, 200.0)];
+    let optics = optics(&places, depths(3.0, 1.0), Lens::Fisheye, Colours::default());
+    let mut motions = [Some(MarkerMotion::default()); 4];
+    let visible = |motions: &[Option<MarkerMotion>]| -> Vec<bool> {
+        let seen = optics.projected(motions).unwrap();
+        seen.iter().map(Option::is_some).collect()
+    };
+    // The discs' angular radius is 3.4°.
+    assert_eq!(visible(&motions), [true, true, false, false]);
+    motions[0] = None;
+    assert_eq!(visible(&motions), [false, true, false, false]);
+    let clear = Colours {
+        magenta: [1.0; 3],
+        yellow: [1.0; 3],
+        ..PURE
+    };
+    let nothing = Optics::new(
+        optics.array().clone(),
+        *optics.camera(),
+        clear,
+        Blemishes::default(),
+    );
+    assert!(
+        nothing
+            .unwrap()
+            .projected(&motions)
+            .unwrap()
+            .iter()
+            .all(Option::is_none)
+    );
+}
+
+#[test]
+fn impossible_arrays_are_named() {
+    let array = |radius, places: &[[f64; 2]], magenta, yellow, depths| {
+        MarkerArray::new(radius, places, Discs { magenta, yellow }, depths)
+            .map_err(|error| (error.name(), error.setting()))
+            .unwrap_err()
+    };
+    let one = [[0.0, 0.0]];
+    let good = depths(3.0, 1.0);
+    let nan = f64::NAN;
+    for (radius, diameters, depths, expected) in [
+        (nan, [2.0, 2.0], good, ("bad-setting", Some("radius"))),
+        (0.0, [2.0, 2.0], good, ("bad-setting", Some("radius"))),
+        (
+            20.0,
+            [0.0, 2.0],
+            good,
+            ("bad-setting", Some("magenta_diameter")),
+        ),
+        (
+            20.0,
+            [40.0, 2.0],
+            good,
+            ("bad-setting", Some("magenta_diameter")),
+        ),
+        (
+            20.0,
+            [2.0, nan],
+            good,
+            ("bad-setting", Some("yellow_diameter")),
+        ),
+        (
+            20.0,
+            [2.0, 1e-300],
+            good,
+            ("bad-setting", Some("yellow_diameter")),
+        ),
+        (
+            20.0,
+            [2.0, 2.0],
+            depths(20.0, 1.0),
+            ("bad-depth", Some("separation")),
+        ),
+        (
+            20.0,
+            [2.0, 2.0],
+            depths(1.0, 3.0),
+            ("bad-depth", Some("separation")),
+        ),
+        (
+            20.0,
+            [2.0, 2.0],
+            depths(1.0, -0.1),
+            ("bad-depth", Some("separation")),
+        ),
+        (
+            20.0,
+            [2.0, 2.0],
+            depths(nan, nan),
+            ("bad-depth", Some("separation")),
+        ),
+    ] {
+        let [magenta, yellow] = diameters;
+        assert_eq!(array(radius, &one, magenta, yellow, depths), expected);
+    }
+    for place in [[63.0, 0.0], [nan, 0.0], [f64::INFINITY, 0.0]] {
+        assert_eq!(
+            array(20.0, &[place], 2.0, 2.0, good),
+            ("off-the-skin", None)
+        );
+    }
+    let many = vec![[0.0, 0.0]; 100_001];
+    assert_eq!(
+        array(20.0, &many, 2.0, 2.0, good),
+        ("too-many-markers", None)
+    );
+
+    let misaligned = MarkerArray::new(20.0, &one, DISCS, good).unwrap();
+    for most in [-0.1, 1.1, nan] {
+        let error = misaligned.clone().misaligned(most, 1).unwrap_err();
+        assert_eq!(error.setting(), Some("misalignment"));
+    }
+}
+
+#[test]
+fn discs_that_cover_each_other_are_found_among_many() {
+    let layout = Layout::Lattice {
+        pitch: 0.2,
+        cap_deg: 120.0,
+    };
+    let mut places = layout.places(20.0).unwrap();
+    assert!(places.len() > 90_000);
+    let array = |places: &[[f64; 2]], diameter| {
+        let discs = Discs {
+            magenta: 0.5 * diameter,
+            yellow: diameter,
+        };
+        MarkerArray::new(20.0, places, discs, depths(1.0, 1.0))
+    };
+    assert_eq!(array(&places, 0.1).unwrap().len(), places.len());
+    let [x, y] = places[70_000];
+    places.push([x + 0.05, y]);
+    let Err(OpticsError::DiscsOverlap {
+        first,
+        second,
+        distance,
+        diameter,
+    }) = array(&places, 0.1)
+    else {
+        panic!("not refused");
+    };
+    assert_eq!((first, second), (70_000, places.len() - 1));
+    assert!(
+        distance < 0.05 && (diameter - 0.1).abs() < 1e-15,
+        "{distance} {diameter}"
+    );
+    // Both sides of the chart's far edge are neighbours on the sphere.
+    let opposite = [at(179.9, 0.0), at(179.9, 180.0)];
+    assert_eq!(array(&opposite, 0.2).unwrap_err().name(), "discs-overlap");
+    assert!(array(&opposite, 0.05).is_ok());
+}
+
+#[test]
+fn impossible_cameras_colours_and_blemishes_are_named() {
+    for (lens, size_px, field_deg, setting) in [
+        (Lens::Fisheye, 0, 70.0, "size_px"),
+        (Lens::Fisheye, 8193, 70.0, "size_px"),
+        (Lens::Fisheye, 640, 180.1, "field_deg"),
+        (Lens::Fisheye, 640, 0.0, "field_deg"),
+        (Lens::Pinhole, 640, 90.0, "field_deg"),
+        (Lens::Pinhole, 640, f64::NAN, "field_deg"),
+    ] {
+        let error = Camera::new(lens, size_px, field_deg).unwrap_err();
+        assert_eq!(
+            (error.name(), error.setting()),
+            ("bad-setting", Some(setting))
+        );
+    }
+    let optics = optics(&[[0.0, 0.0]], depths(3.0, 1.0), Lens::Fisheye, PURE);
+    let refused = |colours, blemishes| {
+        let array = optics.array().clone();
+        let error = Optics::new(array, *optics.camera(), colours, blemishes).unwrap_err();
+        error.setting().unwrap()
+    };
+    let clean = Blemishes::default();
+    let white = Colours {
+        white: [1.1, 1.0, 1.0],
+        ..PURE
+    };
+    assert_eq!(refused(white, clean), "white");
+    for bad in [-0.1, 1e300, f64::NAN] {
+        let seams = palpate_chromatouch::Seams {
+            gores: 4,
+            width: if bad > 1.0 { f64::INFINITY } else { bad },
+        };
+        for (blemishes, setting) in [
+            (
+                Blemishes {
+                    light_at_rim: bad,
+                    ..clean
+                },
+                "light_at_rim",
+            ),
+            (
+                Blemishes {
+                    blur_px: bad,
+                    ..clean
+                },
+                "blur_px",
+            ),
+            (
+                Blemishes {
+                    pixel_std: bad,
+                    ..clean
+                },
+                "pixel_std",
+            ),
+            (
+                Blemishes {
+                    seams: Some(seams),
+                    ..clean
+                },
+                "seam_width",
+            ),
+        ] {
+            assert_eq!(refused(PURE, blemishes), setting);
+        }
+    }
+}
+
+#[test]
+fn impossible_motions_are_named() {
+    let optics = optics(
+        &[[0.0, 0.0], at(30.0, 0.0)],
+        depths(3.0, 1.0),
+        Lens::Fisheye,
+        PURE,
+    );
+    let rest = Some(MarkerMotion::default());
+    let wrong = OpticsError::WrongCount {
+        motions: 1,
+        markers: 2,
+    };
+    assert_eq!(optics.projected(&[rest]).unwrap_err(), wrong);
+    assert_eq!(optics.rendered(&[rest], None).unwrap_err(), wrong);
+    for bad in [17.0, -17.0, 1e300, f64::NAN, f64::NEG_INFINITY] {
+        let along = |tangential| DiscMotion {
+            normal: 0.0,
+            tangential,
+        };
+        for motion in [inward(bad), along([bad, 0.0]), along([0.0, bad])] {
+            let motions = [rest, moved(motion, DiscMotion::default())];
+            for error in [
+                optics.projected(&motions).unwrap_err(),
+                optics.rendered(&motions, None).unwrap_err(),
+            ] {
+                let OpticsError::ImpossibleMotion { marker, disc, .. } = error else {
+                    panic!("{error}");
+                };
+                assert_eq!((marker, disc), (1, "magenta"));
+            }
+        }
+    }
+}
+
+#[test]
+fn every_size_of_everything_is_finite() {
+    for (radius, share, separation) in [
+        (1e-9, 0.1, 0.1),
+        (1e9, 0.1, 0.1),
+        (1e-50, 1e-8, 0.0),
+        (1e50, 1.0, 0.5),
+        (20.0, 2e-9, 0.9),
+        (20.0, 0.9, 0.0),
+    ] {
+        let discs = Discs {
+            magenta: share * radius,
+            yellow: share * radius,
+        };
+        let depths = depths(separation * radius, 0.0);
+        let places = [[0.3 * radius, 0.2 * radius]];
+        let array = MarkerArray::new(radius, &places, discs, depths).unwrap();
+        for (lens, field) in [
+            (Lens::Fisheye, 180.0),
+            (Lens::Fisheye, 1e-6),
+            (Lens::Pinhole, 89.9999),
+        ] {
+            for size in [1, 7, 64] {
+                let camera = Camera::new(lens, size, field).unwrap();
+                let array = array.clone().misaligned(1.0, 3).unwrap();
+                let optics = Optics::new(array, camera, PURE, Blemishes::default()).unwrap();
+                for share in [0.0, 0.4999, -0.4999, 1e-300] {
+                    let motion = DiscMotion {
+                        normal: share * radius * (1.0 - separation),
+                        tangential: [share * radius * (1.0 - separation); 2],
+                    };
+                    let motions = [moved(motion, motion)];
+                    if let Some(marker) = optics.projected(&motions).unwrap()[0] {
+                        let [x, y] = marker.centroid_px;
+                        assert!(x.is_finite() && y.is_finite(), "{marker:?}");
+                        assert!(marker.size_px2 > 0.0 && marker.size_px2.is_finite());
+                        assert!((0.0..1.0).contains(&marker.hue_turns), "{marker:?}");
+                    }
+                    assert_eq!(optics.rendered(&motions, None).unwrap().width(), size);
+                }
+            }
+        }
+    }
+}
