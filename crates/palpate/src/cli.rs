@@ -1,6 +1,7 @@
 //! The arguments of the commands.
 
 mod press;
+mod sensor;
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
@@ -11,6 +12,7 @@ use palpate_scene::config::LengthUnit;
 use palpate_scene::recorded::GlideMethod;
 
 pub(crate) use press::{BaselineIs, EstimatePressArgs, PressMethodName};
+pub(crate) use sensor::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};
 
 /// Simulate a fingertip exploring a surface, model what its sensors really deliver, and estimate
 /// the surface's curvature from that.
@@ -42,6 +44,13 @@ pub(crate) enum Command {
   palpate estimate glide examples/glide-readings.csv --map map.csv
   palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1.5")]
     Estimate(Estimator),
+    /// Design, calibrate and read a camera sensor with colour markers.
+    #[command(subcommand)]
+    #[command(after_help = "Example:
+  palpate sensor pattern examples/press-with-a-camera.toml --out out/pattern
+  palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv --out calibration.toml
+  palpate sensor track rest.png pressed.png --out out/track")]
+    Sensor(SensorCommand),
     /// Validate a config; prints cells, trials, the models that it needs and an estimate of the time.
     #[command(after_help = "Example:
   palpate check sim-configs/ep1-roll-length.toml")]

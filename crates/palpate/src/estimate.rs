@@ -14,7 +14,7 @@ use crate::cli::{EstimateGlideArgs, EstimateRollArgs, Method};
 use crate::failure::Failure;
 use crate::output;
 
-pub(crate) use press::press;
+pub(crate) use press::{press, press_options};
 
 pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let readings = read_roll(&args.readings).map_err(Failure::work)?;

@@ -13,6 +13,7 @@ mod output;
 mod progress;
 mod results;
 mod run;
+mod sensor;
 mod tables;
 mod trace;
 mod trial;
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
         Command::Estimate(Estimator::Roll(args)) => estimate::roll(&args),
         Command::Estimate(Estimator::Glide(args)) => estimate::glide(&args),
         Command::Estimate(Estimator::Press(args)) => estimate::press(&args),
+        Command::Sensor(command) => sensor::sensor(&command),
         Command::Check(args) => check::check(&args),
         Command::Plot(args) => results::plot(&args),
         Command::Report(args) => results::report(&args),

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::output;
 
 pub(crate) fn press(args: &EstimatePressArgs) -> Result<(), Failure> {
-    let options = options(args)?;
+    let options = press_options(args)?;
     let readings = read_press(&args.readings).map_err(Failure::work)?;
     fits_readings(args, &readings)?;
     let estimate = estimate_press(&readings, &options).map_err(Failure::work)?;
@@ -21,7 +21,8 @@ fn refuse(message: impl std::fmt::Display) -> Result<(), Failure> {
     Err(Failure::Usage(anyhow!("{message}")))
 }
 
-fn options(args: &EstimatePressArgs) -> Result<PressOptions, Failure> {
+/// What the arguments ask for.
+pub(crate) fn press_options(args: &EstimatePressArgs) -> Result<PressOptions, Failure> {
     useful(args)?;
     possible(args)?;
     Ok(PressOptions {

@@ -1,0 +1,113 @@
+//! `palpate sensor calibrate`.
+
+use std::path::Path;
+
+use anyhow::anyhow;
+use palpate_scene::recorded::{
+    CalibrateOptions, CalibrationPoints, Frame, KnownOfFrames, calibrate as calibrate_to,
+    calibration_points_of_frames, read_calibration_points,
+};
+
+use super::frame::read_frame;
+use crate::cli::CalibrateArgs;
+use crate::failure::Failure;
+use crate::output;
+
+pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
+    let (dir, name) = place_of(&args.out)?;
+    let shows_frames = shows_frames(args)?;
+    let (points, markers) = if shows_frames {
+        points_of_frames(args)?
+    } else {
+        let points: Result<_, _> = args
+            .inputs
+            .iter()
+            .map(|path| read_calibration_points(path))
+            .collect();
+        (points.map_err(Failure::work)?, None)
+    };
+    let options = CalibrateOptions {
+        from: args.from,
+        per_marker: args.per_marker,
+        markers,
+        length_unit: args.length_unit,
+    };
+    let report = calibrate_to(&points, &options).map_err(Failure::work)?;
+    output::write_files(dir, &[(name, report.to_toml())])?;
+    for warning in report.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    let mut lines = report.summary();
+    lines.push(format!("-> {}", args.out.display()));
+    output::print(&lines.join("\n"))
+}
+
+/// The directory and the name of the file to write.
+fn place_of(file: &Path) -> Result<(&Path, &str), Failure> {
+    let name = file.file_name().and_then(|name| name.to_str());
+    let Some(name) = name.filter(|_| !file.is_dir()) else {
+        let shown = file.display();
+        return Err(Failure::Usage(anyhow!("--out {shown}: is not a file name")));
+    };
+    let dir = file.parent().filter(|dir| *dir != Path::new(""));
+    Ok((dir.unwrap_or(Path::new(".")), name))
+}
+
+fn is_frame(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+}
+
+/// Whether the inputs are frames; refuses options that do not go with what they are.
+fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
+    let refuse = |message: String| Err(Failure::Usage(anyhow!(message)));
+    let frames = args.inputs.iter().filter(|path| is_frame(path)).count();
+    let is_known = args.normal.is_some() || args.tangential.is_some();
+    if frames == 0 && !is_known {
+        if args.px_per_rad.is_some() {
+            return refuse("--px-per-rad is of use only to frames".to_owned());
+        }
+        return Ok(false);
+    }
+    if frames > 0 && frames < args.inputs.len() {
+        return refuse(format!(
+            "{frames} of the {} inputs are PNG images; give tables or frames, not both",
+            args.inputs.len()
+        ));
+    }
+    if !is_known {
+        return refuse("frames need --normal D,D,... or --tangential D,D,...: a displacement of the marker under the contact for each but the first".to_owned());
+    }
+    let pressed = args.inputs.len() - 1;
+    for (option, known) in [
+        ("--normal", &args.normal),
+        ("--tangential", &args.tangential),
+    ] {
+        if let Some(known) = known.as_ref().filter(|known| known.len() != pressed) {
+            return refuse(format!(
+                "{option} tells {} displacements; there are {pressed} pressed frames after the one at rest",
+                known.len()
+            ));
+        }
+    }
+    Ok(true)
+}
+
+fn points_of_frames(
+    args: &CalibrateArgs,
+) -> Result<(Vec<CalibrationPoints>, Option<usize>), Failure> {
+    let known = KnownOfFrames {
+        normal: args.normal.clone(),
+        tangential: args.tangential.clone(),
+        from: args.from,
+        px_per_rad: args.px_per_rad,
+    };
+    let frames: Result<Vec<Frame>, _> = args.inputs.iter().map(|path| read_frame(path)).collect();
+    let frames = frames?;
+    let Some((rest, pressed)) = frames.split_first() else {
+        return Err(Failure::Usage(anyhow!("there are no frames")));
+    };
+    let (points, markers) =
+        calibration_points_of_frames(rest, pressed, &known).map_err(Failure::work)?;
+    Ok((vec![points], Some(markers)))
+}

@@ -1,0 +1,60 @@
+//! What became of the markers, drawn on a frame.
+
+use image::RgbImage;
+use palpate_scene::recorded::{Marker, Status, TrackedFrames};
+
+use super::drawing::{Canvas, Colour};
+
+/// Small frames are enlarged to this, px, so that numbers can be read.
+const SIDE: u32 = 1000;
+
+/// Shifts are drawn this many times as long as they are.
+pub(super) const ARROW_SCALE: f64 = 5.0;
+
+/// Markers with fewer pixels of the canvas across have no number.
+const LEGIBLE: f64 = 12.0;
+
+const CUT: Colour = [120, 120, 120];
+const ARROW: Colour = [0, 0, 0];
+
+const fn colour(status: Status) -> Colour {
+    match status {
+        Status::Tracked => [0, 70, 220],
+        Status::Lost => [220, 0, 0],
+        Status::Merged => [255, 120, 0],
+        Status::Split => [140, 0, 200],
+        Status::New => [0, 150, 150],
+    }
+}
+
+/// The pressed frame with a circle around each marker in the colour of its fate, its number, and an arrow along its
+/// shift from its place at rest.
+pub(super) fn overlay(pressed: &RgbImage, frames: &TrackedFrames) -> RgbImage {
+    let mut canvas = Canvas::new(pressed, SIDE);
+    for marker in &frames.cut {
+        canvas.circle(marker.centroid_px, radius(marker), CUT);
+    }
+    for (number, track) in frames.tracks.iter().enumerate() {
+        let Some(marker) = track.pressed.or(track.rest) else {
+            continue;
+        };
+        let radius = radius(&marker);
+        canvas.circle(marker.centroid_px, radius, colour(track.status));
+        let across = 2.0 * radius * f64::from(SIDE) / f64::from(pressed.width().max(1));
+        if across.max(2.0 * radius) >= LEGIBLE {
+            let above = [marker.centroid_px[0], marker.centroid_px[1] - radius];
+            canvas.number(number, above, 10, colour(track.status));
+        }
+        if let (Some(rest), Some(change)) = (track.rest, track.change()) {
+            let shift = change.shift_px.map(|shift| ARROW_SCALE * shift);
+            canvas.arrow(rest.centroid_px, shift, ARROW);
+        }
+    }
+    canvas.into_picture()
+}
+
+/// Around all pixels of a round marker, and a little more.
+fn radius(marker: &Marker) -> f64 {
+    let area = f64::from(marker.pixels).max(4.0);
+    1.2 * (area / std::f64::consts::PI).sqrt()
+}

@@ -1,0 +1,96 @@
+//! Frames of a small camera sensor, drawn by the simplest rules: a disc of magenta and one of yellow per marker, on white.
+
+use std::io::Cursor;
+
+use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
+
+use super::desk::Desk;
+
+/// Columns and rows of a frame, px.
+pub(crate) const SIDE: u32 = 400;
+/// The f of the fisheye, px per rad.
+pub(crate) const PX_PER_RAD: f64 = 151.3;
+/// Of the markers from the camera, mm: a skin of radius 20, 2 deep.
+pub(crate) const DISTANCE: f64 = 18.0;
+/// Between neighbouring markers, rad.
+const SPACING: f64 = 0.2;
+/// Radius of the image circle, px.
+const RIM: f64 = 190.0;
+/// Of a marker, rad.
+const RADIUS: f64 = 0.045;
+
+/// Places of the markers: a square net within a circle, rad.
+pub(crate) fn places() -> Vec<[f64; 2]> {
+    let steps = || (-5..=5).map(|step| f64::from(step) * SPACING);
+    let net = steps().flat_map(|y| steps().map(move |x| [x, y]));
+    net.filter(|[x, y]| x.hypot(*y) < 1.05).collect()
+}
+
+/// A frame of markers that were displaced inward, mm, by `inward` of their place, but for those left out.
+pub(crate) fn frame(inward: impl Fn([f64; 2]) -> f64, without: &[usize]) -> RgbImage {
+    let middle = 0.5 * (f64::from(SIDE) - 1.0);
+    let mut image = RgbImage::from_fn(SIDE, SIDE, |column, row| {
+        let [x, y] = [column, row].map(|at| f64::from(at) - middle);
+        Rgb([if x.hypot(y) < RIM { 255 } else { 0 }; 3])
+    });
+    for (marker, place) in places().into_iter().enumerate() {
+        if without.contains(&marker) {
+            continue;
+        }
+        let [x, y] = place;
+        let radius = RADIUS * DISTANCE / (DISTANCE - inward(place)) * PX_PER_RAD;
+        let centre = [middle + PX_PER_RAD * x, middle - PX_PER_RAD * y];
+        // Magenta takes green; yellow, a little aside, takes blue.
+        disc(&mut image, centre, radius, 1);
+        disc(&mut image, [centre[0] + 0.3 * radius, centre[1]], radius, 2);
+    }
+    image
+}
+
+/// Takes a channel's light from a disc, whose rim falls off over a pixel.
+fn disc(image: &mut RgbImage, [x, y]: [f64; 2], radius: f64, channel: usize) {
+    let within = |column: u32, row: u32| {
+        let distance = (f64::from(column) - x).hypot(f64::from(row) - y);
+        (radius - distance + 0.5).clamp(0.0, 1.0)
+    };
+    let near = |at: f64| {
+        let first = (at - radius - 1.0).max(0.0) as u32;
+        first..((at + radius + 2.0) as u32).min(SIDE)
+    };
+    for row in near(y) {
+        for column in near(x) {
+            let pixel = &mut image.get_pixel_mut(column, row).0[channel];
+            *pixel = (f64::from(*pixel) * (1.0 - 0.8 * within(column, row))).round() as u8;
+        }
+    }
+}
+
+/// Writes an image as PNG.
+pub(crate) fn write(desk: &Desk, name: &str, image: impl Into<DynamicImage>) {
+    desk.write(name, png(image));
+}
+
+/// An image as PNG.
+pub(crate) fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    image.into().write_to(&mut bytes, ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
+/// The beginning of a PNG file of this size: signature and header, without any pixels.
+pub(crate) fn png_header(width: u32, height: u32) -> Vec<u8> {
+    let mut header = b"IHDR".to_vec();
+    header.extend(width.to_be_bytes());
+    header.extend(height.to_be_bytes());
+    header.extend([8, 2, 0, 0, 0]);
+    let crc = !header.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            (crc >> 1) ^ (0xEDB8_8320 * (crc & 1))
+        })
+    });
+    let mut bytes = b"\x89PNG\r\n\x1a\n\0\0\0\x0d".to_vec();
+    bytes.extend(header);
+    bytes.extend(crc.to_be_bytes());
+    bytes.extend(b"\0\0\0\x04IDAT");
+    bytes
+}

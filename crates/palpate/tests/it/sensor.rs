@@ -1,0 +1,416 @@
+//! `palpate sensor calibrate` and `palpate sensor track`.
+
+use image::{DynamicImage, Rgb, RgbImage};
+
+use super::desk::{Desk, assert_close};
+use super::frames::{DISTANCE, PX_PER_RAD, SIDE, frame, places, png, png_header, write};
+
+const MARKERS: [&str; 8] = [
+    "marker",
+    "x_px",
+    "y_px",
+    "hue_turns",
+    "dx_px",
+    "dy_px",
+    "dhue_turns",
+    "status",
+];
+
+/// Displacement in mm, 2 mm deep in an incompressible half-space, under a plane that a sensor of radius 20 mm is pressed
+/// onto, 1 mm deep: the closed form for the pressure of Hertz.
+fn pressed([x, y]: [f64; 2]) -> f64 {
+    let (radius, depth, nu): (f64, f64, f64) = (20.0, 2.0, 0.5);
+    let r = radius * x.hypot(y);
+    let contact = radius.sqrt();
+    let [near, far] = [r - contact, r + contact].map(|along| along.hypot(depth));
+    let [l_1, l_2] = [0.5 * (far - near), 0.5 * (far + near)];
+    let angle = (contact / l_2).asin();
+    let [a, z] = [contact, depth];
+    let of_pressure = (2.0 * a * a - r * r + 2.0 * z * z) * angle
+        + (3.0 * l_1 * l_1 - 2.0 * a * a) / a * (l_2 * l_2 - a * a).sqrt();
+    let of_depth = (a * a - l_1 * l_1).sqrt() - z * angle;
+    // The pressure in the middle over the shear modulus.
+    let pressure = 4.0 / std::f64::consts::PI / radius.sqrt() / (1.0 - nu);
+    pressure / (4.0 * a) * ((1.0 - nu) * of_pressure + 2.0 * z * of_depth)
+}
+
+/// A desk with frames at rest and pressed, and with a calibration from the size of three frames.
+fn desk() -> Desk {
+    let desk = Desk::new();
+    write(&desk, "rest.png", frame(|_| 0.0, &[]));
+    write(&desk, "pressed.png", frame(pressed, &[]));
+    for (name, depth) in [("1.png", 0.4), ("2.png", 0.8), ("3.png", 1.2)] {
+        write(
+            &desk,
+            name,
+            frame(|place| depth * pressed(place) / pressed([0.0, 0.0]), &[]),
+        );
+    }
+    desk.palpate("sensor calibrate rest.png 1.png 2.png 3.png --normal 0.4,0.8,1.2 --length-unit mm --from size --out c.toml")
+        .printed();
+    desk
+}
+
+/// Prints the figures of the published tables, each with its unit.
+#[test]
+fn the_published_calibration() {
+    let examples = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/chromatouch-2020"
+    );
+    let desk = Desk::new();
+    let ended = desk.palpate(&format!(
+        "sensor calibrate {examples}/calibration-normal.csv {examples}/calibration-tangential.csv --out c.toml"
+    ));
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    for line in [
+        "all: 0.02583 turns/mm (std 0.0018), R^2 0.849, residual 0.154 mm rms, 39 points",
+        "series 0: 0.03125 turns/mm",
+        "series 1: 0.02482 turns/mm",
+        "series 2: 0.02142 turns/mm",
+        "through rest, used: 0.02438 turns/mm (std 0.00085), R^2 0.846, residual 0.165 mm rms",
+        "all: 6.982 px/mm (std 0.1), R^2 0.996, residual 0.0389 mm rms, 21 points",
+    ] {
+        assert!(ended.stdout.contains(line), "{line}\n{}", ended.stdout);
+    }
+    assert!(
+        ended
+            .stderr
+            .contains("warning: the normal slopes of the series differ")
+    );
+    let written = desk.read("c.toml");
+    assert!(written.starts_with("# Calibration") && written.contains("length_unit = \"mm\""));
+}
+
+#[test]
+fn frames_calibrate_and_are_tracked() {
+    let desk = desk();
+    let calibration = desk.read("c.toml");
+    assert!(calibration.contains(&format!("markers = {}", places().len())));
+    let slope = calibration
+        .lines()
+        .find_map(|line| line.strip_prefix("slope = "));
+    assert_close(slope.unwrap().parse().unwrap(), 1.0 / DISTANCE, 0.02);
+
+    let printed = desk
+        .palpate(&format!(
+            "sensor track rest.png pressed.png --calibration c.toml --sensor-radius 20 --depth 2 --px-per-rad {PX_PER_RAD} --indentation 1 --out o"
+        ))
+        .printed();
+    let json: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(json["frames"]["tracked"], places().len());
+    assert_close(
+        json["effective_radius"]["value"].as_f64().unwrap(),
+        20.0,
+        0.05,
+    );
+    assert_eq!(
+        desk.names("o"),
+        [
+            "difference.png",
+            "field.csv",
+            "markers.csv",
+            "overlay.png",
+            "readings.csv"
+        ]
+    );
+
+    let markers = desk.table("o/markers.csv");
+    assert_eq!(markers.header, MARKERS);
+    assert_eq!(markers.text(0, "status"), "tracked");
+    assert_close(markers.number(0, "x_px"), 0.5 * f64::from(SIDE), 0.02);
+    let readings = desk.table("o/readings.csv");
+    assert_eq!(readings.header, ["x_mm", "y_mm", "normal_displacement_mm"]);
+    assert_eq!(readings.rows.len(), places().len());
+    for row in 0..readings.rows.len() {
+        let [x, y, normal] =
+            ["x_mm", "y_mm", "normal_displacement_mm"].map(|name| readings.number(row, name));
+        let expected = pressed([x / 20.0, y / 20.0]);
+        assert!(
+            (normal - expected).abs() < 0.05,
+            "{x} {y}: {normal} is not {expected}"
+        );
+    }
+    // The readings are readings; the field holds them.
+    let again = desk
+        .palpate("estimate press o/readings.csv --sensor-radius 20 --depth 2 --indentation 1")
+        .printed();
+    let again: serde_json::Value = serde_json::from_str(&again).unwrap();
+    assert_eq!(again["effective_radius"], json["effective_radius"]);
+    let field = desk.table("o/field.csv");
+    assert!(field.rows.len() > 600 && field.header == readings.header);
+
+    let overlay = image::open(desk.path("o/overlay.png")).unwrap();
+    assert!(overlay.width() >= 1000);
+    let difference = image::open(desk.path("o/difference.png")).unwrap();
+    assert_eq!(difference.width(), SIDE);
+}
+
+#[test]
+fn lost_markers_are_told_and_the_others_used() {
+    let desk = Desk::new();
+    write(&desk, "rest.png", frame(|_| 0.0, &[]));
+    write(&desk, "pressed.png", frame(pressed, &[3, 20]));
+    let count = places().len();
+    let printed = desk
+        .palpate("sensor track rest.png pressed.png --out o")
+        .printed();
+    let expected = format!(
+        "{count} markers at rest (0 more cut by the rim): {} tracked, 2 lost",
+        count - 2
+    );
+    assert!(printed.starts_with(&expected), "{printed}");
+    let markers = desk.table("o/markers.csv");
+    let lost: Vec<usize> = (0..count)
+        .filter(|&row| markers.text(row, "status") == "lost")
+        .collect();
+    assert_eq!(lost.len(), 2);
+    assert_eq!(markers.text(lost[0], "dx_px"), "");
+    assert!(markers.number(lost[0], "x_px") > 0.0);
+    assert_eq!(
+        desk.names("o"),
+        ["difference.png", "markers.csv", "overlay.png"]
+    );
+}
+
+#[test]
+fn swapped_frames_and_frames_of_other_sensors_are_told() {
+    let desk = desk();
+    let swapped = desk.palpate("sensor track pressed.png rest.png --out o");
+    assert_eq!(swapped.status, Some(0));
+    assert!(swapped.stderr.contains("warning: ") && swapped.stderr.contains("swapped"));
+
+    let without: Vec<usize> = (0..places().len())
+        .filter(|marker| marker % 3 > 0)
+        .collect();
+    write(&desk, "other.png", frame(|_| 0.0, &without));
+    let said = desk
+        .palpate("sensor track rest.png other.png --out o")
+        .said(1);
+    assert!(said.contains("frames of one sensor"), "{said}");
+
+    let run = "--calibration c.toml --sensor-radius 20 --depth 2 --px-per-rad 151.3 --out o";
+    let said = desk
+        .palpate(&format!("sensor track other.png other.png {run}"))
+        .said(1);
+    assert!(
+        said.contains(&format!("a sensor with {} markers", places().len())),
+        "{said}"
+    );
+    // Nothing was pressed.
+    let said = desk
+        .palpate(&format!("sensor track rest.png rest.png {run}"))
+        .said(1);
+    assert!(
+        said.contains("o/readings.csv") && desk.names("o").len() == 5,
+        "{said}"
+    );
+}
+
+/// Frames of all kinds of pixels show the same.
+#[test]
+fn kinds_of_pixels() {
+    let desk = Desk::new();
+    let rest = DynamicImage::from(frame(|_| 0.0, &[]));
+    write(&desk, "rest.png", rest.clone());
+    write(&desk, "16.png", DynamicImage::from(rest.to_rgb16()));
+    write(&desk, "alpha.png", DynamicImage::from(rest.to_rgba8()));
+    for name in ["16.png", "alpha.png"] {
+        let printed = desk
+            .palpate(&format!("sensor track rest.png {name} --out o"))
+            .printed();
+        assert!(
+            printed.contains(&format!("{} tracked, 0 lost", places().len())),
+            "{printed}"
+        );
+    }
+    let mut clear = rest.to_rgba8();
+    clear.get_pixel_mut(7, 7).0[3] = 254;
+    write(&desk, "clear.png", DynamicImage::from(clear));
+    let said = desk
+        .palpate("sensor track rest.png clear.png --out o")
+        .said(1);
+    assert!(said.contains("clear.png: has transparent pixels"), "{said}");
+}
+
+#[test]
+fn frames_that_are_none_are_refused() {
+    let desk = Desk::new();
+    let rest = frame(|_| 0.0, &[]);
+    write(&desk, "rest.png", rest.clone());
+    let whole = png(rest.clone());
+    let plain = |colour| RgbImage::from_pixel(SIDE, SIDE, Rgb(colour));
+    let frames: Vec<(&str, Vec<u8>, &str)> = vec![
+        ("empty.png", vec![], "is empty"),
+        ("text.png", b"x,y\n1,2\n".to_vec(), "is not a PNG image"),
+        ("cut.png", whole[..whole.len() / 2].to_vec(), "truncated"),
+        ("stub.png", whole[..20].to_vec(), "truncated"),
+        (
+            "huge.png",
+            png_header(20_000, 20_000),
+            "has 20000 x 20000 px; at most 8192 x 8192",
+        ),
+        ("long.png", png_header(1, 8193), "has 1 x 8193 px"),
+        ("dot.png", png(RgbImage::new(1, 1)), "has 1 x 1 px"),
+        (
+            "small.png",
+            png(RgbImage::new(SIDE, SIDE - 1)),
+            "rest.png has 400 x 400",
+        ),
+        ("black.png", png(plain([0; 3])), "black.png: no markers"),
+        ("white.png", png(plain([255; 3])), "white.png: no markers"),
+    ];
+    for (name, bytes, word) in frames {
+        desk.write(name, bytes);
+        let said = desk
+            .palpate(&format!("sensor track rest.png {name} --out o"))
+            .said(1);
+        assert!(said.contains(name) && said.contains(word), "{name}: {said}");
+        assert!(desk.names("o").is_empty(), "{name}");
+    }
+    let said = desk.palpate("sensor track dot.png dot.png --out o").said(1);
+    assert!(said.contains("dot.png: 1 by 1 px are too few"), "{said}");
+    let said = desk
+        .palpate("sensor track none.png rest.png --out o")
+        .said(1);
+    assert!(said.contains("none.png"), "{said}");
+    // Grey, whatever it shows, has no hues.
+    write(&desk, "grey.png", DynamicImage::from(rest).to_luma8());
+    let ended = desk.palpate("sensor track grey.png grey.png --out o");
+    assert!(
+        matches!(ended.status, Some(0 | 1)) && !ended.stderr.contains("panicked"),
+        "{ended:?}"
+    );
+}
+
+#[test]
+fn points_that_calibrate_nothing_are_refused() {
+    let desk = Desk::new();
+    let header = "normal_displacement_mm,hue_turns";
+    for (rows, word) in [
+        (
+            format!("{header}\n1,0.02\n"),
+            "1 points; a calibration needs at least 2",
+        ),
+        (
+            format!("{header}\n1,0.02\n1,0.03\n1,0.02\n"),
+            "all 3 points have a normal displacement of 1",
+        ),
+        (
+            format!("{header}\n1,0.02\n2,0.02\n"),
+            "the hue does not change",
+        ),
+        (
+            format!("{header}\n1,0.02\n2,nan\n"),
+            "t.csv:3: column `hue_turns`",
+        ),
+        (format!("{header}\n"), "no readings"),
+        ("a,b\n1,2\n".to_owned(), "no column `normal_displacement`"),
+        (
+            format!("{header}\n1,0.02\n1e200,0.03\n"),
+            "t.csv:3: a number is beyond 1e100",
+        ),
+        (
+            "tangential_displacement_mm,centroid_shift_px\n1,7\n".to_owned(),
+            "1 points",
+        ),
+    ] {
+        desk.write("t.csv", &rows);
+        let said = desk.palpate("sensor calibrate t.csv --out c.toml").said(1);
+        assert!(
+            said.contains("t.csv") && said.contains(word),
+            "{rows}: {said}"
+        );
+        assert!(!desk.path("c.toml").exists());
+    }
+    desk.write("t.csv", format!("{header}\n1,0.02\n2,0.05\n"));
+    let said = desk
+        .palpate("sensor calibrate t.csv --from size --out c.toml")
+        .said(1);
+    assert!(said.contains("no column `growth`"), "{said}");
+    desk.write(
+        "cm.csv",
+        "tangential_displacement_cm,centroid_shift_px\n1,7\n2,14\n",
+    );
+    let said = desk
+        .palpate("sensor calibrate t.csv cm.csv --out c.toml")
+        .said(1);
+    assert!(
+        said.contains("cm.csv: the header says cm, t.csv says mm"),
+        "{said}"
+    );
+}
+
+#[test]
+fn files_that_are_no_calibration_are_refused() {
+    let desk = desk();
+    let good = desk.read("c.toml");
+    let run = "sensor track rest.png pressed.png --calibration bad.toml --sensor-radius 20 --depth 2 --px-per-rad 151.3 --out o";
+    for (text, word) in [
+        (String::new(), "is empty"),
+        ("length_unit = \"mm\"\n".to_owned(), "0 parts"),
+        (good.replace("hue_weight", "hue_wait"), "hue_wait"),
+        (
+            good.replace("length_unit = \"mm\"", "length_unit = \"ell\""),
+            "ell",
+        ),
+        (
+            good.replacen("slope = ", "slope = 0.0 # ", 1),
+            "a line's slope is 0",
+        ),
+        (
+            good.replacen("slope = ", "slope = nan # ", 1),
+            "a line's slope is NaN",
+        ),
+    ] {
+        desk.write("bad.toml", &text);
+        let said = desk.palpate(run).said(1);
+        assert!(
+            said.contains("bad.toml") && said.contains(word),
+            "{word}: {said}"
+        );
+        assert!(desk.names("o").is_empty());
+    }
+    // Without px per length, the camera's scale is not known.
+    let said = desk.palpate("sensor track rest.png pressed.png --calibration c.toml --sensor-radius 20 --depth 2 --out o").said(1);
+    assert!(said.contains("--px-per-rad"), "{said}");
+    assert!(desk.names("o").contains(&"markers.csv".to_owned()));
+}
+
+#[test]
+fn arguments_that_contradict_each_other_are_refused() {
+    let desk = Desk::new();
+    for (arguments, word) in [
+        ("calibrate a.png b.png --out c.toml", "--normal"),
+        ("calibrate a.png b.csv --normal 1 --out c.toml", "not both"),
+        (
+            "calibrate a.png b.png --normal 1,2 --out c.toml",
+            "1 pressed frames",
+        ),
+        ("calibrate a.png b.png --normal 1,x --out c.toml", "x"),
+        ("calibrate a.csv --from hues --out c.toml", "hues"),
+        (
+            "calibrate a.csv --px-per-rad 100 --out c.toml",
+            "--px-per-rad",
+        ),
+        ("calibrate a.csv --out .", "--out"),
+        ("calibrate a.csv", "--out"),
+        ("track a.png --out o", "<PRESSED>"),
+        (
+            "track a.png b.png --out o --calibration c.toml",
+            "--sensor-radius",
+        ),
+        ("track a.png b.png --out o --indentation 1", "--calibration"),
+        (
+            "track a.png b.png --out o --calibration c.toml --sensor-radius 2 --depth 3",
+            "--depth",
+        ),
+        (
+            "track a.png b.png --out o --calibration c.toml --sensor-radius 2 --depth 1 --grid 0",
+            "--grid",
+        ),
+    ] {
+        let said = desk.palpate(&format!("sensor {arguments}")).said(2);
+        assert!(said.contains(word), "{arguments}: {said}");
+    }
+}
