@@ -2,15 +2,14 @@
 
 use image::RgbImage;
 
-use crate::binned::{Binned, LARGEST_BIN};
+use crate::binned::LARGEST_BIN;
+use crate::coarse::Coarse;
 use crate::lighting::Lighting;
 use crate::measure::Scene;
-use crate::opening::Opening;
 use crate::rim::Rim;
 use crate::selection::{self, Selection};
 use crate::shapes::{Shape, shapes};
 use crate::sight::{self, HueWindow};
-use crate::threshold::{Classes, quantile};
 use crate::{Marker, Mask, TrackingError};
 
 /// What markers are seen on.
@@ -64,28 +63,14 @@ const FINE: f64 = 256.0;
 const FINE_MARKER: f64 = 6.0;
 /// The least radius of an image circle that is looked for, in markers' diameters.
 const LEAST_CIRCLE: f64 = 1.5;
-/// Share of the circle's radius, at its outside, in which the rim may lie.
-const OUTERMOST: f64 = 0.08;
 /// Shapes that are looked at.
 const MOST_SHAPES: usize = 16_384;
-/// How far markers set themselves off from the ground at least, in standard deviations of the ground's own top-hat.
-const STANDS_OUT: f64 = 4.0;
-/// How far markers set themselves off from the ground at least, of 255.
-const LEAST_CONTRAST: f64 = 10.0;
-/// The darkest ground, of 255, on which dark markers are looked for.
-const DARKEST_GROUND: u8 = 12;
 
 /// Finds markers in one frame after another; frames of the same size reuse its memory.
 #[derive(Clone, Debug, Default)]
 pub struct Finder {
     settings: FinderSettings,
-    binned: Binned,
-    inside: Vec<bool>,
-    middles: Vec<bool>,
-    plane: Vec<u8>,
-    top_hat: Vec<u8>,
-    is_ground: Vec<bool>,
-    opening: Opening,
+    coarse: Coarse,
 }
 
 impl Finder {
@@ -130,38 +115,42 @@ impl Finder {
             .map(|mask| mask.check(width, height))
             .transpose()?;
         let circle = given.map_or(f64::from(width.min(height)), |mask| 2.0 * mask.radius_px);
-        self.binned
-            .read(frame, self.bin(circle.min(f64::from(width.max(height)))));
+        self.coarse
+            .binned
+            .read(frame, self.bin(circle.min(f64::from(width.min(height)))));
         let least = self
             .settings
             .marker_diameter_px
             .map_or(0.0, |diameter| LEAST_CIRCLE * diameter);
         let rim = if given.is_none() {
-            Rim::find(&self.binned)
+            Rim::find(&self.coarse.binned)
         } else {
             None
         };
         let seen = rim
             .as_ref()
-            .and_then(|rim| Some((Mask::of(rim, &self.binned, least)?, rim)));
+            .and_then(|rim| Some((Mask::of(rim, &self.coarse.binned, least)?, rim)));
         let mask = given
             .or(seen.map(|(mask, _)| mask))
             .unwrap_or_else(|| Mask::whole(width, height));
-        self.set_inside(&mask, seen.map(|(_, rim)| rim));
-        let ground = self.settings.ground.unwrap_or_else(|| self.told_ground());
-        self.set_plane(ground);
-        self.set_top_hat(&mask, frame);
-        let Some(classes) = self.classes() else {
+        self.coarse.set_inside(&mask, seen.map(|(_, rim)| rim));
+        let ground = self
+            .settings
+            .ground
+            .unwrap_or_else(|| self.coarse.told_ground());
+        self.coarse
+            .set_top_hat(ground, &mask, self.half(&mask, frame));
+        let Some(classes) = self.coarse.classes() else {
             return Err(TrackingError::NoMarkers { shapes: 0 });
         };
         let shapes = self.shapes(classes.limit)?;
         let count = shapes.len();
         let selection = selection::select(
             shapes,
-            &self.top_hat,
+            &self.coarse.top_hat,
             classes.limit,
-            self.binned.width,
-            &self.inside,
+            self.coarse.binned.width,
+            &self.coarse.inside,
         );
         let found = self.look(frame, mask, ground, classes.limit, &selection);
         if found.markers.is_empty() && found.cut.is_empty() {
@@ -186,154 +175,21 @@ impl Finder {
             .settings
             .marker_diameter_px
             .map_or(circle / 8.0, |diameter| 2.2 * diameter);
-        let half = (0.5 * side / self.binned.bin as f64).ceil() as usize;
-        half.clamp(2, self.binned.width.max(self.binned.height))
-    }
-
-    /// What shows the sensor: what lies within the rim near the circle, or else the circle.
-    fn set_inside(&mut self, mask: &Mask, rim: Option<&Rim>) {
-        let circle = mask.coarse(self.binned.bin);
-        let band = OUTERMOST * circle.radius_px;
-        let size = [self.binned.width, self.binned.height];
-        let Some(rim) = rim else {
-            return circle.fill(0.75, size, &mut self.inside);
-        };
-        circle.fill(-band, size, &mut self.inside);
-        for (row, line) in self.inside.chunks_exact_mut(size[0]).enumerate() {
-            let (left, right) = circle.columns(row as f64, band, size[0]);
-            for (column, inside) in line.iter_mut().enumerate() {
-                *inside &= (left..right).contains(&column) || !rim.excludes(column, row);
-            }
-        }
-    }
-
-    fn told_ground(&self) -> Ground {
-        let (mut dark, mut bright) = ([0; 256], [0; 256]);
-        let share = share_of(self.binned.pixels());
-        for (colour, _) in self
-            .binned
-            .sums
-            .iter()
-            .zip(&self.inside)
-            .step_by(3)
-            .filter(|(_, inside)| **inside)
-        {
-            let [red, green, blue] = colour.map(|sum| share(sum));
-            dark[usize::from(green.min(blue))] += 1;
-            bright[usize::from(red.max(green).max(blue))] += 1;
-        }
-        // Every third square tells as much as all.
-        let below = quantile(&dark, 0.5) - quantile(&dark, 0.002);
-        let above = quantile(&bright, 0.998) - quantile(&bright, 0.5);
-        if below >= above {
-            Ground::Bright
-        } else {
-            Ground::Dark
-        }
-    }
-
-    /// The plane in which markers are bright.
-    fn set_plane(&mut self, ground: Ground) {
-        let share = share_of(self.binned.pixels());
-        self.plane.clear();
-        let sums = self.binned.sums.iter();
-        match ground {
-            Ground::Bright => self
-                .plane
-                .extend(sums.map(|&[_, green, blue]| !share(green.min(blue)))),
-            Ground::Dark => self
-                .plane
-                .extend(sums.map(|&[red, green, blue]| share(red.max(green).max(blue)))),
-        }
-        self.top_hat.clear();
-        self.top_hat.resize(self.plane.len(), 0);
-        self.is_ground.clear();
-        self.is_ground
-            .resize(self.plane.len(), ground == Ground::Bright);
-    }
-
-    /// The top-hat; on a bright ground, which `is_ground` tells for a start, as a share of the ground's light.
-    fn set_top_hat(&mut self, mask: &Mask, frame: &RgbImage) {
-        let half = self.half(mask, frame);
-        let bright = self.is_ground.first() == Some(&true);
-        let size = [self.binned.width, self.binned.height];
-        mask.coarse(self.binned.bin)
-            .fill(-0.5 * half as f64, size, &mut self.middles);
-        let opened = self
-            .opening
-            .open(&self.plane, size[0], &self.inside, &self.middles, half);
-        let planes = self.plane.iter().zip(opened).zip(&self.inside);
-        for (top_hat, ((&plane, &opened), &inside)) in self.top_hat.iter_mut().zip(planes) {
-            let above = if inside { plane - opened } else { 0 };
-            let light = if bright { 255 - opened } else { 255 };
-            *top_hat = if light < DARKEST_GROUND {
-                0
-            } else {
-                (255.0 * f32::from(above) / f32::from(light)) as u8
-            };
-        }
-    }
-
-    /// Ground and markers in the top-hat, if the two are apart.
-    fn classes(&self) -> Option<Classes> {
-        let mut histogram = [0u32; 256];
-        for (&value, _) in self
-            .top_hat
-            .iter()
-            .zip(&self.inside)
-            .filter(|(_, inside)| **inside)
-        {
-            histogram[usize::from(value)] += 1;
-        }
-        let classes = Classes::of(&histogram)?;
-        let apart = classes.markers - classes.ground;
-        (apart >= LEAST_CONTRAST && apart >= STANDS_OUT * classes.ground_std).then_some(classes)
+        let half = (0.5 * side / self.coarse.binned.bin as f64).ceil() as usize;
+        half.clamp(2, self.coarse.binned.width.max(self.coarse.binned.height))
     }
 
     fn shapes(&self, limit: u8) -> Result<Vec<Shape>, TrackingError> {
-        shapes(&self.top_hat, self.binned.width, limit, MOST_SHAPES).ok_or(TrackingError::TooMany {
+        shapes(
+            &self.coarse.top_hat,
+            self.coarse.binned.width,
+            limit,
+            MOST_SHAPES,
+        )
+        .ok_or(TrackingError::TooMany {
             shapes: MOST_SHAPES + 1,
             most: MOST_SHAPES,
         })
-    }
-
-    /// What is neither a marker nor near one.
-    fn set_is_ground(&mut self, limit: u8, selection: &Selection) {
-        for (is_ground, (&top_hat, &inside)) in self
-            .is_ground
-            .iter_mut()
-            .zip(self.top_hat.iter().zip(&self.inside))
-        {
-            *is_ground = inside && top_hat <= limit / 4;
-        }
-        let width = self.binned.width;
-        let margin = ((0.25 * selection.diameter) as usize).max(2);
-        for run in selection.shapes().flat_map(|shape| &shape.runs) {
-            let columns = run.first.saturating_sub(margin)..(run.last + margin + 1).min(width);
-            let rows =
-                run.row.saturating_sub(margin)..(run.row + margin + 1).min(self.binned.height);
-            for row in rows {
-                self.is_ground[row * width..][columns.clone()].fill(false);
-            }
-        }
-    }
-
-    /// First and last column of the pixels of each row of the frame that show the sensor.
-    fn rows(&self, height: usize) -> Vec<(i32, i32)> {
-        let bin = self.binned.bin;
-        let mut rows = Vec::with_capacity(height);
-        for line in self.inside.chunks_exact(self.binned.width) {
-            let first = line.iter().position(|&inside| inside);
-            let last = line.iter().rposition(|&inside| inside);
-            let row = first
-                .zip(last)
-                .map_or((i32::MAX, i32::MIN), |(first, last)| {
-                    ((first * bin) as i32, ((last + 1) * bin) as i32 - 1)
-                });
-            rows.extend(std::iter::repeat_n(row, bin));
-        }
-        rows.resize(height, (i32::MAX, i32::MIN));
-        rows
     }
 
     /// Measures the selected shapes and keeps those that look like markers.
@@ -345,20 +201,20 @@ impl Finder {
         limit: u8,
         selection: &Selection,
     ) -> Found {
-        self.set_is_ground(limit, selection);
-        let lighting = Lighting::fit(&self.binned, &self.is_ground, &mask);
-        let rows = self.rows(frame.height() as usize);
+        self.coarse.set_is_ground(limit, selection);
+        let lighting = Lighting::fit(&self.coarse.binned, &self.coarse.is_ground, &mask);
+        let rows = self.coarse.rows(frame.height() as usize);
         let scene = Scene {
             frame,
             ground,
             rows: &rows,
             lighting: &lighting,
-            bin: self.binned.bin,
-            diameter_px: selection.diameter * self.binned.bin as f64,
+            bin: self.coarse.binned.bin,
+            diameter_px: selection.diameter * self.coarse.binned.bin as f64,
         };
         let shapes: Vec<Shape> = selection.shapes().cloned().collect();
         let hues = self.settings.hues;
-        let pixels = self.binned.pixels();
+        let pixels = self.coarse.binned.pixels();
         let markers: Vec<Option<Marker>> = scene
             .measure(&shapes)
             .iter()
@@ -402,10 +258,4 @@ fn check(width: u32, height: u32) -> Result<(), TrackingError> {
     } else {
         Ok(())
     }
-}
-
-/// The mean of a sum over `pixels` bytes.
-fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
-    let scale = 65_536_u32.div_ceil(pixels as u32);
-    move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
 }

@@ -3,6 +3,7 @@
 mod binned;
 mod calibration;
 mod camera;
+mod coarse;
 mod difference;
 mod error;
 mod field;
