@@ -57,7 +57,7 @@ impl CalibrationReport {
                 with_intercept: part.with_intercept,
             };
             lines.extend(words.tell(part.range, &fitted, &self.normal));
-            if !part.gains.is_empty() {
+            if part.gains.len() > 1 {
                 let slopes: Vec<f64> = part.gains.iter().map(|gain| gain.line.slope).collect();
                 let [low, high] = ends(&slopes).map(|slope| figures(slope, 3));
                 let used = if part.uses_gains { "used" } else { "not used" };
@@ -99,17 +99,31 @@ impl CalibrationReport {
         let normal = self.calibration.normal_part();
         let lateral = self.calibration.lateral_part();
         let parts = [
-            normal.map(|part| ("normal", part.line.residual_rms, part.range, &self.normal)),
-            lateral.map(|part| ("tangential", part.residual_rms, part.range, &self.lateral)),
+            normal.map(|part| {
+                let residual = part.line.residual_rms;
+                ("normal", residual, part.line, part.range, &self.normal)
+            }),
+            lateral.map(|part| {
+                let residual = part.residual_rms;
+                ("tangential", residual, part.line, part.range, &self.lateral)
+            }),
         ];
         let mut warnings = Vec::new();
-        for (what, residual, range, series) in parts.into_iter().flatten() {
+        for (what, residual, line, range, series) in parts.into_iter().flatten() {
             let largest = range[0].abs().max(range[1].abs());
             let percent = 100.0 * residual / largest;
             if residual > LARGE_RESIDUAL * largest {
                 warnings.push(format!(
                     "the {what} residual is {} {unit}, {percent:.0} % of the largest displacement",
                     figures(residual, 3)
+                ));
+            }
+            let std = line.slope_std.unwrap_or(0.0);
+            if line.slope.abs() < 2.0 * std {
+                warnings.push(format!(
+                    "the {what} slope, {}, is not told apart from 0: its standard error is {}",
+                    figures(line.slope, 3),
+                    figures(std, 2)
                 ));
             }
             let slopes: Vec<f64> = series
