@@ -140,8 +140,8 @@ fn errors_of_pictures_are_those_stated() {
         .map(|trial| only(&noisy, trial, "hue_change").estimate - truth.truth)
         .collect();
     let mean = errors.iter().sum::<f64>() / 400.0;
-    // The picture at rest, taken once, errs too.
-    assert!(mean.abs() < 0.004, "{mean}");
+    // The mean of the sixteen pictures at rest errs too, by 0.00025.
+    assert!(mean.abs() < 0.001, "{mean}");
     let spread = errors
         .iter()
         .map(|error| (error - mean).powi(2))

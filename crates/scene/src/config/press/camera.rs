@@ -87,6 +87,10 @@ pub struct CalibrationConfig {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
+    /// How many frames at rest are averaged.
+    #[serde(default = "sixteen")]
+    #[schemars(extend("minimum" = 1, "maximum" = 1000))]
+    pub rest_frames: u32,
     /// Of which markers the normal displacement is known.
     #[serde(default)]
     pub markers: ShownMarkers,
@@ -97,6 +101,7 @@ impl Default for CalibrationConfig {
         Self {
             presses: seven(),
             indentation: None,
+            rest_frames: sixteen(),
             markers: ShownMarkers::default(),
         }
     }
@@ -104,6 +109,10 @@ impl Default for CalibrationConfig {
 
 fn seven() -> u32 {
     7
+}
+
+fn sixteen() -> u32 {
+    16
 }
 
 /// The markers that calibrate.

@@ -11,6 +11,7 @@ use palpate_tracking::{
     NormalFrom, NormalPoint,
 };
 
+use super::super::PressFailure;
 use super::super::camera::{CameraSensor, Eye, Rung, SightError};
 use super::super::seen::{CameraPress, Shows};
 use crate::config::{
@@ -20,8 +21,10 @@ use crate::config::{
 };
 use crate::plan::PlanError;
 
-/// The number of the trial whose errors the sensor at rest has; the presses that calibrate it count down from here.
+/// The number of the trial whose errors the first frame at rest has; further ones count down from here.
 pub(in crate::press) const AT_REST: u64 = u64::MAX;
+/// The same of the presses that calibrate, below as many frames at rest as there may be.
+const CALIBRATING: u64 = AT_REST - 1000;
 
 /// A sensor of markers with discs, ready to be looked at.
 pub(super) struct Planned<'a> {
@@ -88,8 +91,8 @@ impl Planned<'_> {
             Err(error) => return Ok(Err(error)),
         };
         let lost_markers = self.lost_markers()?;
-        let rest = eye
-            .at_rest(Some(AT_REST))
+        let rest = self
+            .at_rest(&eye)
             .map_err(|error| PlanError::at("scene.sensor", error))?;
         if rest.iter().all(Option::is_none) {
             let message = "the camera sees no marker: see `scene.sensor.field_deg`";
@@ -111,6 +114,27 @@ impl Planned<'_> {
             lost_markers,
             under_contact,
         }))
+    }
+
+    /// The markers at rest, the mean of several frames where these differ.
+    fn at_rest(&self, eye: &Eye) -> Result<Vec<Option<Marker>>, PressFailure> {
+        let frames = match eye.is_random {
+            true => u64::from(self.camera.calibration.rest_frames),
+            false => 1,
+        };
+        let first = eye.at_rest(Some(AT_REST))?;
+        let mut means: Vec<Option<Mean>> = first.iter().map(|one| one.map(Mean::of)).collect();
+        for frame in 1..frames {
+            for (mean, marker) in means.iter_mut().zip(eye.at_rest(Some(AT_REST - frame))?) {
+                if let (Some(mean), Some(marker)) = (mean, marker) {
+                    mean.add(marker);
+                }
+            }
+        }
+        Ok(means
+            .iter()
+            .map(|mean| mean.as_ref().map(Mean::marker))
+            .collect())
     }
 
     /// What a marker shows without errors and pixels.
@@ -240,7 +264,7 @@ impl Planned<'_> {
             let motions: Vec<_> = motions.into_iter().map(Some).collect();
             let known = self.displacements(&plane).map_err(refused)?;
             let sight = eye
-                .sight(rest, &motions, Some(AT_REST - u64::from(press)))
+                .sight(rest, &motions, Some(CALIBRATING - u64::from(press)))
                 .map_err(|error| PlanError::at(path, error))?;
             for (marker, (track, known)) in sight.tracks.iter().zip(&known).enumerate() {
                 let Some(change) = track.as_ref().and_then(|track| eye.lens.change(track)) else {
@@ -274,6 +298,48 @@ impl Planned<'_> {
         let skin = self.markers.skin();
         let contact = skin.contact(self.body, pressed.object_curvature, pressed.indentation)?;
         Ok(self.markers.displacements(&contact, pressed.at))
+    }
+}
+
+/// The mean of several sights of a marker.
+struct Mean {
+    first: Marker,
+    count: f64,
+    /// Sums of what others differ by: centroid, hue, size.
+    sums: [f64; 4],
+}
+
+impl Mean {
+    fn of(first: Marker) -> Self {
+        Self {
+            first,
+            count: 1.0,
+            sums: [0.0; 4],
+        }
+    }
+
+    fn add(&mut self, marker: Marker) {
+        let turn = marker.hue_turns - self.first.hue_turns;
+        let differences = [
+            marker.centroid_px[0] - self.first.centroid_px[0],
+            marker.centroid_px[1] - self.first.centroid_px[1],
+            turn - (turn + 0.5).floor(),
+            marker.size_px2 - self.first.size_px2,
+        ];
+        for (sum, difference) in self.sums.iter_mut().zip(differences) {
+            *sum += difference;
+        }
+        self.count += 1.0;
+    }
+
+    fn marker(&self) -> Marker {
+        let [x, y, hue, size] = self.sums.map(|sum| sum / self.count);
+        Marker {
+            centroid_px: [self.first.centroid_px[0] + x, self.first.centroid_px[1] + y],
+            hue_turns: (self.first.hue_turns + hue).rem_euclid(1.0),
+            size_px2: self.first.size_px2 + size,
+            ..self.first
+        }
     }
 }
 

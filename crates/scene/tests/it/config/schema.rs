@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Numbers without a unit, or in that of the field they speak of.
-const DIMENSIONLESS: [&str; 34] = [
+const DIMENSIONLESS: [&str; 35] = [
     "claims",              // their numbers
     "seed",                //
     "trials",              //
@@ -40,6 +40,7 @@ const DIMENSIONLESS: [&str; 34] = [
     "gain_std",            // of a factor
     "outline_samples",
     "presses",
+    "rest_frames",
 ];
 
 const UNIT_SUFFIXES: [&str; 5] = ["_rad", "_deg", "_s", "_rad_per_s", "_px"];
