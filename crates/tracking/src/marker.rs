@@ -10,7 +10,7 @@ pub struct Marker {
     pub hue_turns: f64,
     /// How much sets it off from the ground, px²: on a bright ground the shares of green and of blue light that it
     /// takes, summed over its pixels, so that a disc that takes all of one of them counts with its area; on a dark
-    /// ground the share of the brightest marker's light that it adds.
+    /// ground the share of full scale that it adds to its strongest colour.
     pub size_px2: f64,
     /// Pixels that are its own.
     pub pixels: u32,

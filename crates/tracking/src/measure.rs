@@ -13,7 +13,7 @@ const RING_PX: i32 = 4;
 /// Share of the markers' mean signal below which nothing is left of them.
 const SPENT: f64 = 0.004;
 /// Markers the reach is measured on.
-const SAMPLE: usize = 24;
+const SAMPLE: usize = 12;
 /// The darkest ground that light is compared with, 0 to 255.
 const DARKEST: f32 = 8.0;
 /// Share of light by which a pixel of the ground may differ from the fitted light.
