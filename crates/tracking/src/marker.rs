@@ -6,7 +6,8 @@
 pub struct Marker {
     /// Centroid of what sets the marker off from the ground, px.
     pub centroid_px: [f64; 2],
-    /// Mean hue in turns, from 0 (red) to below 1: the circular mean of its pixels, each with the weight of its chroma.
+    /// Mean hue in turns, from 0 (red) to below 1: the hue, as HSV has it, of its pixels' light summed, so that each
+    /// pixel counts with its chroma.
     pub hue_turns: f64,
     /// How much sets it off from the ground, px²: on a bright ground the shares of green and of blue light that it
     /// takes, summed over its pixels, so that a disc that takes all of one of them counts with its area; on a dark

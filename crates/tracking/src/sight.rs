@@ -60,18 +60,29 @@ pub(crate) fn marker(
     })
 }
 
-/// The angle, in turns, and the length of the summed chroma: `R - (G + B)/2` along red, `√3/2 (G - B)` across.
+/// The hue of the summed light, in turns as HSV has it, and the length of its chroma.
 fn hue(light: [f64; 3], ground: Ground) -> (f64, f64) {
     let sign = match ground {
         Ground::Bright => -1.0,
         Ground::Dark => 1.0,
     };
     let [red, green, blue] = light.map(|light| sign * light);
-    let along = red - 0.5 * (green + blue);
-    let across = 0.75_f64.sqrt() * (green - blue);
-    let turns = (across.atan2(along) / std::f64::consts::TAU).rem_euclid(1.0);
+    let (along, across) = (red - 0.5 * (green + blue), green - blue);
+    let most = red.max(green).max(blue);
+    let chroma = most - red.min(green).min(blue);
+    let sixths = if chroma == 0.0 {
+        0.0
+    } else if most == red {
+        (green - blue) / chroma
+    } else if most == green {
+        2.0 + (blue - red) / chroma
+    } else {
+        4.0 + (red - green) / chroma
+    };
+    let turns = (sixths / 6.0).rem_euclid(1.0);
+    let length = along.hypot(0.75_f64.sqrt() * across);
     // A tiny negative angle rounds up to a whole turn.
-    (if turns < 1.0 { turns } else { 0.0 }, along.hypot(across))
+    (if turns < 1.0 { turns } else { 0.0 }, length)
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

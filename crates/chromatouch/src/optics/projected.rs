@@ -1,6 +1,5 @@
 //! Markers in the image, without pixels.
 
-use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
@@ -183,16 +182,35 @@ fn features(
         return None;
     }
     let centre = camera.centre_px();
-    let turns = chroma[1].atan2(chroma[0]) / TAU;
     Some(SeenMarker {
         centroid_px: [0, 1].map(|axis| centre[axis] + moment[axis] / size),
-        hue_turns: if turns < 0.0 {
-            (turns + 1.0).min(BELOW_ONE)
-        } else {
-            turns
-        },
+        hue_turns: hue(chroma),
         size_px2: size,
     })
+}
+
+/// The hue of a chroma `[R - (G + B)/2, √3/2 (G - B)]`, in turns as HSV has it: hexagonal, not an angle.
+fn hue([along, across]: [f64; 2]) -> f64 {
+    let half_difference = across / 3.0_f64.sqrt();
+    let (red, grey) = (along / 1.5, -along / 3.0);
+    let (green, blue) = (grey + half_difference, grey - half_difference);
+    let most = red.max(green).max(blue);
+    let chroma = most - red.min(green).min(blue);
+    let sixths = if chroma == 0.0 {
+        0.0
+    } else if most == red {
+        (green - blue) / chroma
+    } else if most == green {
+        2.0 + (blue - red) / chroma
+    } else {
+        4.0 + (red - green) / chroma
+    };
+    let turns = sixths / 6.0;
+    if turns < 0.0 {
+        (turns + 1.0).min(BELOW_ONE)
+    } else {
+        turns
+    }
 }
 
 /// The largest number of turns that is not a whole one.

@@ -1,6 +1,5 @@
 //! Frames, and what is measured of them.
 
-use std::f64::consts::TAU;
 
 use image::RgbImage;
 use palpate_chromatouch::{
@@ -48,7 +47,7 @@ fn at_rest(optics: &Optics) -> Vec<Option<MarkerMotion>> {
 fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
     let ground = 240.0;
     let range = |middle: f64| (middle - half_side) as u32..=(middle + half_side) as u32;
-    let (mut size, mut moment, mut chroma) = (0.0, [0.0; 2], [0.0; 2]);
+    let (mut size, mut moment, mut colour) = (0.0, [0.0; 2], [0.0; 3]);
     for row in range(middle[1]) {
         for column in range(middle[0]) {
             let [red, green, blue] = frame.get_pixel(column, row).0.map(f64::from);
@@ -56,15 +55,22 @@ fn measured(frame: &RgbImage, middle: [f64; 2], half_side: f64) -> SeenMarker {
             size += taken;
             moment[0] += taken * f64::from(column);
             moment[1] += taken * f64::from(row);
-            chroma[0] += red - 0.5 * (green + blue);
-            chroma[1] += 0.75_f64.sqrt() * (green - blue);
+            for (sum, light) in colour.iter_mut().zip([red, green, blue]) {
+                *sum += light;
+            }
         }
     }
     SeenMarker {
         centroid_px: moment.map(|sum| sum / size),
-        hue_turns: (chroma[1].atan2(chroma[0]) / TAU).rem_euclid(1.0),
+        hue_turns: hue_of_a_red(colour),
         size_px2: size,
     }
+}
+
+/// The hue of a colour that is mostly red, turns.
+fn hue_of_a_red([red, green, blue]: [f64; 3]) -> f64 {
+    assert!(red > green && red > blue);
+    ((green - blue) / (red - green.min(blue)) / 6.0).rem_euclid(1.0)
 }
 
 /// Largest differences between the rungs: of centroid, px; hue, turns; size, as a share.

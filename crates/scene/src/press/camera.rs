@@ -16,6 +16,8 @@ pub(super) struct CameraSensor {
     /// Of each marker of the layout, where it is seen.
     pub(super) rest: Vec<Option<Marker>>,
     pub(super) calibration: Calibration,
+    /// What normal and tangential displacements err by near a contact, as far as the calibration tells.
+    pub(super) stds: [Option<f64>; 2],
 }
 
 /// What looks at the markers.
@@ -219,16 +221,6 @@ impl CameraSensor {
                 Some((marker, normal, tangential))
             })
             .collect()
-    }
-
-    /// Standard deviations of normal and tangential displacements, as the calibration left them, where it can tell.
-    pub(super) fn residual_stds(&self) -> [Option<f64>; 2] {
-        let normal = self.calibration.normal_part();
-        let lateral = self.calibration.lateral_part();
-        [
-            normal.and_then(|normal| normal.line.residual_std),
-            lateral.and_then(|lateral| lateral.residual_std),
-        ]
     }
 }
 

@@ -1,5 +1,6 @@
 //! From a press's config to a [`PressScene`].
 
+mod calibrated;
 mod camera;
 
 pub(super) use camera::AT_REST;
@@ -154,7 +155,7 @@ fn true_press(
 /// What a camera's displacements err by, as its calibration tells: normal, tangential.
 fn sensed_stds(sensor: &PressSensor) -> [Option<f64>; 2] {
     match sensor {
-        PressSensor::Camera(Some(camera)) => camera.sensor.residual_stds(),
+        PressSensor::Camera(Some(camera)) => camera.sensor.stds,
         PressSensor::Camera(None) | PressSensor::Direct => [None; 2],
     }
 }

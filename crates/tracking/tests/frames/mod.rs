@@ -34,11 +34,29 @@ impl Random {
     }
 }
 
-/// The angle of the chroma of a colour, turns.
-pub(crate) fn chroma_angle([red, green, blue]: [f64; 3]) -> f64 {
-    let along = red - 0.5 * (green + blue);
-    let across = 0.75_f64.sqrt() * (green - blue);
-    (across.atan2(along) / std::f64::consts::TAU).rem_euclid(1.0)
+/// The hue of a colour, turns: which two of its light are the greatest, and how far the second is up.
+pub(crate) fn hue(light: [f64; 3]) -> f64 {
+    let least = light.into_iter().fold(f64::INFINITY, f64::min);
+    let [red, green, blue] = light.map(|one| one - least);
+    let sixths = if blue == 0.0 {
+        // From red over yellow to green.
+        if red >= green {
+            green / red
+        } else {
+            2.0 - red / green
+        }
+    } else if red == 0.0 {
+        if green >= blue {
+            2.0 + blue / green
+        } else {
+            4.0 - green / blue
+        }
+    } else if blue >= red {
+        4.0 + red / blue
+    } else {
+        6.0 - blue / red
+    };
+    sixths / 6.0
 }
 
 /// The colour of a hue in turns with saturation 0.8 and value 1.
@@ -106,7 +124,7 @@ pub(crate) fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
         }
         truth.push(Truth {
             centroid_px,
-            hue_turns: chroma_angle(light),
+            hue_turns: hue(light),
             size_px2: 0.0,
         });
     }
@@ -170,7 +188,7 @@ pub(crate) fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, 
         }
         truth.push(Truth {
             centroid_px: moment.map(|moment| moment / sum),
-            hue_turns: chroma_angle(taken),
+            hue_turns: hue(taken),
             size_px2: sum,
         });
     }

@@ -6,25 +6,21 @@ use palpate_chromatouch::{
 };
 use palpate_press::{Body, MarkerDisplacement, Markers, PressError};
 use palpate_sensing::{GaussianError, InvalidSensor};
-use palpate_tracking::{
-    Calibration, Equidistant, LateralCalibration, LateralPoint, Marker, NormalCalibration,
-    NormalFrom, NormalPoint,
-};
+use palpate_tracking::{Equidistant, Marker};
 
 use super::super::PressFailure;
 use super::super::camera::{CameraSensor, Eye, Rung, SightError};
 use super::super::seen::{CameraPress, Shows};
+use super::calibrated::Calibrated;
 use crate::config::{
-    self, CameraConfig, CentroidNoise, DiscsConfig, HueNoise, LayoutConfig, LayoutTable,
-    PixelNoise, PressConfig, PressModelConfig, PressNoiseConfig, PressProbeConfig,
-    PressSensorConfig, ShownMarkers, SizeNoise,
+    CameraConfig, CentroidNoise, DiscsConfig, HueNoise, LayoutConfig, LayoutTable, PixelNoise,
+    PressConfig, PressModelConfig, PressNoiseConfig, PressProbeConfig, PressSensorConfig,
+    SizeNoise,
 };
 use crate::plan::PlanError;
 
 /// The number of the trial whose errors the first frame at rest has; further ones count down from here.
 pub(in crate::press) const AT_REST: u64 = u64::MAX;
-/// The same of the presses that calibrate, below as many frames at rest as there may be.
-const CALIBRATING: u64 = AT_REST - 1000;
 
 /// A sensor of markers with discs, ready to be looked at.
 pub(super) struct Planned<'a> {
@@ -38,7 +34,7 @@ pub(super) struct Planned<'a> {
 }
 
 /// What presses do to the discs of each marker.
-struct DiscBodies {
+pub(super) struct DiscBodies {
     /// Depth of each disc, and the body there.
     magenta: (f64, Body),
     yellow: (f64, Body),
@@ -98,7 +94,7 @@ impl Planned<'_> {
             let message = "the camera sees no marker: see `scene.sensor.field_deg`";
             return Err(PlanError::at("scene.sensor", message));
         }
-        let calibration = self.calibration(&bodies, &eye, &rest)?;
+        let Calibrated { calibration, stds } = self.calibrated(&bodies, &eye, &rest)?;
         let under_contact = self.nearest(pressed.at).unwrap_or(0);
         let exact = self.exact(&eye, &motions, under_contact);
         let seen = rest.iter().flatten().count();
@@ -109,6 +105,7 @@ impl Planned<'_> {
                 eye,
                 rest,
                 calibration,
+                stds,
             },
             motions,
             lost_markers,
@@ -155,7 +152,7 @@ impl Planned<'_> {
     }
 
     /// The marker nearest to a place on the skin.
-    fn nearest(&self, place: [f64; 2]) -> Option<usize> {
+    pub(super) fn nearest(&self, place: [f64; 2]) -> Option<usize> {
         let distances = self.markers.distances(place);
         (0..distances.len()).min_by(|one, other| distances[*one].total_cmp(&distances[*other]))
     }
@@ -226,79 +223,6 @@ impl Planned<'_> {
             seed: self.seed,
         })
     }
-
-    /// Presses on a plane, apex down, whose displacements are known.
-    fn calibration(
-        &self,
-        bodies: &DiscBodies,
-        eye: &Eye,
-        rest: &[Option<Marker>],
-    ) -> Result<Calibration, PlanError> {
-        let path = "scene.sensor.calibration";
-        let CameraConfig {
-            calibration,
-            normal_from,
-            ..
-        } = self.camera;
-        let deepest = calibration
-            .indentation
-            .unwrap_or(self.config.motion.indentation);
-        let only = match calibration.markers {
-            ShownMarkers::All => None,
-            ShownMarkers::UnderContact => self.nearest([0.0; 2]),
-        };
-        let (mut normal, mut lateral) = (Vec::new(), Vec::new());
-        for press in 1..=calibration.presses {
-            let indentation = deepest * f64::from(press) / f64::from(calibration.presses);
-            let plane = Pressed {
-                object_curvature: 0.0,
-                indentation,
-                at: [0.0; 2],
-                shift: 0.0,
-            };
-            let refused = |error: PressError| {
-                let message = format!("a press on a plane, {indentation} deep, fails: {error}");
-                PlanError::at(path, message)
-            };
-            let motions = bodies.motions(self, &plane).map_err(refused)?;
-            let motions: Vec<_> = motions.into_iter().map(Some).collect();
-            let known = self.displacements(&plane).map_err(refused)?;
-            let sight = eye
-                .sight(rest, &motions, Some(CALIBRATING - u64::from(press)))
-                .map_err(|error| PlanError::at(path, error))?;
-            for (marker, (track, known)) in sight.tracks.iter().zip(&known).enumerate() {
-                let Some(change) = track.as_ref().and_then(|track| eye.lens.change(track)) else {
-                    continue;
-                };
-                lateral.push(LateralPoint {
-                    tangential: known.tangential,
-                    shift_px: change.shift_px,
-                    normal: Some(known.normal),
-                });
-                if only.is_none_or(|only| only == marker) {
-                    normal.push(NormalPoint {
-                        marker: Some(marker),
-                        normal: known.normal,
-                        hue_turns: change.hue_turns,
-                        growth: change.growth,
-                    });
-                }
-            }
-        }
-        NormalCalibration::fit(&normal, normal_from_of(*normal_from))
-            .and_then(|normal| {
-                let lateral = LateralCalibration::fit(&lateral)?;
-                Calibration::new(Some(normal), Some(lateral), None)
-            })
-            .map_err(|error| PlanError::at(path, error))
-    }
-
-    /// Of the markers, midway between their discs.
-    fn displacements(&self, pressed: &Pressed) -> Result<Vec<MarkerDisplacement>, PressError> {
-        let skin = self.markers.skin();
-        let contact = skin.contact(self.body, pressed.object_curvature, pressed.indentation)?;
-        Ok(self.markers.displacements(&contact, pressed.at))
-    }
 }
 
 /// The mean of several sights of a marker.
@@ -354,7 +278,7 @@ impl SightError {
 }
 
 impl DiscBodies {
-    fn motions(
+    pub(super) fn motions(
         &self,
         planned: &Planned<'_>,
         pressed: &Pressed,
@@ -400,14 +324,6 @@ fn sight_error(
         )?,
         size: error(size.map_or(0.0, |SizeNoise::Gaussian { std }| *std), "size")?,
     })
-}
-
-fn normal_from_of(config: config::NormalFrom) -> NormalFrom {
-    match config {
-        config::NormalFrom::Hue => NormalFrom::Hue,
-        config::NormalFrom::Size => NormalFrom::Size,
-        config::NormalFrom::Both => NormalFrom::Both,
-    }
 }
 
 /// Seams run between the gores of the layout.

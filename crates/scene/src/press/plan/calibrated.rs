@@ -1,0 +1,175 @@
+//! The calibration of a camera sensor, by presses on a plane.
+
+use palpate_press::{MarkerDisplacement, PressError};
+use palpate_tracking::{
+    Calibration, Change, LateralCalibration, LateralPoint, Marker, NormalCalibration, NormalFrom,
+    NormalPoint,
+};
+
+use super::super::camera::Eye;
+use super::camera::{AT_REST, DiscBodies, Planned, Pressed};
+use crate::config::{self, ShownMarkers};
+use crate::plan::PlanError;
+
+const PATH: &str = "scene.sensor.calibration";
+
+/// The number of the trial whose errors the first press has, below as many frames at rest as there may be.
+const FIRST: u64 = AT_REST - 1000;
+
+/// A calibration, and what displacements err by with it.
+pub(super) struct Calibrated {
+    pub(super) calibration: Calibration,
+    /// Standard deviations of normal and tangential displacements near a contact.
+    pub(super) stds: [Option<f64>; 2],
+}
+
+/// What a marker showed of a displacement that is known.
+struct Shown {
+    marker: usize,
+    known: MarkerDisplacement,
+    change: Change,
+}
+
+impl Planned<'_> {
+    /// Presses on a plane, apex down, whose displacements are known, calibrate the sensor.
+    pub(super) fn calibrated(
+        &self,
+        bodies: &DiscBodies,
+        eye: &Eye,
+        rest: &[Option<Marker>],
+    ) -> Result<Calibrated, PlanError> {
+        let presses = self.camera.calibration.presses;
+        let shown: Vec<Vec<Shown>> = (1..=presses)
+            .map(|press| self.shown(bodies, eye, rest, press))
+            .collect::<Result<_, _>>()?;
+        let calibration = self
+            .fit(&shown)
+            .map_err(|error| PlanError::at(PATH, error))?;
+        let stds = residuals(&calibration, &shown);
+        Ok(Calibrated { calibration, stds })
+    }
+
+    /// What the markers show of one of the presses.
+    fn shown(
+        &self,
+        bodies: &DiscBodies,
+        eye: &Eye,
+        rest: &[Option<Marker>],
+        press: u32,
+    ) -> Result<Vec<Shown>, PlanError> {
+        let calibration = &self.camera.calibration;
+        let deepest = calibration
+            .indentation
+            .unwrap_or(self.config.motion.indentation);
+        let indentation = deepest * f64::from(press) / f64::from(calibration.presses);
+        let plane = Pressed {
+            object_curvature: 0.0,
+            indentation,
+            at: [0.0; 2],
+            shift: 0.0,
+        };
+        let refused = |error: PressError| {
+            let message = format!("a press on a plane, {indentation} deep, fails: {error}");
+            PlanError::at(PATH, message)
+        };
+        let motions = bodies.motions(self, &plane).map_err(refused)?;
+        let motions: Vec<_> = motions.into_iter().map(Some).collect();
+        let known = self.displacements(&plane).map_err(refused)?;
+        let sight = eye
+            .sight(rest, &motions, Some(FIRST - u64::from(press)))
+            .map_err(|error| PlanError::at(PATH, error))?;
+        let tracks = sight.tracks.iter().zip(known).enumerate();
+        Ok(tracks
+            .filter_map(|(marker, (track, known))| {
+                Some(Shown {
+                    marker,
+                    known,
+                    change: eye.lens.change(track.as_ref()?)?,
+                })
+            })
+            .collect())
+    }
+
+    fn fit(&self, shown: &[Vec<Shown>]) -> Result<Calibration, palpate_tracking::CalibrationError> {
+        let only = match self.camera.calibration.markers {
+            ShownMarkers::All => None,
+            ShownMarkers::UnderContact => self.nearest([0.0; 2]),
+        };
+        let all = || shown.iter().flatten();
+        let normal: Vec<NormalPoint> = all()
+            .filter(|shown| only.is_none_or(|only| only == shown.marker))
+            .map(|shown| NormalPoint {
+                marker: Some(shown.marker),
+                normal: shown.known.normal,
+                hue_turns: shown.change.hue_turns,
+                growth: shown.change.growth,
+            })
+            .collect();
+        let lateral: Vec<LateralPoint> = all()
+            .map(|shown| LateralPoint {
+                tangential: shown.known.tangential,
+                shift_px: shown.change.shift_px,
+                normal: Some(shown.known.normal),
+            })
+            .collect();
+        let from = match self.camera.normal_from {
+            config::NormalFrom::Hue => NormalFrom::Hue,
+            config::NormalFrom::Size => NormalFrom::Size,
+            config::NormalFrom::Both => NormalFrom::Both,
+        };
+        let normal = NormalCalibration::fit(&normal, from)?;
+        let lateral = LateralCalibration::fit(&lateral)?;
+        Calibration::new(Some(normal), Some(lateral), None)
+    }
+
+    /// Of the markers, midway between their discs.
+    fn displacements(&self, pressed: &Pressed) -> Result<Vec<MarkerDisplacement>, PressError> {
+        let skin = self.markers.skin();
+        let contact = skin.contact(self.body, pressed.object_curvature, pressed.indentation)?;
+        Ok(self.markers.displacements(&contact, pressed.at))
+    }
+}
+
+/// Rms errors of the calibrating presses' displacements near the contact, where these are at least half of the press's
+/// greatest: there the discs of a marker move most unlike a marker midway, and there the object's shape is told.
+fn residuals(calibration: &Calibration, presses: &[Vec<Shown>]) -> [Option<f64>; 2] {
+    let mut errors = [Vec::new(), Vec::new()];
+    for shown in presses {
+        let greatest = |size: fn(&MarkerDisplacement) -> f64| {
+            let sizes = shown.iter().map(|shown| size(&shown.known));
+            0.5 * sizes.fold(0.0, f64::max)
+        };
+        let (normal_limit, tangential_limit) = (greatest(inward), greatest(along));
+        for Shown {
+            marker,
+            known,
+            change,
+        } in shown
+        {
+            let Some(normal) = calibration.normal(*marker, change) else {
+                continue;
+            };
+            if inward(known) >= normal_limit {
+                errors[0].push(normal - known.normal);
+            }
+            if along(known) >= tangential_limit
+                && let Some([x, y]) = calibration.tangential(change.shift_px, normal)
+            {
+                errors[1].extend([x - known.tangential[0], y - known.tangential[1]]);
+            }
+        }
+    }
+    errors.map(|errors| {
+        let squares = errors.iter().map(|error: &f64| error * error);
+        let mean = squares.sum::<f64>() / errors.len() as f64;
+        Some(mean.sqrt()).filter(|std| *std > 0.0)
+    })
+}
+
+fn inward(moved: &MarkerDisplacement) -> f64 {
+    moved.normal.abs()
+}
+
+fn along(moved: &MarkerDisplacement) -> f64 {
+    moved.tangential[0].hypot(moved.tangential[1])
+}
