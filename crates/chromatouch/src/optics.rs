@@ -34,8 +34,8 @@ pub struct Optics {
 pub struct SeenMarker {
     /// Centroid of the image with the weights of `size_px2`, px.
     pub centroid_px: [f64; 2],
-    /// Mean hue in turns, from 0 (red) to below 1: the circular mean over the image with the weight of its chroma. 0
-    /// where there is none.
+    /// Mean hue in turns, from 0 (red) to below 1: the hue, as HSV has it, of the light of the image summed, so that each
+    /// place counts with its chroma. 0 where there is none.
     pub hue_turns: f64,
     /// The shares of the white layer's green and of its blue light that the marker takes, summed over its image, px²:
     /// a disc that takes all of one of them counts with its area.

@@ -12,22 +12,6 @@ pub use normal::{MarkerGain, NormalCalibration, NormalFrom, NormalPoint};
 
 use crate::Change;
 
-/// A marker whose displacement is known, and how its sight changed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
-    /// Which marker of the sensor.
-    pub marker: usize,
-    /// Inward displacement, length.
-    pub normal: f64,
-    /// Displacement along the skin, length, along the axes of its place; `None` where it is not known.
-    pub tangential: Option<[f64; 2]>,
-    /// How its sight changed; the shift does not count.
-    pub change: Change,
-    /// The shift along the axes of its place, px: f times the angle, as of [`crate::Equidistant::change`]. `None` where
-    /// it is not known.
-    pub lateral: Option<[f64; 2]>,
-}
-
 /// Turns changes of sight into displacements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
@@ -60,49 +44,6 @@ impl Calibration {
             lateral: lateral.map(LateralCalibration::checked).transpose()?,
             markers,
         })
-    }
-
-    /// Fits both parts to what was shown; the lateral one is missing where fewer than two points know both shift and
-    /// tangential displacement.
-    ///
-    /// # Errors
-    /// Those of [`NormalCalibration::fit`] and [`LateralCalibration::fit`].
-    pub fn fit(shown: &[Shown], from: NormalFrom) -> Result<Self, CalibrationError> {
-        let normal: Vec<NormalPoint> = shown
-            .iter()
-            .map(|shown| NormalPoint {
-                marker: Some(shown.marker),
-                normal: shown.normal,
-                hue_turns: shown.change.hue_turns,
-                growth: shown.change.growth,
-            })
-            .collect();
-        let lateral: Vec<LateralPoint> = shown
-            .iter()
-            .filter_map(|shown| {
-                Some(LateralPoint {
-                    tangential: shown.tangential?,
-                    shift_px: shown.lateral?,
-                    normal: Some(shown.normal),
-                })
-            })
-            .collect();
-        let lateral = (lateral.len() > 1)
-            .then(|| LateralCalibration::fit(&lateral))
-            .transpose()?;
-        Ok(Self {
-            normal: Some(NormalCalibration::fit(&normal, from)?),
-            lateral,
-            markers: None,
-        })
-    }
-
-    /// The same, of a sensor that shows this many markers at rest.
-    pub fn of_markers(self, markers: usize) -> Self {
-        Self {
-            markers: Some(markers),
-            ..self
-        }
     }
 
     /// The part of normal displacements.

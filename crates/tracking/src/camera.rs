@@ -21,17 +21,31 @@ impl Equidistant {
     /// # Errors
     /// [`CalibrationError::OutOfRange`] unless the centre is finite and `px_per_rad` lies between 1e-6 and 1e12.
     pub fn new(centre_px: [f64; 2], px_per_rad: f64) -> Result<Self, CalibrationError> {
-        let bad = |what, value| Err(CalibrationError::OutOfRange { what, value });
+        let bad = |what, value, needed| {
+            Err(CalibrationError::OutOfRange {
+                what,
+                value,
+                needed,
+            })
+        };
         match centre_px
             .iter()
             .find(|one| one.abs() > 1e12 || one.is_nan())
         {
-            Some(&one) => bad("a coordinate of the picture's centre", one),
+            Some(&one) => bad(
+                "a coordinate of the picture's centre",
+                one,
+                "between -1e12 and 1e12",
+            ),
             None if (1e-6..=1e12).contains(&px_per_rad) => Ok(Self {
                 centre_px,
                 px_per_rad,
             }),
-            None => bad("the camera's px per rad", px_per_rad),
+            None => bad(
+                "the camera's px per rad",
+                px_per_rad,
+                "between 1e-6 and 1e12",
+            ),
         }
     }
 

@@ -24,7 +24,7 @@ mod window;
 
 pub use calibration::{
     Calibration, CalibrationError, LateralCalibration, LateralPoint, Line, MarkerGain,
-    NormalCalibration, NormalFrom, NormalPoint, Shown,
+    NormalCalibration, NormalFrom, NormalPoint,
 };
 pub use camera::Equidistant;
 pub use difference::{SizesDiffer, difference};

@@ -1,6 +1,5 @@
 //! Markers in the image, without pixels.
 
-
 use nalgebra::Vector3;
 
 use super::array::{MarkerSight, Sight};

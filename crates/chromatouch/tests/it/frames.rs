@@ -1,6 +1,5 @@
 //! Frames, and what is measured of them.
 
-
 use image::RgbImage;
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,

@@ -101,7 +101,7 @@ pub(crate) enum BaselineIs {
     Fitted,
 }
 
-fn poisson(text: &str) -> Result<f64, String> {
+pub(super) fn poisson(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if (0.0..=0.5).contains(&number) => Ok(number),
         Ok(_) => Err(format!("must be from 0 to 0.5, is {text}")),

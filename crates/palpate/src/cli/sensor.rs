@@ -7,7 +7,8 @@ use clap::{Args, Subcommand};
 use palpate_scene::config::LengthUnit;
 use palpate_scene::recorded::NormalFrom;
 
-use super::{length_unit, not_negative, positive};
+use super::press::poisson;
+use super::{PressMethodName, length_unit, not_negative, positive};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SensorCommand {
@@ -58,9 +59,10 @@ is transparent. Writes to DIR
 and with a calibration
   readings.csv    what `palpate estimate press` accepts, of the markers that were tracked
   field.csv       the same on a regular grid, by natural-neighbour interpolation
-and prints the estimate of `palpate estimate press`, by a half-space, as JSON, with counts of the markers and
-the mean displacement outward from the contact. Where there is no estimate, the tables are written all the
-same, and the status is 1.
+and prints the estimate of `palpate estimate press` as JSON, with counts of the markers and the mean
+displacement outward from the contact. A soft layer on a rigid core is no half-space: give it as --method
+bonded-layer --thickness H. Where there is no estimate, the tables are written all the same, and the status
+is 1.
 
 The camera is taken to look at the apex from the sensor's centre, through a fisheye with r = f angle, columns
 along x, rows against y.
@@ -138,6 +140,18 @@ pub(crate) struct TrackArgs {
     /// Smooth the field with a Gaussian of this standard deviation, a length along the skin.
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) filter: f64,
+    /// The estimator.
+    #[arg(long, default_value = "half-space", requires = "calibration")]
+    pub(crate) method: PressMethodName,
+    /// Thickness of the soft layer; bonded-layer needs it, and gaussian is calibrated on it.
+    #[arg(long, value_name = "H", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
+    pub(crate) thickness: Option<f64>,
+    /// Poisson's ratio of the half-space, from 0 to 0.5 [default: 0.5].
+    #[arg(long, value_name = "NU", value_parser = poisson, allow_negative_numbers = true, requires = "calibration")]
+    pub(crate) poisson: Option<f64>,
+    /// The c of the Gaussian [default: what gives the sensor's own radius on a plane pressed as deep].
+    #[arg(long, value_name = "C", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
+    pub(crate) c: Option<f64>,
     /// The indentation, if something else tells it, a robot's pose say [default: fitted].
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) indentation: Option<f64>,

@@ -10,7 +10,7 @@ use palpate_scene::recorded::{
 
 use super::frame::read_frame;
 use super::overlay::overlay;
-use crate::cli::{BaselineIs, EstimatePressArgs, PressMethodName, TrackArgs};
+use crate::cli::{BaselineIs, EstimatePressArgs, TrackArgs};
 use crate::estimate::press_options;
 use crate::failure::Failure;
 use crate::output;
@@ -97,17 +97,17 @@ impl<'a> Calibrated<'a> {
         let estimate = EstimatePressArgs {
             readings: args.out.join("readings.csv"),
             sensor_radius: sensor.radius,
-            method: PressMethodName::HalfSpace,
+            method: args.method,
             depth: sensor.depth,
-            thickness: None,
-            poisson: None,
+            thickness: args.thickness,
+            poisson: args.poisson,
             indentation: args.indentation,
             indentation_std: args.indentation_std,
             baseline: BaselineIs::Known,
             gain_std: 0.0,
             normal_std: None,
             tangential_std: None,
-            c: None,
+            c: args.c,
             window: None,
             radial_scale: 1.0,
             young: None,

@@ -137,6 +137,18 @@ fn frames_calibrate_and_are_tracked() {
         .printed();
     let again: serde_json::Value = serde_json::from_str(&again).unwrap();
     assert_eq!(again["effective_radius"], json["effective_radius"]);
+    // Of a layer on a core, likewise.
+    let layer = "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 12 --indentation 1";
+    let [tracked, estimated] = [
+        format!("sensor track rest.png pressed.png --calibration c.toml --px-per-rad {PX_PER_RAD} --out o {layer}"),
+        format!("estimate press o/readings.csv {layer}"),
+    ]
+    .map(|command| {
+        let printed = desk.palpate(&command).printed();
+        serde_json::from_str::<serde_json::Value>(&printed).unwrap()
+    });
+    assert_eq!(tracked["method"], "bonded-layer");
+    assert_eq!(tracked["effective_radius"], estimated["effective_radius"]);
     let field = desk.table("o/field.csv");
     assert!(field.rows.len() > 600 && field.header == readings.header);
 
@@ -304,6 +316,10 @@ fn points_that_calibrate_nothing_are_refused() {
             format!("{header}\n1,0.02\n2,nan\n"),
             "t.csv:3: column `hue_turns`",
         ),
+        (
+            format!("{header}\n1,0.02\n2,9.3\n"),
+            "t.csv:3: column `hue_turns`: a change of hue is at most 0.5 turns either way, is 9.3",
+        ),
         (format!("{header}\n"), "no readings"),
         ("a,b\n1,2\n".to_owned(), "no column `normal_displacement`"),
         (
@@ -362,6 +378,10 @@ fn files_that_are_no_calibration_are_refused() {
             good.replacen("slope = ", "slope = nan # ", 1),
             "a line's slope is NaN",
         ),
+        (
+            good.replacen("slope = ", "slope = 1e-320 # ", 1),
+            "a line's slope is 1e-320; it must be",
+        ),
     ] {
         desk.write("bad.toml", &text);
         let said = desk.palpate(run).said(1);
@@ -408,6 +428,14 @@ fn arguments_that_contradict_each_other_are_refused() {
         (
             "track a.png b.png --out o --calibration c.toml --sensor-radius 2 --depth 1 --grid 0",
             "--grid",
+        ),
+        (
+            "track a.png b.png --out o --calibration c.toml --sensor-radius 2 --depth 1 --method bonded-layer",
+            "--thickness",
+        ),
+        (
+            "track a.png b.png --out o --method gaussian",
+            "--calibration",
         ),
     ] {
         let said = desk.palpate(&format!("sensor {arguments}")).said(2);

@@ -2,7 +2,7 @@
 
 use super::Finding;
 use super::evidence::{near, percent, range, short, span};
-use super::presses::{at_indentation, kind, millimetres, number, rows_of};
+use super::presses::{at_indentation, kind, label, millimetres, number, rows_of};
 use crate::Study;
 
 /// The paper's effective radii in mm: a dish of 80 mm, a plane and a ball of 80 mm on a sensor of 20 mm.
@@ -19,24 +19,28 @@ const SCATTERED: f64 = 1.5;
 
 /// Claim 16.
 pub(super) fn converges(study: &Study) -> Result<Finding, String> {
+    // Not the chain through a camera, whose body is another.
+    let direct = |row: usize| matches!(kind(study, row, "scene.sensor"), None | Some("direct"));
     let of_paper = |row: usize| {
         let estimator = "scene.estimator";
         let c = number(study, row, estimator, "c");
-        kind(study, row, estimator) == Some("gaussian") && c.is_some_and(|c| near(c, 1.0))
+        let is_gaussian = kind(study, row, estimator) == Some("gaussian");
+        direct(row) && is_gaussian && c.is_some_and(|c| near(c, 1.0))
     };
     let found = courses(study, &of_paper)
         .map_err(|missing| format!("of the gaussian with c = 1, {missing}"))?;
     let fit = courses(study, &|row| {
-        kind(study, row, "scene.estimator") == Some("half-space")
+        direct(row) && kind(study, row, "scene.estimator") == Some("half-space")
     });
     let fit = fit.map_or(String::new(), |fit| {
         format!(" The half-space fit: {}.", told(&fit))
     });
+    let chains = chains(study, &|row| !direct(row));
     Ok(Finding {
         holds: found
             .iter()
             .all(|course| course.converges() && course.starts_in_noise()),
-        measured: format!("The gaussian with c = 1: {}.{fit}", told(&found)),
+        measured: format!("The gaussian with c = 1: {}.{fit}{chains}", told(&found)),
         why: format!(
             "Holds if at {DEEPEST} mm every median is within {} of the true radius (the paper's own estimates are 18, 10 and 4 % off), and at every indentation below {SHALLOW} mm the scatter, half the width from the 5 % to the 95 % quantile, exceeds the median's error and is at least {SCATTERED} × that at {DEEPEST} mm. A cell without any estimate counts as scattered.",
             percent(CONVERGED)
@@ -137,6 +141,26 @@ fn course(study: &Study, rows: &[usize], radius: f64, unit: f64) -> Result<Cours
         shallow,
         deepest,
     })
+}
+
+/// The estimates of the chains through a camera, by the label of their estimator; those that end in numbers.
+fn chains(study: &Study, seen: &dyn Fn(usize) -> bool) -> String {
+    let mut labels: Vec<&str> = Vec::new();
+    for row in rows_of(study, "effective_radius") {
+        let label = label(study, row, "scene.estimator");
+        labels.extend(label.filter(|label| seen(row) && !labels.contains(label)));
+    }
+    let told = labels.into_iter().filter_map(|chain| {
+        let its = |row: usize| seen(row) && label(study, row, "scene.estimator") == Some(chain);
+        let ends = courses(study, &its).ok()?;
+        let ends = ends.iter().map(|course| {
+            let Estimates { median, error, .. } = course.deepest;
+            format!("{} ({} off)", short(median), percent(error))
+        });
+        let ends = ends.collect::<Vec<_>>().join(", ");
+        Some(format!(" By {chain}: {ends} mm at {DEEPEST} mm."))
+    });
+    told.collect()
 }
 
 /// Where the estimates end and how they scatter before.

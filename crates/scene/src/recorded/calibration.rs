@@ -55,6 +55,9 @@ const SHIFT: Column = Column::plain("centroid_shift_px");
 const SERIES: Column = Column::plain("series");
 const MARKER: Column = Column::plain("marker");
 
+/// A change of hue is known up to whole turns.
+const LARGEST_TURN: f64 = 0.5;
+
 impl CalibrationPoints {
     /// What frames showed, `source` being their name.
     pub fn shown(source: String, normal: &[NormalPoint], lateral: &[LateralPoint]) -> Self {
@@ -106,6 +109,16 @@ pub fn read_calibration_points(path: &Path) -> Result<CalibrationPoints, Recorde
                 .map(|number| sheet.index(line, column.name, number))
                 .transpose()
         };
+        if let Some(hue) = of(HUE).filter(|hue| hue.abs() > LARGEST_TURN) {
+            return Err(RecordedError::Line {
+                file: sheet.file.clone(),
+                line,
+                message: format!(
+                    "column `{}`: a change of hue is at most {LARGEST_TURN} turns either way, is {hue}: is it in degrees?",
+                    HUE.name
+                ),
+            });
+        }
         let (series, line) = (index(SERIES)?, Some(line));
         let marker = index(MARKER)?.map(|marker| marker as usize);
         let normal = of(NORMAL);

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::sheet::{RecordedError, read_text};
 use crate::config::LengthUnit;
+use crate::legible::legible;
 
 const HEADER: &str = "\
 # Calibration of a camera sensor: how the sight of a marker follows its displacement. Written by
@@ -136,7 +137,7 @@ pub fn read_calibration(path: &Path) -> Result<(Calibration, LengthUnit), Record
     let unit = parsed.length_unit;
     let calibration = parsed
         .calibration()
-        .map_err(|error| fail(error.to_string()))?;
+        .map_err(|error| fail(legible(&error.to_string())))?;
     Ok((calibration, unit))
 }
 

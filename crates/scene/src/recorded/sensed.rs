@@ -10,6 +10,7 @@ use super::pressed_object::PressedObject;
 use super::sheet::RecordedError;
 use super::tracked::{Fates, TrackedFrames};
 use crate::config::LengthUnit;
+use crate::legible::legible;
 use crate::{Table, Unit};
 
 /// The sensor, as far as a calibration does not tell it; lengths in the calibration's unit.
@@ -61,7 +62,7 @@ impl Sensed {
             file: file.clone(),
             message,
         };
-        let refused = |error: CalibrationError| fail(error.to_string());
+        let refused = |error: CalibrationError| fail(legible(&error.to_string()));
         calibration.fits(frames.at_rest()).map_err(refused)?;
         if calibration.normal_part().is_none() {
             return Err(fail(

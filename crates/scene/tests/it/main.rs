@@ -3,6 +3,7 @@
 
 mod camera;
 mod config;
+mod fingertip;
 mod glide;
 mod press;
 mod recorded;

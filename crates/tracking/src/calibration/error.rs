@@ -40,12 +40,14 @@ pub enum CalibrationError {
         what: &'static str,
     },
     /// A number of a calibration or of a camera makes no sense, or leaves the range of doubles.
-    #[error("{what} is {value}, out of range")]
+    #[error("{what} is {value}; it must be {needed}")]
     OutOfRange {
         /// Which number.
         what: &'static str,
         /// Its value.
         value: f64,
+        /// What makes sense.
+        needed: &'static str,
     },
     /// The calibration is of a sensor with another number of markers.
     #[error(

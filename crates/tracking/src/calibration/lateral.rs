@@ -126,7 +126,11 @@ impl LateralCalibration {
         let mut all = numbers.into_iter().chain(optional.into_iter().flatten());
         if let Some(value) = all.find(|number| !number.is_finite()) {
             let what = "a number of the lateral calibration";
-            return Err(CalibrationError::OutOfRange { what, value });
+            return Err(CalibrationError::OutOfRange {
+                what,
+                value,
+                needed: "finite",
+            });
         }
         match self.normal_range.map(|end| self.slope(end)) {
             [at_low, at_high] if at_low.is_normal() && at_low * at_high > 0.0 => Ok(self),
@@ -136,6 +140,7 @@ impl LateralCalibration {
             [at_low, _] => Err(CalibrationError::OutOfRange {
                 what: "px per length",
                 value: at_low,
+                needed: "finite over all calibrated indentations",
             }),
         }
     }

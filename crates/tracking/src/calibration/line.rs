@@ -106,16 +106,26 @@ impl Line {
     /// A line all of whose numbers are finite, with a slope.
     pub(super) fn checked(self) -> Result<Self, CalibrationError> {
         let optional = [self.slope_std, self.intercept, self.residual_std];
-        let bad = |what, value| Err(CalibrationError::OutOfRange { what, value });
+        let bad = |what, value, needed| {
+            Err(CalibrationError::OutOfRange {
+                what,
+                value,
+                needed,
+            })
+        };
         if !self.slope.is_normal() {
-            return bad("a line's slope", self.slope);
+            return bad(
+                "a line's slope",
+                self.slope,
+                "finite and further from 0 than 1e-300",
+            );
         }
         let others = [self.r_squared, self.residual_rms].into_iter();
         match others
             .chain(optional.into_iter().flatten())
             .find(|number| !number.is_finite())
         {
-            Some(number) => bad("a number of a line", number),
+            Some(number) => bad("a number of a line", number, "finite"),
             None => Ok(self),
         }
     }

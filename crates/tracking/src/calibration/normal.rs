@@ -41,7 +41,7 @@ impl NormalFrom {
             signal: match self {
                 Self::Hue => "the hue",
                 Self::Size => "the size",
-                Self::Both => "neither hue nor size",
+                Self::Both => "what hue and size show together",
             },
         }
     }
@@ -160,7 +160,11 @@ impl NormalCalibration {
         let range = self.range.map(|end| ("an end of the range", end));
         let mut numbers = weights.into_iter().chain(range).chain(gains);
         match numbers.find(|(_, number)| !number.is_finite()) {
-            Some((what, value)) => Err(CalibrationError::OutOfRange { what, value }),
+            Some((what, value)) => Err(CalibrationError::OutOfRange {
+                what,
+                value,
+                needed: "finite",
+            }),
             None => Ok(self),
         }
     }

@@ -3,7 +3,7 @@
 use approx::assert_abs_diff_eq;
 use palpate_tracking::{
     Calibration, CalibrationError, Change, LateralCalibration, LateralPoint, Line,
-    NormalCalibration, NormalFrom, NormalPoint, Shown,
+    NormalCalibration, NormalFrom, NormalPoint,
 };
 
 /// Fig. 6b of the 2020 paper: object, normal displacement in mm, hue in turns.
@@ -152,26 +152,28 @@ fn the_published_shift() {
 
 #[test]
 fn what_is_shown_is_read() {
-    let shown: Vec<Shown> = (1..5)
-        .map(|step| {
-            let normal = 0.3 * f64::from(step);
-            let change = Change {
-                hue_turns: -0.02 * normal,
-                ..Change::default()
-            };
+    let normals = || (1..5).map(|step| 0.3 * f64::from(step));
+    let normal: Vec<NormalPoint> = normals()
+        .map(|normal| NormalPoint {
+            marker: Some(3),
+            normal,
+            hue_turns: -0.02 * normal,
+            growth: 0.0,
+        })
+        .collect();
+    let lateral: Vec<LateralPoint> = normals()
+        .map(|normal| {
             let tangential = [0.1 * normal, 0.2];
-            Shown {
-                marker: 3,
-                normal,
-                tangential: Some(tangential),
-                change,
-                lateral: Some(tangential.map(|one| (7.0 + normal) * one)),
+            LateralPoint {
+                tangential,
+                shift_px: tangential.map(|one| (7.0 + normal) * one),
+                normal: Some(normal),
             }
         })
         .collect();
-    let fitted = Calibration::fit(&shown, NormalFrom::Hue)
-        .unwrap()
-        .of_markers(77);
+    let normal = NormalCalibration::fit(&normal, NormalFrom::Hue).unwrap();
+    let lateral = LateralCalibration::fit(&lateral).unwrap();
+    let fitted = Calibration::new(Some(normal), Some(lateral), Some(77)).unwrap();
     let change = Change {
         hue_turns: -0.012,
         ..Change::default()
@@ -220,6 +222,12 @@ fn points_that_tell_no_slope_are_refused() {
             assert_eq!(error.name(), name, "{points:?} from {}", from.name());
         }
     }
+    let flat = [point(0.0, 0.0), point(1.0, 0.0)];
+    let error = NormalCalibration::fit(&flat, NormalFrom::Both).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "what hue and size show together does not change with the displacement: there is no slope to calibrate"
+    );
     // The first that errs is told.
     let points = [point(0.0, 0.0), point(1.0, f64::NAN)];
     let error = NormalCalibration::fit(&points, NormalFrom::Hue).unwrap_err();

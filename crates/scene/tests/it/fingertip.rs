@@ -1,0 +1,164 @@
+//! Fingertips that touch nothing: strain of folding, image areas, and the patterns they are cut from.
+
+use palpate_scene::Scene;
+use palpate_scene::config::{Study, parse};
+use palpate_scene::fingertip::CutPattern;
+
+const GORES: &str =
+    r#"layout = { kind = "gores", gores = 4, rows = [1, 3, 3, 5, 7], row_spacing_deg = 11.9 }"#;
+const DISCS: &str = "discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 }";
+
+fn text(probe: &str, lines: &str) -> String {
+    format!(
+        r#"name = "a-study"
+length_unit = "mm"
+
+[scene]
+kind = "fingertip"
+probe = {{ kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, {probe} }}
+{lines}
+"#
+    )
+}
+
+fn study(text: &str) -> Study {
+    parse("study.toml", text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn values(text: &str) -> Vec<(&'static str, f64)> {
+    let scene = study(text)
+        .estimable_scene(0)
+        .unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(scene.trials(1000), 1);
+    let mut values = Vec::new();
+    scene
+        .trial(0, |quantity, outcome| {
+            values.push((scene.quantities()[quantity].name, outcome.estimate));
+        })
+        .unwrap();
+    values
+}
+
+#[test]
+fn folding_stretches_as_the_closed_form_has_it() {
+    let told = values(&text(GORES, ""));
+    assert_eq!(told.len(), 2);
+    // The shear at a seam's upper end is π/n: σ = s/2 + √(1 + s²/4).
+    let shear = std::f64::consts::PI / 4.0;
+    let greatest = 0.5 * shear + (1.0 + 0.25 * shear * shear).sqrt() - 1.0;
+    assert_eq!(told[0].0, "greatest_fold_strain");
+    assert!((told[0].1 - greatest).abs() < 1e-12, "{told:?}");
+    assert_eq!(told[1].0, "rms_fold_strain");
+    assert!(told[1].1 < 0.5 * greatest, "{told:?}");
+}
+
+#[test]
+fn a_marker_looks_as_large_as_its_solid_angle_through_the_lens() {
+    let area = |lens: &str, polar_deg: f64| {
+        let lines = format!(
+            "sensor = {{ lens = \"{lens}\", size_px = 640, field_deg = 65 }}\nview = {{ polar_deg = {polar_deg} }}"
+        );
+        let told = values(&text(&format!("{GORES}, {DISCS}"), &lines));
+        assert_eq!(told[2].0, "marker_area");
+        told[2].1
+    };
+    let polar = 50_f64.to_radians();
+    // An equidistant lens stretches across the radius by θ/sin θ, a pinhole by 1/cos³ θ in area.
+    let fisheye = area("fisheye", 50.0) / area("fisheye", 0.0);
+    assert!(
+        (fisheye / (polar / polar.sin()) - 1.0).abs() < 2e-3,
+        "{fisheye}"
+    );
+    let pinhole = area("pinhole", 50.0) / area("pinhole", 0.0);
+    assert!(
+        (pinhole * polar.cos().powi(3) - 1.0).abs() < 2e-2,
+        "{pinhole}"
+    );
+    // At the apex: the larger of both discs, 2 wide and 17 away; f = 319.5 px / 65°.
+    let f = 319.5 / 65_f64.to_radians();
+    let expected = std::f64::consts::PI * (f / 17.0_f64).powi(2);
+    let apex = area("fisheye", 0.0);
+    assert!((apex / expected - 1.0).abs() < 5e-3, "{apex} {expected}");
+}
+
+#[test]
+fn a_marker_beyond_the_field_is_told() {
+    let lines = "view = { polar_deg = 80 }";
+    let scene = study(&text(&format!("{GORES}, {DISCS}"), lines))
+        .estimable_scene(0)
+        .unwrap();
+    assert_eq!(scene.trial(0, |_, _| ()), Err("out-of-field"));
+    assert!(matches!(scene, Scene::Fingertip(_)));
+}
+
+#[test]
+fn a_pattern_is_drawn_in_millimetres() {
+    let probe = format!("{GORES}, {DISCS}");
+    let in_mm = CutPattern::of(&study(&text(&probe, ""))).unwrap();
+    assert_eq!((in_mm.gores, in_mm.markers), (4, 77));
+    assert!(in_mm.dxf.contains("MAGENTA") && in_mm.svg.contains("mm"));
+    assert_eq!(in_mm.strain_by_gores.lines().count(), 11);
+    let numbers = in_mm.strain.lines().skip(1).flat_map(|row| row.split(','));
+    assert!(
+        numbers
+            .map(|field| field.parse::<f64>().unwrap())
+            .all(f64::is_finite)
+    );
+    let in_cm = text(&probe, "")
+        .replace("\"mm\"", "\"cm\"")
+        .replace(
+            "radius = 20.0, marker_depth = 2.0",
+            "radius = 2.0, marker_depth = 0.2",
+        )
+        .replace(
+            "= 2.0, yellow_diameter = 2.0, separation = 2.0",
+            "= 0.2, yellow_diameter = 0.2, separation = 0.2",
+        );
+    assert_eq!(CutPattern::of(&study(&in_cm)).unwrap().dxf, in_mm.dxf);
+}
+
+#[test]
+fn patterns_that_cannot_be_are_refused_at_the_field() {
+    let probe = format!("{GORES}, {DISCS}");
+    let plain = text(&probe, "");
+    for (text, path) in [
+        (plain.replace("length_unit = \"mm\"", ""), "length_unit"),
+        (
+            plain.replace("gores = 4", "gores = 1"),
+            "scene.probe.layout.gores",
+        ),
+        (
+            plain.replace("gores = 4", "gores = 2"),
+            "scene.probe.layout.gores",
+        ),
+        (
+            text(
+                &format!("layout = {{ kind = \"lattice\", pitch = 4.0, cap_deg = 60 }}, {DISCS}"),
+                "",
+            ),
+            "scene.probe.layout",
+        ),
+        (text(GORES, ""), "scene.probe"),
+        (
+            plain.replace("yellow_diameter = 2.0", "yellow_diameter = 4.5"),
+            "scene.probe.discs",
+        ),
+        (
+            plain.replace("row_spacing_deg = 11.9", "row_spacing_deg = 20.0"),
+            "scene.probe.layout",
+        ),
+        (
+            plain.replace("radius = 20.0", "radius = 1e9"),
+            "scene.probe.radius",
+        ),
+    ] {
+        let error = match parse("study.toml", &text) {
+            Ok(study) => CutPattern::of(&study).unwrap_err(),
+            Err(error) => error,
+        };
+        assert_eq!(error.path(), path, "{error}");
+    }
+    let rolling = "name = \"a\"\n[scene]\nkind = \"roll\"\nprobe = { kind = \"sphere\", radius = 1 }\nobject = { kind = \"plane\" }\nmotion = { rate_rad_per_s = 0.1, duration_s = 1.0 }\n";
+    let error = CutPattern::of(&study(rolling)).unwrap_err();
+    assert_eq!(error.path(), "scene.kind");
+}
