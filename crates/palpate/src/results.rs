@@ -1,6 +1,6 @@
 //! `palpate plot` and `palpate report`.
 
-use palpate_report::{Study, plot as draw, scorecard_text, write_claims, write_page};
+use palpate_report::{Study, draw_press_trace, plot as draw, scorecard_text, write_claims, write_page};
 
 use crate::cli::{PlotArgs, ReportArgs};
 use crate::failure::Failure;
@@ -8,7 +8,11 @@ use crate::output;
 
 pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     let study = Study::load(&args.dir).map_err(Failure::work)?;
-    let files = draw(&study).map_err(Failure::work)?;
+    let mut files = draw(&study).map_err(Failure::work)?;
+    // What a camera saw of the pass that was traced.
+    if args.dir.join("markers.csv").is_file() {
+        files.extend(draw_press_trace(&args.dir).map_err(Failure::work)?);
+    }
     if files.is_empty() {
         let name = study.name();
         return output::print(&format!("{name} has no [[plot]]; nothing drawn"));
