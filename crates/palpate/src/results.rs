@@ -1,6 +1,8 @@
 //! `palpate plot` and `palpate report`.
 
-use palpate_report::{Study, draw_press_trace, plot as draw, scorecard_text, write_claims, write_page};
+use palpate_report::{
+    Study, draw_press_trace, plot as draw, scorecard_text, write_claims, write_page,
+};
 
 use crate::cli::{PlotArgs, ReportArgs};
 use crate::failure::Failure;

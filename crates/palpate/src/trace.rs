@@ -32,8 +32,11 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
         Scene::Press(press) => {
             let unit = study.config.length_unit.as_str();
             let told = press.told_indentation(args.trial);
+            let camera = press
+                .px_per_rad()
+                .map_or(String::new(), |f| format!(", seen with {f:.3} px per rad"));
             format!(
-                "{} of {} under an indentation told as {told} {unit}",
+                "{} of {} under an indentation told as {told} {unit}{camera}",
                 traced.readings,
                 counted(rows, "marker")
             )

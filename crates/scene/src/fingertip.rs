@@ -204,6 +204,7 @@ fn planned(probe: &PressProbeConfig, unit_mm: f64) -> Result<CutPattern, PlanErr
         return Err(PlanError::at("scene.probe.layout", message));
     };
     let sizes = discs(probe)?;
+    disc_depths(probe)?;
     let discs = Discs {
         magenta: sizes.magenta_diameter,
         yellow: sizes.yellow_diameter,

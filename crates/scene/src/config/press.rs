@@ -292,10 +292,10 @@ impl Default for PressSensorConfig {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressNoiseConfig {
-    /// Error of each marker's displacement along the normal.
+    /// Error of each marker's displacement along the normal; behind a camera, on top of what its pictures err by.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal_displacement: Option<LengthNoise>,
-    /// Error of each component of each marker's displacement along the skin.
+    /// Error of each component of each marker's displacement along the skin; behind a camera, likewise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tangential_displacement: Option<LengthNoise>,
     /// Error of the known indentation that the estimator is given.

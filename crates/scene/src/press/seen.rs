@@ -22,6 +22,9 @@ pub(super) struct CameraPress {
     pub(super) shown: Option<Shows>,
 }
 
+/// Shifts below are rounding, px.
+const ROUNDING_PX: f64 = 1e-9;
+
 /// What a marker shows of a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shows {
@@ -101,7 +104,9 @@ impl Shows {
         let [x, y] = change.shift_px;
         Some(Self {
             hue_turns: change.hue_turns,
-            shift_px: x.hypot(y),
+            shift_px: Some(x.hypot(y))
+                .filter(|&shift| shift > ROUNDING_PX)
+                .unwrap_or(0.0),
         })
     }
 }

@@ -35,6 +35,14 @@ impl PressScene {
         self.indentation + error
     }
 
+    /// Pixels per radian of the camera, if there is one.
+    pub fn px_per_rad(&self) -> Option<f64> {
+        match &self.sensor {
+            PressSensor::Camera(Some(camera)) => Some(camera.sensor.eye.lens.px_per_rad()),
+            PressSensor::Camera(None) | PressSensor::Direct => None,
+        }
+    }
+
     /// Presses once: noiseless, or as in trial number `trial`.
     ///
     /// # Errors

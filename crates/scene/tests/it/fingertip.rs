@@ -151,6 +151,10 @@ fn patterns_that_cannot_be_are_refused_at_the_field() {
             plain.replace("radius = 20.0", "radius = 1e9"),
             "scene.probe.radius",
         ),
+        (
+            plain.replace("separation = 2.0", "separation = 5.0"),
+            "scene.probe.discs.separation",
+        ),
     ] {
         let error = match parse("study.toml", &text) {
             Ok(study) => CutPattern::of(&study).unwrap_err(),

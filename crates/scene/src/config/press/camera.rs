@@ -87,7 +87,7 @@ pub struct CalibrationConfig {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: Option<f64>,
-    /// How many frames at rest are averaged.
+    /// How many frames at rest are averaged. They and the calibrating presses are taken once: what they err by is the same in all trials.
     #[serde(default = "sixteen")]
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub rest_frames: u32,
