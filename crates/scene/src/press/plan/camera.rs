@@ -383,7 +383,7 @@ fn array(
     };
     MarkerArray::new(radius, places, diameters, disc_depths(probe)?)
         .and_then(|array| match config.misalignment {
-            none if none == 0.0 => Ok(array),
+            0.0 => Ok(array),
             most => array.misaligned(most, seed),
         })
         .map_err(|error| of_optics(&error))
