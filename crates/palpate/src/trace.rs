@@ -35,11 +35,12 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
             let camera = press
                 .px_per_rad()
                 .map_or(String::new(), |f| format!(", seen with {f:.3} px per rad"));
-            format!(
-                "{} of {} under an indentation told as {told} {unit}{camera}",
-                traced.readings,
-                counted(rows, "marker")
-            )
+            let read = match traced.readings {
+                all if all == rows => String::new(),
+                some => format!("{some} of "),
+            };
+            let markers = counted(rows, "marker");
+            format!("{read}{markers} under an indentation told as {told} {unit}{camera}")
         }
         Scene::Fingertip(_) => String::new(),
     };
