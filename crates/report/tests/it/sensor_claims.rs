@@ -86,6 +86,20 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
 }
 
 #[test]
+fn claim_14_allows_the_paper_s_scatter_of_hues() {
+    // Sums of squares 0.0002 of the means, and 3 × 0.0025² of the scatter: R² = 0.914.
+    let scattered = |_: usize, depth: f64| Numbers {
+        std: Some(0.0025),
+        ..mean(0.025 * depth)
+    };
+    judged(
+        of_lines(&lines(scattered, |_, shift| 7.0 * shift)),
+        Verdict::Holds,
+        &["R² 0.914,"],
+    );
+}
+
+#[test]
 fn claim_14_needs_three_indentations_and_three_shifts() {
     let few = |quantity: &str, axis: &str| {
         let mut cells = Cells::new(&format!("scene.motion.{axis}_mm"));

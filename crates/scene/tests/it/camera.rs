@@ -151,6 +151,40 @@ fn errors_of_pictures_are_those_stated() {
 }
 
 #[test]
+fn frames_at_rest_are_averaged() {
+    let noise = r#"hue = { kind = "gaussian", std = 0.001 }"#;
+    let sensor = r#"kind = "projected", calibration = { rest_frames = 1000 }"#;
+    let noisy = scene(&text(sensor, noise));
+    let errors = (0..400).map(|trial| {
+        let Outcome {
+            estimate, truth, ..
+        } = only(&noisy, trial, "hue_change");
+        estimate - truth
+    });
+    // Of 1000 frames at rest and 400 pressed: 0.001 √(1/1000 + 1/400) = 6e-5.
+    let mean = errors.sum::<f64>() / 400.0;
+    assert!(mean.abs() < 1.8e-4, "{mean}");
+}
+
+#[test]
+fn an_estimate_knows_what_its_camera_errs_by() {
+    let noise = r#"hue = { kind = "gaussian", std = 0.0005 }"#;
+    let sensor = r#"kind = "projected", normal_from = "hue", tangential = false"#;
+    let noisy = scene(&text(sensor, noise));
+    let estimates: Vec<Outcome> = (0..100)
+        .map(|trial| only(&noisy, trial, "relative_curvature"))
+        .collect();
+    let mean = estimates.iter().map(|one| one.estimate).sum::<f64>() / 100.0;
+    let squares = estimates.iter().map(|one| (one.estimate - mean).powi(2));
+    let scatter = (squares.sum::<f64>() / 99.0).sqrt();
+    let stated = estimates.iter().filter_map(|one| one.std).sum::<f64>() / 100.0;
+    assert!(
+        (0.5..2.0).contains(&(stated / scatter)),
+        "{stated} {scatter}"
+    );
+}
+
+#[test]
 fn a_trace_has_what_the_camera_saw() {
     let Scene::Press(press) = scene(&text(r#"kind = "rendered", size_px = 265"#, "")) else {
         panic!("not a press");
