@@ -10,7 +10,8 @@ use palpate_chromatouch::{
 };
 use palpate_sensing::{Channel, Stream};
 
-fn published(size_px: u32, blemishes: Blemishes) -> Optics {
+/// The published sensor, its discs misaligned at most by this share of their diameter.
+fn published(size_px: u32, misalignment: f64, blemishes: Blemishes) -> Optics {
     let places = Layout::published().places(20.0).unwrap();
     let discs = Discs {
         magenta: 2.0,
@@ -21,7 +22,7 @@ fn published(size_px: u32, blemishes: Blemishes) -> Optics {
         yellow: 1.0,
     };
     let array = MarkerArray::new(20.0, &places, discs, depths).unwrap();
-    let array = array.misaligned(0.3, 1).unwrap();
+    let array = array.misaligned(misalignment, 1).unwrap();
     let camera = Camera::new(Lens::Fisheye, size_px, 70.0).unwrap();
     Optics::new(array, camera, Colours::default(), blemishes).unwrap()
 }
@@ -54,18 +55,24 @@ fn benches(criterion: &mut Criterion) {
         ..noise
     };
     let clean = Blemishes::default();
-    let optics = published(640, clean);
-    criterion.bench_function("projected, 77 markers", |bencher| {
-        bencher.iter(|| optics.projected(black_box(&motions)).unwrap());
-    });
-    for (name, size_px, blemishes) in [
-        ("rendered, 265 px", 265, clean),
-        ("rendered, 640 px", 640, clean),
-        ("rendered, 2048 px", 2048, clean),
-        ("rendered, 640 px, pixel noise", 640, noise),
-        ("rendered, 640 px, all blemishes", 640, all),
+    for (name, misalignment) in [
+        ("projected, 77 markers", 0.3),
+        ("projected, 77 markers, aligned", 0.0),
     ] {
-        let optics = published(size_px, blemishes);
+        let optics = published(640, misalignment, clean);
+        criterion.bench_function(name, |bencher| {
+            bencher.iter(|| optics.projected(black_box(&motions)).unwrap());
+        });
+    }
+    for (name, size_px, misalignment, blemishes) in [
+        ("rendered, 265 px", 265, 0.3, clean),
+        ("rendered, 640 px", 640, 0.3, clean),
+        ("rendered, 640 px, aligned", 640, 0.0, clean),
+        ("rendered, 2048 px", 2048, 0.3, clean),
+        ("rendered, 640 px, pixel noise", 640, 0.3, noise),
+        ("rendered, 640 px, all blemishes", 640, 0.3, all),
+    ] {
+        let optics = published(size_px, misalignment, blemishes);
         criterion.bench_function(name, |bencher| {
             bencher.iter(|| {
                 let mut stream = Stream::new(1, 0, Channel::Pixel);
