@@ -3,4 +3,5 @@
 
 mod frames;
 mod optics;
+mod optics_limits;
 mod pattern;

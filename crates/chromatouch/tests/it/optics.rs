@@ -6,11 +6,11 @@ use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,
-    MarkerMotion, Optics, OpticsError, SeenMarker,
+    MarkerMotion, Optics, SeenMarker,
 };
 
 /// Discs that take nothing but green and nothing but blue.
-const PURE: Colours = Colours {
+pub(crate) const PURE: Colours = Colours {
     white: [1.0; 3],
     magenta: [1.0, 0.0, 1.0],
     yellow: [1.0, 1.0, 0.0],
@@ -18,26 +18,31 @@ const PURE: Colours = Colours {
     outside: [1.0; 3],
 };
 
-const DISCS: Discs = Discs {
+pub(crate) const DISCS: Discs = Discs {
     magenta: 2.0,
     yellow: 2.0,
 };
 
-fn depths(magenta: f64, yellow: f64) -> DiscDepths {
+pub(crate) fn depths(magenta: f64, yellow: f64) -> DiscDepths {
     DiscDepths { magenta, yellow }
 }
 
-fn optics(places: &[[f64; 2]], depths: DiscDepths, lens: Lens, colours: Colours) -> Optics {
+pub(crate) fn optics(
+    places: &[[f64; 2]],
+    depths: DiscDepths,
+    lens: Lens,
+    colours: Colours,
+) -> Optics {
     let array = MarkerArray::new(20.0, places, DISCS, depths).unwrap();
     let camera = Camera::new(lens, 640, 70.0).unwrap();
     Optics::new(array, camera, colours, Blemishes::default()).unwrap()
 }
 
-fn moved(magenta: DiscMotion, yellow: DiscMotion) -> Option<MarkerMotion> {
+pub(crate) fn moved(magenta: DiscMotion, yellow: DiscMotion) -> Option<MarkerMotion> {
     Some(MarkerMotion { magenta, yellow })
 }
 
-fn inward(normal: f64) -> DiscMotion {
+pub(crate) fn inward(normal: f64) -> DiscMotion {
     DiscMotion {
         normal,
         ..DiscMotion::default()
@@ -50,7 +55,7 @@ fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
 }
 
 /// On the skin of radius 20, this far from the apex.
-fn at(polar_deg: f64, azimuth_deg: f64) -> [f64; 2] {
+pub(crate) fn at(polar_deg: f64, azimuth_deg: f64) -> [f64; 2] {
     let (sine, cosine) = azimuth_deg.to_radians().sin_cos();
     [cosine, sine].map(|share| 20.0 * polar_deg.to_radians() * share)
 }
@@ -334,274 +339,4 @@ fn only_what_is_all_in_the_picture_is_seen() {
             .iter()
             .all(Option::is_none)
     );
-}
-
-#[test]
-fn impossible_arrays_are_named() {
-    let array = |radius, places: &[[f64; 2]], magenta, yellow, depths| {
-        MarkerArray::new(radius, places, Discs { magenta, yellow }, depths)
-            .map_err(|error| (error.name(), error.setting()))
-            .unwrap_err()
-    };
-    let one = [[0.0, 0.0]];
-    let good = depths(3.0, 1.0);
-    let nan = f64::NAN;
-    for (radius, diameters, depths, expected) in [
-        (nan, [2.0, 2.0], good, ("bad-setting", Some("radius"))),
-        (0.0, [2.0, 2.0], good, ("bad-setting", Some("radius"))),
-        (
-            20.0,
-            [0.0, 2.0],
-            good,
-            ("bad-setting", Some("magenta_diameter")),
-        ),
-        (
-            20.0,
-            [40.0, 2.0],
-            good,
-            ("bad-setting", Some("magenta_diameter")),
-        ),
-        (
-            20.0,
-            [2.0, nan],
-            good,
-            ("bad-setting", Some("yellow_diameter")),
-        ),
-        (
-            20.0,
-            [2.0, 1e-300],
-            good,
-            ("bad-setting", Some("yellow_diameter")),
-        ),
-        (
-            20.0,
-            [2.0, 2.0],
-            depths(20.0, 1.0),
-            ("bad-depth", Some("separation")),
-        ),
-        (
-            20.0,
-            [2.0, 2.0],
-            depths(1.0, 3.0),
-            ("bad-depth", Some("separation")),
-        ),
-        (
-            20.0,
-            [2.0, 2.0],
-            depths(1.0, -0.1),
-            ("bad-depth", Some("separation")),
-        ),
-        (
-            20.0,
-            [2.0, 2.0],
-            depths(nan, nan),
-            ("bad-depth", Some("separation")),
-        ),
-    ] {
-        let [magenta, yellow] = diameters;
-        assert_eq!(array(radius, &one, magenta, yellow, depths), expected);
-    }
-    for place in [[63.0, 0.0], [nan, 0.0], [f64::INFINITY, 0.0]] {
-        assert_eq!(
-            array(20.0, &[place], 2.0, 2.0, good),
-            ("off-the-skin", None)
-        );
-    }
-    let many = vec![[0.0, 0.0]; 100_001];
-    assert_eq!(
-        array(20.0, &many, 2.0, 2.0, good),
-        ("too-many-markers", None)
-    );
-
-    let misaligned = MarkerArray::new(20.0, &one, DISCS, good).unwrap();
-    for most in [-0.1, 1.1, nan] {
-        let error = misaligned.clone().misaligned(most, 1).unwrap_err();
-        assert_eq!(error.setting(), Some("misalignment"));
-    }
-}
-
-#[test]
-fn discs_that_cover_each_other_are_found_among_many() {
-    let layout = Layout::Lattice {
-        pitch: 0.2,
-        cap_deg: 120.0,
-    };
-    let mut places = layout.places(20.0).unwrap();
-    assert!(places.len() > 90_000);
-    let array = |places: &[[f64; 2]], diameter| {
-        let discs = Discs {
-            magenta: 0.5 * diameter,
-            yellow: diameter,
-        };
-        MarkerArray::new(20.0, places, discs, depths(1.0, 1.0))
-    };
-    assert_eq!(array(&places, 0.1).unwrap().len(), places.len());
-    let [x, y] = places[70_000];
-    places.push([x + 0.05, y]);
-    let Err(OpticsError::DiscsOverlap {
-        first,
-        second,
-        distance,
-        diameter,
-    }) = array(&places, 0.1)
-    else {
-        panic!("not refused");
-    };
-    assert_eq!((first, second), (70_000, places.len() - 1));
-    assert!(
-        distance < 0.05 && (diameter - 0.1).abs() < 1e-15,
-        "{distance} {diameter}"
-    );
-    // Both sides of the chart's far edge are neighbours on the sphere.
-    let opposite = [at(179.9, 0.0), at(179.9, 180.0)];
-    assert_eq!(array(&opposite, 0.2).unwrap_err().name(), "discs-overlap");
-    assert!(array(&opposite, 0.05).is_ok());
-}
-
-#[test]
-fn impossible_cameras_colours_and_blemishes_are_named() {
-    for (lens, size_px, field_deg, setting) in [
-        (Lens::Fisheye, 0, 70.0, "size_px"),
-        (Lens::Fisheye, 8193, 70.0, "size_px"),
-        (Lens::Fisheye, 640, 180.1, "field_deg"),
-        (Lens::Fisheye, 640, 0.0, "field_deg"),
-        (Lens::Pinhole, 640, 90.0, "field_deg"),
-        (Lens::Pinhole, 640, f64::NAN, "field_deg"),
-    ] {
-        let error = Camera::new(lens, size_px, field_deg).unwrap_err();
-        assert_eq!(
-            (error.name(), error.setting()),
-            ("bad-setting", Some(setting))
-        );
-    }
-    let optics = optics(&[[0.0, 0.0]], depths(3.0, 1.0), Lens::Fisheye, PURE);
-    let refused = |colours, blemishes| {
-        let array = optics.array().clone();
-        let error = Optics::new(array, *optics.camera(), colours, blemishes).unwrap_err();
-        error.setting().unwrap()
-    };
-    let clean = Blemishes::default();
-    let white = Colours {
-        white: [1.1, 1.0, 1.0],
-        ..PURE
-    };
-    assert_eq!(refused(white, clean), "white");
-    for bad in [-0.1, 1e300, f64::NAN] {
-        let seams = palpate_chromatouch::Seams {
-            gores: 4,
-            width: if bad > 1.0 { f64::INFINITY } else { bad },
-        };
-        for (blemishes, setting) in [
-            (
-                Blemishes {
-                    light_at_rim: bad,
-                    ..clean
-                },
-                "light_at_rim",
-            ),
-            (
-                Blemishes {
-                    blur_px: bad,
-                    ..clean
-                },
-                "blur_px",
-            ),
-            (
-                Blemishes {
-                    pixel_std: bad,
-                    ..clean
-                },
-                "pixel_std",
-            ),
-            (
-                Blemishes {
-                    seams: Some(seams),
-                    ..clean
-                },
-                "seam_width",
-            ),
-        ] {
-            assert_eq!(refused(PURE, blemishes), setting);
-        }
-    }
-}
-
-#[test]
-fn impossible_motions_are_named() {
-    let optics = optics(
-        &[[0.0, 0.0], at(30.0, 0.0)],
-        depths(3.0, 1.0),
-        Lens::Fisheye,
-        PURE,
-    );
-    let rest = Some(MarkerMotion::default());
-    let wrong = OpticsError::WrongCount {
-        motions: 1,
-        markers: 2,
-    };
-    assert_eq!(optics.projected(&[rest]).unwrap_err(), wrong);
-    assert_eq!(optics.rendered(&[rest], None).unwrap_err(), wrong);
-    for bad in [17.0, -17.0, 1e300, f64::NAN, f64::NEG_INFINITY] {
-        let along = |tangential| DiscMotion {
-            normal: 0.0,
-            tangential,
-        };
-        for motion in [inward(bad), along([bad, 0.0]), along([0.0, bad])] {
-            let motions = [rest, moved(motion, DiscMotion::default())];
-            for error in [
-                optics.projected(&motions).unwrap_err(),
-                optics.rendered(&motions, None).unwrap_err(),
-            ] {
-                let OpticsError::ImpossibleMotion { marker, disc, .. } = error else {
-                    panic!("{error}");
-                };
-                assert_eq!((marker, disc), (1, "magenta"));
-            }
-        }
-    }
-}
-
-#[test]
-fn every_size_of_everything_is_finite() {
-    for (radius, share, separation) in [
-        (1e-9, 0.1, 0.1),
-        (1e9, 0.1, 0.1),
-        (1e-50, 1e-8, 0.0),
-        (1e50, 1.0, 0.5),
-        (20.0, 2e-9, 0.9),
-        (20.0, 0.9, 0.0),
-    ] {
-        let discs = Discs {
-            magenta: share * radius,
-            yellow: share * radius,
-        };
-        let depths = depths(separation * radius, 0.0);
-        let places = [[0.3 * radius, 0.2 * radius]];
-        let array = MarkerArray::new(radius, &places, discs, depths).unwrap();
-        for (lens, field) in [
-            (Lens::Fisheye, 180.0),
-            (Lens::Fisheye, 1e-6),
-            (Lens::Pinhole, 89.9999),
-        ] {
-            for size in [1, 7, 64] {
-                let camera = Camera::new(lens, size, field).unwrap();
-                let array = array.clone().misaligned(1.0, 3).unwrap();
-                let optics = Optics::new(array, camera, PURE, Blemishes::default()).unwrap();
-                for share in [0.0, 0.4999, -0.4999, 1e-300] {
-                    let motion = DiscMotion {
-                        normal: share * radius * (1.0 - separation),
-                        tangential: [share * radius * (1.0 - separation); 2],
-                    };
-                    let motions = [moved(motion, motion)];
-                    if let Some(marker) = optics.projected(&motions).unwrap()[0] {
-                        let [x, y] = marker.centroid_px;
-                        assert!(x.is_finite() && y.is_finite(), "{marker:?}");
-                        assert!(marker.size_px2 > 0.0 && marker.size_px2.is_finite());
-                        assert!((0.0..1.0).contains(&marker.hue_turns), "{marker:?}");
-                    }
-                    assert_eq!(optics.rendered(&motions, None).unwrap().width(), size);
-                }
-            }
-        }
-    }
 }
