@@ -113,8 +113,8 @@ struct TruePress {
 enum PressSensor {
     /// Displacements, as they are.
     Direct,
-    /// What a camera sees; `None` where there is no press to be seen.
-    Camera(Option<Box<CameraPress>>),
+    /// What a camera sees, or why there is no press to be seen: then every trial fails.
+    Camera(Result<Box<CameraPress>, PressError>),
 }
 
 /// How curvature follows from the readings.
@@ -167,8 +167,8 @@ impl PressScene {
     pub fn is_random(&self) -> bool {
         let knows = self.method.known_indentation.is_some();
         let camera = match &self.sensor {
-            PressSensor::Camera(Some(camera)) => camera.is_random(),
-            PressSensor::Camera(None) | PressSensor::Direct => false,
+            PressSensor::Camera(Ok(camera)) => camera.is_random(),
+            PressSensor::Camera(Err(_)) | PressSensor::Direct => false,
         };
         camera || self.noise.is_random(self.tangential, knows)
     }
@@ -209,7 +209,8 @@ impl PressScene {
             tangential: truth.markers.iter().map(|one| one.tangential).collect(),
             sight: None,
         };
-        if let PressSensor::Camera(Some(camera)) = &self.sensor {
+        if let PressSensor::Camera(camera) = &self.sensor {
+            let camera = camera.as_ref().map_err(|error| *error)?;
             camera.read(&mut readings, trial)?;
         }
         if let Some(trial) = trial {
@@ -298,7 +299,7 @@ impl PressScene {
         let (Some(sight), Ok(truth)) = (&readings.sight, &self.truth) else {
             return;
         };
-        let PressSensor::Camera(Some(camera)) = &self.sensor else {
+        let PressSensor::Camera(Ok(camera)) = &self.sensor else {
             return;
         };
         let first = ESTIMATED.len();

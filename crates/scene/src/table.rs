@@ -1,5 +1,7 @@
 //! Tables that a scene writes.
 
+use palpate_tracking::Track;
+
 /// A table with a header, to be written as CSV.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
@@ -29,19 +31,29 @@ impl Table {
         self.rows.push(numbers.into_iter().map(number).collect());
     }
 
-    /// A row that begins with a whole number and ends with a word; what is not known is empty.
-    pub(crate) fn push_sight(
-        &mut self,
-        index: usize,
-        numbers: impl IntoIterator<Item = Option<f64>>,
-        word: &str,
-    ) {
-        let numbers = numbers
-            .into_iter()
-            .map(|one| one.map_or_else(String::new, number));
-        let index = std::iter::once(index.to_string());
-        let word = std::iter::once(word.to_owned());
-        self.rows.push(index.chain(numbers).chain(word).collect());
+    /// One row per marker: place and hue at rest (pressed, of one that is new) and how they changed, as far as they did.
+    /// What is not seen is empty.
+    pub(crate) fn of_tracks<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> Self {
+        let header = "marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status";
+        let mut table = Self::new(header.split(',').map(str::to_owned));
+        for (marker, track) in tracks.enumerate() {
+            let seen = track.and_then(|track| track.rest.or(track.pressed));
+            let change = track.and_then(Track::change);
+            let numbers = [
+                seen.map(|seen| seen.centroid_px[0]),
+                seen.map(|seen| seen.centroid_px[1]),
+                seen.map(|seen| seen.hue_turns),
+                change.map(|change| change.shift_px[0]),
+                change.map(|change| change.shift_px[1]),
+                change.map(|change| change.hue_turns),
+            ];
+            let status = track.map_or("not-seen", |track| track.status.name());
+            let mut row = vec![marker.to_string()];
+            row.extend(numbers.map(|one| one.map_or_else(String::new, number)));
+            row.push(status.to_owned());
+            table.rows.push(row);
+        }
+        table
     }
 
     /// The table as CSV text.

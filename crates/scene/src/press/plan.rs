@@ -77,8 +77,10 @@ impl PressScene {
                     body: &body,
                 };
                 // A press that is none is not seen.
-                let seen = truth.as_ref().ok().map(|_| planned.press(&pressed));
-                let seen = seen.transpose()?.and_then(Result::ok);
+                let seen = match &truth {
+                    Ok(_) => planned.press(&pressed)?,
+                    Err(error) => Err(*error),
+                };
                 PressSensor::Camera(seen.map(Box::new))
             }
         };
@@ -97,7 +99,7 @@ impl PressScene {
             .and_then(|contact| method.bounds(contact, at, tangential));
         let method = method.method(*radius, *marker_depth)?;
         let mut needs = words::of_model(&config.model, &object, &skin, &contact);
-        let is_seen = matches!(&sensor, PressSensor::Camera(Some(seen)) if seen.is_random());
+        let is_seen = matches!(&sensor, PressSensor::Camera(Ok(seen)) if seen.is_random());
         needs.extend(
             noise
                 .need()
@@ -155,8 +157,8 @@ fn true_press(
 /// What a camera's displacements err by, as its calibration tells: normal, tangential.
 fn sensed_stds(sensor: &PressSensor) -> [Option<f64>; 2] {
     match sensor {
-        PressSensor::Camera(Some(camera)) => camera.sensor.stds,
-        PressSensor::Camera(None) | PressSensor::Direct => [None; 2],
+        PressSensor::Camera(Ok(camera)) => camera.sensor.stds,
+        PressSensor::Camera(Err(_)) | PressSensor::Direct => [None; 2],
     }
 }
 

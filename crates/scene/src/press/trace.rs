@@ -2,7 +2,6 @@
 
 use image::RgbImage;
 
-use super::camera::Sight;
 use super::{PressFailure, PressReadings, PressScene, PressSensor};
 use crate::Table;
 use crate::config::LengthUnit;
@@ -38,8 +37,8 @@ impl PressScene {
     /// Pixels per radian of the camera, if there is one.
     pub fn px_per_rad(&self) -> Option<f64> {
         match &self.sensor {
-            PressSensor::Camera(Some(camera)) => Some(camera.sensor.eye.lens.px_per_rad()),
-            PressSensor::Camera(None) | PressSensor::Direct => None,
+            PressSensor::Camera(Ok(camera)) => Some(camera.sensor.eye.lens.px_per_rad()),
+            PressSensor::Camera(Err(_)) | PressSensor::Direct => None,
         }
     }
 
@@ -90,43 +89,11 @@ impl PressScene {
         trial: Option<u64>,
     ) -> Result<Option<SeenPress>, PressFailure> {
         match (&self.sensor, &read.sight) {
-            (PressSensor::Camera(Some(camera)), Some(sight)) => Ok(Some(SeenPress {
-                markers: sights(sight),
+            (PressSensor::Camera(Ok(camera)), Some(sight)) => Ok(Some(SeenPress {
+                markers: Table::of_tracks(sight.tracks.iter().map(Option::as_ref)),
                 frames: camera.frames(trial)?,
             })),
             _ => Ok(None),
         }
     }
-}
-
-/// One row per marker of the layout; what is not seen is empty.
-fn sights(sight: &Sight) -> Table {
-    let header = [
-        "marker",
-        "x_px",
-        "y_px",
-        "hue_turns",
-        "dx_px",
-        "dy_px",
-        "dhue_turns",
-        "status",
-    ];
-    let mut table = Table::new(header.map(str::to_owned));
-    for (marker, track) in sight.tracks.iter().enumerate() {
-        let rest = track.and_then(|track| track.rest);
-        let change = track.and_then(|track| track.change());
-        let status = track.map_or("not-seen", |track| track.status.name());
-        let numbers = [
-            rest.map(|rest| rest.centroid_px[0]),
-            rest.map(|rest| rest.centroid_px[1]),
-            rest.map(|rest| rest.hue_turns),
-            change.map(|change| change.shift_px[0]),
-            change.map(|change| change.shift_px[1]),
-            change.map(|change| change.hue_turns),
-        ];
-        let text = |number: Option<f64>| number.map_or_else(String::new, |n| (n + 0.0).to_string());
-        let cells = std::iter::once(marker.to_string()).chain(numbers.map(text));
-        table.rows.push(cells.chain([status.to_owned()]).collect());
-    }
-    table
 }

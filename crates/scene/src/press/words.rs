@@ -130,7 +130,7 @@ pub(super) fn of_sensor(
         "normal displacements from the {from} of markers, calibrated by {} presses on a plane",
         camera.calibration.presses
     ));
-    if let PressSensor::Camera(Some(seen)) = sensor {
+    if let PressSensor::Camera(Ok(seen)) = sensor {
         let rest = seen.sensor.rest.iter().flatten().count();
         if rest < markers {
             needs.push(format!(

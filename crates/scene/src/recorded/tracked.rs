@@ -141,22 +141,7 @@ impl TrackedFrames {
 
     /// One row per marker: place and hue at rest (pressed, of one that is new) and how they changed, as far as they did.
     pub fn table(&self) -> Table {
-        let header = "marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status";
-        let mut table = Table::new(header.split(',').map(str::to_owned));
-        for (marker, track) in self.tracks.iter().enumerate() {
-            let seen = track.rest.or(track.pressed);
-            let change = track.change();
-            let numbers = [
-                seen.map(|seen| seen.centroid_px[0]),
-                seen.map(|seen| seen.centroid_px[1]),
-                seen.map(|seen| seen.hue_turns),
-                change.map(|change| change.shift_px[0]),
-                change.map(|change| change.shift_px[1]),
-                change.map(|change| change.hue_turns),
-            ];
-            table.push_sight(marker, numbers, track.status.name());
-        }
-        table
+        Table::of_tracks(self.tracks.iter().map(Some))
     }
 
     /// Refuses frames that do not show the same sensor.
