@@ -1,11 +1,16 @@
 //! Development tasks: `cargo xtask ci`, `cargo xtask reproduce`.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod bench_check;
 mod ci;
 mod compare;
+mod extremes;
+mod fuzz;
 mod palpate;
+mod peers;
 mod readme;
 mod reproduce;
+mod tradeoff;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -28,6 +33,16 @@ enum Task {
     Ci,
     /// Run the studies in sim-configs/, draw their figures and score the papers' claims.
     Reproduce(reproduce::Options),
+    /// Measure every ladder of models: error against cost, into results/tradeoff/.
+    Tradeoff(tradeoff::Options),
+    /// Try every public entry point at its extremes, into results/extremes.csv.
+    Extremes(extremes::Options),
+    /// Compare instruction counts and accuracy with the committed baseline.
+    BenchCheck(bench_check::Options),
+    /// Run what a user would pick instead beside our benchmarks, into results/peers.csv.
+    Peers(peers::Options),
+    /// Feed the readers of files what nobody would write.
+    Fuzz(fuzz::Options),
 }
 
 fn main() -> ExitCode {
@@ -52,5 +67,10 @@ fn run(cli: Cli) -> Result<()> {
     match cli.task {
         Task::Ci => ci::run(&shell),
         Task::Reproduce(options) => reproduce::run(&shell, &options),
+        Task::Tradeoff(options) => tradeoff::run(&shell, &options),
+        Task::Extremes(options) => extremes::run(&shell, &options),
+        Task::BenchCheck(options) => bench_check::run(&shell, &options),
+        Task::Peers(options) => peers::run(&shell, &options),
+        Task::Fuzz(options) => fuzz::run(&shell, &options),
     }
 }

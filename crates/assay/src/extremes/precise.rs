@@ -1,0 +1,1 @@
+//! Closed forms in more digits than a double has.

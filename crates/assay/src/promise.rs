@@ -1,0 +1,1 @@
+//! Whether `auto` keeps its word.

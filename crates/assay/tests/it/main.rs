@@ -1,0 +1,4 @@
+//! What the harnesses promise, as tests.
+#![allow(clippy::unwrap_used)]
+
+mod extremes;
