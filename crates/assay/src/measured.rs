@@ -1,1 +1,216 @@
-//! What one evaluation costs.
+//! What one evaluation costs: time with its spread, and instructions where valgrind is present.
+//!
+//! A harness makes a list of [`Evaluation`]s. [`Evaluation::time`] measures one of them here and now;
+//! [`instructions`] runs the harness once more under callgrind, with the same arguments and
+//! [`COUNTED`], upon which the harness makes the same list and hands it to [`count`].
+
+use std::fs;
+use std::hint::black_box;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail, ensure};
+
+/// The flag on which a harness counts its evaluations instead of measuring them.
+pub const COUNTED: &str = "--counted";
+/// What to tell users when [`instructions`] returns nothing.
+pub const NO_VALGRIND: &str =
+    "valgrind is not installed: instructions are not counted, their column stays empty";
+
+/// A batch lasts at least as long, so that the clock's own cost does not matter.
+const BATCH: Duration = Duration::from_millis(5);
+/// Runs of each evaluation under callgrind, of which the last counts.
+const RUNS: usize = 2;
+/// Batches at least, however long one takes.
+const FEWEST_BATCHES: usize = 3;
+/// What callgrind knows [`evaluate_once`] by, whether names are mangled or not.
+const EVALUATE_ONCE: &str = "*measured*evaluate_once*";
+
+/// Something whose cost is asked for, repeatable: each run does the same work.
+pub struct Evaluation {
+    /// What it is, for messages.
+    pub name: String,
+    run: Box<dyn FnMut()>,
+}
+
+/// Nanoseconds per evaluation: quartiles over batches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// A quarter of the batches was quicker.
+    pub q25: f64,
+    /// Half of the batches were quicker.
+    pub median: f64,
+    /// A quarter of the batches was slower.
+    pub q75: f64,
+}
+
+impl Evaluation {
+    /// An evaluation. What `run` returns is made in full and dropped.
+    pub fn new<T>(name: impl Into<String>, mut run: impl FnMut() -> T + 'static) -> Self {
+        Self {
+            name: name.into(),
+            run: Box::new(move || drop(black_box(run()))),
+        }
+    }
+
+    /// Runs batches for about as long as `patience`, after one run that fills caches and tables.
+    pub fn time(&mut self, patience: Duration) -> Spread {
+        (self.run)();
+        let start = Instant::now();
+        let length = self.batch_length();
+        let mut batches = Vec::new();
+        while batches.len() < FEWEST_BATCHES || start.elapsed() < patience {
+            batches.push(self.batch(length).as_secs_f64() * 1e9 / length as f64);
+        }
+        batches.sort_unstable_by(f64::total_cmp);
+        let [q25, median, q75] = [0.25, 0.5, 0.75].map(|share| quantile(&batches, share));
+        Spread { q25, median, q75 }
+    }
+
+    /// How many runs last for [`BATCH`].
+    fn batch_length(&mut self) -> u32 {
+        let mut length = 1;
+        while self.batch(length) < BATCH {
+            length *= 2;
+        }
+        length
+    }
+
+    fn batch(&mut self, length: u32) -> Duration {
+        let start = Instant::now();
+        for _ in 0..length {
+            (self.run)();
+        }
+        start.elapsed()
+    }
+}
+
+/// The value below which a share of the sorted values lies, linear between neighbours.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * (sorted.len() - 1) as f64;
+    let (below, above) = (place.floor() as usize, place.ceil() as usize);
+    sorted[below] + (sorted[above] - sorted[below]) * place.fract()
+}
+
+/// What a harness does that was called with [`COUNTED`]: runs each evaluation twice, first to fill caches and tables.
+/// Callgrind writes what it has counted, and starts again, at the end of each run.
+pub fn count(evaluations: &mut [Evaluation]) {
+    for evaluation in evaluations {
+        for _ in 0..RUNS {
+            evaluate_once(&mut *evaluation.run);
+        }
+    }
+}
+
+#[inline(never)]
+fn evaluate_once(run: &mut dyn FnMut()) {
+    run();
+    // Keeps the call above from becoming a jump, with which this function would be over.
+    black_box(());
+}
+
+/// Instructions of each evaluation in the order of the harness's list, or nothing where valgrind is absent. Runs this
+/// program again with the arguments it has and [`COUNTED`].
+///
+/// # Errors
+/// If that run fails, or counts not exactly `evaluations` evaluations.
+pub fn instructions(evaluations: usize) -> Result<Option<Vec<u64>>> {
+    let probe = Command::new("valgrind").arg("--version").output();
+    if !probe.is_ok_and(|output| output.status.success()) {
+        return Ok(None);
+    }
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("dump");
+    let run = Command::new("valgrind")
+        .arg("--tool=callgrind")
+        .arg(format!("--dump-after={EVALUATE_ONCE}"))
+        .arg(format!("--callgrind-out-file={}", out.display()))
+        .arg(std::env::current_exe()?)
+        .args(std::env::args_os().skip(1))
+        .arg(COUNTED)
+        .stdout(Stdio::null())
+        .output()
+        .context("cannot run valgrind")?;
+    if !run.status.success() {
+        bail!(
+            "counting instructions failed: {}",
+            String::from_utf8_lossy(&run.stderr)
+        );
+    }
+    let runs = dumps(&out)?;
+    ensure!(
+        runs.len() == evaluations * RUNS,
+        "callgrind saw {} runs of {evaluations} evaluations, {RUNS} each",
+        runs.len()
+    );
+    Ok(Some(runs.chunks(RUNS).map(|runs| runs[RUNS - 1]).collect()))
+}
+
+/// The totals of `dump.1`, `dump.2`, … in this order.
+fn dumps(stem: &Path) -> Result<Vec<u64>> {
+    let mut counts = Vec::new();
+    loop {
+        let path = stem.with_extension((counts.len() + 1).to_string());
+        match fs::read_to_string(&path) {
+            Ok(text) => counts
+                .push(total(&text).with_context(|| format!("{} states no total", path.display()))?),
+            Err(_) => return Ok(counts),
+        }
+    }
+}
+
+/// Instructions in one dump of callgrind: its line `summary:` or, where it has none, `totals:`.
+fn total(dump: &str) -> Option<u64> {
+    let line = |name: &str| dump.lines().find_map(|line| line.strip_prefix(name));
+    let numbers = line("summary:").or_else(|| line("totals:"))?;
+    numbers.split_whitespace().next()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quartiles_of_an_even_and_an_odd_count() {
+        assert_eq!(quantile(&[1.0, 2.0, 3.0], 0.5), 2.0);
+        assert_eq!(quantile(&[1.0, 2.0, 3.0, 4.0], 0.25), 1.75);
+        assert_eq!(quantile(&[7.0], 0.75), 7.0);
+    }
+
+    #[test]
+    fn a_spread_is_in_order_and_takes_as_long_as_it_may() {
+        let mut sum = Evaluation::new("sum", || {
+            (0..black_box(1_000)).fold(0_u64, |sum, next| black_box(sum ^ next))
+        });
+        let start = Instant::now();
+        let spread = sum.time(Duration::from_millis(40));
+        assert!(start.elapsed() >= Duration::from_millis(40));
+        assert!(
+            0.0 < spread.q25 && spread.q25 <= spread.median && spread.median <= spread.q75,
+            "{spread:?}"
+        );
+    }
+
+    #[test]
+    fn a_dump_states_its_total() {
+        let dump = "# callgrind format\nversion: 1\npart: 2\n\nevents: Ir\nsummary: 123456\n\nfn=(1) f\n12 7\n\ntotals: 99\n";
+        assert_eq!(total(dump), Some(123_456));
+        assert_eq!(total("events: Ir\nfn=(1) f\n3 4\ntotals: 99 5\n"), Some(99));
+        assert_eq!(total("events: Ir\n"), None);
+    }
+
+    #[test]
+    fn dumps_are_read_in_order_until_one_is_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let stem = folder.path().join("dump");
+        for (part, total) in [(1, 5), (2, 7), (4, 9)] {
+            fs::write(
+                stem.with_extension(part.to_string()),
+                format!("summary: {total}\n"),
+            )
+            .unwrap();
+        }
+        assert_eq!(dumps(&stem).unwrap(), [5, 7]);
+    }
+}
