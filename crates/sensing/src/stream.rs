@@ -76,6 +76,7 @@ impl Stream {
 
     #[inline]
     fn next_word(&mut self) -> u64 {
+        palpate_tally::drew(1);
         self.state = self.state.wrapping_add(STEP);
         mix(self.state)
     }

@@ -26,6 +26,7 @@ impl Optics {
         &self,
         motions: &[Option<MarkerMotion>],
     ) -> Result<Vec<Option<SeenMarker>>, OpticsError> {
+        palpate_tally::projected(motions.len() as u64);
         let seen = self.sights(motions)?.map(|sight| {
             let seen = |sight| seen(&self.camera, &self.contrasts, &sight);
             sight.map(|sight| sight.and_then(seen))

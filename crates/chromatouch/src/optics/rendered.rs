@@ -37,6 +37,7 @@ impl Optics {
     }
 
     fn frame(&self, markers: &[PaintedMarker], pixels: Option<&mut Stream>) -> RgbImage {
+        palpate_tally::painted(1);
         let size = self.camera.size_px();
         let mut frame = RgbImage::new(size, size);
         let mut noise = pixels.filter(|_| self.blemishes.pixel_std > 0.0);

@@ -53,6 +53,7 @@ impl Pressure {
 
     /// The same with so many times the nodes.
     pub(super) fn solve_finer(contact: f64, finer: f64) -> Result<Self, PressError> {
+        palpate_tally::solved_layer(1);
         let count = (finer * (16.0 + 5.0 * contact)).ceil() as usize;
         let shares = positive_gauss(count);
         let waves = wavenumbers(

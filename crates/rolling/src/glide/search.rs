@@ -63,6 +63,7 @@ pub(super) struct Search<'a, S> {
 impl<S: Surface> Search<'_, S> {
     /// The contact that the tip meets first.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
+        palpate_tally::searched(1);
         let first = self.settle(self.start()?);
         match first {
             Ok(foot) if self.fits(&foot) && !(self.rugged && self.rivalled(&foot)) => Ok(foot),
