@@ -41,6 +41,29 @@ impl fmt::Display for Failure {
                 text = format!("{text}: {cause}");
             }
         }
-        f.write_str(&text)
+        f.write_str(&visible(&text))
+    }
+}
+
+/// A text that a terminal shows and does not obey: control characters of a file that a message quotes are spelt out.
+fn visible(text: &str) -> String {
+    let mut visible = String::with_capacity(text.len());
+    for character in text.chars() {
+        if character.is_control() && !matches!(character, '\n' | '\t') {
+            visible.extend(character.escape_unicode());
+        } else {
+            visible.push(character);
+        }
+    }
+    visible
+}
+
+#[cfg(test)]
+mod tests {
+    use super::visible;
+
+    #[test]
+    fn control_characters_are_spelt_out() {
+        assert_eq!(visible("`\u{1b}[2J`\n\tµ"), "`\\u{1b}[2J`\n\tµ");
     }
 }

@@ -162,5 +162,7 @@ fn a_camera_paints_one_frame_for_each_press_and_draws_only_noise() {
     );
     let noisy = tallies(PRESS, &[HALF_SPACE, rendered, noise])[1];
     assert_eq!(noisy.frames, 1);
-    assert!(noisy.draws > 100_000 && noisy.projections == 0, "{noisy:?}");
+    assert!(noisy.draws > 100_000, "{noisy:?}");
+    // Where its 77 markers truly are, without which no match could be called wrong.
+    assert_eq!(noisy.projections, 77);
 }

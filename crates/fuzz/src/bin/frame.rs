@@ -1,0 +1,4 @@
+//! libFuzzer's loop around [`palpate_fuzz::frame`].
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| palpate_fuzz::frame(bytes));

@@ -1,0 +1,210 @@
+//! What nobody would write, for the readers of files.
+//!
+//! Each target takes any bytes for a file. It must end with a result or an error that says something; what is read must
+//! be whole: nothing in it may be NaN or infinite, and what is written of it must be read back the same. `corpus/` holds
+//! inputs that reach different code, found by coverage; the tests replay them, and variations of them.
+
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+
+use palpate_geometry::formula::Formula;
+use palpate_scene::config;
+use palpate_scene::recorded::{
+    self, CalibrateOptions, GlideMethod, GlideOptions, PressBody, PressMethod, PressOptions,
+    RecordedError, RecordedFile, RollOptions,
+};
+use palpate_tracking::{Finder, FinderSettings};
+
+/// A reader under test.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// Its name, that of the folder of its corpus too.
+    pub name: &'static str,
+    /// Reads these bytes.
+    pub run: fn(&[u8]),
+}
+
+/// All readers.
+pub const TARGETS: [Target; 5] = [
+    Target {
+        name: "config",
+        run: config,
+    },
+    Target {
+        name: "formula",
+        run: formula,
+    },
+    Target {
+        name: "readings",
+        run: readings,
+    },
+    Target {
+        name: "frame",
+        run: frame,
+    },
+    Target {
+        name: "calibration",
+        run: calibration,
+    },
+];
+
+/// Rows and pixels beyond these are not worked on, for the sake of speed.
+const MOST_ROWS: usize = 60;
+const MOST_PIXELS: u32 = 200 * 200;
+
+/// A study's config.
+///
+/// # Panics
+/// If a resolved config is not read back the same, or an error says nothing.
+pub fn config(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    match config::parse("fuzz.toml", text) {
+        Err(error) => says_something(&error.to_string()),
+        Ok(study) => {
+            let written = config::to_toml(&study.config);
+            let again = config::parse("run.toml", &written);
+            let again = again.unwrap_or_else(|error| panic!("{error}\nof\n{written}"));
+            assert_eq!(config::to_toml(&again.config), written);
+            assert_eq!(again.cells.len(), study.cells.len());
+            assert!(again.cells.first() == study.cells.first(), "{written}");
+        }
+    }
+}
+
+/// The formula of a height field.
+///
+/// # Panics
+/// If value and jet differ, or an error says nothing.
+pub fn formula(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    let parameters = BTreeMap::from([("A".to_owned(), 0.15), ("k".to_owned(), 0.7)]);
+    let none = BTreeMap::new();
+    for parameters in [&parameters, &none] {
+        match Formula::parse(text, parameters) {
+            Err(error) => {
+                says_something(&error.kind.to_string());
+                if let Some(span) = error.span {
+                    assert!(text.get(span.clone()).is_some(), "{span:?} of {text:?}");
+                }
+            }
+            Ok(formula) => {
+                for [x, y] in [[0.0, 0.0], [0.3, -0.7], [-1e9, 1e-9]] {
+                    let (value, jet) = (formula.value(x, y), formula.jet(x, y));
+                    let same = value.to_bits() == jet.value.to_bits()
+                        || value.is_nan() && jet.value.is_nan();
+                    assert!(same, "{value} is not {} at {x}, {y}", jet.value);
+                }
+            }
+        }
+    }
+}
+
+/// Recorded readings of rolls, glides and presses, and the estimates from them.
+///
+/// # Panics
+/// If an estimate is not finite, or an error says nothing.
+pub fn readings(bytes: &[u8]) {
+    let file = || RecordedFile::new("fuzz.csv", bytes.to_vec());
+    let is_short = bytes.iter().filter(|&&byte| byte == b'\n').count() <= MOST_ROWS;
+    if let Some(readings) = whole(recorded::parse_roll(file())) {
+        let options = RollOptions {
+            probe_radius: 1.0,
+            length_unit: None,
+            pitch: None,
+            method: recorded::RollMethod::LeastSquares,
+        };
+        whole(recorded::estimate_roll(&readings, &options));
+    }
+    if let Some(readings) = whole(recorded::parse_glide(file())).filter(|_| is_short) {
+        let options = GlideOptions {
+            method: GlideMethod::Quadric,
+            grid: 3,
+            ..GlideOptions::default()
+        };
+        whole(recorded::estimate_glide(&readings, &options));
+    }
+    if let Some(readings) = whole(recorded::parse_press(file())).filter(|_| is_short) {
+        let body = PressBody::HalfSpace {
+            poisson: 0.5,
+            depth: 2.0,
+        };
+        let options = PressOptions {
+            indentation: Some((1.0, 0.02)),
+            normal_std: Some(0.05),
+            tangential_std: Some(0.02),
+            ..PressOptions::new(20.0, PressMethod::Body(body))
+        };
+        whole(recorded::estimate_press(&readings, &options));
+    }
+}
+
+/// A frame of a camera, and the markers in it.
+///
+/// # Panics
+/// If a marker is not finite, or an error says nothing.
+pub fn frame(bytes: &[u8]) {
+    let file = RecordedFile::new("fuzz.png", bytes.to_vec());
+    let frame = match recorded::parse_frame(&file) {
+        Ok(frame) => frame,
+        Err(error) => return says_something(&error.to_string()),
+    };
+    if frame.image.width().saturating_mul(frame.image.height()) > MOST_PIXELS {
+        return;
+    }
+    let finder = Finder::new(FinderSettings::default());
+    let mut finder = finder.expect("the default settings are good");
+    match finder.find(&frame.image) {
+        Ok(found) => is_finite(&found),
+        Err(error) => says_something(&error.to_string()),
+    }
+}
+
+/// A calibration, and the points that one is made from.
+///
+/// # Panics
+/// If a calibration is not read back the same, is not finite, or an error says nothing.
+pub fn calibration(bytes: &[u8]) {
+    let file = || RecordedFile::new("fuzz", bytes.to_vec());
+    let points = whole(recorded::parse_calibration_points(&file()));
+    if let Some(points) = points {
+        whole(recorded::calibrate(&[points], &CalibrateOptions::default()));
+    }
+    if let Some((calibration, unit)) = whole(recorded::parse_calibration(&file())) {
+        let written = recorded::calibration_toml(&calibration, unit);
+        let again = RecordedFile::new("again.toml", written.clone().into_bytes());
+        let (again, unit) = recorded::parse_calibration(&again)
+            .unwrap_or_else(|error| panic!("{error}\nof\n{written}"));
+        assert_eq!(recorded::calibration_toml(&again, unit), written);
+    }
+}
+
+/// What was read, all of it finite; nothing where it was refused with words.
+fn whole<T: Debug>(read: Result<T, RecordedError>) -> Option<T> {
+    match read {
+        Ok(whole) => {
+            is_finite(&whole);
+            Some(whole)
+        }
+        Err(error) => {
+            says_something(&error.to_string());
+            None
+        }
+    }
+}
+
+fn is_finite(what: &impl Debug) {
+    let text = format!("{what:?}");
+    let words = |c: char| !c.is_alphanumeric();
+    let odd = text
+        .split(words)
+        .find(|&word| word == "NaN" || word == "inf");
+    assert!(odd.is_none(), "{odd:?} in {text}");
+}
+
+fn says_something(error: &str) {
+    assert!(error.trim().len() > 10, "{error:?}");
+}

@@ -1,0 +1,128 @@
+//! The corpus again, and variations of it.
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::Path;
+
+use palpate_fuzz::{TARGETS, Target};
+
+/// How many variations of each file, up to so many of a target.
+const VARIATIONS: u64 = 40;
+const MOST: u64 = 4000;
+
+/// Files of a target by name.
+fn corpus(target: &Target) -> Vec<(String, Vec<u8>)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("corpus")
+        .join(target.name);
+    let mut files: Vec<_> = fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .map(|path| {
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            (name, fs::read(path).unwrap())
+        })
+        .collect();
+    files.sort();
+    assert!(files.len() >= 4, "the corpus of {} is gone", target.name);
+    files
+}
+
+/// SplitMix64: the same variations every time.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self, sides: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut word = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        word = (word ^ (word >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((word ^ (word >> 31)) % sides.max(1) as u64) as usize
+    }
+}
+
+/// What readers of numbers stumble over.
+const WORDS: [&[u8]; 16] = [
+    b"nan",
+    b"inf",
+    b"-inf",
+    b"-0.0",
+    b"1e999",
+    b"5e-324",
+    b"1e308",
+    b"0",
+    b"-1",
+    b"18446744073709551616",
+    b"\"",
+    b"[",
+    b"}",
+    b",",
+    b"\n",
+    b"\xff",
+];
+
+fn varied(file: &[u8], dice: &mut Dice) -> Vec<u8> {
+    let mut bytes = file.to_vec();
+    for _ in 0..=dice.roll(3) {
+        let at = dice.roll(bytes.len() + 1);
+        let end = (at + dice.roll(12)).min(bytes.len());
+        match dice.roll(5) {
+            0 => drop(bytes.splice(at..end, WORDS[dice.roll(WORDS.len())].iter().copied())),
+            1 => drop(bytes.drain(at..end)),
+            2 => bytes.truncate(at),
+            3 => {
+                let copy = bytes[at..end].to_vec();
+                let to = dice.roll(bytes.len() + 1);
+                drop(bytes.splice(to..to, copy));
+            }
+            _ => {
+                if let Some(byte) = bytes.get_mut(at) {
+                    *byte ^= 1 << dice.roll(8);
+                }
+            }
+        }
+    }
+    bytes
+}
+
+fn survives(name: &str) {
+    let target = TARGETS.iter().find(|target| target.name == name).unwrap();
+    let files = corpus(target);
+    for (_, bytes) in &files {
+        (target.run)(bytes);
+    }
+    let each = VARIATIONS.min(MOST / files.len() as u64);
+    for (number, (file, bytes)) in files.iter().enumerate() {
+        for variation in 0..each {
+            let varied = varied(bytes, &mut Dice((number as u64) << 32 | variation));
+            let run = target.run;
+            let outcome = std::panic::catch_unwind(|| run(&varied));
+            let shown = String::from_utf8_lossy(&varied);
+            assert!(outcome.is_ok(), "variation {variation} of {file}:\n{shown}");
+        }
+    }
+}
+
+#[test]
+fn configs() {
+    survives("config");
+}
+
+#[test]
+fn formulas() {
+    survives("formula");
+}
+
+#[test]
+fn readings() {
+    survives("readings");
+}
+
+#[test]
+fn frames() {
+    survives("frame");
+}
+
+#[test]
+fn calibrations() {
+    survives("calibration");
+}
