@@ -1,4 +1,5 @@
 //! What `cargo xtask` runs of the harnesses.
+#![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;
 
@@ -25,6 +26,9 @@ enum Harness {
 
 fn main() -> Result<()> {
     match Cli::parse().harness {
-        Harness::Extremes { out } => palpate_assay::extremes::run(&out),
+        Harness::Extremes { out } => {
+            println!("{}", palpate_assay::extremes::run(&out)?);
+            Ok(())
+        }
     }
 }
