@@ -38,6 +38,7 @@ pub use chart::HeldAxis;
 pub use contact::{Contact, Shift};
 pub use error::{RollError, RollFault};
 pub use glide::{Fingertip, GlideError, Glider, Touch};
+pub use ladder::MeasuredRung;
 pub use model::{Chart, Choice, InvalidRoll, Model, Rolls};
 pub use motion::Motion;
 pub use roller::{Probe, Roller};
