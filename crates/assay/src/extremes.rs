@@ -6,6 +6,7 @@ mod chromatouch;
 mod ep1;
 mod ep2;
 mod geometry;
+mod hostile;
 pub mod precise;
 mod press;
 mod rolling;
