@@ -2,7 +2,6 @@
 
 mod calibrate;
 mod drawing;
-mod frame;
 mod overlay;
 mod pattern;
 mod track;

@@ -3,6 +3,8 @@
 mod calibration;
 mod calibration_file;
 mod calibration_report;
+mod file;
+mod frame;
 mod glide;
 mod patch;
 mod patch_estimate;
@@ -15,20 +17,25 @@ mod sheet;
 mod shown;
 mod tracked;
 
-pub use calibration::{CalibrateOptions, CalibrationPoints, calibrate, read_calibration_points};
-pub use calibration_file::{calibration_toml, read_calibration};
+pub use calibration::{
+    CalibrateOptions, CalibrationPoints, calibrate, parse_calibration_points,
+    read_calibration_points,
+};
+pub use calibration_file::{calibration_toml, parse_calibration, read_calibration};
 pub use calibration_report::{CalibrationReport, Fitted};
-pub use glide::{GlideReadings, read_glide};
+pub use file::RecordedFile;
+pub use frame::{parse_frame, read_frame};
+pub use glide::{GlideReadings, parse_glide, read_glide};
 pub use palpate_geometry::ShapeThresholds;
 pub use palpate_tracking::{Calibration, Marker, NormalFrom, Status, Track};
 pub use patch::{GlideMethod, GlideOptions, estimate_glide};
 pub use patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds};
-pub use press::{PressReadings, read_press};
+pub use press::{PressReadings, parse_press, read_press};
 pub use pressed::{PressBody, PressMethod, PressOptions, estimate_press};
 pub use pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
 pub use roll::{
-    RollEstimate, RollMethod, RollOptions, RollReadings, UnresolvedProbe, estimate_roll, read_roll,
-    roll_readings_table,
+    RollEstimate, RollMethod, RollOptions, RollReadings, UnresolvedProbe, estimate_roll,
+    parse_roll, read_roll, roll_readings_table,
 };
 pub use sensed::{Sensed, SensorOptions, TrackedPress};
 pub use sheet::RecordedError;

@@ -5,10 +5,9 @@ use std::path::Path;
 use anyhow::anyhow;
 use palpate_scene::recorded::{
     CalibrateOptions, CalibrationPoints, Frame, KnownOfFrames, calibrate as calibrate_to,
-    calibration_points_of_frames, read_calibration_points,
+    calibration_points_of_frames, read_calibration_points, read_frame,
 };
 
-use super::frame::read_frame;
 use crate::cli::CalibrateArgs;
 use crate::failure::Failure;
 use crate::output;
@@ -103,7 +102,7 @@ fn points_of_frames(
         px_per_rad: args.px_per_rad,
     };
     let frames: Result<Vec<Frame>, _> = args.inputs.iter().map(|path| read_frame(path)).collect();
-    let frames = frames?;
+    let frames = frames.map_err(Failure::work)?;
     let Some((rest, pressed)) = frames.split_first() else {
         return Err(Failure::Usage(anyhow!("there are no frames")));
     };

@@ -5,10 +5,9 @@ use std::path::Path;
 use anyhow::anyhow;
 use palpate_scene::recorded::{
     Fates, RecordedError, Sensed, SensorOptions, TrackedFrames, difference_image, read_calibration,
-    track_frames,
+    read_frame, track_frames,
 };
 
-use super::frame::read_frame;
 use super::overlay::overlay;
 use crate::cli::{BaselineIs, EstimatePressArgs, TrackArgs};
 use crate::estimate::press_options;
@@ -22,7 +21,8 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         .map(|file| Calibrated::new(args, file))
         .transpose()?;
     output::make_directory(&args.out)?;
-    let [rest, pressed] = [read_frame(&args.rest)?, read_frame(&args.pressed)?];
+    let read = |path: &Path| read_frame(path).map_err(Failure::work);
+    let [rest, pressed] = [read(&args.rest)?, read(&args.pressed)?];
     let frames = track_frames(&rest, &pressed).map_err(Failure::work)?;
     let difference = difference_image(&rest, &pressed).map_err(Failure::work)?;
     let mut files = vec![

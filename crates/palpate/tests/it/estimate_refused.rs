@@ -157,7 +157,7 @@ fn files() {
     let desk = Desk::new();
     for (path, message) in [
         ("none.csv", "none.csv: no such file"),
-        (".", ".: is a directory, not a table"),
+        (".", ".: is a directory, not a file"),
     ] {
         let said = desk
             .palpate(&format!("estimate roll {path} --probe-radius 10"))

@@ -7,8 +7,9 @@ use palpate_tracking::{
     NormalPoint,
 };
 
+use super::RecordedFile;
 use super::calibration_report::{CalibrationReport, Fitted};
-use super::sheet::{Column, RecordedError, Sheet, header, read_text};
+use super::sheet::{Column, RecordedError, Sheet, header};
 use crate::config::LengthUnit;
 use crate::legible::legible;
 
@@ -87,9 +88,17 @@ impl CalibrationPoints {
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn read_calibration_points(path: &Path) -> Result<CalibrationPoints, RecordedError> {
-    let (file, text) = read_text(path)?;
-    let columns = columns(&header(&text));
-    let sheet = Sheet::parse(&file, &text, &columns)?;
+    parse_calibration_points(&RecordedFile::read(path)?)
+}
+
+/// Known displacements, as [`read_calibration_points`] reads them.
+///
+/// # Errors
+/// As [`read_calibration_points`].
+pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints, RecordedError> {
+    let text = file.text()?;
+    let columns = columns(&header(text));
+    let sheet = Sheet::parse(&file.name, text, &columns)?;
     let place = |column: Column| columns.iter().position(|one| *one == column);
     let has_hue = place(HUE).is_some();
     let has_growth = place(GROWTH).is_some();

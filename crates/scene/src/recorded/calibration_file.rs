@@ -8,7 +8,8 @@ use palpate_tracking::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::sheet::{RecordedError, read_text};
+use super::RecordedFile;
+use super::sheet::RecordedError;
 use crate::config::LengthUnit;
 use crate::legible::legible;
 
@@ -123,13 +124,17 @@ pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> S
 /// # Errors
 /// [`RecordedError::File`] with what is wrong and where.
 pub fn read_calibration(path: &Path) -> Result<(Calibration, LengthUnit), RecordedError> {
-    let (file, text) = read_text(path)?;
-    let fail = |message: String| RecordedError::File {
-        file: file.clone(),
-        message,
-    };
-    let parsed: CalibrationFile = toml::from_str(&text).map_err(|error| {
-        fail(format!(
+    parse_calibration(&RecordedFile::read(path)?)
+}
+
+/// A calibration and its unit, as [`read_calibration`] reads them.
+///
+/// # Errors
+/// As [`read_calibration`].
+pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit), RecordedError> {
+    let text = file.text()?;
+    let parsed: CalibrationFile = toml::from_str(text).map_err(|error| {
+        file.error(format!(
             "is no calibration: {}",
             error.to_string().trim_end()
         ))
@@ -137,7 +142,7 @@ pub fn read_calibration(path: &Path) -> Result<(Calibration, LengthUnit), Record
     let unit = parsed.length_unit;
     let calibration = parsed
         .calibration()
-        .map_err(|error| fail(legible(&error.to_string())))?;
+        .map_err(|error| file.error(legible(&error.to_string())))?;
     Ok((calibration, unit))
 }
 

@@ -6,7 +6,8 @@ use std::path::Path;
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::Contact;
 
-use super::sheet::{Column, RecordedError, Sheet, header, read_text};
+use super::RecordedFile;
+use super::sheet::{Column, RecordedError, Sheet, header};
 use crate::config::LengthUnit;
 
 /// One row per contact; the normals may be missing.
@@ -41,15 +42,23 @@ pub struct GlideReadings {
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn read_glide(path: &Path) -> Result<GlideReadings, RecordedError> {
-    let (file, text) = read_text(path)?;
-    let with_normals = header(&text).iter().any(|name| name.starts_with("normal"));
+    parse_glide(RecordedFile::read(path)?)
+}
+
+/// Recorded contacts, as [`read_glide`] reads them.
+///
+/// # Errors
+/// As [`read_glide`].
+pub fn parse_glide(file: RecordedFile) -> Result<GlideReadings, RecordedError> {
+    let text = file.text()?;
+    let with_normals = header(text).iter().any(|name| name.starts_with("normal"));
     let columns = if with_normals {
         &COLUMNS[..]
     } else {
         &COLUMNS[..4]
     };
-    let sheet = Sheet::parse(&file, &text, columns)?;
-    drop(text);
+    let sheet = Sheet::parse(&file.name, text, columns)?;
+    let file = file.into_name();
     let unit = sheet.unit;
     // Fingers may have any numbers; contacts count them in the order in which they appear.
     let mut fingers: HashMap<u64, usize> = HashMap::new();

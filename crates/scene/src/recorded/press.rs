@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::sheet::{Column, RecordedError, Sheet, header, read_text};
+use super::RecordedFile;
+use super::sheet::{Column, RecordedError, Sheet, header};
 use crate::config::LengthUnit;
 
 /// One row per marker; the last two may be missing.
@@ -51,8 +52,16 @@ impl PressReadings {
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn read_press(path: &Path) -> Result<PressReadings, RecordedError> {
-    let (file, text) = read_text(path)?;
-    let any = |start: &str| header(&text).iter().any(|name| name.starts_with(start));
+    parse_press(RecordedFile::read(path)?)
+}
+
+/// The markers of a recorded press, as [`read_press`] reads them.
+///
+/// # Errors
+/// As [`read_press`].
+pub fn parse_press(file: RecordedFile) -> Result<PressReadings, RecordedError> {
+    let text = file.text()?;
+    let any = |start: &str| header(text).iter().any(|name| name.starts_with(start));
     let along_a_row = any("radial_position");
     let with_tangential = !along_a_row && any("tangential");
     let columns = match (along_a_row, with_tangential) {
@@ -60,8 +69,8 @@ pub fn read_press(path: &Path) -> Result<PressReadings, RecordedError> {
         (false, true) => &COLUMNS[..],
         (false, false) => &COLUMNS[..3],
     };
-    let sheet = Sheet::parse(&file, &text, columns)?;
-    drop(text);
+    let sheet = Sheet::parse(&file.name, text, columns)?;
+    let file = file.into_name();
     let (mut lines, mut places, mut normal) = (Vec::new(), Vec::new(), Vec::new());
     let mut tangential = Vec::new();
     for (line, numbers) in sheet.rows() {

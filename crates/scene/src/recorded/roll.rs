@@ -8,8 +8,9 @@ use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, LeastSquares, Measured, ProbeReading, ReadingNoise};
 use serde::Serialize;
 
+use super::RecordedFile;
 use super::Value;
-use super::sheet::{Column, RecordedError, Sheet, agreed_unit, header, read_text};
+use super::sheet::{Column, RecordedError, Sheet, agreed_unit, header};
 use crate::config::LengthUnit;
 use crate::legible::legible;
 use crate::{Table, Unit};
@@ -106,11 +107,20 @@ pub struct RollEstimate {
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
 pub fn read_roll(path: &Path) -> Result<RollReadings, RecordedError> {
-    let (file, text) = read_text(path)?;
-    let is_series = header(&text)
+    parse_roll(RecordedFile::read(path)?)
+}
+
+/// Recorded rolls, as [`read_roll`] reads them.
+///
+/// # Errors
+/// As [`read_roll`].
+pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
+    let text = file.text()?;
+    let is_series = header(text)
         .iter()
         .any(|&name| name == "t_s" || name.starts_with("pad_"));
-    let sheet = Sheet::parse(&file, &text, if is_series { &SERIES } else { &SUMMARY })?;
+    let sheet = Sheet::parse(&file.name, text, if is_series { &SERIES } else { &SUMMARY })?;
+    let file = file.into_name();
     let unit = sheet.unit;
     let rows = if is_series {
         last_of_each(&sheet)?

@@ -1,7 +1,5 @@
 //! A CSV file of numbers, with errors that say where.
 
-use std::path::Path;
-
 use thiserror::Error;
 
 use crate::config::LengthUnit;
@@ -76,31 +74,6 @@ const UNITS: [LengthUnit; 5] = [
     LengthUnit::Um,
     LengthUnit::Unit,
 ];
-
-/// Reads a file's text; a byte order mark is dropped.
-pub(super) fn read_text(path: &Path) -> Result<(String, String), RecordedError> {
-    let file = path.display().to_string();
-    let fail = |message: String| RecordedError::File {
-        file: file.clone(),
-        message,
-    };
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => fail("no such file".to_owned()),
-        std::io::ErrorKind::IsADirectory => fail("is a directory, not a table".to_owned()),
-        _ => fail(format!("cannot be read: {error}")),
-    })?;
-    let text = String::from_utf8(bytes).map_err(|_| fail("is not UTF-8 text".to_owned()))?;
-    let text = match text.strip_prefix('\u{feff}') {
-        Some(rest) => rest.to_owned(),
-        None => text,
-    };
-    if text.trim().is_empty() {
-        return Err(fail(
-            "is empty; a header and one row per reading are needed".to_owned(),
-        ));
-    }
-    Ok((file, text))
-}
 
 /// The names in the header of a text.
 pub(super) fn header(text: &str) -> Vec<&str> {
