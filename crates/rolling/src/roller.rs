@@ -188,7 +188,7 @@ impl Roller {
     }
 
     /// How long `motion` (its own duration is ignored) must last for the contact's path on the
-    /// probe to be `arc_length` long.
+    /// probe to be `arc_length` long, within 1e-14 of itself where rolls are exact.
     ///
     /// # Errors
     /// The [`RollError`] that ends the roll before it is that long.
@@ -213,6 +213,8 @@ impl Roller {
                 ..*motion
             }]);
             let next = match reached {
+                // Too short a path to be squared: the first estimate is exact.
+                Ok(contact) if contact.arc_length == 0.0 => return Ok(duration_s),
                 Ok(contact) => {
                     let excess = contact.arc_length - arc_length;
                     if excess > 0.0 {
