@@ -134,9 +134,8 @@ impl Setting<'_> {
         if rolls.in_pieces() {
             return Err("the motion changes on the way".to_owned());
         }
-        MeridianRung::new(meridian, self.bodies.probe.radius())
-            .map(Rung::Meridian)
-            .ok_or_else(|| "the spheroid is too eccentric for the quadrature".to_owned())
+        let rung = MeridianRung::new(meridian, self.bodies.probe.radius());
+        Ok(Rung::Meridian(rung))
     }
 
     fn meridian_choice(&self) -> Choice {

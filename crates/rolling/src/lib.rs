@@ -42,7 +42,7 @@ mod roller;
 pub use chart::HeldAxis;
 pub use contact::{Contact, Shift};
 pub use error::{RollError, RollFault};
-pub use glide::{Fingertip, GlideError, Glider, Touch};
+pub use glide::{Fingertip, GlideError, Glider, InvalidTouch, Touch, TouchModel};
 pub use ladder::MeasuredRung;
 pub use model::{Chart, Choice, InvalidRoll, Model, Rolls};
 pub use motion::Motion;

@@ -80,14 +80,15 @@ impl Chart {
 
 /// The rung that was taken, and why.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Choice {
+pub struct Choice<M = Model> {
     /// `closed form`, `meridian`, `RK4`, `DOP853`, with its setting.
     pub rung: String,
-    /// The model that names this rung: never [`Model::Auto`].
-    pub model: Model,
+    /// The model that names this rung: never `Auto`.
+    pub model: M,
     /// Why this one, in words.
     pub reason: String,
-    /// Bound on the error of the contact, relative to its length scale; `None` for RK4 on demand.
+    /// Bound on the error of the contact without noise, relative to its length scale (of a glide, the
+    /// tip's radius), on top of the rounding of its coordinates; `None` for RK4 on demand.
     pub error_bound: Option<f64>,
 }
 

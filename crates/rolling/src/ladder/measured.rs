@@ -4,13 +4,18 @@ use super::{Rung, Setting, dop853, dop853_method, rk4, rk4_method};
 use crate::integration::{Integration, Method};
 use crate::{Chart, Choice, Contact, InvalidRoll, Model, Roller, Rolls};
 
-/// What is measured on the noiseless rolls is trusted with this margin for the rolls with noise.
-const MARGIN: f64 = 2.0;
+/// What is measured is trusted with this margin.
+const MARGIN: f64 = 1.25;
 /// How much finer than the tolerance the integration is that others are judged against.
 const FINER: f64 = 1e-3;
 /// Settings that are tried, cheapest first.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
-const DOP853_LOOSENESS: [f64; 10] = [1e6, 1e5, 1e4, 1e3, 1e2, 10.0, 1.0, 0.1, 0.01, 1e-3];
+const DOP853_TOLERANCES: [f64; 14] = [
+    1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
+];
+
+/// DOP853's on a ladder that is shown.
+const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 /// A rung of the ladder, with what it errs by and costs on the noiseless rolls.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,10 +58,9 @@ impl Setting<'_> {
         };
 
         let mut adaptive = (finest, reference.evaluations, finest);
-        for looseness in DOP853_LOOSENESS {
-            let setting = looseness * tolerance;
-            if !(finest..=Model::LARGEST_TOLERANCE).contains(&setting) {
-                continue;
+        for setting in DOP853_TOLERANCES {
+            if setting < finest {
+                break;
             }
             let ends = self.ends(rolls, dop853_method(setting), chart)?;
             let error = error(&ends);
@@ -120,18 +124,25 @@ impl Roller {
     /// The rungs on which these rolls, without noise, can be computed, cheapest first; the one that
     /// is taken is among them. `chart` is for the integrators.
     pub fn ladder(&self, chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
-        let taken = self.choice().model;
-        let integrators = (0..=6)
-            .map(|power| Model::Rk4 {
-                steps: 1 << power,
-                chart,
-            })
-            .chain([1e-3, 1e-6, 1e-9, 1e-12].map(|tolerance| Model::Dop853 { tolerance, chart }));
+        let rk4 = (0..=6).map(|power| Model::Rk4 {
+            steps: 1 << power,
+            chart,
+        });
+        let dop853 = LADDER_TOLERANCES.map(|tolerance| Model::Dop853 { tolerance, chart });
         let mut models = vec![Model::ClosedForm, Model::Meridian];
-        models.extend(integrators);
+        models.extend(rk4.chain(dop853));
+        let taken = self.choice().model;
         if !models.contains(&taken) {
             models.push(taken);
         }
+        let mut rungs = self.measured(&models, chart, rolls);
+        rungs.sort_by_key(|rung| rung.evaluations);
+        rungs
+    }
+
+    /// What each of these models errs by and costs on these rolls. `chart` is for the integrator
+    /// that they are held against.
+    pub fn measured(&self, models: &[Model], chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
         let reference = self.ends_on(
             Model::Dop853 {
                 tolerance: Model::SMALLEST_TOLERANCE,
@@ -140,13 +151,13 @@ impl Roller {
             rolls,
         );
         let setting = self.setting();
-        let mut rungs: Vec<MeasuredRung> = models
-            .into_iter()
+        models
+            .iter()
             .map(|model| {
-                let ends = self.ends_on(model, rolls);
+                let ends = self.ends_on(*model, rolls);
                 let evaluations = ends.as_ref().map_or(0, |ends| ends.evaluations);
                 MeasuredRung {
-                    model,
+                    model: *model,
                     name: model.name(),
                     outcome: ends.and_then(|ends| {
                         let reference = reference.as_ref().map_err(Clone::clone)?;
@@ -155,9 +166,7 @@ impl Roller {
                     evaluations,
                 }
             })
-            .collect();
-        rungs.sort_by_key(|rung| rung.evaluations);
-        rungs
+            .collect()
     }
 
     fn ends_on(&self, model: Model, rolls: Rolls<'_>) -> Result<Ends, String> {
