@@ -1,6 +1,6 @@
 //! What an entry point gave, and what it should have given.
 
-use std::fmt::Debug;
+use std::fmt::{self, Debug};
 
 use super::case::Verdict;
 
@@ -170,9 +170,20 @@ impl<E: Debug> From<Result<Answer, E>> for Outcome {
     }
 }
 
+/// An error by the stable name that it gives itself.
+pub(super) struct Named(pub(super) &'static str);
+
+impl Debug for Named {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
 /// `NotFinite { probe: 3 }` is `not-finite`.
 fn kebab(debug: &str) -> String {
-    let name = debug.split(|c: char| !c.is_alphanumeric()).next();
+    let name = debug
+        .split(|c: char| !c.is_alphanumeric() && c != '-')
+        .next();
     let mut kebab = String::new();
     for letter in name.unwrap_or_default().chars() {
         if letter.is_uppercase() && !kebab.is_empty() {
@@ -191,6 +202,7 @@ mod tests {
     fn names_of_errors() {
         assert_eq!(kebab("NotFinite { probe: 3 }"), "not-finite");
         assert_eq!(kebab("OutOfRange"), "out-of-range");
+        assert_eq!(kebab("out-of-range"), "out-of-range");
     }
 
     #[test]

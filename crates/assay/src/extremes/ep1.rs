@@ -1,7 +1,13 @@
-//! Curvature from a few small rolls, at their extremes.
+//! Curvature from a few small rolls, at its extremes.
+
+mod asked;
+mod exact;
 
 use super::Case;
 
 pub(super) fn cases() -> Vec<Case> {
-    Vec::new()
+    [exact::cases(), asked::cases()]
+        .into_iter()
+        .flatten()
+        .collect()
 }

@@ -29,7 +29,7 @@ pub(super) fn cases() -> Vec<Case> {
 }
 
 /// One surface of every kind, about as large as `size`.
-pub(super) fn shapes(size: f64) -> [Shape; 9] {
+pub(in crate::extremes) fn shapes(size: f64) -> [Shape; 9] {
     let made = "sizes between 1e-100 and 1e100 make surfaces";
     let parameters = [("h".to_owned(), 0.2 * size), ("s".to_owned(), size)];
     let wavy = Formula::parse("h*sin(x/s)*cos(y/s)", &parameters.into()).expect("a formula");
