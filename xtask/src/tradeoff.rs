@@ -1,12 +1,113 @@
-//! Error against cost of every ladder.
+//! Error against cost of every ladder: measured, then drawn, into `results/tradeoff/`.
 
-use anyhow::{Result, bail};
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
 use clap::Args;
-use xshell::Shell;
+use xshell::{Shell, cmd};
+
+use crate::palpate;
+
+const RESULTS: &str = "results/tradeoff";
 
 #[derive(Args)]
-pub(crate) struct Options {}
+pub(crate) struct Options {
+    /// Time as short as may be; into the target directory, never into results/.
+    #[arg(long)]
+    quick: bool,
+    /// Draw the committed tables again without measuring.
+    #[arg(long, conflicts_with = "quick")]
+    draw: bool,
+}
 
-pub(crate) fn run(_shell: &Shell, _options: &Options) -> Result<()> {
-    bail!("not yet here")
+pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
+    let start = Instant::now();
+    let assay = build(shell)?;
+    if options.draw {
+        cmd!(shell, "{assay} fronts {RESULTS}").quiet().run()?;
+        return Ok(());
+    }
+    let out = match options.quick {
+        true => palpate::target_dir(shell).join("tradeoff-quick"),
+        false => shell.current_dir().join(RESULTS),
+    };
+    let parent = out.parent().context("results lie in no folder")?;
+    shell.create_dir(parent)?;
+    // Beside the old tables, so that the new ones take their place whole or not at all.
+    let temporary = tempfile::tempdir_in(parent)?;
+    let fresh = temporary.path().join("tradeoff");
+    measure(shell, &assay, &fresh, options.quick)?;
+    cmd!(shell, "{assay} fronts {fresh}")
+        .quiet()
+        .ignore_stdout()
+        .run()?;
+    replace(&fresh, &out)?;
+    println!(
+        "{}: {:.1} s; `cargo xtask reproduce` puts it on the page",
+        out.display(),
+        start.elapsed().as_secs_f64()
+    );
+    Ok(())
+}
+
+fn build(shell: &Shell) -> Result<std::path::PathBuf> {
+    cmd!(shell, "cargo build --release -p palpate-assay")
+        .quiet()
+        .run()?;
+    let binary = format!("palpate-assay{}", std::env::consts::EXE_SUFFIX);
+    Ok(palpate::target_dir(shell).join("release").join(binary))
+}
+
+/// Measures on the last core, where the system has a way to say so.
+fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
+    let quick = quick.then_some("--quick");
+    let cores = std::thread::available_parallelism()?.get();
+    let last = (cores - 1).to_string();
+    let pinned = cmd!(shell, "taskset --cpu-list {last} true")
+        .quiet()
+        .ignore_stderr()
+        .run();
+    match pinned {
+        Ok(()) => cmd!(
+            shell,
+            "taskset --cpu-list {last} {assay} tradeoff --out {out} {quick...}"
+        ),
+        Err(_) => cmd!(shell, "{assay} tradeoff --out {out} {quick...}"),
+    }
+    .quiet()
+    .run()?;
+    Ok(())
+}
+
+/// Puts a fresh folder in the place of another.
+fn replace(fresh: &Path, out: &Path) -> Result<()> {
+    if out.exists() {
+        std::fs::remove_dir_all(out).with_context(|| format!("cannot replace {}", out.display()))?;
+    }
+    std::fs::rename(fresh, out)
+        .with_context(|| format!("cannot rename {} to {}", fresh.display(), out.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fresh_folder_takes_the_place_of_the_old_one() {
+        let parent = tempfile::tempdir().unwrap();
+        let out = parent.path().join("tradeoff");
+        std::fs::create_dir(&out).unwrap();
+        std::fs::write(out.join("old.csv"), "old").unwrap();
+        let fresh = parent.path().join("fresh");
+        std::fs::create_dir(&fresh).unwrap();
+        std::fs::write(fresh.join("rungs.csv"), "new").unwrap();
+        replace(&fresh, &out).unwrap();
+        assert!(!out.join("old.csv").exists());
+        assert_eq!(
+            std::fs::read_to_string(out.join("rungs.csv")).unwrap(),
+            "new"
+        );
+        assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 1);
+    }
 }

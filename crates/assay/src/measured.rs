@@ -32,6 +32,8 @@ pub struct Evaluation {
     /// What it is, for messages.
     pub name: String,
     run: Box<dyn FnMut()>,
+    /// How many of what is asked for one run makes.
+    in_a_row: u32,
 }
 
 /// Nanoseconds per evaluation: quartiles over batches.
@@ -51,7 +53,20 @@ impl Evaluation {
         Self {
             name: name.into(),
             run: Box::new(move || drop(black_box(run()))),
+            in_a_row: 1,
         }
+    }
+
+    /// The same where each run makes so many of what is asked for, at least 1: costs are per one of them.
+    #[must_use]
+    pub fn in_a_row(mut self, evaluations: u32) -> Self {
+        self.in_a_row = evaluations.max(1);
+        self
+    }
+
+    /// How many of what is asked for one run makes.
+    pub fn scale(&self) -> u32 {
+        self.in_a_row
     }
 
     /// Runs batches for about as long as `patience`, after one run that fills caches and tables.
@@ -61,7 +76,8 @@ impl Evaluation {
         let length = self.batch_length();
         let mut batches = Vec::new();
         while batches.len() < FEWEST_BATCHES || start.elapsed() < patience {
-            batches.push(self.batch(length).as_secs_f64() * 1e9 / length as f64);
+            let evaluations = f64::from(length) * f64::from(self.in_a_row);
+            batches.push(self.batch(length).as_secs_f64() * 1e9 / evaluations);
         }
         batches.sort_unstable_by(f64::total_cmp);
         let [q25, median, q75] = [0.25, 0.5, 0.75].map(|share| quantile(&batches, share));
@@ -95,8 +111,8 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 
 /// What a harness does that was called with [`COUNTED`]: runs each evaluation twice, first to fill caches and tables.
 /// Callgrind writes what it has counted, and starts again, at the end of each run.
-pub fn count(evaluations: &mut [Evaluation]) {
-    for evaluation in evaluations {
+pub fn count(evaluations: impl IntoIterator<Item = Evaluation>) {
+    for mut evaluation in evaluations {
         for _ in 0..RUNS {
             evaluate_once(&mut *evaluation.run);
         }
@@ -111,11 +127,11 @@ fn evaluate_once(run: &mut dyn FnMut()) {
 }
 
 /// Instructions of each evaluation in the order of the harness's list, or nothing where valgrind is absent. Runs this
-/// program again with the arguments it has and [`COUNTED`].
+/// program again with the arguments it has and [`COUNTED`]. `scales` are those of the evaluations.
 ///
 /// # Errors
-/// If that run fails, or counts not exactly `evaluations` evaluations.
-pub fn instructions(evaluations: usize) -> Result<Option<Vec<u64>>> {
+/// If that run fails, or does not count as many.
+pub fn instructions(scales: &[u32]) -> Result<Option<Vec<u64>>> {
     let probe = Command::new("valgrind").arg("--version").output();
     if !probe.is_ok_and(|output| output.status.success()) {
         return Ok(None);
@@ -140,11 +156,14 @@ pub fn instructions(evaluations: usize) -> Result<Option<Vec<u64>>> {
     }
     let runs = dumps(&out)?;
     ensure!(
-        runs.len() == evaluations * RUNS,
-        "callgrind saw {} runs of {evaluations} evaluations, {RUNS} each",
-        runs.len()
+        runs.len() == scales.len() * RUNS,
+        "callgrind saw {} runs of {} evaluations, {RUNS} each",
+        runs.len(),
+        scales.len()
     );
-    Ok(Some(runs.chunks(RUNS).map(|runs| runs[RUNS - 1]).collect()))
+    let counted = runs.chunks(RUNS).zip(scales);
+    let counted = counted.map(|(runs, scale)| runs[RUNS - 1] / u64::from(*scale));
+    Ok(Some(counted.collect()))
 }
 
 /// The totals of `dump.1`, `dump.2`, … in this order.

@@ -53,11 +53,12 @@ impl Formula {
         self.program.run(x, y)
     }
 
-    /// The height with its first and second derivatives, exact up to rounding.
+    /// The height with its first and second derivatives, exact up to rounding: within 1e-15 per operation, and what
+    /// the differences in the formula make of that.
     ///
     /// Where the formula or a part of it is not twice differentiable, some component is infinite or NaN: `sqrt(x)` and
     /// `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also `sqrt(x^4)` at x = 0, which is smooth only as a whole.
-    /// [`Jet::is_finite`] tells. The one exception is the cut of `atan2`: there the jet is finite and that of one side.
+    /// So it is where a derivative is beyond the range of numbers. [`Jet::is_finite`] tells. The one exception is the cut of `atan2`: there the jet is finite and that of one side.
     pub fn jet(&self, x: f64, y: f64) -> Jet {
         self.program.run(Jet::x(x), Jet::y(y))
     }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 /// The meridian of a surface of revolution, from its apex.
 ///
 /// A parameter `t`, 0 at the apex and growing along the meridian, gives the point, the slope angle
-/// and the arc-length element.
+/// and the arc-length element, each within 1e-15 of itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Meridian {
     /// `z = −c r²`; the parameter is `r`.
@@ -39,18 +39,18 @@ pub struct MeridianPoint {
 }
 
 impl Meridian {
-    /// The point at parameter `t`, which must be finite.
+    /// The point at parameter `t`, which must be finite, as must be the numbers that describe it.
     pub fn at(&self, t: f64) -> MeridianPoint {
         match *self {
             Self::Paraboloid { c } => {
                 let slope = 2.0 * c * t;
-                let stretch = 1.0 + slope * slope;
+                let stretch = slope.hypot(1.0);
                 MeridianPoint {
                     r: t,
                     height: -c * t * t,
                     slope_rad: slope.atan(),
-                    arc_per_parameter: stretch.sqrt(),
-                    slope_per_parameter: 2.0 * c / stretch,
+                    arc_per_parameter: stretch,
+                    slope_per_parameter: 2.0 * c / stretch / stretch,
                 }
             }
             Self::Spheroid { a, c } => {
@@ -80,7 +80,7 @@ impl Meridian {
         }
     }
 
-    /// The arc length up to parameter `t`, where a closed form exists.
+    /// The arc length up to parameter `t`, where a closed form exists, within 1e-15 of itself.
     pub fn arc_length(&self, t: f64) -> Option<f64> {
         match *self {
             Self::Paraboloid { c } => {
@@ -91,7 +91,7 @@ impl Meridian {
                 } else {
                     slope.asinh() / slope
                 };
-                Some(0.5 * t * ((1.0 + slope * slope).sqrt() + ratio))
+                Some(0.5 * t * (slope.hypot(1.0) + ratio))
             }
             Self::Spheroid { .. } => None,
         }

@@ -2,9 +2,10 @@
 
 use nalgebra::{Isometry3, Point3};
 
+use crate::surface::is_within_reach;
 use crate::{
-    ChartGeometry, ChartJet, CurvatureForm, GaussFrame, LevelSet, Meridian, Parameters, Surface,
-    SurfaceError,
+    ChartGeometry, ChartJet, CurvatureForm, GaussFrame, InvalidShape, LevelSet, Meridian,
+    Parameters, Surface, SurfaceError,
 };
 
 /// A surface moved rigidly; its curvature does not change.
@@ -18,11 +19,24 @@ pub struct Posed<S> {
 
 impl<S> Posed<S> {
     /// `surface` placed so that its frame stands at `world_from_surface`.
-    pub const fn new(surface: S, world_from_surface: Isometry3<f64>) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// [`InvalidShape`] unless the pose is finite and moves by at most 1e150.
+    pub fn new(surface: S, world_from_surface: Isometry3<f64>) -> Result<Self, InvalidShape> {
+        let rotation = world_from_surface.rotation.coords;
+        let moves = world_from_surface.translation.vector;
+        let components = moves.iter().chain(rotation.iter());
+        if let Some(&value) = { components }.find(|value| !is_within_reach(**value, 0.0)) {
+            return Err(InvalidShape {
+                parameter: "pose",
+                value,
+                expected: "finite, moving by at most 1e150",
+            });
+        }
+        Ok(Self {
             surface,
             world_from_surface,
-        }
+        })
     }
 }
 

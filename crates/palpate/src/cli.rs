@@ -5,11 +5,14 @@ mod sensor;
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use palpate_scene::config::LengthUnit;
 use palpate_scene::recorded::GlideMethod;
+
+use crate::duration;
 
 pub(crate) use press::{BaselineIs, EstimatePressArgs, PressMethodName};
 pub(crate) use sensor::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};
@@ -30,7 +33,17 @@ pub(crate) enum Command {
     /// Run a study: all cells of a config, all trials; writes cells.csv, failures.csv and run.toml.
     #[command(after_help = "Examples:
   palpate run sim-configs/ep1-angular-velocity-error.toml
-  palpate run my.toml --trials 200 --out out/quick-look")]
+  palpate run my.toml --trials 200 --out out/quick-look
+  palpate run my.toml --budget 30s
+  palpate run my.toml --target-error 0.01
+  palpate run my.toml --target-error 0.001 --budget 1.5h
+
+A budget or a target error becomes a number of trials and, where all cells take the same, a rung of the
+model. They are written to run.toml before the first trial: `palpate run` of that file needs neither a
+clock nor a pilot, and gives the same bytes.
+
+A run that is interrupted leaves run.toml and no tables. Where the directory has tables of another
+config, they and their run.toml stay until the run is done; meanwhile its config is next-run.toml.")]
     Run(RunArgs),
     /// Follow one pass of a scene: writes trace.csv (truth) and readings.csv (what `estimate` accepts).
     #[command(after_help = "Examples:
@@ -82,6 +95,15 @@ pub(crate) struct RunArgs {
     /// Run this many trials per cell instead of the config's.
     #[arg(long, value_name = "N")]
     pub(crate) trials: Option<NonZeroU64>,
+    /// Run as many trials per cell as take about this long on the threads given, planning included:
+    /// 30s, 5m, 1.5h, or seconds.
+    #[arg(long, value_name = "DURATION", value_parser = duration::parse, allow_hyphen_values = true, conflicts_with = "trials")]
+    pub(crate) budget: Option<Duration>,
+    /// Run as many trials per cell as tell every rms error to this relative standard error, and let
+    /// the error of an `auto` model shift no estimate by more than a tenth of that. With --budget, no
+    /// more trials than fit.
+    #[arg(long, value_name = "E", value_parser = share, allow_negative_numbers = true, conflicts_with = "trials")]
+    pub(crate) target_error: Option<f64>,
     /// Use this many threads instead of all cores; results do not depend on it.
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<NonZeroUsize>,
@@ -265,6 +287,14 @@ fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
         Ok(_) => Err(format!("must be finite and >= 0, is {text}")),
+        Err(_) => Err("is not a number".to_owned()),
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
+        Ok(_) => Err(format!("must be > 0 and < 1, is {text}")),
         Err(_) => Err("is not a number".to_owned()),
     }
 }

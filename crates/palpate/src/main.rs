@@ -5,14 +5,19 @@
     reason = "results go to stdout, errors to stderr"
 )]
 
+mod allowance;
 mod check;
 mod cli;
+mod duration;
 mod estimate;
 mod failure;
 mod output;
+mod pace;
+mod pilot;
 mod progress;
 mod results;
 mod run;
+mod rungs;
 mod sensor;
 mod tables;
 mod trace;

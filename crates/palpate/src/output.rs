@@ -8,6 +8,13 @@ use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
 
+/// What a run's config is called beside its tables.
+pub(crate) const CONFIG: &str = "run.toml";
+/// What it is called while there are tables of another config.
+const NEXT_CONFIG: &str = "next-run.toml";
+/// The table without which there are no results.
+const TABLE: &str = "cells.csv";
+
 /// Prints a text and a newline; a closed pipe is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
@@ -31,6 +38,28 @@ pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
                 .with_context(|| format!("cannot write into {}", dir.display()))
         })
         .map_err(Failure::work)
+}
+
+/// Writes the config of a run that begins into `dir`: beside no tables but its own. Where `dir` has those of another
+/// config, they stay until the run is done, and this one's is [`NEXT_CONFIG`].
+pub(crate) fn begin(dir: &Path, config: &str) -> Result<(), Failure> {
+    let has_tables = dir.join(TABLE).exists();
+    let known = std::fs::read(dir.join(CONFIG)).is_ok_and(|known| known == config.as_bytes());
+    match (has_tables, known) {
+        (true, false) => write_files(dir, &[(NEXT_CONFIG, config)]),
+        (true, true) => Ok(()),
+        (false, _) => write_files(dir, &[(CONFIG, config)]),
+    }
+}
+
+/// The run that began is over: its config has its name, or its tables could not be written.
+pub(crate) fn end(dir: &Path) -> Result<(), Failure> {
+    match std::fs::remove_file(dir.join(NEXT_CONFIG)) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(Failure::work(
+            Error::new(error).context(format!("cannot remove {NEXT_CONFIG}")),
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Writes `files` (name and contents) into `dir`, made if missing.

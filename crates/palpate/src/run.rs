@@ -2,6 +2,7 @@
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use palpate_scene::Scene;
 use palpate_scene::config::{self, Output, Study, StudyConfig};
@@ -9,6 +10,7 @@ use palpate_scene::glide::MapTable;
 use palpate_scene::press::ProfileTable;
 use palpate_sweep::{Cell, RunOptions};
 
+use crate::allowance;
 use crate::cli::RunArgs;
 use crate::failure::Failure;
 use crate::tables::{self, Ran};
@@ -19,6 +21,7 @@ use crate::{output, progress};
 const MOST_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
+    let start = Instant::now();
     let mut study = config::load(&args.config).map_err(Failure::usage)?;
     if let Some(seed) = args.seed {
         study.override_seed(seed).map_err(Failure::usage)?;
@@ -31,6 +34,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let numbers: Vec<usize> = (0..study.cells.len())
         .step_by(args.every_nth_cell.get())
         .collect();
+    let allowed = allowance::choose(&study, &numbers, args, start)?;
+    let said = allowed.map(|allowed| {
+        study = allowed.study;
+        (allowed.lines, allowed.warnings)
+    });
     let scenes = scenes(&study, &numbers)?;
     refuse_maps(&study, &scenes)?;
     let cells: Vec<Cell<'_>> = numbers
@@ -52,6 +60,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let traced = traced
         .then(|| trace_files(&study, &scenes[0].0, None))
         .transpose()?;
+    let config = resolved(&study);
+    output::begin(&out, &config)?;
+    if let Some((lines, warnings)) = said {
+        for warning in warnings {
+            eprintln!("warning: {warning}");
+        }
+        output::print(&lines.join("\n"))?;
+    }
     let bar = progress::bar(cells.iter().map(|cell| cell.trials).sum());
     let options = RunOptions {
         threads: args.threads.map(|threads| threads.min(MOST_THREADS)),
@@ -79,13 +95,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             "failures.csv",
             tables::failures(&ran).map_err(Failure::work)?.into(),
         ),
-        ("run.toml", resolved(&study).into()),
+        (output::CONFIG, config.into()),
     ];
     files.extend(traced.into_iter().flat_map(|traced| traced.files));
     if study.config.outputs.contains(&Output::Map) {
         files.push(("map.csv", maps(&study, &ran).into()));
     }
-    output::write_files(&out, &files)?;
+    let written = output::write_files(&out, &files);
+    output::end(&out)?;
+    written?;
     output::print(&summary(&study, &ran, &out))
 }
 

@@ -14,10 +14,15 @@ pub(crate) struct Ran<'a> {
 
 /// One row per cell and quantity. Presses have a bound on the standard deviation behind the
 /// statistics.
+///
+/// Where the number of trials is swept, the statistic of that name is its column.
 pub(crate) fn cells(study: &Study, ran: &[Ran<'_>]) -> Result<String, Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let fixed = ["quantity", "unit"];
-    let columns = study.columns.iter().map(String::as_str);
+    let swept: Vec<usize> = (0..study.paths.len())
+        .filter(|&place| !STATISTICS.contains(&study.paths[place].as_str()))
+        .collect();
+    let columns = swept.iter().map(|&place| study.columns[place].as_str());
     let of_presses = ran.iter().any(|ran| matches!(ran.scene, Scene::Press(_)));
     writer.write_record(
         ["cell"]
@@ -41,9 +46,10 @@ pub(crate) fn cells(study: &Study, ran: &[Ran<'_>]) -> Result<String, Error> {
             let truth = summary.truth.or_else(|| scene.truth(place));
             let statistics = statistics_of(statistics, &Summary { truth, ..*summary });
             let bound = of_presses.then(|| number(scene.std_bound(place)));
+            let coordinates = &study.cells[*cell].coordinates;
             let row = [index.as_str()]
                 .into_iter()
-                .chain(study.cells[*cell].coordinates.iter().map(String::as_str))
+                .chain(swept.iter().map(|&place| coordinates[place].as_str()))
                 .chain([quantity.name, &unit])
                 .chain(statistics.iter().map(String::as_str))
                 .chain(bound.as_deref());

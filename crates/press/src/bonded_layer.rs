@@ -84,7 +84,8 @@ impl BondedLayer {
         self.depth
     }
 
-    /// The indentation over the relative curvature, D(a), of a contact of radius `a > 0`, and its derivative by a.
+    /// The indentation over the relative curvature, D(a), of a contact of radius `a > 0`, and its derivative by a. D/a²
+    /// falls from 1, as on a half-space and within 2a/t, to 1/4, which it is above by at most 3t/a.
     ///
     /// # Errors
     /// [`PressError::LayerTooThin`] for a contact wider than 50 thicknesses, [`PressError::OutOfRange`] for a radius
@@ -97,7 +98,7 @@ impl BondedLayer {
         ])
     }
 
-    /// The contact's radius from the indentation over the relative curvature: the inverse of D(a).
+    /// The contact's radius from the indentation over the relative curvature: the inverse of D(a), within 1e-12.
     ///
     /// # Errors
     /// As [`Self::indentation_of`], and [`PressError::NoIndentation`] where `indentation_over_curvature` is not
@@ -225,10 +226,10 @@ impl LayerContact {
         0.5 * self.numbers[3] * self.thickness
     }
 
-    /// Displacements at distance `r >= 0` from the contact, and their derivatives. Nothing moves at the base, and
+    /// Displacements at distance `r` (of either sign) from the contact, and their derivatives. Nothing moves at the base, and
     /// nothing worth a number 30 thicknesses beyond the contact.
     pub fn field(&self, r: f64) -> Field {
-        let r = r / self.thickness;
+        let r = r.abs() / self.thickness;
         if r.is_nan() || r > self.contact + waves::BEYOND || self.depth == 1.0 {
             return Field::default();
         }

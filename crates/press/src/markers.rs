@@ -113,7 +113,7 @@ impl Markers {
     /// `contact_radius` at chart coordinates `at` then moves by `shift` along the x axis there, sticking to the skin.
     ///
     /// # Errors
-    /// [`PressError::BadSetting`] as [`stuck_shift`].
+    /// [`PressError::BadSetting`] as [`stuck_shift`], and for a `shift` beyond 1e50.
     pub fn shifted(
         &self,
         poisson: f64,
@@ -122,6 +122,8 @@ impl Markers {
         at: [f64; 2],
         shift: f64,
     ) -> Result<Vec<MarkerDisplacement>, PressError> {
+        let good = shift.abs() <= 1e50;
+        PressError::unless_good("shift", shift, good, "from -1e50 to 1e50")?;
         let middle = self.skin.place(at);
         let moved = |place: &Place| {
             let sight = self.sight(&middle, place);

@@ -57,13 +57,14 @@ pub fn stuck_shift(
     let z = depth / contact_radius;
     let waves = Waves::new(z, Spheroidal::new(contact_radius, depth, r));
     let scale = 1.0 / (PI * (2.0 - poisson));
+    let (sine, cosine) = azimuth.sin_cos();
     let uniform = 2.0 * (2.0 - poisson) * waves.a[0] - z * waves.b[0];
     let turning = 2.0 * poisson * waves.a[2] + z * waves.b[2];
     let inward = (1.0 - 2.0 * poisson) * waves.a[1] + z * waves.b[1];
     Ok(StuckShift {
-        along: scale * (uniform + (2.0 * azimuth).cos() * turning),
-        across: scale * (2.0 * azimuth).sin() * turning,
-        normal: 2.0 * scale * azimuth.cos() * inward,
+        along: scale * (uniform + (cosine - sine) * (cosine + sine) * turning),
+        across: scale * 2.0 * sine * cosine * turning,
+        normal: 2.0 * scale * cosine * inward,
     })
 }
 

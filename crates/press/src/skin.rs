@@ -48,15 +48,17 @@ impl Skin {
         self.radius.recip()
     }
 
-    /// The place at chart coordinates (x, y); places more than half a turn away wrap around.
+    /// The place at chart coordinates (x, y); places more than half a turn away wrap around, and coordinates that are no
+    /// place at all, for no double holds their angle, count as the apex.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
-        let distance = x.hypot(y);
-        let along = if distance > 0.0 {
-            Vector2::new(x, y) / distance
+        let [x, y] = [x / self.radius, y / self.radius];
+        let angle = x.hypot(y);
+        let (angle, along) = if angle > 0.0 && angle.is_finite() {
+            (angle, Vector2::new(x / angle, y / angle))
         } else {
-            Vector2::x()
+            (0.0, Vector2::x())
         };
-        let (sine, cosine) = (distance / self.radius).sin_cos();
+        let (sine, cosine) = angle.sin_cos();
         let meridian = Vector3::new(along.x * cosine, along.y * cosine, -sine);
         let across = Vector3::new(-along.y, along.x, 0.0);
         Place {
@@ -70,8 +72,14 @@ impl Skin {
         }
     }
 
-    /// The chart coordinates of a direction from the centre.
+    /// The chart coordinates of a direction from the centre, of any length; those of the apex if it is no direction.
     pub fn chart(&self, direction: &Vector3<f64>) -> [f64; 2] {
+        let largest = direction.amax();
+        let is_one = largest > 0.0 && direction.iter().all(|part| part.is_finite());
+        if !is_one {
+            return [0.0; 2];
+        }
+        let direction = direction / largest;
         let across = direction.x.hypot(direction.y);
         if across == 0.0 {
             let turn = if direction.z < 0.0 {

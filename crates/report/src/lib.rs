@@ -9,6 +9,7 @@
 //! | a folder | [`Study`] | [`Study::load`] |
 //! | its `[[plot]]` tables | `NAME.svg` and `NAME.png` beside the tables | [`plot`] |
 //! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile`, each SVG and PNG | [`draw_press_trace`] |
+//! | a folder of `cargo xtask tradeoff` | a Pareto front per ladder, SVG and PNG | [`draw_tradeoff`] |
 //! | its `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`write_claims`] |
 //! | several studies | one HTML page, one text for the terminal | [`write_page`], [`scorecard_text`] |
 
@@ -23,12 +24,13 @@ mod records;
 mod scorecard;
 mod study;
 mod table;
+mod tradeoff;
 mod words;
 
 pub use claims::{Score, Verdict, score, write_claims};
 pub use error::ReportError;
 pub use page::{page, write_page};
-pub use plot::{draw_press_trace, plot};
+pub use plot::{draw_press_trace, draw_tradeoff, plot};
 pub use scorecard::scorecard_text;
 pub use study::{Failure, Study};
 pub use table::{Axis, Table};

@@ -1,5 +1,7 @@
 //! One self-contained HTML page of several studies.
 
+mod measurements;
+
 use crate::words::{self, count};
 use crate::{ReportError, Score, Study, Verdict, file, plot, score};
 use minijinja::value::Value;
@@ -15,15 +17,18 @@ pub fn write_page(studies: &[Study], out: &Path) -> Result<(), ReportError> {
     file::write(out, page(studies)?.as_bytes())
 }
 
-/// The page: the scorecard, then per study its source, sample size, figures, failures and config. It has no
-/// scripts and loads nothing.
+/// The page: the scorecard, then per study its source, sample size, figures, failures and config; then, where all
+/// studies lie in one folder, what is measured in it: `tradeoff/`, `extremes.csv`, `peers.csv`. It has no scripts and
+/// loads nothing.
 ///
 /// # Errors
-/// A plot of a study is wrong, as for [`plot()`](crate::plot()).
+/// A plot of a study is wrong, as for [`plot()`](crate::plot()); a table of measurements is malformed.
 pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     // A name in .html switches escaping on.
     environment.add_template("page.html", include_str!("../templates/page.html"))?;
+    let measurements = include_str!("../templates/measurements.html");
+    environment.add_template("measurements.html", measurements)?;
     let sections = studies
         .iter()
         .map(section)
@@ -32,8 +37,11 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
         .iter()
         .map(|score| row(score, studies))
         .collect();
+    let measured = measurements::folder(studies)
+        .map(|folder| measurements::sections(&folder))
+        .transpose()?;
     let template = environment.get_template("page.html")?;
-    Ok(template.render(context! { scores, studies => sections })?)
+    Ok(template.render(context! { scores, studies => sections, measured })?)
 }
 
 fn row(score: &Score, studies: &[Study]) -> Value {

@@ -9,6 +9,7 @@ mod compose;
 mod contacts;
 mod draw;
 mod figure;
+mod fronts;
 mod layout;
 mod lettering;
 mod picture;
@@ -24,6 +25,8 @@ use crate::{ReportError, Study, file};
 use picture::Picture;
 use std::path::{Path, PathBuf};
 
+pub use fronts::draw_tradeoff;
+pub(crate) use fronts::{spoken_cost, svgs as fronts_svgs};
 pub use press_trace::draw_press_trace;
 
 /// Draws every `[[plot]]` of the study, as SVG and PNG beside its tables, and returns the files written, in

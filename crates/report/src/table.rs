@@ -68,6 +68,7 @@ pub struct Table {
     axes: Vec<Axis>,
     cell: Vec<u64>,
     quantity: Axis,
+    trials: Axis,
     unit: Vec<String>,
     statistics: Vec<(String, Vec<Option<f64>>)>,
 }
@@ -143,6 +144,7 @@ impl Table {
             axes,
             cell: cells,
             quantity: Axis::new(header[quantity].clone(), column(quantity)),
+            trials: Axis::new("trials".to_owned(), column(place("trials")?)),
             unit: column(unit),
             statistics,
         })
@@ -166,6 +168,11 @@ impl Table {
     /// The quantities as a column like an axis: its values are their names.
     pub fn quantities(&self) -> &Axis {
         &self.quantity
+    }
+
+    /// The numbers of trials as a column like an axis: a sweep of them has no other.
+    pub fn trials(&self) -> &Axis {
+        &self.trials
     }
 
     /// The cell that `row` belongs to.

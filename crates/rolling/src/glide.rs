@@ -10,7 +10,9 @@
 //!
 //! which is beside the vertical line wherever the object slopes.
 
+mod closed_form;
 mod foot;
+mod model;
 mod relief;
 mod search;
 
@@ -20,7 +22,10 @@ use palpate_geometry::{CurvatureForm, InvalidShape, Shape, Surface, SurfaceError
 use thiserror::Error;
 
 use foot::Foot;
+use model::TouchRung;
 use search::Search;
+
+pub use model::{InvalidTouch, TouchModel};
 
 /// A place farther from the origin than this cannot be squared.
 const FARTHEST: f64 = 1e150;
@@ -82,6 +87,21 @@ pub enum GlideError {
 }
 
 impl GlideError {
+    fn two(radius: f64, centre: &Vector2<f64>) -> Self {
+        let (x, y) = (centre.x, centre.y);
+        Self::TwoContacts { x, y, radius }
+    }
+
+    fn unsettled(radius: f64, centre: &Vector2<f64>, miss: f64) -> Self {
+        let (x, y) = (centre.x, centre.y);
+        Self::NoConvergence { x, y, radius, miss }
+    }
+
+    fn lost(radius: f64, centre: &Vector2<f64>) -> Self {
+        let (x, y) = (centre.x, centre.y);
+        Self::ContactLost { x, y, radius }
+    }
+
     /// The stable name of this kind of error.
     pub const fn name(&self) -> &'static str {
         match self {
@@ -112,16 +132,25 @@ pub struct Touch {
 pub struct Glider {
     object: Shape,
     fingertip: Fingertip,
+    rung: TouchRung,
 }
 
 impl Glider {
+    /// By the default model; see [`Glider::on`] for others.
+    ///
     /// # Errors
     /// [`InvalidShape`] unless a sphere's radius is finite, positive and can be squared.
     pub fn new(object: Shape, fingertip: Fingertip) -> Result<Self, InvalidShape> {
         if let Fingertip::Sphere { radius } = fingertip {
             Sphere::new(radius)?;
         }
-        Ok(Self { object, fingertip })
+        let tolerance = TouchModel::DEFAULT_TOLERANCE;
+        let rung = TouchRung::cheapest(&object, fingertip, tolerance);
+        Ok(Self {
+            object,
+            fingertip,
+            rung,
+        })
     }
 
     /// The object.
@@ -138,8 +167,9 @@ impl Glider {
     /// the first one that the tip meets on its way down, on the side of the object that
     /// [`Surface::contact_at`] touches.
     ///
-    /// That contact is found by Newton's method from the object beneath. On spheres, dishes,
-    /// cylinders, ellipsoids and tori it is the only one that fits. On graphs the object is asked at
+    /// On planes, spheres, dishes and cylinders that contact has a closed form. Elsewhere it is found
+    /// by Newton's method from the object beneath. On ellipsoids and tori it is the only one that
+    /// fits. On graphs the object is asked at
     /// sixteen places across the tip, about half a radius apart; where one of them reaches into the
     /// tip or is too hollow for it, Newton's method starts from every top of a relief of the places
     /// under the tip, a twelfth of its radius apart, and the highest contact counts. It is the first
@@ -149,23 +179,28 @@ impl Glider {
     /// # Errors
     /// [`GlideError`].
     pub fn touch(&self, x: f64, y: f64) -> Result<Touch, GlideError> {
-        match self.fingertip {
-            Fingertip::Point => {
+        let is_near = (0.0..=FARTHEST).contains(&(x.abs() + y.abs()));
+        let centre = Vector2::new(x, y);
+        match self.rung {
+            TouchRung::Point => {
                 let point = self.object.contact_at(x, y)?;
                 Foot::at(&self.object, point)?.touch(0.0)
             }
-            Fingertip::Sphere { radius } => {
-                if !(0.0..=FARTHEST).contains(&(x.abs() + y.abs())) {
-                    return Err(SurfaceError::OffDomain { x, y }.into());
-                }
+            _ if !is_near => Err(SurfaceError::OffDomain { x, y }.into()),
+            TouchRung::Offset(offset) => {
+                let foot = offset.contact(&self.object, centre)?;
+                foot.touch(offset.tip_radius)
+            }
+            TouchRung::Newton { radius, tolerance } => {
                 let search = Search {
                     object: &self.object,
                     radius,
+                    tolerance,
                     rugged: matches!(
                         self.object,
                         Shape::Paraboloid(_) | Shape::Saddle(_) | Shape::HeightField(_)
                     ),
-                    centre: Vector2::new(x, y),
+                    centre,
                 };
                 search.contact()?.touch(radius)
             }

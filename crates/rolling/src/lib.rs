@@ -11,6 +11,11 @@
 //! | RK4 | all | measured against a finer integration when it is chosen |
 //! | DOP853 | all | its tolerance |
 //!
+//! These are errors over a turn of the probe; they grow with the number of turns, and by
+//! `(1/R₁ + |k|)/(1/R₁ + k)` where the least curvature k of the object nearly makes the bodies conform.
+//! Positions have no more digits than coordinates of the object's size. Paths shorter than 1e-150 count as
+//! none.
+//!
 //! The integrators work chart-free by default, which has no poles, or in Montana's chart form.
 //!
 //! Frames: the object stands still. The probe's contact frame has `x₁`, `y₁` tangent and `z₁` out
@@ -37,7 +42,8 @@ mod roller;
 pub use chart::HeldAxis;
 pub use contact::{Contact, Shift};
 pub use error::{RollError, RollFault};
-pub use glide::{Fingertip, GlideError, Glider, Touch};
+pub use glide::{Fingertip, GlideError, Glider, InvalidTouch, Touch, TouchModel};
+pub use ladder::MeasuredRung;
 pub use model::{Chart, Choice, InvalidRoll, Model, Rolls};
 pub use motion::Motion;
 pub use roller::{Probe, Roller};

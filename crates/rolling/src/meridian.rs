@@ -4,10 +4,8 @@
 //! angle by which the object's normal has turned and s the arc length, the probe has turned by
 //! `θ = α + s/R₁`, which is solved for the meridian's parameter.
 
-use std::f64::consts::{FRAC_PI_4, PI};
-use std::num::NonZeroUsize;
+mod ellipse;
 
-use gauss_quad::GaussLegendre;
 use nalgebra::{UnitQuaternion, Vector2};
 use palpate_geometry::Meridian;
 
@@ -15,94 +13,46 @@ use crate::closed_form::roll_on_probe;
 use crate::error::RollFault;
 use crate::{Contact, Motion, Shift};
 
-/// Spheroids flatter or longer than this are left to the integrators: the quadrature would need
-/// more nodes than it is worth.
-const LARGEST_ASPECT: f64 = 8.0;
-/// Nodes per eighth of a meridian; with the aspect bounded this is exact to rounding.
-const NODES: NonZeroUsize = NonZeroUsize::new(24).expect("24 is not 0");
 /// Of Newton's or Halley's method; 3 are usual, and bisection in between needs no more.
 const MOST_ITERATIONS: usize = 200;
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct MeridianRung {
     meridian: Meridian,
     radius: f64,
-    /// Nodes and weights on [0, 1], for meridians without a closed arc length.
-    quadrature: Vec<(f64, f64)>,
 }
 
 impl MeridianRung {
-    /// `None` where the meridian is too eccentric. The probe must fit at the apex.
-    pub(crate) fn new(meridian: Meridian, radius: f64) -> Option<Self> {
-        let quadrature = match meridian {
-            Meridian::Paraboloid { .. } => Vec::new(),
-            Meridian::Spheroid { a, c } if a.max(c) <= LARGEST_ASPECT * a.min(c) => {
-                GaussLegendre::new(NODES)
-                    .iter()
-                    .map(|(node, weight)| (0.5 + 0.5 * node, 0.5 * weight))
-                    .collect()
-            }
-            Meridian::Spheroid { .. } => return None,
-        };
-        Some(Self {
-            meridian,
-            radius,
-            quadrature,
-        })
-    }
-
-    /// Arc length from parameter `from` to `to`; each half turn of a spheroid is as long.
-    fn arc_between(&self, from: f64, to: f64) -> f64 {
-        let half_turns = ((to - from) / PI).trunc();
-        let rest = self.by_panels(from, to - half_turns * PI);
-        if half_turns == 0.0 {
-            rest
-        } else {
-            rest + half_turns * self.by_panels(0.0, PI)
-        }
-    }
-
-    fn by_panels(&self, from: f64, to: f64) -> f64 {
-        let panels = ((to - from).abs() / FRAC_PI_4).ceil().max(1.0);
-        let width = (to - from) / panels;
-        let mut sum = 0.0;
-        for panel in 0..panels as usize {
-            let start = from + width * panel as f64;
-            for (node, weight) in &self.quadrature {
-                sum += weight * self.meridian.at(start + width * node).arc_per_parameter;
-            }
-        }
-        sum * width
+    /// A probe of `radius`, which must fit at the apex.
+    pub(crate) const fn new(meridian: Meridian, radius: f64) -> Self {
+        Self { meridian, radius }
     }
 
     /// The parameter and the arc length at which the probe has turned by `theta > 0`.
     fn solve(&self, theta: f64) -> Result<(f64, f64), RollFault> {
         match self.meridian {
             Meridian::Paraboloid { c } => along_parabola(c, self.radius, theta),
-            Meridian::Spheroid { .. } => self.by_quadrature(theta),
+            Meridian::Spheroid { a, c } => self.along_ellipse(a, c, theta),
         }
         .filter(|(t, arc)| t.is_finite() && arc.is_finite())
         .ok_or(RollFault::NotFinite)
     }
 
     /// Newton's method; θ grows with the parameter, for the relative curvature is positive.
-    fn by_quadrature(&self, theta: f64) -> Option<(f64, f64)> {
+    fn along_ellipse(&self, a: f64, c: f64, theta: f64) -> Option<(f64, f64)> {
         let apex = self.meridian.at(0.0);
         let rate = apex.slope_per_parameter + apex.arc_per_parameter / self.radius;
         let mut root = Bracket::new(theta / rate);
-        let (mut known, mut arc) = (0.0, 0.0);
         for _ in 0..MOST_ITERATIONS {
             let t = root.at;
-            arc += self.arc_between(known, t);
-            known = t;
+            let arc = ellipse::arc_length(a, c, t);
             let point = self.meridian.at(t);
             let excess = point.slope_rad + arc / self.radius - theta;
             let slope = point.slope_per_parameter + point.arc_per_parameter / self.radius;
             root.step(excess, excess / slope);
             // Quadratic convergence: the next correction is below rounding.
             if (root.at - t).abs() <= 1e-8 * t {
-                arc += (root.at - t) * point.arc_per_parameter;
-                return Some((root.at, arc));
+                return Some((root.at, arc + (root.at - t) * point.arc_per_parameter));
             }
         }
         None

@@ -49,16 +49,46 @@ pub enum Model {
 impl Model {
     /// Below this, rounding rules.
     pub const SMALLEST_TOLERANCE: f64 = 1e-14;
+    /// Above this, a tolerance promises nothing.
+    pub const LARGEST_TOLERANCE: f64 = 0.1;
+
+    /// The rung with its setting, in words.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Auto { tolerance, .. } => format!("auto, tolerance {tolerance:e}"),
+            Self::ClosedForm => "closed form".to_owned(),
+            Self::Meridian => "meridian".to_owned(),
+            Self::Rk4 { steps, chart } => {
+                let plural = if *steps == 1 { "" } else { "s" };
+                format!("RK4, {steps} step{plural}, {}", chart.name())
+            }
+            Self::Dop853 { tolerance, chart } => {
+                format!("DOP853, tolerance {tolerance:e}, {}", chart.name())
+            }
+        }
+    }
+}
+
+impl Chart {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Free => "chart-free",
+            Self::Montana(_) => "in charts",
+        }
+    }
 }
 
 /// The rung that was taken, and why.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Choice {
+pub struct Choice<M = Model> {
     /// `closed form`, `meridian`, `RK4`, `DOP853`, with its setting.
     pub rung: String,
+    /// The model that names this rung: never `Auto`.
+    pub model: M,
     /// Why this one, in words.
     pub reason: String,
-    /// Bound on the error of the contact, relative to its length scale; `None` for RK4 on demand.
+    /// Bound on the error of the contact without noise, relative to its length scale (of a glide, the
+    /// tip's radius), on top of the rounding of its coordinates; `None` for RK4 on demand.
     pub error_bound: Option<f64>,
 }
 
@@ -88,8 +118,9 @@ pub enum InvalidRoll {
     },
     /// A tolerance that means nothing.
     #[error(
-        "tolerance is {tolerance}; it must be from {} to 0.1",
-        Model::SMALLEST_TOLERANCE
+        "tolerance is {tolerance}; it must be from {} to {}",
+        Model::SMALLEST_TOLERANCE,
+        Model::LARGEST_TOLERANCE
     )]
     Tolerance {
         /// Its value.

@@ -18,7 +18,8 @@ impl Motion {
     /// Rolling at `rate` so that on an isotropic object the contact moves first at `direction_rad`
     /// from the object's +x (projected onto the tangent plane) towards `n × x`.
     ///
-    /// The rotation axis is the object's normal crossed with that direction.
+    /// The rotation axis is the object's normal crossed with that direction. Multiples of a quarter turn
+    /// are exact, up to a thousand of them.
     pub fn rolling(direction_rad: f64, rate_rad_per_s: f64, duration_s: f64) -> Self {
         let (sin, cos) = sin_cos_exact(direction_rad);
         Self {
@@ -71,11 +72,29 @@ impl Motion {
 
 /// Sine and cosine, exact at multiples of a quarter turn, so that a roll "along u" is along u.
 fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
+    /// Of so many quarters rounding leaves less than 1e-12.
+    const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;
     let (sin, cos) = angle_rad.sin_cos();
-    if (quarters - quarters.round()).abs() < 1e-15 * quarters.abs().max(1.0) {
+    let off = (quarters - quarters.round()).abs();
+    if off < 1e-15 * quarters.abs().max(1.0) && quarters.abs() < COUNTABLE {
         (sin.round(), cos.round())
     } else {
         (sin, cos)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Motion;
+
+    #[test]
+    fn a_direction_of_many_turns_is_a_direction() {
+        for direction in [0.3, 1e6, 1e15, 1e20, 1e300] {
+            let rate = Motion::rolling(direction, 2.0, 1.0).rotation().norm();
+            assert!((rate - 2.0).abs() < 1e-15, "{direction:e}: {rate}");
+        }
+        let quarter = Motion::rolling(900.0 * std::f64::consts::FRAC_PI_2, 2.0, 1.0);
+        assert_eq!(quarter.rotation().x, 0.0);
     }
 }

@@ -39,6 +39,7 @@ pub struct Roller {
     first: Contact,
     /// How far the contact moves per radian at first, at least: the scale of errors.
     length_scale: f64,
+    mobility: Matrix2<f64>,
     rung: Rung,
     choice: Choice,
 }
@@ -56,11 +57,6 @@ impl Roller {
         model: Model,
         rolls: Rolls<'_>,
     ) -> Result<Self, InvalidRoll> {
-        if let Model::Auto { tolerance, .. } | Model::Dop853 { tolerance, .. } = model
-            && !(Model::SMALLEST_TOLERANCE..=0.1).contains(&tolerance)
-        {
-            return Err(InvalidRoll::Tolerance { tolerance });
-        }
         let first = Contact::first(&object, first_contact.0, first_contact.1)?;
         let (_, curvature) = object.curvature_along(&first.on_object, &first.x_axis)?;
         let mobility = closed_form::mobility(probe.radius(), &curvature)?;
@@ -83,8 +79,23 @@ impl Roller {
             object,
             first,
             length_scale,
+            mobility,
             rung,
             choice,
+        })
+    }
+
+    /// The same probe, object and first contact on another rung.
+    ///
+    /// # Errors
+    /// [`InvalidRoll`] where the tolerance is out of range, or the rung cannot do it.
+    pub fn on(&self, model: Model, rolls: Rolls<'_>) -> Result<Self, InvalidRoll> {
+        let (rung, choice) = self.setting().rung(model, rolls)?;
+        Ok(Self {
+            rung,
+            choice,
+            object: self.object.clone(),
+            ..*self
         })
     }
 
@@ -113,16 +124,24 @@ impl Roller {
     /// # Errors
     /// [`RollError`] with the time since the first motion began.
     pub fn roll(&self, motions: &[Motion]) -> Result<Contact, RollError> {
+        self.follow(motions).map(|(contact, _)| contact)
+    }
+
+    /// [`Roller::roll`]; also how often the contact equations were evaluated.
+    pub(crate) fn follow(&self, motions: &[Motion]) -> Result<(Contact, usize), RollError> {
         let mut contact = self.first;
+        let mut evaluations = 0;
         let mut elapsed = 0.0;
         for motion in motions {
-            contact = self.advance(&contact, motion).map_err(|mut error| {
+            let (next, more) = self.advance(&contact, motion).map_err(|mut error| {
                 error.time_s += elapsed;
                 error
             })?;
+            contact = next;
+            evaluations += more;
             elapsed += motion.duration_s.max(0.0);
         }
-        Ok(contact)
+        Ok((contact, evaluations))
     }
 
     /// Where `motions` bring the contact on the probe: all that EP1 needs of a roll. Cheaper than
@@ -169,7 +188,7 @@ impl Roller {
     }
 
     /// How long `motion` (its own duration is ignored) must last for the contact's path on the
-    /// probe to be `arc_length` long.
+    /// probe to be `arc_length` long, within 1e-14 of itself where rolls are exact.
     ///
     /// # Errors
     /// The [`RollError`] that ends the roll before it is that long.
@@ -194,6 +213,8 @@ impl Roller {
                 ..*motion
             }]);
             let next = match reached {
+                // Too short a path to be squared: the first estimate is exact.
+                Ok(contact) if contact.arc_length == 0.0 => return Ok(duration_s),
                 Ok(contact) => {
                     let excess = contact.arc_length - arc_length;
                     if excess > 0.0 {
@@ -230,31 +251,40 @@ impl Roller {
         Ok(duration_s)
     }
 
-    fn advance(&self, from: &Contact, motion: &Motion) -> Result<Contact, RollError> {
+    fn advance(&self, from: &Contact, motion: &Motion) -> Result<(Contact, usize), RollError> {
         let at_start = |fault| RollError::new(fault, 0.0, from.on_object);
         if !motion.is_finite() {
             return Err(at_start(RollFault::NotFinite));
         }
         if motion.duration_s <= 0.0 {
-            return Ok(*from);
+            return Ok((*from, 0));
         }
-        let contact = match &self.rung {
+        let (contact, evaluations) = match &self.rung {
             Rung::ClosedForm { .. } if !motion.spins() => {
-                closed_form::advance(&self.object, self.probe.radius(), from, motion)
-                    .map_err(at_start)?
+                let contact = closed_form::advance(&self.object, self.probe.radius(), from, motion)
+                    .map_err(at_start)?;
+                (contact, 0)
             }
             Rung::Meridian(rung) if *from == self.first && !motion.spins() && !motion.slides() => {
-                rung.advance(from, motion).map_err(at_start)?
+                (rung.advance(from, motion).map_err(at_start)?, 0)
             }
-            Rung::Integrated(integration) => integration.advance(&self.bodies(), from, motion)?.0,
+            Rung::Integrated(integration) => integration.advance(&self.bodies(), from, motion)?,
             Rung::ClosedForm { .. } | Rung::Meridian(_) => {
-                RESERVE.advance(&self.bodies(), from, motion)?.0
+                RESERVE.advance(&self.bodies(), from, motion)?
             }
         };
         if contact.is_finite() {
-            Ok(contact)
+            Ok((contact, evaluations))
         } else {
             Err(at_start(RollFault::NotFinite))
+        }
+    }
+
+    pub(crate) fn setting(&self) -> Setting<'_> {
+        Setting {
+            bodies: self.bodies(),
+            first: self.first,
+            mobility: self.mobility,
         }
     }
 

@@ -15,6 +15,7 @@ mod fingertip;
 mod glide;
 mod grid;
 mod load;
+mod model;
 mod object;
 mod pads;
 mod plot;
@@ -34,6 +35,7 @@ pub use glide::{
     PositionNoise, Reports,
 };
 pub use load::{Cell, Study, load, parse};
+pub use model::ModelConfig;
 pub use object::ObjectConfig;
 pub use pads::{PadLayout, PadOffset};
 pub use plot::{

@@ -8,6 +8,7 @@
 pub mod config;
 pub mod fingertip;
 pub mod glide;
+mod ladder;
 mod legible;
 mod plan;
 pub mod press;
@@ -18,6 +19,7 @@ mod table;
 
 pub use fingertip::FingertipScene;
 pub use glide::GlideScene;
+pub use ladder::{Ladder, Rung};
 pub use plan::PlanError;
 pub use press::PressScene;
 pub use quantity::{Quantity, Unit};
@@ -136,10 +138,15 @@ impl Study {
     /// If `cell` is not the index of a cell.
     pub fn scene(&self, cell: usize) -> Result<Scene, ConfigError> {
         let config = &self.cells[cell].config;
-        match &config.scene {
-            SceneConfig::Roll(roll) => RollScene::new(roll, config.seed).map(Scene::Roll),
-            SceneConfig::Glide(glide) => GlideScene::new(glide, config.seed).map(Scene::Glide),
-            SceneConfig::Press(press) => PressScene::new(press, config.seed).map(Scene::Press),
+        self.scene_of(cell, &config.scene, config.seed)
+    }
+
+    /// The scene that stands for that of a cell.
+    fn scene_of(&self, cell: usize, config: &SceneConfig, seed: u64) -> Result<Scene, ConfigError> {
+        match config {
+            SceneConfig::Roll(roll) => RollScene::new(roll, seed).map(Scene::Roll),
+            SceneConfig::Glide(glide) => GlideScene::new(glide, seed).map(Scene::Glide),
+            SceneConfig::Press(press) => PressScene::new(press, seed).map(Scene::Press),
             SceneConfig::Fingertip(fingertip) => {
                 FingertipScene::new(fingertip).map(Scene::Fingertip)
             }

@@ -1,5 +1,6 @@
 //! A roll: probes roll from a first contact, and EP1 estimates the curvature there.
 
+mod ladder;
 mod linear;
 mod noise;
 mod plan;

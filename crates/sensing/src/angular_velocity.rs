@@ -25,10 +25,10 @@ impl AngularVelocityError {
     /// An error whose size is `fraction` of |ω|.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the fraction is finite and at least 0.
+    /// [`InvalidSensor`] unless the fraction is from 0 to 10¹⁵⁰.
     pub fn new(distribution: Distribution, fraction: f64) -> Result<Self, InvalidSensor> {
-        let holds = fraction >= 0.0 && fraction.is_finite();
-        InvalidSensor::unless(holds, "fraction", fraction, "finite and at least 0")?;
+        let holds = (0.0..=1e150).contains(&fraction);
+        InvalidSensor::unless(holds, "fraction", fraction, "from 0 to 1e150")?;
         Ok(Self {
             distribution,
             fraction,
@@ -53,7 +53,7 @@ impl AngularVelocityError {
         }
     }
 
-    /// Draws the errors of `(ω_x, ω_y)`, for a rate |ω| in rad/s.
+    /// Draws the errors of `(ω_x, ω_y)`, for a rate |ω| in rad/s, finite for rates up to 1e150.
     #[inline]
     pub fn draw(&self, stream: &mut Stream, rate_rad_per_s: f64) -> Vector2<f64> {
         let size = self.fraction * rate_rad_per_s;

@@ -7,6 +7,9 @@ use crate::{
     BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
 };
 
+/// Pads narrower than this, of the radius, are finer than doubles tell places apart.
+const FINEST: f64 = 1e-15;
+
 /// How the pads tile the fingertip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadLayout {
@@ -61,8 +64,8 @@ impl Pads {
     /// Pads of `pitch` on the cap of half-angle `cap_rad` of a fingertip of `radius`.
     ///
     /// # Errors
-    /// [`InvalidSensor`] unless the radius is finite and positive, the pitch positive and at most
-    /// the radius, and the cap in (0, π].
+    /// [`InvalidSensor`] unless the radius is finite and positive, the pitch from 1e-15 of the radius
+    /// to all of it (1.2e-7 of a uniform lattice), and the cap in (0, π].
     pub fn new(
         radius: f64,
         pitch: f64,
@@ -83,6 +86,9 @@ impl Pads {
             pitch,
             &format!("> 0 and at most the probe's radius, {radius}"),
         )?;
+        let resolved = pitch / radius >= FINEST;
+        let expected = "at least 1e-15 of the probe's radius";
+        InvalidSensor::unless(resolved, "pitch", pitch, expected)?;
         let cap = cap_rad > 0.0 && cap_rad <= std::f64::consts::PI;
         InvalidSensor::unless(cap, "cap_deg", cap_rad.to_degrees(), "> 0 and at most 180")?;
         let tiling = match layout {
@@ -171,7 +177,10 @@ impl Pads {
     }
 
     /// The displacement (length) between the centres of the pads that report at the first contact
-    /// and after `displacement`, in the tangent basis at the first contact.
+    /// and after `displacement`, in the tangent basis at the first contact. It errs by at most half a
+    /// pitch along each axis of a square grid that starts centred, a whole one of any other; on a
+    /// uniform lattice by at most 1.05 pitches at each end that is not centred, stretched by θ/sin θ at an
+    /// angle θ.
     ///
     /// # Errors
     /// [`BeyondPads`] where the contact has left the cap.
@@ -194,12 +203,10 @@ impl Pads {
                 let back = lattice_from_contact.inverse();
                 Ok(displacement_between(&(back * first_pad), &(back * pad)) * self.radius)
             }
-            (_, Placement::Square(offset)) => Ok(displacement.zip_map(offset, |length, offset| {
-                self.pitch * (length / self.pitch + offset).round()
-            })),
-            // A placement made by other pads: read as if placed on a centre.
-            (Tiling::Square, Placement::Uniform { .. }) => {
-                Ok(displacement.map(|length| self.pitch * (length / self.pitch).round()))
+            (_, placement) => {
+                let pads =
+                    |length: f64, offset: f64| self.pitch * (length / self.pitch + offset).round();
+                Ok(displacement.zip_map(&placement.offset(), pads))
             }
         }
     }
@@ -232,12 +239,7 @@ impl Pads {
                 lattice_from_contact.inverse() * pad
             }
             (_, placement) => {
-                let offset = match placement {
-                    Placement::Square(offset) => *offset,
-                    // A placement made by other pads: read as if placed on a centre.
-                    Placement::Uniform { .. } => Vector2::zeros(),
-                };
-                let centre = displacement.zip_map(&offset, |length, offset| {
+                let centre = displacement.zip_map(&placement.offset(), |length, offset| {
                     self.pitch * ((length / self.pitch + offset).round() - offset)
                 });
                 direction_at(&(centre / self.radius))
@@ -247,7 +249,7 @@ impl Pads {
     }
 
     fn unless_beyond_cap(&self, displacement: &Vector2<f64>) -> Result<(), BeyondPads> {
-        let angle_rad = displacement.norm() / self.radius;
+        let angle_rad = (displacement / self.radius).norm();
         if angle_rad <= self.cap_rad {
             return Ok(());
         }
@@ -255,6 +257,17 @@ impl Pads {
             angle_rad,
             cap_rad: self.cap_rad,
         })
+    }
+}
+
+impl Placement {
+    /// The first contact's offset on a square grid, in pitches. A placement made by other pads counts
+    /// as one on a centre.
+    fn offset(&self) -> Vector2<f64> {
+        match self {
+            Self::Square(offset) => *offset,
+            Self::Uniform { .. } => Vector2::zeros(),
+        }
     }
 }
 

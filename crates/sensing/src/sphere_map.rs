@@ -3,7 +3,8 @@
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
 /// The direction reached from +z by going `displacement` (in radians) along a great circle, in the
-/// tangent basis (x, y) at +z: the exponential map.
+/// tangent basis (x, y) at +z: the exponential map. Finite for displacements up to 1e150; each component
+/// errs by at most 1e-15, and what the last place of the angle makes of it.
 pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
     let angle = displacement.norm();
     if angle == 0.0 {
@@ -17,6 +18,7 @@ pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
 /// The great-circle displacement (logarithm map, radians) from direction `from` to direction `to`,
 /// in the tangent basis at `from` that the shortest turn carries from (x, y) at +z.
 ///
+/// Both are unit vectors. It errs by at most 1e-15 of itself from +z, and by 1e-15 radians from elsewhere.
 /// Between opposite directions, where every great circle is shortest, it is along x.
 pub fn displacement_between(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector2<f64> {
     let level = UnitQuaternion::rotation_between(from, &Vector3::z()).unwrap_or_else(|| {

@@ -89,7 +89,7 @@ impl Stream {
         f64::from_bits(between_2_and_4) - 3.0
     }
 
-    /// So many different numbers of `0..of`, each equally likely; all of them, shuffled, where there are no more. Draws
+    /// So many different numbers of `0..of` (all of which are held in memory), each equally likely; all of them, shuffled, where there are no more. Draws
     /// one number each.
     pub fn choose(&mut self, count: usize, of: usize) -> Vec<usize> {
         let mut items: Vec<usize> = (0..of).collect();

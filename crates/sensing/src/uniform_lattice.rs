@@ -44,7 +44,7 @@ impl UniformLattice {
         self.pads
     }
 
-    /// Direction of pad `index`, counted from +z.
+    /// Direction of pad `index`, counted from +z, which must be below [`Self::pads`].
     pub fn direction(&self, index: u64) -> Vector3<f64> {
         let below = (2.0 * index as f64 + 1.0) / self.pads as f64;
         // 1 − z² = below (2 − below), without cancellation near the pole.
@@ -53,7 +53,7 @@ impl UniformLattice {
         Vector3::new(sine * cos, sine * sin, 1.0 - below)
     }
 
-    /// The pad nearest to a unit `direction`.
+    /// The pad nearest to a unit `direction`; of anything else some pad.
     pub fn nearest(&self, direction: &Vector3<f64>) -> u64 {
         let count = self.pads as f64;
         let sine_squared = direction.x * direction.x + direction.y * direction.y;

@@ -1,17 +1,15 @@
 //! A case, its outcome, and whether that keeps what the documentation promises.
 
+use std::fmt::Debug;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
 use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use super::answer::{Answer, Outcome};
 
 /// After so long an entry point is said to hang.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// Errors may be so many times what the condition explains.
-const SLACK: f64 = 10.0;
 
 /// One entry point at one extreme.
 pub struct Case {
@@ -19,46 +17,19 @@ pub struct Case {
     pub entry: &'static str,
     /// What is extreme about the input: `object radius 1e9`.
     pub input: String,
-    /// Tries it.
-    pub attempt: Box<dyn FnOnce() -> Outcome + Send>,
+    expected: Expected,
+    attempt: Box<dyn FnOnce() -> Outcome + Send>,
 }
 
-/// What an entry point gave.
-#[derive(Clone, Debug)]
-pub enum Outcome {
-    /// Numbers, the first of which is judged.
-    Value(Answer),
-    /// An error, by its stable name.
-    Refused(&'static str),
-}
-
-/// A value, and what is known of it.
-#[derive(Clone, Debug)]
-pub struct Answer {
-    /// All that was given; none may be NaN or infinite. The first is judged.
-    pub values: Vec<f64>,
-    /// What it should be.
-    pub truth: Truth,
-    /// The condition number that the result reports, where it reports one; else that of the problem.
-    pub condition: f64,
-    /// The error that the documentation allows, in the terms of [`Truth`].
-    pub bound: f64,
-}
-
-/// What a value should be.
-#[derive(Clone, Copy, Debug)]
-pub enum Truth {
-    /// This, from a closed form or in higher precision; errors are relative to it.
-    Relative(f64),
-    /// This; errors are relative to the given scale (for truths that may be 0).
-    OfScale {
-        /// What it should be.
-        value: f64,
-        /// What errors are relative to.
-        scale: f64,
-    },
-    /// Only that it is finite (say why in the case's input).
-    Finite,
+/// What kind of outcome there should be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Expected {
+    /// A value or a named error.
+    Either,
+    /// A value: the input is perfectly computable.
+    Value,
+    /// A named error: the input has no meaning.
+    Refusal,
 }
 
 /// What came of a case.
@@ -77,7 +48,7 @@ pub struct Judged {
 }
 
 /// Whether a promise is kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// A value within the bound that the documentation states.
     WithinBound,
@@ -85,7 +56,11 @@ pub enum Verdict {
     Conditioned,
     /// A named error.
     Refused,
-    /// A value that errs by more.
+    /// A named error where a value can be computed.
+    NeedlesslyRefused,
+    /// A value where there is none.
+    WronglyAnswered,
+    /// A value that errs by more than bound and condition explain.
     Unexplained,
     /// NaN or infinity.
     NotFinite,
@@ -102,6 +77,8 @@ impl Verdict {
             Self::WithinBound => "within-bound",
             Self::Conditioned => "conditioned",
             Self::Refused => "refused",
+            Self::NeedlesslyRefused => "needlessly-refused",
+            Self::WronglyAnswered => "wrongly-answered",
             Self::Unexplained => "unexplained",
             Self::NotFinite => "not-finite",
             Self::Panicked => "panicked",
@@ -111,15 +88,12 @@ impl Verdict {
 
     /// Whether it breaks a promise.
     pub const fn is_broken(self) -> bool {
-        matches!(
-            self,
-            Self::Unexplained | Self::NotFinite | Self::Panicked | Self::Hung
-        )
+        !matches!(self, Self::WithinBound | Self::Conditioned | Self::Refused)
     }
 }
 
 impl Case {
-    /// A case.
+    /// A case that may end in a value or in a named error.
     pub fn new(
         entry: &'static str,
         input: impl Into<String>,
@@ -128,7 +102,34 @@ impl Case {
         Self {
             entry,
             input: input.into(),
+            expected: Expected::Either,
             attempt: Box::new(attempt),
+        }
+    }
+
+    /// A case whose input can be computed: an error breaks the promise.
+    pub fn value<E: Debug>(
+        entry: &'static str,
+        input: impl Into<String>,
+        attempt: impl FnOnce() -> Result<Answer, E> + Send + 'static,
+    ) -> Self {
+        Self {
+            expected: Expected::Value,
+            ..Self::new(entry, input, || attempt().into())
+        }
+    }
+
+    /// A case whose input has no meaning: a value breaks the promise.
+    pub fn refusal<T, E: Debug>(
+        entry: &'static str,
+        input: impl Into<String>,
+        attempt: impl FnOnce() -> Result<T, E> + Send + 'static,
+    ) -> Self {
+        Self {
+            expected: Expected::Refusal,
+            ..Self::new(entry, input, || {
+                attempt().map(|_| Answer::finite([0.0])).into()
+            })
         }
     }
 
@@ -137,6 +138,7 @@ impl Case {
         let Self {
             entry,
             input,
+            expected,
             attempt,
         } = self;
         let (sender, receiver) = mpsc::channel();
@@ -144,17 +146,17 @@ impl Case {
             // The other side may have lost its patience.
             let _ = sender.send(catch_unwind(AssertUnwindSafe(attempt)));
         });
-        let (outcome, error, verdict) = match receiver.recv_timeout(PATIENCE) {
-            Err(_) => (None, None, Verdict::Hung),
-            Ok(Err(_)) => (None, None, Verdict::Panicked),
-            Ok(Ok(Outcome::Refused(name))) => {
-                (Some(Outcome::Refused(name)), None, Verdict::Refused)
+        let (outcome, verdict) = match receiver.recv_timeout(PATIENCE) {
+            Err(_) => (None, Verdict::Hung),
+            Ok(Err(_)) => (None, Verdict::Panicked),
+            Ok(Ok(outcome)) => {
+                let verdict = expected.verdict(&outcome);
+                (Some(outcome), verdict)
             }
-            Ok(Ok(Outcome::Value(answer))) => {
-                let error = answer.error();
-                let verdict = answer.verdict(error);
-                (Some(Outcome::Value(answer)), error, verdict)
-            }
+        };
+        let error = match &outcome {
+            Some(Outcome::Value(answer)) => answer.error(),
+            _ => None,
         };
         Judged {
             entry,
@@ -166,84 +168,51 @@ impl Case {
     }
 }
 
-impl Answer {
-    fn error(&self) -> Option<f64> {
-        let value = self.values.first()?;
-        match self.truth {
-            Truth::Relative(truth) => Some((value - truth).abs() / truth.abs()),
-            Truth::OfScale {
-                value: truth,
-                scale,
-            } => Some((value - truth).abs() / scale),
-            Truth::Finite => None,
-        }
-    }
-
-    fn verdict(&self, error: Option<f64>) -> Verdict {
-        let all_finite = self.values.iter().all(|value| value.is_finite());
-        match error {
-            _ if !all_finite || self.values.is_empty() => Verdict::NotFinite,
-            None => Verdict::WithinBound,
-            Some(error) if error <= self.bound => Verdict::WithinBound,
-            Some(error) if error <= SLACK * self.condition * f64::EPSILON => Verdict::Conditioned,
-            Some(_) => Verdict::Unexplained,
+impl Expected {
+    fn verdict(self, outcome: &Outcome) -> Verdict {
+        match (self, outcome) {
+            (Self::Value, Outcome::Refused(_)) => Verdict::NeedlesslyRefused,
+            (_, Outcome::Refused(_)) => Verdict::Refused,
+            (Self::Refusal, Outcome::Value(_)) => Verdict::WronglyAnswered,
+            (_, Outcome::Value(answer)) => answer.verdict(),
         }
     }
 }
 
-/// Writes the table: `entry,input,outcome,value,truth,error,condition,bound,verdict`.
-pub(super) fn write(rows: &[Judged], out: &Path) -> Result<()> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
-        "entry",
-        "input",
-        "outcome",
-        "value",
-        "truth",
-        "error",
-        "condition",
-        "bound",
-        "verdict",
-    ])?;
-    let number = |value: f64| format!("{value:e}");
-    for row in rows {
-        let [mut value, mut truth, mut condition, mut bound] = [const { String::new() }; 4];
-        let outcome = match &row.outcome {
-            None => "none",
-            Some(Outcome::Refused(name)) => *name,
-            Some(Outcome::Value(answer)) => {
-                value = answer.values.first().copied().map_or(String::new(), number);
-                truth = match answer.truth {
-                    Truth::Relative(truth) | Truth::OfScale { value: truth, .. } => number(truth),
-                    Truth::Finite => String::new(),
-                };
-                condition = number(answer.condition);
-                bound = number(answer.bound);
-                "value"
-            }
-        };
-        let error = row
-            .error
-            .map_or(String::new(), |error| format!("{error:.1e}"));
-        writer.write_record([
-            row.entry,
-            &row.input,
-            outcome,
-            &value,
-            &truth,
-            &error,
-            &condition,
-            &bound,
-            row.verdict.name(),
-        ])?;
+#[cfg(test)]
+mod tests {
+    use super::super::answer::{Answer, Outcome};
+    use super::{Case, Verdict};
+
+    fn verdict(attempt: impl FnOnce() -> Outcome + Send + 'static) -> Verdict {
+        Case::new("here", "this", attempt).judge().verdict
     }
-    let bytes = writer.into_inner().context("the table is not whole")?;
-    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    std::io::Write::write_all(&mut file, &bytes)?;
-    file.persist(out)
-        .with_context(|| format!("cannot write {}", out.display()))?;
-    Ok(())
+
+    #[test]
+    fn every_broken_promise_is_seen() {
+        let near = |value: f64| Answer::near(value, 1.0).within(1e-14);
+        assert_eq!(verdict(move || near(1.0).into()), Verdict::WithinBound);
+        assert_eq!(verdict(move || near(1.1).into()), Verdict::Unexplained);
+        assert_eq!(
+            verdict(move || near(1.1).conditioned(1e14).into()),
+            Verdict::Conditioned
+        );
+        assert_eq!(
+            verdict(move || near(1.0).also([f64::NAN]).into()),
+            Verdict::NotFinite
+        );
+        assert_eq!(verdict(|| panic!("as it should")), Verdict::Panicked);
+        let refused = || Err::<Answer, _>(std::fmt::Error);
+        assert_eq!(verdict(move || refused().into()), Verdict::Refused);
+        assert_eq!(
+            Case::value("here", "this", refused).judge().verdict,
+            Verdict::NeedlesslyRefused
+        );
+        assert_eq!(
+            Case::refusal("here", "this", || Ok::<_, ()>(1))
+                .judge()
+                .verdict,
+            Verdict::WronglyAnswered
+        );
+    }
 }

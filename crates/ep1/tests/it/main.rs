@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod covariance;
+mod every_number;
 mod exact;
 mod refusals;
 

@@ -165,6 +165,10 @@ struct Foot {
     half_square: f64,
     gradient: Vector2<f64>,
     hessian: Matrix2<f64>,
+    /// Determinants of the Hessian of a plane, `I + s sᵀ` with the slope s, and of the Hessian:
+    /// expanded, for on a steep slope `(1 + s_x²)(1 + s_y²) − s_x² s_y²` loses all digits.
+    stretch: f64,
+    determinant: f64,
 }
 
 impl Foot {
@@ -176,7 +180,15 @@ impl Foot {
         let jet = graph.jet(at.x, at.y)?;
         let [fxx, fxy, fyy] = jet.hessian;
         let slope = Vector2::from(jet.gradient);
-        let (aside, above) = (at - target.xy().coords, jet.value - target.z);
+        let aside = at - target.xy().coords;
+        // On the graph as far as heights tell; on a needle the rest would be taken for a hollow.
+        let above = match jet.value - target.z {
+            tiny if tiny.abs() <= 2.0 * f64::EPSILON * target.z.abs() => 0.0,
+            above => above,
+        };
+        let stretch = 1.0 + slope.norm_squared();
+        let bend = fxx + fyy + fxx * slope.y * slope.y + fyy * slope.x * slope.x
+            - 2.0 * fxy * slope.x * slope.y;
         let gauss_newton = Matrix2::identity() + slope * slope.transpose();
         Ok(Self {
             at,
@@ -185,21 +197,26 @@ impl Foot {
             half_square: 0.5 * (aside.norm_squared() + above * above),
             gradient: aside + slope * above,
             hessian: gauss_newton + Matrix2::new(fxx, fxy, fxy, fyy) * above,
+            stretch,
+            determinant: stretch + above * (bend + above * (fxx * fyy - fxy * fxy)),
         })
     }
 
     fn is_minimum(&self) -> bool {
-        self.hessian.m11 > 0.0 && self.hessian.determinant() > 0.0
+        self.hessian.m11 > 0.0 && self.determinant > 0.0
     }
 
     /// Newton's step to the minimum; Gauss–Newton's where Newton's would not descend.
     fn step(&self) -> Option<Vector2<f64>> {
-        let hessian = if self.is_minimum() {
-            self.hessian
+        let (hessian, determinant) = if self.is_minimum() {
+            (self.hessian, self.determinant)
         } else {
-            Matrix2::identity() + self.slope * self.slope.transpose()
+            let of_a_plane = Matrix2::identity() + self.slope * self.slope.transpose();
+            (of_a_plane, self.stretch)
         };
-        Some(-hessian.try_inverse()? * self.gradient)
+        let adjugate = Matrix2::new(hessian.m22, -hessian.m12, -hessian.m21, hessian.m11);
+        let step = -adjugate * self.gradient / determinant;
+        step.sum().is_finite().then_some(step)
     }
 
     /// Whether this is closer than `other`; or as close, as far as rounding tells, and much nearer

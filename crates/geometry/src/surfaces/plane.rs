@@ -22,7 +22,12 @@ impl Surface for Plane {
         })
     }
 
-    fn level_set(&self, _point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
+    fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError> {
+        let Point3 { coords } = point;
+        if !is_within_reach(coords.x, coords.y) {
+            let (x, y) = (coords.x, coords.y);
+            return Err(SurfaceError::OffDomain { x, y });
+        }
         Ok(LevelSet {
             normal: Vector3::z(),
             second_form: Matrix3::zeros(),

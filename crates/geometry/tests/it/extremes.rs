@@ -152,7 +152,7 @@ fn every_answer_is_finite_or_an_error() {
     let pose = specimens::poses()[1];
     for shape in shapes() {
         println!("{shape:?}");
-        let posed = Posed::new(shape.clone(), pose);
+        let posed = Posed::new(shape.clone(), pose).unwrap();
         for a in EXTREMES {
             for b in EXTREMES {
                 for c in [0.3, a, f64::NAN] {

@@ -13,10 +13,10 @@ fn every_surface_obeys_the_laws() {
         let [home, near, far] = specimens::poses();
         let shape = &specimen.shape;
         obeys_the_laws(shape, &specimen, home);
-        obeys_the_laws(&Posed::new(shape.clone(), near), &specimen, near);
+        obeys_the_laws(&Posed::new(shape.clone(), near).unwrap(), &specimen, near);
         on_concrete!(shape, surface => {
             obeys_the_laws(surface, &specimen, home);
-            obeys_the_laws(&Posed::new(Clone::clone(surface), far), &specimen, far);
+            obeys_the_laws(&Posed::new(Clone::clone(surface), far).unwrap(), &specimen, far);
             assert_eq!(surface.default_contact(), shape.default_contact());
             assert_eq!(surface.constant_curvature(), shape.constant_curvature());
             let (x, y) = shape.default_contact();

@@ -3,6 +3,7 @@
 
 mod closed_forms;
 mod closest_points;
+mod every_number;
 mod extremes;
 mod laws;
 mod meridians;

@@ -1,6 +1,7 @@
 //! End-to-end tests of the command line.
 #![allow(clippy::unwrap_used)]
 
+mod allowance;
 mod check;
 mod desk;
 mod disk;

@@ -257,3 +257,35 @@ fn failures_name_their_kind_and_first_trial() {
         }
     }
 }
+
+/// The statistic of that name is the column of the swept numbers.
+#[test]
+fn trials_can_be_swept_and_drawn() {
+    let plots = "\n[[plot]]\nname = \"along\"\nx = \"trials\"\ny = \"rms_error\"\nquantity = \"mean_curvature\"\n\
+        [[plot]]\nname = \"by\"\nx = \"scene.object.radius\"\ny = \"rms_error\"\nseries = \"trials\"\n\
+        quantity = \"mean_curvature\"\nwhere = { trials = [20, 80] }\n";
+    let axis = "[50, 5]\n\n[[sweep]]\npath = \"trials\"\nvalues = [20, 40, 80]";
+    let desk = Desk::with(&(edited(STUDY, "[50, 5]", axis) + plots));
+    let along = edited(
+        &desk.read("c.toml"),
+        "quantity = \"mean",
+        "where = { \"scene.object.radius\" = 50 }\nquantity = \"mean",
+    );
+    desk.write("c.toml", along);
+    desk.palpate("run c.toml --out o").printed();
+    let table = desk.table("o/cells.csv");
+    let named = |name: &&String| *name == "trials";
+    assert_eq!(table.header.iter().filter(named).count(), 1);
+    assert_eq!(desk.read("o/cells.csv").lines().next(), Some(HEADER));
+    for (cell, trials) in ["20", "40", "80"].into_iter().cycle().take(6).enumerate() {
+        assert_eq!(
+            table.text(table.row_of(cell, "mean_curvature"), "trials"),
+            trials
+        );
+    }
+    let drawn = desk.palpate("plot o").printed();
+    assert!(
+        drawn.contains("along.svg") && drawn.contains("by.svg"),
+        "{drawn}"
+    );
+}

@@ -1,6 +1,7 @@
 //! Presses against golden values and closed forms.
 #![allow(clippy::unwrap_used)]
 
+mod any_number;
 mod bonded_layer;
 mod forward_fit;
 mod half_space;

@@ -2,6 +2,7 @@
 
 use super::canvas::{Canvas, Drawn};
 use super::figure::Figure;
+use super::fronts::Fronts;
 use super::layout::Layout;
 use super::press_trace::Quiver;
 use super::spec::Plot;
@@ -17,6 +18,7 @@ pub(crate) enum Picture {
     ClassMap(class_map::Layout),
     Contacts(contacts::Layout),
     Quiver(Box<Quiver>),
+    Fronts(Box<Fronts>),
 }
 
 impl Picture {
@@ -43,6 +45,7 @@ impl Picture {
             Self::ClassMap(map) => &map.name,
             Self::Contacts(contacts) => &contacts.name,
             Self::Quiver(_) => "quiver",
+            Self::Fronts(fronts) => &fronts.name,
         }
     }
 
@@ -53,6 +56,7 @@ impl Picture {
             Self::ClassMap(map) => &map.title_text,
             Self::Contacts(contacts) => &contacts.title_text,
             Self::Quiver(quiver) => &quiver.title,
+            Self::Fronts(fronts) => &fronts.title_text,
         }
     }
 
@@ -64,6 +68,7 @@ impl Picture {
             Self::ClassMap(map) => map.size,
             Self::Contacts(contacts) => contacts.size,
             Self::Quiver(quiver) => quiver.size,
+            Self::Fronts(fronts) => fronts.size,
         }
     }
 
@@ -81,6 +86,7 @@ impl Picture {
             Self::ClassMap(map) => class_map::draw(map, canvas),
             Self::Contacts(picture) => contacts::draw(picture, canvas),
             Self::Quiver(quiver) => quiver.draw(canvas),
+            Self::Fronts(fronts) => fronts.draw(canvas),
         }
     }
 }

@@ -74,8 +74,12 @@ impl<'a> Selection<'a> {
                 .ok_or_else(|| unknown(key, name, nearest(name, axes().chain(table.statistics()))))
         };
         let optional_axis = |key: &str, name: Option<&str>| {
-            let find =
-                |name| axis(table, name).ok_or_else(|| unknown(key, name, nearest(name, axes())));
+            let trials = |name| Some(table.trials()).filter(|axis| axis.header == name);
+            let find = |name| {
+                axis(table, name)
+                    .or_else(|| trials(name))
+                    .ok_or_else(|| unknown(key, name, nearest(name, axes())))
+            };
             name.map(find).transpose()
         };
         for (key, name) in [("y", Some(&spec.y)), ("compare", spec.compare.as_ref())] {

@@ -16,3 +16,4 @@ mod press_traces;
 mod presses;
 mod profiles;
 mod sensor_claims;
+mod tradeoffs;

@@ -17,7 +17,11 @@ use super::relief::Relief;
 const STEPS: usize = 100;
 const HALVINGS: i32 = 40;
 /// A miss above this, relative to the lengths involved, is no contact.
-const ACCEPTED_MISS: f64 = 1e-12;
+pub(super) const ACCEPTED_MISS: f64 = 1e-12;
+/// The next step tells the error of a contact, within a factor of 2 where it is small.
+const STEP_SHARE: f64 = 0.5;
+/// In radii: a longer step tells nothing.
+const LONGEST_LAST_STEP: f64 = 1e-3;
 /// What counts as touching, of the tip's radius.
 const TOUCHING: f64 = 1e-9;
 /// Where the clearance is below this, a search that is stuck is stuck at a fold.
@@ -54,6 +58,8 @@ const PLACES: [[f64; 2]; 16] = {
 pub(super) struct Search<'a, S> {
     pub(super) object: &'a S,
     pub(super) radius: f64,
+    /// What a contact may err by, in radii.
+    pub(super) tolerance: f64,
     /// Whether a contact that fits may not be the only one.
     pub(super) rugged: bool,
     /// Where the tip's centre is held, seen from above.
@@ -64,11 +70,18 @@ impl<S: Surface> Search<'_, S> {
     /// The contact that the tip meets first.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_tally::searched(1);
-        let first = self.settle(self.start()?);
+        // Which contact comes first is no question of accuracy: what rivals are held against is known
+        // as well as they are told from it.
+        let tolerance = if self.rugged {
+            self.tolerance.min(TOUCHING)
+        } else {
+            self.tolerance
+        };
+        let first = self.settle(self.start()?, tolerance);
         match first {
             Ok(foot) if self.fits(&foot) && !(self.rugged && self.rivalled(&foot)) => Ok(foot),
             Err(GlideError::ContactLost { .. }) => first,
-            _ => self.highest(first),
+            _ => self.highest(first.and_then(|foot| self.settle(foot, 0.0))),
         }
     }
 
@@ -98,8 +111,9 @@ impl<S: Surface> Search<'_, S> {
         self.centre - foot.point.coords.xy() - foot.normal.xy() * self.radius
     }
 
-    /// Newton's method from `foot`, each step halved until the miss shrinks.
-    fn settle(&self, mut foot: Foot) -> Result<Foot, GlideError> {
+    /// Newton's method from `foot`, each step halved until the miss shrinks, until the miss and the next
+    /// step along the object are within the tolerance, or rounding allows no more.
+    fn settle(&self, mut foot: Foot, tolerance: f64) -> Result<Foot, GlideError> {
         let mut miss = self.miss(&foot);
         for _ in 0..STEPS {
             let lengths = self.centre.norm() + foot.point.coords.xy().norm();
@@ -110,6 +124,10 @@ impl<S: Surface> Search<'_, S> {
             let Some(step) = foot.step(self.radius, &miss) else {
                 return if close { Ok(foot) } else { Err(self.two()) };
             };
+            let far = (step.norm() / foot.normal.z).max(miss.norm());
+            if far <= (STEP_SHARE * tolerance).min(LONGEST_LAST_STEP) * self.radius {
+                return Ok(foot);
+            }
             if close {
                 // One more step is all that rounding allows.
                 let next = self.descend(&foot, &miss, &step, 1);
@@ -183,7 +201,7 @@ impl<S: Surface> Search<'_, S> {
         let relief = Relief::under(self);
         let reached = relief
             .tops()
-            .filter_map(|at| self.settle(self.foot(at).ok()?).ok());
+            .filter_map(|at| self.settle(self.foot(at).ok()?, 0.0).ok());
         let height = |foot: &Foot| foot.tip_centre(self.radius).z;
         let mut best: Option<Foot> = None;
         let mut tied = false;
@@ -221,27 +239,14 @@ impl<S: Surface> Search<'_, S> {
     }
 
     fn unsettled(&self, miss: f64) -> GlideError {
-        GlideError::NoConvergence {
-            x: self.centre.x,
-            y: self.centre.y,
-            radius: self.radius,
-            miss,
-        }
+        GlideError::unsettled(self.radius, &self.centre, miss)
     }
 
     fn two(&self) -> GlideError {
-        GlideError::TwoContacts {
-            x: self.centre.x,
-            y: self.centre.y,
-            radius: self.radius,
-        }
+        GlideError::two(self.radius, &self.centre)
     }
 
     fn lost(&self) -> GlideError {
-        GlideError::ContactLost {
-            x: self.centre.x,
-            y: self.centre.y,
-            radius: self.radius,
-        }
+        GlideError::lost(self.radius, &self.centre)
     }
 }

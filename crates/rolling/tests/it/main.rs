@@ -1,9 +1,11 @@
 //! Integration tests of the rolling law.
 #![allow(clippy::unwrap_used)]
 
+mod auto;
 mod endings;
 mod extremes;
 mod glide;
 mod golden;
 mod rungs;
 mod scenes;
+mod touch_models;

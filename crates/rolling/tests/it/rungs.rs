@@ -303,3 +303,42 @@ fn auto_meets_its_tolerance_and_takes_the_cheapest() {
     assert!(rung(&paraboloid(1.0), (0.1, 0.0), 1e-12).starts_with("DOP853"));
     assert!(rung(&saddle(0.1), (0.1, 0.0), 1e-4).starts_with("RK4"));
 }
+
+#[test]
+fn meridians_of_flat_and_of_long_spheroids() {
+    // θ = α + s/R₁ with the arc by a fine sum, which is exact for the whole of a smooth period.
+    let quarter = |a: f64, c: f64| {
+        let nodes = 200_000;
+        let width = std::f64::consts::FRAC_PI_2 / f64::from(nodes);
+        let speed = |t: f64| (a * t.cos()).hypot(c * t.sin());
+        let inner: f64 = (1..nodes).map(|node| speed(f64::from(node) * width)).sum();
+        width * (inner + 0.5 * (a + c))
+    };
+    for (a, c) in [
+        (1.0, 0.02),
+        (1.0, 0.5),
+        (0.3, 3.0),
+        (0.05, 5.0),
+        (50.0, 0.5),
+    ] {
+        // From the pole to the equator the object's normal turns by a quarter.
+        let arc = quarter(a, c);
+        let theta = std::f64::consts::FRAC_PI_2 + arc / 1.3;
+        let motion = Motion::rolling(0.7, 1.0, theta);
+        let end = roll(
+            1.3,
+            &ellipsoid(a, a, c),
+            (0.0, 0.0),
+            Model::Meridian,
+            motion,
+        );
+        let out = end.on_object.coords.xy().norm();
+        assert_relative_eq!(out, a, max_relative = 1e-13);
+        assert!(
+            end.on_object.z.abs() < 1e-12 * (a + c),
+            "{a} {c} {}",
+            end.on_object
+        );
+        assert_relative_eq!(end.arc_length, arc, max_relative = 1e-13);
+    }
+}

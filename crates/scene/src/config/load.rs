@@ -2,6 +2,7 @@
 
 use super::error::{ConfigError, Fault, Source};
 use super::grid::Grid;
+use super::model::ModelConfig;
 use super::study::StudyConfig;
 use super::tree::{Node, Value};
 use super::{plot, schema, sweep, tree, validate};
@@ -254,6 +255,34 @@ impl Study {
         self.cells
             .iter_mut()
             .for_each(|cell| cell.config.trials = trials);
+        Ok(())
+    }
+
+    /// Replaces the model of all cells.
+    ///
+    /// # Errors
+    /// When the config sweeps the model or a part of it, or the model is of another kind of scene.
+    pub fn override_model(&mut self, model: &ModelConfig) -> Result<(), ConfigError> {
+        const PATH: &str = "scene.model";
+        let is_of_model = |path: &str| path == PATH || path.starts_with("scene.model.");
+        let fault = |span, message: &str| {
+            Err(self.source.error(Fault {
+                span,
+                path: PATH.into(),
+                message: message.into(),
+            }))
+        };
+        if let Some(target) = self.grid.targets().find(|target| is_of_model(&target.path)) {
+            return fault(Some(target.span.clone()), "is swept, and so cannot be set");
+        }
+        let configs = std::iter::once(&mut self.config)
+            .chain(self.cells.iter_mut().map(|cell| &mut cell.config));
+        for config in configs {
+            match config.scene.with_model(model) {
+                Some(scene) => config.scene = scene,
+                None => return fault(None, "is of another kind of scene"),
+            }
+        }
         Ok(())
     }
 

@@ -47,13 +47,7 @@ impl RollConfig {
             }
             _ => {}
         }
-        let chart = match self.model {
-            RollModelConfig::Auto { chart, .. }
-            | RollModelConfig::Rk4 { chart, .. }
-            | RollModelConfig::Dop853 { chart, .. } => chart,
-            RollModelConfig::ClosedForm {} | RollModelConfig::Meridian {} => Chart::Free,
-        };
-        if motion.axis == RollAxis::Chart && chart != Chart::Montana {
+        if motion.axis == RollAxis::Chart && self.model.chart() == Some(Chart::Free) {
             return Err((
                 "scene.motion.axis",
                 "\"chart\" needs a model in the probe's chart: `scene.model` with chart = \"montana\"",
@@ -165,6 +159,18 @@ impl Default for RollModelConfig {
         Self::Auto {
             tolerance: tolerance(),
             chart: Chart::default(),
+        }
+    }
+}
+
+impl RollModelConfig {
+    /// Coordinates of the integration, where there may be one.
+    pub(crate) fn chart(&self) -> Option<Chart> {
+        match *self {
+            Self::Auto { chart, .. } | Self::Rk4 { chart, .. } | Self::Dop853 { chart, .. } => {
+                Some(chart)
+            }
+            Self::ClosedForm {} | Self::Meridian {} => None,
         }
     }
 }

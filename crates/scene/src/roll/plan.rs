@@ -150,14 +150,18 @@ fn sensor(config: &RollSensorConfig, radius: f64) -> Result<RollSensor, PlanErro
     .map_err(|error| PlanError::of_sensor("scene.sensor", error))
 }
 
-fn model(config: &RollModelConfig, axis: RollAxis) -> Model {
-    let chart = |chart: config::Chart| match chart {
+pub(super) fn chart(chart: config::Chart, axis: RollAxis) -> Chart {
+    match chart {
         config::Chart::Free => Chart::Free,
         config::Chart::Montana => Chart::Montana(match axis {
             RollAxis::Transported => HeldAxis::Transported,
             RollAxis::Chart => HeldAxis::Chart,
         }),
-    };
+    }
+}
+
+fn model(config: &RollModelConfig, axis: RollAxis) -> Model {
+    let chart = |form| chart(form, axis);
     match *config {
         RollModelConfig::Auto {
             tolerance,
@@ -238,7 +242,7 @@ fn commands(config: &RollMotionConfig) -> Vec<Motion> {
         .collect()
 }
 
-fn cut(command: &Motion, pieces: u32) -> Vec<Motion> {
+pub(super) fn cut(command: &Motion, pieces: u32) -> Vec<Motion> {
     let duration_s = command.duration_s / f64::from(pieces);
     vec![
         Motion {

@@ -5,6 +5,7 @@ mod camera;
 mod config;
 mod fingertip;
 mod glide;
+mod ladder;
 mod press;
 mod recorded;
 mod roll;

@@ -1,5 +1,6 @@
 //! Integration tests of the sensors.
 #![allow(clippy::unwrap_used)]
 
+mod every_number;
 mod lattice;
 mod pads;

@@ -1,0 +1,7 @@
+//! Contacts that press, at their extremes.
+
+use super::Case;
+
+pub(super) fn cases() -> Vec<Case> {
+    Vec::new()
+}

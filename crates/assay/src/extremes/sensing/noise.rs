@@ -1,0 +1,162 @@
+//! Noise from none to a thousand per cent and beyond, and encoders of any step.
+
+use nalgebra::{Point3, Vector2, Vector3};
+use palpate_sensing::{
+    AngularVelocityError, Channel, Distribution, Encoder, GaussianError, NormalError, PositionAxes,
+    PositionError, Stream, Wrist,
+};
+
+use super::super::hostile::EXTREME;
+use super::super::{Answer, Case, Outcome};
+
+const DRAWS: u64 = 2000;
+const LEVELS: [f64; 8] = [0.0, 1e-300, 1e-9, 0.01, 1.0, 10.0, 1e9, 1e150];
+
+/// Sizes of the draws of one channel at one level.
+type Drawn = fn(f64, &mut Stream) -> Vec<f64>;
+
+const CHANNELS: [(&str, Drawn); 4] = [
+    (
+        "sensing::AngularVelocityError::draw, Gaussian",
+        |level, stream| {
+            let error = AngularVelocityError::new(Distribution::Gaussian, level).expect("a level");
+            let drawn = error.draw(stream, 1.0);
+            vec![drawn.x, drawn.y]
+        },
+    ),
+    (
+        "sensing::AngularVelocityError::draw, uniform",
+        |level, stream| {
+            let error = AngularVelocityError::new(Distribution::Uniform, level).expect("a level");
+            // Of the standard deviation stated.
+            let scale = 3f64.sqrt();
+            let drawn = error.draw(stream, 1.0) * scale;
+            vec![drawn.x, drawn.y]
+        },
+    ),
+    ("sensing::GaussianError::draw", |level, stream| {
+        vec![GaussianError::new(level).expect("a level").draw(stream)]
+    }),
+    ("sensing::PositionError::read", |level, stream| {
+        let error = PositionError::new(Distribution::Gaussian, level, PositionAxes::Xyz);
+        let read = error.expect("a level").read(stream, &Point3::origin());
+        vec![read.x, read.y, read.z]
+    }),
+];
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (entry, draw) in CHANNELS {
+        for level in LEVELS {
+            let input = format!("size {level:e}: root mean square of {DRAWS} draws");
+            cases.push(Case::new(entry, input, move || {
+                root_mean_square(level, draw)
+            }));
+        }
+    }
+    for std_rad in [0.0, 1e-300, 1e-9, 0.1, std::f64::consts::PI] {
+        let input = format!("{std_rad:e} rad: unit vectors all the same");
+        cases.push(Case::new("sensing::NormalError::read", input, move || {
+            unit_normals(std_rad)
+        }));
+    }
+    for level in [0.0, 1e-12, 0.01, 1.0, 10.0, 1e9, 1e150] {
+        let input = format!("std of {level:e} radii: at most half a turn away");
+        cases.push(Case::new("sensing::Wrist::read", input, move || {
+            wrist(level)
+        }));
+    }
+    for step in [f64::from_bits(1), 1e-310, 1e-12, 1e-3, 1.0, 1e9, f64::MAX] {
+        let input = format!("step {step:e}, 0.3 rad: off by half a step");
+        cases.push(Case::new("sensing::Encoder::read", input, move || {
+            let encoder = Encoder::new(step).expect("a step");
+            let read = encoder.read(&Vector2::new(0.3, -0.3));
+            let answer = Answer::at_scale(read.x, 0.3, step.max(1e-300)).within(0.5 + 1e-12);
+            answer
+                .conditioned(0.3 / step.max(1e-300))
+                .also([read.y])
+                .into()
+        }));
+    }
+    cases.push(Case::new(
+        "sensing::Encoder::read",
+        "steps and angles of all extremes: finite where they are",
+        || {
+            let steps = EXTREME
+                .into_iter()
+                .filter_map(|step| Encoder::new(step).ok());
+            let angles = EXTREME.into_iter().filter(|angle| angle.is_finite());
+            let angles: Vec<f64> = angles.collect();
+            let read = steps.flat_map(|encoder| {
+                let read = |&angle: &f64| encoder.read(&Vector2::new(angle, 0.0)).x;
+                angles.iter().map(read).collect::<Vec<_>>()
+            });
+            Answer::finite(read).into()
+        },
+    ));
+    for (seed, trial) in [(0, 0), (u64::MAX, 0), (0, u64::MAX), (u64::MAX, u64::MAX)] {
+        let input = format!("seed {seed}, trial {trial}: mean of {DRAWS} uniform draws");
+        cases.push(Case::new(
+            "sensing::Stream::symmetric_uniform",
+            input,
+            move || {
+                let mut stream = Stream::new(seed, trial, Channel::Pixel);
+                let sum: f64 = (0..DRAWS).map(|_| stream.symmetric_uniform()).sum();
+                // Five standard deviations of the mean.
+                let bound = 5.0 / (3.0 * DRAWS as f64).sqrt();
+                Answer::at_scale(sum / DRAWS as f64, 0.0, 1.0)
+                    .within(bound)
+                    .into()
+            },
+        ));
+    }
+    cases
+}
+
+/// It is the stated one within five standard deviations of its own, `√(1/2n)` of a Gaussian.
+fn root_mean_square(level: f64, draw: Drawn) -> Outcome {
+    let mut stream = Stream::new(7, 0, Channel::Position);
+    let scale = if level > 0.0 { level } else { 1.0 };
+    let drawn: Vec<f64> = (0..DRAWS).flat_map(|_| draw(level, &mut stream)).collect();
+    let squares: f64 = drawn.iter().map(|drawn| (drawn / scale).powi(2)).sum();
+    let found = (squares / drawn.len() as f64).sqrt();
+    let stated = if level > 0.0 { 1.0 } else { 0.0 };
+    let bound = 5.0 / (2.0 * drawn.len() as f64).sqrt();
+    Answer::at_scale(found, stated, 1.0)
+        .within(bound)
+        .also(drawn)
+        .into()
+}
+
+fn unit_normals(std_rad: f64) -> Outcome {
+    let sensor = NormalError::new(std_rad).expect("a deviation");
+    let mut stream = Stream::new(7, 0, Channel::Normal);
+    let normals = [Vector3::x(), Vector3::y(), -Vector3::z()];
+    let reads = (0..DRAWS).map(|draw| sensor.read(&mut stream, &normals[draw as usize % 3]));
+    Answer::all_near(reads.map(|read| (read.norm(), 1.0)).collect::<Vec<_>>())
+        .within(1e-15)
+        .into()
+}
+
+fn wrist(level: f64) -> Outcome {
+    let radius = 1e-3;
+    let sensor = Wrist::new(level * radius, radius).expect("a deviation");
+    let mut stream = Stream::new(7, 0, Channel::WristContact);
+    let shift = Vector2::new(0.3, -0.2) * radius;
+    let reads: Vec<Vector2<f64>> = (0..DRAWS)
+        .map(|_| sensor.read(&mut stream, &shift))
+        .collect();
+    let numbers = reads.iter().flat_map(|read| [read.x, read.y]);
+    if level == 0.0 {
+        let pairs = reads
+            .iter()
+            .flat_map(|read| [(read.x, shift.x), (read.y, shift.y)]);
+        return Answer::all_at_scale(pairs, radius).within(1e-15).into();
+    }
+    let farthest = reads.iter().map(|read| read.norm()).fold(0.0, f64::max);
+    let half_turn = std::f64::consts::PI * radius;
+    Answer::at_scale(farthest.max(half_turn), half_turn, radius)
+        .within(1e-14)
+        .also(numbers)
+        .into()
+}

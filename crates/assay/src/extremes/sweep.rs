@@ -1,0 +1,7 @@
+//! Studies over many cells, at their extremes.
+
+use super::Case;
+
+pub(super) fn cases() -> Vec<Case> {
+    Vec::new()
+}

@@ -1,0 +1,102 @@
+//! Rungs of a Monte-Carlo study: how many trials.
+
+use anyhow::{Result, ensure};
+use palpate_scene::Scene;
+
+use super::ladder::{Ease, Ladder};
+use super::trials::{Asked, Choice, Template, at_least_rounding, outcomes};
+
+/// Of the first quantity that a scene estimates.
+const QUANTITY: usize = 0;
+
+/// A scene and how many trials it is worth.
+const SCENES: [(Template, &[u32]); 3] = [
+    (
+        Template {
+            ease: Ease::Easy,
+            scene: "rolls on a ball",
+            text: r#"
+kind = "roll"
+probe = { kind = "sphere", radius = 1.0 }
+object = { kind = "sphere", radius = 5.0 }
+motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
+"#,
+        },
+        &[10, 100, 1000, 10_000, 100_000],
+    ),
+    (
+        Template {
+            ease: Ease::Typical,
+            scene: "presses of a half-space on a ball",
+            text: r#"
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0 }
+object = { kind = "sphere", radius = 80.0 }
+motion = { indentation = 1.0 }
+noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, indentation = { kind = "gaussian", std = 0.02 } }
+estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
+"#,
+        },
+        &[10, 100, 1000],
+    ),
+    (
+        Template {
+            ease: Ease::Hard,
+            scene: "glides over a saddle, in its middle",
+            text: r#"
+kind = "glide"
+probe = { kind = "point" }
+object = { kind = "saddle", a = 0.1 }
+motion = { finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, patch_length = 3.0, contacts_per_finger = 10 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2.0 } }
+evaluate = { grid = 1, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }
+"#,
+        },
+        &[10, 30, 100, 300],
+    ),
+];
+
+pub(super) fn ladder() -> Ladder {
+    let stage = |(scene, trials): &(Template, &[u32])| {
+        let mut stage = scene.stage(&[], asked(1));
+        for &trials in *trials {
+            let choice = Choice::new(format!("{trials} trials"), "").set(f64::from(trials));
+            let one = scene.stage(&[choice], asked(trials));
+            // One evaluation is all of the trials.
+            stage
+                .rungs
+                .extend(one.rungs.into_iter().map(|rung| rung.in_a_row(1)));
+        }
+        stage
+    };
+    Ladder {
+        name: "monte-carlo",
+        title: "How many trials?",
+        error: "standard error of the rms error that a study states, over it",
+        evaluation: "all trials",
+        scenes: SCENES.iter().map(stage).collect(),
+    }
+}
+
+fn asked(trials: u32) -> Asked {
+    Asked {
+        error: standard_error,
+        trials: u64::from(trials),
+        timed: trials,
+    }
+}
+
+/// Of r = √m, m the mean of N squared errors with standard deviation s: s/√N/(2 m).
+fn standard_error(scene: &Scene, trials: u64) -> Result<f64> {
+    let squares: Vec<f64> = outcomes(scene, trials)
+        .into_iter()
+        .filter(|(quantity, _)| *quantity == QUANTITY)
+        .map(|(_, outcome)| (outcome.estimate - outcome.truth).powi(2))
+        .collect();
+    ensure!(squares.len() > 1, "a single trial has no scatter");
+    let count = squares.len() as f64;
+    let mean = squares.iter().sum::<f64>() / count;
+    let variance = squares.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    at_least_rounding((variance / count).sqrt() / (2.0 * mean))
+}

@@ -1,0 +1,237 @@
+//! Rungs of EP2: the method, its knots, how many contacts it gets, and the grid on which curvature is asked for.
+
+use anyhow::{Result, ensure};
+use palpate_scene::{Outcome, Scene};
+
+use super::ladder::{Ease, Ladder, Rung, SceneRungs};
+use super::trials::{Asked, Choice, Template, at_least_rounding, outcomes, run, scene_of};
+
+/// Of each of three fingers.
+const CONTACTS: [u32; 4] = [5, 10, 30, 100];
+const INTERVALS: [u32; 4] = [2, 4, 8, 16];
+/// Places along a side of the map.
+const GRIDS: [u32; 7] = [1, 2, 3, 5, 9, 17, 33];
+/// On which a map is held against the truth.
+const FINE: u32 = 97;
+const GAUSSIAN: usize = 0;
+const MEAN: usize = 1;
+const TRIALS: u64 = 40;
+
+/// Motion and estimator are a rung's, and the grid.
+const SCENES: [Template; 3] = [
+    Template {
+        ease: Ease::Easy,
+        scene: "sphere of radius 5, noise 1 % of the finger distance and 0.5°",
+        text: r#"
+kind = "glide"
+probe = { kind = "point" }
+object = { kind = "sphere", radius = 5.0 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.01 }, normal = { kind = "gaussian", std_deg = 0.5 } }
+$rung
+"#,
+    },
+    Template {
+        ease: Ease::Typical,
+        scene: "saddle z = 0.1 (x² − y²), noise 5 % and 2°",
+        text: r#"
+kind = "glide"
+probe = { kind = "point" }
+object = { kind = "saddle", a = 0.1 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2.0 } }
+$rung
+"#,
+    },
+    Template {
+        ease: Ease::Hard,
+        scene: "waves 0.15 sin 1.5x cos 1.5y, noise 2 % and 2°",
+        text: r#"
+kind = "glide"
+probe = { kind = "point" }
+object = { kind = "height-field", formula = "0.15*sin(1.5*x)*cos(1.5*y)" }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.02 }, normal = { kind = "gaussian", std_deg = 2.0 } }
+$rung
+"#,
+    },
+];
+
+fn rung(estimator: &str, contacts: u32, grid: u32) -> String {
+    format!(
+        r#"motion = {{ finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, patch_length = 3.0, contacts_per_finger = {contacts} }}
+estimator = {estimator}
+evaluate = {{ grid = {grid}, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }}"#
+    )
+}
+
+/// Methods, knots and points.
+pub(super) fn fits() -> Ladder {
+    let methods = [
+        ("quadric", r#"{ kind = "quadric" }"#),
+        ("two-pass", r#"{ kind = "two-pass" }"#),
+        ("penalised", r#"{ kind = "penalised" }"#),
+    ];
+    let mut choices: Vec<Choice> = Vec::new();
+    for (name, estimator) in methods {
+        choices.extend(CONTACTS.map(|contacts| {
+            let points = 3 * contacts;
+            let text = rung(estimator, contacts, 15);
+            Choice::new(format!("{name}, {points} points"), text).set(f64::from(points))
+        }));
+    }
+    choices.extend(INTERVALS.map(|intervals| {
+        let estimator = format!(r#"{{ kind = "penalised", intervals = {intervals} }}"#);
+        let name = format!("penalised, {intervals}² cells");
+        Choice::new(name, rung(&estimator, 30, 15)).set(f64::from(intervals))
+    }));
+    let asked = Asked {
+        error: |scene, trials| shape_error(scene, trials),
+        trials: TRIALS,
+        timed: 4,
+    };
+    Ladder {
+        name: "fits",
+        title: "Which fit, with how many contacts?",
+        error: "rms error of K or H, the larger, over that of the curvedness; fits of 90 points unless named",
+        evaluation: "one trial: readings, fit, and a map of 15 × 15",
+        scenes: SCENES
+            .iter()
+            .map(|scene| scene.stage(&choices, asked))
+            .collect(),
+    }
+}
+
+/// Grids of the map, of which the nearest place answers.
+pub(super) fn maps() -> Ladder {
+    let stage = |template: &Template| {
+        let text = |grid| {
+            let rung = rung(r#"{ kind = "penalised" }"#, 10, grid);
+            template.text.replace("$rung", &rung)
+        };
+        let rungs = GRIDS.map(|grid| {
+            let (coarse, fine, timed) = (text(grid), text(FINE), text(grid));
+            let scene = std::cell::OnceCell::new();
+            Rung::new(
+                format!("{grid} × {grid}"),
+                move || map_error(&scene_of(&coarse)?, &scene_of(&fine)?),
+                move || {
+                    let scene = scene.get_or_init(|| scene_of(&timed).ok());
+                    scene.as_ref().map(|scene| run(scene, 4))
+                },
+            )
+            .set(f64::from(grid))
+            .in_a_row(4)
+        });
+        SceneRungs {
+            ease: template.ease,
+            scene: template.scene.to_owned(),
+            rungs: rungs.into(),
+        }
+    };
+    Ladder {
+        name: "maps",
+        title: "How fine a map?",
+        error: "rms error of K or H, the larger, over that of the curvedness, as the map's nearest place has it",
+        evaluation: "one trial: 30 contacts, penalised fit, and the map",
+        scenes: SCENES.iter().map(stage).collect(),
+    }
+}
+
+/// Sums of squares over places.
+#[derive(Default)]
+struct Squares {
+    gaussian: f64,
+    mean: f64,
+    /// Σ C² and Σ C⁴ of the true curvedness C: C² = 2H² − K.
+    curvedness: [f64; 2],
+    places: f64,
+}
+
+impl Squares {
+    fn add(&mut self, gaussian: [f64; 2], mean: [f64; 2]) {
+        let [[k, true_k], [h, true_h]] = [gaussian, mean];
+        self.gaussian += (k - true_k).powi(2);
+        self.mean += (h - true_h).powi(2);
+        let square = 2.0 * true_h * true_h - true_k;
+        self.curvedness[0] += square;
+        self.curvedness[1] += square * square;
+        self.places += 1.0;
+    }
+
+    /// The larger of rms ΔH over rms C and rms ΔK over rms C².
+    fn error(&self) -> Result<f64> {
+        ensure!(self.places > 0.0, "every trial failed");
+        let of_mean = self.mean / self.curvedness[0];
+        let of_gaussian = self.gaussian / self.curvedness[1];
+        at_least_rounding(of_mean.max(of_gaussian).sqrt())
+    }
+}
+
+fn shape_error(scene: &Scene, trials: u64) -> Result<f64> {
+    let outcomes = outcomes(scene, trials);
+    let of = |quantity: usize| {
+        let of_it = outcomes.iter().filter(move |(index, _)| *index == quantity);
+        of_it.map(|(_, outcome)| [outcome.estimate, outcome.truth])
+    };
+    let mut squares = Squares::default();
+    of(GAUSSIAN)
+        .zip(of(MEAN))
+        .for_each(|(gaussian, mean)| squares.add(gaussian, mean));
+    squares.error()
+}
+
+/// The map of `coarse` against the truth on the grid of `fine`.
+fn map_error(coarse: &Scene, fine: &Scene) -> Result<f64> {
+    let truths = outcomes(fine, 1);
+    let mut squares = Squares::default();
+    for trial in 0..TRIALS {
+        let mut map = Vec::new();
+        if coarse
+            .trial(trial, |index, one| map.push((index, one)))
+            .is_err()
+        {
+            continue;
+        }
+        let column = |all: &[(usize, Outcome)], quantity, pick: fn(&Outcome) -> f64| -> Vec<f64> {
+            let of_it = all.iter().filter(|(index, _)| *index == quantity);
+            of_it.map(|(_, outcome)| pick(outcome)).collect()
+        };
+        let [k, h] = [GAUSSIAN, MEAN].map(|one| column(&map, one, |it| it.estimate));
+        let [true_k, true_h] = [GAUSSIAN, MEAN].map(|one| column(&truths, one, |it| it.truth));
+        let (side, fine_side) = (k.len().isqrt(), true_k.len().isqrt());
+        for place in 0..true_k.len() {
+            let nearest = nearest(place / fine_side, fine_side, side) * side
+                + nearest(place % fine_side, fine_side, side);
+            squares.add([k[nearest], true_k[place]], [h[nearest], true_h[place]]);
+        }
+    }
+    squares.error()
+}
+
+/// Of `side` places from end to end, one alone in the middle, that nearest to place `at` of `fine_side`.
+fn nearest(at: usize, fine_side: usize, side: usize) -> usize {
+    let share = at as f64 / (fine_side - 1) as f64;
+    (share * (side - 1) as f64).round() as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_place_of_a_coarser_grid() {
+        let of = |side| [0, 1, 2, 3, 4].map(|at| nearest(at, 5, side));
+        assert_eq!(of(1), [0; 5]);
+        assert_eq!(of(5), [0, 1, 2, 3, 4]);
+        assert_eq!(of(2), [0, 0, 1, 1, 1]);
+    }
+
+    #[test]
+    fn errors_are_shares_of_the_curvedness() {
+        // A sphere of radius 2: H = 1/2, K = 1/4, C² = 1/4.
+        let mut squares = Squares::default();
+        squares.add([0.25, 0.25], [0.55, 0.5]);
+        assert!((squares.error().unwrap() - 0.1).abs() < 1e-12);
+        squares.add([0.5, 0.25], [0.5, 0.5]);
+        assert!((squares.error().unwrap() - 0.5_f64.sqrt()).abs() < 1e-12);
+        assert!(Squares::default().error().is_err());
+    }
+}

@@ -1,0 +1,181 @@
+//! Rungs of the forward law of a press.
+
+use std::cell::OnceCell;
+
+use anyhow::{Context, Result};
+use palpate_press::{Body, BondedLayer, LayerContact, Skin};
+
+use super::ladder::{Ease, Ladder, Rung, SceneRungs};
+use super::trials::at_least_rounding;
+
+/// Radius of the sensor, mm.
+const RADIUS: f64 = 20.0;
+const POISSON: f64 = 0.5;
+/// Distances from the contact at which displacements are asked for, as those of a sensor's markers.
+const PLACES: usize = 77;
+/// The farthest of them, mm.
+const REACH: f64 = 20.0;
+
+/// A press on a layer.
+#[derive(Clone, Copy)]
+struct Press {
+    ease: Ease,
+    scene: &'static str,
+    thickness: f64,
+    depth: f64,
+    object_curvature: f64,
+    indentation: f64,
+}
+
+const PRESSES: [Press; 3] = [
+    Press {
+        ease: Ease::Easy,
+        scene: "ball of 80 mm, 0.2 mm into a layer of 100 mm, at its surface",
+        thickness: 100.0,
+        depth: 0.0,
+        object_curvature: 1.0 / 80.0,
+        indentation: 0.2,
+    },
+    Press {
+        ease: Ease::Typical,
+        scene: "plane, 1 mm into a layer of 10 mm, 2 mm deep",
+        thickness: 10.0,
+        depth: 2.0,
+        object_curvature: 0.0,
+        indentation: 1.0,
+    },
+    Press {
+        ease: Ease::Hard,
+        scene: "dish of 40 mm, 1 mm into a layer of 4 mm, 3 mm deep",
+        thickness: 4.0,
+        depth: 3.0,
+        object_curvature: -1.0 / 40.0,
+        indentation: 1.0,
+    },
+];
+
+pub(super) fn ladder() -> Ladder {
+    Ladder {
+        name: "press-models",
+        title: "Which model of a press?",
+        error: "largest error of a displacement over the largest displacement",
+        evaluation: "one press: 77 displacements",
+        scenes: PRESSES.iter().map(Press::stage).collect(),
+    }
+}
+
+/// Displacements inward and outward.
+type Profile = Vec<[f64; 2]>;
+
+impl Press {
+    fn stage(&self) -> SceneRungs {
+        let press = *self;
+        let solid = |depth: f64| {
+            move || -> Result<Profile> {
+                let body = Body::half_space(POISSON, depth)?;
+                press.profile(&body)
+            }
+        };
+        let from_table = OnceCell::new();
+        let with_table = move || {
+            let body = from_table.get_or_init(|| press.layer().ok());
+            press.profile(body.as_ref().context("no layer")?)
+        };
+        let rungs = vec![
+            press.rung("Hertz", solid(0.0), solid(0.0)),
+            press.rung("half-space", solid(press.depth), solid(press.depth)),
+            press.rung(
+                "layer, table",
+                move || press.profile(&press.layer()?),
+                with_table,
+            ),
+            press.rung(
+                "layer, first table",
+                move || press.profile(&press.layer()?),
+                move || press.profile(&press.layer()?),
+            ),
+            Rung::new(
+                "layer, solved",
+                move || press.boundary_error(),
+                move || press.solved(),
+            ),
+        ];
+        SceneRungs {
+            ease: press.ease,
+            scene: press.scene.to_owned(),
+            rungs,
+        }
+    }
+
+    fn rung(
+        self,
+        name: &str,
+        errs: impl Fn() -> Result<Profile> + 'static,
+        costs: impl Fn() -> Result<Profile> + 'static,
+    ) -> Rung {
+        let error = move || {
+            let (truth, found) = (self.solved()?, errs()?);
+            let largest = truth
+                .iter()
+                .flatten()
+                .fold(0.0, |most: f64, one| most.max(one.abs()));
+            let pairs = truth.iter().flatten().zip(found.iter().flatten());
+            let off = pairs.fold(0.0, |most: f64, (truth, one)| most.max((one - truth).abs()));
+            at_least_rounding(off / largest)
+        };
+        Rung::new(name, error, costs)
+    }
+
+    fn relative_curvature(&self) -> f64 {
+        RADIUS.recip() + self.object_curvature
+    }
+
+    fn layer(&self) -> Result<Body> {
+        Ok(Body::bonded_layer(self.thickness, self.depth)?)
+    }
+
+    fn profile(&self, body: &Body) -> Result<Profile> {
+        let skin = Skin::new(RADIUS)?;
+        let contact = skin.contact(body, self.object_curvature, self.indentation)?;
+        Ok(places()
+            .map(|r| {
+                let moved = contact.displacement(r);
+                [moved.normal, moved.radial]
+            })
+            .collect())
+    }
+
+    fn solved_contact(&self, depth: f64) -> Result<LayerContact> {
+        let layer = BondedLayer::new(self.thickness, depth)?;
+        let radius = layer.contact_radius(self.indentation / self.relative_curvature())?;
+        Ok(layer.solved(radius)?)
+    }
+
+    /// The truth: the contact solved for itself.
+    fn solved(&self) -> Result<Profile> {
+        let contact = self.solved_contact(self.depth)?;
+        let curvature = self.relative_curvature();
+        Ok(places()
+            .map(|r| {
+                let field = contact.field(r);
+                [curvature * field.normal, curvature * field.radial]
+            })
+            .collect())
+    }
+
+    /// How far the solved contact is off where the object dictates the displacement: u = δ − C r²/2 at the surface.
+    fn boundary_error(&self) -> Result<f64> {
+        let contact = self.solved_contact(0.0)?;
+        let curvature = self.relative_curvature();
+        let inside = (0..PLACES).map(|at| contact.radius() * at as f64 / PLACES as f64);
+        let off = inside.fold(0.0, |most: f64, r| {
+            let dictated = self.indentation - 0.5 * curvature * r * r;
+            most.max((curvature * contact.field(r).normal - dictated).abs())
+        });
+        at_least_rounding(off / self.indentation)
+    }
+}
+
+fn places() -> impl Iterator<Item = f64> {
+    (0..PLACES).map(|at| REACH * at as f64 / (PLACES - 1) as f64)
+}

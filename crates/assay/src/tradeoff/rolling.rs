@@ -1,0 +1,218 @@
+//! Rungs of the forward law of rolling.
+
+use std::f64::consts::FRAC_PI_6;
+use std::rc::Rc;
+
+use anyhow::{Context, Result};
+use nalgebra::{Point3, Vector3};
+use palpate_geometry::Shape;
+use palpate_geometry::surfaces::{Ellipsoid, Graph, Sphere};
+use palpate_rolling::{Chart, Contact, HeldAxis, Model, Motion, Probe, Roller, Rolls};
+
+use super::ladder::{Ease, Ladder, Rung, SceneRungs};
+use super::trials::at_least_rounding;
+
+const STEPS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
+const TOLERANCES: [i32; 6] = [-3, -5, -7, -9, -11, -13];
+/// Of the probe.
+const RADIUS: f64 = 1.0;
+/// In which the contact moves.
+const DIRECTION: f64 = FRAC_PI_6;
+
+/// One roll: what it is, and where it ends.
+struct Roll {
+    ease: Ease,
+    scene: &'static str,
+    object: Shape,
+    at: (f64, f64),
+    angle: f64,
+    truth: fn(&Roll) -> Result<End>,
+}
+
+/// Where a contact is on both bodies, and how long its path on the probe was.
+struct End {
+    on_object: Point3<f64>,
+    on_probe: Point3<f64>,
+    path: f64,
+}
+
+pub(super) fn ladder() -> Result<Ladder> {
+    let rolls = [
+        Roll {
+            ease: Ease::Easy,
+            scene: "ball of 5 probe radii, 0.1 rad",
+            object: Shape::Sphere(Sphere::new(5.0)?),
+            at: (0.0, 0.0),
+            angle: 0.1,
+            truth: on_ball,
+        },
+        Roll {
+            ease: Ease::Typical,
+            scene: "from the apex of the paraboloid z = −0.2 r², 1 rad",
+            object: Shape::Paraboloid(Graph::paraboloid(0.2)?),
+            at: (0.0, 0.0),
+            angle: 1.0,
+            truth: on_paraboloid,
+        },
+        Roll {
+            ease: Ease::Hard,
+            scene: "round an ellipsoid of semi-axes 4, 3, 2, 6 rad",
+            object: Shape::Ellipsoid(Ellipsoid::new([4.0, 3.0, 2.0])?),
+            at: (1.0, 0.5),
+            angle: 6.0,
+            truth: by_finest,
+        },
+    ];
+    Ok(Ladder {
+        name: "rolling",
+        title: "What does a roll cost?",
+        error: "distance of the contact from its true place, over its path",
+        evaluation: "one roll",
+        scenes: rolls.into_iter().map(Roll::stage).collect(),
+    })
+}
+
+impl Roll {
+    fn stage(self) -> SceneRungs {
+        let roll = Rc::new(self);
+        let rungs = models()
+            .into_iter()
+            .filter_map(|(name, setting, model)| {
+                let roller = roll.roller(model).ok()?;
+                let motion = roll.motion();
+                // A chart may end before the roll does.
+                roller.roll(&[motion]).ok()?;
+                let (same, errs) = (Rc::clone(&roll), roller.clone());
+                let rung = Rung::new(
+                    name,
+                    move || same.error(&errs),
+                    move || roller.roll(&[motion]),
+                );
+                Some(match setting {
+                    Some(setting) => rung.set(setting),
+                    None => rung,
+                })
+            })
+            .collect();
+        SceneRungs {
+            ease: roll.ease,
+            scene: roll.scene.to_owned(),
+            rungs,
+        }
+    }
+
+    fn motion(&self) -> Motion {
+        Motion::rolling(DIRECTION, 1.0, self.angle)
+    }
+
+    fn roller(&self, model: Model) -> Result<Roller> {
+        let rolls = [vec![self.motion()]];
+        let rolls = Rolls { rolls: &rolls };
+        let probe = Probe::new(RADIUS)?;
+        Ok(Roller::new(
+            probe,
+            self.object.clone(),
+            self.at,
+            model,
+            rolls,
+        )?)
+    }
+
+    fn error(&self, roller: &Roller) -> Result<f64> {
+        let truth = (self.truth)(self)?;
+        let end = roller.roll(&[self.motion()])?;
+        let off_object = (end.on_object - truth.on_object).norm();
+        let off_probe = (end.on_probe(RADIUS) - truth.on_probe).norm();
+        at_least_rounding(off_object.max(off_probe) / truth.path)
+    }
+}
+
+/// Name, setting and model of every rung.
+fn models() -> Vec<(String, Option<f64>, Model)> {
+    let charts = [
+        ("", Chart::Free),
+        (", Montana", Chart::Montana(HeldAxis::Transported)),
+    ];
+    let mut models = vec![
+        ("closed form".to_owned(), None, Model::ClosedForm),
+        ("meridian".to_owned(), None, Model::Meridian),
+    ];
+    for (suffix, chart) in charts {
+        models.extend(STEPS.map(|steps| {
+            let name = format!("RK4 × {steps}{suffix}");
+            (name, Some(steps as f64), Model::Rk4 { steps, chart })
+        }));
+        models.extend(TOLERANCES.map(|exponent| {
+            let name = format!("DOP853 1e{exponent}{suffix}");
+            let tolerance = 10_f64.powi(exponent);
+            (name, Some(tolerance), Model::Dop853 { tolerance, chart })
+        }));
+    }
+    models
+}
+
+/// Rolling on a ball of radius R₂ moves the contact by s = θ/(1/R₁ + 1/R₂), along great circles of both.
+fn on_ball(roll: &Roll) -> Result<End> {
+    let ball = match &roll.object {
+        Shape::Sphere(sphere) => Some(sphere.radius()),
+        _ => None,
+    };
+    let ball = ball.context("no ball")?;
+    let path = roll.angle / (RADIUS.recip() + ball.recip());
+    let (sine, cosine) = (path / ball).sin_cos();
+    Ok(End {
+        on_object: Point3::from(ahead() * (ball * sine) + Vector3::z() * (ball * cosine)),
+        on_probe: along_probe(path),
+        path,
+    })
+}
+
+/// From the apex of z = −c r² the probe turns by θ = α + s/R₁: α the slope's angle, s the parabola's length.
+fn on_paraboloid(roll: &Roll) -> Result<End> {
+    const C: f64 = 0.2;
+    let length = |r: f64| {
+        let slope = 2.0 * C * r;
+        0.5 * r * slope.hypot(1.0) + slope.asinh() / (4.0 * C)
+    };
+    let turned = |r: f64| (2.0 * C * r).atan() + length(r) / RADIUS;
+    let (mut low, mut high) = (0.0, RADIUS * roll.angle);
+    while let middle = 0.5 * (low + high)
+        && low < middle
+        && middle < high
+    {
+        if turned(middle) < roll.angle {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(End {
+        on_object: Point3::from(ahead() * low - Vector3::z() * (C * low * low)),
+        on_probe: along_probe(length(low)),
+        path: length(low),
+    })
+}
+
+/// Where there is no closed form: an order of magnitude finer than the finest rung.
+fn by_finest(roll: &Roll) -> Result<End> {
+    let roller = roll.roller(Model::Dop853 {
+        tolerance: Model::SMALLEST_TOLERANCE,
+        chart: Chart::Free,
+    })?;
+    let end: Contact = roller.roll(&[roll.motion()])?;
+    Ok(End {
+        on_object: end.on_object,
+        on_probe: end.on_probe(RADIUS),
+        path: end.arc_length,
+    })
+}
+
+fn ahead() -> Vector3<f64> {
+    Vector3::new(DIRECTION.cos(), DIRECTION.sin(), 0.0)
+}
+
+/// The contact on the probe after a path along a great circle from its lowest point.
+fn along_probe(path: f64) -> Point3<f64> {
+    let (sine, cosine) = (path / RADIUS).sin_cos();
+    Point3::from((ahead() * sine - Vector3::z() * cosine) * RADIUS)
+}

@@ -1,0 +1,288 @@
+//! What each stage adds to a scene: a scene pays only for what it names.
+
+use std::cell::OnceCell;
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::Result;
+use palpate_tally::{Tally, counted};
+
+use super::table::{count, nanoseconds, table};
+use super::trials::{run, scene_of};
+use crate::measured::Evaluation;
+
+/// Trials in a row of which the mean is stated.
+const TRIALS: u32 = 4;
+
+/// A scene, and what each of its stages sets in addition or instead: a key of `[scene]` and its value.
+struct Staged {
+    kind: &'static str,
+    /// Keys and values of the first stage.
+    base: &'static [(&'static str, &'static str)],
+    stages: &'static [(&'static str, &'static [(&'static str, &'static str)])],
+}
+
+const NONE: &[(&str, &str)] = &[];
+
+const STAGED: [Staged; 3] = [
+    Staged {
+        kind: "roll",
+        base: &[
+            ("probe", r#"{ kind = "sphere", radius = 10.0 }"#),
+            ("object", r#"{ kind = "sphere", radius = 50.0 }"#),
+            ("motion", "{ rate_rad_per_s = 0.5, duration_s = 1.0 }"),
+        ],
+        stages: &[
+            ("ideal, in closed form", NONE),
+            (
+                "noise of the angular velocity",
+                &[(
+                    "noise",
+                    r#"{ angular_velocity = { kind = "uniform", fraction = 0.01 } }"#,
+                )],
+            ),
+            (
+                "pads",
+                &[(
+                    "sensor",
+                    r#"{ kind = "pads", pitch = 0.5, offset = "random" }"#,
+                )],
+            ),
+            (
+                "encoders",
+                &[(
+                    "noise",
+                    r#"{ angular_velocity = { kind = "uniform", fraction = 0.01 }, encoder = { step_rad = 0.001 } }"#,
+                )],
+            ),
+            (
+                "an object that needs an integrator",
+                &[(
+                    "object",
+                    r#"{ kind = "ellipsoid", semi_axes = [60.0, 50.0, 40.0] }"#,
+                )],
+            ),
+            (
+                "noise drawn at 100 instants",
+                &[(
+                    "noise",
+                    r#"{ angular_velocity = { kind = "uniform", fraction = 0.01, when = "per-instant" }, encoder = { step_rad = 0.001 } }"#,
+                )],
+            ),
+        ],
+    },
+    Staged {
+        kind: "glide",
+        base: &[
+            ("probe", r#"{ kind = "point" }"#),
+            ("object", r#"{ kind = "saddle", a = 0.1 }"#),
+            (
+                "motion",
+                "{ finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, patch_length = 3.0, contacts_per_finger = 10 }",
+            ),
+            (
+                "evaluate",
+                "{ grid = 10, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }",
+            ),
+        ],
+        stages: &[
+            ("ideal, a pointed finger", NONE),
+            (
+                "a round tip",
+                &[("probe", r#"{ kind = "sphere", radius = 0.5 }"#)],
+            ),
+            (
+                "noise of positions",
+                &[(
+                    "noise",
+                    r#"{ position = { kind = "gaussian", fraction_of_ifd = 0.05 } }"#,
+                )],
+            ),
+            (
+                "noise of normals",
+                &[(
+                    "noise",
+                    r#"{ position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2.0 } }"#,
+                )],
+            ),
+            ("pads", &[("sensor", r#"{ kind = "pads", pitch = 0.05 }"#)]),
+        ],
+    },
+    Staged {
+        kind: "press",
+        base: &[
+            (
+                "probe",
+                r#"{ kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 } }"#,
+            ),
+            ("object", r#"{ kind = "sphere", radius = 80.0 }"#),
+            ("motion", "{ indentation = 1.0 }"),
+            (
+                "estimator",
+                r#"{ kind = "half-space", indentation = "known" }"#,
+            ),
+        ],
+        stages: &[
+            ("direct", NONE),
+            (
+                "noise of displacements",
+                &[(
+                    "noise",
+                    r#"{ normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 } }"#,
+                )],
+            ),
+            (
+                "a bonded layer",
+                &[
+                    ("model", r#"{ kind = "bonded-layer", thickness = 5.0 }"#),
+                    (
+                        "estimator",
+                        r#"{ kind = "bonded-layer", indentation = "known" }"#,
+                    ),
+                ],
+            ),
+            (
+                "a camera, without pixels",
+                &[
+                    ("sensor", r#"{ kind = "projected" }"#),
+                    (
+                        "noise",
+                        r#"{ hue = { kind = "gaussian", std = 1e-4 }, centroid = { kind = "gaussian", std = 0.01 }, size = { kind = "gaussian", std = 4e-4 } }"#,
+                    ),
+                ],
+            ),
+            (
+                "rendered frames, 265 px",
+                &[
+                    ("sensor", r#"{ kind = "rendered", size_px = 265 }"#),
+                    ("noise", "{}"),
+                ],
+            ),
+            (
+                "noise of pixels",
+                &[("noise", r#"{ pixel = { kind = "gaussian", std = 2.0 } }"#)],
+            ),
+        ],
+    },
+];
+
+/// A scene with all stages up to one.
+pub(super) struct Stage {
+    kind: &'static str,
+    name: &'static str,
+    text: String,
+}
+
+/// All stages, in order.
+pub(super) fn stages() -> Vec<Stage> {
+    let mut all = Vec::new();
+    for staged in &STAGED {
+        let mut keys: Vec<(&str, &str)> = staged.base.to_vec();
+        for (name, changes) in staged.stages {
+            for &(key, value) in *changes {
+                keys.retain(|(known, _)| *known != key);
+                keys.push((key, value));
+            }
+            let lines = keys.iter().map(|(key, value)| format!("{key} = {value}\n"));
+            all.push(Stage {
+                kind: staged.kind,
+                name,
+                text: format!("kind = \"{}\"\n{}", staged.kind, lines.collect::<String>()),
+            });
+        }
+    }
+    all
+}
+
+impl Stage {
+    /// Its trials.
+    pub(super) fn evaluation(&self) -> Evaluation {
+        let text = self.text.clone();
+        let scene = OnceCell::new();
+        let evaluation = Evaluation::new(self.name, move || {
+            let scene = scene.get_or_init(|| scene_of(&text).ok());
+            scene.as_ref().map(|scene| run(scene, TRIALS))
+        });
+        evaluation.in_a_row(TRIALS)
+    }
+
+    /// What its trials do besides: once all that is made once is made.
+    fn tally(&self) -> Result<Tally> {
+        let scene = scene_of(&self.text)?;
+        run(&scene, 1);
+        Ok(counted(|| run(&scene, 1)).0)
+    }
+}
+
+/// Times the stages and writes `stages.csv` to a folder.
+pub(super) fn write(
+    stages: &[Stage],
+    instructions: Option<&[u64]>,
+    patience: Duration,
+    folder: &Path,
+) -> Result<()> {
+    let mut rows = Vec::new();
+    for (at, stage) in stages.iter().enumerate() {
+        let spread = stage.evaluation().time(patience);
+        let [median, q25, q75] = nanoseconds(&spread);
+        let tally = stage.tally()?;
+        rows.push([
+            stage.kind.to_owned(),
+            stage.name.to_owned(),
+            median,
+            q25,
+            q75,
+            count(instructions.map(|counts| counts[at])),
+            tally.draws.to_string(),
+            tally.derivatives.to_string(),
+            tally.searches.to_string(),
+            tally.layers.to_string(),
+            tally.projections.to_string(),
+            tally.frames.to_string(),
+        ]);
+    }
+    let header = [
+        "scene",
+        "stage",
+        "median_ns",
+        "q25_ns",
+        "q75_ns",
+        "instructions",
+        "random_draws",
+        "integrator_derivatives",
+        "contact_searches",
+        "layer_solves",
+        "projected_markers",
+        "rendered_frames",
+    ];
+    table(&folder.join("stages.csv"), header, rows.into_iter())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tally(kind: &str, name: &str) -> Tally {
+        let stages = stages();
+        let stage = stages
+            .iter()
+            .find(|stage| stage.kind == kind && stage.name == name);
+        stage.unwrap().tally().unwrap()
+    }
+
+    #[test]
+    fn a_scene_does_only_what_its_stages_ask_for() {
+        assert_eq!(tally("roll", "ideal, in closed form"), Tally::default());
+        assert_eq!(tally("press", "direct"), Tally::default());
+        assert_eq!(tally("glide", "ideal, a pointed finger"), Tally::default());
+        let noisy = tally("roll", "noise of the angular velocity");
+        assert!(noisy.draws > 0 && noisy.derivatives == 0, "{noisy:?}");
+        let integrated = tally("roll", "an object that needs an integrator");
+        assert!(integrated.derivatives > 0, "{integrated:?}");
+        let projected = tally("press", "a camera, without pixels");
+        assert!(
+            projected.projections > 0 && projected.frames == 0,
+            "{projected:?}"
+        );
+    }
+}

@@ -1,0 +1,156 @@
+//! Rungs that are scenes of a config: what a trial costs, and how far trials err.
+
+use std::cell::OnceCell;
+
+use anyhow::{Context, Result, anyhow};
+use palpate_scene::{Outcome, RollScene, Scene, config};
+
+use super::ladder::{Ease, Rung, SceneRungs};
+
+/// Stands in a scene's text for what a rung puts there.
+const RUNG: &str = "$rung";
+
+/// A scene's text, in which every rung stands in turn.
+pub(super) struct Template {
+    pub(super) ease: Ease,
+    /// In a few words.
+    pub(super) scene: &'static str,
+    /// TOML of `[scene]` with a `$rung` in it.
+    pub(super) text: &'static str,
+}
+
+/// What a rung puts in place of `$rung`.
+pub(super) struct Choice {
+    pub(super) name: String,
+    pub(super) setting: Option<f64>,
+    pub(super) text: String,
+}
+
+impl Choice {
+    pub(super) fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            setting: None,
+            text: text.into(),
+        }
+    }
+
+    pub(super) fn set(self, setting: f64) -> Self {
+        Self {
+            setting: Some(setting),
+            ..self
+        }
+    }
+}
+
+/// How trials become a number.
+#[derive(Clone, Copy)]
+pub(super) struct Asked {
+    /// What their error is.
+    pub(super) error: fn(&Scene, trials: u64) -> Result<f64>,
+    /// Trials for the error.
+    pub(super) trials: u64,
+    /// Trials in a row that are timed, so that their cost is a mean.
+    pub(super) timed: u32,
+}
+
+impl Template {
+    pub(super) fn stage(&self, choices: &[Choice], asked: Asked) -> SceneRungs {
+        let rungs = choices.iter().map(|choice| {
+            let text = self.text.replace(RUNG, &choice.text);
+            let errs = text.clone();
+            let scene = OnceCell::new();
+            let rung = Rung::new(
+                choice.name.as_str(),
+                move || (asked.error)(&scene_of(&errs)?, asked.trials),
+                move || {
+                    let scene = scene.get_or_init(|| scene_of(&text).ok());
+                    scene.as_ref().map(|scene| run(scene, asked.timed))
+                },
+            );
+            let rung = rung.in_a_row(asked.timed);
+            match choice.setting {
+                Some(setting) => rung.set(setting),
+                None => rung,
+            }
+        });
+        SceneRungs {
+            ease: self.ease,
+            scene: self.scene.to_owned(),
+            rungs: rungs.collect(),
+        }
+    }
+}
+
+/// The scene of a text that has one cell.
+pub(super) fn scene_of(text: &str) -> Result<Scene> {
+    let study = format!("name = \"rung\"\nseed = 1996\ntrials = 1\n[scene]\n{text}");
+    let study = config::parse("rung", &study).with_context(|| text.to_owned())?;
+    study.estimable_scene(0).with_context(|| text.to_owned())
+}
+
+/// Runs trials as a study does, and adds up what they estimate. Trials that fail cost what they cost.
+pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
+    let trials = u64::from(trials);
+    let mut sum = 0.0;
+    let mut first = 0;
+    if let Scene::Roll(roll) = scene {
+        const LANES: u64 = RollScene::SIDE_BY_SIDE as u64;
+        while trials - first >= LANES
+            && let Some(outcomes) =
+                roll.side_by_side(std::array::from_fn(|lane| first + lane as u64))
+        {
+            sum += outcomes
+                .iter()
+                .map(|(estimates, ..)| estimates[0])
+                .sum::<f64>();
+            first += LANES;
+        }
+    }
+    for trial in first..trials {
+        // What failed has nothing to add.
+        let _ = scene.trial(trial, |_, outcome| sum += outcome.estimate);
+    }
+    sum
+}
+
+/// Root mean square of the relative error of one quantity; a trial that fails errs by its whole truth.
+pub(super) fn relative_rms(scene: &Scene, quantity: usize, trials: u64) -> Result<f64> {
+    let truth = scene.truth(quantity).context("there is no one truth")?;
+    let trials = scene.trials(trials);
+    let mut squares = 0.0;
+    for trial in 0..trials {
+        let mut error = truth;
+        let _ = scene.trial(trial, |index, outcome| {
+            if index == quantity {
+                error = outcome.estimate - outcome.truth;
+            }
+        });
+        squares += (error / truth).powi(2);
+    }
+    at_least_rounding((squares / trials as f64).sqrt())
+}
+
+/// Outcomes of trials that succeed, with their quantities.
+pub(super) fn outcomes(scene: &Scene, trials: u64) -> Vec<(usize, Outcome)> {
+    let mut all = Vec::new();
+    for trial in 0..scene.trials(trials) {
+        let kept = all.len();
+        if scene
+            .trial(trial, |index, outcome| all.push((index, outcome)))
+            .is_err()
+        {
+            all.truncate(kept);
+        }
+    }
+    all
+}
+
+/// No error is told from one that is as large as a rounding unit.
+pub(super) fn at_least_rounding(error: f64) -> Result<f64> {
+    if error.is_finite() {
+        Ok(error.max(f64::EPSILON))
+    } else {
+        Err(anyhow!("the error is {error}"))
+    }
+}

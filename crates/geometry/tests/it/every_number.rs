@@ -1,0 +1,196 @@
+//! Any bit patterns as questions: finite numbers or an error; what is found lies on the surface.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+use palpate_geometry::formula::Formula;
+use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
+use palpate_geometry::{
+    CurvatureForm, Meridian, Parameters, Posed, Shape, ShapeThresholds, Surface,
+};
+use proptest::prelude::*;
+
+/// Any double at all, or one between 1e-12 and 1e12 of either sign.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        any::<u64>().prop_map(f64::from_bits),
+        (-12.0..12.0_f64, any::<bool>()).prop_map(|(exponent, negative)| {
+            let size = 10.0_f64.powf(exponent);
+            if negative { -size } else { size }
+        }),
+        Just(0.0),
+        Just(-0.0),
+    ]
+}
+
+/// Whatever surfaces these numbers make.
+fn surfaces(a: f64, b: f64, c: f64) -> Vec<Shape> {
+    let parameters = [("a".to_owned(), a), ("b".to_owned(), b)];
+    let wavy = Formula::parse("a*sin(b*x)*exp(y)", &parameters.into());
+    [
+        Sphere::new(a).map(Shape::Sphere).ok(),
+        Dish::new(a).map(Shape::Dish).ok(),
+        Some(Shape::Plane(Plane)),
+        Cylinder::new(a, b).map(Shape::Cylinder).ok(),
+        Ellipsoid::new([a, b, c]).map(Shape::Ellipsoid).ok(),
+        Torus::new(a, b).map(Shape::Torus).ok(),
+        Graph::paraboloid(a).map(Shape::Paraboloid).ok(),
+        Graph::saddle(a).map(Shape::Saddle).ok(),
+        wavy.map(|wavy| Shape::HeightField(Graph::of_formula(wavy)))
+            .ok(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn is_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> bool {
+    numbers.into_iter().all(|number| number.is_finite())
+}
+
+fn answers_are_finite(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<(), TestCaseError> {
+    let (at, place) = (Parameters::new(x, y), Point3::new(x, y, z));
+    if let Ok(jet) = surface.chart(at) {
+        let parts = [jet.point.coords, jet.du, jet.dv, jet.duu, jet.duv, jet.dvv];
+        prop_assert!(is_finite(parts.iter().flatten()), "{jet:?}");
+    }
+    if let Ok(found) = surface.chart_geometry(at) {
+        let form = found.curvature;
+        prop_assert!(is_finite(&[form.k_uu, form.k_uv, form.k_vv]), "{found:?}");
+        let matrices = found.metric.iter().chain(found.torsion.iter());
+        prop_assert!(is_finite(matrices.chain(found.frame.y.iter())), "{found:?}");
+    }
+    if let Ok(found) = surface.level_set(&place) {
+        let numbers = found.normal.iter().chain(found.second_form.iter());
+        prop_assert!(is_finite(numbers), "{found:?}");
+        prop_assert!((found.normal.norm() - 1.0).abs() < 1e-14, "{found:?}");
+    }
+    if let Ok((normal, form)) = surface.curvature_along(&place, &Vector3::x()) {
+        prop_assert!(is_finite(&[form.k_uu, form.k_uv, form.k_vv]), "{form:?}");
+        prop_assert!(is_finite(normal.iter()), "{normal:?}");
+    }
+    for found in [surface.closest_point(&place), surface.contact_at(x, y)] {
+        prop_assert!(
+            found.is_err() || is_finite(found.unwrap().iter()),
+            "{found:?}"
+        );
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn surfaces_answer_in_numbers_or_in_errors(
+        made in [number(), number(), number()],
+        asked in [number(), number(), number()],
+        moved in [number(), number()],
+    ) {
+        let [x, y, z] = asked;
+        let pose = Isometry3::new(Vector3::new(moved[0], moved[1], 0.0), Vector3::x() * moved[0]);
+        for shape in surfaces(made[0], made[1], made[2]) {
+            answers_are_finite(&shape, x, y, z)?;
+            if let Ok(posed) = Posed::new(shape, pose) {
+                answers_are_finite(&posed, x, y, z)?;
+            }
+        }
+    }
+
+    #[test]
+    fn a_closest_point_lies_on_the_surface(
+        size in (-9.0..9.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        direction in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0],
+        distance in (-6.0..1.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+    ) {
+        for shape in surfaces(size, 0.4 * size, 0.7 * size) {
+            let place = Point3::from(Vector3::from(direction) * (distance * size));
+            if let (Ok(foot), false) = (shape.closest_point(&place), shape.name() == "height-field") {
+                let on_surface = shape.chart(shape.parameters(&foot)).unwrap().point;
+                let off = (foot - on_surface).norm() / (size + foot.coords.norm());
+                prop_assert!(off < 1e-14, "{shape:?} at {place}: {foot}, off by {off:e}");
+                let again = shape.closest_point(&foot).unwrap();
+                let off = (foot - again).norm() / (size + foot.coords.norm());
+                prop_assert!(off < 1e-14, "{shape:?} at {place}: {foot}, then {again}");
+            }
+        }
+    }
+
+    #[test]
+    fn curvature_of_any_numbers(a in number(), b in number(), c in number(), angle in number()) {
+        let form = CurvatureForm { k_uu: a, k_uv: b, k_vv: c };
+        if let Some(index) = form.shape_index() {
+            prop_assert!(index.abs() <= 1.0 + 1e-15, "{index}");
+        }
+        if let Some(ratio) = form.relative_curvature_ratio(&CurvatureForm::isotropic(c), angle) {
+            prop_assert!(ratio.is_finite());
+        }
+        if let Ok(thresholds) = ShapeThresholds::new(a, b) {
+            thresholds.classify(c, angle);
+        }
+        let tame = |value: f64| value.abs() < 1e150;
+        if tame(a) && tame(b) && tame(c) {
+            let principal = form.principal();
+            let numbers = [principal.k_min, principal.k_max, principal.angle_of_max_rad];
+            prop_assert!(is_finite(&numbers) && is_finite(&[form.curvedness()]), "{principal:?}");
+            prop_assert!(principal.k_min <= principal.k_max);
+            prop_assert!(is_finite(&[form.gaussian_curvature(), form.mean_curvature()]));
+        }
+    }
+
+    #[test]
+    fn meridians_of_any_size(
+        c in -300.0..150.0_f64,
+        t in -300.0..1.0_f64,
+        aspect in -12.0..12.0_f64,
+        phi in -1e6..1e6_f64,
+    ) {
+        let [c, t, aspect] = [c, t, aspect].map(|exponent| 10.0_f64.powf(exponent));
+        let paraboloid = Meridian::Paraboloid { c };
+        let spheroid = Meridian::Spheroid { a: 1.0, c: aspect };
+        for point in [paraboloid.at(t), spheroid.at(phi)] {
+            let numbers = [point.r, point.height, point.slope_rad, point.arc_per_parameter];
+            prop_assert!(is_finite(&numbers) && point.slope_per_parameter.is_finite(), "{point:?}");
+        }
+        let arc = paraboloid.arc_length(t).unwrap();
+        prop_assert!(arc.is_finite() && arc >= t, "{arc:e}");
+    }
+
+    #[test]
+    fn formulas_read_or_refuse_any_text(text in ".{0,60}", x in number(), y in number()) {
+        if let Ok(formula) = Formula::parse(&text, &[].into()) {
+            let (value, jet) = (formula.value(x, y), formula.jet(x, y));
+            prop_assert!(value.to_bits() == jet.value.to_bits() || value.is_nan());
+        }
+    }
+}
+
+#[test]
+fn a_point_on_a_needle_is_its_own_foot() {
+    // Its height errs by more than the needle is wide.
+    let needle = Graph::paraboloid(1.1e8).unwrap();
+    let place = needle.contact_at(1.24, -0.5).unwrap();
+    assert_eq!(needle.closest_point(&place).unwrap(), place);
+}
+
+#[test]
+fn nothing_stands_at_a_pose_that_is_none() {
+    for bad in [f64::NAN, f64::INFINITY, 1e200] {
+        let moved = Isometry3::translation(0.0, bad, 0.0);
+        assert_eq!(Posed::new(Plane, moved).unwrap_err().parameter, "pose");
+    }
+    let spun = Isometry3::rotation(Vector3::x() * 1e200);
+    assert!(Posed::new(Plane, spun).is_err());
+}
+
+#[test]
+fn a_plane_ends_where_numbers_do() {
+    let nowhere = Point3::new(f64::NAN, 0.0, 0.0);
+    assert!(Plane.level_set(&nowhere).is_err());
+    let form = CurvatureForm::isotropic(f64::NAN);
+    assert_eq!(form.shape_index(), None);
+}
+
+#[test]
+fn the_sharpest_paraboloid_has_an_arc() {
+    let arc = Meridian::Paraboloid { c: 1e290 }.arc_length(0.7).unwrap();
+    assert!((arc / 4.9e289 - 1.0).abs() < 1e-15, "{arc:e}");
+}

@@ -1,0 +1,67 @@
+//! Durations as people write them.
+
+use std::time::Duration;
+
+/// Seconds in the unit that each suffix stands for.
+const UNITS: [(&str, f64); 4] = [("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
+/// Longer than anybody waits, and far within a [`Duration`].
+const LONGEST_S: f64 = 1e10;
+
+/// Reads `30s`, `5m`, `1.5h`, or plain seconds.
+pub(crate) fn parse(text: &str) -> Result<Duration, String> {
+    let (number, unit) = UNITS
+        .iter()
+        .find_map(|(suffix, unit)| Some((text.strip_suffix(suffix)?, unit)))
+        .unwrap_or((text, &1.0));
+    let number: f64 = number
+        .trim_end()
+        .parse()
+        .map_err(|_| "is no duration; write 30s, 5m or 1.5h".to_owned())?;
+    let seconds = number * unit;
+    if seconds > 0.0 && seconds <= LONGEST_S {
+        Ok(Duration::from_secs_f64(seconds))
+    } else {
+        Err(format!(
+            "must be > 0 and at most {LONGEST_S:e} seconds, is {text}"
+        ))
+    }
+}
+
+/// A time that is roughly known, in words.
+pub(crate) fn roughly(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.0 => "a second".to_owned(),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units() {
+        for (text, seconds) in [
+            ("30s", 30.0),
+            ("5m", 300.0),
+            ("1h", 3600.0),
+            ("1.5h", 5400.0),
+            ("90", 90.0),
+            ("0.25 s", 0.25),
+            ("1e2s", 100.0),
+        ] {
+            assert_eq!(parse(text), Ok(Duration::from_secs_f64(seconds)), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_duration() {
+        for text in [
+            "", "s", "0s", "-3s", "nan", "nans", "inf", "1e400s", "-0", "3d", "1h30m", "1e-400s",
+        ] {
+            assert!(parse(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! How long trials take, and so a run.
+
+use std::num::{NonZeroU64, NonZeroUsize};
+use std::time::{Duration, Instant};
+
+use palpate_sweep::{BLOCK, Cell, RunOptions, SweepError, run};
+
+/// No cell is timed for longer, and none for less where it is timed at all (but one trial is run whole).
+const LONGEST: Duration = Duration::from_millis(10);
+const SHORTEST: Duration = Duration::from_millis(1);
+/// Beyond so many trials of a cell nothing more is learnt.
+const MOST_TIMED: u64 = 1 << 20;
+/// What the runner gives to a thread at once: this share of its blocks, and no more than so many.
+const JOBS_PER_THREAD: u64 = 8;
+const LARGEST_JOB: u64 = 32;
+
+/// Time per trial of some cells, on one thread while the others are busy too.
+pub(crate) struct Pace {
+    seconds: Vec<f64>,
+}
+
+impl Pace {
+    /// Runs a few trials of as many of the cells as fit into about `limit`, spread evenly over them; at least one. A
+    /// cell that is not timed counts as the dearest that is.
+    pub(crate) fn of(
+        cells: &[Cell<'_>],
+        threads: NonZeroUsize,
+        limit: Duration,
+    ) -> Result<Self, SweepError> {
+        let each = (limit / cells.len().max(1) as u32).clamp(SHORTEST, LONGEST);
+        let start = Instant::now();
+        let mut seconds = vec![None; cells.len()];
+        for cell in spread(cells.len()) {
+            if start.elapsed() >= limit && seconds.iter().any(Option::is_some) {
+                break;
+            }
+            seconds[cell] = Some(seconds_per_trial(&cells[cell], threads, each)?);
+        }
+        let dearest = seconds.iter().flatten().copied().fold(0.0, f64::max);
+        Ok(Self {
+            seconds: seconds
+                .into_iter()
+                .map(|one| one.unwrap_or(dearest))
+                .collect(),
+        })
+    }
+
+    /// Seconds per trial of a cell, on one thread.
+    pub(crate) fn seconds_per_trial(&self, cell: usize) -> f64 {
+        self.seconds[cell]
+    }
+
+    /// Seconds that `threads` take at most for these trials of each cell: none idles before the last job is
+    /// given away (Graham's bound on list scheduling, 1966).
+    pub(crate) fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
+        let threads = threads.get() as u64;
+        let blocks: u64 = trials.iter().map(|trials| trials.div_ceil(BLOCK)).sum();
+        let job = (blocks / (JOBS_PER_THREAD * threads)).clamp(1, LARGEST_JOB);
+        let (mut sum, mut longest) = (0.0, 0.0_f64);
+        for (&trials, &seconds) in trials.iter().zip(&self.seconds) {
+            sum += trials as f64 * seconds;
+            longest = longest.max(trials.min(job * BLOCK) as f64 * seconds);
+        }
+        let threads = threads as f64;
+        sum / threads + longest * (1.0 - 1.0 / threads)
+    }
+
+    /// The most trials of each random cell with which a run takes at most `seconds`; `None` where it takes longer even
+    /// with one.
+    pub(crate) fn most_trials(
+        &self,
+        is_random: &[bool],
+        threads: NonZeroUsize,
+        seconds: f64,
+        most: NonZeroU64,
+    ) -> Option<NonZeroU64> {
+        let fits = |trials: u64| {
+            let trials: Vec<u64> = is_random
+                .iter()
+                .map(|&is_random| if is_random { trials } else { 1 })
+                .collect();
+            self.run_seconds(&trials, threads) <= seconds
+        };
+        if !fits(1) {
+            return None;
+        }
+        if fits(most.get()) {
+            return Some(most);
+        }
+        let (mut fit, mut unfit) = (1, most.get());
+        while unfit - fit > 1 {
+            let middle = fit + (unfit - fit) / 2;
+            if fits(middle) {
+                fit = middle;
+            } else {
+                unfit = middle;
+            }
+        }
+        NonZeroU64::new(fit)
+    }
+}
+
+/// The threads that work at the same time, of those that are asked for.
+pub(crate) fn threads(asked: Option<NonZeroUsize>) -> NonZeroUsize {
+    let processors = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    asked.map_or(processors, |asked| asked.min(processors))
+}
+
+/// All numbers below `count`, so that the first few of them are spread over all: bits reversed.
+fn spread(count: usize) -> impl Iterator<Item = usize> {
+    let bits = count.next_power_of_two().trailing_zeros();
+    (0..count.next_power_of_two())
+        .map(move |number| match bits {
+            0 => number,
+            bits => number.reverse_bits() >> (usize::BITS - bits),
+        })
+        .filter(move |&number| number < count)
+}
+
+/// As the runner takes it, on all threads at once: twice as many trials each time, of which the last are timed. A slow
+/// trial is run once.
+fn seconds_per_trial(
+    cell: &Cell<'_>,
+    threads: NonZeroUsize,
+    long_enough: Duration,
+) -> Result<f64, SweepError> {
+    let options = RunOptions {
+        threads: Some(threads),
+    };
+    let most = cell.trials.clamp(1, MOST_TIMED);
+    let mut trials = 1;
+    loop {
+        let start = Instant::now();
+        let timed = vec![Cell { trials, ..*cell }; threads.get()];
+        std::hint::black_box(run(&timed, &options, &|_| ())?);
+        let elapsed = start.elapsed();
+        if elapsed >= long_enough || trials >= most {
+            return Ok(elapsed.as_secs_f64() / trials as f64);
+        }
+        trials = (2 * trials).min(most);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ONE: NonZeroUsize = NonZeroUsize::MIN;
+
+    #[test]
+    fn first_numbers_are_spread() {
+        assert_eq!(spread(8).collect::<Vec<_>>(), [0, 4, 2, 6, 1, 5, 3, 7]);
+        assert_eq!(spread(3).collect::<Vec<_>>(), [0, 2, 1]);
+        assert_eq!(spread(1).collect::<Vec<_>>(), [0]);
+        assert_eq!(spread(0).count(), 0);
+    }
+
+    #[test]
+    fn one_thread_takes_the_sum_and_many_no_less_than_the_longest_job() {
+        let pace = Pace {
+            seconds: vec![1.0, 10.0],
+        };
+        assert_eq!(pace.run_seconds(&[3, 2], ONE), 23.0);
+        // Two threads, one cell each: at most 23/2 + 20/2, and 20 in truth.
+        let two = NonZeroUsize::new(2).unwrap_or(ONE);
+        assert_eq!(pace.run_seconds(&[3, 2], two), 21.5);
+    }
+
+    #[test]
+    fn as_many_trials_as_fit() {
+        let pace = Pace {
+            seconds: vec![1.0, 10.0],
+        };
+        let most = NonZeroU64::MAX;
+        let trials = |seconds| pace.most_trials(&[true, false], ONE, seconds, most);
+        assert_eq!(trials(10.9), None);
+        assert_eq!(trials(11.0), NonZeroU64::new(1));
+        assert_eq!(trials(20.5), NonZeroU64::new(10));
+        let few = NonZeroU64::MIN;
+        assert_eq!(
+            pace.most_trials(&[true, false], ONE, 20.5, few),
+            NonZeroU64::new(1)
+        );
+    }
+}

@@ -1,0 +1,284 @@
+//! How well so many trials tell the error figures: a pilot of some of them.
+//!
+//! The root mean square of N errors has the relative standard error √(v / N) / 2, where v is the relative variance of a
+//! trial's squared error: m₄/m₂² − 1 where a trial has one error (from the fourth and second moments), 2 where that is
+//! Gaussian. A trial with many errors (all places of a patch) counts once: they go together.
+//!
+//! A pilot depends on nothing but the numbers of its trials.
+
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use palpate_scene::{Outcome, Scene};
+
+mod spread;
+
+use spread::{Part, Spread};
+
+/// Parts of a pilot, each left out in turn to see how well it tells v.
+const PARTS: usize = 16;
+/// v is taken with so many of its own standard errors on top.
+const MARGIN: f64 = 2.0;
+/// Where the standard error of v is more than this of v, few trials decide it.
+const DOUBTFUL: f64 = 0.5;
+/// The final pilot has at least this share of the trials that it asks for.
+const SHARE: f64 = 1.0 / 16.0;
+/// Trials of a first pilot.
+const FEWEST: u64 = 64;
+const FIRST: u64 = 1024;
+
+/// What a pilot found out about the cells that it ran.
+#[derive(Debug)]
+pub(crate) struct Pilot {
+    pub(crate) cells: Vec<CellPilot>,
+}
+
+/// What it found out about one.
+#[derive(Debug)]
+pub(crate) struct CellPilot {
+    /// Share of the trials that succeeded.
+    pub(crate) success: f64,
+    /// Trials run.
+    pub(crate) trials: u64,
+    /// One per quantity; `None` where none was observed.
+    pub(crate) figures: Vec<Option<Figure>>,
+}
+
+/// The error figures of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Figure {
+    /// Root mean square of the errors, in the quantity's unit.
+    pub(crate) rms_error: f64,
+    /// v, with its margin.
+    variance: f64,
+    /// Whether few trials decide v: the errors have heavy tails.
+    pub(crate) is_doubtful: bool,
+}
+
+/// The figure that asks for the most trials.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Need {
+    /// Place of the cell among those of the pilot.
+    pub(crate) cell: usize,
+    pub(crate) quantity: usize,
+    /// Trials, failures included.
+    pub(crate) trials: f64,
+    pub(crate) is_doubtful: bool,
+}
+
+impl Pilot {
+    /// A pilot for a relative standard error of `target`: at first as many trials as Gaussian errors need twice, at
+    /// most 1,024; then more, where a cell needs many: one in sixteen, unless that is more than `most` trials or
+    /// the need more than `hopeless`.
+    pub(crate) fn for_error(
+        scenes: &[&Scene],
+        target: f64,
+        threads: NonZeroUsize,
+        most: u64,
+        hopeless: f64,
+    ) -> Self {
+        let first = (1.0 / (target * target)).ceil();
+        let first = (first as u64).clamp(FEWEST, FIRST).min(most);
+        let mut parts = vec![CellParts::default(); scenes.len()];
+        let mut until = vec![first; scenes.len()];
+        loop {
+            run(scenes, &mut parts, &until, threads);
+            let pilot = Self {
+                cells: parts.iter().map(CellParts::pilot).collect(),
+            };
+            let mut grows = false;
+            for (until, cell) in until.iter_mut().zip(&pilot.cells) {
+                let need = cell.need(target).map_or(0.0, |(_, trials)| trials);
+                let wanted = (SHARE * need).ceil();
+                if need <= hopeless && wanted > *until as f64 && *until < most {
+                    *until = (wanted as u64).max(2 * *until).min(most);
+                    grows = true;
+                }
+            }
+            if !grows {
+                return pilot;
+            }
+        }
+    }
+
+    /// What asks for the most trials, for error figures with a relative standard error of at most `target`; `None` where
+    /// nothing errs.
+    pub(crate) fn need(&self, target: f64) -> Option<Need> {
+        let needs = self.cells.iter().enumerate().filter_map(|(cell, pilot)| {
+            let (quantity, trials) = pilot.need(target)?;
+            let figure = pilot.figures[quantity]?;
+            Some(Need {
+                cell,
+                quantity,
+                trials,
+                is_doubtful: figure.is_doubtful,
+            })
+        });
+        needs.reduce(|most, one| if one.trials > most.trials { one } else { most })
+    }
+
+    /// The largest relative standard error of an error figure that is expected of so many trials; `None` where nothing
+    /// errs.
+    pub(crate) fn expected_error(&self, trials: u64) -> Option<f64> {
+        // Needs go as 1/target².
+        self.need(1.0)
+            .map(|need| (need.trials / trials as f64).sqrt())
+    }
+}
+
+impl CellPilot {
+    /// The quantity that asks for the most trials, and how many.
+    fn need(&self, target: f64) -> Option<(usize, f64)> {
+        let needs = self
+            .figures
+            .iter()
+            .enumerate()
+            .filter_map(|(quantity, figure)| {
+                let variance = (*figure)?.variance;
+                let trials = variance / (4.0 * target * target) / self.success;
+                (trials > 0.0).then_some((quantity, trials))
+            });
+        needs.reduce(|most, one| if one.1 > most.1 { one } else { most })
+    }
+}
+
+/// The sums over the trials of a cell, in parts.
+#[derive(Clone, Default)]
+struct CellParts {
+    /// Trials run so far.
+    trials: u64,
+    /// What errors are counted in, one per quantity; so that no square overflows or vanishes.
+    scales: Vec<f64>,
+    parts: Vec<Part>,
+}
+
+impl CellParts {
+    fn pilot(&self) -> CellPilot {
+        let successes: u64 = self.parts.iter().map(|part| part.successes).sum();
+        let figures = (0..self.scales.len())
+            .map(|quantity| self.figure(quantity))
+            .collect();
+        CellPilot {
+            success: successes as f64 / self.trials.max(1) as f64,
+            trials: self.trials,
+            figures,
+        }
+    }
+
+    fn figure(&self, quantity: usize) -> Option<Figure> {
+        let of_part = |part: &Part| {
+            let sums = part.quantities.get(quantity).copied().unwrap_or_default();
+            sums.over(part.successes)
+        };
+        let parts: Vec<Spread> = self.parts.iter().map(of_part).collect();
+        let all = parts
+            .iter()
+            .fold(Spread::default(), |all, part| all.plus(part));
+        let rms_error = self.scales[quantity] * all.mean_square()?.sqrt();
+        let variance = all.relative_variance().unwrap_or(0.0);
+        // Grouped jackknife: the figures without each part tell the error of the whole.
+        let without: Vec<f64> = (0..parts.len())
+            .filter(|&part| parts[part].trials > 0.0)
+            .map(|part| {
+                let rest = parts[..part].iter().chain(&parts[part + 1..]);
+                let rest = rest.fold(Spread::default(), |all, part| all.plus(part));
+                rest.relative_variance().unwrap_or(0.0)
+            })
+            .collect();
+        let count = without.len() as f64;
+        let mean = without.iter().sum::<f64>() / count;
+        let squares: f64 = without.iter().map(|one| (one - mean).powi(2)).sum();
+        let std = ((count - 1.0) / count * squares).sqrt();
+        Some(Figure {
+            rms_error,
+            variance: variance + MARGIN * std,
+            is_doubtful: std > DOUBTFUL * variance,
+        })
+    }
+}
+
+/// The trials of a part of a cell, to be run in their order.
+struct Job<'a> {
+    scene: &'a Scene,
+    scales: &'a [f64],
+    trials: Range<u64>,
+    part: u64,
+    sums: Mutex<&'a mut Part>,
+}
+
+impl Job<'_> {
+    fn run(&self) {
+        let mut sums = self
+            .sums
+            .lock()
+            .expect("each job is taken once, so that no other thread has panicked with it");
+        let of_part = |trial: &u64| trial % PARTS as u64 == self.part;
+        for trial in self.trials.clone().filter(of_part) {
+            sums.add_trial(self.scene, trial, self.scales);
+        }
+    }
+}
+
+/// Runs the trials of each cell that are missing `until` a number.
+fn run(scenes: &[&Scene], cells: &mut [CellParts], until: &[u64], threads: NonZeroUsize) {
+    for ((scene, cell), &until) in scenes.iter().zip(cells.iter_mut()).zip(until) {
+        if cell.scales.is_empty() {
+            cell.scales = scales(scene, until);
+            cell.parts = vec![Part::of(cell.scales.len()); PARTS];
+        }
+    }
+    let jobs: Vec<Job<'_>> = scenes
+        .iter()
+        .zip(cells.iter_mut().zip(until))
+        .flat_map(|(scene, (cell, &until))| {
+            let trials = cell.trials..until.max(cell.trials);
+            cell.trials = trials.end;
+            let scales = cell.scales.as_slice();
+            let parts = cell.parts.iter_mut().enumerate();
+            parts.map(move |(part, sums)| Job {
+                scene,
+                scales,
+                trials: trials.clone(),
+                part: part as u64,
+                sums: Mutex::new(sums),
+            })
+        })
+        .collect();
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+            job.run();
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 1..threads.get() {
+            scope.spawn(work);
+        }
+        work();
+    });
+}
+
+/// What the errors of each quantity are counted in: the magnitude of truth or estimate in the first trial that
+/// succeeds, of the first few; 1 where that is 0.
+fn scales(scene: &Scene, until: u64) -> Vec<f64> {
+    let mut scales = vec![0.0_f64; scene.quantities().len()];
+    for trial in 0..until.min(FEWEST) {
+        scales.fill(0.0);
+        let see = |quantity: usize, outcome: Outcome| {
+            let magnitude = outcome.truth.abs().max(outcome.estimate.abs());
+            scales[quantity] = scales[quantity].max(magnitude);
+        };
+        if scene.trial(trial, see).is_ok() {
+            break;
+        }
+    }
+    for scale in &mut scales {
+        if !(*scale > 0.0 && scale.is_finite()) {
+            *scale = 1.0;
+        }
+    }
+    scales
+}

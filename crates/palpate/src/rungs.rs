@@ -1,0 +1,229 @@
+//! How far a model errs in terms of the estimates, and so which rung of `auto` is good enough.
+
+use palpate_scene::config::{
+    self, ConfigError, GlideSensorConfig, ModelConfig, PressSensorConfig, RollModelConfig,
+    RollSensorConfig, SceneConfig, Study, StudyConfig,
+};
+use palpate_scene::{GlideScene, PressScene, Quantity, RollScene, Scene};
+
+/// `auto` is tried with these tolerances from the first on; the last is the reference.
+const TOLERANCES: [f64; 14] = [
+    1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
+];
+/// Below this share of a value, rounding rules.
+const ROUNDING: f64 = 1e-12;
+
+/// How far the model may shift the estimates of a cell.
+pub(crate) struct Allowance {
+    /// The cell, as the study counts it.
+    pub(crate) cell: usize,
+    /// The share of a quantity's rms error, or of its truth where it has none, that is allowed.
+    pub(crate) share: f64,
+    /// What the cell estimates.
+    pub(crate) quantities: &'static [Quantity],
+    /// The rms errors of these, as far as they are known.
+    pub(crate) rms_errors: Vec<Option<f64>>,
+}
+
+/// Whether the study chooses its models by a tolerance that no sweep sets.
+pub(crate) fn is_auto(study: &Study) -> bool {
+    let swept = |path: &String| path == "scene" || path.starts_with("scene.model");
+    let is_auto = |scene: &SceneConfig| scene.model().is_some_and(|one| tolerance(&one).is_some());
+    !study.paths.iter().any(swept) && study.cells.iter().all(|cell| is_auto(&cell.config.scene))
+}
+
+/// The largest tolerance of `auto` with which the model shifts no estimate of a noiseless pass by more than is allowed,
+/// against the pass with the smallest tolerance. Cells whose noiseless pass tells nothing have no say.
+pub(crate) fn tolerance_for(study: &Study, allowances: &[Allowance]) -> f64 {
+    let last = TOLERANCES.len() - 1;
+    let config = |allowance: &Allowance| &study.cells[allowance.cell].config;
+    let references: Vec<(&Allowance, Pass)> = allowances
+        .iter()
+        .filter_map(|allowance| Some((allowance, pass(config(allowance), TOLERANCES[last])?)))
+        .collect();
+    let is_kept = |tolerance: f64| {
+        references.iter().all(|(allowance, reference)| {
+            pass(config(allowance), tolerance)
+                .is_some_and(|pass| allowance.is_kept(&pass, reference))
+        })
+    };
+    let first = TOLERANCES[..last]
+        .iter()
+        .find(|&&tolerance| is_kept(tolerance));
+    *first.unwrap_or(&TOLERANCES[last])
+}
+
+/// The same study with `auto` at this tolerance; or with the rung that it then takes, where all of `cells` take the same.
+pub(crate) fn resolved(
+    study: &Study,
+    cells: &[usize],
+    tolerance: Option<f64>,
+) -> Result<StudyConfig, ConfigError> {
+    let mut config = study.config.clone();
+    if !is_auto(study) {
+        return Ok(config);
+    }
+    if let Some(tolerance) = tolerance {
+        set_tolerance(&mut config.scene, tolerance);
+    }
+    let auto = config::parse("run.toml", &config::to_toml(&config))?;
+    let mut common = None;
+    for &cell in cells {
+        let taken = auto
+            .ladder(cell)?
+            .map(|ladder| ladder.taken().model.clone());
+        match (&common, taken) {
+            (None, Some(taken)) => common = Some(taken),
+            (Some(known), Some(taken)) if *known == taken => {}
+            (_, _) => return Ok(config),
+        }
+    }
+    let explicit = common.and_then(|model| config.scene.with_model(&model));
+    if let Some(scene) = explicit {
+        config.scene = scene;
+    }
+    Ok(config)
+}
+
+/// What stands in `scene.model`, on one line.
+pub(crate) fn shown(scene: &SceneConfig) -> Option<String> {
+    let model = serde_json::to_value(scene.model()?).ok()?;
+    let (kind, settings): (Vec<_>, Vec<_>) = model
+        .as_object()?
+        .iter()
+        .partition(|(key, _)| *key == "kind");
+    let keys: Vec<String> = kind
+        .into_iter()
+        .chain(settings)
+        .map(|(key, value)| format!("{key} = {value}"))
+        .collect();
+    Some(format!("{{ {} }}", keys.join(", ")))
+}
+
+impl Allowance {
+    /// Whether a pass is as near to the reference as is allowed.
+    fn is_kept(&self, pass: &Pass, reference: &Pass) -> bool {
+        if pass.values.len() != reference.values.len() {
+            return false;
+        }
+        let scale = |quantity: usize| {
+            let name = reference.quantities[quantity].name;
+            let place = self.quantities.iter().position(|one| one.name == name);
+            let rms = place.and_then(|place| self.rms_errors.get(place).copied().flatten());
+            let truth = reference.scales[quantity];
+            match rms {
+                Some(rms) if rms > ROUNDING * truth => rms,
+                _ => truth,
+            }
+        };
+        let pairs = pass.values.iter().zip(&reference.values);
+        pairs.into_iter().all(|(one, other)| {
+            let shift = (one.estimate - other.estimate)
+                .abs()
+                .max((one.truth - other.truth).abs());
+            shift <= self.share * scale(one.quantity)
+        })
+    }
+}
+
+/// A noiseless pass with an ideal sensor.
+struct Pass {
+    quantities: &'static [Quantity],
+    values: Vec<PassValue>,
+    /// Of each quantity, the largest magnitude of its truths; where they are 0, of those in the same unit.
+    scales: Vec<f64>,
+}
+
+struct PassValue {
+    quantity: usize,
+    estimate: f64,
+    truth: f64,
+}
+
+/// What is estimated of a cell without noise; `None` where nothing is.
+fn pass(config: &StudyConfig, tolerance: f64) -> Option<Pass> {
+    let mut scene = config.scene.clone();
+    set_tolerance(&mut scene, tolerance);
+    let scene = noiseless(&scene, config.seed)?;
+    let mut values = Vec::new();
+    let quantities = scene.quantities();
+    let mut scales = vec![0.0_f64; quantities.len()];
+    scene
+        .trial(0, |quantity, outcome| {
+            // A class is no number that shifts.
+            if quantities[quantity].name != "class" {
+                scales[quantity] = scales[quantity].max(outcome.truth.abs());
+                values.push(PassValue {
+                    quantity,
+                    estimate: outcome.estimate,
+                    truth: outcome.truth,
+                });
+            }
+        })
+        .ok()?;
+    let of_unit = |place: usize| {
+        let alike = (0..scales.len()).filter(|&one| quantities[one].unit == quantities[place].unit);
+        alike.map(|one| scales[one]).fold(0.0, f64::max)
+    };
+    let scales = (0..scales.len())
+        .map(|place| match scales[place] {
+            0.0 => of_unit(place),
+            scale => scale,
+        })
+        .collect();
+    Some(Pass {
+        quantities,
+        values,
+        scales,
+    })
+}
+
+/// The same scene without noise, read by an ideal sensor.
+fn noiseless(scene: &SceneConfig, seed: u64) -> Option<Scene> {
+    match scene.clone() {
+        SceneConfig::Roll(mut roll) => {
+            roll.noise = Default::default();
+            roll.sensor = RollSensorConfig::Ideal {};
+            RollScene::new(&roll, seed).ok().map(Scene::Roll)
+        }
+        SceneConfig::Glide(mut glide) => {
+            glide.noise = Default::default();
+            if matches!(glide.sensor, GlideSensorConfig::Pads { .. }) {
+                glide.sensor = GlideSensorConfig::default();
+            }
+            GlideScene::new(&glide, seed).ok().map(Scene::Glide)
+        }
+        SceneConfig::Press(mut press) => {
+            press.noise = Default::default();
+            if !matches!(press.sensor, PressSensorConfig::Direct { .. }) {
+                press.sensor = PressSensorConfig::default();
+            }
+            PressScene::new(&press, seed).ok().map(Scene::Press)
+        }
+        SceneConfig::Fingertip(_) => None,
+    }
+}
+
+/// The tolerance of `auto`; `None` of a named model.
+fn tolerance(model: &ModelConfig) -> Option<f64> {
+    match *model {
+        ModelConfig::Roll(RollModelConfig::Auto { tolerance, .. }) => Some(tolerance),
+        _ => None,
+    }
+}
+
+/// Sets the tolerance of `auto`; nothing where a model is named.
+fn set_tolerance(scene: &mut SceneConfig, to: f64) {
+    let model = match scene.model() {
+        Some(ModelConfig::Roll(RollModelConfig::Auto { chart, .. })) => {
+            ModelConfig::Roll(RollModelConfig::Auto {
+                tolerance: to,
+                chart,
+            })
+        }
+        _ => return,
+    };
+    if let Some(changed) = scene.with_model(&model) {
+        *scene = changed;
+    }
+}

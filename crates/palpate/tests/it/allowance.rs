@@ -1,0 +1,372 @@
+//! `palpate run --budget` and `--target-error`: what they choose, and that a rerun needs neither.
+
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::desk::{Desk, RUN_FILES, SCENE, STUDY, assert_untouched, edited};
+
+/// Saddles and noise: no closed form.
+fn saddles() -> String {
+    let study = edited(
+        STUDY,
+        r#"{ kind = "sphere", radius = 50.0 }"#,
+        r#"{ kind = "saddle", a = 0.01 }"#,
+    );
+    edited(
+        &edited(&study, "scene.object.radius", "scene.object.a"),
+        "[50, 5]",
+        "[0.01, 0.02]",
+    )
+}
+
+const GLIDE: &str = r#"name = "a-glide"
+seed = 3
+trials = 2
+
+[scene]
+kind = "glide"
+probe = { kind = "sphere", radius = 0.5 }
+object = { kind = "saddle", a = 0.1 }
+motion = { finger_positions = [-1.0, 0.0, 1.0], inter_finger_distance = 1.0, patch_length = 2.0, contacts_per_finger = 6 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 } }
+estimator = { kind = "quadric" }
+evaluate = { grid = 5, half_width = 0.8, gaussian_threshold = 0.005, mean_threshold = 0.03 }
+"#;
+
+const PRESS: &str = r#"name = "a-press"
+length_unit = "mm"
+trials = 2
+
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = "published" }
+object = { kind = "sphere", radius = 80.0 }
+motion = { indentation = 1.0 }
+model = { kind = "half-space" }
+noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 } }
+estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
+"#;
+
+/// The number that a config line `key = number` has.
+#[track_caller]
+fn setting(toml: &str, key: &str) -> f64 {
+    let line = toml
+        .lines()
+        .find_map(|line| line.strip_prefix(&format!("{key} = ")));
+    line.unwrap_or_else(|| panic!("no {key} in\n{toml}"))
+        .parse()
+        .unwrap()
+}
+
+#[test]
+fn arguments_that_mean_nothing() {
+    let desk = Desk::with(STUDY);
+    for argument in [
+        "--budget 0s",
+        "--budget -3s",
+        "--budget nan",
+        "--budget 1e400s",
+        "--budget soon",
+        "--budget 5d",
+        "--budget inf",
+        "--target-error 0",
+        "--target-error 1",
+        "--target-error 2",
+        "--target-error nan",
+        "--target-error -0.1",
+        "--target-error small",
+        "--trials 5 --budget 3s",
+        "--trials 5 --target-error 0.1",
+    ] {
+        desk.palpate(&format!("run c.toml --out o {argument}"))
+            .said(2);
+        assert_untouched(&desk.path(""));
+    }
+}
+
+#[test]
+fn swept_trials_are_not_chosen() {
+    let desk = Desk::with(&edited(
+        &edited(STUDY, "scene.object.radius", "trials"),
+        "[50, 5]",
+        "[20, 40]",
+    ));
+    for argument in ["--budget 3s", "--target-error 0.1"] {
+        let said = desk
+            .palpate(&format!("run c.toml --out o {argument}"))
+            .said(2);
+        assert!(
+            said.contains(": trials: is swept, so that neither"),
+            "{said}"
+        );
+        assert_untouched(&desk.path(""));
+    }
+}
+
+#[test]
+fn a_budget_that_fits_nothing_tells_the_least() {
+    let desk = Desk::with(STUDY);
+    let said = desk.palpate("run c.toml --budget 1e-6s").said(2);
+    assert!(
+        said.contains("one trial of each cell does not fit into 0.000001 s; the least is about"),
+        "{said}"
+    );
+    assert_untouched(&desk.path(""));
+}
+
+#[test]
+fn a_target_that_asks_too_much_names_the_cell() {
+    let desk = Desk::with(STUDY);
+    let said = desk.palpate("run c.toml --target-error 1e-6").said(2);
+    assert!(said.contains("at most 1e8 are taken"), "{said}");
+    assert!(
+        said.contains("in cell 0: scene.object.radius = 50"),
+        "{said}"
+    );
+    assert_untouched(&desk.path(""));
+}
+
+/// Errors of sums of eight uniform draws are nearly Gaussian: their root mean square has the relative standard error
+/// 1/√(2 N), so that 0.01 takes 5,000 trials, and the margin adds less than half.
+#[test]
+fn trials_follow_from_the_target() {
+    let desk = Desk::with(STUDY);
+    let printed = desk
+        .palpate("run c.toml --out o --target-error 0.01")
+        .printed();
+    let trials = setting(&desk.read("o/run.toml"), "trials");
+    assert!((3500.0..7500.0).contains(&trials), "{trials}");
+    assert!(
+        printed.starts_with(&format!(
+            "trials  {trials} per random cell: the target error;"
+        )),
+        "{printed}"
+    );
+    assert_eq!(desk.table("o/cells.csv").number(0, "trials"), trials);
+}
+
+/// The promise itself: among seeds, root mean squares scatter by no more than the target.
+#[test]
+fn rms_errors_are_known_to_the_target() {
+    const SEEDS: usize = 30;
+    let desk = Desk::with(SCENE);
+    desk.write("c.toml", edited(STUDY, "[50, 5]", "[50]"));
+    let rms: Vec<f64> = (0..SEEDS)
+        .map(|seed| {
+            desk.palpate(&format!(
+                "run c.toml --out o --target-error 0.1 --seed {seed}"
+            ))
+            .printed();
+            desk.table("o/cells.csv").number(0, "rms_error")
+        })
+        .collect();
+    let mean = rms.iter().sum::<f64>() / SEEDS as f64;
+    let variance = rms.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
+    // A standard deviation of 30 numbers is itself known to 13 %: three of these above, and no waste below.
+    let relative = variance.sqrt() / mean;
+    assert!((0.04..0.14).contains(&relative), "{relative}");
+}
+
+#[test]
+fn a_target_needs_no_clock_and_a_rerun_no_target() {
+    for (config, target) in [
+        (STUDY, "0.05"),
+        (&saddles(), "0.05"),
+        (GLIDE, "0.1"),
+        (PRESS, "0.1"),
+    ] {
+        let desk = Desk::with(config);
+        desk.palpate(&format!(
+            "run c.toml --out one --threads 1 --target-error {target}"
+        ))
+        .printed();
+        desk.palpate(&format!(
+            "run c.toml --out two --threads 3 --target-error {target}"
+        ))
+        .printed();
+        desk.palpate("run one/run.toml --out again").printed();
+        assert!(setting(&desk.read("one/run.toml"), "trials") > 20.0);
+        for file in RUN_FILES {
+            let one = desk.read(&format!("one/{file}"));
+            assert_eq!(one, desk.read(&format!("two/{file}")));
+            assert_eq!(one, desk.read(&format!("again/{file}")));
+        }
+    }
+}
+
+#[test]
+fn a_budget_becomes_trials_and_a_rerun_needs_no_budget() {
+    for config in [STUDY, &saddles(), GLIDE, PRESS] {
+        let desk = Desk::with(config);
+        let start = Instant::now();
+        let printed = desk.palpate("run c.toml --out one --budget 1s").printed();
+        // Others use this machine, too.
+        assert!(start.elapsed() < Duration::from_secs(20));
+        assert!(
+            printed.contains(" per random cell: the budget; "),
+            "{printed}"
+        );
+        desk.palpate("run one/run.toml --out again").printed();
+        for file in RUN_FILES {
+            assert_eq!(
+                desk.read(&format!("one/{file}")),
+                desk.read(&format!("again/{file}"))
+            );
+        }
+    }
+}
+
+#[test]
+fn the_lower_of_both_rules() {
+    let desk = Desk::with(STUDY);
+    let printed = desk
+        .palpate("run c.toml --out o --budget 1h --target-error 0.1")
+        .printed();
+    assert!(
+        printed.contains("the target error rules, the budget has time for "),
+        "{printed}"
+    );
+    let printed = desk
+        .palpate("run c.toml --out o --budget 3s --target-error 0.00001")
+        .printed();
+    assert!(printed.contains("the budget rules"), "{printed}");
+}
+
+#[test]
+fn one_rung_is_named_and_several_stay_auto() {
+    let desk = Desk::with(STUDY);
+    desk.palpate("run c.toml --out o --target-error 0.1")
+        .printed();
+    let config = desk.read("o/run.toml");
+    assert!(
+        config.contains("[scene.model]\nkind = \"closed-form\"\n"),
+        "{config}"
+    );
+
+    let objects =
+        "[{ label = \"a\", kind = \"plane\" }, { label = \"b\", kind = \"saddle\", a = 0.01 }]";
+    let study = edited(STUDY, "scene.object.radius", "scene.object");
+    desk.write("c.toml", edited(&study, "[50, 5]", objects));
+    desk.palpate("run c.toml --out o --target-error 0.1")
+        .printed();
+    let config = desk.read("o/run.toml");
+    assert!(
+        config.contains("[scene.model]\nkind = \"auto\"\ntolerance = "),
+        "{config}"
+    );
+}
+
+/// With the same draws, the model that a target takes shifts no mean by more than a tenth of the target's share.
+#[test]
+fn the_model_errs_by_a_tenth_of_the_target() {
+    const TARGET: f64 = 0.05;
+    let desk = Desk::with(&saddles());
+    desk.palpate(&format!("run c.toml --out o --target-error {TARGET}"))
+        .printed();
+    let config = desk.read("o/run.toml");
+    let (before, model) = config.split_once("[scene.model]\n").unwrap();
+    let (_, after) = model.split_once("\n\n").unwrap();
+    let exact = format!("{before}[scene.model]\nkind = \"dop853\"\ntolerance = 1e-13\n\n{after}");
+    desk.write("exact.toml", exact);
+    desk.palpate("run exact.toml --out exact").printed();
+    let (taken, exact) = (desk.table("o/cells.csv"), desk.table("exact/cells.csv"));
+    let mut largest = 0.0_f64;
+    for row in 0..taken.rows.len() {
+        let shift = (taken.number(row, "mean") - exact.number(row, "mean")).abs();
+        let allowed = 0.1 * TARGET * exact.number(row, "rms_error");
+        assert!(
+            shift <= allowed,
+            "row {row}: {shift:e} is not within {allowed:e}"
+        );
+        largest = largest.max(shift);
+    }
+    assert!(largest > 0.0, "the same rung twice tells nothing");
+}
+
+#[test]
+fn what_is_not_random_runs_once() {
+    let desk = Desk::with(SCENE);
+    for argument in ["--target-error 0.1", "--budget 60s"] {
+        let printed = desk
+            .palpate(&format!("run c.toml --out o {argument}"))
+            .printed();
+        assert!(
+            printed.starts_with("trials  1: no cell is random\n"),
+            "{printed}"
+        );
+        assert!(
+            printed.contains("a-study: 1 cells, 1 trials, 0 failed -> o"),
+            "{printed}"
+        );
+        assert_eq!(setting(&desk.read("o/run.toml"), "trials"), 20.0);
+    }
+}
+
+#[test]
+fn heavy_tails_are_told() {
+    // Errors as large as the motion itself: estimates are quotients of what may be next to nothing.
+    let desk = Desk::with(&edited(
+        STUDY,
+        "kind = \"uniform\", fraction = 0.01",
+        "kind = \"gaussian\", fraction = 1.0",
+    ));
+    let ended = desk.palpate("run c.toml --out o --target-error 0.2");
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    assert!(
+        ended.stderr.starts_with("warning: the errors of "),
+        "{ended:?}"
+    );
+    assert!(ended.stderr.contains("have heavy tails"), "{ended:?}");
+}
+
+/// A run that goes on until it is killed.
+fn endless(desk: &Desk, out: &str) -> Child {
+    let path = |name: &str| desk.path(name);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
+    command
+        .arg("run")
+        .arg(path("c.toml"))
+        .arg("--out")
+        .arg(path(out));
+    command.args(["--trials", "1000000000000", "--threads", "1"]);
+    command
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// Kills a run once a file is there.
+fn killed_after(desk: &Desk, mut run: Child, file: &str) {
+    let start = Instant::now();
+    while !desk.path(file).exists() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    run.kill().unwrap();
+    run.wait().unwrap();
+}
+
+#[test]
+fn an_interrupted_run_leaves_its_config_and_no_tables() {
+    let desk = Desk::with(STUDY);
+    killed_after(&desk, endless(&desk, "o"), "o/run.toml");
+    assert_eq!(desk.names("o"), ["run.toml"]);
+    assert_eq!(setting(&desk.read("o/run.toml"), "trials"), 1e12);
+}
+
+#[test]
+fn an_interrupted_run_does_not_touch_older_results() {
+    let desk = Desk::with(STUDY);
+    desk.palpate("run c.toml --out o").printed();
+    let before = RUN_FILES.map(|file| desk.read(&format!("o/{file}")));
+    killed_after(&desk, endless(&desk, "o"), "o/next-run.toml");
+    assert_eq!(
+        RUN_FILES.map(|file| desk.read(&format!("o/{file}"))),
+        before
+    );
+    assert_eq!(setting(&desk.read("o/next-run.toml"), "trials"), 1e12);
+    // The next run that ends takes its place.
+    desk.palpate("run c.toml --out o --trials 30").printed();
+    assert_eq!(desk.names("o"), RUN_FILES);
+    assert_eq!(setting(&desk.read("o/run.toml"), "trials"), 30.0);
+}

@@ -1,0 +1,182 @@
+//! Where names stand beside points, so that none hides another name or a point.
+
+use super::NAME;
+use crate::plot::canvas::Point;
+use crate::plot::lettering::width;
+
+/// How far from its point a name may stand, pixels.
+const DISTANCES: [f64; 6] = [9.0, 18.0, 30.0, 45.0, 62.0, 82.0];
+/// From here on a line leads to it.
+const LED: f64 = 15.0;
+const DIRECTIONS: usize = 24;
+/// Half the height of a name, with air.
+const HALF: f64 = 0.62 * NAME;
+/// Room around a point.
+const POINT: f64 = 6.0;
+
+/// What it costs to hide a thing, in pixels of distance.
+const HIDES_NAME: f64 = 1e6;
+const HIDES_POINT: f64 = 1e5;
+const OUTSIDE: f64 = 1e7;
+const CROSSES_FRONT: f64 = 30.0;
+const HIDES_BEATEN: f64 = 12.0;
+
+/// A name in its place.
+pub(super) struct Name {
+    pub(super) text: String,
+    /// Left end, at the middle of its height.
+    pub(super) place: Point,
+    /// From the point to the name, where they are far apart.
+    pub(super) leader: Option<[Point; 2]>,
+    pub(super) bounds: Bounds,
+}
+
+/// A rectangle: left, top, right, bottom.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bounds([f64; 4]);
+
+impl Bounds {
+    fn around((x, y): Point, half: (f64, f64)) -> Self {
+        Self([x - half.0, y - half.1, x + half.0, y + half.1])
+    }
+
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        let [left, top, right, bottom] = self.0;
+        let [other_left, other_top, other_right, other_bottom] = other.0;
+        left < other_right && other_left < right && top < other_bottom && other_top < bottom
+    }
+
+    fn within(&self, frame: [f64; 4]) -> bool {
+        let [left, top, right, bottom] = self.0;
+        left >= frame[0] + 2.0
+            && top >= frame[1] + 1.0
+            && right <= frame[2] - 2.0
+            && bottom <= frame[3] - 1.0
+    }
+
+    /// The place in it that is nearest to a point.
+    fn nearest(&self, (x, y): Point) -> Point {
+        let [left, top, right, bottom] = self.0;
+        (x.clamp(left, right), y.clamp(top, bottom))
+    }
+}
+
+/// Places the names of points one after the other, each where it hides the least, within a frame.
+pub(super) fn place(named: &[(&str, Point)], beaten: &[Point], frame: [f64; 4]) -> Vec<Name> {
+    let front: Vec<Point> = named.iter().map(|(_, place)| *place).collect();
+    let mut names: Vec<Name> = Vec::new();
+    for (text, point) in named {
+        let half_width = 0.5 * width(text, NAME) + 2.0;
+        let candidates = DISTANCES.iter().flat_map(|&distance| {
+            (0..DIRECTIONS).map(move |at| candidate(*point, half_width, distance, at))
+        });
+        let cost = |(distance, bounds): &(f64, Bounds)| {
+            *distance + hidden(bounds, *point, &names, &front, beaten, frame)
+        };
+        let best = candidates.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let Some((distance, bounds)) = best else {
+            continue;
+        };
+        let [left, top, _, bottom] = bounds.0;
+        names.push(Name {
+            text: (*text).to_owned(),
+            place: (left + 2.0, 0.5 * (top + bottom)),
+            leader: (distance > LED).then(|| [*point, bounds.nearest(*point)]),
+            bounds,
+        });
+    }
+    names
+}
+
+/// A name at a distance in one of the directions, first level to the right.
+fn candidate((x, y): Point, half_width: f64, distance: f64, at: usize) -> (f64, Bounds) {
+    let angle = std::f64::consts::TAU * at as f64 / DIRECTIONS as f64;
+    let (sine, cosine) = angle.sin_cos();
+    let centre = (
+        x + cosine * (distance + half_width),
+        y - sine * (distance + HALF),
+    );
+    (distance, Bounds::around(centre, (half_width, HALF)))
+}
+
+fn hidden(
+    bounds: &Bounds,
+    own: Point,
+    names: &[Name],
+    front: &[Point],
+    beaten: &[Point],
+    frame: [f64; 4],
+) -> f64 {
+    let mut cost = if bounds.within(frame) { 0.0 } else { OUTSIDE };
+    let point = |place: &&Point| bounds.meets(&Bounds::around(**place, (POINT, POINT)));
+    cost += HIDES_POINT * front.iter().filter(point).count() as f64;
+    cost += HIDES_BEATEN * beaten.iter().filter(point).count() as f64;
+    let leader = bounds.nearest(own);
+    for name in names {
+        let crossed =
+            along(own, leader).any(|at| name.bounds.meets(&Bounds::around(at, (1.0, 1.0))));
+        if bounds.meets(&name.bounds) || crossed {
+            cost += HIDES_NAME;
+        }
+        if let Some([from, to]) = name.leader
+            && along(from, to).any(|at| bounds.meets(&Bounds::around(at, (1.0, 1.0))))
+        {
+            cost += HIDES_NAME;
+        }
+    }
+    let crossings = front.windows(2).filter(|pair| {
+        along(pair[0], pair[1]).any(|at| bounds.meets(&Bounds::around(at, (1.0, 1.0))))
+    });
+    cost + CROSSES_FRONT * crossings.count() as f64
+}
+
+/// Places along a segment.
+fn along(from: Point, to: Point) -> impl Iterator<Item = Point> {
+    (0..=40).map(move |step| {
+        let share = f64::from(step) / 40.0;
+        (
+            from.0 + share * (to.0 - from.0),
+            from.1 + share * (to.1 - from.1),
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_hides_a_name_or_a_point_even_where_points_crowd() {
+        let named: Vec<(String, Point)> = (0..9)
+            .map(|at| {
+                let place = (80.0 + 25.0 * f64::from(at), 20.0 + 11.0 * f64::from(at));
+                (format!("RK4 × {}, Montana", 1 << at), place)
+            })
+            .collect();
+        let named: Vec<(&str, Point)> = named
+            .iter()
+            .map(|(name, at)| (name.as_str(), *at))
+            .collect();
+        let names = place(&named, &[], [0.0, 0.0, 700.0, 230.0]);
+        assert_eq!(names.len(), named.len());
+        for (at, name) in names.iter().enumerate() {
+            assert!(
+                name.bounds.within([0.0, 0.0, 700.0, 230.0]),
+                "{}",
+                name.text
+            );
+            for other in &names[..at] {
+                assert!(
+                    !name.bounds.meets(&other.bounds),
+                    "{} {}",
+                    name.text,
+                    other.text
+                );
+            }
+            for (_, point) in &named {
+                let point = Bounds::around(*point, (POINT, POINT));
+                assert!(!name.bounds.meets(&point), "{}", name.text);
+            }
+        }
+    }
+}

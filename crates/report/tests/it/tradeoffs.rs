@@ -1,0 +1,130 @@
+//! Tables of speed against accuracy, and what the page makes of the tables beside the studies.
+
+use crate::fixture::{Cells, Numbers, config};
+use palpate_report::{ReportError, Study, draw_tradeoff, page};
+use std::fs;
+use std::path::Path;
+
+const LADDERS: &str = "ladder,title,error_of,evaluation,scene,what
+rolling,What does a roll cost?,error of the place,one roll,easy,a ball
+rolling,What does a roll cost?,error of the place,one roll,hard,an ellipsoid
+";
+const RUNGS: &str = "ladder,scene,rung,setting,error,median_ns,q25_ns,q75_ns,instructions,pareto
+rolling,easy,closed form,,2.2e-16,40,39,41,200,true
+rolling,easy,RK4 × 1,1,1e-3,80,79,81,500,false
+rolling,hard,RK4 × 1,1,0.2,90,89,91,600,true
+rolling,hard,RK4 × 8,8,1e-4,900,899,901,6000,true
+";
+const ANSWERS: &str = "ladder,scene,target,rung,error,median_ns,instructions
+rolling,easy,10 %,closed form,2.2e-16,40,200
+rolling,easy,1e-6,closed form,2.2e-16,40,200
+rolling,hard,10 %,RK4 × 8,1e-4,900,6000
+rolling,hard,1e-6,none,,,
+";
+const STAGES: &str = "scene,stage,median_ns,random_draws
+roll,ideal,40,0
+roll,noise,90,16
+";
+
+fn fill(folder: &Path) {
+    fs::create_dir_all(folder).unwrap();
+    for (name, text) in [
+        ("ladders.csv", LADDERS),
+        ("rungs.csv", RUNGS),
+        ("answers.csv", ANSWERS),
+        ("stages.csv", STAGES),
+    ] {
+        fs::write(folder.join(name), text).unwrap();
+    }
+}
+
+#[test]
+fn a_picture_names_the_front_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    fill(folder.path());
+    let files = draw_tradeoff(folder.path()).unwrap();
+    let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap()).collect();
+    assert_eq!(names, ["rolling.svg", "rolling.png"]);
+    let svg = fs::read_to_string(&files[0]).unwrap();
+    for text in [
+        "easy: a ball",
+        "hard: an ellipsoid",
+        "cost of one roll, instructions",
+        "closed form",
+        "RK4 × 8",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    // Beaten on the easy scene, on the front of the hard one.
+    assert_eq!(svg.matches("RK4 × 1\n").count(), 1, "{svg}");
+}
+
+#[test]
+fn without_instructions_the_axis_is_time() {
+    let folder = tempfile::tempdir().unwrap();
+    fill(folder.path());
+    let rungs = RUNGS.replace(",6000,", ",,");
+    fs::write(folder.path().join("rungs.csv"), rungs).unwrap();
+    let files = draw_tradeoff(folder.path()).unwrap();
+    let svg = fs::read_to_string(&files[0]).unwrap();
+    assert!(svg.contains("cost of one roll, ns"), "{svg}");
+}
+
+#[test]
+fn an_error_that_a_log_axis_cannot_show_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    fill(folder.path());
+    for value in ["0", "-1", "NaN", "inf", ""] {
+        let rungs = RUNGS.replace(",0.2,", &format!(",{value},"));
+        fs::write(folder.path().join("rungs.csv"), rungs).unwrap();
+        let error = draw_tradeoff(folder.path()).unwrap_err();
+        let named =
+            matches!(&error, ReportError::BadCell { line: 4, column, .. } if column == "error");
+        assert!(named, "{value}: {error}");
+    }
+    assert!(!folder.path().join("rolling.svg").exists());
+}
+
+#[test]
+fn the_page_shows_what_is_measured_beside_its_studies() {
+    let results = tempfile::tempdir().unwrap();
+    let mut cells = Cells::new("scene.object.radius_cm");
+    cells.push("5", Numbers::new(0.2, 0.1));
+    let (made, _) = cells.study(&config("sphere", ""));
+    let folder = results.path().join("study");
+    fs::create_dir(&folder).unwrap();
+    for file in fs::read_dir(made.path()).unwrap() {
+        let file = file.unwrap();
+        fs::copy(file.path(), folder.join(file.file_name())).unwrap();
+    }
+    let study = || Study::load(&folder).unwrap();
+    assert!(!page(&[study()]).unwrap().contains("Speed against accuracy"));
+
+    fill(&results.path().join("tradeoff"));
+    let extremes = "entry,input,outcome,value,truth,error,condition,bound,verdict
+a::f,0,zero,,,,,,refused
+a::f,1,value,1,1,0,1,1e-15,within-bound
+a::f,2,value,1,1,0,1,1e-15,within-bound
+b::g,1,value,1,1,0,1,1e-15,within-bound
+";
+    fs::write(results.path().join("extremes.csv"), extremes).unwrap();
+    fs::write(
+        results.path().join("peers.csv"),
+        "task,peer,ratio\nroll <1>,other,3.14159265\n",
+    )
+    .unwrap();
+    let html = page(&[study()]).unwrap();
+    for part in [
+        "Speed against accuracy",
+        "<td>hard: an ellipsoid</td><td>RK4 × 8<span class=\"cost\">900 ns, 6 k instructions</span></td><td>none</td>",
+        "<td class=\"number\">16</td>",
+        "4 cases",
+        "<td>a::f</td><td class=\"number\">1</td><td class=\"number\">2</td>",
+        "<td>roll &lt;1&gt;</td>",
+        "3.142",
+        "<svg",
+    ] {
+        assert!(html.contains(part), "{part}\n{html}");
+    }
+    assert!(!html.contains("<?xml"));
+}

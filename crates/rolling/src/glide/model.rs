@@ -1,0 +1,168 @@
+//! How the contact of a gliding fingertip is found.
+
+use palpate_geometry::{InvalidShape, Shape};
+use thiserror::Error;
+
+use super::closed_form::Offset;
+use super::{Fingertip, Glider};
+use crate::{Choice, Model};
+
+/// Error of a closed form, away from the object's rim.
+const CLOSED_FORM_ERROR: f64 = 1e-14;
+
+/// How the contact of a fingertip is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TouchModel {
+    /// The closed form where there is one, else Newton's method at this tolerance.
+    Auto {
+        /// Largest error of the contact's place, relative to the tip's radius: from
+        /// [`Model::SMALLEST_TOLERANCE`] to [`Model::LARGEST_TOLERANCE`].
+        tolerance: f64,
+    },
+    /// The closed form or nothing: of points, and of round tips on planes, spheres, dishes and
+    /// cylinders.
+    ClosedForm,
+    /// Newton's method on the offset surface of a round tip.
+    Newton {
+        /// As of [`TouchModel::Auto`].
+        tolerance: f64,
+    },
+}
+
+impl Default for TouchModel {
+    fn default() -> Self {
+        Self::Auto {
+            tolerance: Self::DEFAULT_TOLERANCE,
+        }
+    }
+}
+
+impl TouchModel {
+    /// Where nothing else is said.
+    pub const DEFAULT_TOLERANCE: f64 = 1e-12;
+}
+
+/// A glide that cannot be set up.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum InvalidTouch {
+    /// No such fingertip.
+    #[error("{0}")]
+    Tip(#[from] InvalidShape),
+    /// A rung was asked for that cannot do this.
+    #[error("the {rung} rung cannot do this: {reason}")]
+    Unsupported {
+        /// Which.
+        rung: &'static str,
+        /// Why not.
+        reason: String,
+    },
+    /// A tolerance that means nothing.
+    #[error(
+        "tolerance is {tolerance}; it must be from {} to {}",
+        Model::SMALLEST_TOLERANCE,
+        Model::LARGEST_TOLERANCE
+    )]
+    Tolerance {
+        /// Its value.
+        tolerance: f64,
+    },
+}
+
+/// A way to find the contacts of round tips, ready to be used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum TouchRung {
+    /// A point touches straight below.
+    Point,
+    Offset(Offset),
+    Newton {
+        radius: f64,
+        tolerance: f64,
+    },
+}
+
+impl TouchRung {
+    pub(super) fn cheapest(object: &Shape, fingertip: Fingertip, tolerance: f64) -> Self {
+        match fingertip {
+            Fingertip::Point => Self::Point,
+            Fingertip::Sphere { radius } => {
+                let newton = Self::Newton { radius, tolerance };
+                Offset::of(object, radius).map_or(newton, Self::Offset)
+            }
+        }
+    }
+
+    /// The rung that `model` takes.
+    fn of(model: TouchModel, object: &Shape, fingertip: Fingertip) -> Result<Self, InvalidTouch> {
+        let unsupported = |rung, reason| Err(InvalidTouch::Unsupported { rung, reason });
+        let tolerance = match model {
+            TouchModel::Auto { tolerance } | TouchModel::Newton { tolerance } => tolerance,
+            TouchModel::ClosedForm => TouchModel::DEFAULT_TOLERANCE,
+        };
+        if !(Model::SMALLEST_TOLERANCE..=Model::LARGEST_TOLERANCE).contains(&tolerance) {
+            return Err(InvalidTouch::Tolerance { tolerance });
+        }
+        match (
+            model,
+            fingertip,
+            Self::cheapest(object, fingertip, tolerance),
+        ) {
+            (TouchModel::ClosedForm, _, Self::Newton { .. }) => {
+                let reason = format!("a round tip on a {} has no closed form", object.name());
+                unsupported("closed form", reason)
+            }
+            (TouchModel::Newton { .. }, Fingertip::Point, _) => {
+                unsupported("Newton", "a point touches straight below".to_owned())
+            }
+            (TouchModel::Newton { .. }, Fingertip::Sphere { radius }, _) => {
+                Ok(Self::Newton { radius, tolerance })
+            }
+            (TouchModel::Auto { .. } | TouchModel::ClosedForm, _, cheapest) => Ok(cheapest),
+        }
+    }
+}
+
+impl Glider {
+    /// The same fingertip on the same object, by another model.
+    ///
+    /// # Errors
+    /// [`InvalidTouch`] where the tolerance is out of range, or the rung cannot do it.
+    pub fn on(&self, model: TouchModel) -> Result<Self, InvalidTouch> {
+        let rung = TouchRung::of(model, &self.object, self.fingertip)?;
+        Ok(Self {
+            object: self.object.clone(),
+            fingertip: self.fingertip,
+            rung,
+        })
+    }
+
+    /// How contacts are found, and why so.
+    pub fn choice(&self) -> Choice<TouchModel> {
+        let name = self.object.name();
+        let (rung, model, reason, bound) = match self.rung {
+            TouchRung::Point => (
+                "closed form: points".to_owned(),
+                TouchModel::ClosedForm,
+                "they touch straight below".to_owned(),
+                CLOSED_FORM_ERROR,
+            ),
+            TouchRung::Offset(_) => (
+                format!("closed form: a round tip on a {name}"),
+                TouchModel::ClosedForm,
+                "the offset surface is of the same kind".to_owned(),
+                CLOSED_FORM_ERROR,
+            ),
+            TouchRung::Newton { tolerance, .. } => (
+                format!("Newton's method on the offset surface, tolerance {tolerance:e}"),
+                TouchModel::Newton { tolerance },
+                format!("a round tip on a {name} has no closed form"),
+                tolerance,
+            ),
+        };
+        Choice {
+            rung,
+            model,
+            reason,
+            error_bound: Some(bound),
+        }
+    }
+}

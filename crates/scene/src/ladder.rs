@@ -1,0 +1,73 @@
+//! The ladder of a scene: the models by which its truth can be computed, and which of them is taken.
+
+use crate::Scene;
+use crate::config::{ConfigError, ModelConfig, SceneConfig, Study};
+
+/// The rungs on which the truth of a cell's scene can be computed, cheapest first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ladder {
+    /// The rungs, cheapest first; those that cannot do the scene are among them.
+    pub rungs: Vec<Rung>,
+    /// The index of the rung that is taken: the one that the config names, or the choice of `auto`.
+    pub taken: usize,
+    /// Why that one.
+    pub reason: String,
+    /// The largest error that `auto` allows; `None` where the config names a rung.
+    pub tolerance: Option<f64>,
+}
+
+/// A model by which the truth of a scene can be computed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rung {
+    /// The model with its setting, in words.
+    pub name: String,
+    /// The same as it stands in a config: never `auto`.
+    pub model: ModelConfig,
+    /// How far the noiseless truth is off, against the ladder's best; or why this rung cannot do the scene. Of a roll,
+    /// contacts at the end, relative to the first contact's length scale; of a glide, contacts, relative to the tip's
+    /// radius; of a press, displacements of markers, relative to the largest.
+    pub outcome: Result<f64, String>,
+}
+
+impl Ladder {
+    /// The rung that is taken.
+    pub fn taken(&self) -> &Rung {
+        &self.rungs[self.taken]
+    }
+}
+
+impl Study {
+    /// The ladder of a cell's scene; `None` of one that touches nothing.
+    ///
+    /// # Errors
+    /// As [`Study::estimable_scene`].
+    ///
+    /// # Panics
+    /// If `cell` is not the index of a cell.
+    pub fn ladder(&self, cell: usize) -> Result<Option<Ladder>, ConfigError> {
+        let scene = self.estimable_scene(cell)?;
+        let config = &self.cells[cell].config.scene;
+        Ok(match (&scene, config) {
+            (Scene::Roll(scene), SceneConfig::Roll(config)) => Some(scene.ladder(config)),
+            _ => None,
+        })
+    }
+
+    /// The scene of a cell on another rung of its ladder.
+    ///
+    /// # Errors
+    /// As [`Study::scene`]: where the rung cannot do the scene, at `scene.model`.
+    ///
+    /// # Panics
+    /// If `cell` is not the index of a cell.
+    pub fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError> {
+        let config = &self.cells[cell].config;
+        match config.scene.with_model(&rung.model) {
+            Some(scene) => self.scene_of(cell, &scene, config.seed),
+            None => {
+                let message = format!("{} is no model of this kind of scene", rung.name);
+                Err(self.error_at(cell, "scene.model", message))
+            }
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The ladder of a roll.
+
+use palpate_rolling::{Chart, MeasuredRung, Model, Motion, Rolls};
+
+use super::RollScene;
+use super::plan::{chart, cut};
+use crate::config::{self, ModelConfig, RollAxis, RollConfig, RollModelConfig};
+use crate::ladder::{Ladder, Rung};
+
+impl RollScene {
+    /// The rungs of this scene, which is that of `config`.
+    pub(crate) fn ladder(&self, config: &RollConfig) -> Ladder {
+        let cut = |command: &Motion| cut(command, self.noise.pieces());
+        let rolls: Vec<Vec<Motion>> = self.commands.iter().map(cut).collect();
+        let form = config.model.chart().unwrap_or(match config.motion.axis {
+            RollAxis::Transported => config::Chart::Free,
+            RollAxis::Chart => config::Chart::Montana,
+        });
+        let chart = chart(form, config.motion.axis);
+        let measured = self.roller.ladder(chart, Rolls { rolls: &rolls });
+        let choice = self.roller.choice();
+        let taken = |rung: &MeasuredRung| rung.model == choice.model;
+        Ladder {
+            taken: measured.iter().position(taken).unwrap_or(0),
+            reason: choice.reason.clone(),
+            tolerance: match config.model {
+                RollModelConfig::Auto { tolerance, .. } => Some(tolerance),
+                _ => None,
+            },
+            rungs: measured
+                .into_iter()
+                .map(|rung| Rung {
+                    name: rung.name,
+                    model: ModelConfig::Roll(named(rung.model)),
+                    outcome: rung.outcome,
+                })
+                .collect(),
+        }
+    }
+}
+
+/// The model as it stands in a config.
+fn named(model: Model) -> RollModelConfig {
+    let of = |chart: Chart| match chart {
+        Chart::Free => config::Chart::Free,
+        Chart::Montana(_) => config::Chart::Montana,
+    };
+    match model {
+        Model::Auto { tolerance, chart } => RollModelConfig::Auto {
+            tolerance,
+            chart: of(chart),
+        },
+        Model::ClosedForm => RollModelConfig::ClosedForm {},
+        Model::Meridian => RollModelConfig::Meridian {},
+        Model::Rk4 { steps, chart } => RollModelConfig::Rk4 {
+            steps: u32::try_from(steps).unwrap_or(u32::MAX),
+            chart: of(chart),
+        },
+        Model::Dop853 { tolerance, chart } => RollModelConfig::Dop853 {
+            tolerance,
+            chart: of(chart),
+        },
+    }
+}

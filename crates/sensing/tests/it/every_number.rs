@@ -1,0 +1,159 @@
+//! Any bit patterns: sensors that read finite numbers, or named errors.
+
+use nalgebra::{Point3, Vector2, Vector3};
+use palpate_sensing::{
+    AngularVelocityError, Channel, Distribution, Encoder, GaussianError, NormalError, PadLayout,
+    PadOffset, Pads, PositionAxes, PositionError, Stream, UniformLattice, Wrist, direction_at,
+    displacement_between,
+};
+use proptest::prelude::*;
+
+/// Any double at all, or one of everyday size.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        any::<u64>().prop_map(f64::from_bits),
+        -2.0..2.0_f64,
+        (-12.0..3.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        Just(0.0),
+        Just(-0.0),
+    ]
+}
+
+fn is_tame(value: f64) -> bool {
+    value.abs() <= 1e150
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn pads_read_numbers_or_errors(
+        made in [number(), number(), number()],
+        moved in [number(), number()],
+        towards in [number(), number(), number()],
+        trial in any::<u64>(),
+    ) {
+        let [radius, share, cap] = made;
+        for layout in [PadLayout::Square, PadLayout::Uniform] {
+            for offset in [PadOffset::Centred, PadOffset::Random] {
+                let Ok(pads) = Pads::new(radius, share * radius, layout, offset, cap) else {
+                    continue;
+                };
+                let placement = pads.place(|| Stream::new(1, trial, Channel::PadOffset));
+                let displacement = Vector2::from(moved) * radius;
+                if let Ok(read) = pads.read(&placement, &displacement) {
+                    prop_assert!(read.iter().all(|length| length.is_finite()), "{pads:?}: {read}");
+                }
+                let unit = Vector3::from(towards).try_normalize(1e-150);
+                let unit = unit.filter(|unit| (unit.norm() - 1.0).abs() < 1e-9);
+                if let Some(unit) = unit
+                    && let Ok(sensed) = pads.sensed_direction(&placement, &Vector3::y(), &unit)
+                {
+                    prop_assert!((sensed.norm() - 1.0).abs() < 1e-9, "{pads:?}: {sensed}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_lattice_finds_a_pad_for_any_direction(
+        pitch in number(),
+        towards in [number(), number(), number()],
+    ) {
+        if let Ok(lattice) = UniformLattice::with_pitch(pitch) {
+            let pad = lattice.nearest(&Vector3::from(towards));
+            prop_assert!(pad < lattice.pads());
+            prop_assert!((lattice.direction(pad).norm() - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn noise_of_any_size_is_finite(
+        size in number(),
+        radius in number(),
+        place in [number(), number(), number()],
+        trial in any::<u64>(),
+    ) {
+        let mut stream = Stream::new(2, trial, Channel::Position);
+        prop_assume!(place.iter().all(|&x| is_tame(x)));
+        for distribution in [Distribution::Uniform, Distribution::Gaussian] {
+            if let Ok(error) = AngularVelocityError::new(distribution, size) {
+                let drawn = error.draw(&mut stream, place[0]);
+                prop_assert!(drawn.iter().all(|rate| rate.is_finite()), "{error:?}: {drawn}");
+                prop_assert!(error.relative_std().is_finite());
+            }
+            if let Ok(error) = PositionError::new(distribution, size, PositionAxes::Xyz) {
+                let read = error.read(&mut stream, &Point3::from(place));
+                prop_assert!(read.iter().all(|x| x.is_finite()), "{error:?}: {read}");
+            }
+        }
+        if let Ok(error) = GaussianError::new(size) {
+            prop_assert!(error.draw(&mut stream).is_finite());
+            prop_assert!(error.averaged(3).std().is_finite());
+        }
+        if let Ok(error) = NormalError::new(size) {
+            let read = error.read(&mut stream, &Vector3::x());
+            prop_assert!((read.norm() - 1.0).abs() < 1e-14);
+        }
+        if let Ok(wrist) = Wrist::new(size, radius) {
+            let far = Vector2::new(place[0], place[1]) * radius;
+            if far.iter().all(|x| is_tame(x / radius)) {
+                let read = wrist.read(&mut stream, &far);
+                let angle = (read / radius).norm();
+                prop_assert!(angle <= 3.15 || radius < 1e-300, "{wrist:?}: {read}");
+            }
+        }
+        if let Ok(encoder) = Encoder::new(size) {
+            let read = encoder.read(&Vector2::new(place[0], place[1]));
+            prop_assert!(read.iter().all(|angle| angle.is_finite()), "{encoder:?}: {read}");
+        }
+    }
+
+    #[test]
+    fn the_maps_of_the_sphere_undo_each_other(
+        angle in (-12.0..0.49_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        azimuth in -3.2..3.2_f64,
+        far in [number(), number()],
+    ) {
+        let displacement = Vector2::new(azimuth.cos(), azimuth.sin()) * angle;
+        let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
+        // The nearer to the opposite side, the less a direction tells.
+        let bound = 1e-15 * angle * (1.0 + angle / angle.sin());
+        prop_assert!((back - displacement).norm() <= bound.max(4e-16 * angle), "{back}");
+        if far.iter().all(|&x| is_tame(x)) {
+            prop_assert!((direction_at(&Vector2::from(far)).norm() - 1.0).abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn displacements_too_small_to_be_squared_are_on_the_cap_and_large_ones_are_not() {
+    for radius in [1e-200, 1.0, 1e200] {
+        let pads = Pads::new(
+            radius,
+            0.1 * radius,
+            PadLayout::Square,
+            PadOffset::Centred,
+            1.0,
+        );
+        let pads = pads.unwrap();
+        let placement = pads.place(|| panic!("drew"));
+        let read = |share: f64| pads.read(&placement, &(Vector2::new(share, 0.0) * radius));
+        assert!(read(0.5).is_ok() && read(1e-100).is_ok());
+        assert_eq!(read(1.1).unwrap_err().angle_rad, 1.1);
+    }
+}
+
+#[test]
+fn a_pitch_that_no_double_resolves_is_refused() {
+    for pitch in [5e-324, 1e-310, 1e-16] {
+        let made = Pads::new(1.0, pitch, PadLayout::Square, PadOffset::Centred, 1.0);
+        assert_eq!(made.unwrap_err().parameter, "pitch");
+    }
+}
+
+#[test]
+fn noise_beyond_the_range_of_numbers_is_refused() {
+    assert!(Wrist::new(1e300, 1e-300).is_err());
+    assert!(AngularVelocityError::new(Distribution::Gaussian, 1e300).is_err());
+}
