@@ -76,7 +76,7 @@ fn is_sound(contact: &Contact) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..Default::default() })]
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn rolls_end_in_numbers_or_in_errors(
@@ -94,9 +94,9 @@ proptest! {
         let plain = Motion::rolling(x, y, duration_s);
         // A hundred thousand steps to nowhere take their time; the harness of extremes waits for them.
         let is_short = |motion: &Motion| {
-            let turn = motion.angular_velocity.norm() * motion.duration_s;
-            let way = motion.sliding.norm() * motion.duration_s / made[3].min(made[0]);
-            !(turn.abs() + way.abs() > 6.0 && turn.is_finite() && way.is_finite())
+            let sharpness = 1.0 / made[3] + made[0].abs() + 1.0 / made[0].abs();
+            let way = motion.sliding.norm() + motion.angular_velocity.norm() * made[3];
+            !(way * motion.duration_s * sharpness > 6.0) && motion.angular_velocity.z.abs() < 6.0
         };
         let Ok(probe) = Probe::new(made[3]) else { return Ok(()) };
         let at = [(0.0, 0.0), (place[0], place[1])];
@@ -156,13 +156,18 @@ proptest! {
         let there = Motion::rolling(direction, 1.0, theta);
         let back = Motion { angular_velocity: -there.angular_velocity, ..there };
         let auto = Model::Auto { tolerance: 1e-10, chart: Chart::Free };
-        for object in [sphere(size), paraboloid(0.5 / size), saddle(0.1 / size.max(probe))] {
+        let smaller = probe.min(size);
+        for (object, scale) in [
+            (sphere(size), smaller),
+            (paraboloid(0.5 / size), smaller),
+            (saddle(0.1 / size.max(probe)), probe),
+        ] {
             let rolls = [vec![there, back]];
             let rolls = Rolls { rolls: &rolls };
             let made = Probe::new(probe).unwrap();
             let roller = Roller::new(made, object.clone(), (0.1 * size.min(probe), 0.0), auto, rolls).unwrap();
             let end = roller.roll(&[there, back]).unwrap();
-            let scale = probe.min(size) * 1e-8;
+            let scale = scale * 1e-8;
             let off = (end.on_object - roller.first_contact().on_object).norm();
             prop_assert!(off <= scale, "{}: {off:e} of {scale:e}", object.name());
             let shift = end.shift_from(roller.first_contact(), probe);
