@@ -2,8 +2,8 @@
 
 use nalgebra::{Point3, Rotation3, Vector3};
 use palpate_ep2::{
-    Contact, Ep2Error, MapPoint, Method, Noise, Patch, Penalised, Quadric, SmoothingSpline,
-    TwoPass, WeightedPoint, regions,
+    Contact, Curvature, Ep2Error, MapPoint, Method, Noise, Patch, Penalised, Quadric,
+    SmoothingSpline, TwoPass, Uncertainty, WeightedPoint, regions,
 };
 use palpate_geometry::ShapeThresholds;
 use proptest::prelude::*;
@@ -112,6 +112,29 @@ fn maps_of_too_many_places_and_regions_of_other_numbers_are_refused() {
         regions(3, &points, &thresholds).map_err(name).err(),
         Some("out-of-range")
     );
+}
+
+/// A spread that rounding swallows leaves one class, and one that no double holds leaves none.
+#[test]
+fn uncertainties_of_any_size_give_probabilities_or_none() {
+    let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
+    let of = |std: f64| {
+        let uncertainty = Some(Uncertainty {
+            gaussian_std: std,
+            mean_std: std,
+            correlation: 0.5,
+        });
+        Curvature {
+            gaussian: 1.0,
+            mean: 1.0,
+            uncertainty,
+        }
+        .class_probabilities(&thresholds)
+    };
+    for std in [f64::from_bits(1), 1e-300, 1e-17] {
+        assert_eq!(of(std).unwrap().iter().copied().fold(0.0, f64::max), 1.0);
+    }
+    assert_eq!((of(f64::MAX), of(f64::NAN)), (None, None));
 }
 
 proptest! {
