@@ -1,12 +1,119 @@
 //! Instruction counts and accuracy against the committed baseline.
+//!
+//! Wall time is no part of it: it is only reported, by `cargo bench`; see crates/assay/BENCHES.md.
 
-use anyhow::{Result, bail};
+mod baseline;
+mod benches;
+mod changelog;
+mod instructions;
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
 use clap::Args;
-use xshell::Shell;
+use xshell::{Shell, cmd};
+
+use crate::palpate::target_dir;
+use crate::peers::replace;
+use baseline::{Comparison, Figures, Limits};
+
+const DIRECTORY: &str = "crates/assay/baseline";
+const INSTRUCTIONS: &str = "instructions.csv";
+const ACCURACY: &str = "accuracy.csv";
+
+/// Counts hardly scatter, but depend on where the linker puts what.
+const COST: Limits = Limits {
+    what: "instructions",
+    allowed: 0.03,
+    floor: 0.0,
+};
+/// Below 1e-13, rounding rules, and every mathematical library rounds its own way.
+const ERROR: Limits = Limits {
+    what: "error",
+    allowed: 0.01,
+    floor: 1e-13,
+};
 
 #[derive(Args)]
-pub(crate) struct Options {}
+pub(crate) struct Options {
+    /// Take what is measured as the baseline; where an error changes, CHANGELOG.md must say why.
+    #[arg(long)]
+    accept: bool,
+}
 
-pub(crate) fn run(_shell: &Shell, _options: &Options) -> Result<()> {
-    bail!("not yet here")
+pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
+    benches::check(shell)?;
+    let errors = compare(shell, ACCURACY, &ERROR, accuracy(shell)?)?;
+    let counts = match instructions::count(shell)? {
+        Ok(counts) => Some(compare(shell, INSTRUCTIONS, &COST, counts)?),
+        Err(absent) => {
+            println!("instructions are not compared: {absent}");
+            None
+        }
+    };
+    if options.accept {
+        return accept(shell, &errors, counts.as_ref());
+    }
+    let failed: Vec<&str> = [Some(&errors), counts.as_ref()]
+        .into_iter()
+        .flatten()
+        .filter(|comparison| comparison.fails())
+        .map(|comparison| comparison.limits.what)
+        .collect();
+    if !failed.is_empty() {
+        bail!(
+            "{} not as in {DIRECTORY}; if that is meant, run `cargo xtask bench-check --accept` and commit",
+            failed.join(" and ")
+        );
+    }
+    Ok(())
+}
+
+/// What palpate errs by on fixed scenes.
+fn accuracy(shell: &Shell) -> Result<Figures> {
+    let run = cmd!(
+        shell,
+        "cargo run --quiet --release -p palpate-assay --no-default-features -- accuracy"
+    );
+    Figures::read(&run.quiet().read()?)
+}
+
+/// Compares with the baseline and prints what differs.
+fn compare(shell: &Shell, file: &str, limits: &'static Limits, now: Figures) -> Result<Comparison> {
+    let path = shell.current_dir().join(DIRECTORY).join(file);
+    let before = match shell.path_exists(&path) {
+        true => Figures::read(&shell.read_file(&path)?)
+            .with_context(|| format!("{} is unsound", path.display()))?,
+        false => Figures::default(),
+    };
+    let comparison = Comparison::new(limits, before, now);
+    print!("{}", comparison.render());
+    Ok(comparison)
+}
+
+fn accept(shell: &Shell, errors: &Comparison, counts: Option<&Comparison>) -> Result<()> {
+    if errors.alters() {
+        changelog::demand_line(shell)?;
+    }
+    let directory = shell.current_dir().join(DIRECTORY);
+    shell.create_dir(&directory)?;
+    let write = |file: &str, comparison: &Comparison| -> Result<()> {
+        replace(
+            &Path::new(&directory).join(file),
+            &comparison.now.to_csv(comparison.limits.what)?,
+        )?;
+        println!("{DIRECTORY}/{file} is written");
+        Ok(())
+    };
+    write(ACCURACY, errors)?;
+    if let Some(counts) = counts {
+        return write(INSTRUCTIONS, counts);
+    }
+    println!("{DIRECTORY}/{INSTRUCTIONS} stays as it is");
+    Ok(())
+}
+
+/// Where gungraun puts what callgrind writes.
+fn gungraun_home(shell: &Shell) -> std::path::PathBuf {
+    target_dir(shell).join("gungraun")
 }

@@ -1,12 +1,207 @@
-//! What a user would pick instead, beside our benchmarks.
+//! What a user would pick instead, beside palpate: the same tasks on the same inputs in the same run, on one core.
 
-use anyhow::{Result, bail};
+mod figure;
+mod table;
+mod workshop;
+
+use std::env;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
 use clap::Args;
-use xshell::Shell;
+use xshell::{Shell, cmd};
+
+use crate::palpate::target_dir;
+use figure::{Figure, medians};
+use table::Row;
+use workshop::{Absent, Workshop};
+
+/// Where the table is committed.
+const RESULTS: &str = "results/peers.csv";
 
 #[derive(Args)]
-pub(crate) struct Options {}
+pub(crate) struct Options {
+    /// Groups of tasks; all of them by default.
+    #[arg(value_name = "GROUP")]
+    groups: Vec<String>,
+    /// How often a peer and palpate take turns.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: u32,
+    /// The core to run on.
+    #[arg(long, default_value_t = 0)]
+    core: usize,
+}
 
-pub(crate) fn run(_shell: &Shell, _options: &Options) -> Result<()> {
-    bail!("not yet here")
+/// What a peer is made of.
+pub(crate) enum Kind {
+    /// A script in xtask/peers/.
+    Python(&'static str),
+    /// A source file in xtask/peers/, compiled by g++.
+    Cpp(&'static str),
+    /// A package in xtask/peers/.
+    Rust(&'static str),
+}
+
+/// Tasks that one peer does in one go.
+struct Group {
+    name: &'static str,
+    peer: Kind,
+    /// How many times quicker palpate is to be.
+    target: f64,
+    /// By what palpate's error may exceed the peer's and still count as equal: 0 where both are of the same inputs, what
+    /// chance allows where each draws its own.
+    slack: f64,
+}
+
+const GROUPS: [Group; 7] = [
+    Group {
+        name: "rolling-long",
+        peer: Kind::Rust("ode_solvers"),
+        target: 2.0,
+        slack: 0.0,
+    },
+    Group {
+        name: "rolling-short",
+        peer: Kind::Cpp("rolling_short.cpp"),
+        target: 3.0,
+        slack: 0.0,
+    },
+    // The root of the mean square over 100 000 trials is known to 0.2 %.
+    Group {
+        name: "ep1-trial",
+        peer: Kind::Python("ep1_trial.py"),
+        target: 2.0,
+        slack: 0.01,
+    },
+    Group {
+        name: "ep2-few",
+        peer: Kind::Python("ep2_few.py"),
+        target: 2.0,
+        slack: 0.0,
+    },
+    Group {
+        name: "ep2-many",
+        peer: Kind::Python("ep2_many.py"),
+        target: 5.0,
+        slack: 0.0,
+    },
+    Group {
+        name: "press-contact",
+        peer: Kind::Python("press_contact.py"),
+        target: 100.0,
+        slack: 0.0,
+    },
+    Group {
+        name: "image",
+        peer: Kind::Python("image.py"),
+        target: 1.0,
+        slack: 0.0,
+    },
+];
+
+pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
+    let groups = chosen(&options.groups)?;
+    if cmd!(shell, "taskset --version")
+        .quiet()
+        .ignore_stdout()
+        .run()
+        .is_err()
+    {
+        println!("skipped: taskset is missing, so that nothing can be pinned to one core");
+        return Ok(());
+    }
+    let directory = target_dir(shell).join("peers");
+    shell.create_dir(&directory)?;
+    let ours = build_ours(shell)?;
+    let inputs = directory.join("inputs");
+    cmd!(shell, "{ours} ours --inputs {inputs}").quiet().run()?;
+    let workshop = Workshop::new(shell, &directory)?;
+    let core = options.core.to_string();
+    let mut rows = Vec::new();
+    for group in &groups {
+        let peer = match workshop.make(&group.peer)? {
+            Ok(peer) => peer,
+            Err(Absent(why)) => {
+                println!("skipped: {}: {why}", group.name);
+                continue;
+            }
+        };
+        println!("{} ...", group.name);
+        let (mut theirs, mut mine) = (Vec::new(), Vec::new());
+        for _ in 0..options.rounds {
+            let figures = peer.figures(shell, &core, &inputs)?;
+            let name = group.name;
+            let most = strictest(&theirs, &figures).to_string();
+            theirs.extend(figures);
+            let command = cmd!(
+                shell,
+                "taskset -c {core} {ours} ours {name} --error-at-most {most}"
+            );
+            mine.extend(Figure::read(&command.quiet().read()?)?);
+        }
+        rows.extend(table::rows(
+            &medians(theirs),
+            &medians(mine),
+            group.target,
+            group.slack,
+        ));
+    }
+    print!("{}", table::render(&rows));
+    if options.groups.is_empty() && !rows.is_empty() {
+        keep(shell, &rows, &workshop.machine())?;
+    } else {
+        println!("{RESULTS} stays as it is");
+    }
+    Ok(())
+}
+
+/// The least error of the first round: what a rung with a tolerance is held to in every round.
+fn strictest(before: &[Figure], now: &[Figure]) -> f64 {
+    let all = before.iter().chain(now);
+    all.map(|figure| figure.error).fold(f64::INFINITY, f64::min)
+}
+
+fn chosen(asked: &[String]) -> Result<Vec<&'static Group>> {
+    if asked.is_empty() {
+        return Ok(GROUPS.iter().collect());
+    }
+    let find = |name: &String| {
+        let known = || GROUPS.map(|group| group.name).join(", ");
+        let group = GROUPS.iter().find(|group| group.name == name);
+        group.with_context(|| format!("no group of tasks `{name}`; known: {}", known()))
+    };
+    asked.iter().map(find).collect()
+}
+
+/// The harness without counters, as users have palpate.
+fn build_ours(shell: &Shell) -> Result<std::path::PathBuf> {
+    cmd!(
+        shell,
+        "cargo build --release -p palpate-assay --no-default-features"
+    )
+    .run()?;
+    let name = format!("palpate-assay{}", env::consts::EXE_SUFFIX);
+    Ok(target_dir(shell).join("release").join(name))
+}
+
+/// Replaces the committed table; peers that were skipped keep the rows that they had.
+fn keep(shell: &Shell, rows: &[Row], machine: &str) -> Result<()> {
+    let path = shell.current_dir().join(RESULTS);
+    let kept = match fs::read_to_string(&path) {
+        Ok(text) => table::others(&text, rows)?,
+        Err(_) => Vec::new(),
+    };
+    let text = table::csv(&kept, rows, machine)?;
+    replace(&path, &text)?;
+    println!("{RESULTS} is written");
+    Ok(())
+}
+
+/// Writes a file whole or not at all.
+pub(crate) fn replace(path: &Path, text: &str) -> Result<()> {
+    let unfinished = path.with_extension("unfinished");
+    fs::write(&unfinished, text)
+        .with_context(|| format!("cannot write {}", unfinished.display()))?;
+    fs::rename(&unfinished, path).with_context(|| format!("cannot replace {}", path.display()))
 }

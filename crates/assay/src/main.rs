@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+#[cfg(feature = "count")]
 use palpate_assay::tradeoff;
+use palpate_assay::{accuracy, ours};
 
 /// Harnesses over the whole of palpate.
 #[derive(Parser)]
@@ -23,7 +25,22 @@ enum Harness {
         #[arg(long)]
         out: PathBuf,
     },
+    /// Prints what palpate errs by on fixed scenes, as CSV.
+    Accuracy,
+    /// Times the tasks of the peers, a line of JSON per rung; or writes what the peers read.
+    Ours {
+        /// The group of tasks.
+        #[arg(required_unless_present = "inputs")]
+        group: Option<String>,
+        /// What a rung with a tolerance may err by.
+        #[arg(long, default_value_t = 1e-12)]
+        error_at_most: f64,
+        /// Where the peers' inputs go; nothing is timed.
+        #[arg(long)]
+        inputs: Option<PathBuf>,
+    },
     /// Measures every ladder of models: error against cost.
+    #[cfg(feature = "count")]
     Tradeoff {
         /// The folder to write to.
         #[arg(long)]
@@ -48,6 +65,22 @@ fn main() -> Result<()> {
             println!("{}", palpate_assay::extremes::run(&out)?);
             Ok(())
         }
+        Harness::Accuracy => {
+            print!("{}", accuracy::table()?);
+            Ok(())
+        }
+        Harness::Ours {
+            group,
+            error_at_most,
+            inputs,
+        } => {
+            inputs.as_deref().map_or(Ok(()), ours::write_inputs)?;
+            for line in group.map_or(Ok(Vec::new()), |group| ours::lines(&group, error_at_most))? {
+                println!("{line}");
+            }
+            Ok(())
+        }
+        #[cfg(feature = "count")]
         Harness::Tradeoff {
             out,
             quick,

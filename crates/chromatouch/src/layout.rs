@@ -63,8 +63,9 @@ impl Layout {
     /// # Errors
     /// [`LayoutError`].
     pub fn places(&self, sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
-        let good = sensor_radius > 0.0 && sensor_radius.is_finite();
-        LayoutError::unless(good, "radius", sensor_radius, "finite and > 0")?;
+        // The way around the sphere is a number.
+        let good = sensor_radius > 0.0 && sensor_radius <= 1e300;
+        LayoutError::unless(good, "radius", sensor_radius, "above 0 and at most 1e300")?;
         match self {
             Self::Gores {
                 gores,

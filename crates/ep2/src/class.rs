@@ -14,12 +14,12 @@ const INTERVALS: usize = 64;
 /// The probability of each class, in the order of [`ShapeClass::ALL`].
 ///
 /// K and H are taken as jointly normal: H is summed over, and given H, K is normal too. As
-/// everywhere, a K above H² is read as H².
+/// everywhere, a K above H² is read as H². `None` where numbers leave the range of doubles.
 pub(crate) fn probabilities(
     curvature: &Curvature,
     uncertainty: &Uncertainty,
     thresholds: &ShapeThresholds,
-) -> [f64; 8] {
+) -> Option<[f64; 8]> {
     let given_mean = GivenMean::of(curvature, uncertainty, thresholds);
     let mut result = [0.0; 8];
     let mut add = |mean: f64, weight: f64| {
@@ -28,8 +28,17 @@ pub(crate) fn probabilities(
         }
     };
     let (centre, std) = (curvature.mean, uncertainty.mean_std);
-    if std > 0.0 {
-        let (low, high) = (centre - REACH * std, centre + REACH * std);
+    let (low, high) = (centre - REACH * std, centre + REACH * std);
+    let is_sound = curvature.is_finite()
+        && given_mean.slope.is_finite()
+        && uncertainty.correlation.is_finite()
+        && low.is_finite()
+        && high.is_finite();
+    if !is_sound {
+        return None;
+    }
+    // A spread that rounding swallows, or that cannot be cut into intervals, is none.
+    if low < high && std >= f64::MIN_POSITIVE {
         let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
         for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {
             let step = (end - start) / INTERVALS as f64;
@@ -57,7 +66,8 @@ pub(crate) fn probabilities(
         add(centre, 1.0);
     }
     let total: f64 = result.iter().sum();
-    result.map(|sum| sum / total)
+    let is_sound = total > 0.0 && total.is_finite();
+    is_sound.then(|| result.map(|sum| sum / total))
 }
 
 /// The distribution of K where H is given.

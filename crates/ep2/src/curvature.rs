@@ -156,9 +156,10 @@ impl Curvature {
     }
 
     /// The probability of each of the eight classes, in the order of [`ShapeClass::ALL`], if both
-    /// errors are normal; `None` where the method states no uncertainty.
+    /// errors are normal; `None` where the method states no uncertainty, or numbers leave the range
+    /// of doubles.
     pub fn class_probabilities(&self, thresholds: &ShapeThresholds) -> Option<[f64; 8]> {
-        Some(probabilities(self, &self.uncertainty?, thresholds))
+        probabilities(self, &self.uncertainty?, thresholds)
     }
 
     pub(crate) fn is_finite(&self) -> bool {

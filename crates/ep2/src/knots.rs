@@ -4,7 +4,7 @@
 pub const MAX_DEGREE: usize = 5;
 
 /// Values of the `degree + 1` B-splines that do not vanish somewhere; the rest is 0.
-pub type Basis = [f64; MAX_DEGREE + 1];
+pub(crate) type Basis = [f64; MAX_DEGREE + 1];
 
 /// The knots of a spline on an interval, each end repeated `degree + 1` times.
 ///
@@ -18,7 +18,7 @@ pub struct Knots {
 impl Knots {
     /// Knots of `degree` (at most [`MAX_DEGREE`]) on `[start, end]` with the given interior ones,
     /// which must lie strictly inside and ascend.
-    pub fn new(degree: usize, start: f64, end: f64, interior: &[f64]) -> Self {
+    pub(crate) fn new(degree: usize, start: f64, end: f64, interior: &[f64]) -> Self {
         debug_assert!((1..=MAX_DEGREE).contains(&degree) && start < end);
         let mut knots = vec![start; degree + 1];
         knots.extend_from_slice(interior);
@@ -28,7 +28,7 @@ impl Knots {
     }
 
     /// Knots that split `[start, end]` into equal intervals.
-    pub fn uniform(degree: usize, start: f64, end: f64, intervals: usize) -> Self {
+    pub(crate) fn uniform(degree: usize, start: f64, end: f64, intervals: usize) -> Self {
         let step = (end - start) / intervals as f64;
         let interior: Vec<f64> = (1..intervals)
             .map(|knot| start + step * knot as f64)
@@ -64,7 +64,7 @@ impl Knots {
     /// Index of the first B-spline that does not vanish on the interval around `x`; of the nearest
     /// interval where `x` lies outside.
     #[inline]
-    pub fn first_function(&self, x: f64) -> usize {
+    pub(crate) fn first_function(&self, x: f64) -> usize {
         let interior = self.interior();
         if interior.len() < 8 {
             interior.iter().map(|&knot| usize::from(knot <= x)).sum()
@@ -75,7 +75,7 @@ impl Knots {
 
     /// Values at `x` of the B-splines from `first`, see [`Knots::first_function`].
     #[inline]
-    pub fn values(&self, first: usize, x: f64) -> Basis {
+    pub(crate) fn values(&self, first: usize, x: f64) -> Basis {
         self.derivatives::<1>(first, x)[0]
     }
 
@@ -84,7 +84,7 @@ impl Knots {
     /// The values of degrees 0, 1, … are built up by the recurrence of Cox and de Boor; a
     /// derivative of order m is an m-fold difference of the values of degree `degree − m`.
     #[inline]
-    pub fn derivatives<const ORDERS: usize>(&self, first: usize, x: f64) -> [Basis; ORDERS] {
+    pub(crate) fn derivatives<const ORDERS: usize>(&self, first: usize, x: f64) -> [Basis; ORDERS] {
         let degree = self.degree;
         let left = first + degree;
         let knots = &self.knots;

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 
-use crate::MapPoint;
+use crate::{Ep2Error, MapPoint};
 
 /// Directions that agree less than this tell no orientation.
 const LEAST_COHERENCE: f64 = 0.1;
@@ -40,10 +40,20 @@ pub struct Region {
 /// The regions of a map of `side` × `side` points, whose neighbours share a row or a column and
 /// stand next to each other in it.
 ///
-/// # Panics
-/// Unless there are `side`² points.
-pub fn regions(side: usize, points: &[MapPoint], thresholds: &ShapeThresholds) -> Regions {
-    assert_eq!(points.len(), side * side, "a map of {side} × {side} points");
+/// # Errors
+/// [`Ep2Error::BadSetting`] unless there are `side`² points, [`Ep2Error::OutOfRange`] where a number of one, or what
+/// follows from it, is not finite.
+pub fn regions(
+    side: usize,
+    points: &[MapPoint],
+    thresholds: &ShapeThresholds,
+) -> Result<Regions, Ep2Error> {
+    let is_good = side.checked_mul(side) == Some(points.len());
+    let expected = "as many points as the map has places";
+    Ep2Error::unless_good("points", points.len() as f64, is_good, expected)?;
+    if !points.iter().all(MapPoint::is_finite) {
+        return Err(Ep2Error::OutOfRange);
+    }
     let classes: Vec<ShapeClass> = points
         .iter()
         .map(|point| point.curvature.class(thresholds))
@@ -80,10 +90,17 @@ pub fn regions(side: usize, points: &[MapPoint], thresholds: &ShapeThresholds) -
     for (new, (old, _)) in order.iter().enumerate() {
         place[*old] = new;
     }
-    Regions {
-        of_point: of_point.into_iter().map(|old| place[old]).collect(),
-        regions: order.into_iter().map(|(_, region)| region).collect(),
+    let regions: Vec<Region> = order.into_iter().map(|(_, region)| region).collect();
+    let finite = |region: &Region| {
+        (region.area + region.gaussian_curvature + region.mean_curvature).is_finite()
+    };
+    if !regions.iter().all(finite) {
+        return Err(Ep2Error::OutOfRange);
     }
+    Ok(Regions {
+        of_point: of_point.into_iter().map(|old| place[old]).collect(),
+        regions,
+    })
 }
 
 fn neighbours(point: usize, side: usize) -> impl Iterator<Item = usize> {
@@ -212,7 +229,8 @@ mod tests {
             |row, _| if row == 2 { (0.0, 0.2) } else { (0.0, 0.0) },
         );
         let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
-        let Regions { of_point, regions } = regions(5, &points, &thresholds);
+        let Regions { of_point, regions } =
+            regions(5, &points, &thresholds).expect("finite points");
         let classes: Vec<_> = regions.iter().map(|region| region.class).collect();
         assert_eq!(classes.len(), 3);
         assert_eq!(
@@ -240,7 +258,8 @@ mod tests {
         for (side, step) in [(1, 1.0), (4, 0.0), (4, 1e140), (4, 1e-150)] {
             let points = map(side, step, |_, _| (0.04, 0.2));
             let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
-            let Regions { regions, .. } = regions(side, &points, &thresholds);
+            let Regions { regions, .. } =
+                regions(side, &points, &thresholds).expect("finite points");
             assert_eq!(regions.len(), 1);
             assert_relative_eq!(regions[0].gaussian_curvature, 0.04, epsilon = 1e-15);
             assert_relative_eq!(regions[0].mean_curvature, 0.2, epsilon = 1e-15);

@@ -9,6 +9,9 @@ use crate::knots::{Basis, MAX_DEGREE};
 use crate::spline::Local;
 use crate::{Curvature, Ep2Error, Fit, Jet, TensorSpline};
 
+/// A map may have at most this many places along each side.
+pub const MOST_PLACES: usize = 2048;
+
 /// A place on the fitted surface, in the frame of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapPoint {
@@ -28,6 +31,18 @@ pub struct MapPoint {
     pub direction_of_max: Vector3<f64>,
     /// In [−1, 1]: +1 for a convex cap, −1 for a cup; `None` where the surface is flat.
     pub shape_index: Option<f64>,
+}
+
+impl MapPoint {
+    /// Whether all of its numbers are.
+    pub(crate) fn is_finite(&self) -> bool {
+        let directions = [self.normal, self.direction_of_min, self.direction_of_max];
+        let mut numbers = directions.iter().flatten().chain(self.position.iter());
+        numbers.all(|number| number.is_finite())
+            && self.curvature.is_finite()
+            && self.k_min.is_finite()
+            && self.k_max.is_finite()
+    }
 }
 
 /// The surface along a line of constant v: what is the same for all its places.
@@ -56,9 +71,15 @@ struct SumCovariances {
 
 type Square = [Basis; MAX_DEGREE + 1];
 
+fn few_enough(side: usize) -> Result<(), Ep2Error> {
+    let is_good = side <= MOST_PLACES;
+    Ep2Error::unless_good("grid", side as f64, is_good, "at most 2048")
+}
+
 impl Fit {
     /// Gaussian and mean curvature where the line through `world` along the patch's normal meets
-    /// the surface.
+    /// the surface. Of contacts without error on a paraboloid, whose apex it is, a quadric and a penalised spline err by at
+    /// most 1e-11 of the sharper curvature.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] where the curvature leaves the range of doubles.
@@ -106,8 +127,9 @@ impl Fit {
     /// slowest.
     ///
     /// # Errors
-    /// As [`Fit::curvature_at`].
+    /// As [`Fit::curvature_at`]; [`Ep2Error::BadSetting`] for more than [`MOST_PLACES`] along a side.
     pub fn curvatures(&self, side: usize) -> Result<Vec<Curvature>, Ep2Error> {
+        few_enough(side)?;
         let mut result = Vec::with_capacity(side * side);
         self.for_each_on_grid(side, |_, local, line| {
             let covariance = line.covariance(local, self);
@@ -120,8 +142,9 @@ impl Fit {
     /// The surface on a grid of `side` × `side` places that spans the contacts, u slowest.
     ///
     /// # Errors
-    /// As [`Fit::point_at`].
+    /// As [`Fit::point_at`]; [`Ep2Error::BadSetting`] for more than [`MOST_PLACES`] along a side.
     pub fn map(&self, side: usize) -> Result<Vec<MapPoint>, Ep2Error> {
+        few_enough(side)?;
         let mut result = Vec::with_capacity(side * side);
         self.for_each_on_grid(side, |place, local, line| {
             result.push(self.map_point(place, local, line)?);
@@ -184,7 +207,7 @@ impl Fit {
         let principal = form.principal();
         let (sin, cos) = principal.angle_of_max_rad.sin_cos();
         let in_world = |direction: Vector3<f64>| self.frame.direction_in_world(&direction);
-        Ok(MapPoint {
+        let point = MapPoint {
             position: self.frame.point_in_world(&Vector3::new(u, v, jet.w)),
             normal: in_world(along.cross(&across)),
             curvature,
@@ -193,7 +216,12 @@ impl Fit {
             direction_of_min: in_world(across * cos - along * sin),
             direction_of_max: in_world(along * cos + across * sin),
             shape_index: form.shape_index(),
-        })
+        };
+        if point.is_finite() {
+            Ok(point)
+        } else {
+            Err(Ep2Error::OutOfRange)
+        }
     }
 
     /// The surface along the line of constant `v`, for some of the B-splines in u.

@@ -9,7 +9,7 @@ use palpate_scene::config::{self, Study};
 use palpate_sweep::Cell;
 
 use crate::cli::RunArgs;
-use crate::duration::roughly;
+use crate::duration::{roughly, two_digits};
 use crate::failure::Failure;
 use crate::pace::{self, Pace};
 use crate::pilot::{Need, Pilot};
@@ -77,7 +77,7 @@ impl Chooser<'_> {
             .filter(|&place| is_random(&trials[place].0))
             .collect();
         let pilot = self.pilot(&trials, &random)?;
-        let tolerance = self.target.map(|target| {
+        let tolerance = self.target.and_then(|target| {
             let share = SHARE_OF_MODEL * target;
             let allowances = self.allowances(&trials, &random, pilot.as_ref(), share);
             rungs::tolerance_for(study, &allowances)
@@ -320,8 +320,7 @@ fn rounded(trials: f64, round: fn(f64) -> f64) -> NonZeroU64 {
 
 /// A share to two digits.
 fn percent(share: f64) -> String {
-    let number: f64 = format!("{:.1e}", 100.0 * share).parse().unwrap_or(share);
-    format!("{number} %")
+    format!("{} %", two_digits(100.0 * share))
 }
 
 #[cfg(test)]

@@ -3,56 +3,64 @@
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
-use palpate_scene::config;
+use palpate_scene::config::{self, SceneConfig, Study};
 use palpate_sweep::Cell;
 
 use crate::cli::CheckArgs;
 use crate::duration::roughly;
 use crate::failure::Failure;
+use crate::ladder;
 use crate::output;
 use crate::pace::{self, Pace};
+use crate::rungs;
 use crate::trial::SceneTrial;
 
-/// How long trials are timed.
+/// How long scenes are set up as they are run, how long trials are timed, and how long the rungs of ladders.
+const SETTING_UP: Duration = Duration::from_millis(800);
 const TIMING: Duration = Duration::from_millis(300);
+const LADDERS: Duration = Duration::from_millis(600);
 
 pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
-    let start = Instant::now();
     let study = config::load(&args.config).map_err(Failure::usage)?;
-    let scenes: Vec<SceneTrial> = (0..study.cells.len())
-        .map(|cell| study.estimable_scene(cell).map(SceneTrial))
-        .collect::<Result<_, _>>()
-        .map_err(Failure::usage)?;
-    let planning = start.elapsed();
+    let start = Instant::now();
+    let bare = bare(&study);
+    let scenes = scenes(&study, &bare)?;
+    let share = study.cells.len() as f64 / scenes.len() as f64;
+    let planning = start.elapsed().as_secs_f64() * share;
     let cells: Vec<Cell<'_>> = scenes
         .iter()
-        .zip(&study.cells)
-        .map(|(trial, cell)| Cell {
-            trials: trial.0.trials(cell.config.trials),
+        .map(|(cell, trial)| Cell {
+            trials: trial.0.trials(study.cells[*cell].config.trials),
             trial,
         })
         .collect();
     let trials: Vec<u64> = cells.iter().map(|cell| cell.trials).collect();
+    let known = trials.iter().sum::<u64>();
+    let unknown = (0..study.cells.len())
+        .filter(|cell| scenes.iter().all(|(known, _)| known != cell))
+        .map(|cell| study.cells[cell].config.trials)
+        .sum::<u64>();
 
     let mut text = String::new();
     let noiseless = trials.iter().filter(|&&trials| trials == 1).count();
+    let (mut not_set_up, mut at_most) = (String::new(), "");
+    if scenes.len() < study.cells.len() {
+        not_set_up = format!("; {} were set up, to be quick", scenes.len());
+        at_most = "at most ";
+    }
     let _ = writeln!(text, "study   {}", study.config.name);
     let _ = writeln!(
         text,
-        "cells   {}, of which {noiseless} run a single trial",
-        scenes.len()
+        "cells   {}, of which {noiseless} run a single trial{not_set_up}",
+        study.cells.len()
     );
-    let _ = writeln!(text, "trials  {}", trials.iter().sum::<u64>());
+    let _ = writeln!(text, "trials  {at_most}{}", known + unknown);
     let _ = writeln!(text, "models");
-    for (needs, cells) in distinct_needs(&scenes) {
-        let _ = writeln!(text, "  {cells} of {} cells", scenes.len());
-        for need in needs {
-            let _ = writeln!(text, "    {need}");
-        }
-    }
+    models(&mut text, &study, &bare, &scenes)?;
     let threads = pace::threads(None);
     let pace = Pace::of(&cells, threads, TIMING).map_err(Failure::work)?;
-    let seconds = planning.as_secs_f64() + pace.run_seconds(&trials, threads);
+    let of_all = (known + unknown) as f64 / known as f64;
+    let seconds = planning + of_all * pace.run_seconds(&trials, threads);
     let _ = write!(
         text,
         "time    about {} on {threads} threads, planning included",
@@ -61,13 +69,104 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
     output::print(&text)
 }
 
-/// The models that cells need, each with the number of cells that need them.
-fn distinct_needs(scenes: &[SceneTrial]) -> Vec<(Vec<String>, usize)> {
-    let mut groups: Vec<(Vec<String>, usize)> = Vec::new();
-    for needs in scenes.iter().map(|scene| scene.0.needs()) {
-        match groups.iter_mut().find(|(known, _)| *known == needs) {
-            Some((_, count)) => *count += 1,
-            None => groups.push((needs, 1)),
+/// The study with presses that no camera looks at.
+fn bare(study: &Study) -> Study {
+    let mut bare = study.clone();
+    for cell in &mut bare.cells {
+        if matches!(cell.config.scene, SceneConfig::Press(_)) {
+            cell.config.scene = rungs::bare(&cell.config.scene);
+        }
+    }
+    bare
+}
+
+/// The scenes of as many cells as there is time for, in the order of the cells; the others are set up without a camera.
+fn scenes(study: &Study, bare: &Study) -> Result<Vec<(usize, SceneTrial)>, Failure> {
+    let start = Instant::now();
+    let mut scenes = Vec::new();
+    for cell in pace::spread(study.cells.len()) {
+        let is_press = matches!(study.cells[cell].config.scene, SceneConfig::Press(_));
+        if is_press && !scenes.is_empty() && start.elapsed() >= SETTING_UP {
+            bare.scene(cell).map_err(Failure::usage)?;
+        } else {
+            let scene = study.estimable_scene(cell).map_err(Failure::usage)?;
+            scenes.push((cell, SceneTrial(scene)));
+        }
+    }
+    scenes.sort_by_key(|(cell, _)| *cell);
+    Ok(scenes)
+}
+
+/// What each group of cells needs, and where it stands on the ladder of its model.
+fn models(
+    text: &mut String,
+    study: &Study,
+    bare: &Study,
+    scenes: &[(usize, SceneTrial)],
+) -> Result<(), Failure> {
+    let deadline = Instant::now() + LADDERS;
+    let mut told: Vec<(&SceneConfig, usize)> = Vec::new();
+    for Group {
+        needs,
+        place,
+        cells,
+    } in groups(scenes)
+    {
+        let (cell, trial) = &scenes[place];
+        let _ = writeln!(text, "  {cells} of {} cells", study.cells.len());
+        for need in needs {
+            let _ = writeln!(text, "    {need}");
+        }
+        let scene = &bare.cells[*cell].config.scene;
+        let like = told.iter().find(|(known, _)| *known == scene);
+        if let Some((_, other)) = like {
+            let _ = writeln!(text, "    rungs of the model: as in cell {other}");
+            continue;
+        }
+        let in_time = Instant::now() < deadline;
+        let ladder = in_time.then(|| bare.ladder(*cell)).transpose();
+        let ladder = ladder.map_err(Failure::usage)?.flatten();
+        let taken = ladder.as_ref().map(|ladder| &ladder.taken().model);
+        let needless = ladder::not_needed(trial, &study.cells[*cell].config.scene, taken);
+        if let Some(needless) = needless {
+            let _ = writeln!(text, "    {needless}");
+        }
+        match &ladder {
+            Some(ladder) => {
+                let _ = writeln!(text, "    rungs of the model, in cell {cell}");
+                for line in ladder::lines(bare, *cell, ladder, deadline) {
+                    let _ = writeln!(text, "      {line}");
+                }
+                told.push((scene, *cell));
+            }
+            None if in_time => {}
+            None => {
+                let _ = writeln!(text, "    rungs of the model: not measured, to be quick");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Cells that need the same models.
+struct Group {
+    needs: Vec<String>,
+    /// Of the first of them, among those that were set up.
+    place: usize,
+    cells: usize,
+}
+
+fn groups(scenes: &[(usize, SceneTrial)]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    let all = scenes.iter().map(|(_, trial)| trial.0.needs());
+    for (place, needs) in all.enumerate() {
+        match groups.iter_mut().find(|known| known.needs == needs) {
+            Some(known) => known.cells += 1,
+            None => groups.push(Group {
+                needs,
+                place,
+                cells: 1,
+            }),
         }
     }
     groups

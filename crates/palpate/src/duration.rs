@@ -37,6 +37,22 @@ pub(crate) fn roughly(seconds: f64) -> String {
     }
 }
 
+/// A measured time, to two digits.
+pub(crate) fn short(seconds: f64) -> String {
+    let (number, unit) = match seconds {
+        s if s < 1e-6 => (1e9 * s, "ns"),
+        s if s < 1e-3 => (1e6 * s, "us"),
+        s if s < 1.0 => (1e3 * s, "ms"),
+        s => (s, "s"),
+    };
+    format!("{} {unit}", two_digits(number))
+}
+
+/// A number to two digits.
+pub(crate) fn two_digits(number: f64) -> f64 {
+    format!("{number:.1e}").parse().unwrap_or(number)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -53,6 +69,18 @@ mod tests {
             ("1e2s", 100.0),
         ] {
             assert_eq!(parse(text), Ok(Duration::from_secs_f64(seconds)), "{text}");
+        }
+    }
+
+    #[test]
+    fn short_times_have_two_digits() {
+        for (seconds, text) in [
+            (1.234e-8, "12 ns"),
+            (0.00056, "560 us"),
+            (0.0999, "100 ms"),
+            (12.3, "12 s"),
+        ] {
+            assert_eq!(short(seconds), text);
         }
     }
 

@@ -11,6 +11,7 @@ mod cli;
 mod duration;
 mod estimate;
 mod failure;
+mod ladder;
 mod output;
 mod pace;
 mod pilot;

@@ -107,7 +107,7 @@ pub(crate) fn threads(asked: Option<NonZeroUsize>) -> NonZeroUsize {
 }
 
 /// All numbers below `count`, so that the first few of them are spread over all: bits reversed.
-fn spread(count: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
     let bits = count.next_power_of_two().trailing_zeros();
     (0..count.next_power_of_two())
         .map(move |number| match bits {

@@ -1,12 +1,12 @@
 //! How far a model errs in terms of the estimates, and so which rung of `auto` is good enough.
 
 use palpate_scene::config::{
-    self, ConfigError, GlideSensorConfig, ModelConfig, PressSensorConfig, RollModelConfig,
-    RollSensorConfig, SceneConfig, Study, StudyConfig,
+    self, ConfigError, GlideSensorConfig, PressSensorConfig, RollSensorConfig, SceneConfig, Study,
+    StudyConfig,
 };
 use palpate_scene::{GlideScene, PressScene, Quantity, RollScene, Scene};
 
-/// `auto` is tried with these tolerances from the first on; the last is the reference.
+/// `auto` is tried with these tolerances from the first on; the last that its kind of scene takes is the reference.
 const TOLERANCES: [f64; 14] = [
     1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
 ];
@@ -28,29 +28,40 @@ pub(crate) struct Allowance {
 /// Whether the study chooses its models by a tolerance that no sweep sets.
 pub(crate) fn is_auto(study: &Study) -> bool {
     let swept = |path: &String| path == "scene" || path.starts_with("scene.model");
-    let is_auto = |scene: &SceneConfig| scene.model().is_some_and(|one| tolerance(&one).is_some());
+    let is_auto = |scene: &SceneConfig| with_tolerance(scene, TOLERANCES[0]).is_some();
     !study.paths.iter().any(swept) && study.cells.iter().all(|cell| is_auto(&cell.config.scene))
 }
 
 /// The largest tolerance of `auto` with which the model shifts no estimate of a noiseless pass by more than is allowed,
-/// against the pass with the smallest tolerance. Cells whose noiseless pass tells nothing have no say.
-pub(crate) fn tolerance_for(study: &Study, allowances: &[Allowance]) -> f64 {
-    let last = TOLERANCES.len() - 1;
+/// against the pass with the smallest tolerance. Cells whose noiseless pass tells nothing have no say; `None` where none
+/// has.
+pub(crate) fn tolerance_for(study: &Study, allowances: &[Allowance]) -> Option<f64> {
     let config = |allowance: &Allowance| &study.cells[allowance.cell].config;
-    let references: Vec<(&Allowance, Pass)> = allowances
+    let reference = |allowance: &Allowance| {
+        let mut finest = TOLERANCES.iter().rev();
+        finest.find_map(|&tolerance| Some((tolerance, pass(config(allowance), tolerance)?)))
+    };
+    let references: Vec<(&Allowance, f64, Pass)> = allowances
         .iter()
-        .filter_map(|allowance| Some((allowance, pass(config(allowance), TOLERANCES[last])?)))
+        .filter_map(|allowance| {
+            reference(allowance).map(|(tolerance, pass)| (allowance, tolerance, pass))
+        })
         .collect();
+    let smallest = references.iter().map(|(_, tolerance, _)| *tolerance);
+    let smallest = smallest.reduce(f64::max)?;
     let is_kept = |tolerance: f64| {
-        references.iter().all(|(allowance, reference)| {
+        references.iter().all(|(allowance, _, reference)| {
             pass(config(allowance), tolerance)
                 .is_some_and(|pass| allowance.is_kept(&pass, reference))
         })
     };
-    let first = TOLERANCES[..last]
-        .iter()
-        .find(|&&tolerance| is_kept(tolerance));
-    *first.unwrap_or(&TOLERANCES[last])
+    let larger = TOLERANCES.iter().copied().filter(|&one| one > smallest);
+    Some(
+        larger
+            .into_iter()
+            .find(|&one| is_kept(one))
+            .unwrap_or(smallest),
+    )
 }
 
 /// The same study with `auto` at this tolerance; or with the rung that it then takes, where all of `cells` take the same.
@@ -63,8 +74,8 @@ pub(crate) fn resolved(
     if !is_auto(study) {
         return Ok(config);
     }
-    if let Some(tolerance) = tolerance {
-        set_tolerance(&mut config.scene, tolerance);
+    if let Some(scene) = tolerance.and_then(|one| with_tolerance(&config.scene, one)) {
+        config.scene = scene;
     }
     let auto = config::parse("run.toml", &config::to_toml(&config))?;
     let mut common = None;
@@ -142,9 +153,8 @@ struct PassValue {
 
 /// What is estimated of a cell without noise; `None` where nothing is.
 fn pass(config: &StudyConfig, tolerance: f64) -> Option<Pass> {
-    let mut scene = config.scene.clone();
-    set_tolerance(&mut scene, tolerance);
-    let scene = noiseless(&scene, config.seed)?;
+    let scene = with_tolerance(&config.scene, tolerance)?;
+    let scene = scene_of(&bare(&scene), config.seed)?;
     let mut values = Vec::new();
     let quantities = scene.quantities();
     let mut scales = vec![0.0_f64; quantities.len()];
@@ -178,52 +188,47 @@ fn pass(config: &StudyConfig, tolerance: f64) -> Option<Pass> {
     })
 }
 
-/// The same scene without noise, read by an ideal sensor.
-fn noiseless(scene: &SceneConfig, seed: u64) -> Option<Scene> {
-    match scene.clone() {
-        SceneConfig::Roll(mut roll) => {
+/// The same scene without noise, read by an ideal sensor: cheap to set up.
+pub(crate) fn bare(scene: &SceneConfig) -> SceneConfig {
+    let mut scene = scene.clone();
+    match &mut scene {
+        SceneConfig::Roll(roll) => {
             roll.noise = Default::default();
-            roll.sensor = RollSensorConfig::Ideal {};
-            RollScene::new(&roll, seed).ok().map(Scene::Roll)
+            roll.sensor = RollSensorConfig::default();
         }
-        SceneConfig::Glide(mut glide) => {
+        SceneConfig::Glide(glide) => {
             glide.noise = Default::default();
             if matches!(glide.sensor, GlideSensorConfig::Pads { .. }) {
                 glide.sensor = GlideSensorConfig::default();
             }
-            GlideScene::new(&glide, seed).ok().map(Scene::Glide)
         }
-        SceneConfig::Press(mut press) => {
+        SceneConfig::Press(press) => {
             press.noise = Default::default();
             if !matches!(press.sensor, PressSensorConfig::Direct { .. }) {
                 press.sensor = PressSensorConfig::default();
             }
-            PressScene::new(&press, seed).ok().map(Scene::Press)
         }
+        SceneConfig::Fingertip(_) => {}
+    }
+    scene
+}
+
+fn scene_of(config: &SceneConfig, seed: u64) -> Option<Scene> {
+    match config {
+        SceneConfig::Roll(roll) => RollScene::new(roll, seed).ok().map(Scene::Roll),
+        SceneConfig::Glide(glide) => GlideScene::new(glide, seed).ok().map(Scene::Glide),
+        SceneConfig::Press(press) => PressScene::new(press, seed).ok().map(Scene::Press),
         SceneConfig::Fingertip(_) => None,
     }
 }
 
-/// The tolerance of `auto`; `None` of a named model.
-fn tolerance(model: &ModelConfig) -> Option<f64> {
-    match *model {
-        ModelConfig::Roll(RollModelConfig::Auto { tolerance, .. }) => Some(tolerance),
-        _ => None,
+/// The same scene with this tolerance of `auto`; `None` of one whose model is named, or that has none.
+fn with_tolerance(scene: &SceneConfig, tolerance: f64) -> Option<SceneConfig> {
+    let mut scene = serde_json::to_value(scene).ok()?;
+    let model = scene.get_mut("model")?;
+    if model["kind"] != "auto" {
+        return None;
     }
-}
-
-/// Sets the tolerance of `auto`; nothing where a model is named.
-fn set_tolerance(scene: &mut SceneConfig, to: f64) {
-    let model = match scene.model() {
-        Some(ModelConfig::Roll(RollModelConfig::Auto { chart, .. })) => {
-            ModelConfig::Roll(RollModelConfig::Auto {
-                tolerance: to,
-                chart,
-            })
-        }
-        _ => return,
-    };
-    if let Some(changed) = scene.with_model(&model) {
-        *scene = changed;
-    }
+    model["tolerance"] = tolerance.into();
+    serde_json::from_value(scene).ok()
 }

@@ -18,9 +18,26 @@ pub struct Body(Rung);
 
 #[derive(Clone, Debug)]
 enum Rung {
-    HalfSpace { poisson: f64, depth: f64 },
-    BondedLayer(Arc<BondedLayer>),
-    Gaussian { c: f64 },
+    HalfSpace {
+        poisson: f64,
+        depth: f64,
+    },
+    BondedLayer {
+        layer: Arc<BondedLayer>,
+        how: Layers,
+    },
+    Gaussian {
+        c: f64,
+    },
+}
+
+/// How contacts with a layer are computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Layers {
+    /// From tables: for many contacts.
+    Tables,
+    /// Each for itself: for few.
+    Solved,
 }
 
 /// A contact: what presses, how deep, and how wide.
@@ -72,7 +89,24 @@ impl Body {
     /// # Errors
     /// [`PressError::BadSetting`] for a `thickness` that is not a length, or a `depth` that is not within it.
     pub fn bonded_layer(thickness: f64, depth: f64) -> Result<Self, PressError> {
-        BondedLayer::new(thickness, depth).map(|layer| Self(Rung::BondedLayer(Arc::new(layer))))
+        Self::layer(thickness, depth, Layers::Tables)
+    }
+
+    /// The same for few contacts, each of which is solved for itself, as [`BondedLayer::solved`] does.
+    ///
+    /// # Errors
+    /// As [`Body::bonded_layer`].
+    pub fn solved_layer(thickness: f64, depth: f64) -> Result<Self, PressError> {
+        Self::layer(thickness, depth, Layers::Solved)
+    }
+
+    fn layer(thickness: f64, depth: f64, how: Layers) -> Result<Self, PressError> {
+        BondedLayer::new(thickness, depth).map(|layer| {
+            Self(Rung::BondedLayer {
+                layer: Arc::new(layer),
+                how,
+            })
+        })
     }
 
     /// The 2020 paper's approximation u = δ exp(−r²/2σ²) with σ² = δ R/c; it moves nothing along the skin. The paper
@@ -120,7 +154,7 @@ impl Body {
         if indentation <= 0.0 {
             return Err(PressError::NoIndentation { indentation });
         }
-        if let Rung::BondedLayer(layer) = &self.0
+        if let Rung::BondedLayer { layer, .. } = &self.0
             && indentation >= layer.thickness()
         {
             return Err(PressError::TooDeep {
@@ -149,7 +183,10 @@ impl Body {
         radius: f64,
     ) -> Result<Contact<'_>, PressError> {
         let layer = match &self.0 {
-            Rung::BondedLayer(layer) => Some(layer.contact(radius)?),
+            Rung::BondedLayer { layer, how } => Some(match how {
+                Layers::Tables => layer.contact(radius)?,
+                Layers::Solved => layer.solved(radius)?,
+            }),
             Rung::HalfSpace { .. } | Rung::Gaussian { .. } => None,
         };
         Ok(Contact {
@@ -165,7 +202,10 @@ impl Body {
     fn contact_radius(&self, indentation_over_curvature: f64) -> Result<f64, PressError> {
         match &self.0 {
             Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok(indentation_over_curvature.sqrt()),
-            Rung::BondedLayer(layer) => layer.contact_radius(indentation_over_curvature),
+            Rung::BondedLayer { layer, how } => match how {
+                Layers::Tables => layer.contact_radius(indentation_over_curvature),
+                Layers::Solved => layer.solved_contact_radius(indentation_over_curvature),
+            },
         }
     }
 
@@ -173,7 +213,10 @@ impl Body {
     pub(crate) fn indentation_of(&self, a: f64) -> Result<[f64; 2], PressError> {
         match &self.0 {
             Rung::HalfSpace { .. } | Rung::Gaussian { .. } => Ok([a * a, 2.0 * a]),
-            Rung::BondedLayer(layer) => layer.indentation_of(a),
+            Rung::BondedLayer { layer, how } => match how {
+                Layers::Tables => layer.indentation_of(a),
+                Layers::Solved => Ok(layer.solved(a)?.indentation()),
+            },
         }
     }
 }
@@ -199,7 +242,7 @@ impl Contact<'_> {
             Rung::HalfSpace { poisson, .. } => {
                 Some(unit / (1.0 - poisson * poisson) * 4.0 / 3.0 * self.radius.powi(3))
             }
-            Rung::BondedLayer(_) => Some(unit / 0.75 * self.layer.as_ref()?.force()),
+            Rung::BondedLayer { .. } => Some(unit / 0.75 * self.layer.as_ref()?.force()),
             Rung::Gaussian { .. } => None,
         };
         force.filter(|force| force.is_finite())
@@ -213,7 +256,7 @@ impl Contact<'_> {
             Rung::HalfSpace { poisson, .. } => {
                 Some(unit / (1.0 - poisson * poisson) * FRAC_2_PI * self.radius)
             }
-            Rung::BondedLayer(_) => Some(unit / 0.75 * self.layer.as_ref()?.peak_pressure()),
+            Rung::BondedLayer { .. } => Some(unit / 0.75 * self.layer.as_ref()?.peak_pressure()),
             Rung::Gaussian { .. } => None,
         };
         pressure.filter(|pressure| pressure.is_finite())
@@ -229,7 +272,7 @@ impl Contact<'_> {
         }
         match &self.body.0 {
             Rung::HalfSpace { poisson, depth } => half_space::field(*poisson, *depth, a, r),
-            Rung::BondedLayer(_) => Field::default(),
+            Rung::BondedLayer { .. } => Field::default(),
             Rung::Gaussian { c } => {
                 let share = (-0.5 * c * (r / a) * (r / a)).exp();
                 Field {

@@ -104,7 +104,29 @@ impl BondedLayer {
     /// As [`Self::indentation_of`], and [`PressError::NoIndentation`] where `indentation_over_curvature` is not
     /// positive.
     pub fn contact_radius(&self, indentation_over_curvature: f64) -> Result<f64, PressError> {
-        let indentation = indentation_over_curvature;
+        self.radius_by(indentation_over_curvature, |contact| {
+            self.scaled_indentation(contact)
+        })
+    }
+
+    /// The same without a table: each of Newton's few steps solves a contact.
+    ///
+    /// # Errors
+    /// As [`Self::contact_radius`].
+    pub fn solved_contact_radius(
+        &self,
+        indentation_over_curvature: f64,
+    ) -> Result<f64, PressError> {
+        self.radius_by(indentation_over_curvature, |contact| {
+            Pressure::solve(contact).map(|pressure| [pressure.indentation, pressure.slope])
+        })
+    }
+
+    fn radius_by(
+        &self,
+        indentation: f64,
+        scaled_indentation: impl Fn(f64) -> Result<[f64; 2], PressError>,
+    ) -> Result<f64, PressError> {
         if indentation.is_nan() || indentation <= 0.0 {
             return Err(PressError::NoIndentation { indentation });
         }
@@ -116,7 +138,7 @@ impl BondedLayer {
         // Newton's method on logarithms, between which the relation is almost a straight line of slope 1.7 to 2.
         for _ in 0..STEPS {
             let tried = contact.min(LIMIT);
-            let [reached, slope] = self.scaled_indentation(tried)?;
+            let [reached, slope] = scaled_indentation(tried)?;
             let power = reached / (tried * slope);
             contact = tried * (root / reached.sqrt()).powf(2.0 * power);
             if tried == LIMIT && contact > LIMIT * (1.0 + 1e-12) {

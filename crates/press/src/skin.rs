@@ -91,8 +91,8 @@ impl Skin {
         }
         let distance = self.radius * across.atan2(direction.z);
         [
-            distance * direction.x / across,
-            distance * direction.y / across,
+            distance * (direction.x / across),
+            distance * (direction.y / across),
         ]
     }
 

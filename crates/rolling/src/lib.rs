@@ -9,7 +9,7 @@
 //! | closed form | planes, spheres, dishes, cylinders; no spin | 1e-14 |
 //! | meridian | surfaces of revolution, through the apex; no spin or sliding | 1e-13 |
 //! | RK4 | all | measured against a finer integration when it is chosen |
-//! | DOP853 | all | its tolerance |
+//! | DOP853 | all | its tolerance, or measured like RK4's |
 //!
 //! These are errors over a turn of the probe; they grow with the number of turns, and by
 //! `(1/R₁ + |k|)/(1/R₁ + k)` where the least curvature k of the object nearly makes the bodies conform.

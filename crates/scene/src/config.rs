@@ -31,8 +31,8 @@ pub use error::ConfigError;
 pub use fingertip::{BareFingertipConfig, LensConfig, LensName, ViewConfig};
 pub use glide::{
     CriterionName, EvaluateConfig, FingertipConfig, GlideConfig, GlideEstimatorConfig,
-    GlideMotionConfig, GlideNoiseConfig, GlideSensorConfig, NoiseAxis, NormalNoise, NormalsOf,
-    PositionNoise, Reports,
+    GlideModelConfig, GlideMotionConfig, GlideNoiseConfig, GlideSensorConfig, NoiseAxis,
+    NormalNoise, NormalsOf, PositionNoise, Reports,
 };
 pub use load::{Cell, Study, load, parse};
 pub use model::ModelConfig;

@@ -1,5 +1,6 @@
 //! A glide: fingers slide over a patch, and EP2 estimates its curvature.
 
+mod ladder;
 mod map;
 mod method;
 mod plan;

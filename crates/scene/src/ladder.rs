@@ -1,7 +1,7 @@
 //! The ladder of a scene: the models by which its truth can be computed, and which of them is taken.
 
-use crate::Scene;
 use crate::config::{ConfigError, ModelConfig, SceneConfig, Study};
+use crate::{GlideScene, Scene};
 
 /// The rungs on which the truth of a cell's scene can be computed, cheapest first.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +49,14 @@ impl Study {
         let config = &self.cells[cell].config.scene;
         Ok(match (&scene, config) {
             (Scene::Roll(scene), SceneConfig::Roll(config)) => Some(scene.ladder(config)),
+            (Scene::Glide(_), SceneConfig::Glide(config)) => {
+                let ladder = GlideScene::ladder(config);
+                Some(ladder.map_err(|error| self.plan_error(cell, error))?)
+            }
+            (Scene::Press(scene), SceneConfig::Press(config)) => {
+                let ladder = scene.ladder(config);
+                Some(ladder.map_err(|error| self.plan_error(cell, error))?)
+            }
             _ => None,
         })
     }

@@ -3,6 +3,7 @@
 
 mod camera;
 mod failure;
+mod ladder;
 mod noise;
 mod plan;
 mod profile;

@@ -128,6 +128,7 @@ pub(crate) struct Segment {
 
 impl Segment {
     /// Runs the block that follows, `block` of `cell`.
+    #[inline(never)] // by this name instructions are counted
     pub(crate) fn run_block(
         &mut self,
         cells: &[Cell],

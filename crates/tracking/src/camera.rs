@@ -59,20 +59,28 @@ impl Equidistant {
         self.px_per_rad
     }
 
-    /// The place that a finite point of the picture shows, rad.
+    /// The place that a point of the picture shows, rad; that of the apex where no double holds it.
     pub fn place(&self, point_px: [f64; 2]) -> [f64; 2] {
-        [
+        self.finite_place(point_px).unwrap_or_default()
+    }
+
+    fn finite_place(&self, point_px: [f64; 2]) -> Option<[f64; 2]> {
+        let place = [
             (point_px[0] - self.centre_px[0]) / self.px_per_rad,
             (self.centre_px[1] - point_px[1]) / self.px_per_rad,
-        ]
+        ];
+        place[0].hypot(place[1]).is_finite().then_some(place)
     }
 
     /// How far a place moved along the sphere, rad along the axes at rest.
     ///
     /// This is the great-circle displacement. Pixels over f are it only along the radius of the picture: across, the
-    /// picture is stretched by θ/sin θ.
+    /// picture is stretched by θ/sin θ. A point that is no place does not move.
     pub fn shift(&self, rest_px: [f64; 2], pressed_px: [f64; 2]) -> [f64; 2] {
-        great_circle(self.place(rest_px), self.place(pressed_px))
+        match (self.finite_place(rest_px), self.finite_place(pressed_px)) {
+            (Some(rest), Some(pressed)) => great_circle(rest, pressed),
+            _ => [0.0; 2],
+        }
     }
 
     /// How the sight of a marker that was found again changed, as seen without the picture's stretching: the shift is f
@@ -85,11 +93,12 @@ impl Equidistant {
             let [x, y] = self.place(marker.centroid_px);
             stretching(x.hypot(y)).ln()
         };
-        Some(Change {
+        let change = Change {
             shift_px: shift.map(|angle| self.px_per_rad * angle),
             growth: change.growth - 0.5 * (stretched(&pressed) - stretched(&rest)),
             ..change
-        })
+        };
+        Some(change).filter(Change::is_finite)
     }
 }
 
@@ -131,7 +140,7 @@ pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     let across = x.hypot(y);
     let angle = across.atan2(start.dot(&end));
     if across > 0.0 {
-        [angle * x / across, angle * y / across]
+        [angle * (x / across), angle * (y / across)]
     } else {
         [angle, 0.0]
     }

@@ -68,7 +68,8 @@ pub struct Change {
 }
 
 impl Track {
-    /// The change of a marker that was found again as it was: not of one that merged or split.
+    /// The change of a marker that was found again as it was: not of one that merged or split, nor of one whose numbers
+    /// are none, as without a size.
     pub fn change(&self) -> Option<Change> {
         let (rest, pressed) = match self {
             Self {
@@ -79,10 +80,21 @@ impl Track {
             _ => return None,
         };
         let turn = pressed.hue_turns - rest.hue_turns;
-        Some(Change {
+        let change = Change {
             shift_px: [0, 1].map(|axis| pressed.centroid_px[axis] - rest.centroid_px[axis]),
             hue_turns: turn - (turn + 0.5).floor(),
             growth: 0.5 * (pressed.size_px2 / rest.size_px2).ln(),
-        })
+        };
+        Some(change).filter(Change::is_finite)
+    }
+}
+
+impl Change {
+    /// Whether all of its numbers are.
+    pub(crate) fn is_finite(&self) -> bool {
+        let [x, y] = self.shift_px;
+        [x, y, self.hue_turns, self.growth]
+            .iter()
+            .all(|number| number.is_finite())
     }
 }

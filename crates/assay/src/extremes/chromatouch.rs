@@ -1,7 +1,11 @@
-//! Markers, cameras and their frames, at their extremes.
+//! The colour-marker sensor, at its extremes.
+
+mod layouts;
+mod optics;
 
 use super::Case;
 
 pub(super) fn cases() -> Vec<Case> {
-    Vec::new()
+    let parts = [layouts::cases(), optics::cases()];
+    parts.into_iter().flatten().collect()
 }

@@ -1,7 +1,11 @@
-//! Scenes as configs state them, at their extremes.
+//! Whole scenes of extreme settings, and recorded readings of extreme numbers.
+
+mod recorded;
+mod trials;
 
 use super::Case;
 
 pub(super) fn cases() -> Vec<Case> {
-    Vec::new()
+    let parts = [trials::cases(), recorded::cases()];
+    parts.into_iter().flatten().collect()
 }

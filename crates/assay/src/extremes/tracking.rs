@@ -1,7 +1,16 @@
-//! Markers found and followed in frames, at their extremes.
+//! From frames to displacements, at the extremes.
+
+mod calibration;
+mod displacements;
+mod frames;
 
 use super::Case;
 
 pub(super) fn cases() -> Vec<Case> {
-    Vec::new()
+    let parts = [
+        frames::cases(),
+        displacements::cases(),
+        calibration::cases(),
+    ];
+    parts.into_iter().flatten().collect()
 }

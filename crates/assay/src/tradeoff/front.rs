@@ -9,10 +9,14 @@ pub(super) struct Worth {
     pub(super) error: f64,
 }
 
+/// Costs that differ by no more count as equal.
+const EQUAL: f64 = 1.02;
+
 /// Whether each rung lies on the Pareto front: no other errs at most as much at most as dearly, and less or cheaper.
 pub(super) fn pareto(rungs: &[Worth]) -> Vec<bool> {
     let beats = |a: &Worth, b: &Worth| {
-        a.cost <= b.cost && a.error <= b.error && (a.cost < b.cost || a.error < b.error)
+        let (no_dearer, cheaper) = (a.cost <= EQUAL * b.cost, EQUAL * a.cost < b.cost);
+        no_dearer && a.error <= b.error && (cheaper || a.error < b.error)
     };
     rungs
         .iter()
@@ -20,9 +24,10 @@ pub(super) fn pareto(rungs: &[Worth]) -> Vec<bool> {
         .collect()
 }
 
-/// The cheapest rung that errs by `target` at most.
+/// The cheapest rung on the front that errs by `target` at most.
 pub(super) fn answer(rungs: &[Worth], target: f64) -> Option<usize> {
-    let adequate = |rung: &usize| rungs[*rung].error <= target;
+    let on_front = pareto(rungs);
+    let adequate = |rung: &usize| on_front[*rung] && rungs[*rung].error <= target;
     (0..rungs.len())
         .filter(adequate)
         .min_by(|&a, &b| rungs[a].cost.total_cmp(&rungs[b].cost))
@@ -44,6 +49,13 @@ mod tests {
         let rungs = rungs(&[(1.0, 0.1), (2.0, 0.2), (3.0, 0.01), (3.0, 0.02), (1.0, 0.1)]);
         assert_eq!(pareto(&rungs), [true, false, true, false, true]);
         assert!(pareto(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_cost_one_in_a_hundred_less_is_no_reason_to_err_more() {
+        let rungs = rungs(&[(100.0, 0.2), (101.0, 0.1), (102.0, 0.1)]);
+        assert_eq!(pareto(&rungs), [false, true, true]);
+        assert_eq!(answer(&rungs, 0.5), Some(1));
     }
 
     #[test]

@@ -38,7 +38,7 @@ noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, indentation =
 estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
 "#,
         },
-        &[10, 100, 1000],
+        &[10, 30, 100],
     ),
     (
         Template {
@@ -53,7 +53,7 @@ noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { k
 evaluate = { grid = 1, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }
 "#,
         },
-        &[10, 30, 100, 300],
+        &[10, 30, 100],
     ),
 ];
 

@@ -9,11 +9,11 @@ const CURVATURE: usize = 0;
 const SCENES: [Template; 3] = [
     Template {
         ease: Ease::Easy,
-        scene: "ball of 10 mm",
+        scene: "ball of 11 mm",
         text: r#"
 kind = "roll"
 probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 11.0 }
 motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
 sensor = $rung
 "#,

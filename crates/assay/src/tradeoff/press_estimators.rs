@@ -64,7 +64,7 @@ pub(super) fn ladder() -> Ladder {
     Ladder {
         name: "press-estimators",
         title: "Which estimator of a press?",
-        error: "rms error of the effective radius over it; 0.05 mm of noise, 0.02 mm along the skin and of the indentation",
+        error: "rms error of the effective radius over it; noise 0.05 mm, 0.02 mm along the skin and of δ",
         evaluation: "one trial: readings and estimate",
         scenes: SCENES.iter().map(stage).collect(),
     }

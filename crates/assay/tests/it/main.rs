@@ -2,4 +2,5 @@
 #![allow(clippy::unwrap_used)]
 
 mod extremes;
+#[cfg(feature = "count")]
 mod required;

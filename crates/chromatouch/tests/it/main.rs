@@ -1,6 +1,7 @@
 //! Integration tests of the spherical sensor.
 #![allow(clippy::unwrap_used)]
 
+mod any_number;
 mod frames;
 mod optics;
 mod optics_limits;

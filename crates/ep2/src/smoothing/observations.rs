@@ -3,7 +3,8 @@
 use super::WeightedPoint;
 use super::mesh::Mesh;
 use super::triangle::{Block, Triangle};
-use crate::{Basis, Knots};
+use crate::Knots;
+use crate::knots::Basis;
 
 /// Points with the B-splines there.
 pub(super) struct Observations<'a> {

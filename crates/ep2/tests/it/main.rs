@@ -1,6 +1,7 @@
 //! Tests of the crate's public face.
 #![allow(clippy::unwrap_used)]
 
+mod any_number;
 mod fitpack;
 mod invariance;
 mod penalised;

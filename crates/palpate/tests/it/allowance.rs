@@ -42,7 +42,7 @@ kind = "press"
 probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = "published" }
 object = { kind = "sphere", radius = 80.0 }
 motion = { indentation = 1.0 }
-model = { kind = "half-space" }
+model = { kind = "auto", thickness = 15.0 }
 noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 } }
 estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
 "#;

@@ -21,7 +21,16 @@ fn cells_trials_models_and_time() {
     assert_eq!(line("2 of 2"), "2 of 2 cells");
     assert!(line("closed form").starts_with("closed form: sphere on sphere"));
     assert!(line("least squares").contains("8 probes"));
+    assert!(line("needs no").starts_with("needs no integrator"));
+    let chosen = "chosen for a tolerance of 1e-9: the contact runs along geodesics";
+    assert!(line("chosen").starts_with(chosen));
+    assert!(line("> closed form").contains(" per trial"));
+    // The next rungs up: one that cannot, and one that can.
+    assert!(line("meridian").contains("cannot: the first contact is not the apex"));
+    assert!(line("RK4, 1 step").contains("error 8e-6, "));
+    assert!(line("RK4, 1 step").ends_with(" x)"));
     assert!(line("time").contains("about a second"));
+    assert!(line("time").ends_with(", planning included"));
     assert_untouched(&desk.path(""));
 }
 
@@ -78,4 +87,19 @@ fn the_schema_is_json_and_knows_units() {
     );
     assert!(schema["properties"]["scene"].is_object());
     assert!(printed.contains("\"x-unit\": \"length\""));
+}
+
+#[test]
+fn a_noiseless_press_needs_neither_draws_nor_frames() {
+    let press = "name = \"p\"\nlength_unit = \"mm\"\n[scene]\nkind = \"press\"\n\
+        probe = { kind = \"marker-sphere\", radius = 20.0, marker_depth = 2.0 }\n\
+        object = { kind = \"sphere\", radius = 80.0 }\nmotion = { indentation = 1.0 }\n\
+        model = { kind = \"auto\", thickness = 15.0 }\n";
+    let printed = Desk::with(press).palpate("check c.toml").printed();
+    assert!(
+        printed.contains("    needs no random numbers, no frames\n"),
+        "{printed}"
+    );
+    assert!(printed.contains("      > bonded layer"), "{printed}");
+    assert!(printed.contains("        half-space"), "{printed}");
 }

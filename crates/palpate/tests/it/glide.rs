@@ -189,7 +189,7 @@ fn check_tells_what_is_needed() {
     let printed = Desk::with(GLIDE).palpate("check c.toml").printed();
     for line in [
         "cells   2, of which 1 run a single trial",
-        "contacts of a round tip, by Newton's method on the offset surface",
+        "contacts by Newton's method on the offset surface, tolerance 1e-12 (a round tip on a saddle has no closed form",
         "noise: Gaussian errors of x, y and z, drawn per contact",
         "ideal sensor: the contact, with its normal",
         "penalised bicubic spline, weight by robust generalised cross validation (gamma 1.4), noise found from the contacts",

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use approx::assert_relative_eq;
 use palpate_press::{Body, BondedLayer, Field, LayerContact, PressError};
 
 /// effective radius, indentation, thickness, contact radius, depth, radial position, normal displacement; good to
@@ -317,6 +318,22 @@ fn displacements_are_finite_everywhere() {
                     assert!(finite, "{thickness} {depth} {a} {r}: {field:?}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn a_layer_that_is_solved_presses_like_one_with_tables() {
+    for (thickness, indentation) in [(4.0, 1.0), (20.0, 0.3), (1.5, 0.8), (1e6, 1.0)] {
+        let tables = Body::bonded_layer(thickness, 0.5).unwrap();
+        let solved = Body::solved_layer(thickness, 0.5).unwrap();
+        let [tables, solved] = [&tables, &solved].map(|body| body.press(0.1, indentation).unwrap());
+        assert_relative_eq!(tables.radius, solved.radius, max_relative = 1e-10);
+        let largest = solved.displacement(0.0).normal;
+        for r in [0.0, 0.5, 2.0, 5.0, 11.0] {
+            let (one, other) = (tables.displacement(r), solved.displacement(r));
+            let off = (one.normal - other.normal).hypot(one.radial - other.radial);
+            assert!(off <= 1e-7 * largest, "{thickness} {r}: {off:e}");
         }
     }
 }

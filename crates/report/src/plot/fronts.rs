@@ -23,6 +23,8 @@ pub(super) const NAME: f64 = 15.0;
 const MARKER: f64 = 5.0;
 const OTHER: f64 = 3.0;
 const STROKE: f64 = 2.0;
+/// Ten times the truth; no answer that errs by more is worth telling apart.
+const WORST: f64 = 10.0;
 /// Rungs that another beats.
 const BEATEN: RGBColor = RGBColor(178, 178, 178);
 
@@ -82,7 +84,7 @@ impl Fronts {
     pub(crate) fn of(ladder: &Ladder, unit: &str) -> Self {
         let rungs = || ladder.scenes.iter().flat_map(|scene| &scene.rungs);
         let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost));
-        let y = Scale::around(Spacing::Log, rungs().map(|rung| rung.error));
+        let y = Scale::around(Spacing::Log, rungs().map(shown));
         let widest = y
             .ticks(5)
             .iter()
@@ -125,7 +127,7 @@ impl Fronts {
         let place = |rung: &Rung| -> Point {
             (
                 self.left + self.x.place(rung.cost) * self.wide(),
-                top + (1.0 - self.y.place(rung.error)) * PANEL_HEIGHT,
+                top + (1.0 - self.y.place(shown(rung))) * PANEL_HEIGHT,
             )
         };
         let beaten = scene.rungs.iter().filter(|rung| !rung.on_front);
@@ -231,6 +233,11 @@ impl Panel {
         }
         Ok(())
     }
+}
+
+/// The error as drawn: what errs by more is drawn as high as this.
+fn shown(rung: &Rung) -> f64 {
+    rung.error.min(WORST)
 }
 
 /// Words for a cost in instructions or nanoseconds.

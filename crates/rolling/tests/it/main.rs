@@ -3,6 +3,7 @@
 
 mod auto;
 mod endings;
+mod every_number;
 mod extremes;
 mod glide;
 mod golden;

@@ -24,6 +24,9 @@ pub struct GlideConfig {
     pub object_contact: Option<[f64; 2]>,
     /// Where the fingers slide and touch.
     pub motion: GlideMotionConfig,
+    /// How contacts are found.
+    #[serde(default)]
+    pub model: GlideModelConfig,
     /// What contacts are read with.
     #[serde(default)]
     pub sensor: GlideSensorConfig,
@@ -79,6 +82,40 @@ pub struct GlideMotionConfig {
     /// Contacts of each finger, equally spaced and centred on the patch.
     #[schemars(extend("minimum" = 1, "maximum" = 100_000))]
     pub contacts_per_finger: u32,
+}
+
+/// How the contacts of the fingertips are found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum GlideModelConfig {
+    /// The closed form where there is one, else Newton's method.
+    Auto {
+        /// Largest error of a contact's place, relative to the tip's radius.
+        #[serde(default = "tolerance")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tolerance: f64,
+    },
+    /// The closed form: of points, and of round tips on planes, spheres, dishes and cylinders.
+    ClosedForm {},
+    /// Newton's method on the offset surface of a round tip.
+    Newton {
+        /// Largest error of a contact's place, relative to the tip's radius.
+        #[serde(default = "tolerance")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tolerance: f64,
+    },
+}
+
+fn tolerance() -> f64 {
+    1e-12
+}
+
+impl Default for GlideModelConfig {
+    fn default() -> Self {
+        Self::Auto {
+            tolerance: tolerance(),
+        }
+    }
 }
 
 /// What contacts are read with.

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::press::PressModelConfig;
+use super::glide::GlideModelConfig;
+use super::press::{PressEstimatorConfig, PressModelConfig};
 use super::roll::RollModelConfig;
 use super::study::SceneConfig;
 
@@ -12,6 +13,8 @@ use super::study::SceneConfig;
 pub enum ModelConfig {
     /// Of a roll.
     Roll(RollModelConfig),
+    /// Of a glide.
+    Glide(GlideModelConfig),
     /// Of a press.
     Press(PressModelConfig),
 }
@@ -22,17 +25,32 @@ impl SceneConfig {
         match self {
             Self::Roll(roll) => Some(ModelConfig::Roll(roll.model.clone())),
             Self::Press(press) => Some(ModelConfig::Press(press.model.clone())),
-            Self::Glide(_) | Self::Fingertip(_) => None,
+            Self::Glide(glide) => Some(ModelConfig::Glide(glide.model.clone())),
+            Self::Fingertip(_) => None,
         }
     }
 
-    /// The same scene with another model; `None` where that is of another kind of scene.
+    /// The same scene with another model, an estimator keeping what it has from this one; `None` where that is of another kind of scene.
     #[must_use]
     pub fn with_model(&self, model: &ModelConfig) -> Option<Self> {
         let mut scene = self.clone();
         match (&mut scene, model) {
             (Self::Roll(roll), ModelConfig::Roll(model)) => roll.model = model.clone(),
-            (Self::Press(press), ModelConfig::Press(model)) => press.model = model.clone(),
+            (Self::Glide(glide), ModelConfig::Glide(model)) => glide.model = model.clone(),
+            (Self::Press(press), ModelConfig::Press(model)) => {
+                // What the estimator has from the model it keeps.
+                let (old_thickness, old_poisson) = (press.model.thickness(), press.model.poisson());
+                match &mut press.estimator {
+                    PressEstimatorConfig::BondedLayer { thickness, .. } => {
+                        *thickness = thickness.or(old_thickness);
+                    }
+                    PressEstimatorConfig::HalfSpace { poisson, .. } => {
+                        *poisson = poisson.or(Some(old_poisson));
+                    }
+                    PressEstimatorConfig::Gaussian { .. } => {}
+                }
+                press.model = model.clone();
+            }
             _ => return None,
         }
         Some(scene)

@@ -45,6 +45,18 @@ impl PressConfig {
                 "the markers lie below the layer: must be at most `scene.model.thickness`",
             ));
         }
+        if let PressModelConfig::Auto {
+            thickness: Some(_),
+            poisson,
+            ..
+        } = self.model
+            && poisson != half()
+        {
+            return Err((
+                "scene.model.poisson",
+                "a layer on a core is incompressible: leave out `poisson`, or `thickness`",
+            ));
+        }
         self.check_sensor()?;
         if self.motion.shift != 0.0 && of_model.is_some() {
             return Err((
@@ -209,6 +221,21 @@ pub struct PressMotionConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressModelConfig {
+    /// The cheapest of the others that meets the tolerance: of a layer if there is a `thickness`, else of a half-space.
+    Auto {
+        /// Thickness of the layer on a rigid core, at most the radius of the sensor; without it there is no core.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        thickness: Option<f64>,
+        /// Poisson's ratio of the soft body; of a layer 0.5.
+        #[serde(default = "half")]
+        #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
+        poisson: f64,
+        /// Largest error of a marker's displacement, relative to the largest displacement of this press.
+        #[serde(default = "millionth")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tolerance: f64,
+    },
     /// Hertz contact, seen at the skin's surface whatever the markers' depth.
     Hertz {
         /// Poisson's ratio of the soft body.
@@ -231,6 +258,10 @@ pub enum PressModelConfig {
     },
 }
 
+fn millionth() -> f64 {
+    1e-6
+}
+
 fn half() -> f64 {
     0.5
 }
@@ -246,7 +277,30 @@ impl PressModelConfig {
     pub(crate) fn thickness(&self) -> Option<f64> {
         match *self {
             Self::BondedLayer { thickness } => Some(thickness),
+            Self::Auto { thickness, .. } => thickness,
             Self::Hertz { .. } | Self::HalfSpace { .. } => None,
+        }
+    }
+
+    /// Poisson's ratio of the soft body.
+    pub(crate) fn poisson(&self) -> f64 {
+        match *self {
+            Self::Auto { poisson, .. } | Self::Hertz { poisson } | Self::HalfSpace { poisson } => {
+                poisson
+            }
+            Self::BondedLayer { .. } => half(),
+        }
+    }
+
+    /// What `auto` is held against: the layer where there is one, else the half-space. Of others, themselves.
+    pub(crate) fn reference(&self) -> Self {
+        match *self {
+            Self::Auto {
+                thickness: Some(thickness),
+                ..
+            } => Self::BondedLayer { thickness },
+            Self::Auto { poisson, .. } => Self::HalfSpace { poisson },
+            ref named => named.clone(),
         }
     }
 }

@@ -127,7 +127,7 @@ pub enum RollModelConfig {
     },
     /// The closed form, where the shapes have one.
     ClosedForm {},
-    /// The quadrature along the meridian of a surface of revolution, rolled through its apex.
+    /// The closed relation along the meridian of a surface of revolution, rolled through its apex.
     Meridian {},
     /// The classical Runge–Kutta method of order 4 with equal steps.
     Rk4 {

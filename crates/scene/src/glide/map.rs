@@ -145,7 +145,7 @@ impl GlideScene {
         let fit = self.fit(Some(trial))?;
         let world: Vec<_> = self.grid.places.iter().map(|place| place.point).collect();
         let points = fit.points_at(&world)?;
-        let regions = regions(self.grid.side, &points, &self.grid.thresholds);
+        let regions = regions(self.grid.side, &points, &self.grid.thresholds)?;
         let places = points.iter().zip(&self.grid.places).zip(&regions.of_point);
         for ((point, truth), region) in places {
             table.push(

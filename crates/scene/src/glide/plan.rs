@@ -2,7 +2,7 @@
 
 use palpate_ep2::{Contact, Ep2Error};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
-use palpate_rolling::{Fingertip, GlideError, Glider};
+use palpate_rolling::{Fingertip, GlideError, Glider, InvalidTouch, TouchModel};
 use palpate_sensing::{
     BeyondPads, Channel, Distribution, InvalidSensor, NormalError, PadOffset, Pads, PositionAxes,
     PositionError, Stream,
@@ -12,8 +12,8 @@ use super::method::AnyMethod;
 use super::sensor::{GlideSensor, SensorKind};
 use super::{FingerTouch, GlideScene, ReadingNoise, TrueGrid, TruePlace};
 use crate::config::{
-    EvaluateConfig, FingertipConfig, GlideConfig, GlideMotionConfig, GlideNoiseConfig,
-    GlideSensorConfig, NoiseAxis, NormalNoise, ObjectConfig, PositionNoise,
+    EvaluateConfig, FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig,
+    GlideNoiseConfig, GlideSensorConfig, NoiseAxis, NormalNoise, ObjectConfig, PositionNoise,
 };
 use crate::plan::{PlanError, pad_layout, shape};
 
@@ -23,25 +23,16 @@ impl GlideScene {
     /// # Errors
     /// [`PlanError`] with the path of the field that makes no scene.
     pub fn new(config: &GlideConfig, seed: u64) -> Result<Self, PlanError> {
-        let object = shape(&config.object)?;
-        let (fingertip, radius) = match config.probe {
-            FingertipConfig::Point {} => (Fingertip::Point, 0.0),
-            FingertipConfig::Sphere { radius } => (Fingertip::Sphere { radius }, radius),
-        };
-        let glider = Glider::new(object.clone(), fingertip).map_err(of_tip)?;
-        let middle = middle(config, &object)?;
+        let glider = glider(config)?;
+        let (_, radius) = tip(config);
+        let middle = middle(config, glider.object())?;
         let touches = touches(&glider, middle, &config.motion)?;
         let sensor = sensor(&config.sensor, radius)?;
         let sensed = sensed(&sensor, &touches, radius)?;
         let noise = noise(&config.noise, config.motion.inter_finger_distance)?;
         let method = AnyMethod::of(&config.estimator, config.motion.inter_finger_distance);
-        let grid = grid(&config.evaluate, &object, middle)?;
-        let mut needs = vec![match fingertip {
-            Fingertip::Point => "contacts of points, straight below".to_owned(),
-            Fingertip::Sphere { .. } => {
-                "contacts of a round tip, by Newton's method on the offset surface".to_owned()
-            }
-        }];
+        let grid = grid(&config.evaluate, glider.object(), middle)?;
+        let mut needs = vec![need(&glider)];
         needs.extend(noise.need());
         needs.push(sensor.need());
         needs.push(method.need());
@@ -56,6 +47,41 @@ impl GlideScene {
             needs,
         })
     }
+}
+
+/// The fingertip, and its radius; 0 of a point.
+pub(super) fn tip(config: &GlideConfig) -> (Fingertip, f64) {
+    match config.probe {
+        FingertipConfig::Point {} => (Fingertip::Point, 0.0),
+        FingertipConfig::Sphere { radius } => (Fingertip::Sphere { radius }, radius),
+    }
+}
+
+/// What finds the contacts.
+pub(super) fn glider(config: &GlideConfig) -> Result<Glider, PlanError> {
+    let model = match config.model {
+        GlideModelConfig::Auto { tolerance } => TouchModel::Auto { tolerance },
+        GlideModelConfig::ClosedForm {} => TouchModel::ClosedForm,
+        GlideModelConfig::Newton { tolerance } => TouchModel::Newton { tolerance },
+    };
+    let glider = Glider::new(shape(&config.object)?, tip(config).0).map_err(of_tip)?;
+    glider.on(model).map_err(|error| match error {
+        InvalidTouch::Tip(error) => of_tip(error),
+        InvalidTouch::Unsupported { .. } => PlanError::at("scene.model.kind", error),
+        InvalidTouch::Tolerance { .. } => PlanError::at("scene.model.tolerance", error),
+    })
+}
+
+/// How contacts are found, in words.
+fn need(glider: &Glider) -> String {
+    let choice = glider.choice();
+    let bound = match (choice.model, choice.error_bound) {
+        (TouchModel::Newton { .. }, Some(bound)) => {
+            format!(", error at most {bound:.0e} of the tip's radius")
+        }
+        _ => String::new(),
+    };
+    format!("contacts by {} ({}{bound})", choice.rung, choice.reason)
 }
 
 fn of_tip(error: InvalidShape) -> PlanError {
@@ -80,7 +106,7 @@ pub(super) fn of_fit(error: &Ep2Error) -> PlanError {
     PlanError::at(path, error)
 }
 
-fn middle(config: &GlideConfig, object: &Shape) -> Result<(f64, f64), PlanError> {
+pub(super) fn middle(config: &GlideConfig, object: &Shape) -> Result<(f64, f64), PlanError> {
     let middle = config
         .object_contact
         .map_or(object.default_contact(), |[x, y]| (x, y));
@@ -96,7 +122,7 @@ fn middle(config: &GlideConfig, object: &Shape) -> Result<(f64, f64), PlanError>
     Ok(middle)
 }
 
-fn touches(
+pub(super) fn touches(
     glider: &Glider,
     (middle_x, middle_y): (f64, f64),
     motion: &GlideMotionConfig,

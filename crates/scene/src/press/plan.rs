@@ -12,6 +12,7 @@ use palpate_press::{
 };
 use palpate_sensing::{GaussianError, InvalidSensor};
 
+use super::ladder;
 use super::noise::ReadingNoise;
 use super::words;
 use super::{PressMethod, PressScene, PressSensor, PressedObject, TruePress};
@@ -21,7 +22,10 @@ use crate::config::{
     PressObjectConfig, PressProbeConfig, PressSensorConfig,
 };
 use crate::plan::PlanError;
-use camera::Pressed;
+pub(super) use camera::{Pressed, shifted};
+
+/// What displacements by a layer's tables err by, relative to the largest.
+const OF_TABLES: f64 = 1e-7;
 
 impl PressScene {
     /// The scene that a config describes, with the random numbers of `seed`.
@@ -46,7 +50,24 @@ impl PressScene {
             Markers::new(skin, &places).map_err(|error| PlanError::at(layout_path, error))?;
         let object = object(&config.object);
         let at = contact_place(config.motion.contact_deg, *radius)?;
-        let body = body(config, *radius, *marker_depth)?;
+        let pressed = Pressed {
+            object_curvature: object.curvature,
+            indentation: config.motion.indentation,
+            at,
+            shift: config.motion.shift,
+        };
+        let asked = config;
+        let choice = ladder::choice(config, &markers, &pressed)?;
+        let config = &PressConfig {
+            model: choice.model.clone(),
+            ..config.clone()
+        };
+        let is_shared = shares_layer(asked, choice.tolerance);
+        let layer = match is_shared {
+            true => Body::bonded_layer,
+            false => Body::solved_layer,
+        };
+        let body = body_of(&config.model, *radius, *marker_depth, layer)?;
         let (tangential, frames) = match &config.sensor {
             PressSensorConfig::Direct { tangential, frames } => (*tangential, *frames),
             PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
@@ -54,12 +75,6 @@ impl PressScene {
             }
         };
         let noise = noise(&config.noise, frames, places.len())?;
-        let pressed = Pressed {
-            object_curvature: object.curvature,
-            indentation: config.motion.indentation,
-            at,
-            shift: config.motion.shift,
-        };
         let contact = skin.contact(&body, object.curvature, config.motion.indentation);
         let truth = contact
             .as_ref()
@@ -85,8 +100,9 @@ impl PressScene {
             }
         };
         let method = Planned {
-            config,
+            config: asked,
             body: &body,
+            shared: is_shared.then(|| config.model.thickness()).flatten(),
             markers: &markers,
             noise: &noise,
             sensed: sensed_stds(&sensor),
@@ -99,6 +115,9 @@ impl PressScene {
             .and_then(|contact| method.bounds(contact, at, tangential));
         let method = method.method(*radius, *marker_depth)?;
         let mut needs = words::of_model(&config.model, &object, &skin, &contact);
+        if let Some(first) = needs.first_mut().filter(|_| choice.tolerance.is_some()) {
+            *first += &format!(" ({})", choice.reason);
+        }
         let is_seen = matches!(&sensor, PressSensor::Camera(Ok(seen)) if seen.is_random());
         needs.extend(
             noise
@@ -232,15 +251,37 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Pl
 
 /// What moves the markers.
 fn body(config: &PressConfig, radius: f64, marker_depth: f64) -> Result<Body, PlanError> {
-    match config.model {
-        PressModelConfig::Hertz { poisson } => Body::hertz(poisson),
-        PressModelConfig::HalfSpace { poisson } => Body::half_space(poisson, marker_depth),
-        PressModelConfig::BondedLayer { thickness } => {
-            within_sensor("scene.model.thickness", thickness, radius)?;
-            Body::bonded_layer(thickness, marker_depth)
-        }
+    body_of(&config.model, radius, marker_depth, Body::bonded_layer)
+}
+
+/// The body of a model, with a layer made by `layer`.
+pub(super) fn body_of(
+    model: &PressModelConfig,
+    radius: f64,
+    depth: f64,
+    layer: fn(f64, f64) -> Result<Body, PressError>,
+) -> Result<Body, PlanError> {
+    if let Some(thickness) = model.thickness() {
+        within_sensor("scene.model.thickness", thickness, radius)?;
+    }
+    match (model, model.thickness()) {
+        (PressModelConfig::Hertz { poisson }, _) => Body::hertz(*poisson),
+        (_, Some(thickness)) => layer(thickness, depth),
+        (_, None) => Body::half_space(model.poisson(), depth),
     }
     .map_err(|error| of_body("scene.model", error))
+}
+
+/// Whether the fit is of the same layer as the truth, which then shares its tables unless more is asked than they hold.
+fn shares_layer(config: &PressConfig, tolerance: Option<f64>) -> bool {
+    let of_model = config.model.thickness();
+    match config.estimator {
+        PressEstimatorConfig::BondedLayer { thickness, .. } => {
+            let is_same = thickness.is_none_or(|thickness| Some(thickness) == of_model);
+            is_same && tolerance.is_none_or(|tolerance| tolerance >= OF_TABLES)
+        }
+        PressEstimatorConfig::HalfSpace { .. } | PressEstimatorConfig::Gaussian { .. } => false,
+    }
 }
 
 fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), PlanError> {
@@ -299,6 +340,8 @@ fn noise(
 struct Planned<'a> {
     config: &'a PressConfig,
     body: &'a Body,
+    /// Thickness of its layer, where fits share its tables.
+    shared: Option<f64>,
     markers: &'a Markers,
     noise: &'a ReadingNoise,
     /// What a camera adds to the noise.
@@ -409,12 +452,7 @@ impl Planned<'_> {
         let model = &self.config.model;
         match self.config.estimator {
             PressEstimatorConfig::HalfSpace { poisson, .. } => {
-                let of_model = match *model {
-                    PressModelConfig::Hertz { poisson }
-                    | PressModelConfig::HalfSpace { poisson } => poisson,
-                    PressModelConfig::BondedLayer { .. } => 0.5,
-                };
-                Body::half_space(poisson.unwrap_or(of_model), marker_depth)
+                Body::half_space(poisson.unwrap_or(model.poisson()), marker_depth)
             }
             PressEstimatorConfig::BondedLayer { thickness, .. } => {
                 let of_model = model.thickness();
@@ -423,7 +461,7 @@ impl Planned<'_> {
                     return Err(PlanError::at("scene.estimator", message));
                 };
                 within_sensor("scene.estimator.thickness", thickness, radius)?;
-                if of_model == Some(thickness) {
+                if self.shared == Some(thickness) {
                     Ok(self.body.clone())
                 } else {
                     Body::bonded_layer(thickness, marker_depth)

@@ -19,9 +19,9 @@ pub(super) fn of_model(
     contact: &Result<Contact<'_>, PressError>,
 ) -> Vec<String> {
     let mut needs = vec![
-        match model {
+        match model.reference() {
             PressModelConfig::Hertz { .. } => "Hertz contact, seen at the surface: closed form",
-            PressModelConfig::HalfSpace { .. } => {
+            PressModelConfig::HalfSpace { .. } | PressModelConfig::Auto { .. } => {
                 "Hertz contact on a half-space, at the markers' depth: closed form"
             }
             PressModelConfig::BondedLayer { .. } => {

@@ -107,7 +107,7 @@ pub fn estimate_glide(
             "the patch's size: those of the 1996 paper on its patch of 3 x 3, scaled",
         ),
     };
-    let regions = regions(options.grid, &points, &limits);
+    let regions = regions(options.grid, &points, &limits).map_err(refused)?;
     let value = |value: f64, std: Option<f64>, power: Unit| Value::new(value, std, power, unit);
     let curvature = centre.curvature;
     let stds = curvature.uncertainty;

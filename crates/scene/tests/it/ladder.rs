@@ -1,6 +1,6 @@
 //! The ladders of models, and what `auto` takes of them.
 
-use palpate_scene::config::{ModelConfig, RollModelConfig, to_toml};
+use palpate_scene::config::{GlideModelConfig, ModelConfig, RollModelConfig, to_toml};
 use palpate_scene::{Ladder, Rung, Scene, config};
 
 fn ladder(text: &str) -> Ladder {
@@ -90,4 +90,190 @@ fn a_model_that_is_swept_cannot_be_replaced() {
         .unwrap_err();
     assert_eq!(error.path(), "scene.model");
     assert!(error.message().contains("swept"), "{error}");
+}
+
+fn glide(object: &str, probe: &str, model: &str) -> String {
+    format!(
+        "name = \"glide\"\n[scene]\nkind = \"glide\"\nprobe = {probe}\nobject = {object}\n{model}\n\
+         motion = {{ finger_positions = [-1.0, 0.0, 1.0], inter_finger_distance = 1.0, patch_length = 2.0, \
+         contacts_per_finger = 5 }}\n\
+         evaluate = {{ half_width = 0.5, gaussian_threshold = 1e-3, mean_threshold = 1e-3 }}\n"
+    )
+}
+
+const TIP: &str = r#"{ kind = "sphere", radius = 0.5 }"#;
+const SADDLE: &str = r#"{ kind = "saddle", a = 0.2 }"#;
+
+#[test]
+fn glides_are_in_closed_form_where_there_is_one() {
+    for (object, probe) in [
+        (r#"{ kind = "sphere", radius = 5.0 }"#, TIP),
+        (r#"{ kind = "cylinder", radius = 5.0 }"#, TIP),
+        (SADDLE, r#"{ kind = "point" }"#),
+    ] {
+        let ladder = ladder(&glide(object, probe, ""));
+        let model = ModelConfig::Glide(GlideModelConfig::ClosedForm {});
+        assert_eq!(ladder.taken().model, model);
+        keeps_its_word(&ladder);
+    }
+}
+
+#[test]
+fn glides_that_are_searched_for_err_by_less_than_their_tolerance() {
+    let text = |model: &str| {
+        glide(
+            r#"{ kind = "ellipsoid", semi_axes = [4.0, 3.0, 2.0] }"#,
+            TIP,
+            model,
+        )
+    };
+    let tolerances = [1e-2, 1e-5, 1e-12];
+    for tolerance in tolerances {
+        let ladder = ladder(&text(&format!(
+            r#"model = {{ kind = "auto", tolerance = {tolerance} }}"#
+        )));
+        keeps_its_word(&ladder);
+        let model = ModelConfig::Glide(GlideModelConfig::Newton { tolerance });
+        assert_eq!(ladder.taken().model, model);
+        assert!(ladder.rungs[0].outcome.is_err());
+    }
+    let study = config::parse("study.toml", &text(r#"model = { kind = "closed-form" }"#)).unwrap();
+    let error = study.scene(0).unwrap_err();
+    assert_eq!(error.path(), "scene.model.kind");
+    let points = glide(
+        SADDLE,
+        r#"{ kind = "point" }"#,
+        r#"model = { kind = "newton" }"#,
+    );
+    let study = config::parse("study.toml", &points).unwrap();
+    assert_eq!(study.scene(0).unwrap_err().path(), "scene.model.kind");
+    let loose = config::parse(
+        "study.toml",
+        &text(r#"model = { kind = "newton", tolerance = 2.0 }"#),
+    );
+    let error = loose.unwrap().scene(0).unwrap_err();
+    assert_eq!(error.path(), "scene.model.tolerance");
+}
+
+fn press(depth: f64, model: &str, indentation: f64, estimator: &str) -> String {
+    format!(
+        "name = \"press\"\n[scene]\nkind = \"press\"\n\
+         probe = {{ kind = \"marker-sphere\", radius = 20.0, marker_depth = {depth} }}\n\
+         object = {{ kind = \"plane\" }}\nmotion = {{ indentation = {indentation} }}\n\
+         model = {model}\nestimator = {estimator}\n"
+    )
+}
+
+const HALF_SPACE: &str = r#"{ kind = "half-space" }"#;
+
+fn taken(text: &str) -> (String, f64) {
+    let ladder = ladder(text);
+    keeps_its_word(&ladder);
+    let rung = ladder.taken();
+    (rung.name.clone(), rung.outcome.clone().unwrap())
+}
+
+#[test]
+fn a_press_is_seen_at_the_surface_only_where_markers_are_shallow() {
+    let auto = r#"{ kind = "auto", tolerance = 1e-3 }"#;
+    let (name, error) = taken(&press(0.0, auto, 1.0, HALF_SPACE));
+    assert!(name.starts_with("Hertz") && error == 0.0, "{name} {error}");
+    let (name, error) = taken(&press(1e-3, auto, 1.0, HALF_SPACE));
+    assert!(name.starts_with("Hertz") && error > 1e-6, "{name} {error}");
+    let (name, _) = taken(&press(2.0, auto, 1.0, HALF_SPACE));
+    assert!(name.starts_with("half-space"), "{name}");
+}
+
+#[test]
+fn a_layer_is_solved_only_where_it_is_thin() {
+    let auto = |thickness: f64, tolerance: f64| {
+        format!(r#"{{ kind = "auto", thickness = {thickness}, tolerance = {tolerance} }}"#)
+    };
+    let thin = press(1.0, &auto(4.0, 1e-3), 0.5, HALF_SPACE);
+    assert!(taken(&thin).0.starts_with("bonded layer"));
+    // What a core that is far below the contact takes from the displacement is about a/t of it.
+    let thick = press(0.01, &auto(20.0, 1e-3), 1e-9, HALF_SPACE);
+    let ladder = ladder(&thick);
+    let [_, half_space, layer] = &ladder.rungs[..] else {
+        panic!("{ladder:#?}");
+    };
+    assert!(*half_space.outcome.as_ref().unwrap() < 2e-2 && layer.outcome == Ok(0.0));
+    let thick = press(0.01, &auto(20.0, 0.02), 1e-9, HALF_SPACE);
+    assert!(taken(&thick).0.starts_with("half-space"));
+}
+
+#[test]
+fn an_estimator_has_from_auto_what_it_has_from_a_layer() {
+    let estimator = r#"{ kind = "bonded-layer" }"#;
+    // So loose that the half-space is taken; the estimator still assumes the layer.
+    let model = r#"{ kind = "auto", thickness = 20.0, tolerance = 0.2 }"#;
+    let text = press(1.0, model, 0.1, estimator);
+    let study = config::parse("study.toml", &text).unwrap();
+    let ladder = study.ladder(0).unwrap().unwrap();
+    assert!(ladder.taken().name.starts_with("half-space"), "{ladder:#?}");
+    let outcomes = |scene: &Scene| {
+        let mut outcomes = Vec::new();
+        let trial = scene.trial(0, |_, outcome| outcomes.push(outcome.estimate));
+        trial.unwrap_or_else(|error| panic!("{error}: {:?}", scene.needs()));
+        outcomes
+    };
+    let auto = outcomes(&study.scene(0).unwrap());
+    // Made explicit, the estimator keeps its thickness.
+    let mut explicit = study.clone();
+    explicit.override_model(&ladder.taken().model).unwrap();
+    let again = config::parse("run.toml", &to_toml(&explicit.config)).unwrap();
+    assert_eq!(outcomes(&again.scene(0).unwrap()), auto);
+    let layer = ladder.rungs.last().unwrap();
+    let exact = outcomes(&study.with_model(0, layer).unwrap());
+    assert!((exact[0] / 0.05 - 1.0).abs() < 1e-5, "{exact:?}");
+    assert!((auto[0] / 0.05 - 1.0).abs() > 1e-3, "{auto:?}");
+}
+
+#[test]
+fn wrong_models_of_presses_are_told_at_their_field() {
+    for (model, path) in [
+        (
+            r#"{ kind = "auto", thickness = 21.0 }"#,
+            "scene.model.thickness",
+        ),
+        (
+            r#"{ kind = "auto", thickness = 0.5 }"#,
+            "scene.probe.marker_depth",
+        ),
+        (
+            r#"{ kind = "auto", thickness = 5.0, poisson = 0.4 }"#,
+            "scene.model.poisson",
+        ),
+        (
+            r#"{ kind = "auto", tolerance = 1e-20 }"#,
+            "scene.model.tolerance",
+        ),
+        (
+            r#"{ kind = "auto", tolerance = 0 }"#,
+            "scene.model.tolerance",
+        ),
+    ] {
+        let text = press(1.0, model, 0.5, HALF_SPACE);
+        let error = config::parse("study.toml", &text)
+            .and_then(|study| study.scene(0).map(drop))
+            .unwrap_err();
+        assert_eq!(error.path(), path, "{error}");
+    }
+}
+
+#[test]
+fn a_press_says_what_it_takes() {
+    let text = press(
+        1.0,
+        r#"{ kind = "auto", thickness = 4.0 }"#,
+        0.5,
+        HALF_SPACE,
+    );
+    let study = config::parse("study.toml", &text).unwrap();
+    let needs = study.scene(0).unwrap().needs();
+    assert!(
+        needs[0].starts_with("incompressible layer bonded to a rigid core"),
+        "{needs:?}"
+    );
+    assert!(needs[0].contains("the next cheaper errs by"), "{needs:?}");
 }

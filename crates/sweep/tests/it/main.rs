@@ -1,6 +1,7 @@
 //! The runner as its users see it.
 #![allow(clippy::unwrap_used)]
 
+mod any_number;
 mod determinism;
 mod statistics;
 

@@ -136,7 +136,7 @@ impl NormalCalibration {
     }
 
     /// The signal of a change of sight.
-    pub fn signal(&self, change: &Change) -> f64 {
+    fn signal(&self, change: &Change) -> f64 {
         signal(self.weights, change.hue_turns, nearness(change.growth))
     }
 

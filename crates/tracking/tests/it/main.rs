@@ -1,6 +1,7 @@
 //! Tests of the public face.
 #![allow(clippy::unwrap_used)]
 
+mod any_number;
 mod calibration;
 mod field;
 mod finder;

@@ -5,7 +5,7 @@ use crate::plot::canvas::Point;
 use crate::plot::lettering::width;
 
 /// How far from its point a name may stand, pixels.
-const DISTANCES: [f64; 6] = [9.0, 18.0, 30.0, 45.0, 62.0, 82.0];
+const DISTANCES: [f64; 9] = [9.0, 18.0, 30.0, 45.0, 62.0, 82.0, 105.0, 130.0, 160.0];
 /// From here on a line leads to it.
 const LED: f64 = 15.0;
 const DIRECTIONS: usize = 24;

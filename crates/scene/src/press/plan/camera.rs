@@ -42,15 +42,15 @@ pub(super) struct DiscBodies {
 
 /// A press, as deep as it may be.
 #[derive(Clone, Copy)]
-pub(super) struct Pressed {
-    pub(super) object_curvature: f64,
-    pub(super) indentation: f64,
-    pub(super) at: [f64; 2],
-    pub(super) shift: f64,
+pub(in crate::press) struct Pressed {
+    pub(in crate::press) object_curvature: f64,
+    pub(in crate::press) indentation: f64,
+    pub(in crate::press) at: [f64; 2],
+    pub(in crate::press) shift: f64,
 }
 
 /// What an object that sticks to the skin and moves sideways adds to displacements at a depth.
-pub(super) fn shifted(
+pub(in crate::press) fn shifted(
     model: &PressModelConfig,
     markers: &Markers,
     depth: f64,
@@ -58,10 +58,10 @@ pub(super) fn shifted(
     pressed: &Pressed,
     moved: &mut [MarkerDisplacement],
 ) -> Result<(), PressError> {
-    let (poisson, depth) = match *model {
+    let (poisson, depth) = match model.reference() {
         PressModelConfig::HalfSpace { poisson } => (poisson, depth),
         PressModelConfig::Hertz { poisson } => (poisson, 0.0),
-        PressModelConfig::BondedLayer { .. } => return Ok(()),
+        PressModelConfig::BondedLayer { .. } | PressModelConfig::Auto { .. } => return Ok(()),
     };
     if pressed.shift == 0.0 {
         return Ok(());

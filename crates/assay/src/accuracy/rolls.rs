@@ -1,0 +1,98 @@
+//! Rolls against closed forms, and what EP1 makes of them.
+
+use anyhow::{Context, Result};
+use palpate_geometry::Shape;
+use palpate_rolling::{Contact, HeldAxis};
+use palpate_sweep::Summary;
+
+use super::Figure;
+use crate::hot::rolls::{Chart, Ep1, Model, motion, paraboloid, roller, sphere};
+
+const TRIALS: u64 = 1 << 14;
+
+pub(super) fn figures() -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    for (object, shape) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {
+        for angle_rad in [0.1, 6.0] {
+            for (rung, model) in rungs(object) {
+                let roller = roller(shape.clone(), model, angle_rad)?;
+                let contact = roller.roll(&[motion(angle_rad)])?;
+                let error = against_closed_form(&shape, angle_rad, &contact)?;
+                let name = format!("roll {angle_rad} rad over a {object}, {rung}");
+                figures.push(Figure::new(name, error));
+            }
+        }
+    }
+    for (sensor, setting) in [("uniform errors", Ep1::UNIFORM), ("pads", Ep1::PADS)] {
+        let statistics = Ep1::new(setting)?.statistics(TRIALS)?;
+        let error = |index: usize| -> Result<f64> {
+            let summary: &Summary = statistics.quantities.get(index).context("no quantity")?;
+            summary.relative_rms_error.context("no error")
+        };
+        figures.push(Figure::new(
+            format!("EP1, {sensor}, normal curvature"),
+            error(0)?,
+        ));
+        figures.push(Figure::new(
+            format!("EP1, {sensor}, gaussian curvature"),
+            error(2)?,
+        ));
+    }
+    Ok(figures)
+}
+
+/// Every rung that can roll over the object.
+fn rungs(object: &str) -> Vec<(&'static str, Model)> {
+    let charts = Chart::Montana(HeldAxis::Transported);
+    let rk4 = |chart| Model::Rk4 { steps: 64, chart };
+    let dop853 = |tolerance, chart| Model::Dop853 { tolerance, chart };
+    let exact = match object {
+        "sphere" => ("closed form", Model::ClosedForm),
+        _ => ("meridian", Model::Meridian),
+    };
+    vec![
+        exact,
+        ("RK4, 64 steps, chart-free", rk4(Chart::Free)),
+        ("RK4, 64 steps, in charts", rk4(charts)),
+        ("DOP853, 1e-6, chart-free", dop853(1e-6, Chart::Free)),
+        ("DOP853, 1e-6, in charts", dop853(1e-6, charts)),
+        ("DOP853, 1e-10, chart-free", dop853(1e-10, Chart::Free)),
+        ("DOP853, 1e-10, in charts", dop853(1e-10, charts)),
+    ]
+}
+
+/// Error of a roll of the unit sphere from the top: how far the contact on the object is from where the closed form has
+/// it, by its distance from the axis and its height.
+///
+/// # Errors
+/// If there is no closed form for the object.
+pub(crate) fn against_closed_form(
+    object: &Shape,
+    angle_rad: f64,
+    contact: &Contact,
+) -> Result<f64> {
+    let [x, y, z] = contact.on_object.coords.into();
+    let [axial, height] = match object {
+        // Both turn by half the angle.
+        Shape::Sphere(_) => [(0.5 * angle_rad).sin().abs(), (0.5 * angle_rad).cos()],
+        Shape::Paraboloid(_) => {
+            let r = radius_on_paraboloid(angle_rad);
+            [r, -r * r]
+        }
+        other => anyhow::bail!("no closed form of a roll over a {}", other.name()),
+    };
+    Ok((x.hypot(y) - axial).abs().max((z - height).abs()))
+}
+
+/// Where the unit sphere touches z = −r² after it has turned by this angle: by the slope's angle and by the meridian's
+/// length.
+fn radius_on_paraboloid(angle_rad: f64) -> f64 {
+    let mut r = angle_rad / 3.0;
+    for _ in 0..60 {
+        let slope = 2.0 * r;
+        let length = 0.5 * r * slope.hypot(1.0) + 0.25 * slope.asinh();
+        let excess = slope.atan() + length - angle_rad;
+        r -= excess / (2.0 / (1.0 + slope * slope) + slope.hypot(1.0));
+    }
+    r
+}

@@ -1,0 +1,139 @@
+//! Objects that stick and move sideways, and the relations at the surface.
+
+use palpate_press::hertz::{published_parabola, sneddon_indentation};
+use palpate_press::shear::{followed, stuck_shift};
+use palpate_press::{Markers, PressError, Skin};
+
+use crate::extremes::precise::Precise;
+use crate::extremes::{Answer, Case};
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for depth in [0.0, 1e-12, 1e-3, 1.0, 1e3, 1e9, 1e15] {
+        cases.push(Case::value(
+            "press::shear::followed",
+            format!("depth {depth:e} radii, radii 1e-30 to 1e30"),
+            move || on_the_axis(depth),
+        ));
+    }
+    for r in [0.0, 1e-12, 0.5, 1.0 - 1e-12, 1.0] {
+        cases.push(Case::value(
+            "press::shear::stuck_shift",
+            format!("surface, distance {r:e} radii: the object's own shift"),
+            move || at_the_surface(r),
+        ));
+    }
+    for ratio in [0.0, 1e-300, 1e-9, 0.5, 0.999_999, 1.0 - 1e-12] {
+        cases.push(Case::value(
+            "press::hertz::sneddon_indentation",
+            format!("contact {ratio:e} of the radius"),
+            move || sneddon(ratio),
+        ));
+    }
+    for (setting, place) in ["poisson", "depth", "radius", "distance", "azimuth"]
+        .into_iter()
+        .zip(0..)
+    {
+        for number in [f64::NAN, f64::INFINITY] {
+            let input = format!("{setting} {number}");
+            cases.push(Case::refusal(
+                "press::shear::stuck_shift",
+                input,
+                move || {
+                    let mut all = [0.3, 1.0, 1.0, 1.0, 1.0];
+                    all[place] = number;
+                    let [poisson, depth, radius, r, azimuth] = all;
+                    stuck_shift(poisson, depth, radius, r, azimuth)
+                },
+            ));
+        }
+    }
+    for [indentation, a, r] in [
+        [f64::NAN, 1.0, 1.0],
+        [1.0, 0.0, 0.0],
+        [f64::INFINITY, 1.0, 0.5],
+        [1.0, f64::INFINITY, f64::INFINITY],
+        [f64::MAX, f64::from_bits(1), 1.0],
+    ] {
+        cases.push(Case::value(
+            "press::hertz::published_parabola",
+            format!(
+                "indentation {indentation:e}, a {a:e}, r {r:e}; finite: 0 where nothing is known"
+            ),
+            move || {
+                let value = published_parabola(indentation, a, r);
+                Ok::<_, PressError>(Answer::finite([value]))
+            },
+        ));
+    }
+    for (radius, a) in [
+        (f64::NAN, 0.0),
+        (1.0, 1.0),
+        (1.0, -0.1),
+        (1.0, f64::NAN),
+        (0.0, 0.0),
+    ] {
+        cases.push(Case::refusal(
+            "press::hertz::sneddon_indentation",
+            format!("radius {radius}, contact {a}"),
+            move || sneddon_indentation(radius, a),
+        ));
+    }
+    for shift in [0.0, f64::from_bits(1), 1e300, f64::INFINITY, f64::NAN] {
+        cases.push(Case::new(
+            "press::Markers::shifted",
+            format!("shift {shift:e}; finite"),
+            move || shifted(shift).into(),
+        ));
+    }
+    cases
+}
+
+/// π(2 − ν) times the share that follows is 2(2 − ν) atan(1/z) − z/(1 + z²).
+fn on_the_axis(depth: f64) -> Result<Answer, PressError> {
+    let mut pairs = Vec::new();
+    for poisson in [0.0, 0.3, 0.5] {
+        for radius in [1e-30, 1.0, 1e30] {
+            let z = Precise::new(depth * radius) / Precise::new(radius);
+            let two_less = Precise::new(2.0) - Precise::new(poisson);
+            let angle = Precise::pi() * 0.5 - z.atan();
+            let share = &two_less * 2.0 * angle - &z / (z.squared() + 1.0);
+            let truth = share / (Precise::pi() * two_less);
+            pairs.push((followed(poisson, depth * radius, radius)?, truth.to_f64()));
+        }
+    }
+    Ok(Answer::all_near(pairs).within(1e-14))
+}
+
+fn at_the_surface(r: f64) -> Result<Answer, PressError> {
+    let mut pairs = Vec::new();
+    for azimuth in [0.0, 1.0, -1e15, f64::MAX] {
+        for radius in [1e-50, 1.0, 1e50] {
+            let moved = stuck_shift(0.3, 0.0, radius, r * radius, azimuth)?;
+            // At the edge the inward slope is infinite: half an ulp of r beyond it is seen as its root.
+            pairs.extend([(moved.along, 1.0), (moved.across, 0.0)]);
+        }
+    }
+    Ok(Answer::all_at_scale(pairs, 1.0).within(1e-7))
+}
+
+fn sneddon(ratio: f64) -> Result<Answer, PressError> {
+    let mut pairs = Vec::new();
+    for radius in [1e-9, 1.0, 20.0, 1e9] {
+        let a = ratio * radius;
+        let [whole, part] = [radius, a].map(Precise::new);
+        let log = ((&whole + &part) / (&whole - &part)).ln();
+        let truth = (part * log * 0.5).to_f64();
+        pairs.push((sneddon_indentation(radius, a)?, truth));
+    }
+    Ok(Answer::all_near(pairs).within(1e-15))
+}
+
+fn shifted(shift: f64) -> Result<Answer, PressError> {
+    let markers = Markers::new(Skin::new(20.0)?, &[[0.0, 0.0], [3.0, 4.0], [-20.0, 1e-9]])?;
+    let moved = markers.shifted(0.3, 2.0, 4.0, [1.0, 0.0], shift)?;
+    let parts = moved
+        .iter()
+        .map(|one| [one.normal, one.tangential[0], one.tangential[1]]);
+    Ok(Answer::finite(parts.flatten()))
+}

@@ -1,0 +1,213 @@
+//! Recorded readings: files of extreme numbers.
+
+use palpate_scene::recorded::{
+    GlideOptions, PressBody, PressMethod, PressOptions, RecordedError, RecordedFile, RollMethod,
+    RollOptions, estimate_glide, estimate_press, estimate_roll, parse_calibration_points,
+    parse_glide, parse_press, parse_roll,
+};
+use serde_json::Value;
+
+use crate::extremes::{Answer, Case};
+
+/// Numbers as files have them.
+const NUMBERS: [&str; 12] = [
+    "NaN",
+    "inf",
+    "-inf",
+    "1e400",
+    "-1e308",
+    "1e308",
+    "5e-324",
+    "-0",
+    "0",
+    "",
+    "1e-320",
+    "1e999999999",
+];
+
+fn file(text: String) -> RecordedFile {
+    RecordedFile::new("readings.csv", text.into_bytes())
+}
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for number in NUMBERS {
+        cases.push(Case::new(
+            "scene::recorded::estimate_roll",
+            format!("a shift of \"{number}\"; finite"),
+            move || estimated_roll(number, 1.0).into(),
+        ));
+        cases.push(Case::new(
+            "scene::recorded::estimate_glide",
+            format!("a height of \"{number}\"; finite"),
+            move || estimated_glide(number, 1.0).into(),
+        ));
+        cases.push(Case::new(
+            "scene::recorded::estimate_press",
+            format!("a displacement of \"{number}\"; finite"),
+            move || estimated_press(number, 20.0).into(),
+        ));
+        cases.push(Case::new(
+            "scene::recorded::parse_calibration_points",
+            format!("a displacement of \"{number}\""),
+            move || {
+                let text = format!("normal_displacement_mm,hue_turns,growth\n{number},0.1,0.1\n");
+                parse_calibration_points(&file(text))
+                    .map(|_| Answer::finite([0.0]))
+                    .into()
+            },
+        ));
+    }
+    for scale in [1e-100, 1e-9, 1e9, 1e100] {
+        cases.push(Case::new(
+            "scene::recorded::estimate_roll",
+            format!("lengths of {scale:e}; finite"),
+            move || estimated_roll("1", scale).into(),
+        ));
+        cases.push(Case::new(
+            "scene::recorded::estimate_glide",
+            format!("lengths of {scale:e}; finite"),
+            move || estimated_glide("1", scale).into(),
+        ));
+    }
+    for radius in [f64::NAN, 0.0, -1.0, f64::INFINITY, 5e-324, 1e308] {
+        cases.push(Case::refusal(
+            "scene::recorded::estimate_press",
+            format!("a sensor of radius {radius:e}"),
+            move || estimated_press("0.5", radius),
+        ));
+        cases.push(Case::new(
+            "scene::recorded::estimate_roll",
+            format!("a probe of radius {radius:e}; finite"),
+            move || estimated_roll_of("1", radius, None).into(),
+        ));
+        cases.push(Case::new(
+            "scene::recorded::estimate_roll",
+            format!("pads of pitch {radius:e}; finite"),
+            move || estimated_roll_of("1", 1.0, Some(radius)).into(),
+        ));
+    }
+    for text in [
+        "",
+        "\n",
+        "probe",
+        "\u{feff}",
+        ",,,,",
+        "x_mm,y_mm\n1,2",
+        "\"",
+        "finger,x_mm,y_mm,z_mm\n",
+    ] {
+        cases.push(Case::refusal(
+            "scene::recorded::parse_roll",
+            format!("{text:?}"),
+            move || parse_roll(file(text.to_owned())),
+        ));
+        cases.push(Case::refusal(
+            "scene::recorded::parse_glide",
+            format!("{text:?}"),
+            move || parse_glide(file(text.to_owned())),
+        ));
+        cases.push(Case::refusal(
+            "scene::recorded::parse_press",
+            format!("{text:?}"),
+            move || parse_press(file(text.to_owned())),
+        ));
+    }
+    cases
+}
+
+fn estimated_roll(number: &str, scale: f64) -> Result<Answer, RecordedError> {
+    let scaled = number
+        .parse::<f64>()
+        .map(|number| format!("{:e}", number * scale));
+    let is_plain = scale == 1.0;
+    let number = scaled
+        .ok()
+        .filter(|_| !is_plain)
+        .unwrap_or_else(|| number.to_owned());
+    estimated_roll_of(&number, scale, None)
+}
+
+fn estimated_roll_of(
+    number: &str,
+    probe_radius: f64,
+    pitch: Option<f64>,
+) -> Result<Answer, RecordedError> {
+    let other = if probe_radius.is_normal() {
+        -probe_radius
+    } else {
+        -1.0
+    };
+    let text = format!(
+        "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n\
+         0,0,-0.4,{number},0\n1,0,-0.4,{number},0\n2,-0.4,0,0,{other:e}\n3,-0.4,0,0,{other:e}\n"
+    );
+    let options = RollOptions {
+        probe_radius,
+        length_unit: None,
+        pitch,
+        method: RollMethod::default(),
+    };
+    let estimate = estimate_roll(&parse_roll(file(text))?, &options)?;
+    Ok(finite(&estimate))
+}
+
+fn estimated_glide(number: &str, scale: f64) -> Result<Answer, RecordedError> {
+    let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
+    for index in 0..36_u32 {
+        let [x, y] = [index % 6, index / 6].map(|step| f64::from(step) / 5.0);
+        let z = if index == 14 && scale == 1.0 {
+            number.to_owned()
+        } else {
+            format!("{:e}", -0.1 * scale * (x * x + y * y))
+        };
+        text += &format!("{},{:e},{:e},{z}\n", index / 6, x * scale, y * scale);
+    }
+    let (estimate, _) = estimate_glide(&parse_glide(file(text))?, &GlideOptions::default())?;
+    Ok(finite(&estimate))
+}
+
+fn estimated_press(number: &str, sensor_radius: f64) -> Result<Answer, RecordedError> {
+    let mut text = "x_mm,y_mm,normal_displacement_mm\n".to_owned();
+    for index in 0..25_i32 {
+        let [x, y] = [index % 5, index / 5].map(|step| 2.0 * f64::from(step - 2));
+        let moved = if index == 3 {
+            number.to_owned()
+        } else {
+            format!("{:e}", (-(x * x + y * y) / 30.0).exp())
+        };
+        text += &format!("{x},{y},{moved}\n");
+    }
+    let body = PressBody::HalfSpace {
+        poisson: 0.5,
+        depth: 2.0,
+    };
+    let options = PressOptions {
+        indentation: Some((1.2, 0.02)),
+        ..PressOptions::new(sensor_radius, PressMethod::Body(body))
+    };
+    let estimate = estimate_press(&parse_press(file(text))?, &options)?;
+    Ok(finite(&estimate))
+}
+
+/// All numbers of what is printed; JSON knows neither NaN nor infinity, which become null: where a value must be.
+fn finite(estimate: &impl serde::Serialize) -> Answer {
+    let json = serde_json::to_value(estimate).unwrap_or(Value::Null);
+    let mut numbers = vec![if json.is_null() { f64::NAN } else { 0.0 }];
+    collect(&json, &mut numbers);
+    Answer::finite(numbers)
+}
+
+fn collect(json: &Value, numbers: &mut Vec<f64>) {
+    match json {
+        Value::Number(number) => numbers.extend(number.as_f64()),
+        Value::Array(all) => all.iter().for_each(|one| collect(one, numbers)),
+        Value::Object(all) => {
+            if let Some(value) = all.get("value") {
+                numbers.push(value.as_f64().unwrap_or(f64::NAN));
+            }
+            all.values().for_each(|one| collect(one, numbers));
+        }
+        Value::Null | Value::Bool(_) | Value::String(_) => {}
+    }
+}

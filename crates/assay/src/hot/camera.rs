@@ -1,0 +1,130 @@
+//! What a camera sees of 77 markers.
+
+use std::hint::black_box;
+
+use anyhow::Result;
+use image::RgbImage;
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,
+    MarkerMotion, Optics,
+};
+use palpate_tracking::{Finder, FinderSettings, Mask, match_markers};
+
+use super::frames;
+use super::presses::SKIN;
+use super::{Hot, warm};
+
+/// Seed of the frames with discs of random hues.
+const FRAME: u64 = 11;
+
+/// The published sensor without blemishes, its discs misaligned by up to 0.3 of their diameter.
+///
+/// # Errors
+/// None: the sensor is sound.
+pub fn optics(size_px: u32) -> Result<Optics> {
+    let discs = Discs {
+        magenta: 2.0,
+        yellow: 2.0,
+    };
+    let depths = DiscDepths {
+        magenta: 3.0,
+        yellow: 1.0,
+    };
+    let places = Layout::published().places(SKIN)?;
+    let array = MarkerArray::new(SKIN, &places, discs, depths)?.misaligned(0.3, 1)?;
+    let camera = Camera::new(Lens::Fisheye, size_px, 70.0)?;
+    Ok(Optics::new(
+        array,
+        camera,
+        Colours::default(),
+        Blemishes::default(),
+    )?)
+}
+
+/// How 77 markers move, the first most.
+pub fn motions() -> Vec<Option<MarkerMotion>> {
+    let disc = |normal, along| DiscMotion {
+        normal,
+        tangential: [along, -0.5 * along],
+    };
+    let motion = |marker: i32| MarkerMotion {
+        magenta: disc(0.4 / f64::from(1 + marker), 0.05),
+        yellow: disc(0.6 / f64::from(1 + marker), 0.1),
+    };
+    (0..77).map(|marker| Some(motion(marker))).collect()
+}
+
+/// A disc in a frame.
+pub struct Disc {
+    /// Its middle, px.
+    pub centroid_px: [f64; 2],
+    /// Its hue, turns.
+    pub hue_turns: f64,
+}
+
+/// 77 discs of random hues on a dark ground.
+pub fn frame(size_px: usize) -> (RgbImage, Vec<Disc>) {
+    let (frame, truth) = frames::dark(size_px, FRAME);
+    let discs = truth.into_iter().map(|one| Disc {
+        centroid_px: one.centroid_px,
+        hue_turns: one.hue_turns,
+    });
+    (frame, discs.collect())
+}
+
+/// A finder that is told the image circle of [`frame`].
+///
+/// # Errors
+/// None: the circle is sound.
+pub fn finder(size_px: usize) -> Result<Finder> {
+    let mask = Mask {
+        centre_px: [0.5 * size_px as f64; 2],
+        radius_px: 0.48 * size_px as f64,
+    };
+    Ok(Finder::new(FinderSettings {
+        mask: Some(mask),
+        ..FinderSettings::default()
+    })?)
+}
+
+/// Images of 77 markers without pixels.
+///
+/// # Errors
+/// None: the sensor is sound.
+pub fn projected() -> Result<Hot> {
+    let (optics, motions) = (optics(640)?, motions());
+    optics.projected(&motions)?;
+    Ok(warm(move || optics.projected(black_box(&motions))))
+}
+
+/// A frame of 77 markers.
+///
+/// # Errors
+/// None: the sensor is sound.
+pub fn rendered(size_px: u32) -> Result<Hot> {
+    let (optics, motions) = (optics(size_px)?, motions());
+    optics.rendered(&motions, None)?;
+    Ok(warm(move || optics.rendered(black_box(&motions), None)))
+}
+
+/// The markers of a frame.
+///
+/// # Errors
+/// If they are not found.
+pub fn found(size_px: usize) -> Result<Hot> {
+    let (frame, _) = frame(size_px);
+    let mut finder = finder(size_px)?;
+    finder.find(&frame)?;
+    Ok(warm(move || finder.find(black_box(&frame))))
+}
+
+/// The markers of a frame found again in it.
+///
+/// # Errors
+/// If they are not found.
+pub fn matched(size_px: usize) -> Result<Hot> {
+    let found = finder(size_px)?.find(&frame(size_px).0)?.markers;
+    Ok(warm(move || {
+        match_markers(black_box(&found), black_box(&found))
+    }))
+}

@@ -1,0 +1,109 @@
+//! Presses of the published sensor: 77 markers 2 mm under a skin of radius 20 mm.
+
+use std::hint::black_box;
+
+use anyhow::Result;
+use palpate_chromatouch::Layout;
+use palpate_press::{Body, ForwardFit, MarkerDisplacement, Markers, Measured, Reading, Skin};
+use palpate_sensing::{Channel, Stream};
+
+use super::{Hot, warm};
+
+/// Radius of the skin, mm.
+pub const SKIN: f64 = 20.0;
+/// Where the object presses, mm from the middle marker.
+pub const AT: [f64; 2] = [1.5, 1.0];
+/// Curvature of the object, 1/mm.
+pub const OBJECT: f64 = 1.0 / 80.0;
+/// Indentation, mm.
+pub const INDENTATION: f64 = 1.0;
+const NORMAL_STD: f64 = 0.07;
+const TANGENTIAL_STD: f64 = 0.05;
+
+/// The markers.
+///
+/// # Errors
+/// None: the layout is sound.
+pub fn markers() -> Result<Markers> {
+    let places = Layout::published().places(SKIN)?;
+    Ok(Markers::new(Skin::new(SKIN)?, &places)?)
+}
+
+/// What the markers of a press tell in a trial: how far each moves inward and along the skin, with normal errors.
+pub struct Told {
+    /// Inward, mm.
+    pub normal: Vec<f64>,
+    /// Along the skin, mm.
+    pub tangential: Vec<[f64; 2]>,
+}
+
+impl Told {
+    /// Of these displacements, with the errors of a trial.
+    pub fn new(moved: &[MarkerDisplacement], trial: u64) -> Self {
+        let mut noise = Stream::new(1, trial, Channel::Position);
+        let mut off = |value: f64, std: f64| value + std * noise.standard_normal();
+        Self {
+            normal: moved
+                .iter()
+                .map(|one| off(one.normal, NORMAL_STD))
+                .collect(),
+            tangential: moved
+                .iter()
+                .map(|one| one.tangential.map(|along| off(along, TANGENTIAL_STD)))
+                .collect(),
+        }
+    }
+
+    /// For an estimator; the indentation is known to 0.02.
+    pub fn reading<'a>(&'a self, markers: &'a Markers) -> Reading<'a> {
+        Reading {
+            markers,
+            normal: &self.normal,
+            tangential: Some(&self.tangential),
+            indentation: Some(Measured {
+                value: INDENTATION,
+                std: 0.02,
+            }),
+        }
+    }
+}
+
+/// The estimator that knows how far markers err.
+pub fn fit(body: Body) -> ForwardFit {
+    ForwardFit {
+        normal_std: Some(NORMAL_STD),
+        tangential_std: Some(TANGENTIAL_STD),
+        ..ForwardFit::new(body)
+    }
+}
+
+/// How 77 markers move under a press of this body.
+///
+/// # Errors
+/// If the body cannot be pressed so.
+pub fn moved(body: Body) -> Result<Hot> {
+    let markers = markers()?;
+    markers.skin().contact(&body, OBJECT, INDENTATION)?;
+    Ok(warm(move || {
+        let contact = markers
+            .skin()
+            .contact(&body, OBJECT, black_box(INDENTATION));
+        contact.map(|contact| markers.displacements(&contact, AT))
+    }))
+}
+
+/// A fit of a body to what 77 markers tell.
+///
+/// # Errors
+/// If the body cannot be pressed so.
+pub fn fitted(body: Body) -> Result<Hot> {
+    let markers = markers()?;
+    let contact = markers.skin().contact(&body, OBJECT, INDENTATION)?;
+    let told = Told::new(&markers.displacements(&contact, AT), 1);
+    drop(contact);
+    let fit = fit(body);
+    fit.estimate(&told.reading(&markers))?;
+    Ok(warm(move || {
+        fit.estimate(black_box(&told.reading(&markers)))
+    }))
+}

@@ -1,0 +1,194 @@
+//! Rolls of a unit sphere, and trials of EP1.
+
+use std::hint::black_box;
+use std::num::NonZeroUsize;
+
+use anyhow::{Context, Result};
+use nalgebra::Vector2;
+use palpate_geometry::Shape;
+use palpate_geometry::surfaces::{Graph, Sphere};
+use palpate_rolling::{Fingertip, Glider, Motion, Probe, Roller, Rolls};
+use palpate_scene::config;
+use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
+use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Trial};
+
+pub use palpate_rolling::{Chart, Model};
+
+use super::trial::SceneTrial;
+use super::{Hot, warm};
+
+/// Rate of every roll, rad/s.
+pub const RATE: f64 = 0.1;
+/// Direction of every roll on the probe, rad.
+const DIRECTION: f64 = 0.7;
+
+/// The unit sphere.
+///
+/// # Errors
+/// None: its radius is sound.
+pub fn sphere() -> Result<Shape> {
+    Ok(Shape::Sphere(Sphere::new(1.0)?))
+}
+
+/// The paraboloid z = −r².
+///
+/// # Errors
+/// None: its coefficient is sound.
+pub fn paraboloid() -> Result<Shape> {
+    Ok(Shape::Paraboloid(Graph::paraboloid(1.0)?))
+}
+
+/// A roll by this angle (rad) at [`RATE`].
+pub fn motion(angle_rad: f64) -> Motion {
+    Motion::rolling(DIRECTION, RATE, angle_rad / RATE)
+}
+
+/// A unit sphere on top of an object, ready to roll by this angle.
+///
+/// # Errors
+/// If the model cannot roll it there.
+pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
+    let rolls = [vec![motion(angle_rad)]];
+    let rolls = Rolls { rolls: &rolls };
+    let probe = Probe::new(1.0)?;
+    Ok(Roller::new(probe, object, (0.0, 0.0), model, rolls)?)
+}
+
+/// A trial of EP1: eight probes of radius 1 turn by 0.1 rad on a sphere of radius 5; `setting` is the rest of the scene
+/// in TOML, its noise and its sensor.
+pub struct Ep1(SceneTrial);
+
+impl Ep1 {
+    /// Each component of a rotation errs uniformly by at most 1 % of it.
+    pub const UNIFORM: &str =
+        "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }";
+    /// Pads that report where the contact is.
+    pub const PADS: &str = "sensor = { kind = \"pads\", pitch = 0.01, offset = \"random\" }";
+
+    /// The trial.
+    ///
+    /// # Errors
+    /// If `setting` is none of a scene.
+    pub fn new(setting: &str) -> Result<Self> {
+        let text = format!(
+            "name = \"hot\"\n[scene]\nkind = \"roll\"\nprobe = {{ kind = \"sphere\", radius = 1.0 }}\n\
+             object = {{ kind = \"sphere\", radius = 5.0 }}\n\
+             motion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}\n{setting}\n"
+        );
+        Ok(Self(SceneTrial(
+            config::parse("hot.toml", &text)?.scene(0)?,
+        )))
+    }
+
+    /// Statistics of so many trials on one thread.
+    ///
+    /// # Errors
+    /// If no thread can be had.
+    pub fn statistics(&self, trials: u64) -> Result<CellStatistics> {
+        statistics(&self.0, trials)
+    }
+}
+
+/// Statistics of so many trials on one thread.
+fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
+    let options = RunOptions {
+        threads: NonZeroUsize::new(1),
+    };
+    let cells = [Cell { trials, trial }];
+    let statistics = palpate_sweep::run(&cells, &options, &|_| ())?;
+    statistics.into_iter().next().context("no cell")
+}
+
+/// Observations without a trial, so that only the statistics remain: five quantities of the same nearly uniform errors.
+pub struct Statistics;
+
+impl Statistics {
+    const QUANTITIES: usize = 5;
+    const TRUTH: f64 = 5.0;
+
+    /// Of so many trials on one thread.
+    ///
+    /// # Errors
+    /// If no thread can be had.
+    pub fn of(trials: u64) -> Result<CellStatistics> {
+        statistics(&Self, trials)
+    }
+}
+
+impl Trial for Statistics {
+    fn quantities(&self) -> usize {
+        Self::QUANTITIES
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        for quantity in 0..Self::QUANTITIES {
+            // Golden-ratio steps fill an interval evenly.
+            let step = (trial * 5 + quantity as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11;
+            let error = step as f64 / (1u64 << 53) as f64 - 0.5;
+            let observation = Observation {
+                estimate: Self::TRUTH + 0.1 * error,
+                truth: Self::TRUTH,
+                std: Some(0.03),
+                interval_holds: None,
+            };
+            record.observe(quantity, observation);
+        }
+        Ok(())
+    }
+}
+
+/// A roll over an object, to the contact where it ends.
+///
+/// # Errors
+/// If the model cannot roll it there.
+pub fn rolled(object: Shape, model: Model, angle_rad: f64) -> Result<Hot> {
+    let roller = roller(object, model, angle_rad)?;
+    let motion = motion(angle_rad);
+    Ok(warm(move || roller.roll(black_box(&[motion]))))
+}
+
+/// Trials of EP1 and their statistics.
+///
+/// # Errors
+/// If `setting` is none of a scene.
+pub fn trials(setting: &str, trials: u64) -> Result<Hot> {
+    let trial = Ep1::new(setting)?;
+    Ok(warm(move || trial.statistics(black_box(trials))))
+}
+
+/// Statistics alone.
+///
+/// # Errors
+/// None.
+pub fn statistics_alone(trials: u64) -> Result<Hot> {
+    Ok(warm(move || Statistics::of(black_box(trials))))
+}
+
+/// Readings of a pad array whose pitch is a hundredth of its radius.
+///
+/// # Errors
+/// None: the array is sound.
+pub fn pads(layout: PadLayout, readings: u32) -> Result<Hot> {
+    let pads = Pads::new(10.0, 0.1, layout, PadOffset::Random, 1.5)?;
+    let placement = pads.place(|| Stream::new(1, 0, Channel::PadOffset));
+    Ok(warm(move || {
+        (0..readings).for_each(|reading| {
+            let displacement = Vector2::new(2.3, 0.01 * f64::from(reading));
+            let _ = black_box(pads.read(&placement, black_box(&displacement)));
+        });
+    }))
+}
+
+/// Touches of a round tip on a saddle, side by side.
+///
+/// # Errors
+/// None: tip and saddle are sound.
+pub fn touches(touches: u32) -> Result<Hot> {
+    let saddle = Shape::Saddle(Graph::saddle(0.1)?);
+    let glider = Glider::new(saddle, Fingertip::Sphere { radius: 0.5 })?;
+    Ok(warm(move || {
+        (0..touches).for_each(|touch| {
+            let _ = black_box(glider.touch(0.1 * f64::from(touch), black_box(0.3)));
+        });
+    }))
+}

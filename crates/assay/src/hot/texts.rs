@@ -1,0 +1,36 @@
+//! Formulas and configs.
+
+use std::collections::BTreeMap;
+use std::hint::black_box;
+
+use anyhow::Result;
+use palpate_geometry::formula::Formula;
+use palpate_scene::config;
+
+use super::{Hot, warm};
+
+/// Heights of a formula with their derivatives.
+///
+/// # Errors
+/// None: the formula is sound.
+pub fn evaluated(points: u32) -> Result<Hot> {
+    let parameters = BTreeMap::from([("a".to_owned(), 0.2)]);
+    let formula = Formula::parse("a * sin(2 * x) * cos(2 * y) + x^2 / 8", &parameters)?;
+    Ok(warm(move || {
+        (0..points).for_each(|point| {
+            black_box(formula.jet(0.01 * f64::from(point), black_box(0.3)));
+        });
+    }))
+}
+
+/// A config with two sweeps and two plots.
+///
+/// # Errors
+/// None: the config is sound.
+pub fn parsed() -> Result<Hot> {
+    let text = include_str!("../../../../examples/press-a-ball.toml");
+    config::parse("press-a-ball.toml", text)?;
+    Ok(warm(move || {
+        config::parse("press-a-ball.toml", black_box(text))
+    }))
+}

@@ -1,0 +1,102 @@
+//! Rolls and trials of EP1.
+
+use std::hint::black_box;
+
+use anyhow::{Context, Result};
+use palpate_geometry::Shape;
+use palpate_rolling::{Contact, Roller};
+
+use super::Figure;
+use crate::accuracy::rolls::against_closed_form;
+use crate::hot::rolls::{Chart, Ep1, Model, motion, paraboloid, roller, sphere};
+
+const LONG_RAD: f64 = 6.0;
+const SHORT_RAD: f64 = 0.1;
+/// Of DOP853, loosest first.
+const TOLERANCES: [f64; 10] = [
+    1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 3e-13, 1e-13, 3e-14,
+];
+const TRIALS: u64 = 1 << 17;
+
+/// Rolls by 6 rad: by the integrator that errs by at most `error_at_most`, and by the cheapest rung.
+pub(super) fn long(error_at_most: f64) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {
+        let task = format!("roll 6 rad over a {name}");
+        let exact = cheapest(&object, LONG_RAD)?;
+        let truth = exact.roll(&[motion(LONG_RAD)])?;
+        let (integrator, error) = integrator(&object, &truth, error_at_most)?;
+        figures.push(figure(&task, integrator, LONG_RAD, error));
+        let error = against_closed_form(&object, LONG_RAD, &truth)?;
+        figures.push(figure(&task, exact, LONG_RAD, error));
+    }
+    Ok(figures)
+}
+
+/// Rolls by 0.1 rad by the cheapest rung.
+pub(super) fn short() -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {
+        let exact = cheapest(&object, SHORT_RAD)?;
+        let contact = exact.roll(&[motion(SHORT_RAD)])?;
+        let error = against_closed_form(&object, SHORT_RAD, &contact)?;
+        let task = format!("roll 0.1 rad over a {name}");
+        figures.push(figure(&task, exact, SHORT_RAD, error));
+    }
+    Ok(figures)
+}
+
+/// The closed form or the meridian.
+fn cheapest(object: &Shape, angle_rad: f64) -> Result<Roller> {
+    let model = Model::Auto {
+        tolerance: 1e-13,
+        chart: Chart::Free,
+    };
+    roller(object.clone(), model, angle_rad)
+}
+
+/// The loosest tolerance that is tight enough, and its error.
+fn integrator(object: &Shape, truth: &Contact, error_at_most: f64) -> Result<(Roller, f64)> {
+    for tolerance in TOLERANCES {
+        let model = Model::Dop853 {
+            tolerance,
+            chart: Chart::Free,
+        };
+        let roller = roller(object.clone(), model, LONG_RAD)?;
+        let error = between(&roller.roll(&[motion(LONG_RAD)])?, truth);
+        if error <= error_at_most {
+            return Ok((roller, error));
+        }
+    }
+    anyhow::bail!("no tolerance of DOP853 errs by at most {error_at_most}")
+}
+
+/// Largest difference of the contact on either body, in any coordinate.
+fn between(a: &Contact, b: &Contact) -> f64 {
+    let on_object = (a.on_object - b.on_object).amax();
+    on_object.max((a.on_probe(1.0) - b.on_probe(1.0)).amax())
+}
+
+fn figure(task: &str, roller: Roller, angle_rad: f64, error: f64) -> Figure {
+    let rung = roller.choice().rung.clone();
+    let motion = motion(angle_rad);
+    Figure::measured(task, rung, error, 1, move || {
+        roller.roll(black_box(&[motion]))
+    })
+}
+
+/// Trials of EP1 with the statistics of the runner.
+pub(super) fn ep1() -> Result<Vec<Figure>> {
+    let trial = Ep1::new(Ep1::UNIFORM)?;
+    let statistics = trial.statistics(TRIALS)?;
+    let curvature = statistics.quantities.first().context("no quantity")?;
+    let error = curvature.relative_rms_error.context("no error")?;
+    let figure = Figure::measured(
+        "EP1 trial, 8 probes",
+        "run, with standard deviations and statistics",
+        error,
+        TRIALS as usize,
+        move || trial.statistics(TRIALS),
+    );
+    Ok(vec![figure])
+}

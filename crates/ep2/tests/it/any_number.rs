@@ -1,0 +1,195 @@
+//! Whatever the numbers: a finite answer or a named error; and what must not change it.
+
+use nalgebra::{Point3, Rotation3, Vector3};
+use palpate_ep2::{
+    Contact, Curvature, Ep2Error, MapPoint, Method, Noise, Patch, Penalised, Quadric,
+    SmoothingSpline, TwoPass, Uncertainty, WeightedPoint, regions,
+};
+use palpate_geometry::ShapeThresholds;
+use proptest::prelude::*;
+
+/// Any double, those of everyday size as often as all the others.
+fn any_number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        1 => any::<u64>().prop_map(f64::from_bits),
+        4 => -2.0..2.0,
+        1 => (-9.0..9.0).prop_map(|power: f64| 10f64.powf(power)),
+    ]
+}
+
+fn vector() -> impl Strategy<Value = Vector3<f64>> {
+    prop::array::uniform3(any_number()).prop_map(Vector3::from)
+}
+
+fn contacts() -> impl Strategy<Value = Vec<Contact>> {
+    let contact = (
+        0..4_usize,
+        vector(),
+        prop::option::weighted(0.9, vector()),
+        any_number(),
+    );
+    let contact = contact.prop_map(|(finger, place, normal, weight)| Contact {
+        finger,
+        position: Point3::from(place),
+        normal,
+        weight,
+    });
+    prop::collection::vec(contact, 0..20)
+}
+
+fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
+fn methods(number: f64) -> [Box<dyn Method>; 4] {
+    let noise = Noise {
+        position_std: Some(number),
+        normal_std_rad: None,
+    };
+    let two_pass = TwoPass {
+        smoothing: number,
+        tangent_step: number.abs().min(1.0).max(1e-9),
+        ..TwoPass::default()
+    };
+    [
+        Box::new(Quadric { noise }),
+        Box::new(Quadric::default()),
+        Box::new(Penalised::default()),
+        Box::new(two_pass),
+    ]
+}
+
+fn is_finite(point: &MapPoint) -> bool {
+    let curvature = point.curvature;
+    let uncertainty = curvature.uncertainty.map_or([0.0; 3], |one| {
+        [one.gaussian_std, one.mean_std, one.correlation]
+    });
+    let numbers = [curvature.gaussian, curvature.mean, point.k_min, point.k_max];
+    let places = point
+        .position
+        .iter()
+        .chain(&point.normal)
+        .chain(&point.direction_of_max);
+    let mut all = numbers.iter().chain(&uncertainty).chain(places);
+    all.all(|number| number.is_finite())
+}
+
+/// A bump's contacts, with normals.
+fn bump() -> Vec<Contact> {
+    let at = |index: usize| [index % 7, index / 7].map(|step| step as f64 / 3.0 - 1.0);
+    let contact = |index: usize| {
+        let [x, y] = at(index);
+        let z = 0.3 * (-(x * x + y * y)).exp();
+        let normal = Vector3::new(2.0 * x * z, 2.0 * y * z, 1.0);
+        Contact::new(index / 7, Point3::new(x, y, z), Some(normal))
+    };
+    (0..49).map(contact).collect()
+}
+
+#[test]
+fn maps_of_too_many_places_and_regions_of_other_numbers_are_refused() {
+    let fit = Quadric::default()
+        .fit(&Patch::new(&bump(), &Vector3::z()).unwrap())
+        .unwrap();
+    let name = |error: Ep2Error| error.name();
+    assert_eq!(fit.map(usize::MAX).map_err(name).err(), Some("bad-setting"));
+    assert_eq!(
+        fit.curvatures(1 << 20).map_err(name).err(),
+        Some("bad-setting")
+    );
+    let mut points = fit.map(3).unwrap();
+    let thresholds = ShapeThresholds::new(1e-3, 1e-3).unwrap();
+    for side in [0, 2, usize::MAX] {
+        let refused = regions(side, &points, &thresholds).map_err(name).err();
+        assert_eq!(refused, Some("bad-setting"));
+    }
+    points[4].k_max = f64::NAN;
+    assert_eq!(
+        regions(3, &points, &thresholds).map_err(name).err(),
+        Some("out-of-range")
+    );
+}
+
+/// A spread that rounding swallows leaves one class, and one that no double holds leaves none.
+#[test]
+fn uncertainties_of_any_size_give_probabilities_or_none() {
+    let thresholds = ShapeThresholds::new(0.01, 0.1).unwrap();
+    let of = |std: f64| {
+        let uncertainty = Some(Uncertainty {
+            gaussian_std: std,
+            mean_std: std,
+            correlation: 0.5,
+        });
+        Curvature {
+            gaussian: 1.0,
+            mean: 1.0,
+            uncertainty,
+        }
+        .class_probabilities(&thresholds)
+    };
+    for std in [f64::from_bits(1), 1e-300, 1e-17] {
+        assert_eq!(of(std).unwrap().iter().copied().fold(0.0, f64::max), 1.0);
+    }
+    assert_eq!((of(f64::MAX), of(f64::NAN)), (None, None));
+}
+
+proptest! {
+    #![proptest_config(config(200))]
+
+    #[test]
+    fn any_contacts(contacts in contacts(), outward in vector(), place in vector(), number in any_number()) {
+        let Ok(patch) = Patch::new(&contacts, &outward) else { return Ok(()) };
+        for method in methods(number) {
+            let Ok(fit) = method.fit(&patch) else { continue };
+            prop_assert!(fit.effective_unknowns.is_finite());
+            for point in fit.points_at(&[Point3::from(place)]).into_iter().chain(fit.map(4)).flatten() {
+                prop_assert!(is_finite(&point), "{point:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn any_points(
+        numbers in prop::collection::vec(prop::array::uniform4(any_number()), 0..30),
+        degree in 0..4_usize,
+        smoothing in any_number(),
+    ) {
+        let point = |&[u, v, w, weight]: &[f64; 4]| WeightedPoint { u, v, w, weight: weight.abs() };
+        let points: Vec<_> = numbers.iter().map(point).collect();
+        if let Ok(found) = SmoothingSpline::new(degree, smoothing.abs()).fit(&points) {
+            prop_assert!(found.spline.coefficients.iter().all(|one| one.is_finite()));
+            prop_assert!(found.residual_sum.is_finite() && found.effective_unknowns.is_finite());
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(config(24))]
+
+    /// Curvature is of the inverse of the length, and of the surface alone.
+    #[test]
+    fn scaled_and_turned_patches_have_scaled_curvatures(
+        power in -200..200,
+        angles in prop::array::uniform3(-3.0..3.0),
+        away in -5.0..5.0,
+    ) {
+        let (scale, turn) = (2f64.powi(power), Rotation3::from_euler_angles(angles[0], angles[1], angles[2]));
+        let moved: Vec<Contact> = bump().into_iter().map(|contact| Contact {
+            position: Point3::from(turn * (contact.position.coords * scale) + Vector3::repeat(away * scale)),
+            normal: contact.normal.map(|normal| turn * normal),
+            ..contact
+        }).collect();
+        let methods: [&dyn Method; 2] = [&Quadric::default(), &Penalised::default()];
+        for method in methods {
+            let still = method.fit(&Patch::new(&bump(), &Vector3::z()).unwrap()).unwrap().centre().unwrap();
+            let moved = method.fit(&Patch::new(&moved, &(turn * Vector3::z())).unwrap()).unwrap().centre().unwrap();
+            let (one, other) = (still.curvature, moved.curvature);
+            prop_assert!((one.mean - other.mean * scale).abs() < 1e-6, "{one:?} {other:?}");
+            prop_assert!((one.gaussian - other.gaussian * scale * scale).abs() < 1e-6);
+        }
+    }
+}

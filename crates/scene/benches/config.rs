@@ -1,0 +1,21 @@
+//! From the text of a config to scenes.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use palpate_scene::config;
+
+const TEXT: &str = include_str!("../../../examples/press-a-ball.toml");
+
+fn configs(criterion: &mut Criterion) {
+    criterion.bench_function("config, parsed and its sweeps laid out", |bencher| {
+        bencher.iter(|| config::parse("press-a-ball.toml", black_box(TEXT)));
+    });
+    let study = config::parse("press-a-ball.toml", TEXT).expect("a config");
+    criterion.bench_function("scene of a cell", |bencher| {
+        bencher.iter(|| study.scene(black_box(0)));
+    });
+}
+
+criterion_group!(benches, configs);
+criterion_main!(benches);

@@ -1,0 +1,73 @@
+//! Whatever the numbers: finite statistics, the same in any order of the blocks.
+
+use palpate_sweep::{BLOCK, Observation, Summary};
+use proptest::prelude::*;
+
+use crate::{observing, run_cell};
+
+/// Any double, those of everyday size as often as all the others.
+fn any_number() -> impl Strategy<Value = f64> {
+    prop_oneof![any::<u64>().prop_map(f64::from_bits), -2.0..2.0]
+}
+
+fn numbers(summary: &Summary) -> Vec<f64> {
+    let all = [
+        summary.truth,
+        summary.mean,
+        summary.std,
+        summary.bias,
+        summary.rms_error,
+        summary.mean_abs_error,
+        summary.relative_rms_error,
+        summary.relative_mean_abs_error,
+        summary.q05,
+        summary.q50,
+        summary.q95,
+        summary.mean_reported_std,
+        summary.coverage95,
+    ];
+    all.into_iter().flatten().collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_observations(numbers_of in prop::collection::vec(
+        (any_number(), any_number(), prop::option::of(any_number()), prop::option::of(any::<bool>())), 1..40)
+    ) {
+        let trial = observing(|trial| {
+            let (estimate, truth, std, interval_holds) = numbers_of[trial as usize % numbers_of.len()];
+            Observation { estimate, truth, std, interval_holds }
+        });
+        let found = run_cell(2 * BLOCK + 7, &trial);
+        let summary = &found.quantities[0];
+        prop_assert!(numbers(summary).iter().all(|number| number.is_finite()), "{summary:?}");
+        prop_assert_eq!(summary.observations + found.failed(), 2 * BLOCK + 7);
+        if let Some(coverage) = summary.coverage95 {
+            prop_assert!((0.0..=1.0).contains(&coverage));
+        }
+        if let (Some(low), Some(middle), Some(high)) = (summary.q05, summary.q50, summary.q95) {
+            prop_assert!(low <= middle && middle <= high);
+        }
+        if let (Some(rms), Some(mean)) = (summary.rms_error, summary.mean_abs_error) {
+            prop_assert!(mean <= rms * (1.0 + 1e-12) + 1e-300);
+        }
+    }
+
+    /// Blocks in another order are the same sample: counts and quantiles are alike, sums but for rounding.
+    #[test]
+    fn blocks_in_any_order(errors in prop::collection::vec(-1e3..1e3_f64, 1..30), shift in 0..3_u64, power in -900..900) {
+        let unit = 2f64.powi(power);
+        let of = |shift: u64| run_cell(3 * BLOCK, &observing(|trial| {
+            let error = errors[((trial + shift * BLOCK) % (3 * BLOCK)) as usize % errors.len()] * unit;
+            Observation { estimate: error, truth: 0.0, std: None, interval_holds: None }
+        })).quantities[0];
+        let (one, other) = (of(0), of(shift));
+        prop_assert_eq!((one.q05, one.q50, one.q95), (other.q05, other.q50, other.q95));
+        let size = one.rms_error.unwrap();
+        for (one, other) in [(one.bias, other.bias), (one.std, other.std), (one.rms_error, other.rms_error)] {
+            prop_assert!((one.unwrap() - other.unwrap()).abs() <= 1e-12 * size);
+        }
+    }
+}

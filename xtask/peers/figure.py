@@ -1,0 +1,27 @@
+"""A figure as every peer prints it: one line of JSON."""
+
+import json
+import time
+
+
+def median_us(job, per_call=1, batches=9, batch_s=0.02):
+    """Median over batches of the time of one call, divided by what a call does, in microseconds.
+
+    A batch has as many calls as last for batch_s, at least one; one batch goes before to warm up.
+    """
+    start = time.perf_counter()
+    job()
+    calls = max(1, int(batch_s / (time.perf_counter() - start)))
+    times = []
+    for _ in range(batches + 1):
+        start = time.perf_counter()
+        for _ in range(calls):
+            job()
+        times.append((time.perf_counter() - start) / calls)
+    return sorted(times[1:])[batches // 2] / per_call * 1e6
+
+
+def tell(task, peer, version, time_us, error):
+    """Prints the figure."""
+    figure = {"task": task, "peer": peer, "version": version, "time_us": float(time_us), "error": float(error)}
+    print(json.dumps(figure), flush=True)

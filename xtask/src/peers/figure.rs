@@ -1,0 +1,104 @@
+//! What a peer or palpate takes for a task.
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+
+/// Of one line that a peer prints.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Figure {
+    pub(crate) task: String,
+    pub(crate) peer: String,
+    pub(crate) version: String,
+    pub(crate) time_us: f64,
+    pub(crate) error: f64,
+}
+
+impl Figure {
+    /// Reads lines of JSON.
+    pub(crate) fn read(lines: &str) -> Result<Vec<Figure>> {
+        let figure = |line: &str| -> Result<Figure> {
+            let value: Value = serde_json::from_str(line)?;
+            let text = |key: &str| {
+                let text = value[key].as_str();
+                text.map(str::to_owned)
+                    .with_context(|| format!("no `{key}`"))
+            };
+            let number = |key: &str| value[key].as_f64().with_context(|| format!("no `{key}`"));
+            Ok(Figure {
+                task: text("task")?,
+                peer: text("peer")?,
+                version: text("version")?,
+                time_us: number("time_us")?,
+                error: number("error")?,
+            })
+        };
+        let lines = lines.lines().filter(|line| !line.trim().is_empty());
+        lines
+            .map(|line| figure(line).with_context(|| format!("no figure: {line}")))
+            .collect()
+    }
+}
+
+/// The median time and the median error of each peer on each task, in the order in which they first came.
+pub(crate) fn medians(figures: Vec<Figure>) -> Vec<Figure> {
+    let mut medians: Vec<Figure> = Vec::new();
+    for figure in &figures {
+        let same = |other: &&Figure| (&other.task, &other.peer) == (&figure.task, &figure.peer);
+        if medians.iter().any(|known| same(&known)) {
+            continue;
+        }
+        let median = |of: fn(&Figure) -> f64| {
+            let mut all: Vec<f64> = figures.iter().filter(same).map(of).collect();
+            all.sort_by(f64::total_cmp);
+            all[all.len() / 2]
+        };
+        medians.push(Figure {
+            time_us: median(|figure| figure.time_us),
+            error: median(|figure| figure.error),
+            ..figure.clone()
+        });
+    }
+    medians
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(task: &str, time: f64) -> String {
+        format!(
+            "{{\"task\": \"{task}\", \"peer\": \"p\", \"version\": \"1\", \"time_us\": {time}, \"error\": 0.5}}\n"
+        )
+    }
+
+    #[test]
+    fn rounds_become_medians_per_task() {
+        let lines: String = [
+            ("b", 9.0),
+            ("a", 1.0),
+            ("b", 2.0),
+            ("a", 7.0),
+            ("b", 3.0),
+            ("a", 4.0),
+        ]
+        .map(|(task, time)| line(task, time))
+        .concat();
+        let medians = medians(Figure::read(&lines).unwrap());
+        let short: Vec<_> = medians
+            .iter()
+            .map(|one| (one.task.as_str(), one.time_us))
+            .collect();
+        assert_eq!(short, [("b", 3.0), ("a", 4.0)]);
+    }
+
+    #[test]
+    fn what_is_no_figure_is_named() {
+        let error = Figure::read("{\"task\": \"a\"}").unwrap_err();
+        assert_eq!(
+            format!("{error:#}"),
+            "no figure: {\"task\": \"a\"}: no `peer`"
+        );
+        // Infinity is no JSON: a peer that misses markers is told so.
+        assert!(Figure::read(&line("a", f64::INFINITY)).is_err());
+    }
+}

@@ -1,0 +1,215 @@
+//! Peers beside palpate.
+
+use std::fmt;
+
+use anyhow::{Context, Result};
+
+use super::figure::Figure;
+
+/// A peer and a rung of palpate on the same task.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Row {
+    peer: Figure,
+    ours: Figure,
+    ratio: f64,
+    target: f64,
+    verdict: Verdict,
+}
+
+/// What a row says of the target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// Quick enough and no less exact.
+    Met,
+    /// No less exact, but not quick enough.
+    Short,
+    /// Less exact: the ratio does not count.
+    ErrsMore,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Met => "met",
+            Self::Short => "short",
+            Self::ErrsMore => "errs more",
+        })
+    }
+}
+
+const HEADER: [&str; 12] = [
+    "task",
+    "peer",
+    "version",
+    "peer_time_us",
+    "peer_error",
+    "ours",
+    "our_time_us",
+    "our_error",
+    "ratio",
+    "target",
+    "verdict",
+    "machine",
+];
+
+/// Every peer beside every rung of palpate, task by task.
+pub(crate) fn rows(peers: &[Figure], ours: &[Figure], target: f64, slack: f64) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for peer in peers {
+        for ours in ours.iter().filter(|ours| ours.task == peer.task) {
+            let ratio = peer.time_us / ours.time_us;
+            let verdict = match (ours.error <= peer.error * (1.0 + slack), ratio >= target) {
+                (false, _) => Verdict::ErrsMore,
+                (true, true) => Verdict::Met,
+                (true, false) => Verdict::Short,
+            };
+            let (peer, ours) = (peer.clone(), ours.clone());
+            rows.push(Row {
+                peer,
+                ours,
+                ratio,
+                target,
+                verdict,
+            });
+        }
+    }
+    rows
+}
+
+/// For readers at a terminal.
+pub(crate) fn render(rows: &[Row]) -> String {
+    let mut text = String::new();
+    let mut task = "";
+    for row in rows {
+        if row.peer.task != task {
+            task = &row.peer.task;
+            text += &format!("\n{task}, target {} x\n", row.target);
+        }
+        let Row {
+            peer,
+            ours,
+            ratio,
+            verdict,
+            ..
+        } = row;
+        text += &format!(
+            "  {:<44}{:>12.4} us  err {:<9.2e}| {:<44}{:>12.4} us  err {:<9.2e}| {ratio:>9.2} x  {verdict}\n",
+            format!("{} {}", peer.peer, peer.version),
+            peer.time_us,
+            peer.error,
+            ours.peer,
+            ours.time_us,
+            ours.error,
+        );
+    }
+    text
+}
+
+/// The committed records of tasks that were not run.
+pub(crate) fn others(committed: &str, rows: &[Row]) -> Result<Vec<csv::StringRecord>> {
+    let mut reader = csv::Reader::from_reader(committed.as_bytes());
+    let mut kept = Vec::new();
+    for record in reader.records() {
+        let record = record.context("the committed table of peers is unsound")?;
+        if !rows.iter().any(|row| record.get(0) == Some(&row.peer.task)) {
+            kept.push(record);
+        }
+    }
+    Ok(kept)
+}
+
+/// The table to commit.
+pub(crate) fn csv(kept: &[csv::StringRecord], rows: &[Row], machine: &str) -> Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(HEADER)?;
+    for record in kept {
+        writer.write_record(record)?;
+    }
+    for Row {
+        peer,
+        ours,
+        ratio,
+        target,
+        verdict,
+    } in rows
+    {
+        writer.write_record([
+            &peer.task,
+            &peer.peer,
+            &peer.version,
+            &figures(peer.time_us),
+            &figures(peer.error),
+            &ours.peer,
+            &figures(ours.time_us),
+            &figures(ours.error),
+            &figures(*ratio),
+            &target.to_string(),
+            &verdict.to_string(),
+            machine,
+        ])?;
+    }
+    Ok(String::from_utf8(writer.into_inner()?)?)
+}
+
+/// Four figures: more is noise.
+fn figures(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) {
+        format!("{rounded:e}")
+    } else {
+        rounded.to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure(task: &str, time_us: f64, error: f64) -> Figure {
+        Figure {
+            task: task.to_owned(),
+            peer: "p".to_owned(),
+            version: "1".to_owned(),
+            time_us,
+            error,
+        }
+    }
+
+    fn verdict(ours: Figure, slack: f64) -> Verdict {
+        rows(&[figure("a", 10.0, 0.1)], &[ours], 2.0, slack)[0].verdict
+    }
+
+    #[test]
+    fn a_ratio_counts_only_at_equal_error() {
+        assert_eq!(verdict(figure("a", 5.0, 0.1), 0.0), Verdict::Met);
+        assert_eq!(verdict(figure("a", 5.1, 0.1), 0.0), Verdict::Short);
+        assert_eq!(verdict(figure("a", 0.1, 0.1001), 0.0), Verdict::ErrsMore);
+        assert_eq!(verdict(figure("a", 0.1, 0.1001), 0.01), Verdict::Met);
+        assert_eq!(verdict(figure("a", 0.1, 0.1011), 0.01), Verdict::ErrsMore);
+        // Neither error is known: nothing is equal.
+        assert_eq!(verdict(figure("a", 0.1, f64::NAN), 0.0), Verdict::ErrsMore);
+    }
+
+    #[test]
+    fn tasks_are_not_mixed_and_skipped_ones_keep_their_rows() {
+        let peers = [figure("a", 10.0, 0.1), figure("b", 3.0, 1e-14)];
+        let ours = [figure("b", 1.0, 0.0), figure("a", 4.0, 0.1)];
+        let all = rows(&peers, &ours, 3.0, 0.0);
+        assert_eq!(
+            all.iter().map(|row| row.ratio).collect::<Vec<_>>(),
+            [2.5, 3.0]
+        );
+        let committed = csv(&[], &all, "a machine, of 2 cores").unwrap();
+        assert_eq!(
+            committed.lines().nth(2).unwrap(),
+            "b,p,1,3,1e-14,p,1,0,3,3,met,\"a machine, of 2 cores\""
+        );
+        let kept = others(&committed, &all[1..]).unwrap();
+        assert_eq!(kept.len(), 1);
+        assert_eq!(kept[0].get(0), Some("a"));
+        assert_eq!(
+            csv(&kept, &all[1..], "a machine, of 2 cores").unwrap(),
+            committed
+        );
+    }
+}

@@ -1,0 +1,168 @@
+//! Where peers are made: a virtual environment and a compiler's output under the target directory.
+
+use std::env;
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use xshell::{Shell, cmd};
+
+use super::Kind;
+use super::figure::Figure;
+
+/// Libraries that would otherwise take every core.
+const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
+
+/// Why a peer cannot be had here.
+pub(crate) struct Absent(pub(crate) String);
+
+/// Makes peers.
+pub(crate) struct Workshop<'s> {
+    shell: &'s Shell,
+    sources: PathBuf,
+    directory: PathBuf,
+    /// The interpreter with the pinned packages, or why there is none.
+    python: Result<PathBuf, String>,
+}
+
+/// A peer that can be run.
+pub(crate) struct Peer(Vec<OsString>);
+
+impl Peer {
+    /// What it prints, run on one core.
+    pub(crate) fn figures(&self, shell: &Shell, core: &str, inputs: &Path) -> Result<Vec<Figure>> {
+        let command = &self.0;
+        let mut run = cmd!(shell, "taskset -c {core} {command...} {inputs}").quiet();
+        for variable in ONE_THREAD {
+            run = run.env(variable, "1");
+        }
+        Figure::read(&run.read()?)
+    }
+}
+
+impl<'s> Workshop<'s> {
+    /// Prepares what all scripts need.
+    pub(crate) fn new(shell: &'s Shell, directory: &Path) -> Result<Self> {
+        let sources = shell.current_dir().join("xtask").join("peers");
+        let python = environment(shell, &sources, directory)?;
+        Ok(Self {
+            shell,
+            sources,
+            directory: directory.to_owned(),
+            python,
+        })
+    }
+
+    /// Makes a peer.
+    ///
+    /// # Errors
+    /// Where the peer is there but cannot be made; what this machine lacks is no error.
+    pub(crate) fn make(&self, kind: &Kind) -> Result<Result<Peer, Absent>> {
+        match kind {
+            Kind::Python(script) => Ok(match &self.python {
+                Ok(python) => Ok(Peer(vec![python.into(), self.sources.join(script).into()])),
+                Err(why) => Err(Absent(why.clone())),
+            }),
+            Kind::Cpp(source) => self.compile(source),
+            Kind::Rust(package) => self.build(package),
+        }
+    }
+
+    /// With everything that this machine has, as a user would for speed.
+    fn compile(&self, source: &str) -> Result<Result<Peer, Absent>> {
+        let shell = self.shell;
+        let header = "#include <boost/numeric/odeint.hpp>";
+        let probe = cmd!(shell, "g++ -x c++ -fsyntax-only -")
+            .quiet()
+            .stdin(header);
+        if probe.ignore_stderr().run().is_err() {
+            return Ok(Err(Absent("g++ or Boost's headers are missing".to_owned())));
+        }
+        let program = self.directory.join(Path::new(source).with_extension(""));
+        let source = self.sources.join(source);
+        cmd!(
+            shell,
+            "g++ -O3 -march=native -ffp-contract=fast {source} -o {program}"
+        )
+        .quiet()
+        .run()?;
+        Ok(Ok(Peer(vec![program.into()])))
+    }
+
+    fn build(&self, package: &str) -> Result<Result<Peer, Absent>> {
+        let shell = self.shell;
+        let manifest = self.sources.join(package).join("Cargo.toml");
+        let target = self.directory.join(package);
+        if cmd!(shell, "cargo fetch --locked --manifest-path {manifest}")
+            .quiet()
+            .run()
+            .is_err()
+        {
+            return Ok(Err(Absent("its crates cannot be fetched".to_owned())));
+        }
+        cmd!(
+            shell,
+            "cargo build --release --locked --manifest-path {manifest} --target-dir {target}"
+        )
+        .env("RUSTFLAGS", "-C target-cpu=native")
+        .run()?;
+        let release = target.join("release");
+        let name = fs::read_to_string(&manifest)?
+            .lines()
+            .find_map(|line| {
+                line.strip_prefix("name = \"")?
+                    .strip_suffix('"')
+                    .map(str::to_owned)
+            })
+            .context("the peer's package has no name")?;
+        let program = release.join(format!("{name}{}", env::consts::EXE_SUFFIX));
+        Ok(Ok(Peer(vec![program.into()])))
+    }
+
+    /// What the figures were measured on.
+    pub(crate) fn machine(&self) -> String {
+        let processors = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let model = processors
+            .lines()
+            .find_map(|line| line.strip_prefix("model name")?.split_once(": "))
+            .map_or(env::consts::ARCH, |(_, model)| model.trim());
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let rustc = cmd!(self.shell, "rustc --version").quiet().read();
+        let rustc = rustc.unwrap_or_else(|_| "an unknown rustc".to_owned());
+        let rustc = rustc.split(" (").next().unwrap_or_default();
+        format!("{model}, {cores} cores, {rustc}")
+    }
+}
+
+/// The interpreter of the virtual environment with the packages of requirements.txt, made where it is missing, or why it
+/// cannot be.
+fn environment(shell: &Shell, sources: &Path, directory: &Path) -> Result<Result<PathBuf, String>> {
+    let place = directory.join("venv");
+    let python = place.join("bin").join("python");
+    let wanted = sources.join("requirements.txt");
+    let installed = place.join("requirements.txt");
+    if fs::read(&installed)
+        .is_ok_and(|installed| fs::read(&wanted).is_ok_and(|wanted| wanted == installed))
+    {
+        return Ok(Ok(python));
+    }
+    if cmd!(shell, "python3 -m venv --clear {place}")
+        .quiet()
+        .run()
+        .is_err()
+    {
+        return Ok(Err("Python 3 with its module venv is missing".to_owned()));
+    }
+    let install = cmd!(
+        shell,
+        "{python} -m pip install --quiet --disable-pip-version-check -r {wanted}"
+    );
+    if install.quiet().run().is_err() {
+        return Ok(Err(
+            "pip cannot install xtask/peers/requirements.txt; is there a network?".to_owned(),
+        ));
+    }
+    fs::copy(&wanted, &installed).context("cannot note what is installed")?;
+    Ok(Ok(python))
+}
