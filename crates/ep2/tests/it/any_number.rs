@@ -52,7 +52,7 @@ fn methods(number: f64) -> [Box<dyn Method>; 4] {
     };
     let two_pass = TwoPass {
         smoothing: number,
-        tangent_step: number.abs().min(1.0).max(1e-9),
+        tangent_step: number.abs().clamp(1e-9, 1.0),
         ..TwoPass::default()
     };
     [
