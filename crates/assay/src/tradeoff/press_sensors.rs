@@ -63,6 +63,8 @@ const WITHOUT_PIXELS: [(&str, &str); 2] = [
 ];
 const OF_PIXELS: &str = r#"pixel = { kind = "gaussian", std = 2.0 }"#;
 const CALIBRATION: &str = "calibration = { indentation = 1.4 }";
+/// As good for what a press costs.
+const SHORT_CALIBRATION: &str = "calibration = { indentation = 1.4, presses = 2, rest_frames = 1 }";
 
 pub(super) fn ladder() -> Ladder {
     let mut choices: Vec<Choice> = WITHOUT_PIXELS
@@ -77,10 +79,15 @@ pub(super) fn ladder() -> Ladder {
         })
         .collect();
     choices.extend(SIZES_PX.map(|size| {
-        let text = format!(
-            "sensor = {{ kind = \"rendered\", size_px = {size}, {CALIBRATION} }}\nnoise = {{ {OF_PIXELS} }}"
-        );
-        Choice::new(format!("rendered {size} px"), text).set(f64::from(size))
+        let text = |calibration| {
+            format!(
+                "sensor = {{ kind = \"rendered\", size_px = {size}, {calibration} }}\nnoise = {{ {OF_PIXELS} }}"
+            )
+        };
+        Choice {
+            evaluated: Some(text(SHORT_CALIBRATION)),
+            ..Choice::new(format!("rendered {size} px"), text(CALIBRATION)).set(f64::from(size))
+        }
     }));
     let asked = Asked {
         error: |scene, trials| relative_rms(scene, EFFECTIVE_RADIUS, trials),

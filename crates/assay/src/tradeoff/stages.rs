@@ -154,7 +154,10 @@ const STAGED: [Staged; 3] = [
             (
                 "rendered frames, 265 px",
                 &[
-                    ("sensor", r#"{ kind = "rendered", size_px = 265 }"#),
+                    (
+                        "sensor",
+                        r#"{ kind = "rendered", size_px = 265, calibration = { presses = 2, rest_frames = 1 } }"#,
+                    ),
                     ("noise", "{}"),
                 ],
             ),

@@ -24,6 +24,8 @@ pub(super) struct Choice {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
     pub(super) text: String,
+    /// What makes a scene whose trials cost as much but which is made sooner, where there is one.
+    pub(super) evaluated: Option<String>,
 }
 
 impl Choice {
@@ -32,6 +34,7 @@ impl Choice {
             name: name.into(),
             setting: None,
             text: text.into(),
+            evaluated: None,
         }
     }
 
@@ -57,8 +60,9 @@ pub(super) struct Asked {
 impl Template {
     pub(super) fn stage(&self, choices: &[Choice], asked: Asked) -> SceneRungs {
         let rungs = choices.iter().map(|choice| {
-            let text = self.text.replace(RUNG, &choice.text);
-            let errs = text.clone();
+            let errs = self.text.replace(RUNG, &choice.text);
+            let evaluated = choice.evaluated.as_ref().unwrap_or(&choice.text);
+            let text = self.text.replace(RUNG, evaluated);
             let scene = OnceCell::new();
             let rung = Rung::new(
                 choice.name.as_str(),

@@ -7,7 +7,7 @@ use crate::plot::lettering::width;
 /// How far from its point a name may stand, pixels.
 const DISTANCES: [f64; 9] = [9.0, 18.0, 30.0, 45.0, 62.0, 82.0, 105.0, 130.0, 160.0];
 /// From here on a line leads to it.
-const LED: f64 = 15.0;
+const LED: f64 = 20.0;
 const DIRECTIONS: usize = 24;
 /// Half the height of a name, with air.
 const HALF: f64 = 0.62 * NAME;
@@ -19,7 +19,7 @@ const HIDES_NAME: f64 = 1e6;
 const HIDES_POINT: f64 = 1e5;
 const OUTSIDE: f64 = 1e7;
 const CROSSES_FRONT: f64 = 30.0;
-const HIDES_BEATEN: f64 = 12.0;
+const HIDES_BEATEN: f64 = 30.0;
 
 /// A name in its place.
 pub(super) struct Name {
