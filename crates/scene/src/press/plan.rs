@@ -26,6 +26,8 @@ pub(super) use camera::{Pressed, shifted};
 
 /// What displacements by a layer's tables err by, relative to the largest.
 const OF_TABLES: f64 = 1e-7;
+/// A layer's table costs as much as a solution that is read at so many markers.
+const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
     /// The scene that a config describes, with the random numbers of `seed`.
@@ -62,8 +64,8 @@ impl PressScene {
             model: choice.model.clone(),
             ..config.clone()
         };
-        let is_shared = shares_layer(asked, choice.tolerance);
-        let layer = match is_shared {
+        let has_tables = takes_tables(asked, choice.tolerance, places.len());
+        let layer = match has_tables {
             true => Body::bonded_layer,
             false => Body::solved_layer,
         };
@@ -102,7 +104,7 @@ impl PressScene {
         let method = Planned {
             config: asked,
             body: &body,
-            shared: is_shared.then(|| config.model.thickness()).flatten(),
+            shared: has_tables.then(|| config.model.thickness()).flatten(),
             markers: &markers,
             noise: &noise,
             sensed: sensed_stds(&sensor),
@@ -272,16 +274,18 @@ pub(super) fn body_of(
     .map_err(|error| of_body("scene.model", error))
 }
 
-/// Whether the fit is of the same layer as the truth, which then shares its tables unless more is asked than they hold.
-fn shares_layer(config: &PressConfig, tolerance: Option<f64>) -> bool {
+/// Whether the truth of a layer is read off tables: where the fit is of the same layer and shares them, or there are many
+/// markers, unless more is asked than they hold.
+fn takes_tables(config: &PressConfig, tolerance: Option<f64>, markers: usize) -> bool {
     let of_model = config.model.thickness();
-    match config.estimator {
+    let is_shared = match config.estimator {
         PressEstimatorConfig::BondedLayer { thickness, .. } => {
-            let is_same = thickness.is_none_or(|thickness| Some(thickness) == of_model);
-            is_same && tolerance.is_none_or(|tolerance| tolerance >= OF_TABLES)
+            thickness.is_none_or(|thickness| Some(thickness) == of_model)
         }
         PressEstimatorConfig::HalfSpace { .. } | PressEstimatorConfig::Gaussian { .. } => false,
-    }
+    };
+    let is_good = tolerance.is_none_or(|tolerance| tolerance >= OF_TABLES);
+    is_good && (is_shared || markers > MANY_MARKERS)
 }
 
 fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), PlanError> {
@@ -340,7 +344,7 @@ fn noise(
 struct Planned<'a> {
     config: &'a PressConfig,
     body: &'a Body,
-    /// Thickness of its layer, where fits share its tables.
+    /// Thickness of its layer, where that has tables for fits to share.
     shared: Option<f64>,
     markers: &'a Markers,
     noise: &'a ReadingNoise,
