@@ -38,7 +38,7 @@ const ERROR: Limits = Limits {
 pub(crate) struct Options {
     /// Take what is measured as the baseline; where an error changes, CHANGELOG.md must say why.
     #[arg(long)]
-    accept: bool,
+    pub(crate) accept: bool,
 }
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {

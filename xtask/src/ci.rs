@@ -5,17 +5,18 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-use crate::{readme, reproduce};
+use crate::{bench_check, readme, reproduce};
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 8] = [
     ("format", format),
     ("clippy", clippy),
     ("tests", tests),
     ("docs", docs),
     ("licences", licences),
     ("results", results),
+    ("instructions and accuracy", bench),
     ("README", readme::check),
 ];
 
@@ -56,6 +57,11 @@ fn docs(shell: &Shell) -> Result<()> {
 
 fn licences(shell: &Shell) -> Result<()> {
     Ok(cmd!(shell, "cargo deny --offline check licenses bans sources").run()?)
+}
+
+/// Extremes, promises and the corpus of the fuzz targets are among the tests.
+fn bench(shell: &Shell) -> Result<()> {
+    bench_check::run(shell, &bench_check::Options { accept: false })
 }
 
 fn results(shell: &Shell) -> Result<()> {
