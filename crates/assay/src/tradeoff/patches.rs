@@ -18,6 +18,8 @@ const FINE: u32 = 97;
 const GAUSSIAN: usize = 0;
 const MEAN: usize = 1;
 const TRIALS: u64 = 40;
+/// Trials in a row whose mean cost is taken.
+const TIMED: u32 = 2;
 
 /// Motion and estimator are a rung's, and the grid.
 const SCENES: [Template; 3] = [
@@ -88,7 +90,7 @@ pub(super) fn fits() -> Ladder {
     let asked = Asked {
         error: |scene, trials| shape_error(scene, trials),
         trials: TRIALS,
-        timed: 4,
+        timed: TIMED,
     };
     Ladder {
         name: "fits",
@@ -117,11 +119,11 @@ pub(super) fn maps() -> Ladder {
                 move || map_error(&scene_of(&coarse)?, &scene_of(&fine)?),
                 move || {
                     let scene = scene.get_or_init(|| scene_of(&timed).ok());
-                    scene.as_ref().map(|scene| run(scene, 4))
+                    scene.as_ref().map(|scene| run(scene, TIMED))
                 },
             )
             .set(f64::from(grid))
-            .in_a_row(4)
+            .in_a_row(TIMED)
         });
         SceneRungs {
             ease: template.ease,

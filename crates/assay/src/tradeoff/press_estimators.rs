@@ -58,7 +58,7 @@ pub(super) fn ladder() -> Ladder {
     let asked = Asked {
         error: |scene, trials| relative_rms(scene, EFFECTIVE_RADIUS, trials),
         trials: 200,
-        timed: 8,
+        timed: 4,
     };
     let stage = |scene: &Template| scene.stage(&choices(scene.ease), asked);
     Ladder {
