@@ -83,7 +83,8 @@ fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
 /// Puts a fresh folder in the place of another.
 fn replace(fresh: &Path, out: &Path) -> Result<()> {
     if out.exists() {
-        std::fs::remove_dir_all(out).with_context(|| format!("cannot replace {}", out.display()))?;
+        std::fs::remove_dir_all(out)
+            .with_context(|| format!("cannot replace {}", out.display()))?;
     }
     std::fs::rename(fresh, out)
         .with_context(|| format!("cannot rename {} to {}", fresh.display(), out.display()))

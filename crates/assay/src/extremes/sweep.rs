@@ -273,7 +273,15 @@ fn alike(unit: f64) -> Result<Answer, SweepError> {
 fn spread_of_ulps(offset: f64) -> Result<Answer, SweepError> {
     let next = offset.next_up();
     let found = summary(4000, |trial| {
-        observation(if trial % 2 == 0 { offset } else { next }, 0.0, None)
+        observation(
+            if trial.is_multiple_of(2) {
+                offset
+            } else {
+                next
+            },
+            0.0,
+            None,
+        )
     })?;
     let n = 4000.0_f64;
     let truth = 0.5 * (next - offset) * (n / (n - 1.0)).sqrt();
@@ -284,7 +292,7 @@ fn spread_of_ulps(offset: f64) -> Result<Answer, SweepError> {
 
 fn in_turn(trials: u64, one: f64, other: f64) -> Result<Answer, SweepError> {
     let found = summary(trials, |trial| {
-        observation(if trial % 2 == 0 { one } else { other }, 0.0, None)
+        observation(if trial.is_multiple_of(2) { one } else { other }, 0.0, None)
     })?;
     let ones = trials.div_ceil(2);
     let sum = Precise::new(one) * ones as f64 + Precise::new(other) * (trials - ones) as f64;
@@ -306,7 +314,7 @@ fn failures(bad: Observation, quantity: usize, kind: &'static str) -> Result<Ans
         }
 
         fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
-            if trial % 2 == 0 {
+            if trial.is_multiple_of(2) {
                 record.observe(0, observation(2.0, 1.0, None));
             } else {
                 record.observe(0, observation(5.0, 1.0, None));

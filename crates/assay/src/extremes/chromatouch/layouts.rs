@@ -139,14 +139,7 @@ fn patterns(cases: &mut Vec<Case>) {
             move || Pattern::new(gores, samples, 1.0),
         ));
     }
-    for angle in [
-        0.0,
-        1e-300,
-        1e-12,
-        0.5,
-        1.570_796,
-        std::f64::consts::FRAC_PI_2,
-    ] {
+    for angle in [0.0, 1e-300, 1e-12, 0.5, 1.57, std::f64::consts::FRAC_PI_2] {
         cases.push(Case::value(
             "chromatouch::Pattern::flatten",
             format!("a place {angle:e} rad from the apex, all around: its distance from the apex"),

@@ -138,11 +138,7 @@ pub(super) fn cases() -> Vec<Case> {
                 );
             }
         }
-        for turn in [
-            [3.0, 0.0, 0.0],
-            [1e-9, 1.0, 2.0],
-            [1.570_796, 1e-6, 3.141_592],
-        ] {
+        for turn in [[3.0, 0.0, 0.0], [1e-9, 1.0, 2.0], [1.57, 1e-6, 3.1]] {
             add(
                 format!("turned by {turn:?}"),
                 Paraboloid {

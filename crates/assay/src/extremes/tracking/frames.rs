@@ -58,8 +58,8 @@ impl Content {
                 let [red, green, blue, ..] = bits.to_le_bytes();
                 Rgb([red, green, blue])
             }
-            Self::Stripes if x % 2 == 0 => MAGENTA,
-            Self::Chequered if (x + y) % 2 == 0 => MAGENTA,
+            Self::Stripes if x.is_multiple_of(2) => MAGENTA,
+            Self::Chequered if (x + y).is_multiple_of(2) => MAGENTA,
             Self::Disc if within(0.05 * size, DISC.map(|share| share * size)) => MAGENTA,
             Self::Merged => {
                 let pitch = 0.1 * size;
