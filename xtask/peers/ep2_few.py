@@ -40,8 +40,15 @@ def curvatures(knots_x, knots_y, coefficients):
 
 
 def all_maps(patches):
-    """The maps of all patches."""
-    return [curvatures(*fit(*patch)) for patch in patches]
+    """The maps of all patches, one after the other."""
+    for patch in patches:
+        yield curvatures(*fit(*patch))
+
+
+def exhaust(maps):
+    """Makes and drops them."""
+    for _ in maps:
+        pass
 
 
 warnings.simplefilter("ignore")
@@ -49,5 +56,5 @@ table = np.loadtxt(f"{sys.argv[1]}/few.csv", delimiter=",", skiprows=1)
 patches = [np.ascontiguousarray(table[table[:, 0] == patch, 1:].T) for patch in np.unique(table[:, 0])]
 means = np.array([mean for _, mean in all_maps(patches)])
 error = np.sqrt(np.mean((means * SPHERE + 1) ** 2))
-time_us = median_us(lambda: all_maps(patches), len(patches))
+time_us = median_us(lambda: exhaust(all_maps(patches)), len(patches))
 tell("EP2, 30 contacts, map of 30 x 30", "FITPACK bisplrep", scipy.__version__, time_us, error)

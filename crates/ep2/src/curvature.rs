@@ -1,17 +1,17 @@
 //! The curvature of a graph, and how far it may be off.
 
-use nalgebra::{SMatrix, SVector};
 use palpate_geometry::{CurvatureForm, ShapeClass, ShapeThresholds};
 
-use crate::Jet;
 use crate::class::probabilities;
+use crate::spline::Lanes;
+use crate::{Ep2Error, Jet};
 
 /// The derivatives of a graph that its curvature depends on: p, q (slopes) and r, s, t (second
 /// derivatives along u², uv, v²), in the letters of Monge.
 pub(crate) const DERIVATIVES: usize = 5;
 
-/// Covariance of the derivatives (p, q, r, s, t).
-pub(crate) type JetCovariance = SMatrix<f64, DERIVATIVES, DERIVATIVES>;
+/// Covariance of the derivatives (p, q, r, s, t) at places side by side.
+pub(crate) type JetCovariance = [[Lanes; DERIVATIVES]; DERIVATIVES];
 
 /// Gaussian and mean curvature at a place, convex positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,68 @@ pub struct Curvature {
     pub mean: f64,
     /// How far they may be off, if the method states it.
     pub uncertainty: Option<Uncertainty>,
+}
+
+/// The same at places side by side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Curvatures {
+    gaussian: Lanes,
+    mean: Lanes,
+    /// Both standard deviations, and the correlation.
+    uncertainty: Option<[Lanes; 3]>,
+}
+
+impl Curvatures {
+    /// Of a graph with these jets, whose lengths count `scale`.
+    ///
+    /// With D = 1 + p² + q² and the normal upwards:
+    /// K = (rt − s²)/D², H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}).
+    ///
+    /// # Errors
+    /// [`Ep2Error::OutOfRange`] where one leaves the range of doubles.
+    #[inline(always)]
+    pub(crate) fn of_graph(
+        jet: &Jet<Lanes>,
+        covariance: Option<&JetCovariance>,
+        scale: f64,
+    ) -> Result<Self, Ep2Error> {
+        let [p, q, r, s, t] = derivatives(jet);
+        let (per_d, per_scale) = (per_d(p, q), 1.0 / scale);
+        let trace = (q * q + 1.0) * r - p * q * s * 2.0 + (p * p + 1.0) * t;
+        let gaussian = (r * t - s * s) * per_d * per_d;
+        let mean = per_d * per_d.sqrt() * trace * -0.5;
+        let uncertainty =
+            covariance.map(|covariance| uncertainty(jet, [gaussian, mean], covariance, per_scale));
+        let (gaussian, mean) = (gaussian * per_scale * per_scale, mean * per_scale);
+        let stds = uncertainty.map_or(Lanes::ZERO, |[one, other, _]| one + other);
+        let size = (gaussian + mean + stds).abs();
+        if size.simd_lt(Lanes::splat(f64::INFINITY)).all() {
+            Ok(Self {
+                gaussian,
+                mean,
+                uncertainty,
+            })
+        } else {
+            Err(Ep2Error::OutOfRange)
+        }
+    }
+
+    /// At one of the places.
+    #[inline(always)]
+    pub(crate) fn at(&self, lane: usize) -> Curvature {
+        let at = |lanes: Lanes| lanes.to_array()[lane];
+        Curvature {
+            gaussian: at(self.gaussian),
+            mean: at(self.mean),
+            uncertainty: self
+                .uncertainty
+                .map(|[gaussian, mean, correlation]| Uncertainty {
+                    gaussian_std: at(gaussian),
+                    mean_std: at(mean),
+                    correlation: at(correlation),
+                }),
+        }
+    }
 }
 
 /// How far Gaussian and mean curvature may be off.
@@ -36,60 +98,71 @@ pub struct Uncertainty {
     pub correlation: f64,
 }
 
-impl Uncertainty {
-    /// From the covariance of the jet's derivatives and the curvatures in the jet's unit.
-    #[inline(never)]
-    fn of_graph(
-        jet: &Jet,
-        [gaussian, mean]: [f64; 2],
-        covariance: &JetCovariance,
-        scale: f64,
-    ) -> Self {
-        let Jet {
-            u: p,
-            v: q,
-            uu: r,
-            uv: s,
-            vv: t,
-            ..
-        } = *jet;
-        let d = 1.0 + p * p + q * q;
-        let steep = -4.0 * gaussian / d;
-        let gaussian_gradient = SVector::<f64, DERIVATIVES>::new(
-            steep * p,
-            steep * q,
-            t / (d * d),
-            -2.0 * s / (d * d),
-            r / (d * d),
-        );
-        let to_mean = -0.5 / (d * d.sqrt());
-        let mean_gradient = SVector::<f64, DERIVATIVES>::new(
-            2.0 * to_mean * (p * t - q * s) - 3.0 * mean * p / d,
-            2.0 * to_mean * (q * r - p * s) - 3.0 * mean * q / d,
-            to_mean * (1.0 + q * q),
-            -2.0 * to_mean * p * q,
-            to_mean * (1.0 + p * p),
-        );
-        let along_gaussian = covariance * gaussian_gradient;
-        let first_order = gaussian_gradient.dot(&along_gaussian);
-        let mixed = mean_gradient.dot(&along_gaussian);
-        let mean_variance = mean_gradient.dot(&(covariance * mean_gradient)).max(0.0);
-        let c = |row, column| covariance[(row, column)];
-        let second_order = c(2, 2) * c(4, 4) + c(2, 4) * c(2, 4) + 2.0 * c(3, 3) * c(3, 3)
-            - 4.0 * c(2, 3) * c(3, 4);
-        let gaussian_variance = (first_order + second_order / d.powi(4)).max(0.0);
-        let (gaussian_std, mean_std) = (gaussian_variance.sqrt(), mean_variance.sqrt());
-        let correlation = if gaussian_std * mean_std > 0.0 {
-            (mixed / (gaussian_std * mean_std)).clamp(-1.0, 1.0)
-        } else {
-            0.0
-        };
-        Self {
-            gaussian_std: gaussian_std / (scale * scale),
-            mean_std: mean_std / scale,
-            correlation,
-        }
-    }
+/// Standard deviations of Gaussian and mean curvature, and their correlation, at places side by side: from the covariance
+/// of the jet's derivatives and the curvatures in the jet's unit.
+#[inline(always)]
+fn uncertainty(
+    jet: &Jet<Lanes>,
+    [gaussian, mean]: [Lanes; 2],
+    covariance: &JetCovariance,
+    per_scale: f64,
+) -> [Lanes; 3] {
+    let [p, q, r, s, t] = derivatives(jet);
+    let per_d = per_d(p, q);
+    let per_square = per_d * per_d;
+    let steep = gaussian * per_d * -4.0;
+    let gaussian_gradient = [
+        steep * p,
+        steep * q,
+        t * per_square,
+        s * per_square * -2.0,
+        r * per_square,
+    ];
+    let to_mean = per_d * per_d.sqrt() * -0.5;
+    let flatter = mean * per_d * 3.0;
+    let mean_gradient = [
+        to_mean * (p * t - q * s) * 2.0 - flatter * p,
+        to_mean * (q * r - p * s) * 2.0 - flatter * q,
+        to_mean * (q * q + 1.0),
+        to_mean * p * q * -2.0,
+        to_mean * (p * p + 1.0),
+    ];
+    let along = |gradient: &[Lanes; DERIVATIVES]| covariance.map(|row| dot(&row, gradient));
+    let along_gaussian = along(&gaussian_gradient);
+    let first_order = dot(&gaussian_gradient, &along_gaussian);
+    let mixed = dot(&mean_gradient, &along_gaussian);
+    let mean_variance = dot(&mean_gradient, &along(&mean_gradient)).max(Lanes::ZERO);
+    let c = covariance;
+    let second_order =
+        c[2][2] * c[4][4] + c[2][4] * c[2][4] + c[3][3] * c[3][3] * 2.0 - c[2][3] * c[3][4] * 4.0;
+    let gaussian_variance = (first_order + second_order * per_square * per_square).max(Lanes::ZERO);
+    let (gaussian_std, mean_std) = (gaussian_variance.sqrt(), mean_variance.sqrt());
+    let both = gaussian_std * mean_std;
+    let correlation = (mixed / both).max(-Lanes::ONE).min(Lanes::ONE);
+    [
+        gaussian_std * (per_scale * per_scale),
+        mean_std * per_scale,
+        both.simd_gt(Lanes::ZERO).select(correlation, Lanes::ZERO),
+    ]
+}
+
+/// p, q, r, s, t.
+#[inline(always)]
+const fn derivatives<T: Copy>(jet: &Jet<T>) -> [T; DERIVATIVES] {
+    [jet.u, jet.v, jet.uu, jet.uv, jet.vv]
+}
+
+/// 1/D.
+#[inline(always)]
+fn per_d(p: Lanes, q: Lanes) -> Lanes {
+    Lanes::ONE / (p * p + q * q + 1.0)
+}
+
+#[inline(always)]
+fn dot(one: &[Lanes; DERIVATIVES], other: &[Lanes; DERIVATIVES]) -> Lanes {
+    one.iter()
+        .zip(other)
+        .fold(Lanes::ZERO, |sum, (one, other)| sum + *one * *other)
 }
 
 /// Shape by the signs of the curvatures alone, without thresholds.
@@ -115,32 +188,6 @@ impl SignClass {
 }
 
 impl Curvature {
-    /// The curvature of a graph with this jet, whose lengths count `scale`.
-    ///
-    /// With D = 1 + p² + q² and the normal upwards:
-    /// K = (rt − s²)/D², H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}).
-    #[inline(always)]
-    pub(crate) fn of_graph(jet: &Jet, covariance: Option<&JetCovariance>, scale: f64) -> Self {
-        let Jet {
-            u: p,
-            v: q,
-            uu: r,
-            uv: s,
-            vv: t,
-            ..
-        } = *jet;
-        let (per_d, per_scale) = (1.0 / (1.0 + p * p + q * q), 1.0 / scale);
-        let trace = (1.0 + q * q) * r - 2.0 * p * q * s + (1.0 + p * p) * t;
-        let gaussian = (r * t - s * s) * per_d * per_d;
-        let mean = -0.5 * per_d * per_d.sqrt() * trace;
-        Self {
-            gaussian: gaussian * per_scale * per_scale,
-            mean: mean * per_scale,
-            uncertainty: covariance
-                .map(|covariance| Uncertainty::of_graph(jet, [gaussian, mean], covariance, scale)),
-        }
-    }
-
     /// One of the eight classes.
     pub fn class(&self, thresholds: &ShapeThresholds) -> ShapeClass {
         thresholds.classify(self.gaussian, self.mean)
@@ -210,10 +257,25 @@ mod tests {
         vv: -0.5,
     };
 
+    fn curvature(jet: Jet, covariance: Option<&JetCovariance>, scale: f64) -> Curvature {
+        let wide = |number: f64| Lanes::splat(number);
+        let jet = Jet {
+            w: wide(jet.w),
+            u: wide(jet.u),
+            v: wide(jet.v),
+            uu: wide(jet.uu),
+            uv: wide(jet.uv),
+            vv: wide(jet.vv),
+        };
+        let curvatures = Curvatures::of_graph(&jet, covariance, scale).unwrap();
+        assert_eq!(curvatures.at(0), curvatures.at(1));
+        curvatures.at(0)
+    }
+
     #[test]
     fn form_and_curvature_agree() {
         let (form, [along, across]) = form_and_basis(&JET);
-        let curvature = Curvature::of_graph(&JET, None, 1.0);
+        let curvature = curvature(JET, None, 1.0);
         assert_relative_eq!(
             form.gaussian_curvature(),
             curvature.gaussian,
@@ -239,14 +301,12 @@ mod tests {
                     &mut jet.uv,
                     &mut jet.vv,
                 ][index] += step;
-                Curvature::of_graph(&jet, None, 1.0)
+                curvature(jet, None, 1.0)
             };
             let (high, low) = (moved(step), moved(-step));
-            let mut covariance = JetCovariance::zeros();
-            covariance[(index, index)] = 1e-12;
-            let told = Curvature::of_graph(&JET, Some(&covariance), 1.0)
-                .uncertainty
-                .unwrap();
+            let mut covariance = JetCovariance::default();
+            covariance[index][index] = Lanes::splat(1e-12);
+            let told = curvature(JET, Some(&covariance), 1.0).uncertainty.unwrap();
             let gaussian = 0.5 * (high.gaussian - low.gaussian);
             let mean = 0.5 * (high.mean - low.mean);
             assert_relative_eq!(told.gaussian_std, gaussian.abs(), max_relative = 1e-5);
@@ -257,8 +317,9 @@ mod tests {
 
     #[test]
     fn a_plane_has_an_uncertain_gaussian_curvature() {
-        let covariance = JetCovariance::identity() * 0.01;
-        let plane = Curvature::of_graph(&Jet::default(), Some(&covariance), 2.0);
+        let mut covariance = JetCovariance::default();
+        (0..DERIVATIVES).for_each(|index| covariance[index][index] = Lanes::splat(0.01));
+        let plane = curvature(Jet::default(), Some(&covariance), 2.0);
         // Var(rt − s²) = σ⁴ + 2σ⁴.
         let told = plane.uncertainty.unwrap();
         assert_relative_eq!(

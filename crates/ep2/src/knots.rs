@@ -85,9 +85,23 @@ impl Knots {
     /// derivative of order m is an m-fold difference of the values of degree `degree − m`.
     #[inline]
     pub(crate) fn derivatives<const ORDERS: usize>(&self, first: usize, x: f64) -> [Basis; ORDERS] {
-        let degree = self.degree;
+        match self.degree {
+            // The usual ones, with loops of known lengths.
+            2 => self.derivatives_of(2, first, x),
+            3 => self.derivatives_of(3, first, x),
+            degree => self.derivatives_of(degree, first, x),
+        }
+    }
+
+    #[inline(always)]
+    fn derivatives_of<const ORDERS: usize>(
+        &self,
+        degree: usize,
+        first: usize,
+        x: f64,
+    ) -> [Basis; ORDERS] {
         let left = first + degree;
-        let knots = &self.knots;
+        let knots = &self.knots[..=left + degree];
         let mut result = [[0.0; MAX_DEGREE + 1]; ORDERS];
         let mut values: Basis = [0.0; MAX_DEGREE + 1];
         values[0] = 1.0;
@@ -95,7 +109,7 @@ impl Knots {
             // `values` are of degree `lower`: of use for the derivative of this order.
             let order = degree - lower;
             if order < ORDERS {
-                result[order] = self.differences(left, lower, values);
+                result[order] = differences(knots, degree, left, lower, values);
             }
             let mut carried = 0.0;
             for place in 0..=lower {
@@ -109,23 +123,28 @@ impl Knots {
         result[0] = values;
         result
     }
+}
 
-    /// From values of degree `lower` the derivatives, of order `degree − lower`, of the B-splines
-    /// of full degree.
-    #[inline]
-    fn differences(&self, left: usize, lower: usize, mut values: Basis) -> Basis {
-        for higher in lower + 1..=self.degree {
-            let mut carried = 0.0;
-            for (place, value) in values[..higher].iter_mut().enumerate() {
-                let width = self.knots[left + place + 1] - self.knots[left + place + 1 - higher];
-                let share = higher as f64 * *value / width;
-                *value = carried - share;
-                carried = share;
-            }
-            values[higher] = carried;
+/// From values of degree `lower` the derivatives, of order `degree − lower`, of the B-splines of full degree.
+#[inline(always)]
+fn differences(
+    knots: &[f64],
+    degree: usize,
+    left: usize,
+    lower: usize,
+    mut values: Basis,
+) -> Basis {
+    for higher in lower + 1..=degree {
+        let mut carried = 0.0;
+        for (place, value) in values[..higher].iter_mut().enumerate() {
+            let width = knots[left + place + 1] - knots[left + place + 1 - higher];
+            let share = higher as f64 * *value / width;
+            *value = carried - share;
+            carried = share;
         }
-        values
+        values[higher] = carried;
     }
+    values
 }
 
 #[cfg(test)]

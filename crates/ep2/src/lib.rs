@@ -42,6 +42,7 @@ mod fingers;
 mod fit;
 mod frame;
 mod knots;
+mod line;
 mod noise;
 mod patch;
 mod penalised;

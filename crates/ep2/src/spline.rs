@@ -1,31 +1,52 @@
 //! Tensor-product splines: a height over a rectangle.
 
-use crate::knots::{Basis, Knots, MAX_DEGREE};
+use std::ops::{AddAssign, Mul};
 
-/// Height, slopes and second derivatives of a graph at a place.
+use crate::knots::{Knots, MAX_DEGREE};
+
+/// Places whose curvatures are computed side by side, one in each lane.
+pub(crate) type Lanes = wide::f64x2;
+/// How many they are.
+pub(crate) const LANES: usize = 2;
+
+/// Height, slopes and second derivatives of a graph, at a place unless the type says more.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Jet {
+pub struct Jet<T = f64> {
     /// Height.
-    pub w: f64,
+    pub w: T,
     /// ∂w/∂u.
-    pub u: f64,
+    pub u: T,
     /// ∂w/∂v.
-    pub v: f64,
+    pub v: T,
     /// ∂²w/∂u².
-    pub uu: f64,
+    pub uu: T,
     /// ∂²w/∂u∂v.
-    pub uv: f64,
+    pub uv: T,
     /// ∂²w/∂v².
-    pub vv: f64,
+    pub vv: T,
 }
 
-/// The B-splines of one variable that do not vanish at a place, with two derivatives.
+/// The B-splines of one variable that do not vanish at a place, or at places side by side, with two derivatives.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Local {
+pub(crate) struct Local<T = f64> {
     /// Index of the first of them.
     pub(crate) first: usize,
     /// Values, first and second derivatives.
-    pub(crate) jets: [Basis; 3],
+    pub(crate) jets: [[T; MAX_DEGREE + 1]; 3],
+}
+
+impl Local<Lanes> {
+    /// Of places on the same interval of the knots.
+    #[inline]
+    pub(crate) fn side_by_side(places: [&Local; LANES]) -> Self {
+        let jets = std::array::from_fn(|order| {
+            std::array::from_fn(|function| {
+                Lanes::from(places.map(|place| place.jets[order][function]))
+            })
+        });
+        let first = places[0].first;
+        Self { first, jets }
+    }
 }
 
 impl Local {
@@ -39,14 +60,31 @@ impl Local {
     }
 }
 
-impl Jet {
-    /// From the B-splines in u at a place, and for each the sums over those in v of coefficient
-    /// times value, first and second derivative.
+impl Jet<Lanes> {
+    /// Of each place.
     #[inline(always)]
-    pub(crate) fn of_sums(u: &Local, sums: &[[f64; 3]]) -> Self {
+    pub(crate) fn apart(&self) -> [Jet; LANES] {
+        let [w, u, v, uu, uv, vv] =
+            [self.w, self.u, self.v, self.uu, self.uv, self.vv].map(Lanes::to_array);
+        std::array::from_fn(|lane| Jet {
+            w: w[lane],
+            u: u[lane],
+            v: v[lane],
+            uu: uu[lane],
+            uv: uv[lane],
+            vv: vv[lane],
+        })
+    }
+}
+
+impl<T: Copy + Default + AddAssign + Mul<f64, Output = T>> Jet<T> {
+    /// From the B-splines in u, and for each the sums over those in v of coefficient times value, first and second
+    /// derivative.
+    #[inline(always)]
+    pub(crate) fn of_sums(u: &Local<T>, sums: &[[f64; 3]]) -> Self {
         let mut jet = Self::default();
         let [values, firsts, seconds] = &u.jets;
-        for (place, [w, dv, dvv]) in sums.iter().enumerate().take(MAX_DEGREE + 1) {
+        for (place, &[w, dv, dvv]) in sums.iter().enumerate().take(MAX_DEGREE + 1) {
             let (value, first, second) = (values[place], firsts[place], seconds[place]);
             jet.w += value * w;
             jet.u += first * w;

@@ -53,6 +53,16 @@ pub fn patch(contacts: &[Contact]) -> Result<Patch, Ep2Error> {
     Patch::new(contacts, &Vector3::z())
 }
 
+/// Places 30 × 30 on the sphere of few contacts, over the rectangle that holds those without error.
+pub fn places_on_sphere() -> Vec<Point3<f64>> {
+    let along = |index: usize, end: f64| end * (2.0 * (index as f64) / 29.0 - 1.0);
+    let place = |index: usize| {
+        let (x, y) = (along(index / 30, 1.5), along(index % 30, 1.0));
+        Point3::new(x, y, (RADIUS * RADIUS - x * x - y * y).sqrt())
+    };
+    (0..900).map(place).collect()
+}
+
 /// Places 30 × 30 over the middle of many contacts, and the mean curvature there; negative on a peak seen from above
 /// where the normal points up, so that it is turned round here: palpate counts a peak positive.
 pub fn places_on_waves() -> Vec<(Point3<f64>, f64)> {

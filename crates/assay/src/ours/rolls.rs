@@ -85,18 +85,29 @@ fn figure(task: &str, roller: Roller, angle_rad: f64, error: f64) -> Figure {
     })
 }
 
-/// Trials of EP1 with the statistics of the runner.
+/// Trials of EP1: alone, as the peer has them, and with the statistics of the runner.
 pub(super) fn ep1() -> Result<Vec<Figure>> {
-    let trial = Ep1::new(Ep1::UNIFORM)?;
-    let statistics = trial.statistics(TRIALS)?;
+    const TASK: &str = "EP1 trial, 8 probes";
+    let [alone, whole] = [Ep1::new(Ep1::UNIFORM)?, Ep1::new(Ep1::UNIFORM)?];
+    let error_alone = alone.relative_rms_error(TRIALS).context("no pairs")?;
+    let statistics = whole.statistics(TRIALS)?;
     let curvature = statistics.quantities.first().context("no quantity")?;
     let error = curvature.relative_rms_error.context("no error")?;
-    let figure = Figure::measured(
-        "EP1 trial, 8 probes",
-        "run, with standard deviations and statistics",
-        error,
-        TRIALS as usize,
-        move || trial.statistics(TRIALS),
-    );
-    Ok(vec![figure])
+    let trials = TRIALS as usize;
+    Ok(vec![
+        Figure::measured(
+            TASK,
+            "trial, with standard deviations",
+            error_alone,
+            trials,
+            move || alone.relative_rms_error(TRIALS),
+        ),
+        Figure::measured(
+            TASK,
+            "run, with standard deviations and statistics",
+            error,
+            trials,
+            move || whole.statistics(TRIALS),
+        ),
+    ])
 }
