@@ -175,9 +175,9 @@ fn long_rolls_are_not_rolled_to_choose_how() {
         let roller = Roller::new(probe, ellipsoid(5.0, 4.0, 3.0), (1.0, 0.5), auto, rolls);
         roller.unwrap()
     };
-    for tolerance in [1e-6, 1e-14] {
+    for tolerance in [1e-6_f64, 1e-14] {
         for turned in [200.0, 1e3, 1e6, 1e12] {
-            let taken = (1e-3 * tolerance / turned).max(1e-14_f64);
+            let taken = (1e-3 * tolerance / turned).max(1e-14);
             let choice = start(turned, tolerance).choice().clone();
             let Model::Dop853 { tolerance: set, .. } = choice.model else {
                 panic!("{choice:?}");
