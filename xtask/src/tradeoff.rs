@@ -1,4 +1,5 @@
-//! Error against cost of every ladder: measured, then drawn, into `results/tradeoff/`.
+//! Error against cost of every ladder: measured, then drawn, into `results/tradeoff/`; and whether `auto` keeps its word
+//! (`promise.csv`).
 
 use std::path::Path;
 use std::time::Instant;
@@ -38,6 +39,10 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let temporary = tempfile::tempdir_in(parent)?;
     let fresh = temporary.path().join("tradeoff");
     measure(shell, &assay, &fresh, options.quick)?;
+    let promise = fresh.join("promise.csv");
+    cmd!(shell, "{assay} promise --out {promise}")
+        .quiet()
+        .run()?;
     cmd!(shell, "{assay} fronts {fresh}")
         .quiet()
         .ignore_stdout()

@@ -25,6 +25,16 @@ enum Harness {
         #[arg(long)]
         out: PathBuf,
     },
+    /// Judges the rungs that `auto` takes on random scenes; fails if one errs by more than the tolerance, or costs more
+    /// than twice the cheapest that would do.
+    Promise {
+        /// The table to write.
+        #[arg(long)]
+        out: PathBuf,
+        /// Count instructions: what this program asks of itself under valgrind.
+        #[arg(long, hide = true)]
+        counted: bool,
+    },
     /// Prints what palpate errs by on fixed scenes, as CSV.
     Accuracy,
     /// Times the tasks of the peers, a line of JSON per rung; or writes what the peers read.
@@ -63,6 +73,10 @@ fn main() -> Result<()> {
     match Cli::parse().harness {
         Harness::Extremes { out } => {
             println!("{}", palpate_assay::extremes::run(&out)?);
+            Ok(())
+        }
+        Harness::Promise { out, counted } => {
+            println!("{}", palpate_assay::promise::run(&out, counted)?);
             Ok(())
         }
         Harness::Accuracy => {

@@ -10,6 +10,8 @@ use crate::integrator::{Dop853, Rk4};
 use crate::meridian::MeridianRung;
 use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
 
+use measured::Unmeasured;
+
 pub use measured::MeasuredRung;
 
 /// Error bounds of the rungs that have no setting, relative to the contact's length scale.
@@ -90,9 +92,17 @@ impl Setting<'_> {
             return (rung, self.meridian_choice());
         }
         self.cheapest_integrator(tolerance, chart, rolls)
-            .unwrap_or_else(|| {
-                let reason = "no closed form; a roll that does not end cannot be measured";
-                dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
+            .unwrap_or_else(|why| match why {
+                Unmeasured::Ends => {
+                    let reason = "no closed form; a roll that does not end cannot be measured";
+                    dop853(tolerance, chart, reason.to_owned(), Some(tolerance))
+                }
+                // Errors add up along the way, and grow with it.
+                Unmeasured::TooLong => {
+                    let reason = "no closed form; the rolls are too long to try others";
+                    let finer = measured::finer(tolerance / rolls.turns().max(1.0));
+                    dop853(finer, chart, reason.to_owned(), Some(tolerance))
+                }
             })
     }
 

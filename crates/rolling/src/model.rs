@@ -139,6 +139,18 @@ impl Rolls<'_> {
             .all(|motion| motion.is_finite() && motion.duration_s >= 0.0)
     }
 
+    /// How often the probe turns in the longest roll.
+    pub(crate) fn turns(&self) -> f64 {
+        let turns = |motion: &Motion| {
+            let angle = motion.in_unit_time().angular_velocity.norm();
+            angle / std::f64::consts::TAU
+        };
+        let rolls = self.rolls.iter();
+        rolls
+            .map(|roll| roll.iter().map(turns).sum())
+            .fold(0.0, f64::max)
+    }
+
     pub(crate) fn spin(&self) -> bool {
         self.motions().any(Motion::spins)
     }

@@ -3,4 +3,6 @@
 
 mod extremes;
 #[cfg(feature = "count")]
+mod promise;
+#[cfg(feature = "count")]
 mod required;

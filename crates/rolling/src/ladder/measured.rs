@@ -2,17 +2,25 @@
 
 use super::{Rung, Setting, dop853, dop853_method, rk4, rk4_method};
 use crate::integration::{Integration, Method};
-use crate::{Chart, Choice, Contact, InvalidRoll, Model, Roller, Rolls};
+use crate::integrator::Dop853;
+use crate::{Chart, Choice, Contact, InvalidRoll, Model, RollFault, Roller, Rolls};
 
 /// What is measured is trusted with this margin.
 const MARGIN: f64 = 1.25;
 /// How much finer than the tolerance the integration is that others are judged against.
 const FINER: f64 = 1e-3;
+/// Evaluations of a step of DOP853.
+const STAGES: usize = 12;
 /// Settings that are tried, cheapest first.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
 const DOP853_TOLERANCES: [f64; 14] = [
     1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
 ];
+
+/// Choosing takes a few integrations of all rolls: none of them asks for more evaluations than this many, or this
+/// many of each motion, which is a few steps.
+const AFFORDABLE: usize = 20_000;
+const AFFORDABLE_PER_MOTION: usize = 60;
 
 /// DOP853's on a ladder that is shown.
 const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
@@ -31,25 +39,54 @@ pub struct MeasuredRung {
     pub evaluations: usize,
 }
 
+/// Why no rung is measured on the noiseless rolls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unmeasured {
+    /// A roll ends before its motions do, or never begins.
+    Ends,
+    /// They ask for more evaluations than a choice is worth.
+    TooLong,
+}
+
 /// One integrator on all rolls.
 struct Ends {
     contacts: Vec<Contact>,
     evaluations: usize,
 }
 
+/// The tolerance of the integration that others are judged against.
+pub(super) fn finer(tolerance: f64) -> f64 {
+    (FINER * tolerance).max(Model::SMALLEST_TOLERANCE)
+}
+
+impl Method {
+    /// The same, giving up where it would take more evaluations than these; RK4 takes as many as it is told.
+    fn within(self, evaluations: usize) -> Self {
+        match self {
+            Self::Rk4(_) => self,
+            Self::Dop853(method) => Self::Dop853(Dop853 {
+                most_steps: method.most_steps.min(evaluations / STAGES),
+                ..method
+            }),
+        }
+    }
+}
+
 impl Setting<'_> {
     /// The cheapest setting of an integrator that meets the tolerance on the noiseless rolls, or the
-    /// most accurate one; `None` if a roll ends early.
+    /// most accurate one.
+    ///
+    /// DOP853's first setting that does is its cheapest: the coarser, the fewer evaluations, on noisy rolls as well.
     pub(super) fn cheapest_integrator(
         &self,
         tolerance: f64,
         chart: Chart,
         rolls: Rolls<'_>,
-    ) -> Option<(Rung, Choice)> {
+    ) -> Result<(Rung, Choice), Unmeasured> {
         if !rolls.all_run() {
-            return None;
+            return Err(Unmeasured::Ends);
         }
-        let finest = (FINER * tolerance).max(Model::SMALLEST_TOLERANCE);
+        let finest = finer(tolerance);
         let reference = self.ends(rolls, dop853_method(finest), chart)?;
         let error = |ends: &Ends| MARGIN * self.distance(ends, &reference);
         let reason = |error: f64| {
@@ -77,35 +114,41 @@ impl Setting<'_> {
                 break;
             }
             // Steps may be too long for the surface where shorter ones are not.
-            let Some(ends) = self.ends(rolls, rk4_method(steps), chart) else {
+            let Ok(ends) = self.ends(rolls, rk4_method(steps), chart) else {
                 continue;
             };
             let error = error(&ends);
             if error <= tolerance {
-                return Some(rk4(steps, chart, reason(error), Some(error)));
+                return Ok(rk4(steps, chart, reason(error), Some(error)));
             }
         }
-        Some(dop853(setting, chart, reason(bound), Some(bound)))
+        Ok(dop853(setting, chart, reason(bound), Some(bound)))
     }
 
-    /// Ends of all rolls by one integrator; `None` if any roll ends early.
-    fn ends(&self, rolls: Rolls<'_>, method: Method, chart: Chart) -> Option<Ends> {
-        let integration = Integration { method, chart };
+    /// Ends of all rolls by one integrator.
+    fn ends(&self, rolls: Rolls<'_>, method: Method, chart: Chart) -> Result<Ends, Unmeasured> {
         let mut ends = Ends {
             contacts: Vec::new(),
             evaluations: 0,
         };
+        let motions: usize = rolls.rolls.iter().map(Vec::len).sum();
+        let affordable = AFFORDABLE.max(AFFORDABLE_PER_MOTION.saturating_mul(motions));
         for roll in rolls.rolls {
             let mut contact = self.first;
             for motion in roll {
-                let (next, evaluations) =
-                    integration.advance(&self.bodies, &contact, motion).ok()?;
+                let method = method.within(affordable.saturating_sub(ends.evaluations));
+                let (next, evaluations) = Integration { method, chart }
+                    .advance(&self.bodies, &contact, motion)
+                    .map_err(|error| match error.fault {
+                        RollFault::TooManySteps { .. } => Unmeasured::TooLong,
+                        _ => Unmeasured::Ends,
+                    })?;
                 contact = next;
                 ends.evaluations += evaluations;
             }
             ends.contacts.push(contact);
         }
-        Some(ends)
+        Ok(ends)
     }
 
     fn distance(&self, one: &Ends, other: &Ends) -> f64 {

@@ -152,3 +152,54 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
         );
     }
 }
+
+/// How many turns the probe makes in each of four directions.
+fn turns(turns: f64) -> Vec<Vec<Motion>> {
+    let angle = turns * std::f64::consts::TAU;
+    let directions = [0.2, 1.7, 3.3, 4.9];
+    directions
+        .map(|direction| vec![Motion::rolling(direction, 1.0, angle)])
+        .to_vec()
+}
+
+#[test]
+fn long_rolls_are_not_rolled_to_choose_how() {
+    let start = |turned: f64, tolerance: f64| {
+        let rolls = turns(turned);
+        let auto = Model::Auto {
+            tolerance,
+            chart: FREE,
+        };
+        let probe = Probe::new(1.0).unwrap();
+        let rolls = Rolls { rolls: &rolls };
+        let roller = Roller::new(probe, ellipsoid(5.0, 4.0, 3.0), (1.0, 0.5), auto, rolls);
+        roller.unwrap()
+    };
+    for tolerance in [1e-6_f64, 1e-14] {
+        for turned in [200.0, 1e3, 1e6, 1e12] {
+            let taken = (1e-3 * tolerance / turned).max(1e-14);
+            let choice = start(turned, tolerance).choice().clone();
+            let Model::Dop853 { tolerance: set, .. } = choice.model else {
+                panic!("{choice:?}");
+            };
+            assert!((set / taken - 1.0).abs() < 1e-12, "{turned}: {choice:?}");
+            assert!(choice.reason.contains("too long"), "{choice:?}");
+        }
+    }
+    // What is taken untried keeps the tolerance all the same.
+    let rolls = turns(100.0);
+    let rolls = Rolls { rolls: &rolls };
+    let roller = start(100.0, 1e-6);
+    assert!(roller.choice().reason.contains("too long"));
+    let taken = roller.measured(&[roller.choice().model], FREE, rolls);
+    let err = error(&taken[0]);
+    assert!(err <= 1e-6, "{err:e}");
+    // Many short motions are no long roll.
+    let pieces = vec![vec![Motion::rolling(0.2, 1.0, 1e-3); 3000]];
+    let auto = Model::Auto {
+        tolerance: 1e-6,
+        chart: FREE,
+    };
+    let roller = roller.on(auto, Rolls { rolls: &pieces }).unwrap();
+    assert!(matches!(roller.choice().model, Model::Rk4 { steps: 1, .. }));
+}

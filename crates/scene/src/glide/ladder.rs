@@ -1,6 +1,6 @@
 //! The ladder of a glide.
 
-use palpate_rolling::{InvalidTouch, Model, TouchModel};
+use palpate_rolling::{Glider, InvalidTouch, Model, Touch, TouchModel};
 
 use super::plan::{glider, middle, tip, touches};
 use super::{FingerTouch, GlideScene};
@@ -12,6 +12,24 @@ use crate::plan::PlanError;
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 impl GlideScene {
+    /// What finds the contacts of the scene of `config`, on the rung that it takes.
+    ///
+    /// # Errors
+    /// [`PlanError`] with the path of the field that makes no glider.
+    pub fn glider(config: &GlideConfig) -> Result<Glider, PlanError> {
+        glider(config)
+    }
+
+    /// The contacts of all fingers of the scene of `config`, finger by finger, by this glider.
+    ///
+    /// # Errors
+    /// [`PlanError`] where the object or the path leaves a finger without a contact.
+    pub fn follow(glider: &Glider, config: &GlideConfig) -> Result<Vec<Touch>, PlanError> {
+        let middle = middle(config, glider.object())?;
+        let touches = touches(glider, middle, &config.motion)?;
+        Ok(touches.into_iter().map(|one| one.touch).collect())
+    }
+
     /// The rungs of the scene of `config`.
     pub(crate) fn ladder(config: &GlideConfig) -> Result<Ladder, PlanError> {
         let glider = glider(config)?;

@@ -1,0 +1,75 @@
+//! What a rung has to do for the truth of a scene, and nothing else.
+
+use anyhow::{Result, bail};
+use palpate_chromatouch::Layout;
+use palpate_press::{Body, Markers, Skin};
+use palpate_scene::config::{
+    ModelConfig, PressConfig, PressModelConfig, PressObjectConfig, PressProbeConfig, SceneConfig,
+    Study,
+};
+use palpate_scene::{GlideScene, Rung, Scene};
+
+/// A computation that can be repeated. It gives how many contacts or markers it was of.
+pub(super) type Computation = Box<dyn FnMut() -> Result<usize>>;
+
+/// The truth of the first cell's scene on a rung.
+pub(super) fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
+    let scene = &study.cells[0].config.scene;
+    match (scene.with_model(&rung.model), &rung.model) {
+        (Some(SceneConfig::Roll(_)), _) => rolls(study.with_model(0, rung)?),
+        (Some(SceneConfig::Glide(config)), _) => {
+            let glider = GlideScene::glider(&config)
+                .map_err(|error| anyhow::anyhow!("{}", error.message))?;
+            Ok(Box::new(move || {
+                match GlideScene::follow(&glider, &config) {
+                    Ok(touches) => Ok(touches.len()),
+                    Err(error) => bail!("{}: {}", error.path, error.message),
+                }
+            }))
+        }
+        (Some(SceneConfig::Press(config)), ModelConfig::Press(model)) => press(&config, model),
+        _ => bail!("{} touches nothing", rung.name),
+    }
+}
+
+/// All probes follow their commands.
+fn rolls(scene: Scene) -> Result<Computation> {
+    let Scene::Roll(scene) = scene else {
+        bail!("no roll");
+    };
+    Ok(Box::new(move || {
+        for command in scene.commands() {
+            std::hint::black_box(scene.roller().shift(&[*command])?);
+        }
+        Ok(scene.commands().len())
+    }))
+}
+
+/// A contact, and how it moves the markers.
+fn press(config: &PressConfig, model: &PressModelConfig) -> Result<Computation> {
+    let PressProbeConfig::MarkerSphere {
+        radius,
+        marker_depth,
+        ..
+    } = config.probe;
+    let body = match *model {
+        PressModelConfig::Hertz { poisson } => Body::hertz(poisson)?,
+        PressModelConfig::HalfSpace { poisson } => Body::half_space(poisson, marker_depth)?,
+        PressModelConfig::BondedLayer { thickness } => Body::solved_layer(thickness, marker_depth)?,
+        PressModelConfig::Auto { .. } => bail!("auto is no rung"),
+    };
+    let object_curvature = match config.object {
+        PressObjectConfig::Sphere { radius } => radius.recip(),
+        PressObjectConfig::Dish { radius } => -radius.recip(),
+        PressObjectConfig::Plane {} => 0.0,
+    };
+    let places = Layout::published().places(radius)?;
+    let markers = Markers::new(Skin::new(radius)?, &places)?;
+    let indentation = config.motion.indentation;
+    Ok(Box::new(move || {
+        let contact = markers
+            .skin()
+            .contact(&body, object_curvature, indentation)?;
+        Ok(std::hint::black_box(markers.displacements(&contact, [0.0; 2])).len())
+    }))
+}

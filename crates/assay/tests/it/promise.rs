@@ -1,0 +1,84 @@
+//! `auto` errs by at most its tolerance. What its choice costs is judged by counting instructions, which is no test; here
+//! what stands for it is how often a roll asks for derivatives, and the order of the other ladders.
+
+use palpate_assay::promise::{Kind, Promise, SCENES};
+use palpate_scene::config;
+use palpate_tally::counted;
+
+#[track_caller]
+fn judge(kind: Kind) {
+    let promises: Vec<Promise> = (0..SCENES)
+        .map(|number| Promise::of(kind, number).unwrap())
+        .collect();
+    let broken: Vec<String> = promises
+        .iter()
+        .filter(|promise| !promise.errs_within() || !promise.seems_cheap().unwrap())
+        .map(|promise| {
+            format!(
+                "{} for {:e}: {:?} of {:#?}",
+                promise.number,
+                promise.tolerance,
+                promise.ladder.taken(),
+                promise.ladder.rungs
+            )
+        })
+        .collect();
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+    // More than one rung is ever taken.
+    let first = &promises[0].ladder.taken().name;
+    assert!(
+        promises
+            .iter()
+            .any(|promise| promise.ladder.taken().name != *first)
+    );
+}
+
+#[test]
+fn rolls_err_within_their_tolerance() {
+    judge(Kind::Roll);
+}
+
+#[test]
+fn glides_err_within_their_tolerance() {
+    judge(Kind::Glide);
+}
+
+#[test]
+fn presses_err_within_their_tolerance() {
+    judge(Kind::Press);
+}
+
+/// The coarser DOP853, the less it asks for; where rolls are disturbed as well, which `auto` does not try.
+#[test]
+fn a_coarser_integration_of_noisy_rolls_is_no_dearer() {
+    for object in [
+        "{ kind = \"saddle\", a = 0.1 }",
+        "{ kind = \"ellipsoid\", semi_axes = [5.0, 3.0, 2.0] }",
+    ] {
+        for (rate, fraction) in [(0.1, 1.0), (1.0, 0.1), (3.0, 0.3)] {
+            let asked = [1e-1, 1e-3, 1e-6, 1e-9].map(|tolerance| {
+                let text = format!(
+                    "name = \"noisy\"\n[scene]\nkind = \"roll\"\n\
+                     probe = {{ kind = \"sphere\", radius = 1.0 }}\nobject = {object}\n\
+                     object_contact = [0.3, 0.2]\n\
+                     motion = {{ rate_rad_per_s = {rate}, duration_s = 1.0 }}\n\
+                     model = {{ kind = \"dop853\", tolerance = {tolerance:e} }}\n\
+                     noise = {{ angular_velocity = {{ kind = \"gaussian\", fraction = {fraction}, \
+                     when = \"per-probe\", side = \"motion\" }} }}\n"
+                );
+                let study = config::parse("noisy.toml", &text).unwrap();
+                let scene = study.scene(0).unwrap();
+                let trials = || {
+                    (0..10)
+                        .filter(|&trial| scene.trial(trial, |_, _| ()).is_ok())
+                        .count()
+                };
+                counted(trials).0.derivatives
+            });
+            assert!(
+                asked[0] > 0 && asked.is_sorted(),
+                "{object} {rate}: {asked:?}"
+            );
+        }
+    }
+}
