@@ -5,35 +5,51 @@
 //! both at constant speed. The contact frame on the object moves by a screw.
 
 use nalgebra::{Matrix2, UnitQuaternion, Vector2, Vector3};
-use palpate_geometry::{CurvatureForm, Surface, TangentForm};
+use palpate_geometry::{CurvatureForm, TangentForm};
 
-use crate::chart_free::{contact_velocities, contact_velocity};
+use crate::chart_free::contact_velocity;
 use crate::error::RollFault;
 use crate::{Contact, Motion};
 
-/// The contact after `motion` (without spin) from `from`, on a homogeneous surface.
-pub(crate) fn advance<S: Surface>(
-    surface: &S,
-    radius: f64,
-    from: &Contact,
-    motion: &Motion,
-) -> Result<Contact, RollFault> {
-    let (_, object) = surface.curvature_along(&from.on_object, &from.x_axis)?;
-    let y_axis = from.y_axis();
-    let (along, path) = contact_velocities(radius, &object, &motion.in_unit_time())?;
-    let displacement = from.x_axis * along.x + y_axis * along.y;
-    let normal_turn = object.matrix() * along;
-    let turn = from
-        .normal
-        .cross(&(from.x_axis * normal_turn.x + y_axis * normal_turn.y));
-    let rotation = UnitQuaternion::from_scaled_axis(turn);
-    Ok(Contact {
-        on_object: from.on_object + screw_translation(&displacement, &turn),
-        normal: rotation * from.normal,
-        x_axis: rotation * from.x_axis,
-        body_from_contact: roll_on_probe(from, path, radius),
-        arc_length: from.arc_length + path.norm(),
-    })
+/// A contact with a homogeneous surface, the same everywhere in the contact frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ClosedForm {
+    /// The velocity of the contact on the probe per `[−ω_y, ω_x]`: `(K₁ + K̃₂)⁻¹`.
+    pub(crate) mobility: Matrix2<f64>,
+    /// The object's curvature, `K̃₂`.
+    object: Matrix2<f64>,
+}
+
+impl ClosedForm {
+    pub(crate) fn new(radius: f64, object: &CurvatureForm) -> Result<Self, RollFault> {
+        let form = TangentForm::of_unit_normal(Vector3::z(), *object);
+        let column = |drive: Vector2<f64>| contact_velocity(1.0 / radius, &form, &drive);
+        Ok(Self {
+            mobility: Matrix2::from_columns(&[column(Vector2::x())?, column(Vector2::y())?]),
+            object: object.matrix(),
+        })
+    }
+
+    /// The contact after `motion` (without spin) from `from`.
+    #[inline]
+    pub(crate) fn advance(&self, radius: f64, from: &Contact, motion: &Motion) -> Contact {
+        let motion = motion.in_unit_time();
+        let along = self.mobility * motion.drive_on_object(radius);
+        let path = along - motion.sliding;
+        let y_axis = from.y_axis();
+        let displacement = from.x_axis * along.x + y_axis * along.y;
+        let tilt = self.object * along;
+        // The normal crossed with x tilt.x + y tilt.y, in a frame whose z points into the object.
+        let turn = from.x_axis * tilt.y - y_axis * tilt.x;
+        let screw = Screw::new(turn);
+        Contact {
+            on_object: from.on_object + screw.translation(&displacement),
+            normal: screw.rotated(&from.normal),
+            x_axis: screw.rotated(&from.x_axis),
+            body_from_contact: roll_on_probe(from, path, radius),
+            arc_length: from.arc_length + path.norm(),
+        }
+    }
 }
 
 /// The probe's contact frame in its body after the contact has run along a great circle by `path`
@@ -47,26 +63,43 @@ pub(crate) fn roll_on_probe(
     from.body_from_contact * UnitQuaternion::from_scaled_axis(turn)
 }
 
-/// Where a point gets that starts with velocity `displacement` (per unit time) while the velocity
-/// turns at the constant rate `turn`, after unit time.
-fn screw_translation(displacement: &Vector3<f64>, turn: &Vector3<f64>) -> Vector3<f64> {
-    let angle = turn.norm();
-    if angle == 0.0 {
-        return *displacement;
-    }
-    let axis = turn / angle;
-    let along = axis * axis.dot(displacement);
-    let across = displacement - along;
-    let half = (0.5 * angle).sin();
-    along + across * (angle.sin() / angle) + axis.cross(&across) * (2.0 * half * half / angle)
+/// A rotation by a steady turn over unit time, and where it carries what moves in its frame.
+struct Screw {
+    axis: Vector3<f64>,
+    /// sin θ, 1 − cos θ, sin θ / θ and (1 − cos θ) / θ of the angle θ.
+    numbers: [f64; 4],
 }
 
-/// The velocity of the contact on the probe per `[−ω_y, ω_x]`: `(K₁ + K̃₂)⁻¹`.
-pub(crate) fn mobility(radius: f64, object: &CurvatureForm) -> Result<Matrix2<f64>, RollFault> {
-    let form = TangentForm::of_unit_normal(Vector3::z(), *object);
-    let column = |drive: Vector2<f64>| contact_velocity(1.0 / radius, &form, &drive);
-    Ok(Matrix2::from_columns(&[
-        column(Vector2::x())?,
-        column(Vector2::y())?,
-    ]))
+impl Screw {
+    fn new(turn: Vector3<f64>) -> Self {
+        let angle = turn.norm();
+        if angle == 0.0 {
+            return Self {
+                axis: Vector3::zeros(),
+                numbers: [0.0, 0.0, 1.0, 0.0],
+            };
+        }
+        let (half_sine, half_cosine) = (0.5 * angle).sin_cos();
+        let (sine, versine) = (2.0 * half_sine * half_cosine, 2.0 * half_sine * half_sine);
+        let per_angle = 1.0 / angle;
+        Self {
+            axis: turn * per_angle,
+            numbers: [sine, versine, sine * per_angle, versine * per_angle],
+        }
+    }
+
+    /// Rodrigues' formula.
+    fn rotated(&self, vector: &Vector3<f64>) -> Vector3<f64> {
+        let [sine, versine, ..] = self.numbers;
+        let across = self.axis.cross(vector);
+        vector + across * sine + self.axis.cross(&across) * versine
+    }
+
+    /// Where a point gets that starts with velocity `displacement` (per unit time) while the velocity turns.
+    fn translation(&self, displacement: &Vector3<f64>) -> Vector3<f64> {
+        let [.., sine, versine] = self.numbers;
+        let along = self.axis * self.axis.dot(displacement);
+        let across = displacement - along;
+        along + across * sine + self.axis.cross(&across) * versine
+    }
 }

@@ -2,9 +2,9 @@
 
 mod measured;
 
-use nalgebra::Matrix2;
 use palpate_geometry::{Shape, Surface};
 
+use crate::closed_form::ClosedForm;
 use crate::integration::{Bodies, Integration, Method};
 use crate::integrator::{Dop853, Rk4};
 use crate::meridian::MeridianRung;
@@ -26,7 +26,7 @@ const MOST_STEPS: usize = 100_000;
 /// A rung of the ladder, ready to roll.
 #[derive(Clone, Debug)]
 pub(crate) enum Rung {
-    ClosedForm { mobility: Matrix2<f64> },
+    ClosedForm(ClosedForm),
     Meridian(MeridianRung),
     Integrated(Integration),
 }
@@ -35,8 +35,7 @@ pub(crate) enum Rung {
 pub(crate) struct Setting<'a> {
     pub(crate) bodies: Bodies<'a, Shape>,
     pub(crate) first: Contact,
-    /// As in [`crate::closed_form::mobility`].
-    pub(crate) mobility: Matrix2<f64>,
+    pub(crate) closed_form: ClosedForm,
 }
 
 impl Setting<'_> {
@@ -116,9 +115,7 @@ impl Setting<'_> {
         if rolls.spin() {
             return Err("the motion spins".to_owned());
         }
-        Ok(Rung::ClosedForm {
-            mobility: self.mobility,
-        })
+        Ok(Rung::ClosedForm(self.closed_form))
     }
 
     fn closed_form_choice(&self) -> Choice {

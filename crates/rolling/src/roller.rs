@@ -5,7 +5,7 @@ use palpate_geometry::surfaces::Sphere;
 use palpate_geometry::{InvalidShape, Shape, Surface};
 
 use crate::chart_free::contact_velocities;
-use crate::closed_form;
+use crate::closed_form::ClosedForm;
 use crate::integration::Bodies;
 use crate::ladder::{RESERVE, Rung, Setting};
 use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
@@ -39,7 +39,7 @@ pub struct Roller {
     first: Contact,
     /// How far the contact moves per radian at first, at least: the scale of errors.
     length_scale: f64,
-    mobility: Matrix2<f64>,
+    closed_form: ClosedForm,
     rung: Rung,
     choice: Choice,
 }
@@ -59,7 +59,7 @@ impl Roller {
     ) -> Result<Self, InvalidRoll> {
         let first = Contact::first(&object, first_contact.0, first_contact.1)?;
         let (_, curvature) = object.curvature_along(&first.on_object, &first.x_axis)?;
-        let mobility = closed_form::mobility(probe.radius(), &curvature)?;
+        let closed_form = ClosedForm::new(probe.radius(), &curvature)?;
         let principal = curvature.principal();
         let sharpest = principal.k_min.abs().max(principal.k_max.abs());
         let length_scale = 1.0 / (1.0 / probe.radius() + sharpest);
@@ -71,7 +71,7 @@ impl Roller {
         let setting = Setting {
             bodies,
             first,
-            mobility,
+            closed_form,
         };
         let (rung, choice) = setting.rung(model, rolls)?;
         Ok(Self {
@@ -79,7 +79,7 @@ impl Roller {
             object,
             first,
             length_scale,
-            mobility,
+            closed_form,
             rung,
             choice,
         })
@@ -157,8 +157,8 @@ impl Roller {
             && !motion.slides()
         {
             let quick = match &self.rung {
-                Rung::ClosedForm { mobility } => {
-                    let path = mobility * motion.drive() * motion.duration_s;
+                Rung::ClosedForm(closed_form) => {
+                    let path = closed_form.mobility * motion.drive() * motion.duration_s;
                     Some(Shift::along_great_circle(path, self.probe.radius()))
                 }
                 Rung::Meridian(rung) => Some(
@@ -182,7 +182,7 @@ impl Roller {
     /// `[−Δθ_y, Δθ_x]` of a steady roll to the contact's path on the probe.
     pub const fn linear(&self) -> Option<&Matrix2<f64>> {
         match &self.rung {
-            Rung::ClosedForm { mobility } => Some(mobility),
+            Rung::ClosedForm(closed_form) => Some(&closed_form.mobility),
             Rung::Meridian(_) | Rung::Integrated(_) => None,
         }
     }
@@ -260,16 +260,14 @@ impl Roller {
             return Ok((*from, 0));
         }
         let (contact, evaluations) = match &self.rung {
-            Rung::ClosedForm { .. } if !motion.spins() => {
-                let contact = closed_form::advance(&self.object, self.probe.radius(), from, motion)
-                    .map_err(at_start)?;
-                (contact, 0)
+            Rung::ClosedForm(closed_form) if !motion.spins() => {
+                (closed_form.advance(self.probe.radius(), from, motion), 0)
             }
             Rung::Meridian(rung) if *from == self.first && !motion.spins() && !motion.slides() => {
                 (rung.advance(from, motion).map_err(at_start)?, 0)
             }
             Rung::Integrated(integration) => integration.advance(&self.bodies(), from, motion)?,
-            Rung::ClosedForm { .. } | Rung::Meridian(_) => {
+            Rung::ClosedForm(_) | Rung::Meridian(_) => {
                 RESERVE.advance(&self.bodies(), from, motion)?
             }
         };
@@ -284,7 +282,7 @@ impl Roller {
         Setting {
             bodies: self.bodies(),
             first: self.first,
-            mobility: self.mobility,
+            closed_form: self.closed_form,
         }
     }
 
