@@ -132,12 +132,9 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
         for _ in 0..options.rounds {
             let figures = peer.figures(shell, &core, &inputs)?;
             let name = group.name;
-            let most = strictest(&theirs, &figures).to_string();
             theirs.extend(figures);
-            let command = cmd!(
-                shell,
-                "taskset -c {core} {ours} ours {name} --error-at-most {most}"
-            );
+            let limits = strictest(&theirs);
+            let command = cmd!(shell, "taskset -c {core} {ours} ours {name} {limits...}");
             mine.extend(Figure::read(&command.quiet().read()?)?);
         }
         rows.extend(table::rows(
@@ -156,10 +153,17 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// The least error of the first round: what a rung with a tolerance is held to in every round.
-fn strictest(before: &[Figure], now: &[Figure]) -> f64 {
-    let all = before.iter().chain(now);
-    all.map(|figure| figure.error).fold(f64::INFINITY, f64::min)
+/// The least error of any peer on each task: what a rung with a tolerance is held to.
+fn strictest(theirs: &[Figure]) -> Vec<String> {
+    let mut least: Vec<(&str, f64)> = Vec::new();
+    for figure in theirs {
+        match least.iter_mut().find(|(task, _)| *task == figure.task) {
+            Some((_, error)) => *error = error.min(figure.error),
+            None => least.push((&figure.task, figure.error)),
+        }
+    }
+    let limit = |(task, error)| format!("--error-at-most={task}={error:e}");
+    least.into_iter().map(limit).collect()
 }
 
 fn chosen(asked: &[String]) -> Result<Vec<&'static Group>> {

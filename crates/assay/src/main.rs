@@ -42,9 +42,9 @@ enum Harness {
         /// The group of tasks.
         #[arg(required_unless_present = "inputs")]
         group: Option<String>,
-        /// What a rung with a tolerance may err by.
-        #[arg(long, default_value_t = 1e-12)]
-        error_at_most: f64,
+        /// What a rung with a tolerance may err by on a task, `TASK=ERROR`; 1e-12 on those not named.
+        #[arg(long, value_parser = limit)]
+        error_at_most: Vec<(String, f64)>,
         /// Where the peers' inputs go; nothing is timed.
         #[arg(long)]
         inputs: Option<PathBuf>,
@@ -69,6 +69,12 @@ enum Harness {
     },
 }
 
+fn limit(text: &str) -> Result<(String, f64), String> {
+    let (task, error) = text.rsplit_once('=').ok_or("must be TASK=ERROR")?;
+    let error = error.parse().map_err(|_| "the error must be a number")?;
+    Ok((task.to_owned(), error))
+}
+
 fn main() -> Result<()> {
     match Cli::parse().harness {
         Harness::Extremes { out } => {
@@ -89,7 +95,7 @@ fn main() -> Result<()> {
             inputs,
         } => {
             inputs.as_deref().map_or(Ok(()), ours::write_inputs)?;
-            for line in group.map_or(Ok(Vec::new()), |group| ours::lines(&group, error_at_most))? {
+            for line in group.map_or(Ok(Vec::new()), |group| ours::lines(&group, &error_at_most))? {
                 println!("{line}");
             }
             Ok(())

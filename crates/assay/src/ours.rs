@@ -97,11 +97,11 @@ fn table(directory: &Path, name: &str, header: &str) -> Result<BufWriter<File>> 
 }
 
 /// Times a group of tasks: a line of JSON per rung. Where a rung has a tolerance, it is the loosest that errs by at most
-/// `error_at_most`.
+/// what `error_at_most` says of the task, or 1e-12.
 ///
 /// # Errors
 /// If there is no such group, or a rung cannot do its task.
-pub fn lines(group: &str, error_at_most: f64) -> Result<Vec<String>> {
+pub fn lines(group: &str, error_at_most: &[(String, f64)]) -> Result<Vec<String>> {
     let figures = match group {
         "rolling-long" => rolls::long(error_at_most)?,
         "rolling-short" => rolls::short()?,
