@@ -3,8 +3,6 @@
 use nalgebra::Matrix2;
 use palpate_geometry::CurvatureForm;
 
-use crate::Lanes;
-
 /// A value with the standard deviation that the stated noise gives it, to first order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
@@ -48,14 +46,14 @@ impl Estimate {
     }
 }
 
-/// What [`crate::LANES`] sets of readings say, side by side.
+/// What a set of readings says, or several side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimates {
+pub struct Estimates<N> {
     /// Normal curvature along u and along v, Gaussian curvature and mean curvature, as in
     /// [`Estimate`].
-    pub curvatures: [Lanes; 4],
+    pub curvatures: [N; 4],
     /// Their standard deviations; `None` if no noise was stated.
-    pub stds: Option<[Lanes; 4]>,
+    pub stds: Option<[N; 4]>,
     /// Mean length of the shifts, length.
-    pub arc_length: Lanes,
+    pub arc_length: N,
 }

@@ -16,9 +16,10 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector2};
 use palpate_geometry::CurvatureForm;
 
-use crate::moments::first;
 use crate::symmetric::{Symmetric, Symmetric3};
-use crate::{Ep1Error, Estimate, Estimates, Lanes, Measured, Moments, ProbeReading, ReadingNoise};
+use crate::{
+    Ep1Error, Estimate, Estimates, Lanes, Measured, Moments, Number, ProbeReading, ReadingNoise,
+};
 
 /// Rotations whose spread across their main axis is below this are taken as parallel.
 const SMALLEST_SPREAD: f64 = 1e-6;
@@ -133,30 +134,29 @@ impl LeastSquares {
     }
 
     /// The object's curvature from the shifts of the probes, with the uncertainty that the stated
-    /// noise gives it; from the first set of readings of `moments`.
+    /// noise gives it.
     ///
     /// # Errors
     /// [`Ep1Error`] where the contact did not move or moved backwards in some direction, and where
     /// the numbers are out of range.
     #[inline]
     pub fn estimate(&self, moments: &Moments) -> Result<Estimate, Ep1Error> {
-        let solutions = self.solve(moments);
-        let travel = solutions.travel.first();
-        if solutions.moved.to_bitmask() & 1 == 0 {
+        let Solution {
+            travel,
+            curvature: Symmetric { uu, uv, vv },
+            estimates,
+            moved,
+            in_range,
+        } = self.solve(moments);
+        if !moved {
             return Err(self.not_moving(&travel));
         }
-        if solutions.in_range.to_bitmask() & 1 == 0 {
+        if !in_range {
             return Err(Ep1Error::OutOfRange);
         }
-        let Symmetric { uu, uv, vv } = solutions.curvature.first();
-        let Estimates {
-            curvatures,
-            stds,
-            arc_length,
-        } = solutions.estimates;
         let measured = |quantity: usize| Measured {
-            value: first(curvatures[quantity]),
-            std: stds.map(|stds| first(stds[quantity])),
+            value: estimates.curvatures[quantity],
+            std: estimates.stds.map(|stds| stds[quantity]),
         };
         Ok(Estimate {
             curvature: CurvatureForm {
@@ -168,7 +168,7 @@ impl LeastSquares {
             normal_curvature_v: measured(1),
             gaussian_curvature: measured(2),
             mean_curvature: measured(3),
-            arc_length: first(arc_length),
+            arc_length: estimates.arc_length,
             probe_curvature: self.probe_curvature,
             mobility: self.radius * travel.matrix(),
         })
@@ -176,26 +176,25 @@ impl LeastSquares {
 
     /// The same from every set of readings side by side; `None` where any gives none.
     #[inline(always)]
-    pub fn estimates(&self, moments: &Moments) -> Option<Estimates> {
-        let solutions = self.solve(moments);
-        (solutions.moved & solutions.in_range)
-            .all()
-            .then_some(solutions.estimates)
+    pub fn estimates(&self, moments: &Moments<Lanes>) -> Option<Estimates<Lanes>> {
+        let solution = self.solve(moments);
+        Lanes::all(solution.moved & solution.in_range).then_some(solution.estimates)
     }
 
     #[inline(always)]
-    fn solve(&self, moments: &Moments) -> Solutions {
+    fn solve<N: Number>(&self, moments: &Moments<N>) -> Solution<N> {
         // K₁ D, and I + K₁ D whose inverse is K_rel / K₁.
-        let deviation = self.inverse.times(&moments.deviations);
+        let deviation = self.inverse.spread().times(&moments.deviations);
         let travel = Symmetric {
-            uu: deviation.uu + 1.0,
-            vv: deviation.vv + 1.0,
+            uu: deviation.uu + N::of(1.0),
+            vv: deviation.vv + N::of(1.0),
             uv: deviation.uv,
         };
         let determinant = travel.determinant();
         let trace = travel.uu + travel.vv;
-        let moved = travel.uu.simd_gt(Lanes::ZERO) & determinant.simd_gt(trace * SMALLEST_TRAVEL);
-        let scale = Lanes::splat(self.probe_curvature) / determinant;
+        let moved =
+            N::of(0.0).is_below(travel.uu) & (trace * N::of(SMALLEST_TRAVEL)).is_below(determinant);
+        let scale = N::of(self.probe_curvature) / determinant;
         // −K₁ (I + K₁ D)⁻¹ K₁ D; the product of two functions of D is symmetric.
         let mixed = deviation.uv * deviation.uv;
         let curvature = Symmetric {
@@ -204,11 +203,12 @@ impl LeastSquares {
             vv: scale * (mixed - travel.uu * deviation.vv),
         };
         let gaussian = curvature.determinant();
-        let mean = curvature.uu * 0.5 + curvature.vv * 0.5;
-        let arc_length = moments.lengths * self.per_probe;
+        let half = N::of(0.5);
+        let mean = curvature.uu * half + curvature.vv * half;
+        let arc_length = moments.lengths * N::of(self.per_probe);
         // Standard deviations are in units of K₁ / det².
         let unit = scale / determinant;
-        let mut all = gaussian + mean + arc_length + trace * self.radius + unit;
+        let mut all = gaussian + mean + arc_length + trace * N::of(self.radius) + unit;
         let stds = self
             .noise
             .is_stated()
@@ -216,11 +216,11 @@ impl LeastSquares {
         if let Some([u, v, of_gaussian, of_mean]) = stds {
             all += u + v + of_gaussian + of_mean;
         }
-        Solutions {
+        Solution {
             travel,
             curvature,
             moved,
-            in_range: all.abs().simd_lt(Lanes::splat(f64::INFINITY)),
+            in_range: all.abs().is_below(N::of(f64::INFINITY)),
             estimates: Estimates {
                 curvatures: [curvature.uu, curvature.vv, gaussian, mean],
                 stds,
@@ -276,7 +276,7 @@ impl LeastSquares {
     /// of B that follows is linear in `B²`, and `δK₂ = −K_rel δB K_rel`: a quantity with gradient
     /// `G` in K₂ changes by `−tr(S δB)` with `S = K_rel G K_rel`.
     #[inline(always)]
-    fn stds(&self, curvature: &Symmetric<Lanes>, travel: &Symmetric<Lanes>) -> [Lanes; 4] {
+    fn stds<N: Number>(&self, curvature: &Symmetric<N>, travel: &Symmetric<N>) -> [N; 4] {
         let covariance = self
             .from_shifts
             .plus(&self.from_rotations, &travel.square());
@@ -291,32 +291,32 @@ impl LeastSquares {
         let along_v = [uv_uv, w.vv * w.vv, uv_vv + uv_vv];
         let mixed = [uu_uv, uv_vv, w.uu * w.vv + uv_uv];
         let twice_uv = curvature.uv + curvature.uv;
-        let gaussian = std::array::from_fn(|i| {
-            curvature.vv * along_u[i] + curvature.uu * along_v[i] - twice_uv * mixed[i]
-        });
+        let gaussian =
+            |i: usize| curvature.vv * along_u[i] + curvature.uu * along_v[i] - twice_uv * mixed[i];
+        let gaussian = [gaussian(0), gaussian(1), gaussian(2)];
         let (from_u, from_v) = (covariance.times(&along_u), covariance.times(&along_v));
         let (u, v, both) = (
             from_u.dot(&along_u),
             from_v.dot(&along_v),
             from_u.dot(&along_v),
         );
-        let mean = (u + v + both + both) * 0.25;
+        let mean = (u + v + both + both) * N::of(0.25);
         let gaussian = covariance.times(&gaussian).dot(&gaussian);
-        [u, v, gaussian, mean].map(|variance| variance.fast_max(Lanes::ZERO).sqrt())
+        [u, v, gaussian, mean].map(|variance| variance.larger(N::of(0.0)).sqrt())
     }
 }
 
-/// What the fit says of each set of readings, sound or not.
-struct Solutions {
+/// What the fit says, sound or not.
+struct Solution<N: Number> {
     /// `K₁ B`.
-    travel: Symmetric<Lanes>,
+    travel: Symmetric<N>,
     /// The object's curvature form.
-    curvature: Symmetric<Lanes>,
-    estimates: Estimates,
-    /// Mask of the sets in which the contact moved along with the roll, in every direction.
-    moved: Lanes,
-    /// Mask of the sets whose numbers are finite.
-    in_range: Lanes,
+    curvature: Symmetric<N>,
+    estimates: Estimates<N>,
+    /// Whether the contact moved along with the roll, in every direction.
+    moved: N::Holds,
+    /// Whether the numbers are finite.
+    in_range: N::Holds,
 }
 
 impl Estimate {

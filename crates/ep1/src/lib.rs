@@ -14,11 +14,13 @@ mod error;
 mod estimate;
 mod least_squares;
 mod moments;
+mod number;
 mod reading;
 mod symmetric;
 
 pub use error::Ep1Error;
 pub use estimate::{Estimate, Estimates, Measured};
 pub use least_squares::LeastSquares;
-pub use moments::{LANES, Lanes, Moments, ProbeRotation};
+pub use moments::{Moments, ProbeRotation};
+pub use number::{LANES, Lanes, LanesHold, Number};
 pub use reading::{ProbeReading, ReadingNoise};

@@ -2,30 +2,24 @@
 
 use nalgebra::Vector2;
 
-use crate::ProbeReading;
+use crate::{Number, ProbeReading};
 
-/// Sets of readings that are worked on side by side, with vector instructions.
-pub const LANES: usize = 2;
-/// A number of each of [`LANES`] sets of readings. What happens in one lane is to the last bit what
-/// would happen in any other.
-pub type Lanes = wide::f64x2;
-
-/// What the fit needs of the shifts, summed over the probes, of [`LANES`] sets of readings.
+/// What the fit needs of the shifts, summed over the probes; of one set of readings, or of several side by side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moments {
+pub struct Moments<N = f64> {
     /// Sums of `g₁ d₁`, `g₂ d₂`, `g₂ d₁ + g₁ d₂` with the deviations `d = Δp − R₁ g`.
-    pub(crate) deviations: [Lanes; 3],
+    pub(crate) deviations: [N; 3],
     /// Sum of the lengths of the shifts.
-    pub(crate) lengths: Lanes,
+    pub(crate) lengths: N,
 }
 
 /// What the fit needs of a probe's rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbeRotation {
     /// `(g₁, g₂)`.
-    drive: [Lanes; 2],
+    drive: [f64; 2],
     /// `R₁ g`, the shift on a plane.
-    flat: [Lanes; 2],
+    flat: [f64; 2],
 }
 
 impl ProbeRotation {
@@ -34,27 +28,26 @@ impl ProbeRotation {
     pub fn new(radius: f64, rotation: &Vector2<f64>) -> Self {
         let drive = [-rotation.y, rotation.x];
         Self {
-            drive: drive.map(Lanes::splat),
-            flat: drive.map(|drive| Lanes::splat(radius * drive)),
+            drive,
+            flat: drive.map(|drive| radius * drive),
         }
     }
 }
 
 impl Moments {
-    /// Takes one more probe of `radius` into account, with the same reading in every set.
+    /// Takes one more probe of `radius` into account.
     #[inline]
     pub fn add(&mut self, radius: f64, reading: &ProbeReading) {
         let rotation = ProbeRotation::new(radius, &reading.rotation);
-        self.add_shifts(
-            &rotation,
-            [reading.shift.x, reading.shift.y].map(Lanes::splat),
-        );
+        self.add_shifts(&rotation, [reading.shift.x, reading.shift.y]);
     }
+}
 
+impl<N: Number> Moments<N> {
     /// Takes one more probe into account, with its shifts along u and v.
     #[inline(always)]
-    pub fn add_shifts(&mut self, rotation: &ProbeRotation, [p1, p2]: [Lanes; 2]) {
-        let ([g1, g2], [flat1, flat2]) = (rotation.drive, rotation.flat);
+    pub fn add_shifts(&mut self, rotation: &ProbeRotation, [p1, p2]: [N; 2]) {
+        let ([g1, g2], [flat1, flat2]) = (rotation.drive.map(N::of), rotation.flat.map(N::of));
         let (d1, d2) = (p1 - flat1, p2 - flat2);
         self.deviations[0] += g1 * d1;
         self.deviations[1] += g2 * d2;
@@ -63,15 +56,10 @@ impl Moments {
     }
 }
 
-/// The number of the first set of readings.
-#[inline(always)]
-pub(crate) fn first(lanes: Lanes) -> f64 {
-    lanes.to_array()[0]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{LANES, Lanes};
 
     #[test]
     fn side_by_side_is_one_after_the_other() {
@@ -79,23 +67,23 @@ mod tests {
             rotation: Vector2::new(k, 1.0 - k * k),
             shift: Vector2::new(0.8 * shift, 0.6 * shift),
         };
-        let mut apart = [Moments::default(); LANES];
-        let mut together = Moments::default();
+        let mut apart = [Moments::<f64>::default(); LANES];
+        let mut together = Moments::<Lanes>::default();
         for k in [1.0, 2.0, 3.0, 4.0, 5.0] {
             let readings: [_; LANES] = std::array::from_fn(|lane| reading(k, k + lane as f64));
             for (moments, reading) in apart.iter_mut().zip(&readings) {
                 moments.add(2.0, reading);
             }
             let rotation = ProbeRotation::new(2.0, &readings[0].rotation);
-            let along_u = Lanes::from(readings.map(|reading| reading.shift.x));
-            let along_v = Lanes::from(readings.map(|reading| reading.shift.y));
+            let along_u = Lanes(readings.map(|reading| reading.shift.x));
+            let along_v = Lanes(readings.map(|reading| reading.shift.y));
             together.add_shifts(&rotation, [along_u, along_v]);
         }
         for (lane, apart) in apart.iter().enumerate() {
-            let lane = |sum: Lanes| sum.to_array()[lane];
-            assert_eq!(together.deviations.map(lane), apart.deviations.map(lane));
-            assert_eq!(lane(together.lengths), lane(apart.lengths));
+            let lane = |sum: Lanes| sum.0[lane];
+            assert_eq!(together.deviations.map(lane), apart.deviations);
+            assert_eq!(lane(together.lengths), apart.lengths);
         }
-        approx::assert_relative_eq!(apart[0].lengths.to_array()[0], 15.0, max_relative = 1e-15);
+        approx::assert_relative_eq!(apart[0].lengths, 15.0, max_relative = 1e-15);
     }
 }

@@ -1,8 +1,10 @@
 //! A whole trial: draws, rolls, least squares, covariance, and the statistics of the runner.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+use std::hint::black_box;
+
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use palpate_scene::{RollScene, Scene, config};
+use palpate_scene::{Scene, config};
 use palpate_sweep::{Cell, RunOptions};
 
 #[path = "../src/trial.rs"]
@@ -73,18 +75,21 @@ fn benches(criterion: &mut Criterion) {
         });
     }
     group.finish();
-    criterion.bench_function("two trials without statistics", |bencher| {
+    let mut group = criterion.benchmark_group("trial without statistics");
+    group.throughput(Throughput::Elements(TRIALS));
+    group.bench_function("sphere", |bencher| {
         let trial = scene(sphere, uniform, "{ kind = \"ideal\" }");
-        let mut number = 0;
+        let Scene::Roll(roll) = &trial.0 else {
+            panic!("not a roll");
+        };
         bencher.iter(|| {
-            let Scene::Roll(roll) = &trial.0 else {
-                panic!("not a roll");
-            };
-            let trials = std::array::from_fn(|lane| number + lane as u64);
-            number += RollScene::SIDE_BY_SIDE as u64;
-            roll.side_by_side(trials).unwrap()
+            roll.side_by_side(0..TRIALS, |observed| {
+                black_box(observed);
+                true
+            })
         });
     });
+    group.finish();
 }
 
 criterion_group!(group, benches);

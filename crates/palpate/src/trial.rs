@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use palpate_scene::{Outcome, RollScene, Scene};
+use palpate_scene::{LANES, Outcome, Scene, SideBySide};
 use palpate_sweep::{Observation, Observations, Record, Trial};
 
 /// Repeats a scene.
@@ -31,27 +31,12 @@ impl Trial for SceneTrial {
 
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
         match &self.0 {
-            Scene::Roll(roll) => roll_together(roll, trials, record),
+            Scene::Roll(roll) => roll.side_by_side(trials, |observed| {
+                record.observe_together(&observed.map(observations))
+            }),
             Scene::Glide(_) | Scene::Press(_) | Scene::Fingertip(_) => 0,
         }
     }
-}
-
-/// Runs the first of `trials` side by side, as far as that goes.
-fn roll_together(roll: &RollScene, trials: Range<u64>, record: &mut Record) -> u64 {
-    const LANES: u64 = RollScene::SIDE_BY_SIDE as u64;
-    let mut trial = trials.start;
-    while trials.end - trial >= LANES
-        && let Some(outcomes) = roll.side_by_side(std::array::from_fn(|lane| trial + lane as u64))
-        && record.observe_together(&outcomes.map(|(estimates, truth, stds)| Observations {
-            estimates,
-            truth,
-            stds,
-        }))
-    {
-        trial += LANES;
-    }
-    trial - trials.start
 }
 
 fn observation(outcome: Outcome) -> Observation {
@@ -66,5 +51,18 @@ fn observation(outcome: Outcome) -> Observation {
         truth,
         std,
         interval_holds,
+    }
+}
+
+fn observations(side_by_side: SideBySide) -> Observations<LANES> {
+    let SideBySide {
+        estimates,
+        truth,
+        stds,
+    } = side_by_side;
+    Observations {
+        estimates,
+        truth,
+        stds,
     }
 }

@@ -9,12 +9,17 @@ mod trace;
 
 pub use trace::{RollTrace, TraceError};
 
+use std::ops::Range;
+
 use nalgebra::Vector2;
+pub use palpate_ep1::LANES;
 use palpate_ep1::{
-    Ep1Error, Estimate, LANES, LeastSquares, Measured, Moments, ProbeReading, ReadingNoise,
+    Ep1Error, Estimate, Estimates, Lanes, LeastSquares, Measured, Moments, ProbeReading,
+    ReadingNoise,
 };
 use palpate_geometry::CurvatureForm;
 use palpate_rolling::{Motion, Roller};
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::{Outcome, PlanError, Quantity, Unit};
 use linear::LinearRolls;
@@ -72,13 +77,71 @@ struct Truth {
     arc_length: f64,
 }
 
-/// Of one quantity in some trials: the estimates, the truth, and the standard deviations of the estimates.
-type SideBySide = ([f64; LANES], f64, Option<[f64; LANES]>);
+/// What trials side by side say of one quantity, trial by trial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideBySide {
+    /// The estimates.
+    pub estimates: [f64; LANES],
+    /// The true value in all of them.
+    pub truth: f64,
+    /// The standard deviations that the estimator claims; `None` if no noise was stated.
+    pub stds: Option<[f64; LANES]>,
+}
+
+/// Trials side by side, compiled once for every width of vectors.
+struct Together<'a, F> {
+    scene: &'a RollScene,
+    linear: &'a LinearRolls,
+    fit: &'a LeastSquares,
+    trials: Range<u64>,
+    take: F,
+}
+
+impl<F: FnMut(&[SideBySide; QUANTITIES.len()]) -> bool> WithSimd for Together<'_, F> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _: S) -> u64 {
+        let Range { start, end } = self.trials;
+        let truths = self.scene.truths();
+        let mut trial = start;
+        while end.saturating_sub(trial) >= LANES as u64
+            && let Some(moments) = self.linear.side_by_side(self.scene.seed, trial)
+            && let Some(estimates) = self.fit.estimates(&moments)
+            && (self.take)(&side_by_side(&estimates, &truths))
+        {
+            trial += LANES as u64;
+        }
+        trial - start
+    }
+}
+
+#[inline(always)]
+fn side_by_side(
+    estimates: &Estimates<Lanes>,
+    truths: &[f64; QUANTITIES.len()],
+) -> [SideBySide; QUANTITIES.len()] {
+    let Estimates {
+        curvatures: [u, v, gaussian, mean],
+        stds,
+        arc_length,
+    } = estimates;
+    let values = [u, v, gaussian, mean, arc_length];
+    let quantity = |index: usize| SideBySide {
+        estimates: values[index].0,
+        truth: truths[index],
+        stds: stds.and_then(|stds| stds.get(index).map(|stds| stds.0)),
+    };
+    [
+        quantity(0),
+        quantity(1),
+        quantity(2),
+        quantity(3),
+        quantity(4),
+    ]
+}
 
 impl RollScene {
-    /// Trials that [`RollScene::side_by_side`] takes at once.
-    pub const SIDE_BY_SIDE: usize = LANES;
-
     /// Whether trials differ.
     pub fn is_random(&self) -> bool {
         self.noise.is_random() || self.sensor.is_random()
@@ -144,7 +207,7 @@ impl RollScene {
     pub fn outcomes(&self, trial: u64) -> Result<[Outcome; QUANTITIES.len()], &'static str> {
         if let Some(linear) = &self.linear
             && let RollSensor::Ideal = self.sensor
-            && let Some(moments) = linear.short(self.seed, [trial; LANES])
+            && let Some(moments) = linear.short(self.seed, trial)
         {
             let fit = self.fit.as_ref().map_err(Ep1Error::name)?;
             let estimate = fit.estimate(&moments).map_err(|error| error.name())?;
@@ -154,34 +217,26 @@ impl RollScene {
             .map(|estimate| self.compare(&estimate))
     }
 
-    /// The outcomes of some trials side by side, in the order of [`QUANTITIES`]: to the last bit those of
-    /// [`RollScene::outcomes`], only quicker.
-    ///
-    /// `None` where these trials, or any of this scene, can only be run one by one.
-    #[inline(always)]
+    /// Runs the first of `trials`, [`LANES`] at a time, and gives what they say to `take`, in the order of
+    /// [`QUANTITIES`]: to the last bit what [`RollScene::outcomes`] says, only quicker, and quicker still on a processor
+    /// with wide vectors. Goes on until trials can only be run one by one, or `take` refuses some; tells how many were
+    /// taken.
     pub fn side_by_side(
         &self,
-        trials: [u64; Self::SIDE_BY_SIDE],
-    ) -> Option<[SideBySide; QUANTITIES.len()]> {
+        trials: Range<u64>,
+        take: impl FnMut(&[SideBySide; QUANTITIES.len()]) -> bool,
+    ) -> u64 {
         let (Some(linear), Ok(fit), RollSensor::Ideal) = (&self.linear, &self.fit, &self.sensor)
         else {
-            return None;
+            return 0;
         };
-        let estimates = fit.estimates(&linear.short(self.seed, trials)?)?;
-        let truths = self.truths();
-        let curvature = |quantity: usize| {
-            let std = estimates.stds.map(|stds| stds[quantity].to_array());
-            let estimate = estimates.curvatures[quantity].to_array();
-            (estimate, truths[quantity], std)
-        };
-        let arc_length = (estimates.arc_length.to_array(), truths[4], None);
-        Some([
-            curvature(0),
-            curvature(1),
-            curvature(2),
-            curvature(3),
-            arc_length,
-        ])
+        Arch::new().dispatch(Together {
+            scene: self,
+            linear,
+            fit,
+            trials,
+            take,
+        })
     }
 
     /// An estimate beside the truth.

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{InvalidSensor, Stream};
+use crate::{InvalidSensor, Stream, Streams};
 
 /// How an error is distributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +11,26 @@ pub enum Distribution {
     Uniform,
     /// Gaussian; the stated size is the standard deviation.
     Gaussian,
+}
+
+impl Distribution {
+    /// An error of size 1.
+    #[inline(always)]
+    pub fn draw(self, stream: &mut Stream) -> f64 {
+        match self {
+            Self::Uniform => stream.symmetric_uniform(),
+            Self::Gaussian => stream.standard_normal(),
+        }
+    }
+
+    /// The same from streams side by side.
+    #[inline(always)]
+    pub fn draw_each<const N: usize>(self, streams: &mut Streams<N>) -> [f64; N] {
+        match self {
+            Self::Uniform => streams.symmetric_uniform(),
+            Self::Gaussian => streams.standard_normal(),
+        }
+    }
 }
 
 /// An independent error on each of ω_x and ω_y, proportional to the rate of rotation (1996 paper,
@@ -57,13 +77,9 @@ impl AngularVelocityError {
     #[inline]
     pub fn draw(&self, stream: &mut Stream, rate_rad_per_s: f64) -> Vector2<f64> {
         let size = self.fraction * rate_rad_per_s;
-        match self.distribution {
-            Distribution::Uniform => {
-                Vector2::new(stream.symmetric_uniform(), stream.symmetric_uniform()) * size
-            }
-            Distribution::Gaussian => {
-                Vector2::new(stream.standard_normal(), stream.standard_normal()) * size
-            }
-        }
+        Vector2::new(
+            self.distribution.draw(stream),
+            self.distribution.draw(stream),
+        ) * size
     }
 }

@@ -26,6 +26,6 @@ pub use normal::NormalError;
 pub use pads::{PadLayout, PadOffset, PadPlacement, Pads};
 pub use position::{PositionAxes, PositionError};
 pub use sphere_map::{direction_at, displacement_between};
-pub use stream::{Channel, Stream};
+pub use stream::{Channel, Stream, Streams};
 pub use uniform_lattice::UniformLattice;
 pub use wrist::Wrist;

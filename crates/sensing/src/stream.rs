@@ -57,7 +57,7 @@ pub struct Stream {
 const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// A bijection of 64-bit words that spreads every bit over all (the finaliser of SplitMix64).
-#[inline]
+#[inline(always)]
 const fn mix(mut word: u64) -> u64 {
     word = (word ^ (word >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     word = (word ^ (word >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -84,9 +84,7 @@ impl Stream {
     /// Uniform in [−1, 1), in steps of 2^−51.
     #[inline]
     pub fn symmetric_uniform(&mut self) -> f64 {
-        // 52 random bits of a float in [2, 4).
-        let between_2_and_4 = self.next_word() >> 12 | 2_f64.to_bits();
-        f64::from_bits(between_2_and_4) - 3.0
+        between_minus_1_and_1(self.next_word())
     }
 
     /// So many different numbers of `0..of` (all of which are held in memory), each equally likely; all of them, shuffled, where there are no more. Draws
@@ -111,6 +109,52 @@ impl Stream {
         use rand::distr::Distribution;
         rand_distr::StandardNormal.sample(self)
     }
+}
+
+/// [`Stream`]s side by side, for vector instructions: to the last bit what each would say alone.
+#[derive(Clone, Debug)]
+pub struct Streams<const N: usize>([Stream; N]);
+
+impl<const N: usize> Streams<N> {
+    /// The streams of `channel` in the trials from number `first` on.
+    #[inline(always)]
+    pub fn new(seed: u64, first: u64, channel: Channel) -> Self {
+        Self(std::array::from_fn(|lane| {
+            Stream::new(seed, first + lane as u64, channel)
+        }))
+    }
+
+    /// [`Stream::symmetric_uniform`] of each.
+    #[inline(always)]
+    pub fn symmetric_uniform(&mut self) -> [f64; N] {
+        palpate_tally::drew(N as u64);
+        let mut words = [0; N];
+        for (word, stream) in words.iter_mut().zip(&mut self.0) {
+            stream.state = stream.state.wrapping_add(STEP);
+            *word = stream.state;
+        }
+        for word in &mut words {
+            *word = mix(*word);
+        }
+        let mut numbers = [0.0; N];
+        for (number, word) in numbers.iter_mut().zip(words) {
+            *number = between_minus_1_and_1(word);
+        }
+        numbers
+    }
+
+    /// [`Stream::standard_normal`] of each.
+    #[inline(always)]
+    pub fn standard_normal(&mut self) -> [f64; N] {
+        self.0.each_mut().map(Stream::standard_normal)
+    }
+}
+
+/// By 52 random bits.
+#[inline(always)]
+const fn between_minus_1_and_1(word: u64) -> f64 {
+    // Of a float in [2, 4).
+    f64::from_bits(word >> 12 | 2_f64.to_bits()) - 3.0
 }
 
 impl TryRng for Stream {
@@ -151,6 +195,18 @@ mod tests {
             ]
         };
         assert_eq!(draw(), draw());
+    }
+
+    #[test]
+    fn side_by_side_is_one_after_the_other() {
+        let mut together = Streams::<3>::new(7, 42, Channel::Pixel);
+        let mut apart = [42, 43, 44].map(|trial| Stream::new(7, trial, Channel::Pixel));
+        for _ in 0..5 {
+            let uniform = apart.each_mut().map(Stream::symmetric_uniform);
+            assert_eq!(together.symmetric_uniform(), uniform);
+            let normal = apart.each_mut().map(Stream::standard_normal);
+            assert_eq!(together.standard_normal(), normal);
+        }
     }
 
     #[test]

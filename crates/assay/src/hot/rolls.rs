@@ -8,7 +8,7 @@ use nalgebra::Vector2;
 use palpate_geometry::Shape;
 use palpate_geometry::surfaces::{Graph, Sphere};
 use palpate_rolling::{Fingertip, Glider, Motion, Probe, Roller, Rolls};
-use palpate_scene::{RollScene, Scene, config};
+use palpate_scene::{Scene, config};
 use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
 use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Trial};
 
@@ -80,21 +80,23 @@ impl Ep1 {
         )))
     }
 
-    /// Trials alone, in pairs as the runner takes them: the root of the mean square of the relative error of the normal
-    /// curvature. `None` where they cannot be run in pairs.
+    /// Trials alone, side by side as the runner takes them: the root of the mean square of the relative error of the normal
+    /// curvature. `None` where they cannot all be run side by side.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
         let Scene::Roll(roll) = &self.0.0 else {
             return None;
         };
         let mut sum = 0.0;
-        for trial in (0..trials).step_by(RollScene::SIDE_BY_SIDE) {
-            let pair = std::array::from_fn(|lane| trial + lane as u64);
-            let [(estimates, truth, _), ..] = black_box(roll.side_by_side(pair)?);
-            let error = |estimate: f64| estimate / truth - 1.0;
-            sum += estimates
-                .iter()
-                .map(|&one| error(one) * error(one))
-                .sum::<f64>();
+        let taken = roll.side_by_side(0..trials, |observed| {
+            let [normal_curvature_u, ..] = black_box(observed);
+            for estimate in normal_curvature_u.estimates {
+                let error = estimate / normal_curvature_u.truth - 1.0;
+                sum += error * error;
+            }
+            true
+        });
+        if taken != trials {
+            return None;
         }
         Some((sum / trials as f64).sqrt())
     }

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use anyhow::{Context, Result, anyhow};
-use palpate_scene::{Outcome, RollScene, Scene, config};
+use palpate_scene::{Outcome, Scene, config};
 
 use super::ladder::{Ease, Rung, SceneRungs};
 
@@ -97,21 +97,14 @@ pub(super) fn scene_of(text: &str) -> Result<Scene> {
 pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
     let trials = u64::from(trials);
     let mut sum = 0.0;
-    let mut first = 0;
-    if let Scene::Roll(roll) = scene {
-        const LANES: u64 = RollScene::SIDE_BY_SIDE as u64;
-        while trials - first >= LANES
-            && let Some(outcomes) =
-                roll.side_by_side(std::array::from_fn(|lane| first + lane as u64))
-        {
-            sum += outcomes
-                .iter()
-                .map(|(estimates, ..)| estimates[0])
-                .sum::<f64>();
-            first += LANES;
-        }
-    }
-    for trial in first..trials {
+    let together = match scene {
+        Scene::Roll(roll) => roll.side_by_side(0..trials, |observed| {
+            sum += observed.iter().map(|one| one.estimates[0]).sum::<f64>();
+            true
+        }),
+        Scene::Glide(_) | Scene::Press(_) | Scene::Fingertip(_) => 0,
+    };
+    for trial in together..trials {
         // What failed has nothing to add.
         let _ = scene.trial(trial, |_, outcome| sum += outcome.estimate);
     }

@@ -3,9 +3,9 @@
 use std::convert::Infallible;
 
 use nalgebra::{Matrix2, Vector2};
-use palpate_ep1::{LANES, Lanes, Moments, ProbeRotation};
+use palpate_ep1::{Lanes, Moments, Number, ProbeRotation};
 use palpate_rolling::{Motion, Roller, Shift};
-use palpate_sensing::{Channel, Distribution, Stream};
+use palpate_sensing::{Channel, Distribution, Stream, Streams};
 
 use super::noise::MotionNoise;
 
@@ -22,11 +22,11 @@ pub(super) struct LinearRolls {
 #[derive(Clone, Debug)]
 struct LinearRoll {
     /// Path of the contact as commanded, along u and v.
-    commanded: [Lanes; 2],
+    commanded: [f64; 2],
     /// What is added to it per unit of error of the rotation about x.
-    per_error_x: [Lanes; 2],
+    per_error_x: [f64; 2],
     /// The same about y.
-    per_error_y: [Lanes; 2],
+    per_error_y: [f64; 2],
     reported: ProbeRotation,
 }
 
@@ -40,9 +40,8 @@ impl LinearRoll {
     ) -> Self {
         let size = error * command.angular_velocity.norm() * command.duration_s;
         // A contact is driven by (−Δθ_y, Δθ_x).
-        let path = |rotation: Vector2<f64>| -> [Lanes; 2] {
-            let path = mobility * Vector2::new(-rotation.y, rotation.x);
-            [Lanes::splat(path.x), Lanes::splat(path.y)]
+        let path = |rotation: Vector2<f64>| -> [f64; 2] {
+            (mobility * Vector2::new(-rotation.y, rotation.x)).into()
         };
         Self {
             commanded: path(command.rotation()),
@@ -54,12 +53,13 @@ impl LinearRoll {
 
     /// The path with an error of the rotation in units of its size.
     #[inline(always)]
-    fn path(&self, [error_x, error_y]: [Lanes; 2]) -> [Lanes; 2] {
-        std::array::from_fn(|axis| {
-            self.commanded[axis]
-                + self.per_error_x[axis] * error_x
-                + self.per_error_y[axis] * error_y
-        })
+    fn path<N: Number>(&self, [error_x, error_y]: [N; 2]) -> [N; 2] {
+        let along = |axis: usize| {
+            N::of(self.commanded[axis])
+                + N::of(self.per_error_x[axis]) * error_x
+                + N::of(self.per_error_y[axis]) * error_y
+        };
+        [along(0), along(1)]
     }
 }
 
@@ -92,22 +92,34 @@ impl LinearRolls {
         })
     }
 
-    /// Rolls every probe in some trials. `None` where a contact passes half way round its probe, so
-    /// that the shift is not the path.
+    /// Rolls every probe. `None` where a contact passes half way round its probe, so that the shift is not the path.
     #[inline(always)]
-    pub(super) fn short(&self, seed: u64, trials: [u64; LANES]) -> Option<Moments> {
+    pub(super) fn short(&self, seed: u64, trial: u64) -> Option<Moments> {
+        let mut stream = Stream::new(seed, trial, Channel::AngularVelocity);
+        self.all_short(|distribution| distribution.draw(&mut stream))
+    }
+
+    /// The same of the trials from `first` on, side by side; `None` where any gives none.
+    #[inline(always)]
+    pub(super) fn side_by_side(&self, seed: u64, first: u64) -> Option<Moments<Lanes>> {
+        let mut streams = Streams::new(seed, first, Channel::AngularVelocity);
+        self.all_short(|distribution| Lanes(distribution.draw_each(&mut streams)))
+    }
+
+    #[inline(always)]
+    fn all_short<N: Number>(&self, draw: impl FnMut(Distribution) -> N) -> Option<Moments<N>> {
         let mut moments = Moments::default();
-        let mut longest = Lanes::ZERO;
-        self.roll(seed, trials, |probe, path| {
+        let mut longest = N::default();
+        self.roll(draw, |probe, path| {
             let [u, v] = path;
-            longest = longest.fast_max(u * u + v * v);
+            longest = longest.larger(u * u + v * v);
             moments.add_shifts(&probe.reported, path);
             Ok::<(), Infallible>(())
         })
         .ok()?;
-        let half_turn = Lanes::splat(std::f64::consts::PI * self.radius);
-        let is_short = longest.simd_le(half_turn * half_turn).all();
-        is_short.then_some(moments)
+        let half_turn = std::f64::consts::PI * self.radius;
+        let too_long = N::of((half_turn * half_turn).next_up());
+        N::all(longest.is_below(too_long)).then_some(moments)
     }
 
     /// Rolls every probe; `read` turns the contact's displacement on the probe (logarithm map) into
@@ -119,69 +131,53 @@ impl LinearRolls {
         mut read: impl FnMut(Vector2<f64>) -> Result<Vector2<f64>, E>,
     ) -> Result<Moments, E> {
         let mut moments = Moments::default();
-        self.roll(seed, [trial], |probe, path| {
-            let [u, v] = path.map(|lanes| lanes.to_array()[0]);
-            let shift = Shift::along_great_circle(Vector2::new(u, v), self.radius);
-            let shift = read(shift.displacement)?;
-            moments.add_shifts(&probe.reported, [shift.x, shift.y].map(Lanes::splat));
-            Ok(())
-        })?;
+        let mut stream = Stream::new(seed, trial, Channel::AngularVelocity);
+        self.roll(
+            |distribution| distribution.draw(&mut stream),
+            |probe, path: [f64; 2]| {
+                let shift = Shift::along_great_circle(path.into(), self.radius);
+                let shift = read(shift.displacement)?;
+                moments.add_shifts(&probe.reported, shift.into());
+                Ok(())
+            },
+        )?;
         Ok(moments)
     }
 
-    /// Tells the contacts' paths along u and v, probe by probe, with the errors of some trials: one
-    /// in each lane, or one in all.
+    /// Tells the contacts' paths along u and v, probe by probe, with errors from `draw`.
     #[inline(always)]
-    fn roll<const TRIALS: usize, E>(
+    fn roll<N: Number, E>(
         &self,
-        seed: u64,
-        trials: [u64; TRIALS],
-        each: impl FnMut(&LinearRoll, [Lanes; 2]) -> Result<(), E>,
+        mut draw: impl FnMut(Distribution) -> N,
+        each: impl FnMut(&LinearRoll, [N; 2]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let streams = || trials.map(|trial| Stream::new(seed, trial, Channel::AngularVelocity));
+        use Distribution::{Gaussian, Uniform};
+        // The distribution is known where errors are drawn.
         match self.error {
-            None => self.disturbed(|| Lanes::ZERO, each),
-            Some(Distribution::Uniform) => {
-                let mut streams = streams();
-                self.disturbed(|| draw(&mut streams, Stream::symmetric_uniform), each)
-            }
-            Some(Distribution::Gaussian) => {
-                let mut streams = streams();
-                self.disturbed(|| draw(&mut streams, Stream::standard_normal), each)
-            }
+            None => self.disturbed(N::default, each),
+            Some(Uniform) => self.disturbed(|| draw(Uniform), each),
+            Some(Gaussian) => self.disturbed(|| draw(Gaussian), each),
         }
     }
 
     /// The same with a source of errors in units of their size.
     #[inline(always)]
-    fn disturbed<E>(
+    fn disturbed<N: Number, E>(
         &self,
-        mut draw: impl FnMut() -> Lanes,
-        mut each: impl FnMut(&LinearRoll, [Lanes; 2]) -> Result<(), E>,
+        mut error: impl FnMut() -> N,
+        mut each: impl FnMut(&LinearRoll, [N; 2]) -> Result<(), E>,
     ) -> Result<(), E> {
         for probe in &self.probes {
-            each(probe, probe.path([draw(), draw()]))?;
+            each(probe, probe.path([error(), error()]))?;
         }
         Ok(())
     }
 }
 
-/// A number from each stream, over and over.
-#[inline(always)]
-fn draw<const TRIALS: usize>(
-    streams: &mut [Stream; TRIALS],
-    number: impl Fn(&mut Stream) -> f64,
-) -> Lanes {
-    let numbers = streams.each_mut().map(number);
-    Lanes::from(std::array::from_fn::<_, LANES, _>(|lane| {
-        numbers[lane % TRIALS]
-    }))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{RollScene, Scene, config};
+    use crate::{LANES, RollScene, Scene, config};
 
     fn scene(duration_s: f64, noise: &str) -> RollScene {
         let text = format!(
@@ -212,7 +208,7 @@ mod tests {
             let linear = scene.linear.as_ref().unwrap();
             for trial in 0..20 {
                 let sensed = linear.sensed(scene.seed, trial, Ok::<_, Infallible>);
-                assert_eq!(linear.short(scene.seed, [trial; LANES]), sensed.ok());
+                assert_eq!(linear.short(scene.seed, trial), sensed.ok());
             }
         }
     }
@@ -246,29 +242,53 @@ mod tests {
             // Rolls of 31 s end near half a turn: some fall short of it, some do not.
             for duration_s in [1.0, 31.0] {
                 let scene = scene(duration_s, noise);
-                for first in 0..20 {
-                    let trials = std::array::from_fn(|lane| first + lane as u64);
-                    let Some(together) = scene.side_by_side(trials) else {
-                        assert_ne!(duration_s, 1.0);
-                        continue;
-                    };
-                    for (lane, trial) in trials.into_iter().enumerate() {
-                        let outcomes = scene.outcomes(trial).unwrap();
-                        for ((estimates, truth, stds), outcome) in together.iter().zip(outcomes) {
-                            assert_eq!(estimates[lane], outcome.estimate);
-                            assert_eq!(*truth, outcome.truth);
-                            assert_eq!(stds.map(|stds| stds[lane]), outcome.std);
+                let (mut trial, mut together) = (0, 0);
+                while trial < 50 {
+                    let mut first = trial;
+                    let taken = scene.side_by_side(trial..50, |observed| {
+                        for lane in 0..LANES {
+                            let outcomes = scene.outcomes(first + lane as u64).unwrap();
+                            for (side_by_side, outcome) in observed.iter().zip(outcomes) {
+                                assert_eq!(side_by_side.estimates[lane], outcome.estimate);
+                                assert_eq!(side_by_side.truth, outcome.truth);
+                                assert_eq!(side_by_side.stds.map(|stds| stds[lane]), outcome.std);
+                            }
                         }
-                    }
+                        first += LANES as u64;
+                        true
+                    });
+                    assert_eq!(first, trial + taken);
+                    together += taken;
+                    trial += taken.max(1);
                 }
+                assert!(
+                    if duration_s == 1.0 {
+                        together == 48
+                    } else {
+                        together > 0
+                    },
+                    "{noise}: {together}"
+                );
             }
         }
     }
 
     #[test]
+    fn what_is_not_taken_does_not_count() {
+        let scene = scene(1.0, NOISES[1]);
+        let mut offers = 0;
+        let taken = scene.side_by_side(3..50, |_| {
+            offers += 1;
+            offers < 3
+        });
+        assert_eq!((offers, taken), (3, 2 * LANES as u64));
+        assert_eq!(scene.side_by_side(3..3 + LANES as u64 - 1, |_| true), 0);
+    }
+
+    #[test]
     fn half_a_turn_is_not_short() {
         let linear = |duration_s| scene(duration_s, "").linear.unwrap();
-        assert!(linear(31.0).short(1, [0; LANES]).is_some());
-        assert!(linear(32.0).short(1, [0; LANES]).is_none());
+        assert!(linear(31.0).short(1, 0).is_some());
+        assert!(linear(32.0).short(1, 0).is_none());
     }
 }
