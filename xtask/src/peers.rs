@@ -14,7 +14,6 @@ use xshell::{Shell, cmd};
 
 use crate::palpate::target_dir;
 use figure::{Figure, medians};
-use table::Row;
 use workshop::{Absent, Workshop};
 
 /// Where the table is committed.
@@ -118,12 +117,13 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     cmd!(shell, "{ours} ours --inputs {inputs}").quiet().run()?;
     let workshop = Workshop::new(shell, &directory)?;
     let core = options.core.to_string();
-    let mut rows = Vec::new();
+    let (mut rows, mut all) = (Vec::new(), options.groups.is_empty());
     for group in &groups {
         let peer = match workshop.make(&group.peer)? {
             Ok(peer) => peer,
             Err(Absent(why)) => {
                 println!("skipped: {}: {why}", group.name);
+                all = false;
                 continue;
             }
         };
@@ -145,8 +145,11 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
         ));
     }
     print!("{}", table::render(&rows));
-    if options.groups.is_empty() && !rows.is_empty() {
-        keep(shell, &rows, &workshop.machine())?;
+    // A table of one run or none: ratios of different runs do not compare.
+    if all {
+        let text = table::csv(&rows, &workshop.machine())?;
+        replace(&shell.current_dir().join(RESULTS), &text)?;
+        println!("{RESULTS} is written");
     } else {
         println!("{RESULTS} stays as it is");
     }
@@ -187,19 +190,6 @@ fn build_ours(shell: &Shell) -> Result<std::path::PathBuf> {
     .run()?;
     let name = format!("palpate-assay{}", env::consts::EXE_SUFFIX);
     Ok(target_dir(shell).join("release").join(name))
-}
-
-/// Replaces the committed table; peers that were skipped keep the rows that they had.
-fn keep(shell: &Shell, rows: &[Row], machine: &str) -> Result<()> {
-    let path = shell.current_dir().join(RESULTS);
-    let kept = match fs::read_to_string(&path) {
-        Ok(text) => table::others(&text, rows)?,
-        Err(_) => Vec::new(),
-    };
-    let text = table::csv(&kept, rows, machine)?;
-    replace(&path, &text)?;
-    println!("{RESULTS} is written");
-    Ok(())
 }
 
 /// Writes a file whole or not at all.

@@ -67,6 +67,10 @@ fn layer() -> Body {
     Body::bonded_layer(5.0, 2.0).expect("a body")
 }
 
+fn solved_layer() -> Body {
+    Body::solved_layer(5.0, 2.0).expect("a body")
+}
+
 #[library_benchmark]
 #[bench::closed_form(over_sphere(Model::ClosedForm, 0.1))]
 #[bench::meridian(over_paraboloid(Model::Meridian, 0.1))]
@@ -115,7 +119,9 @@ fn ep2(mut path: Hot) -> Hot {
 #[library_benchmark]
 #[bench::half_space_at_77_markers(ready(presses::moved(half_space())))]
 #[bench::layer_at_77_markers(ready(presses::moved(layer())))]
+#[bench::solved_layer_at_77_markers(ready(presses::moved(solved_layer())))]
 #[bench::half_space_fit(ready(presses::fitted(half_space())))]
+#[bench::layer_fit(ready(presses::fitted(layer())))]
 fn press(mut path: Hot) -> Hot {
     path();
     path

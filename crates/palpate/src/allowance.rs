@@ -77,6 +77,10 @@ impl Chooser<'_> {
             .filter(|&place| is_random(&trials[place].0))
             .collect();
         let pilot = self.pilot(&trials, &random)?;
+        let mut warnings = match &pilot {
+            Some(pilot) => self.failing(study, &trials, &random, pilot)?,
+            None => Vec::new(),
+        };
         let tolerance = self.target.and_then(|target| {
             let share = SHARE_OF_MODEL * target;
             let allowances = self.allowances(&trials, &random, pilot.as_ref(), share);
@@ -85,7 +89,6 @@ impl Chooser<'_> {
         let tolerance = tolerance.filter(|_| rungs::is_auto(study));
         let mut config = rungs::resolved(study, self.numbers, tolerance).map_err(Failure::usage)?;
 
-        let mut warnings = Vec::new();
         let mut lines = Vec::new();
         let need = match (&pilot, self.target) {
             (Some(pilot), Some(target)) => Some(self.need(study, &trials, &random, pilot, target)?),
@@ -167,6 +170,37 @@ impl Chooser<'_> {
         let target = self.target.unwrap_or(f64::MIN_POSITIVE);
         let pilot = Pilot::for_error(&scenes, target, self.threads, most, MOST_FOR_TARGET);
         Ok(Some(pilot))
+    }
+
+    /// What there is to say of cells of which every trial of the pilot failed: they have no error to tell.
+    fn failing(
+        &self,
+        study: &Study,
+        trials: &[SceneTrial],
+        random: &[usize],
+        pilot: &Pilot,
+    ) -> Result<Vec<String>, Failure> {
+        let cells = pilot.cells.iter().zip(random);
+        let failing: Vec<(usize, String)> = cells
+            .filter(|(cell, _)| cell.success == 0.0)
+            .map(|(cell, &place)| {
+                let kind = trials[place].0.trial(0, |_, _| ()).err();
+                let kind = kind.unwrap_or("not-finite");
+                let failed = format!("all {} trials of a pilot fail ({kind})", cell.trials);
+                (self.numbers[place], failed)
+            })
+            .collect();
+        match (failing.first(), self.target) {
+            (Some((cell, failed)), Some(target)) if failing.len() == random.len() => {
+                let message =
+                    format!("--target-error {target}: {failed}, which leaves no error to tell");
+                Err(Failure::usage(study.error_at(*cell, "scene", message)))
+            }
+            _ => Ok(failing
+                .into_iter()
+                .map(|(cell, failed)| format!("{failed} in cell {cell}: it has no say"))
+                .collect()),
+        }
     }
 
     fn pace(&self, trials: &[SceneTrial], budget: Duration) -> Result<Pace, Failure> {

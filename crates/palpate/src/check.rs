@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
-use palpate_scene::config::{self, SceneConfig, Study};
+use palpate_scene::config::{self, PressSensorConfig, SceneConfig, Study};
 use palpate_sweep::Cell;
 
 use crate::cli::CheckArgs;
@@ -105,7 +105,7 @@ fn models(
     scenes: &[(usize, SceneTrial)],
 ) -> Result<(), Failure> {
     let deadline = Instant::now() + LADDERS;
-    let mut told: Vec<(&SceneConfig, usize)> = Vec::new();
+    let mut told: Vec<(&SceneConfig, bool, usize)> = Vec::new();
     for Group {
         needs,
         place,
@@ -118,13 +118,20 @@ fn models(
             let _ = writeln!(text, "    {need}");
         }
         let scene = &bare.cells[*cell].config.scene;
-        let like = told.iter().find(|(known, _)| *known == scene);
-        if let Some((_, other)) = like {
+        // A camera looks at markers at other depths than they are read at.
+        let by_camera = match &study.cells[*cell].config.scene {
+            SceneConfig::Press(press) => !matches!(press.sensor, PressSensorConfig::Direct { .. }),
+            _ => false,
+        };
+        let like = |known: &&(&SceneConfig, bool, usize)| (known.0, known.1) == (scene, by_camera);
+        if let Some((.., other)) = told.iter().find(like) {
             let _ = writeln!(text, "    rungs of the model: as in cell {other}");
             continue;
         }
         let in_time = Instant::now() < deadline;
-        let ladder = in_time.then(|| bare.ladder(*cell)).transpose();
+        let ladder = in_time
+            .then(|| study.ladder_of(*cell, &trial.0))
+            .transpose();
         let ladder = ladder.map_err(Failure::usage)?.flatten();
         let taken = ladder.as_ref().map(|ladder| &ladder.taken().model);
         let needless = ladder::not_needed(trial, &study.cells[*cell].config.scene, taken);
@@ -137,7 +144,7 @@ fn models(
                 for line in ladder::lines(bare, *cell, ladder, deadline) {
                     let _ = writeln!(text, "      {line}");
                 }
-                told.push((scene, *cell));
+                told.push((scene, by_camera, *cell));
             }
             None if in_time => {}
             None => {

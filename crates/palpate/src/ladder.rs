@@ -45,8 +45,10 @@ pub(crate) fn lines(study: &Study, cell: usize, ladder: &Ladder, deadline: Insta
         };
         let said = match &rung.outcome {
             Err(why) => format!("cannot: {why}"),
-            Ok(0.0) => format!("what errors are held against{}", cost.unwrap_or_default()),
-            Ok(error) => format!("error {error:.0e}{}", cost.unwrap_or_default()),
+            Ok(_) if ladder.reference == Some(place) => {
+                format!("what errors are held against{}", cost.unwrap_or_default())
+            }
+            Ok(error) => format!("error {error:.1e}{}", cost.unwrap_or_default()),
         };
         lines.push(format!("{mark} {:width$}  {said}", rung.name));
     }

@@ -41,14 +41,14 @@ pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
 }
 
 /// Writes the config of a run that begins into `dir`: beside no tables but its own. Where `dir` has those of another
-/// config, they stay until the run is done, and this one's is [`NEXT_CONFIG`].
+/// config, or another config, they stay until the run is done, and this one's is [`NEXT_CONFIG`].
 pub(crate) fn begin(dir: &Path, config: &str) -> Result<(), Failure> {
-    let has_tables = dir.join(TABLE).exists();
+    let has_others = [TABLE, CONFIG].iter().any(|name| dir.join(name).exists());
     let known = std::fs::read(dir.join(CONFIG)).is_ok_and(|known| known == config.as_bytes());
-    match (has_tables, known) {
-        (true, false) => write_files(dir, &[(NEXT_CONFIG, config)]),
-        (true, true) => Ok(()),
-        (false, _) => write_files(dir, &[(CONFIG, config)]),
+    match (known, has_others) {
+        (true, _) => Ok(()),
+        (false, true) => write_files(dir, &[(NEXT_CONFIG, config)]),
+        (false, false) => write_files(dir, &[(CONFIG, config)]),
     }
 }
 

@@ -102,8 +102,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         files.push(("map.csv", maps(&study, &ran).into()));
     }
     let written = output::write_files(&out, &files);
-    output::end(&out)?;
+    let ended = output::end(&out);
     written?;
+    ended?;
     output::print(&summary(&study, &ran, &out))
 }
 

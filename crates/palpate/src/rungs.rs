@@ -64,7 +64,8 @@ pub(crate) fn tolerance_for(study: &Study, allowances: &[Allowance]) -> Option<f
     )
 }
 
-/// The same study with `auto` at this tolerance; or with the rung that it then takes, where all of `cells` take the same.
+/// The same study with `auto` at this tolerance; or with the rung that it then takes, where `cells` are all cells and take
+/// the same.
 pub(crate) fn resolved(
     study: &Study,
     cells: &[usize],
@@ -76,6 +77,9 @@ pub(crate) fn resolved(
     }
     if let Some(scene) = tolerance.and_then(|one| with_tolerance(&config.scene, one)) {
         config.scene = scene;
+    }
+    if cells.len() < study.cells.len() {
+        return Ok(config);
     }
     let auto = config::parse("run.toml", &config::to_toml(&config))?;
     let mut common = None;

@@ -6,7 +6,7 @@
 
 mod ellipse;
 
-use nalgebra::{UnitQuaternion, Vector2};
+use nalgebra::Vector2;
 use palpate_geometry::Meridian;
 
 use crate::closed_form::roll_on_probe;
@@ -79,12 +79,13 @@ impl MeridianRung {
         let point = self.meridian.at(t);
         let direction: Vector2<f64> = turn / theta;
         let outward = apex.x_axis * direction.x + apex.y_axis() * direction.y;
-        let turn = apex.normal.cross(&outward) * point.slope_rad;
-        let rotation = UnitQuaternion::from_scaled_axis(turn);
+        // The frame turns about the tangent across the meridian.
+        let (sin, cos) = point.slope_rad.sin_cos();
+        let along = outward * (1.0 - cos) + apex.normal * sin;
         Ok(Contact {
             on_object: apex.on_object + outward * point.r + apex.normal * point.height,
-            normal: rotation * apex.normal,
-            x_axis: rotation * apex.x_axis,
+            normal: apex.normal * cos + outward * sin,
+            x_axis: apex.x_axis - along * direction.x,
             body_from_contact: roll_on_probe(apex, direction * arc, self.radius),
             arc_length: apex.arc_length + arc,
         })
@@ -99,7 +100,7 @@ impl MeridianRung {
 /// θ = σ atan q + a S(q),     S(q) = (q √(1+q²) + asinh q)/2 = 2|c| s
 /// ```
 ///
-/// is solved by Halley's method from the first two terms of its series or, where these are no
+/// is solved by Halley's method from the first three terms of its series or, where these are no
 /// guide, from its behaviour at infinity.
 fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     let (sign, steepening) = (c.signum(), 2.0 * c.abs());
@@ -133,12 +134,14 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
 
 /// Where to look first for the slope at which the probe has turned by `theta`.
 fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
-    // θ = (a + σ) q + (a/6 − σ/3) q³ + …
+    // θ = (a + σ) q + (a/6 − σ/3) q³ + (σ/5 − a/40) q⁵ + …, of which this is the inverse.
     let rate = a + sign;
     let linear = theta / rate;
-    let correction = linear * linear * (a / 6.0 - sign / 3.0) / rate;
-    if correction.abs() < 0.1 {
-        return linear * (1.0 - correction);
+    let square = linear * linear;
+    let cubic = square * (a / 6.0 - sign / 3.0) / rate;
+    if cubic.abs() < 0.1 {
+        let quintic = square * square * (sign / 5.0 - a / 40.0) / rate;
+        return linear * (1.0 - cubic + 3.0 * cubic * cubic - quintic);
     }
     // S(q) tends to q²/2, atan q to about 1.2 rad or more.
     let y = ((theta - 1.2 * sign) / a).max(linear.min(1.0));

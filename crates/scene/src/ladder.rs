@@ -10,6 +10,8 @@ pub struct Ladder {
     pub rungs: Vec<Rung>,
     /// The index of the rung that is taken: the one that the config names, or the choice of `auto`.
     pub taken: usize,
+    /// The index of the rung that the errors of the others are held against; `None` where each is held against another.
+    pub reference: Option<usize>,
     /// Why that one.
     pub reason: String,
     /// The largest error that `auto` allows; `None` where the config names a rung.
@@ -45,9 +47,19 @@ impl Study {
     /// # Panics
     /// If `cell` is not the index of a cell.
     pub fn ladder(&self, cell: usize) -> Result<Option<Ladder>, ConfigError> {
-        let scene = self.estimable_scene(cell)?;
+        self.ladder_of(cell, &self.estimable_scene(cell)?)
+    }
+
+    /// The same of a cell whose scene has been made.
+    ///
+    /// # Errors
+    /// Where the model of another scene than the cell's cannot do what the cell asks for.
+    ///
+    /// # Panics
+    /// If `cell` is not the index of a cell.
+    pub fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError> {
         let config = &self.cells[cell].config.scene;
-        Ok(match (&scene, config) {
+        Ok(match (scene, config) {
             (Scene::Roll(scene), SceneConfig::Roll(config)) => Some(scene.ladder(config)),
             (Scene::Glide(_), SceneConfig::Glide(config)) => {
                 let ladder = GlideScene::ladder(config);

@@ -194,18 +194,8 @@ impl Comparison {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{COST, ERROR};
     use super::*;
-
-    const COST: Limits = Limits {
-        what: "instructions",
-        allowed: 0.03,
-        floor: 0.0,
-    };
-    const ERROR: Limits = Limits {
-        what: "error",
-        allowed: 0.01,
-        floor: 1e-13,
-    };
 
     fn figures(of: &[(&str, f64)]) -> Figures {
         let mut figures = Figures::default();

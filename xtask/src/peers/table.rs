@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
 use super::figure::Figure;
 
@@ -105,26 +105,10 @@ pub(crate) fn render(rows: &[Row]) -> String {
     text
 }
 
-/// The committed records of tasks that were not run.
-pub(crate) fn others(committed: &str, rows: &[Row]) -> Result<Vec<csv::StringRecord>> {
-    let mut reader = csv::Reader::from_reader(committed.as_bytes());
-    let mut kept = Vec::new();
-    for record in reader.records() {
-        let record = record.context("the committed table of peers is unsound")?;
-        if !rows.iter().any(|row| record.get(0) == Some(&row.peer.task)) {
-            kept.push(record);
-        }
-    }
-    Ok(kept)
-}
-
 /// The table to commit.
-pub(crate) fn csv(kept: &[csv::StringRecord], rows: &[Row], machine: &str) -> Result<String> {
+pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(HEADER)?;
-    for record in kept {
-        writer.write_record(record)?;
-    }
     for Row {
         peer,
         ours,
@@ -191,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn tasks_are_not_mixed_and_skipped_ones_keep_their_rows() {
+    fn tasks_are_not_mixed() {
         let peers = [figure("a", 10.0, 0.1), figure("b", 3.0, 1e-14)];
         let ours = [figure("b", 1.0, 0.0), figure("a", 4.0, 0.1)];
         let all = rows(&peers, &ours, 3.0, 0.0);
@@ -199,17 +183,10 @@ mod tests {
             all.iter().map(|row| row.ratio).collect::<Vec<_>>(),
             [2.5, 3.0]
         );
-        let committed = csv(&[], &all, "a machine, of 2 cores").unwrap();
+        let committed = csv(&all, "a machine, of 2 cores").unwrap();
         assert_eq!(
             committed.lines().nth(2).unwrap(),
             "b,p,1,3,1e-14,p,1,0,3,3,met,\"a machine, of 2 cores\""
-        );
-        let kept = others(&committed, &all[1..]).unwrap();
-        assert_eq!(kept.len(), 1);
-        assert_eq!(kept[0].get(0), Some("a"));
-        assert_eq!(
-            csv(&kept, &all[1..], "a machine, of 2 cores").unwrap(),
-            committed
         );
     }
 }

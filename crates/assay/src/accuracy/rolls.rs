@@ -1,12 +1,13 @@
 //! Rolls against closed forms, and what EP1 makes of them.
 
 use anyhow::{Context, Result};
+use nalgebra::Vector3;
 use palpate_geometry::Shape;
 use palpate_rolling::{Contact, HeldAxis};
 use palpate_sweep::Summary;
 
 use super::Figure;
-use crate::hot::rolls::{Chart, Ep1, Model, motion, paraboloid, roller, sphere};
+use crate::hot::rolls::{Chart, DIRECTION, Ep1, Model, motion, paraboloid, roller, sphere};
 
 const TRIALS: u64 = 1 << 14;
 
@@ -61,8 +62,8 @@ fn rungs(object: &str) -> Vec<(&'static str, Model)> {
     ]
 }
 
-/// Error of a roll of the unit sphere from the top: how far the contact on the object is from where the closed form has
-/// it, by its distance from the axis and its height.
+/// Error of a roll of the unit sphere from the top: how far the contact is from where the closed form has it, in any
+/// coordinate, on the object or on the probe.
 ///
 /// # Errors
 /// If there is no closed form for the object.
@@ -71,17 +72,24 @@ pub(crate) fn against_closed_form(
     angle_rad: f64,
     contact: &Contact,
 ) -> Result<f64> {
-    let [x, y, z] = contact.on_object.coords.into();
-    let [axial, height] = match object {
+    let (axial, height, path) = match object {
         // Both turn by half the angle.
-        Shape::Sphere(_) => [(0.5 * angle_rad).sin().abs(), (0.5 * angle_rad).cos()],
+        Shape::Sphere(_) => {
+            let half = 0.5 * angle_rad;
+            (half.sin(), half.cos(), half)
+        }
         Shape::Paraboloid(_) => {
             let r = radius_on_paraboloid(angle_rad);
-            [r, -r * r]
+            (r, -r * r, length_on_paraboloid(r))
         }
         other => anyhow::bail!("no closed form of a roll over a {}", other.name()),
     };
-    Ok((x.hypot(y) - axial).abs().max((z - height).abs()))
+    // The second axis of the probe's contact frame starts along the object's −y.
+    let along = Vector3::new(DIRECTION.cos(), -DIRECTION.sin(), 0.0);
+    let on_object = along * axial + Vector3::z() * height;
+    let on_probe = along * path.sin() - Vector3::z() * path.cos();
+    let off_object = (contact.on_object.coords - on_object).amax();
+    Ok(off_object.max((contact.on_probe(1.0).coords - on_probe).amax()))
 }
 
 /// Where the unit sphere touches z = −r² after it has turned by this angle: by the slope's angle and by the meridian's
@@ -90,9 +98,14 @@ fn radius_on_paraboloid(angle_rad: f64) -> f64 {
     let mut r = angle_rad / 3.0;
     for _ in 0..60 {
         let slope = 2.0 * r;
-        let length = 0.5 * r * slope.hypot(1.0) + 0.25 * slope.asinh();
-        let excess = slope.atan() + length - angle_rad;
+        let excess = slope.atan() + length_on_paraboloid(r) - angle_rad;
         r -= excess / (2.0 / (1.0 + slope * slope) + slope.hypot(1.0));
     }
     r
+}
+
+/// Of the meridian of z = −r² from the apex.
+fn length_on_paraboloid(r: f64) -> f64 {
+    let slope = 2.0 * r;
+    0.5 * r * slope.hypot(1.0) + 0.25 * slope.asinh()
 }

@@ -20,7 +20,7 @@ use super::{Hot, warm};
 /// Rate of every roll, rad/s.
 pub const RATE: f64 = 0.1;
 /// Direction of every roll on the probe, rad.
-const DIRECTION: f64 = 0.7;
+pub const DIRECTION: f64 = 0.7;
 
 /// The unit sphere.
 ///

@@ -79,7 +79,8 @@ impl GlideScene {
             taken: rungs
                 .iter()
                 .position(|rung| rung.model == taken)
-                .unwrap_or(0),
+                .expect("what is named or chosen is among the rungs"),
+            reference: None,
             reason: match config.model {
                 GlideModelConfig::Auto { .. } => choice.reason,
                 _ => "named in the config".to_owned(),

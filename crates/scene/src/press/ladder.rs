@@ -189,7 +189,8 @@ impl PressScene {
             taken: rungs
                 .iter()
                 .position(|rung| rung.model == taken)
-                .unwrap_or(rungs.len() - 1),
+                .expect("what is named or chosen is among the rungs"),
+            reference: Some(rungs.len() - 1),
             reason: choice.reason,
             tolerance: choice.tolerance,
             rungs,

@@ -21,7 +21,11 @@ impl RollScene {
         let choice = self.roller.choice();
         let taken = |rung: &MeasuredRung| rung.model == choice.model;
         Ladder {
-            taken: measured.iter().position(taken).unwrap_or(0),
+            taken: measured
+                .iter()
+                .position(taken)
+                .expect("what is named or chosen is among the rungs"),
+            reference: None,
             reason: choice.reason.clone(),
             tolerance: match config.model {
                 RollModelConfig::Auto { tolerance, .. } => Some(tolerance),
