@@ -84,8 +84,7 @@ pub(crate) fn against_closed_form(
         }
         other => anyhow::bail!("no closed form of a roll over a {}", other.name()),
     };
-    // The second axis of the probe's contact frame starts along the object's −y.
-    let along = Vector3::new(DIRECTION.cos(), -DIRECTION.sin(), 0.0);
+    let along = Vector3::new(DIRECTION.cos(), DIRECTION.sin(), 0.0);
     let on_object = along * axial + Vector3::z() * height;
     let on_probe = along * path.sin() - Vector3::z() * path.cos();
     let off_object = (contact.on_object.coords - on_object).amax();
