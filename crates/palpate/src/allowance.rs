@@ -139,12 +139,22 @@ impl Chooser<'_> {
         })
     }
 
+    /// The scenes that are run; refuses where setting them up uses up the budget.
     fn scenes(&self, study: &Study) -> Result<Vec<SceneTrial>, Failure> {
-        self.numbers
-            .iter()
-            .map(|&cell| study.estimable_scene(cell).map(SceneTrial))
-            .collect::<Result<_, _>>()
-            .map_err(Failure::usage)
+        let mut scenes = Vec::with_capacity(self.numbers.len());
+        for &cell in self.numbers {
+            let scene = study.estimable_scene(cell).map_err(Failure::usage)?;
+            scenes.push(SceneTrial(scene));
+            if let Some(budget) = self.budget
+                && self.start.elapsed() >= budget
+            {
+                // Planning and the run set up each cell.
+                let share = scenes.len() as f64 / self.numbers.len() as f64;
+                let least = 2.0 * self.start.elapsed().as_secs_f64() / share;
+                return Err(self.does_not_fit(budget, least));
+            }
+        }
+        Ok(scenes)
     }
 
     /// A pilot of the random cells, for the target or to tell what a budget will give; `None` where there is nothing to
@@ -301,16 +311,19 @@ impl Chooser<'_> {
             Some(trials) => Ok(Some(rounded(trials.get() as f64, f64::floor))),
             None => {
                 let once = pace.run_seconds(&vec![1; trials.len()], self.threads);
-                let least = planning + once / KEPT;
-                Err(Failure::usage(anyhow!(
-                    "--budget: one trial of each cell does not fit into {} s; the least is about {} on {} threads, \
-                     planning included",
-                    budget.as_secs_f64(),
-                    roughly((1.1 * least).max(1.1 * budget.as_secs_f64())),
-                    self.threads
-                )))
+                Err(self.does_not_fit(budget, planning + once / KEPT))
             }
         }
+    }
+
+    fn does_not_fit(&self, budget: Duration, least_s: f64) -> Failure {
+        let budget_s = budget.as_secs_f64();
+        Failure::usage(anyhow!(
+            "--budget: one trial of each cell does not fit into {budget_s} s; the least is about {} on {} threads, \
+             planning included",
+            roughly(1.1 * least_s.max(budget_s)),
+            self.threads
+        ))
     }
 
     /// What rules, and which error is expected.
