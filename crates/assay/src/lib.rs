@@ -8,6 +8,6 @@ pub mod extremes;
 pub mod hot;
 pub mod measured;
 pub mod ours;
+pub mod pressed;
 pub mod promise;
-#[cfg(feature = "count")]
 pub mod tradeoff;
