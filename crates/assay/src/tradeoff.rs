@@ -2,13 +2,15 @@
 //!
 //! | ladder | truth |
 //! |---|---|
-//! | rolling | closed forms of a ball and a paraboloid; on the ellipsoid, DOP853 at 1e-14 |
+//! | rolling | closed forms of a ball and a paraboloid; on the ellipsoid, integrators in charts, whose equations are others |
+//! | gliding | the offset surface of a ball, a saddle, an ellipsoid |
 //! | pads, probes, fits, maps | the object's curvature, in closed form |
-//! | press models | the layer's contact, solved; that by the displacement which the object dictates |
+//! | press models | quadrature over wavenumbers: [`crate::pressed`] |
 //! | press sensors, press estimators | the effective radius that was pressed with |
 //! | Monte Carlo | the standard error, from the trials' own scatter |
 
 mod front;
+mod glides;
 mod ladder;
 mod monte_carlo;
 mod pads;
@@ -50,6 +52,7 @@ pub struct Options<'a> {
 fn ladders() -> Result<Vec<Ladder>> {
     Ok(vec![
         rolling::ladder()?,
+        glides::ladder(),
         pads::ladder(),
         probes::ladder(),
         patches::fits(),
