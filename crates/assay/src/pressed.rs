@@ -9,7 +9,7 @@
 //! | half-space | (1 + kz/(2 − 2ν)) e^{−kz} | (kz − 1 + 2ν)/(2 − 2ν) e^{−kz} |
 //! | layer on a core, ν = ½ | [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H x sinh x]/(cosh² H + H²) | ∂N/∂x likewise |
 //!
-//! with the wavenumber H and x = H(1 − z) in units of the layer's thickness. On a half-space φ = (2/π)(a² − t²); on a layer
+//! (the layer's less the half-space's, which is summed over the contact instead) with the wavenumber H and x = H(1 − z) in units of the layer's thickness. On a half-space φ = (2/π)(a² − t²); on a layer
 //! φ solves the integral equation of the second kind of Lebedev and Ufliand (1958).
 
 mod layer;
@@ -253,13 +253,16 @@ mod tests {
 
     #[test]
     fn a_thick_layer_is_a_half_space() {
-        let [layer, solid] = [
-            Body::Layer { thickness: 1e7 },
-            Body::HalfSpace { poisson: 0.5 },
-        ]
-        .map(|body| Pressed::new(body, 0.05, 0.3).unwrap());
-        let [layer, solid] =
-            [layer, solid].map(|pressed| pressed.displacements(0.0, &[0.0, 1.0, 4.0]).unwrap());
-        assert!(off(&layer, &solid) < 1e-6, "{layer:?} {solid:?}");
+        for depth in [0.0, 0.01, 0.3, 5.0] {
+            let [layer, solid] = [
+                Body::Layer { thickness: 1e7 },
+                Body::HalfSpace { poisson: 0.5 },
+            ]
+            .map(|body| {
+                let pressed = Pressed::new(body, 0.05, 0.3).unwrap();
+                pressed.displacements(depth, &[0.0, 1.0, 2.4, 4.0]).unwrap()
+            });
+            assert!(off(&layer, &solid) < 1e-6, "{layer:?} {solid:?}");
+        }
     }
 }

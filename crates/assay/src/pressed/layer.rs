@@ -9,9 +9,9 @@
 use std::f64::consts::FRAC_2_PI;
 
 use anyhow::{Context, Result, bail};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
-use super::quadrature::{on_panels, over};
+use super::quadrature::{around, on_panels, over};
 use super::{NEGLIGIBLE, PHASE, abel, sum};
 
 /// Steps of the secant method, which takes eight or so.
@@ -25,8 +25,16 @@ pub(super) struct Layer {
     pub(super) contact: f64,
     /// The indentation over the relative curvature, D.
     indentation: f64,
-    /// Nodes t, and φ there times their weights.
-    nodes: Vec<[f64; 2]>,
+    nodes: Vec<Node>,
+}
+
+/// A place t of the contact.
+#[derive(Debug)]
+struct Node {
+    place: f64,
+    /// Of the quadrature over the contact.
+    weight: f64,
+    phi: f64,
 }
 
 impl Layer {
@@ -53,7 +61,7 @@ impl Layer {
     }
 
     fn solved(thickness: f64, contact: f64) -> Result<Self> {
-        let intervals = 2 * (10.0 + 4.0 * contact).ceil() as usize;
+        let intervals = 2 * (12.0 + 8.0 * contact).ceil() as usize;
         let places: Vec<[f64; 2]> = over(0.0, contact, intervals).collect();
         let waves: Vec<[f64; 2]> = on_panels(reach(), panel(2.0 * contact)).collect();
         let cosines = DMatrix::from_fn(places.len(), waves.len(), |row, column| {
@@ -74,43 +82,79 @@ impl Layer {
         let edge = places.len() - 1;
         let indentation = squares[edge] / ones[edge];
         let phi = (ones * indentation - squares) * FRAC_2_PI;
-        let nodes = places.iter().zip(phi.iter());
+        let node = |([place, weight], phi): (&[f64; 2], &f64)| Node {
+            place: *place,
+            weight: *weight,
+            phi: *phi,
+        };
         Ok(Self {
             thickness,
             contact,
             indentation,
-            nodes: nodes.map(|([t, weight], phi)| [*t, weight * phi]).collect(),
+            nodes: places.iter().zip(phi.iter()).map(node).collect(),
         })
     }
 
     /// Q(k).
     fn transform(&self, k: f64) -> f64 {
-        self.nodes.iter().map(|[t, phi]| phi * (k * t).cos()).sum()
+        let nodes = self.nodes.iter();
+        nodes
+            .map(|node| node.weight * node.phi * (k * node.place).cos())
+            .sum()
     }
 
-    /// Displacements inward and outward per unit relative curvature.
-    pub(super) fn field(&self, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
-        if depth > 0.0 {
-            let waves = |k: f64| shares(k, depth).map(|share| share * self.transform(k));
-            return sum(NEGLIGIBLE / depth, 1.0, self.contact, distances, waves);
+    /// φ at any place: the polynomial through the nodes, which are Chebyshev's.
+    fn phi(&self, t: f64) -> f64 {
+        let last = self.nodes.len() - 1;
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (index, node) in self.nodes.iter().enumerate() {
+            if t == node.place {
+                return node.phi;
+            }
+            let size = if index == 0 || index == last {
+                0.5
+            } else {
+                1.0
+            };
+            let sign = if index % 2 == 0 { size } else { -size };
+            let weight = sign / (t - node.place);
+            sum += weight * node.phi;
+            weights += weight;
         }
-        // The half-space's share does not decay; what the core takes from it does.
-        let waves = |k: f64| {
-            let transform = self.transform(k);
-            [-reflected(k) * transform, shares(k, 0.0)[1] * transform]
-        };
-        let phi: Vec<[f64; 2]> = on_panels(reach(), panel(2.0 * self.contact))
-            .map(|[k, weight]| [k, weight * reflected(k) * self.transform(k)])
-            .collect();
-        let phi = |t: f64| {
-            let echo: f64 = phi.iter().map(|[k, echo]| echo * (k * t).cos()).sum();
-            FRAC_2_PI * (self.indentation - t * t + echo)
-        };
-        let taken = sum(reach(), 1.0, self.contact, distances, waves);
-        let taken = taken.iter().zip(distances);
-        taken
-            .map(|([normal, radial], r)| [abel(phi, self.contact, *r) + normal, *radial])
+        sum / weights
+    }
+
+    /// Displacements inward and outward per unit relative curvature: those of a half-space under the same pressure, and what
+    /// the core takes from them.
+    pub(super) fn field(&self, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
+        let waves = |k: f64| taken(k, depth).map(|share| share * self.transform(k));
+        let reach = NEGLIGIBLE / (2.0 - depth);
+        let taken = sum(reach, 1.0, self.contact, distances, waves);
+        let parts = taken.iter().zip(distances);
+        parts
+            .map(|([normal, radial], r)| {
+                let [solid_normal, solid_radial] = self.solid(depth, *r);
+                [solid_normal + normal, solid_radial + radial]
+            })
             .collect()
+    }
+
+    /// On a half-space: ∫ cos kt e^{−kz} J₀(kr) dk = Re 1/ρ and ∫ k cos kt e^{−kz} J₁(kr) dk = Re r/ρ³ with
+    /// ρ² = r² + (z + it)².
+    fn solid(&self, depth: f64, r: f64) -> [f64; 2] {
+        if depth == 0.0 {
+            return [abel(|t| self.phi(t), self.contact, r), 0.0];
+        }
+        around(self.contact, r, depth).fold([0.0; 2], |[normal, radial], [t, weight]| {
+            let below = Complex::new(depth, t);
+            let root = (below * below + r * r).sqrt();
+            let cube = root * root * root;
+            let phi = weight * self.phi(t);
+            [
+                normal + phi * (root.inv() + below * depth / cube).re,
+                radial + phi * depth * r * cube.inv().re,
+            ]
+        })
     }
 }
 
@@ -127,6 +171,16 @@ fn panel(distance: f64) -> f64 {
 fn reflected(k: f64) -> f64 {
     let q = (-2.0 * k).exp();
     2.0 * q * (1.0 + q + 2.0 * k + 2.0 * k * k) / (1.0 + q * q + 4.0 * k * k * q + 2.0 * q)
+}
+
+/// N and R less those of a half-space.
+fn taken(k: f64, depth: f64) -> [f64; 2] {
+    if depth == 0.0 {
+        return [-reflected(k), shares(k, 0.0)[1]];
+    }
+    let [normal, radial] = shares(k, depth);
+    let (kz, decay) = (k * depth, (-k * depth).exp());
+    [normal - (1.0 + kz) * decay, radial - kz * decay]
 }
 
 /// N and R: e^{H} and e^{x} taken out of every hyperbolic function.

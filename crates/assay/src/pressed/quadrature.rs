@@ -44,6 +44,23 @@ pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]
     })
 }
 
+/// Nodes and weights from 0 to an end for what changes over that width around a place: panels that grow from there.
+pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [f64; 2]> {
+    let mut bounds = vec![0.0, end, place];
+    let mut reach = width;
+    while reach < end + place {
+        bounds.extend([place - reach, place + reach]);
+        reach *= 2.0;
+    }
+    bounds.retain(|bound| (0.0..=end).contains(bound));
+    bounds.sort_unstable_by(f64::total_cmp);
+    bounds.dedup();
+    let panels: Vec<[f64; 2]> = bounds.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    panels
+        .into_iter()
+        .flat_map(|[from, to]| over(from, to, INTERVALS))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -58,5 +75,14 @@ mod tests {
             .map(|[x, weight]| weight * x.cos())
             .sum();
         assert!((waves - 100_f64.sin()).abs() < 1e-10, "{waves}");
+        for place in [0.0, 0.3, 1.0, 1.1, 7.0] {
+            let width = 1e-4;
+            let peak = |x: f64| width / (width * width + (x - place) * (x - place));
+            let area: f64 = around(1.0, place, width)
+                .map(|[x, weight]| weight * peak(x))
+                .sum();
+            let truth = ((1.0 - place) / width).atan() + (place / width).atan();
+            assert!((area - truth).abs() < 1e-12, "{place}: {area} {truth}");
+        }
     }
 }
