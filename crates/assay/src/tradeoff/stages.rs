@@ -332,7 +332,8 @@ pub(super) fn write(
     table(&folder.join("stages.csv"), header, rows.into_iter())
 }
 
-#[cfg(all(test, feature = "count"))]
+#[cfg(feature = "count")]
+#[cfg(test)]
 mod tests {
     use super::*;
 
