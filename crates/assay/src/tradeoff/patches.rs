@@ -130,7 +130,7 @@ pub(super) fn maps() -> Ladder {
     Ladder {
         name: "maps",
         title: "How fine a map?",
-        error: "rms error of K or H, the larger, over that of the curvedness, as the map's nearest place has it; a single place is the middle, which is known best: where curvature is the same everywhere, more places err more",
+        error: "rms error of K or H, the larger, over that of the curvedness, as the map's nearest place has it; where curvature is the same everywhere, as on the sphere, a coarse map loses nothing and errs as the fit does at its few places",
         evaluation: "one trial: 30 contacts, penalised fit, and the map",
         scenes: SCENES.iter().map(stage).collect(),
     }
