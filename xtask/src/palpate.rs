@@ -1,6 +1,7 @@
-//! The program under test.
+//! The program under test, and the machine that it is tested on.
 
 use std::env;
+use std::fs;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -19,4 +20,29 @@ pub(crate) fn build(shell: &Shell) -> Result<PathBuf> {
         .run()?;
     let binary = format!("palpate{}", env::consts::EXE_SUFFIX);
     Ok(target_dir(shell).join("release").join(binary))
+}
+
+/// Builds the harnesses without counters, as users have palpate, and says where they lie.
+pub(crate) fn build_uncounted_assay(shell: &Shell) -> Result<PathBuf> {
+    cmd!(
+        shell,
+        "cargo build --release -p palpate-assay --no-default-features"
+    )
+    .run()?;
+    let binary = format!("palpate-assay{}", env::consts::EXE_SUFFIX);
+    Ok(target_dir(shell).join("release").join(binary))
+}
+
+/// What costs are measured on: processor, cores, compiler.
+pub(crate) fn machine(shell: &Shell) -> String {
+    let processors = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = processors
+        .lines()
+        .find_map(|line| line.strip_prefix("model name")?.split_once(": "))
+        .map_or(env::consts::ARCH, |(_, model)| model.trim());
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let rustc = cmd!(shell, "rustc --version").quiet().read();
+    let rustc = rustc.unwrap_or_else(|_| "an unknown rustc".to_owned());
+    let rustc = rustc.split(" (").next().unwrap_or_default();
+    format!("{model}, {cores} cores, {rustc}")
 }

@@ -4,7 +4,6 @@ mod figure;
 mod table;
 mod workshop;
 
-use std::env;
 use std::fs;
 use std::path::Path;
 
@@ -12,7 +11,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use xshell::{Shell, cmd};
 
-use crate::palpate::target_dir;
+use crate::palpate;
 use figure::{Figure, medians};
 use workshop::{Absent, Workshop};
 
@@ -110,9 +109,9 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
         println!("skipped: taskset is missing, so that nothing can be pinned to one core");
         return Ok(());
     }
-    let directory = target_dir(shell).join("peers");
+    let directory = palpate::target_dir(shell).join("peers");
     shell.create_dir(&directory)?;
-    let ours = build_ours(shell)?;
+    let ours = palpate::build_uncounted_assay(shell)?;
     let inputs = directory.join("inputs");
     cmd!(shell, "{ours} ours --inputs {inputs}").quiet().run()?;
     let workshop = Workshop::new(shell, &directory)?;
@@ -147,7 +146,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     print!("{}", table::render(&rows));
     // A table of one run or none: ratios of different runs do not compare.
     if all {
-        let text = table::csv(&rows, &workshop.machine())?;
+        let text = table::csv(&rows, &palpate::machine(shell))?;
         replace(&shell.current_dir().join(RESULTS), &text)?;
         println!("{RESULTS} is written");
     } else {
@@ -179,17 +178,6 @@ fn chosen(asked: &[String]) -> Result<Vec<&'static Group>> {
         group.with_context(|| format!("no group of tasks `{name}`; known: {}", known()))
     };
     asked.iter().map(find).collect()
-}
-
-/// The harness without counters, as users have palpate.
-fn build_ours(shell: &Shell) -> Result<std::path::PathBuf> {
-    cmd!(
-        shell,
-        "cargo build --release -p palpate-assay --no-default-features"
-    )
-    .run()?;
-    let name = format!("palpate-assay{}", env::consts::EXE_SUFFIX);
-    Ok(target_dir(shell).join("release").join(name))
 }
 
 /// Writes a file whole or not at all.

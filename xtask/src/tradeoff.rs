@@ -24,7 +24,7 @@ pub(crate) struct Options {
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let start = Instant::now();
-    let assay = build(shell)?;
+    let assay = palpate::build_uncounted_assay(shell)?;
     if options.draw {
         cmd!(shell, "{assay} fronts {RESULTS}").quiet().run()?;
         return Ok(());
@@ -53,16 +53,18 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-fn build(shell: &Shell) -> Result<std::path::PathBuf> {
-    cmd!(shell, "cargo build --release -p palpate-assay")
-        .quiet()
-        .run()?;
-    let binary = format!("palpate-assay{}", std::env::consts::EXE_SUFFIX);
-    Ok(palpate::target_dir(shell).join("release").join(binary))
-}
-
-/// Measures on the last core, where the system has a way to say so.
+/// Measures on the last core, where the system has a way to say so. What stages do is counted by a build with counters,
+/// whose counts are the same in any profile; what they cost, by the one without.
 fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
+    let tallies = tempfile::NamedTempFile::new()?;
+    let tallies = tallies.path();
+    cmd!(
+        shell,
+        "cargo run --quiet -p palpate-assay -- tallies --out {tallies}"
+    )
+    .quiet()
+    .run()?;
+    let machine = palpate::machine(shell);
     let quick = quick.then_some("--quick");
     let cores = std::thread::available_parallelism()?.get();
     let last = (cores - 1).to_string();
@@ -73,9 +75,12 @@ fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
     match pinned {
         Ok(()) => cmd!(
             shell,
-            "taskset --cpu-list {last} {assay} tradeoff --out {out} {quick...}"
+            "taskset --cpu-list {last} {assay} tradeoff --out {out} --tallies {tallies} --machine {machine} {quick...}"
         ),
-        Err(_) => cmd!(shell, "{assay} tradeoff --out {out} {quick...}"),
+        Err(_) => cmd!(
+            shell,
+            "{assay} tradeoff --out {out} --tallies {tallies} --machine {machine} {quick...}"
+        ),
     }
     .quiet()
     .run()?;

@@ -1,13 +1,13 @@
 //! Harnesses over the whole of palpate: what each rung costs and how far it errs ([`tradeoff`]), what
 //! happens at the extremes of every public entry point ([`extremes`]), and whether `auto` keeps its word
 //! ([`promise`]). What must not get worse: instructions of the [`hot`] paths and [`accuracy`]. What palpate takes beside its
-//! peers: [`ours`].
+//! peers: [`ours`]. Truth for presses, of its own making: [`pressed`].
 
 pub mod accuracy;
 pub mod extremes;
 pub mod hot;
 pub mod measured;
 pub mod ours;
+pub mod pressed;
 pub mod promise;
-#[cfg(feature = "count")]
 pub mod tradeoff;

@@ -5,9 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-#[cfg(feature = "count")]
-use palpate_assay::tradeoff;
-use palpate_assay::{accuracy, ours};
+use palpate_assay::{accuracy, ours, tradeoff};
 
 /// Harnesses over the whole of palpate.
 #[derive(Parser)]
@@ -49,12 +47,24 @@ enum Harness {
         #[arg(long)]
         inputs: Option<PathBuf>,
     },
-    /// Measures every ladder of models: error against cost.
+    /// Counts what each stage of a scene does, for `tradeoff`: draws, derivatives, frames.
     #[cfg(feature = "count")]
+    Tallies {
+        /// The table to write.
+        #[arg(long)]
+        out: PathBuf,
+    },
+    /// Measures every ladder of models: error against cost.
     Tradeoff {
         /// The folder to write to.
         #[arg(long)]
         out: PathBuf,
+        /// What `tallies` has written.
+        #[arg(long)]
+        tallies: PathBuf,
+        /// What to write beside the times: the machine in words.
+        #[arg(long)]
+        machine: String,
         /// Time as short as may be.
         #[arg(long)]
         quick: bool,
@@ -101,13 +111,18 @@ fn main() -> Result<()> {
             Ok(())
         }
         #[cfg(feature = "count")]
+        Harness::Tallies { out } => tradeoff::tallies(&out),
         Harness::Tradeoff {
             out,
+            tallies,
+            machine,
             quick,
             counted,
         } => tradeoff::run(
             tradeoff::Options {
                 out: &out,
+                tallies: &tallies,
+                machine: &machine,
                 quick,
                 counted,
             },

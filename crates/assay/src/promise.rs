@@ -1,33 +1,38 @@
 //! Whether `auto` keeps its word: the rung that it takes errs by at most the tolerance, and costs at most twice the
 //! instructions of the cheapest rung that does.
 //!
-//! | kind | what is counted | error | against |
-//! |---|---|---|---|
-//! | roll | the rolls of one trial without noise | contacts at the end, relative to the contact's length scale | DOP853 at 1e-14 |
-//! | glide | the touches of all fingers | contacts, relative to the tip's radius | closed form, or Newton's method at 1e-14; a closed form against Newton's method |
-//! | press | the press, and how the markers move | displacements, relative to the largest | the layer solved, or the half-space at the markers' depth |
+//! | kind | what is counted | error | against | rivals |
+//! |---|---|---|---|---|
+//! | roll | the rolls of one trial without noise | contacts at the end, relative to the contact's length scale | DOP853 at 1e-14 | every setting of every rung |
+//! | glide | the touches of all fingers | contacts, relative to the tip's radius | closed form, or Newton's method at 1e-14; a closed form against Newton's method | closed form, Newton's method in steps of ten |
+//! | press | the press, and how the markers move | displacements, relative to the largest | quadrature over wavenumbers, which no rung uses | Hertz, half-space, layer |
 //!
-//! Setting up a scene is not counted. A press for which that last rung is taken errs by 0, for it is what the others
-//! are held against.
+//! Setting up a scene is not counted, nor is a roll's rival that evaluates the contact equations more often than the rung
+//! that is taken.
 
 mod cost;
+mod rivals;
 mod scenes;
+mod verdict;
 
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use palpate_scene::Rung;
 use palpate_scene::config::{self, Study};
-use palpate_scene::{Ladder, Rung};
 
 use crate::measured::{self, Evaluation};
+pub use rivals::Rival;
+use rivals::Rivals;
 pub use scenes::{Kind, text};
+use verdict::Verdict;
 
 /// Scenes of each kind.
 pub const SCENES: u64 = 50;
 /// The rung that is taken may cost so many times the cheapest that would do.
 const MOST: f64 = 2.0;
 
-/// A random scene and its ladder.
+/// A random scene, what `auto` has taken for it, and what it could have taken.
 #[derive(Debug)]
 pub struct Promise {
     /// What kind of scene it is.
@@ -35,8 +40,12 @@ pub struct Promise {
     /// Its number among its kind.
     pub number: u64,
     study: Study,
-    /// The models of the scene, of which `auto` has taken one.
-    pub ladder: Ladder,
+    /// The models of the scene, with what they err by against a truth that is none of them.
+    pub rivals: Vec<Rival>,
+    /// Which of them `auto` has taken.
+    taken: usize,
+    /// What the model that is taken is held against.
+    pub truth: &'static str,
     /// What `auto` was asked for.
     pub tolerance: f64,
 }
@@ -55,57 +64,64 @@ impl Promise {
         let tolerance = ladder
             .tolerance
             .with_context(|| format!("{name} chooses no model"))?;
+        let Rivals { all, taken, truth } =
+            Rivals::of(&study, &ladder).with_context(|| name.clone())?;
         Ok(Self {
             kind,
             number,
             study,
-            ladder,
+            rivals: all,
+            taken,
+            truth,
             tolerance,
         })
     }
 
-    /// Whether the rung that was taken errs by at most the tolerance.
-    pub fn errs_within(&self) -> bool {
-        self.is_adequate(self.ladder.taken())
+    /// The model that `auto` has taken.
+    pub fn taken(&self) -> &Rung {
+        &self.rivals[self.taken].rung
     }
 
-    /// Whether the rung that was taken costs no more than it may, as far as that shows without counting instructions: a
-    /// roll asks for at most twice the derivatives of any other rung that would do; of glides and presses no rung earlier
-    /// on the ladder that would do is of another method.
-    ///
-    /// # Errors
-    /// If a rung that would do does not do.
-    #[cfg(feature = "count")]
-    pub fn seems_cheap(&self) -> Result<bool> {
-        let asked = |place: usize| -> Result<u64> {
-            let mut truth = cost::truth(&self.study, &self.ladder.rungs[place])?;
-            let (tally, done) = palpate_tally::counted(&mut truth);
-            done.map(|_| tally.derivatives)
-        };
-        let taken = self.ladder.taken;
+    /// Whether the model that was taken errs by at most the tolerance.
+    pub fn errs_within(&self) -> bool {
+        self.is_adequate(self.taken)
+    }
+
+    /// How many other models would have done.
+    pub fn competitors(&self) -> usize {
+        let others = (0..self.rivals.len()).filter(|place| *place != self.taken);
+        others.filter(|place| self.is_adequate(*place)).count()
+    }
+
+    /// Whether the truth is another computation than that of the model which was taken.
+    pub fn is_judged_by_another(&self) -> bool {
+        !self.taken().name.starts_with(self.truth)
+    }
+
+    /// Whether the model that was taken costs no more than it may, as far as that shows without counting instructions: a
+    /// roll evaluates the contact equations at most twice as often as any other that would do; of glides and presses
+    /// none earlier on the ladder that would do is of another method.
+    pub fn seems_cheap(&self) -> bool {
+        let evaluations = |place: usize| self.rivals[place].evaluations.unwrap_or(0) as f64;
+        let taken = evaluations(self.taken);
+        let mut adequate = (0..self.rivals.len()).filter(|place| self.is_adequate(*place));
         match self.kind {
-            Kind::Roll => {
-                let most = asked(taken)? as f64;
-                for place in self.judged() {
-                    if most > MOST * asked(place)? as f64 {
-                        return Ok(false);
-                    }
-                }
-                Ok(true)
-            }
-            Kind::Glide => Ok(taken == 0 || !self.is_adequate(&self.ladder.rungs[0])),
-            Kind::Press => Ok(self.judged().all(|place| place >= taken)),
+            Kind::Roll => adequate.all(|place| taken <= MOST * evaluations(place)),
+            Kind::Glide => self.taken == 0 || !self.is_adequate(0),
+            Kind::Press => adequate.all(|place| place >= self.taken),
         }
     }
 
-    fn is_adequate(&self, rung: &Rung) -> bool {
-        matches!(rung.outcome, Ok(error) if error <= self.tolerance)
+    fn is_adequate(&self, place: usize) -> bool {
+        matches!(self.rivals[place].rung.outcome, Ok(error) if error <= self.tolerance)
     }
 
-    /// The rungs that would do, and the one that is taken.
+    /// The models that would do and may be cheaper, and the one that is taken.
     fn judged(&self) -> impl Iterator<Item = usize> {
-        (0..self.ladder.rungs.len()).filter(|&place| {
-            place == self.ladder.taken || self.is_adequate(&self.ladder.rungs[place])
+        let taken = self.rivals[self.taken].evaluations;
+        (0..self.rivals.len()).filter(move |&place| {
+            let is_dearer = self.rivals[place].evaluations > taken;
+            place == self.taken || self.is_adequate(place) && !is_dearer
         })
     }
 
@@ -113,12 +129,12 @@ impl Promise {
         self.judged().map(|place| self.evaluation(place)).collect()
     }
 
-    /// What the truth of the scene costs on a rung.
+    /// What the truth of the scene costs on a model.
     fn evaluation(&self, place: usize) -> Result<Evaluation> {
-        let rung = &self.ladder.rungs[place];
+        let rung = &self.rivals[place].rung;
         let mut run = cost::truth(&self.study, rung)?;
-        run().with_context(|| format!("{} {}: {}", self.kind.name(), self.number, rung.name))?;
         let name = format!("{} {}: {}", self.kind.name(), self.number, rung.name);
+        run().with_context(|| name.clone())?;
         Ok(Evaluation::new(name, run))
     }
 }
@@ -155,59 +171,10 @@ pub fn run(out: &Path, counted: bool) -> Result<String> {
         bail!("{}", measured::NO_VALGRIND);
     };
     let mut counts = counts.into_iter();
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
-        "kind",
-        "scene",
-        "tolerance",
-        "taken",
-        "error",
-        "instructions",
-        "cheapest_adequate",
-        "cheapest_instructions",
-        "ratio",
-        "kept",
-    ])?;
-    let mut held = Kind::ALL.map(|kind| (kind, 0));
-    for promise in &promises {
-        let judged: Vec<(usize, u64)> = promise.judged().zip(counts.by_ref()).collect();
-        let of_taken = judged
-            .iter()
-            .find(|(place, _)| *place == promise.ladder.taken);
-        let taken = of_taken.map_or(0, |(_, count)| *count);
-        let rungs = &promise.ladder.rungs;
-        let adequate = judged
-            .iter()
-            .filter(|(place, _)| promise.is_adequate(&rungs[*place]));
-        let cheapest = adequate.min_by_key(|(_, count)| *count);
-        let ratio = cheapest.map(|(_, count)| taken as f64 / (*count).max(1) as f64);
-        let kept = promise.errs_within() && ratio.is_some_and(|ratio| ratio <= MOST);
-        for (kind, count) in &mut held {
-            *count += u64::from(*kind == promise.kind && kept);
-        }
-        let error = match &promise.ladder.taken().outcome {
-            Ok(error) => format!("{error:e}"),
-            Err(why) => why.clone(),
-        };
-        writer.write_record([
-            promise.kind.name(),
-            &promise.number.to_string(),
-            &format!("{:e}", promise.tolerance),
-            &promise.ladder.taken().name,
-            &error,
-            &taken.to_string(),
-            cheapest.map_or("", |(place, _)| &rungs[*place].name),
-            &cheapest.map_or(String::new(), |(_, count)| count.to_string()),
-            &ratio.map_or(String::new(), |ratio| format!("{ratio:.3}")),
-            if kept { "yes" } else { "no" },
-        ])?;
-    }
-    std::fs::write(out, writer.into_inner()?)
-        .with_context(|| format!("cannot write {}", out.display()))?;
-    let words = held.map(|(kind, count)| format!("{count} of {SCENES} {}", kind.plural()));
-    let words = format!("auto: {}", words.join(", "));
-    if held.iter().any(|(_, count)| *count < SCENES) {
-        bail!("{words}: see {}", out.display());
-    }
-    Ok(words)
+    let verdicts: Vec<Verdict> = promises
+        .iter()
+        .map(|promise| Verdict::of(promise, counts.by_ref()))
+        .collect();
+    verdict::write(&verdicts, out)?;
+    verdict::words(&verdicts).map_err(|words| anyhow::anyhow!("{words}: see {}", out.display()))
 }

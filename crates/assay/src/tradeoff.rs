@@ -2,13 +2,15 @@
 //!
 //! | ladder | truth |
 //! |---|---|
-//! | rolling | closed forms of a ball and a paraboloid; on the ellipsoid, DOP853 at 1e-14 |
+//! | rolling | closed forms of a ball and a paraboloid; on the ellipsoid, integrators in charts, whose equations are others |
+//! | gliding | the offset surface of a ball, a saddle, an ellipsoid |
 //! | pads, probes, fits, maps | the object's curvature, in closed form |
-//! | press models | the layer's contact, solved; that by the displacement which the object dictates |
+//! | press models | quadrature over wavenumbers: [`crate::pressed`] |
 //! | press sensors, press estimators | the effective radius that was pressed with |
 //! | Monte Carlo | the standard error, from the trials' own scatter |
 
 mod front;
+mod glides;
 mod ladder;
 mod monte_carlo;
 mod pads;
@@ -36,6 +38,10 @@ use table::{Measured, MeasuredRung};
 pub struct Options<'a> {
     /// The folder to write to.
     pub out: &'a Path,
+    /// What [`tallies`] has written.
+    pub tallies: &'a Path,
+    /// What is measured on, in words.
+    pub machine: &'a str,
     /// Time each rung for as short as may be.
     pub quick: bool,
     /// Count the evaluations for [`measured::instructions`], and do nothing else.
@@ -46,6 +52,7 @@ pub struct Options<'a> {
 fn ladders() -> Result<Vec<Ladder>> {
     Ok(vec![
         rolling::ladder()?,
+        glides::ladder(),
         pads::ladder(),
         probes::ladder(),
         patches::fits(),
@@ -102,10 +109,20 @@ pub fn run(options: Options<'_>, tell: impl Fn(&str)) -> Result<()> {
             });
         }
     }
-    table::write(&all, options.out)?;
+    table::write(&all, options.machine, options.out)?;
     tell("stages");
     let of_stages = counts.as_ref().map(|counts| &counts[rung_count..]);
-    stages::write(&stages, of_stages, patience, options.out)
+    let tallies = stages::read_tallies(options.tallies)?;
+    stages::write(&stages, of_stages, &tallies, patience, options.out)
+}
+
+/// Writes what one trial of each stage does. Costs are measured by another build of this program, which counts nothing.
+///
+/// # Errors
+/// If a stage makes no scene, or the table cannot be written.
+#[cfg(feature = "count")]
+pub fn tallies(out: &Path) -> Result<()> {
+    stages::write_tallies(out)
 }
 
 /// How many evaluations a run of each rung is.
@@ -120,9 +137,10 @@ fn measure(
     patience: Duration,
 ) -> Result<Vec<MeasuredRung>> {
     let measure = |rung: ladder::Rung| {
+        // First, for it tells whether there is anything to evaluate.
+        let error = (rung.error)().with_context(|| rung.name.clone())?;
         let mut evaluation: Evaluation = rung.evaluation;
         let ns = evaluation.time(patience);
-        let error = (rung.error)().with_context(|| rung.name.clone())?;
         Ok(MeasuredRung {
             name: rung.name,
             setting: rung.setting,

@@ -11,6 +11,8 @@ pub(crate) struct Tradeoff {
     pub(crate) ladders: Vec<Ladder>,
     /// Whether instructions are counted, of every rung.
     pub(crate) counted: bool,
+    /// What was measured on, in words.
+    pub(crate) machine: String,
 }
 
 /// The rungs of one choice, on several scenes.
@@ -80,7 +82,15 @@ impl Tradeoff {
                     .collect(),
             )
         };
-        let names = ["ladder", "title", "error_of", "evaluation", "scene", "what"];
+        let names = [
+            "ladder",
+            "title",
+            "error_of",
+            "evaluation",
+            "scene",
+            "what",
+            "machine",
+        ];
         let table = Columns::read(&dir.join("ladders.csv"), &names)?;
         let mut ladders: Vec<Ladder> = Vec::new();
         for row in 0..table.rows() {
@@ -104,7 +114,15 @@ impl Tradeoff {
                 }),
             }
         }
-        Ok(Self { ladders, counted })
+        let machine = match table.rows() {
+            0 => String::new(),
+            _ => table.text(0, 6).to_owned(),
+        };
+        Ok(Self {
+            ladders,
+            counted,
+            machine,
+        })
     }
 
     /// What a rung's cost is counted in.

@@ -119,20 +119,6 @@ impl<'s> Workshop<'s> {
         let program = release.join(format!("{name}{}", env::consts::EXE_SUFFIX));
         Ok(Ok(Peer(vec![program.into()])))
     }
-
-    /// What the figures were measured on.
-    pub(crate) fn machine(&self) -> String {
-        let processors = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-        let model = processors
-            .lines()
-            .find_map(|line| line.strip_prefix("model name")?.split_once(": "))
-            .map_or(env::consts::ARCH, |(_, model)| model.trim());
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let rustc = cmd!(self.shell, "rustc --version").quiet().read();
-        let rustc = rustc.unwrap_or_else(|_| "an unknown rustc".to_owned());
-        let rustc = rustc.split(" (").next().unwrap_or_default();
-        format!("{model}, {cores} cores, {rustc}")
-    }
 }
 
 /// The interpreter of the virtual environment with the packages of requirements.txt, made where it is missing, or why it

@@ -37,34 +37,19 @@ fn rolls(scene: Scene) -> Result<Computation> {
     let Scene::Roll(scene) = scene else {
         bail!("no roll");
     };
+    let rolls = scene.noiseless();
     Ok(Box::new(move || {
-        for command in scene.commands() {
-            std::hint::black_box(scene.roller().shift(&[*command])?);
+        for motions in &rolls {
+            std::hint::black_box(scene.roller().shift(motions)?);
         }
-        Ok(scene.commands().len())
+        Ok(rolls.len())
     }))
 }
 
 /// A contact, and how it moves the markers.
 fn press(config: &PressConfig, model: &PressModelConfig) -> Result<Computation> {
-    let PressProbeConfig::MarkerSphere {
-        radius,
-        marker_depth,
-        ..
-    } = config.probe;
-    let body = match *model {
-        PressModelConfig::Hertz { poisson } => Body::hertz(poisson)?,
-        PressModelConfig::HalfSpace { poisson } => Body::half_space(poisson, marker_depth)?,
-        PressModelConfig::BondedLayer { thickness } => Body::solved_layer(thickness, marker_depth)?,
-        PressModelConfig::Auto { .. } => bail!("auto is no rung"),
-    };
-    let object_curvature = match config.object {
-        PressObjectConfig::Sphere { radius } => radius.recip(),
-        PressObjectConfig::Dish { radius } => -radius.recip(),
-        PressObjectConfig::Plane {} => 0.0,
-    };
-    let places = Layout::published().places(radius)?;
-    let markers = Markers::new(Skin::new(radius)?, &places)?;
+    let (body, markers) = (body(config, model)?, markers(config)?);
+    let object_curvature = curvature(config);
     let indentation = config.motion.indentation;
     Ok(Box::new(move || {
         let contact = markers
@@ -72,4 +57,31 @@ fn press(config: &PressConfig, model: &PressModelConfig) -> Result<Computation> 
             .contact(&body, object_curvature, indentation)?;
         Ok(std::hint::black_box(markers.displacements(&contact, [0.0; 2])).len())
     }))
+}
+
+/// What is pressed, as a rung has it.
+pub(super) fn body(config: &PressConfig, model: &PressModelConfig) -> Result<Body> {
+    let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
+    Ok(match *model {
+        PressModelConfig::Hertz { poisson } => Body::hertz(poisson)?,
+        PressModelConfig::HalfSpace { poisson } => Body::half_space(poisson, marker_depth)?,
+        PressModelConfig::BondedLayer { thickness } => Body::solved_layer(thickness, marker_depth)?,
+        PressModelConfig::Auto { .. } => bail!("auto is no rung"),
+    })
+}
+
+/// The object's curvature.
+pub(super) fn curvature(config: &PressConfig) -> f64 {
+    match config.object {
+        PressObjectConfig::Sphere { radius } => radius.recip(),
+        PressObjectConfig::Dish { radius } => -radius.recip(),
+        PressObjectConfig::Plane {} => 0.0,
+    }
+}
+
+/// The published sensor's.
+pub(super) fn markers(config: &PressConfig) -> Result<Markers> {
+    let PressProbeConfig::MarkerSphere { radius, .. } = config.probe;
+    let places = Layout::published().places(radius)?;
+    Ok(Markers::new(Skin::new(radius)?, &places)?)
 }

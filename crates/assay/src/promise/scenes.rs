@@ -72,46 +72,93 @@ pub fn text(kind: Kind, number: u64) -> String {
     )
 }
 
-/// An object against which a probe of radius `r` neither conforms nor is lost.
-fn object(draws: &mut Draws, r: f64) -> String {
+/// An object against which a probe of radius `r` neither conforms nor is lost, and how far from its middle places may lie.
+fn object(draws: &mut Draws, kind: usize, r: f64) -> (String, f64) {
     let size = r * draws.of_magnitude(0.5, 30.0);
-    match draws.index(8) {
-        0 => format!("{{ kind = \"sphere\", radius = {size:e} }}"),
-        1 => format!("{{ kind = \"dish\", radius = {:e} }}", 2.0 * r + size),
-        2 => "{ kind = \"plane\" }".to_owned(),
-        3 => format!(
-            "{{ kind = \"cylinder\", radius = {size:e}, direction_deg = {} }}",
-            draws.between(0.0, 90.0)
-        ),
+    match kind {
+        0 => (format!("{{ kind = \"sphere\", radius = {size:e} }}"), size),
+        1 => {
+            let radius = 2.0 * r + size;
+            (
+                format!("{{ kind = \"dish\", radius = {radius:e} }}"),
+                radius,
+            )
+        }
+        2 => ("{ kind = \"plane\" }".to_owned(), size),
+        3 => {
+            let direction = draws.between(0.0, 90.0);
+            (
+                format!(
+                    "{{ kind = \"cylinder\", radius = {size:e}, direction_deg = {direction} }}"
+                ),
+                size,
+            )
+        }
         4 => {
             let [a, b, c] = std::array::from_fn(|_| size * draws.between(1.0, 2.0));
-            format!("{{ kind = \"ellipsoid\", semi_axes = [{a:e}, {b:e}, {c:e}] }}")
+            (
+                format!("{{ kind = \"ellipsoid\", semi_axes = [{a:e}, {b:e}, {c:e}] }}"),
+                size,
+            )
         }
-        5 => format!("{{ kind = \"paraboloid\", c = {:e} }}", 0.1 / size),
-        6 => format!("{{ kind = \"saddle\", a = {:e} }}", 0.1 / size),
-        _ => format!(
-            "{{ kind = \"height-field\", formula = \"a*sin(x/l)*cos(y/l)\", parameters = {{ a = {:e}, l = {:e} }} }}",
-            0.05 * size,
-            2.0 * size
+        5 => (
+            format!("{{ kind = \"paraboloid\", c = {:e} }}", 0.1 / size),
+            size,
+        ),
+        6 => (
+            format!("{{ kind = \"saddle\", a = {:e} }}", 0.1 / size),
+            size,
+        ),
+        _ => (
+            format!(
+                "{{ kind = \"height-field\", formula = \"a*sin(x/l)*cos(y/l)\", parameters = {{ a = {:e}, l = {:e} }} }}",
+                0.05 * size,
+                2.0 * size
+            ),
+            size,
         ),
     }
 }
 
+/// Most need an integrator: what has a closed form is drawn less often, and some rolls begin aside, spin, or are in pieces.
 fn roll(mut draws: Draws) -> String {
+    const KINDS: [usize; 12] = [0, 1, 2, 3, 4, 4, 4, 5, 6, 6, 6, 7];
     let radius = draws.of_magnitude(1e-2, 1e2);
-    let object = object(&mut draws, radius);
+    let kind = KINDS[draws.index(KINDS.len())];
+    let (object, reach) = object(&mut draws, kind, radius);
+    let contact = match draws.index(4) {
+        0 => String::new(),
+        _ => {
+            let [x, y] = std::array::from_fn(|_| 0.6 * reach * draws.between(-1.0, 1.0));
+            format!("object_contact = [{x:e}, {y:e}]\n")
+        }
+    };
     let turn = draws.of_magnitude(0.01, 2.0);
+    let spin = match draws.index(3) {
+        0 => format!(", spin_rad_per_s = {:e}", turn * draws.between(-1.0, 1.0)),
+        _ => String::new(),
+    };
+    // Noise that is drawn anew on the way cuts the motion; what is judged is without noise.
+    let noise = match draws.index(4) {
+        0 => format!(
+            "noise = {{ angular_velocity = {{ kind = \"gaussian\", fraction = 0.01, when = \"per-instant\", \
+             instants = {} }} }}\n",
+            2 + draws.index(4)
+        ),
+        _ => String::new(),
+    };
     let tolerance = draws.of_magnitude(1e-11, 1e-2);
     format!(
-        "probe = {{ kind = \"sphere\", radius = {radius:e} }}\nobject = {object}\n\
-         motion = {{ rate_rad_per_s = {turn:e}, duration_s = 1.0 }}\n\
-         model = {{ kind = \"auto\", tolerance = {tolerance:e} }}\n"
+        "probe = {{ kind = \"sphere\", radius = {radius:e} }}\nobject = {object}\n{contact}\
+         motion = {{ rate_rad_per_s = {turn:e}, duration_s = 1.0{spin} }}\n\
+         model = {{ kind = \"auto\", tolerance = {tolerance:e} }}\n{noise}"
     )
 }
 
 fn glide(mut draws: Draws) -> String {
     let radius = draws.of_magnitude(1e-2, 1e2);
-    let object = object(&mut draws, radius);
+    let kind = draws.index(8);
+    let (object, _) = object(&mut draws, kind, radius);
     let half = 0.1 * radius * draws.between(1.0, 3.0);
     let tolerance = draws.of_magnitude(1e-11, 1e-2);
     format!(
@@ -128,6 +175,8 @@ fn glide(mut draws: Draws) -> String {
     )
 }
 
+/// From presses far wider than their markers are deep, in layers thicker still, for which the cheapest rung does, to those
+/// that a layer's base rules.
 fn press(mut draws: Draws) -> String {
     let radius = draws.of_magnitude(1.0, 1e2);
     let size = radius * draws.of_magnitude(1.0, 30.0);
@@ -136,15 +185,18 @@ fn press(mut draws: Draws) -> String {
         1 => format!("{{ kind = \"sphere\", radius = {size:e} }}"),
         _ => format!("{{ kind = \"dish\", radius = {:e} }}", 2.0 * radius + size),
     };
-    let depth = radius * draws.of_magnitude(1e-3, 0.1);
+    let depth = radius * draws.of_magnitude(1e-3, 0.05);
     let indentation = radius * draws.of_magnitude(1e-4, 3e-2);
-    let tolerance = draws.of_magnitude(1e-6, 0.3);
-    let layer = match draws.index(2) {
-        0 => String::new(),
+    let tolerance = match draws.index(4) {
+        0 => draws.of_magnitude(1e-6, 0.03),
+        _ => draws.of_magnitude(0.05, 0.5),
+    };
+    let layer = match draws.index(3) {
+        0 => format!("poisson = {}, ", draws.between(0.3, 0.5)),
         _ => {
             // A press deeper than its layer is none.
-            let least = depth.max(2.0 * indentation);
-            let thickness = (least * draws.of_magnitude(1.0, 30.0)).min(radius);
+            let least = depth.max(2.0 * indentation).max(0.1 * radius);
+            let thickness = draws.of_magnitude(least, radius);
             format!("thickness = {thickness:e}, ")
         }
     };

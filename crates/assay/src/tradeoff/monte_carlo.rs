@@ -89,8 +89,9 @@ fn asked(trials: u32) -> Asked {
 
 /// Of r = √m, m the mean of N squared errors with standard deviation s: s/√N/(2 m).
 fn standard_error(scene: &Scene, trials: u64) -> Result<f64> {
-    let squares: Vec<f64> = outcomes(scene, trials)
+    let squares: Vec<f64> = outcomes(scene, trials)?
         .into_iter()
+        .flatten()
         .filter(|(quantity, _)| *quantity == QUANTITY)
         .map(|(_, outcome)| (outcome.estimate - outcome.truth).powi(2))
         .collect();

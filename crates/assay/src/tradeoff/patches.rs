@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 use palpate_scene::{Outcome, Scene};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};
-use super::trials::{Asked, Choice, Template, at_least_rounding, outcomes, run, scene_of};
+use super::trials::{Asked, Choice, Template, at_least_rounding, evaluated, outcomes, scene_of};
 
 /// Of each of three fingers.
 const CONTACTS: [u32; 4] = [5, 10, 30, 100];
@@ -113,14 +113,10 @@ pub(super) fn maps() -> Ladder {
         };
         let rungs = GRIDS.map(|grid| {
             let (coarse, fine, timed) = (text(grid), text(FINE), text(grid));
-            let scene = std::cell::OnceCell::new();
             Rung::new(
                 format!("{grid} × {grid}"),
                 move || map_error(&scene_of(&coarse)?, &scene_of(&fine)?),
-                move || {
-                    let scene = scene.get_or_init(|| scene_of(&timed).ok());
-                    scene.as_ref().map(|scene| run(scene, TIMED))
-                },
+                evaluated(timed, TIMED),
             )
             .set(f64::from(grid))
             .in_a_row(TIMED)
@@ -134,7 +130,7 @@ pub(super) fn maps() -> Ladder {
     Ladder {
         name: "maps",
         title: "How fine a map?",
-        error: "rms error of K or H, the larger, over that of the curvedness, as the map's nearest place has it",
+        error: "rms error of K or H, the larger, over that of the curvedness, as the map's nearest place has it; where curvature is the same everywhere, as on the sphere, a coarse map loses nothing and errs as the fit does at its few places",
         evaluation: "one trial: 30 contacts, penalised fit, and the map",
         scenes: SCENES.iter().map(stage).collect(),
     }
@@ -171,9 +167,12 @@ impl Squares {
 }
 
 fn shape_error(scene: &Scene, trials: u64) -> Result<f64> {
-    let outcomes = outcomes(scene, trials);
+    let outcomes = outcomes(scene, trials)?;
     let of = |quantity: usize| {
-        let of_it = outcomes.iter().filter(move |(index, _)| *index == quantity);
+        let of_it = outcomes
+            .iter()
+            .flatten()
+            .filter(move |(index, _)| *index == quantity);
         of_it.map(|(_, outcome)| [outcome.estimate, outcome.truth])
     };
     let mut squares = Squares::default();
@@ -183,18 +182,11 @@ fn shape_error(scene: &Scene, trials: u64) -> Result<f64> {
     squares.error()
 }
 
-/// The map of `coarse` against the truth on the grid of `fine`.
+/// The map of `coarse` against the truth on the grid of `fine`. All grids are held against the truth at the same places.
 fn map_error(coarse: &Scene, fine: &Scene) -> Result<f64> {
-    let truths = outcomes(fine, 1);
+    let truths = outcomes(fine, 1)?.remove(0);
     let mut squares = Squares::default();
-    for trial in 0..TRIALS {
-        let mut map = Vec::new();
-        if coarse
-            .trial(trial, |index, one| map.push((index, one)))
-            .is_err()
-        {
-            continue;
-        }
+    for map in outcomes(coarse, TRIALS)? {
         let column = |all: &[(usize, Outcome)], quantity, pick: fn(&Outcome) -> f64| -> Vec<f64> {
             let of_it = all.iter().filter(|(index, _)| *index == quantity);
             of_it.map(|(_, outcome)| pick(outcome)).collect()

@@ -3,10 +3,11 @@
 use std::cell::OnceCell;
 
 use anyhow::{Context, Result};
-use palpate_press::{Body, BondedLayer, LayerContact, Skin};
+use palpate_press::{Body, Skin};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::trials::at_least_rounding;
+use crate::pressed::{self, Pressed};
 
 /// Radius of the sensor, mm.
 const RADIUS: f64 = 20.0;
@@ -58,7 +59,7 @@ pub(super) fn ladder() -> Ladder {
     Ladder {
         name: "press-models",
         title: "Which model of a press?",
-        error: "largest error of a displacement over the largest displacement",
+        error: "largest error of a displacement over the largest displacement; true: quadrature over wavenumbers",
         evaluation: "one press: 77 displacements",
         scenes: PRESSES.iter().map(Press::stage).collect(),
     }
@@ -81,6 +82,10 @@ impl Press {
             let body = from_table.get_or_init(|| press.layer().ok());
             press.profile(body.as_ref().context("no layer")?)
         };
+        let solved = move || {
+            let body = Body::solved_layer(press.thickness, press.depth)?;
+            press.profile(&body)
+        };
         let rungs = vec![
             press.rung("Hertz", solid(0.0), solid(0.0)),
             press.rung("half-space", solid(press.depth), solid(press.depth)),
@@ -94,11 +99,7 @@ impl Press {
                 move || press.profile(&press.layer()?),
                 move || press.profile(&press.layer()?),
             ),
-            Rung::new(
-                "layer, solved",
-                move || press.boundary_error(),
-                move || press.solved(),
-            ),
+            press.rung("layer, solved", solved, solved),
         ];
         SceneRungs {
             ease: press.ease,
@@ -114,7 +115,7 @@ impl Press {
         costs: impl Fn() -> Result<Profile> + 'static,
     ) -> Rung {
         let error = move || {
-            let (truth, found) = (self.solved()?, errs()?);
+            let (truth, found) = (self.truth()?, errs()?);
             let largest = truth
                 .iter()
                 .flatten()
@@ -145,37 +146,31 @@ impl Press {
             .collect())
     }
 
-    fn solved_contact(&self, depth: f64) -> Result<LayerContact> {
-        let layer = BondedLayer::new(self.thickness, depth)?;
-        let radius = layer.contact_radius(self.indentation / self.relative_curvature())?;
-        Ok(layer.solved(radius)?)
-    }
-
-    /// The truth: the contact solved for itself.
-    fn solved(&self) -> Result<Profile> {
-        let contact = self.solved_contact(self.depth)?;
-        let curvature = self.relative_curvature();
-        Ok(places()
-            .map(|r| {
-                let field = contact.field(r);
-                [curvature * field.normal, curvature * field.radial]
-            })
-            .collect())
-    }
-
-    /// How far the solved contact is off where the object dictates the displacement: u = δ − C r²/2 at the surface.
-    fn boundary_error(&self) -> Result<f64> {
-        let contact = self.solved_contact(0.0)?;
-        let curvature = self.relative_curvature();
-        let inside = (0..PLACES).map(|at| contact.radius() * at as f64 / PLACES as f64);
-        let off = inside.fold(0.0, |most: f64, r| {
-            let dictated = self.indentation - 0.5 * curvature * r * r;
-            most.max((curvature * contact.field(r).normal - dictated).abs())
-        });
-        at_least_rounding(off / self.indentation)
+    /// By quadrature.
+    fn truth(&self) -> Result<Profile> {
+        let layer = pressed::Body::Layer {
+            thickness: self.thickness,
+        };
+        let pressed = Pressed::new(layer, self.relative_curvature(), self.indentation)?;
+        pressed.displacements(self.depth, &places().collect::<Vec<f64>>())
     }
 }
 
 fn places() -> impl Iterator<Item = f64> {
     (0..PLACES).map(|at| REACH * at as f64 / (PLACES - 1) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_solved_layer_is_the_best_rung() {
+        for stage in ladder().scenes {
+            let errors = stage.rungs.into_iter().map(|rung| (rung.error)().unwrap());
+            let errors: Vec<f64> = errors.collect();
+            let solved = *errors.last().unwrap();
+            assert!(solved < 1e-9, "{}: {errors:?}", stage.scene);
+        }
+    }
 }

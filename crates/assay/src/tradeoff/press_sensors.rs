@@ -1,6 +1,7 @@
 //! Rungs of a press sensor: displacements, markers as a camera shows them without pixels, frames.
 //!
-//! All stand for the same camera, whose pixels err by 2 of 255: the first two err by what that does at 640 px.
+//! Each has a noise of its own, which its name does not tell but the ladder's error does: they are no measure of one
+//! camera by another.
 
 use super::ladder::{Ease, Ladder};
 use super::trials::{Asked, Choice, Template, relative_rms};
@@ -97,7 +98,7 @@ pub(super) fn ladder() -> Ladder {
     Ladder {
         name: "press-sensors",
         title: "What does a camera in the sensor cost?",
-        error: "rms error of the effective radius over it; pixels err by 2/255, the others by as much at 640 px",
+        error: "rms error of the effective radius over it; direct reads within 0.005 mm and 0.001 mm along the skin, projected within 1e-4 of hue, 0.01 px and 4e-4 of size, pixels within 2/255, each the standard deviation",
         evaluation: "one press: what is read, and the estimate",
         scenes: SCENES
             .iter()

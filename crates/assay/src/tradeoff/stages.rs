@@ -1,13 +1,15 @@
 //! What each stage adds to a scene: a scene pays only for what it names.
 
-use std::cell::OnceCell;
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Context, Result, ensure};
+#[cfg(feature = "count")]
 use palpate_tally::{Tally, counted};
 
 use super::table::{count, nanoseconds, table};
+use super::trials::evaluated;
+#[cfg(feature = "count")]
 use super::trials::{run, scene_of};
 use crate::measured::Evaluation;
 
@@ -200,16 +202,11 @@ pub(super) fn stages() -> Vec<Stage> {
 impl Stage {
     /// Its trials.
     pub(super) fn evaluation(&self) -> Evaluation {
-        let text = self.text.clone();
-        let scene = OnceCell::new();
-        let evaluation = Evaluation::new(self.name, move || {
-            let scene = scene.get_or_init(|| scene_of(&text).ok());
-            scene.as_ref().map(|scene| run(scene, TRIALS))
-        });
-        evaluation.in_a_row(TRIALS)
+        Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).in_a_row(TRIALS)
     }
 
     /// What its trials do besides: once all that is made once is made.
+    #[cfg(feature = "count")]
     fn tally(&self) -> Result<Tally> {
         let scene = scene_of(&self.text)?;
         run(&scene, 1);
@@ -217,10 +214,69 @@ impl Stage {
     }
 }
 
+/// Scene, stage, and what a trial of it does.
+const TALLIED: [&str; 8] = [
+    "scene",
+    "stage",
+    "random_draws",
+    "integrator_derivatives",
+    "contact_searches",
+    "layer_solves",
+    "projected_markers",
+    "rendered_frames",
+];
+
+/// What a trial of each stage does, in their order.
+#[cfg(feature = "count")]
+pub(super) fn write_tallies(path: &Path) -> Result<()> {
+    let row = |stage: Stage| -> Result<[String; 8]> {
+        let tally = stage.tally()?;
+        let [kind, name] = [stage.kind, stage.name].map(str::to_owned);
+        let [draws, derivatives, searches, layers, markers, frames] = [
+            tally.draws,
+            tally.derivatives,
+            tally.searches,
+            tally.layers,
+            tally.projections,
+            tally.frames,
+        ]
+        .map(|count| count.to_string());
+        Ok([
+            kind,
+            name,
+            draws,
+            derivatives,
+            searches,
+            layers,
+            markers,
+            frames,
+        ])
+    };
+    let rows: Vec<[String; 8]> = stages().into_iter().map(row).collect::<Result<_>>()?;
+    table(path, TALLIED, rows.into_iter())
+}
+
+/// The rows that [`write_tallies`] has written.
+pub(super) fn read_tallies(path: &Path) -> Result<Vec<[String; 8]>> {
+    let cannot = || format!("cannot read {}", path.display());
+    let mut reader = csv::Reader::from_path(path).with_context(cannot)?;
+    ensure!(
+        reader.headers().with_context(cannot)? == TALLIED.as_slice(),
+        "{} holds no tallies",
+        path.display()
+    );
+    let row = |record: Result<csv::StringRecord, csv::Error>| -> Result<[String; 8]> {
+        let record = record.with_context(cannot)?;
+        Ok(std::array::from_fn(|column| record[column].to_owned()))
+    };
+    reader.records().map(row).collect()
+}
+
 /// Times the stages and writes `stages.csv` to a folder.
 pub(super) fn write(
     stages: &[Stage],
     instructions: Option<&[u64]>,
+    tallies: &[[String; 8]],
     patience: Duration,
     folder: &Path,
 ) -> Result<()> {
@@ -228,39 +284,55 @@ pub(super) fn write(
     for (at, stage) in stages.iter().enumerate() {
         let spread = stage.evaluation().time(patience);
         let [median, q25, q75] = nanoseconds(&spread);
-        let tally = stage.tally()?;
+        let tallied = tallies
+            .iter()
+            .find(|[kind, name, ..]| kind == stage.kind && name == stage.name);
+        let [kind, name, counts @ ..] =
+            tallied.with_context(|| format!("{}: {} is not tallied", stage.kind, stage.name))?;
+        let [draws, derivatives, searches, layers, markers, frames] = counts.clone();
         rows.push([
-            stage.kind.to_owned(),
-            stage.name.to_owned(),
+            kind.clone(),
+            name.clone(),
             median,
             q25,
             q75,
             count(instructions.map(|counts| counts[at])),
-            tally.draws.to_string(),
-            tally.derivatives.to_string(),
-            tally.searches.to_string(),
-            tally.layers.to_string(),
-            tally.projections.to_string(),
-            tally.frames.to_string(),
+            draws,
+            derivatives,
+            searches,
+            layers,
+            markers,
+            frames,
         ]);
     }
+    let [
+        kind,
+        name,
+        draws,
+        derivatives,
+        searches,
+        layers,
+        markers,
+        frames,
+    ] = TALLIED;
     let header = [
-        "scene",
-        "stage",
+        kind,
+        name,
         "median_ns",
         "q25_ns",
         "q75_ns",
         "instructions",
-        "random_draws",
-        "integrator_derivatives",
-        "contact_searches",
-        "layer_solves",
-        "projected_markers",
-        "rendered_frames",
+        draws,
+        derivatives,
+        searches,
+        layers,
+        markers,
+        frames,
     ];
     table(&folder.join("stages.csv"), header, rows.into_iter())
 }
 
+#[cfg(feature = "count")]
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -49,15 +49,23 @@ impl MeasuredRung {
     }
 }
 
-/// Writes `ladders.csv` (what the ladders are), `rungs.csv` and `answers.csv` to a folder.
-pub(super) fn write(measured: &[Measured], folder: &Path) -> Result<()> {
-    write_ladders(measured, folder)?;
+/// Writes `ladders.csv` (what the ladders are, and on which machine they were measured), `rungs.csv` and `answers.csv` to a folder.
+pub(super) fn write(measured: &[Measured], machine: &str, folder: &Path) -> Result<()> {
+    write_ladders(measured, machine, folder)?;
     write_rungs(measured, folder)?;
     write_answers(measured, folder)
 }
 
-fn write_ladders(measured: &[Measured], folder: &Path) -> Result<()> {
-    let header = ["ladder", "title", "error_of", "evaluation", "scene", "what"];
+fn write_ladders(measured: &[Measured], machine: &str, folder: &Path) -> Result<()> {
+    let header = [
+        "ladder",
+        "title",
+        "error_of",
+        "evaluation",
+        "scene",
+        "what",
+        "machine",
+    ];
     let rows = measured.iter().map(|it| {
         [
             it.ladder,
@@ -66,6 +74,7 @@ fn write_ladders(measured: &[Measured], folder: &Path) -> Result<()> {
             it.evaluation,
             it.ease.name(),
             it.scene.as_str(),
+            machine,
         ]
         .map(str::to_owned)
     });
@@ -198,7 +207,7 @@ mod tests {
             rungs: vec![rung("coarse", 0.05, 10), rung("fine", 5e-4, 100)],
         }];
         let folder = tempfile::tempdir().unwrap();
-        write(&measured, folder.path()).unwrap();
+        write(&measured, "a machine", folder.path()).unwrap();
         let answers = fs::read_to_string(folder.path().join("answers.csv")).unwrap();
         let rows: Vec<&str> = answers.lines().skip(1).collect();
         assert_eq!(

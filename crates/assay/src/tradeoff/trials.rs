@@ -61,17 +61,16 @@ impl Template {
     pub(super) fn stage(&self, choices: &[Choice], asked: Asked) -> SceneRungs {
         let rungs = choices.iter().map(|choice| {
             let errs = self.text.replace(RUNG, &choice.text);
-            let evaluated = choice.evaluated.as_ref().unwrap_or(&choice.text);
-            let text = self.text.replace(RUNG, evaluated);
-            let scene = OnceCell::new();
-            let rung = Rung::new(
-                choice.name.as_str(),
-                move || (asked.error)(&scene_of(&errs)?, asked.trials),
-                move || {
-                    let scene = scene.get_or_init(|| scene_of(&text).ok());
-                    scene.as_ref().map(|scene| run(scene, asked.timed))
-                },
-            );
+            let timed = choice.evaluated.as_ref().unwrap_or(&choice.text);
+            let text = self.text.replace(RUNG, timed);
+            let evaluated_text = text.clone();
+            let error = move || {
+                if evaluated_text != errs {
+                    scene_of(&evaluated_text)?;
+                }
+                (asked.error)(&scene_of(&errs)?, asked.trials)
+            };
+            let rung = Rung::new(choice.name.as_str(), error, evaluated(text, asked.timed));
             let rung = rung.in_a_row(asked.timed);
             match choice.setting {
                 Some(setting) => rung.set(setting),
@@ -91,6 +90,16 @@ pub(super) fn scene_of(text: &str) -> Result<Scene> {
     let study = format!("name = \"rung\"\nseed = 1996\ntrials = 1\n[scene]\n{text}");
     let study = config::parse("rung", &study).with_context(|| text.to_owned())?;
     study.estimable_scene(0).with_context(|| text.to_owned())
+}
+
+/// Trials of the scene of a text, which is made at the first run. A scene that cannot be made costs nothing; whoever
+/// asks for the cost has to ask [`scene_of`] as well.
+pub(super) fn evaluated(text: String, trials: u32) -> impl FnMut() -> Option<f64> + 'static {
+    let scene = OnceCell::new();
+    move || {
+        let scene = scene.get_or_init(|| scene_of(&text).ok());
+        scene.as_ref().map(|scene| run(scene, trials))
+    }
 }
 
 /// Runs trials as a study does, and adds up what they estimate. Trials that fail cost what they cost.
@@ -128,19 +137,23 @@ pub(super) fn relative_rms(scene: &Scene, quantity: usize, trials: u64) -> Resul
     at_least_rounding((squares / trials as f64).sqrt())
 }
 
-/// Outcomes of trials that succeed, with their quantities.
-pub(super) fn outcomes(scene: &Scene, trials: u64) -> Vec<(usize, Outcome)> {
-    let mut all = Vec::new();
-    for trial in 0..scene.trials(trials) {
-        let kept = all.len();
-        if scene
-            .trial(trial, |index, outcome| all.push((index, outcome)))
-            .is_err()
-        {
-            all.truncate(kept);
-        }
+/// Outcomes of each trial, with their quantities. A trial that fails estimates 0, and so errs by its whole truth.
+pub(super) fn outcomes(scene: &Scene, trials: u64) -> Result<Vec<Vec<(usize, Outcome)>>> {
+    let tried = (0..scene.trials(trials)).map(|trial| {
+        let mut outcomes = Vec::new();
+        let done = scene.trial(trial, |index, outcome| outcomes.push((index, outcome)));
+        done.ok().map(|()| outcomes)
+    });
+    let tried: Vec<Option<Vec<(usize, Outcome)>>> = tried.collect();
+    let succeeded = tried.iter().flatten().next();
+    let mut failed = succeeded.context("every trial failed")?.clone();
+    for (_, outcome) in &mut failed {
+        outcome.estimate = 0.0;
     }
-    all
+    let tried = tried.into_iter();
+    Ok(tried
+        .map(|outcomes| outcomes.unwrap_or_else(|| failed.clone()))
+        .collect())
 }
 
 /// No error is told from one that is as large as a rounding unit.

@@ -60,7 +60,7 @@ fn tradeoff(dir: &Path) -> Result<Value, ReportError> {
         })
         .collect();
     let stages = rows(&dir.join("stages.csv"))?;
-    Ok(context! { ladders, stages })
+    Ok(context! { ladders, stages, machine => &tradeoff.machine })
 }
 
 fn answer(answer: &Answer) -> Value {

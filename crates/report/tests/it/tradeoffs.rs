@@ -5,9 +5,9 @@ use palpate_report::{ReportError, Study, draw_tradeoff, page};
 use std::fs;
 use std::path::Path;
 
-const LADDERS: &str = "ladder,title,error_of,evaluation,scene,what
-rolling,What does a roll cost?,error of the place,one roll,easy,a ball
-rolling,What does a roll cost?,error of the place,one roll,hard,an ellipsoid
+const LADDERS: &str = "ladder,title,error_of,evaluation,scene,what,machine
+rolling,What does a roll cost?,error of the place,one roll,easy,a ball,a processor of 2 cores
+rolling,What does a roll cost?,error of the place,one roll,hard,an ellipsoid,a processor of 2 cores
 ";
 const RUNGS: &str = "ladder,scene,rung,setting,error,median_ns,q25_ns,q75_ns,instructions,pareto
 rolling,easy,closed form,,2.2e-16,40,39,41,200,true
@@ -116,6 +116,7 @@ b::g,1,value,1,1,0,1,1e-15,within-bound
     let html = page(&[study()]).unwrap();
     for part in [
         "Speed against accuracy",
+        "Measured on a processor of 2 cores.",
         "<td>hard: an ellipsoid</td><td>RK4 × 8<span class=\"cost\">900 ns, 6 k instructions</span></td><td>none</td>",
         "<td class=\"number\">16</td>",
         "4 cases",

@@ -8,10 +8,16 @@ use crate::config::{self, ModelConfig, RollAxis, RollConfig, RollModelConfig};
 use crate::ladder::{Ladder, Rung};
 
 impl RollScene {
+    /// What each probe is told to do without noise, in as many pieces as noise would change it.
+    pub fn noiseless(&self) -> Vec<Vec<Motion>> {
+        let pieces = self.noise.pieces();
+        let commands = self.commands.iter();
+        commands.map(|command| cut(command, pieces)).collect()
+    }
+
     /// The rungs of this scene, which is that of `config`.
     pub(crate) fn ladder(&self, config: &RollConfig) -> Ladder {
-        let cut = |command: &Motion| cut(command, self.noise.pieces());
-        let rolls: Vec<Vec<Motion>> = self.commands.iter().map(cut).collect();
+        let rolls = self.noiseless();
         let form = config.model.chart().unwrap_or(match config.motion.axis {
             RollAxis::Transported => config::Chart::Free,
             RollAxis::Chart => config::Chart::Montana,

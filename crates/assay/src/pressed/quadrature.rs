@@ -1,0 +1,88 @@
+//! Quadrature by Clenshaw and Curtis: exact to rounding for what is smooth on each panel.
+
+use std::f64::consts::PI;
+
+/// Intervals between the nodes of a panel.
+const INTERVALS: usize = 24;
+
+/// Nodes, falling, and weights on [−1, 1], both ends among them; `intervals` is even.
+fn clenshaw_curtis(intervals: usize) -> Vec<[f64; 2]> {
+    let n = intervals as f64;
+    let node = |j: usize| {
+        let angle = PI * j as f64 / n;
+        let half = intervals / 2;
+        let terms = (1..=half).map(|b| {
+            let size = if b == half { 1.0 } else { 2.0 };
+            let b = b as f64;
+            size / (4.0 * b * b - 1.0) * (2.0 * b * angle).cos()
+        });
+        let ends = if j == 0 || j == intervals { 1.0 } else { 2.0 };
+        [angle.cos(), ends / n * (1.0 - terms.sum::<f64>())]
+    };
+    (0..=intervals).map(node).collect()
+}
+
+/// Nodes and weights on an interval, the last node at its end.
+pub(super) fn over(from: f64, to: f64, intervals: usize) -> impl Iterator<Item = [f64; 2]> {
+    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    let nodes = clenshaw_curtis(intervals).into_iter().rev();
+    nodes.map(move |[node, weight]| [middle + half * node, half * weight])
+}
+
+/// Nodes and weights from 0 to a reach on panels no longer than `panel`.
+pub(super) fn on_panels(reach: f64, panel: f64) -> impl Iterator<Item = [f64; 2]> {
+    let count = (reach / panel).ceil().max(1.0) as usize;
+    let width = reach / count as f64;
+    let nodes: Vec<[f64; 2]> = over(0.0, width, INTERVALS).collect();
+    (0..count).flat_map(move |panel| {
+        let from = panel as f64 * width;
+        let shifted: Vec<[f64; 2]> = nodes
+            .iter()
+            .map(|[k, weight]| [from + k, *weight])
+            .collect();
+        shifted
+    })
+}
+
+/// Nodes and weights from 0 to an end for what changes over that width around a place: panels that grow from there.
+pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [f64; 2]> {
+    let mut bounds = vec![0.0, end, place];
+    let mut reach = width;
+    while reach < end + place {
+        bounds.extend([place - reach, place + reach]);
+        reach *= 2.0;
+    }
+    bounds.retain(|bound| (0.0..=end).contains(bound));
+    bounds.sort_unstable_by(f64::total_cmp);
+    bounds.dedup();
+    let panels: Vec<[f64; 2]> = bounds.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+    panels
+        .into_iter()
+        .flat_map(|[from, to]| over(from, to, INTERVALS))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_and_waves() {
+        let ninth: f64 = over(0.0, 2.0, 10)
+            .map(|[x, weight]| weight * x.powi(9))
+            .sum();
+        assert!((ninth - 102.4).abs() < 1e-11);
+        let waves: f64 = on_panels(100.0, 12.0)
+            .map(|[x, weight]| weight * x.cos())
+            .sum();
+        assert!((waves - 100_f64.sin()).abs() < 1e-10, "{waves}");
+        for place in [0.0, 0.3, 1.0, 1.1, 7.0] {
+            let width = 1e-4;
+            let peak = |x: f64| width / (width * width + (x - place) * (x - place));
+            let area: f64 = around(1.0, place, width)
+                .map(|[x, weight]| weight * peak(x))
+                .sum();
+            let truth = ((1.0 - place) / width).atan() + (place / width).atan();
+            assert!((area - truth).abs() < 1e-12, "{place}: {area} {truth}");
+        }
+    }
+}

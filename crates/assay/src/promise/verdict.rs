@@ -1,0 +1,108 @@
+//! What counting instructions says of a promise.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use super::{Kind, MOST, Promise, SCENES};
+
+/// A promise, and what it costs.
+pub(super) struct Verdict<'a> {
+    promise: &'a Promise,
+    /// Instructions of the model that was taken.
+    taken: u64,
+    /// The cheapest model that would do, and its instructions.
+    cheapest: Option<(usize, u64)>,
+}
+
+impl<'a> Verdict<'a> {
+    /// Takes as many counts as the promise has models to be judged.
+    pub(super) fn of(promise: &'a Promise, counts: &mut impl Iterator<Item = u64>) -> Self {
+        let judged: Vec<(usize, u64)> = promise.judged().zip(counts).collect();
+        let taken = judged.iter().find(|(place, _)| *place == promise.taken);
+        let adequate = judged
+            .iter()
+            .filter(|(place, _)| promise.is_adequate(*place));
+        Self {
+            promise,
+            taken: taken.map_or(0, |(_, count)| *count),
+            cheapest: adequate.min_by_key(|(_, count)| *count).copied(),
+        }
+    }
+
+    fn ratio(&self) -> Option<f64> {
+        let (_, least) = self.cheapest?;
+        Some(self.taken as f64 / least.max(1) as f64)
+    }
+
+    fn is_kept(&self) -> bool {
+        self.promise.errs_within() && self.ratio().is_some_and(|ratio| ratio <= MOST)
+    }
+}
+
+/// Writes the table.
+pub(super) fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record([
+        "kind",
+        "scene",
+        "tolerance",
+        "taken",
+        "error",
+        "judged_by",
+        "competitors",
+        "instructions",
+        "cheapest_adequate",
+        "cheapest_instructions",
+        "ratio",
+        "kept",
+    ])?;
+    for verdict in verdicts {
+        let promise = verdict.promise;
+        let cheapest = verdict.cheapest;
+        writer.write_record([
+            promise.kind.name(),
+            &promise.number.to_string(),
+            &format!("{:e}", promise.tolerance),
+            &promise.taken().name,
+            &match &promise.taken().outcome {
+                Ok(error) => format!("{error:e}"),
+                Err(why) => why.clone(),
+            },
+            promise.truth,
+            &promise.competitors().to_string(),
+            &verdict.taken.to_string(),
+            cheapest.map_or("", |(place, _)| &promise.rivals[place].rung.name),
+            &cheapest.map_or(String::new(), |(_, count)| count.to_string()),
+            &verdict
+                .ratio()
+                .map_or(String::new(), |ratio| format!("{ratio:.3}")),
+            if verdict.is_kept() { "yes" } else { "no" },
+        ])?;
+    }
+    std::fs::write(out, writer.into_inner()?)
+        .with_context(|| format!("cannot write {}", out.display()))
+}
+
+/// How many of each kind keep their word, how many had a choice, and what the dearest costs; as an error where one does not.
+pub(super) fn words(verdicts: &[Verdict<'_>]) -> Result<String, String> {
+    let of_kind = Kind::ALL.map(|kind| {
+        let of = || verdicts.iter().filter(move |one| one.promise.kind == kind);
+        let count = |holds: &dyn Fn(&Verdict<'_>) -> bool| of().filter(|one| holds(one)).count();
+        let kept = count(&|one| one.is_kept());
+        let had_a_choice = count(&|one| one.promise.competitors() > 0);
+        let by_another = count(&|one| one.promise.is_judged_by_another());
+        let dearest = of().filter_map(Verdict::ratio).fold(0.0, f64::max);
+        format!(
+            "{kept} of {SCENES} {}, others would do for {had_a_choice}, {by_another} judged by another computation, at \
+             most {dearest:.2} times the cheapest",
+            kind.plural()
+        )
+    });
+    let words = format!("auto: {}", of_kind.join("; "));
+    if verdicts.iter().all(Verdict::is_kept) {
+        Ok(words)
+    } else {
+        Err(words)
+    }
+}
