@@ -105,7 +105,7 @@ fn level_set(radius: f64, far: f64) -> Result<Answer, SurfaceError> {
     let across = found.second_form * Vector3::new(0.8, 0.6, 0.0) * radius;
     let normals = (0..3).map(|axis| (found.normal[axis], up[axis]));
     let truth = [0.8, 0.6, 0.0];
-    let forms = (0..3).map(|axis| (across[axis].abs(), truth[axis]));
+    let forms = (0..3).map(|axis| (across[axis], truth[axis]));
     let answer = Answer::all_at_scale(normals.chain(forms), 1.0).within(2e-15);
     Ok(answer.conditioned(1.0 + far.abs()).or_no_digits())
 }
