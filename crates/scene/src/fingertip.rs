@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use palpate_chromatouch::{Camera, Discs, FoldStrain, Layout, Lens, Pattern, PatternError};
+use palpate_chromatouch::{
+    Camera, Discs, FoldStrain, Layout, Lens, MarkerArray, Pattern, PatternError,
+};
 
 use crate::config::{
     BareFingertipConfig, ConfigError, LengthUnit, LensConfig, LensName, PressConfig,
@@ -129,6 +131,12 @@ fn area(config: &BareFingertipConfig, camera: &LensConfig) -> Result<Option<f64>
     };
     let camera =
         Camera::new(lens, camera.size_px, camera.field_deg).map_err(|error| of_optics(&error))?;
+    // That such discs can be made in the skin.
+    let diameters = Discs {
+        magenta: sizes.magenta_diameter,
+        yellow: sizes.yellow_diameter,
+    };
+    MarkerArray::new(radius, &[[0.0; 2]], diameters, depths).map_err(|error| of_optics(&error))?;
     let seen = |diameter: f64, depth: f64| (0.5 * diameter).atan2(radius - depth);
     let larger = f64::max(
         seen(sizes.magenta_diameter, depths.magenta),

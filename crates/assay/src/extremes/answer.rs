@@ -6,6 +6,8 @@ use super::case::Verdict;
 
 /// Errors may be so many times what the condition explains.
 const SLACK: f64 = 10.0;
+/// A condition that would explain an error above this explains none: hardly a digit is left.
+const MOST_EXPLAINED: f64 = 0.1;
 
 /// What an entry point gave.
 #[derive(Clone, Debug)]
@@ -27,6 +29,8 @@ pub struct Answer {
     pub condition: f64,
     /// The error that the documentation allows, in the terms of [`Truth`].
     pub bound: f64,
+    /// The error that there must be, in the same terms: a reading in whole steps that is exact between them is wrong.
+    pub least: f64,
 }
 
 /// What a value should be.
@@ -43,6 +47,8 @@ pub enum Truth {
     },
     /// Only that it is finite (the case's input says why).
     Finite,
+    /// Only that it is finite, as the condition leaves it no digit.
+    NoDigits,
 }
 
 impl Answer {
@@ -89,6 +95,21 @@ impl Answer {
         Self { bound, ..self }
     }
 
+    /// The error that there must be.
+    #[must_use]
+    pub fn at_least(self, least: f64) -> Self {
+        Self { least, ..self }
+    }
+
+    /// Claims nothing but that it is finite where the condition leaves no digit.
+    #[must_use]
+    pub fn or_no_digits(mut self) -> Self {
+        if self.explained() > MOST_EXPLAINED {
+            self.truth = Truth::NoDigits;
+        }
+        self
+    }
+
     /// The condition number.
     #[must_use]
     pub fn conditioned(self, condition: f64) -> Self {
@@ -108,7 +129,13 @@ impl Answer {
             truth,
             condition: 1.0,
             bound: 0.0,
+            least: 0.0,
         }
+    }
+
+    /// The error that the condition explains.
+    fn explained(&self) -> f64 {
+        SLACK * self.condition * f64::EPSILON
     }
 
     /// The one that errs most, with the values of all. NaN errs more than all else.
@@ -132,7 +159,7 @@ impl Answer {
         let (truth, scale) = match self.truth {
             Truth::Relative(truth) => (truth, truth.abs()),
             Truth::OfScale { value, scale } => (value, scale),
-            Truth::Finite => return None,
+            Truth::Finite | Truth::NoDigits => return None,
         };
         let exact = *value == truth;
         Some(if exact {
@@ -144,12 +171,38 @@ impl Answer {
 
     pub(super) fn verdict(&self) -> Verdict {
         let all_finite = self.values.iter().all(|value| value.is_finite());
-        match self.error() {
+        let explained = self.explained();
+        match (self.truth, self.error()) {
             _ if !all_finite || self.values.is_empty() => Verdict::NotFinite,
-            None => Verdict::WithinBound,
-            Some(error) if error <= self.bound => Verdict::WithinBound,
-            Some(error) if error <= SLACK * self.condition * f64::EPSILON => Verdict::Conditioned,
-            Some(_) => Verdict::Unexplained,
+            (Truth::NoDigits, _) => Verdict::NoDigitsLeft,
+            (_, None) => Verdict::Finite,
+            (_, Some(error)) if error < self.least => Verdict::Unexplained,
+            (_, Some(error)) if error <= self.bound => Verdict::WithinBound,
+            (_, Some(error)) if explained <= MOST_EXPLAINED && error <= explained => {
+                Verdict::Conditioned
+            }
+            (_, Some(_)) => Verdict::Unexplained,
+        }
+    }
+}
+
+impl Outcome {
+    /// What one entry point gave of many inputs: all numbers of those that it answered, of which only finiteness is
+    /// asked; if it answered none, why not the last of them.
+    pub(super) fn of_all<E: Debug, N: IntoIterator<Item = f64>>(
+        attempts: impl IntoIterator<Item = Result<N, E>>,
+    ) -> Self {
+        let mut numbers = Vec::new();
+        let mut refused = None;
+        for attempt in attempts {
+            match attempt {
+                Ok(found) => numbers.extend(found),
+                Err(error) => refused = Some(error),
+            }
+        }
+        match refused {
+            Some(error) if numbers.is_empty() => Err::<Answer, _>(error).into(),
+            _ => Answer::finite(numbers).into(),
         }
     }
 }
@@ -170,7 +223,11 @@ impl<E: Debug> From<Result<Answer, E>> for Outcome {
     }
 }
 
+/// Where an entry point gives `None`.
+pub(super) const NONE: Named = Named("none");
+
 /// An error by the stable name that it gives itself.
+#[derive(Clone, Copy)]
 pub(super) struct Named(pub(super) &'static str);
 
 impl Debug for Named {
@@ -196,13 +253,27 @@ fn kebab(debug: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Answer, kebab};
+    use super::{Answer, Named, Outcome, kebab};
 
     #[test]
     fn names_of_errors() {
         assert_eq!(kebab("NotFinite { probe: 3 }"), "not-finite");
         assert_eq!(kebab("OutOfRange"), "out-of-range");
         assert_eq!(kebab("out-of-range"), "out-of-range");
+    }
+
+    #[test]
+    fn many_inputs_answer_together_or_are_refused_by_name() {
+        let answered = [Ok(vec![1.0]), Err(Named("flat")), Ok(vec![2.0])];
+        match Outcome::of_all(answered) {
+            Outcome::Value(answer) => assert_eq!(answer.values, [1.0, 2.0]),
+            Outcome::Refused(name) => panic!("{name}"),
+        }
+        let refused = [Err::<Vec<f64>, _>(Named("flat")), Err(Named("far-away"))];
+        match Outcome::of_all(refused) {
+            Outcome::Value(answer) => panic!("{answer:?}"),
+            Outcome::Refused(name) => assert_eq!(name, "far-away"),
+        }
     }
 
     #[test]

@@ -52,15 +52,19 @@ pub struct Judged {
 pub enum Verdict {
     /// A value within the bound that the documentation states.
     WithinBound,
-    /// A value beyond that bound, by no more than ten times what the reported condition explains.
+    /// A value beyond that bound, by no more than ten times what the reported condition explains, and no more than 0.1.
     Conditioned,
+    /// Finite, where neither a truth nor a bound is known.
+    Finite,
+    /// Finite, where the condition leaves no digit.
+    NoDigitsLeft,
     /// A named error.
     Refused,
     /// A named error where a value can be computed.
     NeedlesslyRefused,
     /// A value where there is none.
     WronglyAnswered,
-    /// A value that errs by more than bound and condition explain.
+    /// A value that errs by more than bound and condition explain, or by less than it must.
     Unexplained,
     /// NaN or infinity.
     NotFinite,
@@ -76,6 +80,8 @@ impl Verdict {
         match self {
             Self::WithinBound => "within-bound",
             Self::Conditioned => "conditioned",
+            Self::Finite => "finite",
+            Self::NoDigitsLeft => "no-digits-left",
             Self::Refused => "refused",
             Self::NeedlesslyRefused => "needlessly-refused",
             Self::WronglyAnswered => "wrongly-answered",
@@ -88,7 +94,14 @@ impl Verdict {
 
     /// Whether it breaks a promise.
     pub const fn is_broken(self) -> bool {
-        !matches!(self, Self::WithinBound | Self::Conditioned | Self::Refused)
+        !matches!(
+            self,
+            Self::WithinBound
+                | Self::Conditioned
+                | Self::Finite
+                | Self::NoDigitsLeft
+                | Self::Refused
+        )
     }
 }
 
@@ -194,8 +207,27 @@ mod tests {
         assert_eq!(verdict(move || near(1.0).into()), Verdict::WithinBound);
         assert_eq!(verdict(move || near(1.1).into()), Verdict::Unexplained);
         assert_eq!(
-            verdict(move || near(1.1).conditioned(1e14).into()),
+            verdict(move || near(1.01).conditioned(1e13).into()),
             Verdict::Conditioned
+        );
+        // A condition that explains everything explains nothing.
+        assert_eq!(
+            verdict(move || near(1.1).conditioned(1e15).into()),
+            Verdict::Unexplained
+        );
+        assert_eq!(
+            verdict(move || near(1.1).conditioned(1e15).or_no_digits().into()),
+            Verdict::NoDigitsLeft
+        );
+        assert_eq!(
+            verdict(move || near(1.1).conditioned(1e13).or_no_digits().into()),
+            Verdict::Unexplained
+        );
+        assert_eq!(verdict(|| Answer::finite([1.0]).into()), Verdict::Finite);
+        assert_eq!(verdict(|| Answer::finite([]).into()), Verdict::NotFinite);
+        assert_eq!(
+            verdict(|| Answer::near(1.0, 1.0).within(0.5).at_least(0.1).into()),
+            Verdict::Unexplained
         );
         assert_eq!(
             verdict(move || near(1.0).also([f64::NAN]).into()),

@@ -5,7 +5,12 @@ mod contacts;
 mod smoothing;
 mod surfaces;
 
-use super::Case;
+use palpate_ep2::MapPoint;
+
+use super::{Answer, Case};
+
+/// Rounding of numbers that should fit together.
+const FITS: f64 = 1e-12;
 
 pub(super) fn cases() -> Vec<Case> {
     let parts = [
@@ -15,4 +20,40 @@ pub(super) fn cases() -> Vec<Case> {
         smoothing::cases(),
     ];
     parts.into_iter().flatten().collect()
+}
+
+/// What is told of a place fits together: `K = k_min k_max`, H is their mean, and the normal and both directions are
+/// an orthonormal triple.
+fn consistent(point: &MapPoint) -> Answer {
+    let (least, most) = (point.k_min, point.k_max);
+    let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);
+    let [least, most] = [least / scale, most / scale];
+    let [normal, u, v] = [point.normal, point.direction_of_min, point.direction_of_max];
+    let pairs = [
+        (point.curvature.gaussian / scale / scale, least * most),
+        (point.curvature.mean / scale, 0.5 * (least + most)),
+        (normal.norm(), 1.0),
+        (u.norm(), 1.0),
+        (v.norm(), 1.0),
+        (normal.dot(&u), 0.0),
+        (normal.dot(&v), 0.0),
+        (u.dot(&v), 0.0),
+    ];
+    Answer::all_at_scale(pairs, 1.0)
+        .within(FITS)
+        .also(numbers(point))
+}
+
+fn numbers(point: &MapPoint) -> Vec<f64> {
+    let mut numbers = vec![
+        point.curvature.gaussian,
+        point.curvature.mean,
+        point.k_min,
+        point.k_max,
+    ];
+    numbers.extend(point.shape_index);
+    numbers.extend(point.position.iter().copied());
+    let stated = point.curvature.uncertainty.iter();
+    numbers.extend(stated.flat_map(|one| [one.gaussian_std, one.mean_std, one.correlation]));
+    numbers
 }

@@ -7,6 +7,7 @@ mod formula;
 mod made;
 mod meridian;
 mod places;
+mod posed;
 
 use nalgebra::{Point3, Vector3};
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
@@ -20,6 +21,7 @@ pub(super) fn cases() -> Vec<Case> {
         made::cases(),
         asked::cases(),
         places::cases(),
+        posed::cases(),
         closest::cases(),
         curvature::cases(),
         meridian::cases(),

@@ -6,6 +6,7 @@ mod glide;
 mod integrated;
 mod meridian;
 mod round;
+mod touch_model;
 
 use nalgebra::Vector3;
 use palpate_geometry::Shape;
@@ -22,6 +23,7 @@ pub(super) fn cases() -> Vec<Case> {
         integrated::cases(),
         asked::cases(),
         glide::cases(),
+        touch_model::cases(),
     ];
     parts.into_iter().flatten().collect()
 }

@@ -115,10 +115,19 @@ pub(super) fn cases() -> Vec<Case> {
     for truth in [0.0, -0.0, f64::from_bits(1), 1e-300, 1e300, f64::MAX] {
         cases.push(Case::value(
             "sweep::run",
-            format!("relative to a truth of {truth:e}; finite"),
+            format!("estimates of half a truth of {truth:e}: bias and stated deviation"),
             move || {
-                let summary = summary(100, |_| observation(0.5 * truth, truth, Some(truth)))?;
-                Ok::<_, SweepError>(Answer::finite(numbers(&summary)))
+                let half = 0.5 * truth;
+                let summary = summary(100, |_| observation(half, truth, Some(truth.abs())))?;
+                let value = |value: Option<f64>| value.unwrap_or(f64::NAN);
+                let pairs = [
+                    (value(summary.bias), half - truth),
+                    (value(summary.rms_error), (half - truth).abs()),
+                    (value(summary.mean_reported_std), truth),
+                ];
+                let scale = truth.max(f64::MIN_POSITIVE);
+                let answer = Answer::all_at_scale(pairs, scale).within(BOUND);
+                Ok::<_, SweepError>(answer.also(numbers(&summary)))
             },
         ));
     }
@@ -242,16 +251,10 @@ fn quantiles(unit: f64) -> Result<Answer, SweepError> {
     })?;
     let value = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let far = 900.0 * unit;
-    let pairs = [(found.q05, -1.0), (found.q50, 0.0), (found.q95, 1.0)];
-    let bound = if far < f64::MIN_POSITIVE {
-        1.0
-    } else {
-        QUANTILE
-    };
-    Ok(
-        Answer::all_at_scale(pairs.map(|(found, truth)| (value(found) / far, truth)), 1.0)
-            .within(bound),
-    )
+    let side = if far < f64::MIN_POSITIVE { 0.0 } else { 1.0 };
+    let pairs = [(found.q05, -side), (found.q50, 0.0), (found.q95, side)];
+    let pairs = pairs.map(|(found, truth)| (value(found) / far, truth));
+    Ok(Answer::all_at_scale(pairs, 1.0).within(QUANTILE))
 }
 
 fn alike(unit: f64) -> Result<Answer, SweepError> {

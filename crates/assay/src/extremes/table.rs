@@ -49,7 +49,7 @@ fn record(row: &Judged) -> [String; 9] {
             bound = number(answer.bound);
             truth = match answer.truth {
                 Truth::Relative(truth) | Truth::OfScale { value: truth, .. } => number(truth),
-                Truth::Finite => String::new(),
+                Truth::Finite | Truth::NoDigits => String::new(),
             };
             "value"
         }

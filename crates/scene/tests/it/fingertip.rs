@@ -166,3 +166,12 @@ fn patterns_that_cannot_be_are_refused_at_the_field() {
     let error = CutPattern::of(&study(rolling)).unwrap_err();
     assert_eq!(error.path(), "scene.kind");
 }
+
+#[test]
+fn discs_wider_than_the_sensor_have_no_area() {
+    let lattice = r#"layout = { kind = "lattice", pitch = 4.0, cap_deg = 65.0 }"#;
+    let wide = DISCS.replace("magenta_diameter = 2.0", "magenta_diameter = 60.0");
+    let told = study(&text(&format!("{lattice}, {wide}"), "")).estimable_scene(0);
+    let error = told.map(|_| ()).unwrap_err();
+    assert!(error.path().starts_with("scene.probe.discs"), "{error}");
+}

@@ -31,7 +31,7 @@ pub(super) fn cases() -> Vec<Case> {
         for cap_deg in [1.0, 90.0, 180.0] {
             cases.push(Case::new(
                 "chromatouch::Layout::places",
-                format!("lattice of pitch {pitch} radii within {cap_deg}°: markers per area"),
+                format!("lattice of pitch {pitch} radii within {cap_deg}°: markers"),
                 move || lattice(pitch, cap_deg).into(),
             ));
         }
@@ -39,7 +39,7 @@ pub(super) fn cases() -> Vec<Case> {
     for (gores, rows) in [(1, 1), (100_000, 1), (1, 1000)] {
         cases.push(Case::value(
             "chromatouch::Layout::places",
-            format!("{gores} gores of {rows} rows of a marker, but for the apex; finite"),
+            format!("{gores} gores of {rows} rows of a marker, but for the apex: latitudes"),
             move || gored(gores, rows),
         ));
     }
@@ -88,13 +88,10 @@ pub(super) fn cases() -> Vec<Case> {
     for radius in [f64::from_bits(1), 1e-300, 1e300, f64::MAX] {
         cases.push(Case::new(
             "chromatouch::Layout::places",
-            format!("the published layout on a radius of {radius:e}; finite"),
-            move || {
-                Layout::published()
-                    .places(radius)
-                    .map(|places| Answer::finite(places.into_iter().flatten()))
-                    .into()
-            },
+            format!(
+                "the published layout on a radius of {radius:e}: as many times that of radius 1"
+            ),
+            move || published(radius).into(),
         ));
     }
     patterns(&mut cases);
@@ -179,6 +176,20 @@ fn patterns(cases: &mut Vec<Case>) {
     }
 }
 
+/// Subnormal places are whole multiples of the least number.
+fn published(radius: f64) -> Result<Answer, LayoutError> {
+    let [places, of_one] = [
+        Layout::published().places(radius)?,
+        Layout::published().places(1.0)?,
+    ];
+    let pairs = places
+        .into_iter()
+        .flatten()
+        .zip(of_one.into_iter().flatten());
+    let scaled = pairs.map(|(place, of_one)| (place, of_one * radius));
+    Ok(Answer::all_at_scale(scaled, radius.max(f64::MIN_POSITIVE)).within(1e-14))
+}
+
 /// From the first to the last marker in equal steps.
 fn radius(markers: u32, share: f64) -> Result<Answer, LayoutError> {
     let mut pairs = Vec::new();
@@ -194,11 +205,10 @@ fn radius(markers: u32, share: f64) -> Result<Answer, LayoutError> {
     Ok(Answer::all_at_scale(pairs, 1.0).within(1e-15))
 }
 
-/// One marker per square of the pitch, to within those along the rim.
+/// One marker per square of the pitch, to within one.
 fn lattice(pitch: f64, cap_deg: f64) -> Result<Answer, LayoutError> {
     let half = 0.5 * f64::to_radians(cap_deg);
     let area = 4.0 * std::f64::consts::PI * half.sin() * half.sin();
-    let rim = std::f64::consts::TAU * (2.0 * half).sin();
     let mut pairs = Vec::new();
     let mut numbers = Vec::new();
     for radius in RADII {
@@ -210,10 +220,10 @@ fn lattice(pitch: f64, cap_deg: f64) -> Result<Answer, LayoutError> {
         pairs.push((places.len() as f64, area / (pitch * pitch)));
         numbers.extend(places.into_iter().flatten().map(|number| number / radius));
     }
-    let slack = (2.0 + rim / pitch) * pitch * pitch / area;
-    Ok(Answer::all_near(pairs).also(numbers).within(slack))
+    Ok(Answer::all_at_scale(pairs, 1.0).also(numbers).within(1.0))
 }
 
+/// One marker in each row, at its latitude.
 fn gored(gores: u32, rows: usize) -> Result<Answer, LayoutError> {
     let spacing = 179.0 / rows as f64;
     let rows = vec![u32::from(gores < 100_000); rows];
@@ -223,7 +233,11 @@ fn gored(gores: u32, rows: usize) -> Result<Answer, LayoutError> {
         row_spacing_deg: spacing,
     }
     .places(1.0)?;
-    Ok(Answer::finite(places.into_iter().flatten()))
+    let latitudes = places.iter().enumerate().map(|(row, [x, y])| {
+        let truth = (row as f64 * spacing).to_radians();
+        (x.hypot(*y), truth)
+    });
+    Ok(Answer::all_at_scale(latitudes, 1.0).within(1e-14))
 }
 
 /// σ − 1 of the shear s = π/n, where σ = s/2 + √(1 + s²/4).

@@ -3,7 +3,8 @@
 use palpate_ep2::{Curvature, Ep2Error, SignClass, Uncertainty};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 
-use crate::extremes::{Answer, Case};
+use crate::extremes::answer::NONE;
+use crate::extremes::{Answer, Case, Outcome};
 
 /// Curvatures of a ridge, a plane, a ball and a saddle, in 1/length.
 const CURVATURES: [(f64, f64); 6] = [
@@ -27,9 +28,9 @@ pub(super) fn cases() -> Vec<Case> {
         }
     }
     for number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, f64::MAX] {
-        cases.push(Case::value(
+        cases.push(Case::new(
             "ep2::Curvature::class_probabilities",
-            format!("standard deviations or curvatures of {number:e}; finite or none"),
+            format!("standard deviations or curvatures of {number:e}: the sum, or none"),
             move || unsound(number),
         ));
     }
@@ -88,19 +89,23 @@ fn sums(std: f64, correlation: f64) -> Result<Answer, Ep2Error> {
     Ok(Answer::all_near(pairs).within(1e-12).also(numbers))
 }
 
-fn unsound(number: f64) -> Result<Answer, Ep2Error> {
-    let mut numbers = vec![0.0];
-    for (curvatures, std, correlation) in [
+/// Whatever is told of sums to 1; none is told of what is no number.
+fn unsound(number: f64) -> Outcome {
+    let asked = [
         ((0.0, 1.0), number, 0.0),
         ((0.0, 1.0), 1.0, number),
         ((number, 1.0), 1.0, 0.0),
         ((0.0, number), 1.0, 0.5),
-    ] {
-        numbers.extend(
-            probabilities(curvatures, std, correlation)?
-                .into_iter()
-                .flatten(),
-        );
+    ];
+    let told = asked
+        .into_iter()
+        .filter_map(|(curvatures, std, correlation)| {
+            let found = probabilities(curvatures, std, correlation);
+            found.expect("thresholds that make sense")
+        });
+    let sums: Vec<_> = told.map(|told| (told.iter().sum(), 1.0)).collect();
+    if sums.is_empty() {
+        return Err::<Answer, _>(NONE).into();
     }
-    Ok(Answer::finite(numbers))
+    Answer::all_near(sums).within(1e-12).into()
 }

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{Contact, Criterion, Ep2Error, Method, Patch, Penalised, Quadric, TwoPass};
 
+use super::consistent;
 use crate::extremes::{Answer, Case};
 
 fn contact(x: f64, y: f64, z: f64, normal: Option<[f64; 3]>) -> Contact {
@@ -84,7 +85,7 @@ pub(super) fn cases() -> Vec<Case> {
         for method in ["quadric", "penalised", "two-pass"] {
             cases.push(Case::new(
                 "ep2::Method::fit",
-                format!("{method}, contacts within {name} rad of a cylinder's ruling; finite"),
+                format!("{method}, contacts within {name} rad of a cylinder's ruling: whether its numbers fit together"),
                 move || centre(method, &on_a_ruling(30, angle)).into(),
             ));
         }
@@ -93,7 +94,7 @@ pub(super) fn cases() -> Vec<Case> {
         for method in ["quadric", "penalised", "two-pass"] {
             cases.push(Case::new(
                 "ep2::Method::fit",
-                format!("{method}, two fingers {distance:e} of their way apart; finite"),
+                format!("{method}, two fingers {distance:e} of their way apart: whether its numbers fit together"),
                 move || centre(method, &fingers(distance)).into(),
             ));
         }
@@ -102,7 +103,7 @@ pub(super) fn cases() -> Vec<Case> {
         for method in ["quadric", "penalised", "two-pass"] {
             cases.push(Case::new(
                 "ep2::Method::fit",
-                format!("{method}, one weight {ratio:e} times the others; finite"),
+                format!("{method}, one weight {ratio:e} times the others: whether its numbers fit together"),
                 move || {
                     let mut contacts = fingers(0.5);
                     contacts[3].weight = ratio;
@@ -135,7 +136,7 @@ pub(super) fn cases() -> Vec<Case> {
         for distance in [1e-3, 1.0] {
             cases.push(Case::new(
                 "ep2::Penalised::fit",
-                format!("{criterion:?}, two fingers {distance:e} of their way apart; finite"),
+                format!("{criterion:?}, two fingers {distance:e} of their way apart: whether its numbers fit together"),
                 move || {
                     let method = Penalised {
                         criterion,
@@ -187,17 +188,5 @@ fn centre(method: &str, contacts: &[Contact]) -> Result<Answer, Ep2Error> {
 fn centre_of(method: &impl Method, contacts: &[Contact]) -> Result<Answer, Ep2Error> {
     let fit = method.fit(&Patch::new(contacts, &Vector3::z())?)?;
     let centre = fit.centre()?;
-    let uncertainty = centre.curvature.uncertainty;
-    Ok(Answer::finite([
-        centre.curvature.gaussian,
-        centre.curvature.mean,
-        centre.k_min,
-        centre.k_max,
-    ])
-    .also(
-        uncertainty
-            .iter()
-            .flat_map(|one| [one.gaussian_std, one.mean_std, one.correlation]),
-    )
-    .also([fit.effective_unknowns]))
+    Ok(consistent(&centre).also([fit.effective_unknowns]))
 }

@@ -1,6 +1,6 @@
 //! Smoothing splines with all or nothing to smooth.
 
-use palpate_ep2::{Ep2Error, SmoothingSpline, WeightedPoint};
+use palpate_ep2::{Ep2Error, Smoothed, SmoothingSpline, WeightedPoint};
 
 use crate::extremes::{Answer, Case};
 
@@ -38,7 +38,9 @@ pub(super) fn cases() -> Vec<Case> {
     for smoothing in [0.0, 1e-12, 1e-3, 1e300] {
         cases.push(Case::value(
             "ep2::SmoothingSpline::fit",
-            format!("a wave, smoothing {smoothing:e}: the sum of squares, if it is met"),
+            format!(
+                "a wave, smoothing {smoothing:e}: the sum of squares, aimed at or in another unit"
+            ),
             move || wave(smoothing),
         ));
     }
@@ -86,17 +88,8 @@ pub(super) fn cases() -> Vec<Case> {
     for weight in [f64::from_bits(1), 1e-300, 1e-150, 1e150] {
         cases.push(Case::new(
             "ep2::SmoothingSpline::fit",
-            format!("one weight of {weight:e}; finite"),
-            move || {
-                let mut points = points(1.0, cubic);
-                points[7].weight = weight;
-                let found = SmoothingSpline::new(3, 1e-3).fit(&points);
-                found
-                    .map(|found| {
-                        Answer::finite(found.spline.coefficients).also([found.residual_sum])
-                    })
-                    .into()
-            },
+            format!("one weight of {weight:e}: a cubic all the same"),
+            move || weighted(weight).into(),
         ));
     }
     cases
@@ -113,19 +106,42 @@ const fn alike() -> WeightedPoint {
 
 fn polynomial(size: f64, smoothing: f64) -> Result<Answer, Ep2Error> {
     let found = SmoothingSpline::new(3, smoothing).fit(&points(size, cubic))?;
-    let at = [(0.0, 0.0), (0.31, 0.77), (1.0, 0.5)];
-    let pairs = at.map(|(u, v)| (found.spline.value(size * u, size * v) / size, cubic(u, v)));
-    Ok(Answer::all_at_scale(pairs, 1.0)
+    let answer = Answer::all_at_scale(on_the_cubic(&found, size), 1.0);
+    Ok(answer
         .within(1e-11)
         .also([found.residual_sum, found.effective_unknowns]))
 }
 
-/// Sum of squares over that aimed at, within the tolerance of a thousandth; beyond it, where the polynomial meets it.
+/// What a spline over a square of this size is at some places, and the cubic there.
+fn on_the_cubic(found: &Smoothed, size: f64) -> [(f64, f64); 3] {
+    let at = [(0.0, 0.0), (0.31, 0.77), (1.0, 0.5)];
+    at.map(|(u, v)| (found.spline.value(size * u, size * v) / size, cubic(u, v)))
+}
+
+/// Beside a weight that outweighs all digits of the others nothing is left of them.
+fn weighted(weight: f64) -> Result<Answer, Ep2Error> {
+    let mut points = points(1.0, cubic);
+    points[7].weight = weight;
+    let found = SmoothingSpline::new(3, 1e-3).fit(&points)?;
+    let answer = Answer::all_at_scale(on_the_cubic(&found, 1.0), 1.0).within(1e-11);
+    let answer = answer.also(found.spline.coefficients);
+    Ok(answer.conditioned(weight.max(1.0)).or_no_digits())
+}
+
+/// Sum of squares over that aimed at, within the tolerance of a thousandth; beyond it, where the polynomial
+/// meets it, the same in any unit.
 fn wave(smoothing: f64) -> Result<Answer, Ep2Error> {
     let height = |u: f64, v: f64| (5.0 * u).sin() * (4.0 * v).cos();
     let found = SmoothingSpline::new(3, smoothing).fit(&points(1.0, height))?;
     if found.status.is_met() && found.status != palpate_ep2::Status::Polynomial && smoothing > 0.0 {
         return Ok(Answer::near(found.residual_sum, smoothing).within(1.001e-3));
     }
-    Ok(Answer::finite(found.spline.coefficients).also([found.residual_sum]))
+    // The same in another unit of height, a power of two, which changes no digit.
+    let unit = 2f64.powi(20);
+    let of_unit = |u, v| height(u, v) * unit;
+    let same = SmoothingSpline::new(3, smoothing * unit * unit).fit(&points(1.0, of_unit))?;
+    let pair = (same.residual_sum / unit / unit, found.residual_sum);
+    Ok(Answer::all_near([pair])
+        .within(1e-12)
+        .also(found.spline.coefficients))
 }

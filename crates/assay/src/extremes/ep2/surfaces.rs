@@ -6,6 +6,7 @@ use palpate_ep2::{
 };
 use palpate_geometry::ShapeThresholds;
 
+use super::{FITS, consistent, numbers};
 use crate::extremes::{Answer, Case};
 
 /// What the documentation of `Fit::curvature_at` states of contacts on a paraboloid.
@@ -152,7 +153,7 @@ pub(super) fn cases() -> Vec<Case> {
         for noise in [1e-12, 1e-3, 0.1, 1.0, 10.0] {
             cases.push(Case::new(
                 "ep2::Method::fit",
-                format!("{method}, errors of {noise:e} of the patch's size; finite"),
+                format!("{method}, errors of {noise:e} of the patch's size: as of one 2^20 times as large"),
                 move || noisy(method, noise).into(),
             ));
         }
@@ -178,13 +179,13 @@ pub(super) fn cases() -> Vec<Case> {
         for far in [1e3, 1e50, 1e300, f64::MAX, f64::INFINITY, f64::NAN] {
             cases.push(Case::new(
                 "ep2::Fit::points_at",
-                format!("{method}, a place {far:e} from a patch of size 1; finite"),
+                format!("{method}, a place {far:e} from a patch of size 1: whether its numbers fit together"),
                 move || {
                     let at = [Point3::new(far, far, 0.0)];
                     Paraboloid::PLAIN
                         .fit(method)
                         .and_then(|fit| fit.points_at(&at))
-                        .map(|points| Answer::finite(points.iter().flat_map(numbers)))
+                        .map(|points| consistent(&points[0]))
                         .into()
                 },
             ));
@@ -213,27 +214,12 @@ pub(super) fn cases() -> Vec<Case> {
         for method in ["quadric", "penalised"] {
             cases.push(Case::new(
                 "ep2::Method::fit",
-                format!("{method}, noise stated as {std:e}; finite"),
+                format!("{method}, noise stated as {std:e}: the curvature all the same"),
                 move || stated(method, std).into(),
             ));
         }
     }
     cases
-}
-
-fn numbers(point: &MapPoint) -> Vec<f64> {
-    let mut numbers = vec![
-        point.curvature.gaussian,
-        point.curvature.mean,
-        point.k_min,
-        point.k_max,
-    ];
-    numbers.extend(point.shape_index);
-    numbers.extend(point.position.iter().copied());
-    for direction in [point.normal, point.direction_of_min, point.direction_of_max] {
-        numbers.extend(direction.iter().copied());
-    }
-    numbers
 }
 
 fn mapped(method: &str, side: usize) -> Result<Answer, Ep2Error> {
@@ -258,15 +244,27 @@ fn shaken(index: usize) -> f64 {
     (78.233 * (index as f64 + 1.0)).sin()
 }
 
+/// A power of two as a unit of length changes no digit.
 fn noisy(method: &str, noise: f64) -> Result<Answer, Ep2Error> {
+    let unit = 2f64.powi(20);
+    let [here, there] = [1.0, unit].map(|unit| noisy_centre(method, noise, unit));
+    let (here, there) = (here?, there?);
+    let scale = here.k_min.abs().max(here.k_max.abs());
+    let pairs = [
+        (there.k_min * unit, here.k_min),
+        (there.k_max * unit, here.k_max),
+    ];
+    let answer = Answer::all_at_scale(pairs, scale).within(FITS);
+    Ok(answer.also(numbers(&here)).also(numbers(&there)))
+}
+
+fn noisy_centre(method: &str, noise: f64, unit: f64) -> Result<MapPoint, Ep2Error> {
     let mut contacts = Paraboloid::PLAIN.contacts(6, true);
     for (index, contact) in contacts.iter_mut().enumerate() {
         let off = [0, 1, 2].map(|axis| noise * shaken(3 * index + axis));
-        contact.position += Vector3::from(off);
+        contact.position = (contact.position + Vector3::from(off)) * unit;
     }
-    let fit = fitted(method, &Patch::new(&contacts, &Vector3::z())?)?;
-    let centre = fit.centre()?;
-    Ok(Answer::finite(numbers(&centre)).also([fit.effective_unknowns]))
+    fitted(method, &Patch::new(&contacts, &Vector3::z())?)?.centre()
 }
 
 fn stated(method: &str, std: f64) -> Result<Answer, Ep2Error> {
@@ -285,6 +283,8 @@ fn stated(method: &str, std: f64) -> Result<Answer, Ep2Error> {
     };
     let curvature = fit.centre()?.curvature;
     let stated = curvature.uncertainty.iter();
-    Ok(Answer::finite([curvature.gaussian, curvature.mean])
+    let pairs = [(curvature.gaussian, 0.04), (curvature.mean, 0.2)];
+    Ok(Answer::all_near(pairs)
+        .within(EXACT)
         .also(stated.flat_map(|one| [one.gaussian_std, one.mean_std, one.correlation])))
 }

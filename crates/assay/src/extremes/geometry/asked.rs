@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use palpate_geometry::{Parameters, Shape, Surface, SurfaceError};
 
 use super::super::hostile::{EXTREME, NOT_FINITE};
-use super::super::{Answer, Case, Outcome};
+use super::super::{Case, Outcome};
 use super::shapes;
 
 /// The numbers of an answer.
@@ -56,10 +56,10 @@ pub(super) fn cases() -> Vec<Case> {
             let input = format!("{} at NaN and infinities", shape.name());
             cases.push(Case::refusal(entry, input, move || {
                 let answers = NOT_FINITE.map(|bad| ask(&asked, bad, bad));
-                answers.into_iter().find(Result::is_ok).unwrap_or_else(|| {
-                    let (x, y) = (f64::NAN, f64::NAN);
-                    Err(SurfaceError::OffDomain { x, y })
-                })
+                answers
+                    .into_iter()
+                    .reduce(Result::or)
+                    .expect("three numbers")
             }));
         }
         for size in [1e-9, 1e9] {
@@ -70,15 +70,8 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-/// Some numbers of the first answer that is not finite, or of all.
 fn all_finite(ask: Question, size: f64) -> Outcome {
-    let mut numbers = Vec::new();
-    for shape in shapes(size) {
-        for a in EXTREME {
-            for b in EXTREME {
-                numbers.extend(ask(&shape, a, b).into_iter().flatten());
-            }
-        }
-    }
-    Answer::finite(numbers).into()
+    let pairs = EXTREME.into_iter().flat_map(|a| EXTREME.map(|b| (a, b)));
+    let asked = pairs.flat_map(|(a, b)| shapes(size).map(|shape| ask(&shape, a, b)));
+    Outcome::of_all(asked)
 }

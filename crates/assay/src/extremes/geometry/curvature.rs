@@ -1,6 +1,6 @@
 //! Curvature forms of extreme ratios.
 
-use palpate_geometry::{CurvatureForm, ShapeThresholds};
+use palpate_geometry::{CurvatureForm, ShapeClass, ShapeThresholds};
 
 use super::super::hostile::EXTREME;
 use super::super::precise::Precise;
@@ -106,15 +106,32 @@ pub(super) fn cases() -> Vec<Case> {
     ));
     cases.push(Case::new(
         "geometry::ShapeThresholds::classify",
-        "256 pairs of extreme numbers",
+        "196 pairs of extreme numbers: 1 where H of the other sign is the same inside out",
         || {
             let thresholds = ShapeThresholds::new(1e-4, 1e-2).expect("good thresholds");
-            let pairs = EXTREME.into_iter().flat_map(|k| EXTREME.map(|h| (k, h)));
-            let names = pairs.map(|(k, h)| thresholds.classify(k, h).name().len() as f64);
-            Answer::finite(names).into()
+            let finite = || EXTREME.into_iter().filter(|number| number.is_finite());
+            let pairs = finite().flat_map(|k| finite().map(move |h| (k, h)));
+            let is_inside_out = pairs.map(|(k, h)| {
+                let [class, other] = [h, -h].map(|h| thresholds.classify(k, h));
+                (f64::from(u8::from(inside_out(class) == other)), 1.0)
+            });
+            Answer::all_near(is_inside_out).into()
         },
     ));
     cases
+}
+
+/// The class of the same surface seen from the other side.
+const fn inside_out(class: ShapeClass) -> ShapeClass {
+    match class {
+        ShapeClass::Peak => ShapeClass::Pit,
+        ShapeClass::Pit => ShapeClass::Peak,
+        ShapeClass::Ridge => ShapeClass::Valley,
+        ShapeClass::Valley => ShapeClass::Ridge,
+        ShapeClass::SaddleRidge => ShapeClass::SaddleValley,
+        ShapeClass::SaddleValley => ShapeClass::SaddleRidge,
+        ShapeClass::Flat | ShapeClass::Minimal => class,
+    }
 }
 
 /// There is no ratio to tell.

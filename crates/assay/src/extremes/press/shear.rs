@@ -57,12 +57,10 @@ pub(super) fn cases() -> Vec<Case> {
     ] {
         cases.push(Case::value(
             "press::hertz::published_parabola",
-            format!(
-                "indentation {indentation:e}, a {a:e}, r {r:e}; finite: 0 where nothing is known"
-            ),
+            format!("indentation {indentation:e}, a {a:e}, r {r:e}: 0 where nothing is known"),
             move || {
                 let value = published_parabola(indentation, a, r);
-                Ok::<_, PressError>(Answer::finite([value]))
+                Ok::<_, PressError>(Answer::at_scale(value, 0.0, 1.0))
             },
         ));
     }
@@ -82,7 +80,7 @@ pub(super) fn cases() -> Vec<Case> {
     for shift in [0.0, f64::from_bits(1), 1e300, f64::INFINITY, f64::NAN] {
         cases.push(Case::new(
             "press::Markers::shifted",
-            format!("shift {shift:e}; finite"),
+            format!("shift {shift:e}: as many times that of a shift of 1"),
             move || shifted(shift).into(),
         ));
     }
@@ -131,9 +129,16 @@ fn sneddon(ratio: f64) -> Result<Answer, PressError> {
 
 fn shifted(shift: f64) -> Result<Answer, PressError> {
     let markers = Markers::new(Skin::new(20.0)?, &[[0.0, 0.0], [3.0, 4.0], [-20.0, 1e-9]])?;
-    let moved = markers.shifted(0.3, 2.0, 4.0, [1.0, 0.0], shift)?;
-    let parts = moved
-        .iter()
-        .map(|one| [one.normal, one.tangential[0], one.tangential[1]]);
-    Ok(Answer::finite(parts.flatten()))
+    let parts = |shift| {
+        let moved = markers.shifted(0.3, 2.0, 4.0, [1.0, 0.0], shift)?;
+        let parts = moved
+            .iter()
+            .flat_map(|one| [one.normal, one.tangential[0], one.tangential[1]]);
+        Ok::<Vec<f64>, PressError>(parts.collect())
+    };
+    let of_one = parts(1.0)?;
+    let pairs = parts(shift)?
+        .into_iter()
+        .zip(of_one.into_iter().map(|part| part * shift));
+    Ok(Answer::all_at_scale(pairs, shift.max(f64::MIN_POSITIVE)).within(1e-14))
 }

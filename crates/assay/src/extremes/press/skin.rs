@@ -99,24 +99,31 @@ pub(super) fn cases() -> Vec<Case> {
         ));
         cases.push(Case::value(
             "press::Skin::chart",
-            format!("of direction ({number:e}, 1, {number:e}); finite"),
+            format!("of direction ({number:e}, 1, {number:e}): the apex where it is none"),
             move || {
-                let direction = Vector3::new(number, 1.0, number);
-                Ok::<_, PressError>(Answer::finite(Skin::new(1.0)?.chart(&direction)))
+                let found = Skin::new(1.0)?.chart(&Vector3::new(number, 1.0, number));
+                let truth = match number {
+                    number if !number.is_finite() => [0.0; 2],
+                    number if number < -1.0 => [-0.75 * PI, 0.0],
+                    _ => [0.0, 0.5 * PI],
+                };
+                let pairs = found.into_iter().zip(truth);
+                Ok::<_, PressError>(Answer::all_at_scale(pairs, 1.0).within(1e-15))
             },
         ));
         cases.push(Case::value(
             "press::Markers::displacements",
-            format!("contact at ({number:e}, {number:e}); finite"),
+            format!("contact at ({number:e}, {number:e}): as at the apex where it is no place"),
             move || displaced_from(number),
         ));
         cases.push(Case::new(
             "press::Markers::new",
-            format!("place ({number:e}, 0)"),
+            format!("place ({number:e}, 0): its distance from (0.5, 0)"),
             move || {
                 Skin::new(1.0)
                     .and_then(|skin| Markers::new(skin, &[[number, 0.0]]))
-                    .map(|markers| Answer::finite(markers.distances([0.5, 0.0])))
+                    .map(|markers| markers.distances([0.5, 0.0])[0])
+                    .map(|distance| Answer::near(distance, 0.5).within(1e-15))
                     .into()
             },
         ));
@@ -220,9 +227,17 @@ fn displaced_from(number: f64) -> Result<Answer, PressError> {
     let moved = markers.displacements(&contact, [number, number]);
     let parts = moved
         .iter()
-        .map(|one| [one.normal, one.tangential[0], one.tangential[1]]);
-    let distances = markers.distances([number, number]);
-    Ok(Answer::finite(parts.flatten()).also(distances))
+        .flat_map(|one| [one.normal, one.tangential[0], one.tangential[1]]);
+    let truths = [0.0, 5.0].map(|distance| contact.displacement(distance).normal);
+    let pairs = moved.iter().map(|one| one.normal).zip(truths);
+    // Of a place so many turns away no digit is left.
+    let turns = Some(number.abs() / 20.0).filter(|turns| turns.is_finite());
+    Ok(Answer::all_near(pairs)
+        .within(1e-14)
+        .also(parts)
+        .also(markers.distances([number, number]))
+        .conditioned(turns.unwrap_or(1.0).max(1.0))
+        .or_no_digits())
 }
 
 fn crowd() -> Result<Answer, PressError> {

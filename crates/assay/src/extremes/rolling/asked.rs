@@ -54,15 +54,12 @@ pub(super) fn cases() -> Vec<Case> {
     for bad in NOT_FINITE {
         let input = format!("first contact at {bad:e}");
         cases.push(Case::refusal("rolling::Roller::new", input, move || {
-            let made = objects().map(|object| roller(1.0, object, (bad, 0.0), AUTO, STILL));
-            made.into_iter()
-                .find(Result::is_ok)
-                .unwrap_or(Err(Named("off-domain")))
+            first_answered(objects().map(|object| roller(1.0, object, (bad, 0.0), AUTO, STILL)))
         }));
         for (part, motion) in broken(bad) {
             let input = format!("{part} {bad:e}, on plane, sphere, paraboloid and saddle");
             cases.push(Case::refusal("rolling::Roller::roll", input, move || {
-                first_answer(motion)
+                rolled(motion)
             }));
         }
         let input = format!("arc {bad:e}");
@@ -142,14 +139,18 @@ fn broken(bad: f64) -> [(&'static str, Motion); 4] {
     ]
 }
 
-fn first_answer(motion: Motion) -> Result<(), Named> {
-    let rolls = objects().map(|object| {
+fn rolled(motion: Motion) -> Result<(), Named> {
+    first_answered(objects().map(|object| {
         let roller = roller(1.0, object, (0.0, 0.0), AUTO, motion)?;
         let shift = roller.shift(&[motion]).map_err(ended);
         roll(&roller, motion).map(|_| ()).or(shift.map(|_| ()))
-    });
-    let first = rolls.iter().find(|roll| roll.is_ok());
-    first.map_or(Err(Named("not-finite")), |_| Ok(()))
+    }))
+}
+
+/// The first answer, or why there is none to the last.
+fn first_answered<T, const N: usize>(attempts: [Result<T, Named>; N]) -> Result<T, Named> {
+    let answered = attempts.into_iter().reduce(Result::or);
+    answered.expect("one attempt at least")
 }
 
 fn duration(arc: f64) -> Result<f64, Named> {
@@ -158,20 +159,21 @@ fn duration(arc: f64) -> Result<f64, Named> {
 }
 
 fn extreme_motions(object: usize) -> Outcome {
-    let mut found = vec![0.0];
-    for rate in EXTREME {
-        for duration_s in EXTREME {
-            let motion = Motion::rolling(0.3, rate, duration_s);
-            let object = objects()[object].clone();
-            let Ok(roller) = roller(1.0, object, (0.0, 0.0), AUTO, STILL) else {
-                continue;
-            };
-            found.extend(roll(&roller, motion).iter().flat_map(numbers));
-            if let Ok(shift) = roller.shift(&[motion]) {
-                let [u, v] = shift.displacement.into();
-                found.extend([u, v, shift.arc_length]);
-            }
+    let pairs = EXTREME
+        .into_iter()
+        .flat_map(|rate| EXTREME.map(|duration| (rate, duration)));
+    Outcome::of_all(pairs.flat_map(|(rate, duration_s)| {
+        let motion = Motion::rolling(0.3, rate, duration_s);
+        let object = objects()[object].clone();
+        match roller(1.0, object, (0.0, 0.0), AUTO, STILL) {
+            Err(error) => vec![Err(error)],
+            Ok(roller) => vec![
+                roll(&roller, motion).map(|contact| numbers(&contact)),
+                roller.shift(&[motion]).map_err(ended).map(|shift| {
+                    let [u, v] = shift.displacement.into();
+                    vec![u, v, shift.arc_length]
+                }),
+            ],
         }
-    }
-    Answer::finite(found).into()
+    }))
 }

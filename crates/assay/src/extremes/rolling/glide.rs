@@ -1,7 +1,7 @@
 //! Fingertips that glide, from needles to boulders.
 
 use palpate_geometry::Shape;
-use palpate_geometry::surfaces::{Cylinder, Dish, Graph, Plane, Sphere};
+use palpate_geometry::surfaces::{Dish, Graph, Plane, Sphere};
 use palpate_rolling::{Fingertip, GlideError, Glider, Touch};
 
 use super::super::answer::Named;
@@ -131,8 +131,10 @@ fn neighbours(apart: f64) -> Result<Answer, Named> {
     };
     let (here, there) = (at(1e3)?, at(1e3 + apart)?);
     let moved = there.point.x - here.point.x;
-    let answer = Answer::near(moved, 0.75 * apart).within(1e-12 * (1.0 + 1e3 / apart));
-    Ok(answer.conditioned(1e3 / apart))
+    // Between the doubles that were asked.
+    let truth = 0.75 * ((1e3 + apart) - 1e3);
+    let answer = Answer::near(moved, truth).within(1e-12);
+    Ok(answer.conditioned(1e3 / apart).or_no_digits())
 }
 
 fn in_dish(tip: f64) -> Result<Answer, Named> {
@@ -148,29 +150,20 @@ fn in_dish(tip: f64) -> Result<Answer, Named> {
 }
 
 fn anywhere(size: f64, bad: f64) -> Result<Touch, Named> {
-    let mut first = Err(Named("off-domain"));
-    for shape in shapes(size) {
-        for tip in [Fingertip::Point, Fingertip::Sphere { radius: 0.1 * size }] {
-            for (x, y) in [(bad, 0.0), (0.0, bad), (bad, bad)] {
-                first = first.or_else(|_| touched(shape.clone(), tip, x, y));
-            }
-        }
-    }
-    first
+    let tips = [Fingertip::Point, Fingertip::Sphere { radius: 0.1 * size }];
+    let places = [(bad, 0.0), (0.0, bad), (bad, bad)];
+    let asked = shapes(size)
+        .into_iter()
+        .flat_map(|shape| tips.map(|tip| (shape.clone(), tip)))
+        .flat_map(|(shape, tip)| places.map(|place| (shape.clone(), tip, place)));
+    let touches = asked.map(|(shape, tip, (x, y))| touched(shape, tip, x, y));
+    touches.reduce(Result::or).expect("nine surfaces")
 }
 
 fn everywhere(size: f64, tip: Fingertip) -> Outcome {
-    let mut found = Vec::new();
-    for shape in shapes(size) {
-        for x in EXTREME {
-            for y in EXTREME {
-                let touch = touched(shape.clone(), tip, x, y);
-                found.extend(touch.iter().flat_map(numbers));
-            }
-        }
-    }
-    let cylinder = Cylinder::new(size, 0.0).expect(MADE);
-    let flat = touched(Shape::Cylinder(cylinder), tip, 1e3 * size, 0.0);
-    found.extend(flat.iter().flat_map(numbers));
-    Answer::finite(found).into()
+    let places = EXTREME.into_iter().flat_map(|x| EXTREME.map(|y| (x, y)));
+    let places = places.chain([(1e3 * size, 0.0)]);
+    let asked = places.flat_map(|(x, y)| shapes(size).map(|shape| (shape, x, y)));
+    let touches = asked.map(|(shape, x, y)| touched(shape, tip, x, y));
+    Outcome::of_all(touches.map(|touch| touch.map(|touch| numbers(&touch))))
 }

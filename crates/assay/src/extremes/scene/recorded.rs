@@ -1,9 +1,9 @@
 //! Recorded readings: files of extreme numbers.
 
 use palpate_scene::recorded::{
-    GlideOptions, PressBody, PressMethod, PressOptions, RecordedError, RecordedFile, RollMethod,
-    RollOptions, estimate_glide, estimate_press, estimate_roll, parse_calibration_points,
-    parse_glide, parse_press, parse_roll,
+    CalibrateOptions, GlideOptions, PressBody, PressMethod, PressOptions, RecordedError,
+    RecordedFile, RollMethod, RollOptions, calibrate, estimate_glide, estimate_press,
+    estimate_roll, parse_calibration_points, parse_glide, parse_press, parse_roll,
 };
 use serde_json::Value;
 
@@ -34,40 +34,35 @@ pub(super) fn cases() -> Vec<Case> {
     for number in NUMBERS {
         cases.push(Case::new(
             "scene::recorded::estimate_roll",
-            format!("a shift of \"{number}\"; finite"),
+            format!("a shift of \"{number}\""),
             move || estimated_roll(number, 1.0).into(),
         ));
         cases.push(Case::new(
             "scene::recorded::estimate_glide",
-            format!("a height of \"{number}\"; finite"),
-            move || estimated_glide(number, 1.0).into(),
+            format!("a height of \"{number}\": next to 0 as 0"),
+            move || beside_0(number, |number| estimated_glide(number, 1.0)).into(),
         ));
         cases.push(Case::new(
             "scene::recorded::estimate_press",
-            format!("a displacement of \"{number}\"; finite"),
-            move || estimated_press(number, 20.0).into(),
+            format!("a displacement of \"{number}\": next to 0 as 0"),
+            move || beside_0(number, |number| estimated_press(number, 20.0)).into(),
         ));
         cases.push(Case::new(
-            "scene::recorded::parse_calibration_points",
-            format!("a displacement of \"{number}\""),
-            move || {
-                let text = format!("normal_displacement_mm,hue_turns,growth\n{number},0.1,0.1\n");
-                parse_calibration_points(&file(text))
-                    .map(|_| Answer::finite([0.0]))
-                    .into()
-            },
+            "scene::recorded::calibrate",
+            format!("a displacement of \"{number}\" where the hue is at rest: turns per length"),
+            move || calibrated(number).into(),
         ));
     }
     for scale in [1e-100, 1e-9, 1e9, 1e100] {
         cases.push(Case::new(
             "scene::recorded::estimate_roll",
-            format!("lengths of {scale:e}; finite"),
-            move || estimated_roll("1", scale).into(),
+            format!("lengths of {scale:e}: as of 1, scaled"),
+            move || scaled(scale, |scale| estimated_roll("1", scale)).into(),
         ));
         cases.push(Case::new(
             "scene::recorded::estimate_glide",
-            format!("lengths of {scale:e}; finite"),
-            move || estimated_glide("1", scale).into(),
+            format!("lengths of {scale:e}: as of 1, scaled"),
+            move || scaled(scale, |scale| estimated_glide("-0.032", scale)).into(),
         ));
     }
     for radius in [f64::NAN, 0.0, -1.0, f64::INFINITY, 5e-324, 1e308] {
@@ -78,12 +73,12 @@ pub(super) fn cases() -> Vec<Case> {
         ));
         cases.push(Case::new(
             "scene::recorded::estimate_roll",
-            format!("a probe of radius {radius:e}; finite"),
+            format!("a probe of radius {radius:e}"),
             move || estimated_roll_of("1", radius, None).into(),
         ));
         cases.push(Case::new(
             "scene::recorded::estimate_roll",
-            format!("pads of pitch {radius:e}; finite"),
+            format!("pads of pitch {radius:e}"),
             move || estimated_roll_of("1", 1.0, Some(radius)).into(),
         ));
     }
@@ -190,24 +185,74 @@ fn estimated_press(number: &str, sensor_radius: f64) -> Result<Answer, RecordedE
     Ok(finite(&estimate))
 }
 
-/// All numbers of what is printed; JSON knows neither NaN nor infinity, which become null: where a value must be.
-fn finite(estimate: &impl serde::Serialize) -> Answer {
-    let json = serde_json::to_value(estimate).unwrap_or(Value::Null);
-    let mut numbers = vec![if json.is_null() { f64::NAN } else { 0.0 }];
-    collect(&json, &mut numbers);
-    Answer::finite(numbers)
+/// A number next to 0 tells what 0 does.
+fn beside_0(
+    number: &str,
+    estimated: impl Fn(&str) -> Result<Answer, RecordedError>,
+) -> Result<Answer, RecordedError> {
+    let found = estimated(number)?;
+    let is_next_to_0 = number
+        .parse()
+        .is_ok_and(|number: f64| number.abs() < 1e-300);
+    if !is_next_to_0 {
+        return Ok(found);
+    }
+    let of_0 = estimated(if number == "0" { "-0" } else { "0" })?;
+    let pairs = found.values.iter().copied().zip(of_0.values);
+    Ok(Answer::all_near(pairs.collect::<Vec<_>>()).within(1e-9))
 }
 
-fn collect(json: &Value, numbers: &mut Vec<f64>) {
+/// Every estimate in another unit is that in the first by a power of the unit from -2 to 2.
+fn scaled(
+    scale: f64,
+    estimated: impl Fn(f64) -> Result<Answer, RecordedError>,
+) -> Result<Answer, RecordedError> {
+    let (found, of_one) = (estimated(scale)?, estimated(1.0)?);
+    let pairs = found.values.iter().zip(&of_one.values);
+    let pairs = pairs.filter(|(_, of_one)| **of_one != 0.0);
+    let pairs = pairs.map(|(found, of_one)| {
+        let power = ((found / of_one).abs().ln() / scale.ln())
+            .round()
+            .clamp(-2.0, 2.0);
+        (found / scale.powf(power), *of_one)
+    });
+    let answer = Answer::all_near(pairs.collect::<Vec<_>>()).within(1e-6);
+    Ok(answer.also(found.values))
+}
+
+/// 0.1 turns per length through rest, of which the point tells nothing but where rest is.
+fn calibrated(number: &str) -> Result<Answer, RecordedError> {
+    let text = format!("normal_displacement_mm,hue_turns,growth\n{number},0,0\n1,0.1,0\n2,0.2,0\n");
+    let points = parse_calibration_points(&file(text))?;
+    let report = calibrate(&[points], &CalibrateOptions::default())?;
+    let slope = (report.calibration.normal_part()).map_or(f64::NAN, |part| part.line.slope);
+    let is_rest = number
+        .parse()
+        .is_ok_and(|number: f64| number.abs() < 1e-300);
+    Ok(if is_rest {
+        Answer::near(slope, 0.1).within(1e-12)
+    } else {
+        Answer::finite([slope])
+    })
+}
+
+/// The values of what is printed; JSON knows neither NaN nor infinity, which become null: where a value must be.
+fn finite(estimate: &impl serde::Serialize) -> Answer {
+    let json = serde_json::to_value(estimate).unwrap_or(Value::Null);
+    let mut values = Vec::new();
+    collect(&json, &mut values);
+    Answer::finite(values)
+}
+
+fn collect(json: &Value, values: &mut Vec<f64>) {
     match json {
-        Value::Number(number) => numbers.extend(number.as_f64()),
-        Value::Array(all) => all.iter().for_each(|one| collect(one, numbers)),
+        Value::Array(all) => all.iter().for_each(|one| collect(one, values)),
         Value::Object(all) => {
             if let Some(value) = all.get("value") {
-                numbers.push(value.as_f64().unwrap_or(f64::NAN));
+                values.push(value.as_f64().unwrap_or(f64::NAN));
             }
-            all.values().for_each(|one| collect(one, numbers));
+            all.values().for_each(|one| collect(one, values));
         }
-        Value::Null | Value::Bool(_) | Value::String(_) => {}
+        _ => {}
     }
 }

@@ -1,5 +1,7 @@
 //! Noise from none to a thousand per cent and beyond, and encoders of any step.
 
+use std::f64::consts::FRAC_1_PI;
+
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_sensing::{
     AngularVelocityError, Channel, Distribution, Encoder, GaussianError, NormalError, PositionAxes,
@@ -7,6 +9,7 @@ use palpate_sensing::{
 };
 
 use super::super::hostile::EXTREME;
+use super::super::precise::Precise;
 use super::super::{Answer, Case, Outcome};
 
 const DRAWS: u64 = 2000;
@@ -66,33 +69,25 @@ pub(super) fn cases() -> Vec<Case> {
             wrist(level)
         }));
     }
-    for step in [f64::from_bits(1), 1e-310, 1e-12, 1e-3, 1.0, 1e9, f64::MAX] {
-        let input = format!("step {step:e}, 0.3 rad: off by half a step");
+    for step in [
+        f64::from_bits(1),
+        1e-310,
+        1e-12,
+        1e-3,
+        0.1,
+        1.0,
+        1e9,
+        f64::MAX,
+    ] {
+        let input = format!("step {step:e}, 1/\u{3c0} rad: the nearest whole number of steps");
         cases.push(Case::new("sensing::Encoder::read", input, move || {
-            let encoder = Encoder::new(step).expect("a step");
-            let read = encoder.read(&Vector2::new(0.3, -0.3));
-            let answer = Answer::at_scale(read.x, 0.3, step.max(1e-300)).within(0.5 + 1e-12);
-            answer
-                .conditioned(0.3 / step.max(1e-300))
-                .also([read.y])
-                .into()
+            encoded(step)
         }));
     }
     cases.push(Case::new(
         "sensing::Encoder::read",
-        "steps and angles of all extremes: finite where they are",
-        || {
-            let steps = EXTREME
-                .into_iter()
-                .filter_map(|step| Encoder::new(step).ok());
-            let angles = EXTREME.into_iter().filter(|angle| angle.is_finite());
-            let angles: Vec<f64> = angles.collect();
-            let read = steps.flat_map(|encoder| {
-                let read = |&angle: &f64| encoder.read(&Vector2::new(angle, 0.0)).x;
-                angles.iter().map(read).collect::<Vec<_>>()
-            });
-            Answer::finite(read).into()
-        },
+        "steps and angles of all extremes: off, in steps or the angle itself if they are finer than it",
+        all_encoded,
     ));
     for (seed, trial) in [(0, 0), (u64::MAX, 0), (0, u64::MAX), (u64::MAX, u64::MAX)] {
         let input = format!("seed {seed}, trial {trial}: mean of {DRAWS} uniform draws");
@@ -126,6 +121,39 @@ fn root_mean_square(level: f64, draw: Drawn) -> Outcome {
         .within(bound)
         .also(drawn)
         .into()
+}
+
+/// A step finer than the angle's last place reads the angle itself.
+fn encoded(step: f64) -> Outcome {
+    let angle = FRAC_1_PI;
+    let read = Encoder::new(step)
+        .expect("a step")
+        .read(&Vector2::new(angle, -angle));
+    let truth = if step < f64::EPSILON * angle {
+        angle
+    } else {
+        (Precise::new((angle / step).round()) * step).to_f64()
+    };
+    let pairs = [(read.x, truth), (read.y, -truth)];
+    Answer::all_at_scale(pairs, angle).within(1e-15).into()
+}
+
+/// An encoder errs by half a step at most, and by the last place of what it reads.
+fn all_encoded() -> Outcome {
+    let steps = EXTREME
+        .into_iter()
+        .filter(|step| Encoder::new(*step).is_ok());
+    let angles = EXTREME.into_iter().filter(|angle| angle.is_finite());
+    let pairs = steps.flat_map(|step| angles.clone().map(move |angle| (step, angle)));
+    let off = pairs.map(|(step, angle)| {
+        let read = Encoder::new(step)
+            .expect("a step")
+            .read(&Vector2::new(angle, 0.0))
+            .x;
+        let allowed = (0.5 * step).max(f64::EPSILON * angle.abs());
+        ((read - angle) / allowed.max(f64::from_bits(1)), 0.0)
+    });
+    Answer::all_at_scale(off, 1.0).within(1.0).into()
 }
 
 fn unit_normals(std_rad: f64) -> Outcome {

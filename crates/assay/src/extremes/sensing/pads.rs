@@ -12,6 +12,8 @@ use super::super::hostile::{EXTREME, NOT_FINITE};
 use super::super::precise::Precise;
 use super::super::{Answer, Case, Outcome};
 
+/// By less than this of a pitch a reading between centres of pads is not off by chance.
+const LEAST_OFF: f64 = 1e-3;
 const MADE: &str = "a pitch between 1e-6 and 1 of the radius";
 
 pub(super) fn cases() -> Vec<Case> {
@@ -19,7 +21,8 @@ pub(super) fn cases() -> Vec<Case> {
     for exponent in [-6, -5, -4, -3, -2, -1, 0] {
         let pitch = 10f64.powi(exponent);
         for radius in [1e-9, 1.0, 1e9] {
-            let input = format!("square, centred, radius {radius:e}, pitch {pitch:e} of it");
+            let input =
+                format!("square, centred, radius {radius:e}, pitch {pitch:e} of it: in pitches");
             cases.push(Case::value("sensing::Pads::read", input, move || {
                 read(radius, pitch, PadLayout::Square, PadOffset::Centred, 0.5)
             }));
@@ -29,7 +32,8 @@ pub(super) fn cases() -> Vec<Case> {
             (PadLayout::Uniform, PadOffset::Centred, 1.05),
             (PadLayout::Uniform, PadOffset::Random, 2.1),
         ] {
-            let input = format!("{layout:?}, {offset:?}, pitch {pitch:e} of the radius");
+            let input =
+                format!("{layout:?}, {offset:?}, pitch {pitch:e} of the radius: in pitches");
             cases.push(Case::value("sensing::Pads::read", input, move || {
                 read(1.0, pitch, layout, offset, bound)
             }));
@@ -58,8 +62,11 @@ pub(super) fn cases() -> Vec<Case> {
         let input = format!("{layout:?}, 256 extreme displacements: finite");
         cases.push(Case::new("sensing::Pads::read", input, move || {
             let pairs = EXTREME.into_iter().flat_map(|x| EXTREME.map(|y| (x, y)));
-            let read = pairs.flat_map(|(x, y)| at(layout, Vector2::new(x, y)));
-            Answer::finite(read.flat_map(|shift| [shift.x, shift.y])).into()
+            let read = pairs.map(|(x, y)| {
+                let shift = at(layout, Vector2::new(x, y))?;
+                Ok::<_, BeyondPads>([shift.x, shift.y])
+            });
+            Outcome::of_all(read)
         }));
     }
     for angle in [
@@ -91,7 +98,8 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-/// Off by so many pitches. Half a radian away, along neither axis.
+/// Off by so many pitches at most, and not by nothing: half a radian away, along neither axis, and by no whole number
+/// of pitches.
 fn read(
     radius: f64,
     pitch: f64,
@@ -101,14 +109,17 @@ fn read(
 ) -> Result<Answer, BeyondPads> {
     let pads = Pads::new(radius, pitch * radius, layout, offset, 1.0).expect(MADE);
     let placement = pads.place(|| Stream::new(3, 5, Channel::PadOffset));
-    let displacement = Vector2::new(0.3, -0.4) * radius;
+    let displacement = Vector2::new(0.1 * PI, -0.1 * 17f64.sqrt()) * radius;
     let read = pads.read(&placement, &displacement)?;
     let errors = match layout {
         PadLayout::Square => (read - displacement).amax(),
-        PadLayout::Uniform => (read - displacement).norm() / (0.5 / 0.5f64.sin()),
+        PadLayout::Uniform => {
+            let angle = displacement.norm() / radius;
+            (read - displacement).norm() * angle.sin() / angle
+        }
     };
     let answer = Answer::at_scale(errors, 0.0, pitch * radius).within(bound);
-    Ok(answer.conditioned(1.0 / pitch).also([read.x, read.y]))
+    Ok(answer.at_least(LEAST_OFF).also([read.x, read.y]))
 }
 
 fn nearest(pitch: f64) -> Outcome {
@@ -135,9 +146,14 @@ fn sensed(layout: PadLayout, bad: f64) -> Result<Vector2<f64>, BeyondPads> {
     Ok(pad.xy())
 }
 
-/// `(sin a · d, cos a)`.
+/// `(sin a · d, cos a)`; of so many turns that no angle is left, a unit vector across which x is to y as it was.
 fn direction(angle: f64) -> Outcome {
     let (x, y) = (0.6 * angle, 0.8 * angle);
+    if angle * f64::EPSILON > 1.0 {
+        let found = direction_at(&Vector2::new(x, y));
+        let pairs = [(found.norm(), 1.0), (found.x / found.y, x / y)];
+        return Answer::all_near(pairs).within(1e-15).into();
+    }
     let length = (Precise::new(x).squared() + Precise::new(y).squared()).sqrt();
     let sine = length.sin();
     let found = direction_at(&Vector2::new(x, y));

@@ -5,8 +5,9 @@ use palpate_tracking::{
     NormalCalibration, NormalFrom, NormalPoint,
 };
 
+use crate::extremes::answer::NONE;
 use crate::extremes::precise::Precise;
-use crate::extremes::{Answer, Case};
+use crate::extremes::{Answer, Case, Outcome};
 
 /// Draws a line through points.
 type Draw = fn(&[[f64; 2]]) -> Result<Line, CalibrationError>;
@@ -85,24 +86,22 @@ pub(super) fn cases() -> Vec<Case> {
             for part in 0..3 {
                 cases.push(Case::new(
                     "tracking::NormalCalibration::fit",
-                    format!("{from:?}, number {part} of a point is {number:e}; finite"),
+                    format!("{from:?}, number {part} of a point is {number:e}: as without it where it is not used"),
                     move || {
                         let mut points = normal_points(1.0);
                         let point = &mut points[3];
                         *[&mut point.normal, &mut point.hue_turns, &mut point.growth][part] =
                             number;
                         let found = NormalCalibration::fit(&points, from);
-                        found
-                            .map(|found| Answer::finite(found.weights).also([found.line.slope]))
-                            .into()
+                        found.map(|found| told(from, &found)).into()
                     },
                 ));
             }
         }
         for growth in [f64::NAN, f64::INFINITY, -f64::INFINITY, -1e300, 1e300] {
-            cases.push(Case::value(
+            cases.push(Case::new(
                 "tracking::Calibration::normal",
-                format!("{from:?}, a hue and a growth of {growth:e}; finite or none"),
+                format!("{from:?}, a hue and a growth of {growth:e}"),
                 move || read_normal(from, growth),
             ));
         }
@@ -138,13 +137,14 @@ pub(super) fn cases() -> Vec<Case> {
         ));
         cases.push(Case::value(
             "tracking::Calibration::tangential",
-            format!("a shift of {number:e} px at a normal displacement as much; finite or none"),
+            format!("a shift of {number:e} px at a normal displacement as much: px per length, from 100 to 120"),
             move || {
                 let lateral = LateralCalibration::fit(&lateral_points(1.0))?;
                 let slope = lateral.slope(number);
                 let calibration = Calibration::new(None, Some(lateral), None)?;
                 let read = calibration.tangential([number, 1.0], number);
-                Ok::<_, CalibrationError>(Answer::finite([slope]).also(read.into_iter().flatten()))
+                let answer = Answer::near(slope, slope.clamp(100.0, 120.0)).within(1e-12);
+                Ok::<_, CalibrationError>(answer.also(read.into_iter().flatten()))
             },
         ));
     }
@@ -212,7 +212,8 @@ fn nearly_alike(step: f64) -> Result<Answer, CalibrationError> {
     let line = Line::with_intercept(&points)?;
     Ok(Answer::near(line.slope, 3.0)
         .within(1e-12)
-        .conditioned(1.0 / step))
+        .conditioned(1.0 / step)
+        .or_no_digits())
 }
 
 fn normal_points(scale: f64) -> Vec<NormalPoint> {
@@ -248,18 +249,43 @@ fn normal(from: NormalFrom, scale: f64) -> Result<Answer, CalibrationError> {
     Ok(Answer::all_at_scale(pairs, scale).within(1e-12))
 }
 
-fn read_normal(from: NormalFrom, growth: f64) -> Result<Answer, CalibrationError> {
-    let fitted = NormalCalibration::fit(&normal_points(1.0), from)?;
-    let calibration = Calibration::new(Some(fitted.per_marker()), None, None)?;
+/// The hue alone tells the same whatever the growth.
+fn told(from: NormalFrom, found: &NormalCalibration) -> Answer {
+    let numbers = [found.line.slope, found.weights[0], found.weights[1]];
+    match NormalCalibration::fit(&normal_points(1.0), from) {
+        Ok(without) if from == NormalFrom::Hue => {
+            Answer::near(found.line.slope, without.line.slope).also(numbers)
+        }
+        _ => Answer::finite(numbers),
+    }
+}
+
+/// From its hue alone a displacement is ten times the turns; from its size alone five times the nearness, 1 or less.
+fn read_normal(from: NormalFrom, growth: f64) -> Outcome {
+    let fitted = NormalCalibration::fit(&normal_points(1.0), from).expect("points on a line");
+    let calibration = Calibration::new(Some(fitted), None, None).expect("a part");
     let change = Change {
         shift_px: [0.0; 2],
         hue_turns: growth,
         growth,
     };
-    let read = [0, 1, usize::MAX]
+    let read = [0, 1, usize::MAX].map(|marker| calibration.normal(marker, &change));
+    let truth = match from {
+        NormalFrom::Hue => 10.0 * growth,
+        NormalFrom::Size => 5.0 * (1.0 - (-growth).exp()),
+        NormalFrom::Both => {
+            return Outcome::of_all(read.map(|read| read.map(|it| [it]).ok_or(NONE)));
+        }
+    };
+    let read: Vec<_> = read
         .into_iter()
-        .filter_map(|marker| calibration.normal(marker, &change));
-    Ok(Answer::finite([0.0]).also(read))
+        .flatten()
+        .map(|read| (read, truth))
+        .collect();
+    if read.is_empty() {
+        return Err::<Answer, _>(NONE).into();
+    }
+    Answer::all_near(read).within(1e-12).into()
 }
 
 /// 100 px per length, and 10 % more per unit of the normal displacement.

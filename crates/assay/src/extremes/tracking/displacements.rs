@@ -64,7 +64,7 @@ fn matches() -> Vec<Case> {
         for part in ["place", "hue", "size"] {
             cases.push(Case::value(
                 "tracking::match_markers",
-                format!("a {part} of {number:e} at rest and pressed: changes are finite"),
+                format!("a {part} of {number:e} at rest and pressed: the others stay"),
                 move || Ok::<_, FieldError>(strange(part, number)),
             ));
         }
@@ -123,7 +123,7 @@ fn in_one_place(count: usize) -> Answer {
 
 fn strange(part: &str, number: f64) -> Answer {
     let with = |number: f64| match part {
-        "place" => marker(number, 0.0, 0.5, 1.0),
+        "place" => marker(number, 30.0, 0.5, 1.0),
         "hue" => marker(50.0, 0.0, number, 1.0),
         _ => marker(50.0, 0.0, 0.5, number),
     };
@@ -132,35 +132,34 @@ fn strange(part: &str, number: f64) -> Answer {
         marker(10.0, 0.0, 0.5, 1.0),
         marker(0.0, 10.0, 0.5, 1.0),
     ];
-    let mut numbers = vec![0.0];
+    let mut shifts = Vec::new();
+    let mut numbers = Vec::new();
     for pressed in [with(1.0), with(number)] {
         let rest: Vec<_> = others.into_iter().chain([with(number)]).collect();
         let pressed: Vec<_> = others.into_iter().chain([pressed]).collect();
         for (rest, pressed) in [(&rest, &pressed), (&pressed, &rest)] {
             let tracks = match_markers(rest, pressed);
-            let changes = tracks.iter().filter_map(Track::change);
-            numbers.extend(changes.flat_map(|change| {
-                [
-                    change.shift_px[0],
-                    change.shift_px[1],
-                    change.hue_turns,
-                    change.growth,
-                ]
+            let stay = tracks.iter().filter(|track| {
+                let is_other = |marker: &Marker| others.contains(marker);
+                track.rest.as_ref().is_some_and(is_other)
+            });
+            shifts.extend(
+                stay.filter_map(Track::change)
+                    .flat_map(|change| change.shift_px),
+            );
+            let camera = Equidistant::new([0.0; 2], 100.0).expect("a camera");
+            let plain = tracks.iter().filter_map(Track::change);
+            let turned = tracks.iter().filter_map(|track| camera.change(track));
+            numbers.extend(plain.chain(turned).flat_map(|change| {
+                let [x, y] = change.shift_px;
+                [x, y, change.hue_turns, change.growth]
             }));
-            if let Ok(camera) = Equidistant::new([0.0; 2], 100.0) {
-                let changes = tracks.iter().filter_map(|track| camera.change(track));
-                numbers.extend(changes.flat_map(|change| {
-                    [
-                        change.shift_px[0],
-                        change.shift_px[1],
-                        change.hue_turns,
-                        change.growth,
-                    ]
-                }));
-            }
         }
     }
-    Answer::finite(numbers)
+    // Two numbers each of three markers, four times; one that is not tracked is 1 off.
+    shifts.resize(24, 1.0);
+    let shifts = shifts.into_iter().map(|shift| (shift, 0.0));
+    Answer::all_at_scale(shifts, 1.0).also(numbers)
 }
 
 fn cameras(cases: &mut Vec<Case>) {
@@ -195,11 +194,14 @@ fn cameras(cases: &mut Vec<Case>) {
                 let camera = Equidistant::new([1.0; 2], 1e-6)?;
                 let (there, here) = ([number, 0.0], [2.0, 3.0]);
                 let place = camera.place(there);
-                Ok::<_, CalibrationError>(
-                    Answer::finite(camera.shift(there, here))
-                        .also(camera.shift(here, there))
-                        .also(place),
-                )
+                let is_place = number < 1.0;
+                let truth = |of_0: [f64; 2]| if is_place { of_0 } else { [0.0; 2] };
+                let out = truth(camera.shift([0.0; 2], here));
+                let back = truth(camera.shift(here, [0.0; 2]));
+                let pairs = camera.shift(there, here).into_iter().zip(out);
+                let pairs = pairs.chain(camera.shift(here, there).into_iter().zip(back));
+                let answer = Answer::all_at_scale(pairs.collect::<Vec<_>>(), 1.0).within(1e-12);
+                Ok::<_, CalibrationError>(answer.also(place))
             },
         ));
     }
@@ -216,7 +218,8 @@ fn outward(from: f64, step: f64) -> Result<Answer, CalibrationError> {
     }
     Ok(Answer::all_at_scale(pairs, 1.0)
         .within(4.0 * f64::EPSILON)
-        .conditioned((from + step) / step))
+        .conditioned((from + step) / step)
+        .or_no_digits())
 }
 
 fn fields(cases: &mut Vec<Case>) {
@@ -280,7 +283,7 @@ fn fields(cases: &mut Vec<Case>) {
     ] {
         cases.push(Case::value(
             "tracking::Field",
-            format!("{input}: everywhere; finite"),
+            format!("{input}: everywhere between the least and the largest displacement"),
             move || everywhere(&markers),
         ));
     }
@@ -308,7 +311,7 @@ fn fields(cases: &mut Vec<Case>) {
     for count in [0, 1, 2, 200] {
         cases.push(Case::value(
             "tracking::Field::grid",
-            format!("{count} × {count}; finite"),
+            format!("{count} × {count} over a linear field"),
             move || {
                 let markers = [
                     displaced(0.0, 0.0, 1.0),
@@ -316,8 +319,16 @@ fn fields(cases: &mut Vec<Case>) {
                     displaced(0.0, 1.0, 3.0),
                 ];
                 let grid = Field::new(&markers)?.grid(count);
-                let normals = grid.iter().flat_map(|one| [one.normal, one.tangential[0]]);
-                Ok::<_, FieldError>(Answer::finite([0.0]).also(normals))
+                let nodes = grid.iter().map(|one| {
+                    let [x, y] = one.place;
+                    (one.normal, 1.0 + x + 2.0 * y)
+                });
+                // Of the square the lower left half is between the markers, rounding its diagonal.
+                let square = count * count;
+                let half = [square - count.min(square), square + count].map(|twice| twice / 2);
+                let held = grid.len().clamp(half[0], half[1]);
+                let nodes = nodes.chain([(grid.len() as f64, held as f64)]);
+                Ok::<_, FieldError>(Answer::all_at_scale(nodes, 1.0).within(1e-12))
             },
         ));
     }
@@ -354,23 +365,21 @@ fn everywhere(markers: &[Displaced]) -> Result<Answer, FieldError> {
         [f64::MAX, f64::MAX],
         [f64::from_bits(1), -0.0],
     ];
-    let mut numbers = vec![0.0];
-    numbers.extend(
-        places
-            .iter()
-            .filter_map(|place| field.at(*place))
-            .map(|found| found.normal),
-    );
-    numbers.extend(field.grid(5).iter().map(|found| found.normal));
+    let at_places = places.iter().filter_map(|place| field.at(*place));
+    let smoothed = field.smoothed(0.1)?;
+    let found: Vec<f64> = (at_places.chain(field.grid(5)))
+        .chain(smoothed.markers().iter().copied())
+        .map(|found| found.normal)
+        .collect();
+    let normals = markers.iter().map(|marker| marker.normal);
+    let least = normals.clone().fold(f64::INFINITY, f64::min);
+    let largest = normals.fold(f64::NEG_INFINITY, f64::max);
+    let pairs = found
+        .iter()
+        .map(|found| (*found, found.clamp(least, largest)));
     let outward = field.outward();
-    numbers.extend(outward.of_marker);
-    numbers.extend(outward.mean);
-    numbers.extend(
-        field
-            .smoothed(0.1)?
-            .markers()
-            .iter()
-            .map(|found| found.normal),
-    );
-    Ok(Answer::finite(numbers))
+    Ok(Answer::all_at_scale(pairs, least.abs().max(largest.abs()))
+        .within(1e-12)
+        .also(outward.of_marker)
+        .also(outward.mean))
 }
