@@ -100,10 +100,10 @@ fn judge(shell: &Shell, assay: &Path, promise: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Puts a fresh folder in the place of another.
+/// Puts a fresh folder in the place of another, which goes beside where it was.
 fn replace(fresh: &Path, out: &Path) -> Result<()> {
     if out.exists() {
-        std::fs::remove_dir_all(out)
+        std::fs::rename(out, fresh.with_file_name("replaced"))
             .with_context(|| format!("cannot replace {}", out.display()))?;
     }
     std::fs::rename(fresh, out)
@@ -120,8 +120,8 @@ mod tests {
         let out = parent.path().join("tradeoff");
         std::fs::create_dir(&out).unwrap();
         std::fs::write(out.join("old.csv"), "old").unwrap();
-        let fresh = parent.path().join("fresh");
-        std::fs::create_dir(&fresh).unwrap();
+        let fresh = parent.path().join("temporary").join("fresh");
+        std::fs::create_dir_all(&fresh).unwrap();
         std::fs::write(fresh.join("rungs.csv"), "new").unwrap();
         replace(&fresh, &out).unwrap();
         assert!(!out.join("old.csv").exists());
@@ -129,6 +129,6 @@ mod tests {
             std::fs::read_to_string(out.join("rungs.csv")).unwrap(),
             "new"
         );
-        assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 1);
+        assert!(parent.path().join("temporary/replaced/old.csv").exists());
     }
 }

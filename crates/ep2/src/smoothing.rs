@@ -40,7 +40,8 @@ pub struct WeightedPoint {
     pub v: f64,
     /// Height.
     pub w: f64,
-    /// What the residual is multiplied with: an inverse standard deviation.
+    /// What the residual is multiplied with: an inverse standard deviation. A point that outweighs another by a factor
+    /// of f costs it the digits of f: from 1e15 on none are left.
     pub weight: f64,
 }
 
