@@ -11,16 +11,24 @@ pub(super) struct Worth {
 
 /// Costs that differ by no more count as equal.
 const EQUAL: f64 = 1.02;
+/// Below this, rounding rules: errors count as equal.
+const ROUNDING: f64 = 1e-14;
 
-/// Whether each rung lies on the Pareto front: no other errs at most as much at most as dearly, and less or cheaper.
+/// Whether each rung lies on the Pareto front: no other errs at most as much at most as dearly, and less or cheaper. Of
+/// rungs that are equal, the first does.
 pub(super) fn pareto(rungs: &[Worth]) -> Vec<bool> {
-    let beats = |a: &Worth, b: &Worth| {
-        let (no_dearer, cheaper) = (a.cost <= EQUAL * b.cost, EQUAL * a.cost < b.cost);
-        no_dearer && a.error <= b.error && (cheaper || a.error < b.error)
+    let beats = |a: usize, b: usize| {
+        let ([a_cost, b_cost], [a_error, b_error]) = (
+            [a, b].map(|one| rungs[one].cost),
+            [a, b].map(|one| rungs[one].error.max(ROUNDING)),
+        );
+        let (no_dearer, cheaper) = (a_cost <= EQUAL * b_cost, EQUAL * a_cost < b_cost);
+        let better = cheaper || a_error < b_error;
+        let equal = b_cost <= EQUAL * a_cost && a_error == b_error;
+        no_dearer && a_error <= b_error && (better || equal && a < b)
     };
-    rungs
-        .iter()
-        .map(|one| !rungs.iter().any(|other| beats(other, one)))
+    (0..rungs.len())
+        .map(|one| !(0..rungs.len()).any(|other| beats(other, one)))
         .collect()
 }
 
@@ -47,15 +55,21 @@ mod tests {
     #[test]
     fn the_front_leaves_out_what_another_beats() {
         let rungs = rungs(&[(1.0, 0.1), (2.0, 0.2), (3.0, 0.01), (3.0, 0.02), (1.0, 0.1)]);
-        assert_eq!(pareto(&rungs), [true, false, true, false, true]);
+        assert_eq!(pareto(&rungs), [true, false, true, false, false]);
         assert!(pareto(&[]).is_empty());
     }
 
     #[test]
     fn a_cost_one_in_a_hundred_less_is_no_reason_to_err_more() {
         let rungs = rungs(&[(100.0, 0.2), (101.0, 0.1), (102.0, 0.1)]);
-        assert_eq!(pareto(&rungs), [false, true, true]);
+        assert_eq!(pareto(&rungs), [false, true, false]);
         assert_eq!(answer(&rungs, 0.5), Some(1));
+    }
+
+    #[test]
+    fn errors_of_rounding_are_equal() {
+        let rungs = rungs(&[(5.0, 9e-16), (20.0, 2e-16), (20.0, 2e-16)]);
+        assert_eq!(pareto(&rungs), [true, false, false]);
     }
 
     #[test]
