@@ -82,9 +82,9 @@ fn an_ideal_sensor_draws_nothing_and_a_closed_form_steps_no_integrator() {
 fn noise_draws_what_it_needs_and_nothing_else() {
     let [planning, trial] = tallies(ROLL, &[SPHERE, IDEAL, NOISY_RATE]);
     assert_eq!(planning, Tally::default());
-    // Two components of eight probes, of two trials: short rolls are computed in pairs.
+    // Two components of eight probes.
     let expected = Tally {
-        draws: 2 * 16,
+        draws: 16,
         ..Tally::default()
     };
     assert_eq!(trial, expected);
