@@ -1,9 +1,10 @@
 //! Harnesses over the whole of palpate: what each rung costs and how far it errs ([`tradeoff`]), what
-//! happens at the extremes of every public entry point ([`extremes`]), and whether `auto` keeps its word
+//! happens at the extremes of every public entry point (`extremes`), and whether `auto` keeps its word
 //! ([`promise`]). What must not get worse: instructions of the [`hot`] paths and [`accuracy`]. What palpate takes beside its
 //! peers: [`ours`]. Truth for presses, of its own making: [`pressed`].
 
 pub mod accuracy;
+#[cfg(feature = "extremes")]
 pub mod extremes;
 pub mod hot;
 pub mod measured;

@@ -18,6 +18,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Harness {
     /// Tries every public entry point at its extremes; fails if a row breaks a promise.
+    #[cfg(feature = "extremes")]
     Extremes {
         /// The table to write.
         #[arg(long)]
@@ -87,6 +88,7 @@ fn limit(text: &str) -> Result<(String, f64), String> {
 
 fn main() -> Result<()> {
     match Cli::parse().harness {
+        #[cfg(feature = "extremes")]
         Harness::Extremes { out } => {
             println!("{}", palpate_assay::extremes::run(&out)?);
             Ok(())

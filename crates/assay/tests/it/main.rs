@@ -1,6 +1,7 @@
 //! What the harnesses promise, as tests.
 #![allow(clippy::unwrap_used)]
 
+#[cfg(feature = "extremes")]
 mod extremes;
 #[cfg(feature = "count")]
 mod promise;
