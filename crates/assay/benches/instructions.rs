@@ -92,14 +92,20 @@ fn sensing(mut path: Hot) -> Hot {
     path
 }
 
-// The runner works on a thread of its own: its blocks are counted.
+#[library_benchmark]
+#[bench::ep1(ready(rolls::trials(Ep1::UNIFORM, TRIALS)))]
+#[bench::ep1_on_pads(ready(rolls::trials(Ep1::PADS, TRIALS)))]
+fn trials(mut path: Hot) -> Hot {
+    path();
+    path
+}
+
+// The runner works on a thread of its own: its blocks are counted, those of the first run too.
 #[library_benchmark(config = LibraryBenchmarkConfig::default().tool(
     counted().entry_point(EntryPoint::Custom("*Segment*run_block*".to_owned()))
 ))]
-#[bench::ep1(ready(rolls::trials(Ep1::UNIFORM, TRIALS)))]
-#[bench::ep1_on_pads(ready(rolls::trials(Ep1::PADS, TRIALS)))]
 #[bench::statistics_alone(ready(rolls::statistics_alone(TRIALS)))]
-fn trials(mut path: Hot) -> Hot {
+fn runner(mut path: Hot) -> Hot {
     path();
     path
 }
@@ -147,7 +153,7 @@ fn text(mut path: Hot) -> Hot {
 
 library_benchmark_group!(
     name = hot_paths,
-    benchmarks = [rolling, sensing, trials, ep2, press, sight, text]
+    benchmarks = [rolling, sensing, trials, runner, ep2, press, sight, text]
 );
 main!(
     config = LibraryBenchmarkConfig::default().tool(counted()),

@@ -8,7 +8,7 @@ use nalgebra::Vector2;
 use palpate_geometry::Shape;
 use palpate_geometry::surfaces::{Graph, Sphere};
 use palpate_rolling::{Fingertip, Glider, Motion, Probe, Roller, Rolls};
-use palpate_scene::{Scene, config};
+use palpate_scene::{RollScene, Scene, config};
 use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
 use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Trial};
 
@@ -83,11 +83,8 @@ impl Ep1 {
     /// Trials alone, side by side as the runner takes them: the root of the mean square of the relative error of the normal
     /// curvature. `None` where they cannot all be run side by side.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
-        let Scene::Roll(roll) = &self.0.0 else {
-            return None;
-        };
         let mut sum = 0.0;
-        let taken = roll.side_by_side(0..trials, |observed| {
+        let taken = self.roll()?.side_by_side(0..trials, |observed| {
             let [normal_curvature_u, ..] = black_box(observed);
             for estimate in normal_curvature_u.estimates {
                 let error = estimate / normal_curvature_u.truth - 1.0;
@@ -99,6 +96,26 @@ impl Ep1 {
             return None;
         }
         Some((sum / trials as f64).sqrt())
+    }
+
+    /// Trials alone: side by side as far as they can be, then one by one.
+    fn alone(&self, trials: u64) -> Option<()> {
+        let roll = self.roll()?;
+        let together = roll.side_by_side(0..trials, |observed| {
+            black_box(observed);
+            true
+        });
+        for trial in together..trials {
+            let _ = black_box(roll.outcomes(trial));
+        }
+        Some(())
+    }
+
+    fn roll(&self) -> Option<&RollScene> {
+        match &self.0.0 {
+            Scene::Roll(roll) => Some(roll),
+            _ => None,
+        }
     }
 
     /// Statistics of so many trials on one thread.
@@ -168,13 +185,13 @@ pub fn rolled(object: Shape, model: Model, angle_rad: f64) -> Result<Hot> {
     Ok(warm(move || roller.roll(black_box(&[motion]))))
 }
 
-/// Trials of EP1 and their statistics.
+/// Trials of EP1 alone, without their statistics.
 ///
 /// # Errors
 /// If `setting` is none of a scene.
 pub fn trials(setting: &str, trials: u64) -> Result<Hot> {
     let trial = Ep1::new(setting)?;
-    Ok(warm(move || trial.statistics(black_box(trials))))
+    Ok(warm(move || trial.alone(black_box(trials))))
 }
 
 /// Statistics alone.
