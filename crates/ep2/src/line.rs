@@ -157,7 +157,7 @@ impl SumCovariances {
 
     /// Covariance of (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²) where the B-splines in u have these
     /// values, first and second derivatives, `SUPPORT` of each.
-    #[inline]
+    #[inline(always)] // else its inlining, 4 % of a map, changes with code elsewhere
     fn along<const SUPPORT: usize>(
         &self,
         [value, slope, bend]: &[[Lanes; MAX_DEGREE + 1]; 3],
