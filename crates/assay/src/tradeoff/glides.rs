@@ -85,11 +85,7 @@ impl Path {
                 move || path.error(&errs),
                 move || path.follow(&glider),
             );
-            let rung = rung.in_a_row(PLACES);
-            Some(match setting {
-                Some(setting) => rung.set(setting),
-                None => rung,
-            })
+            Some(rung.in_a_row(PLACES).set(setting))
         });
         SceneRungs {
             ease: self.ease,

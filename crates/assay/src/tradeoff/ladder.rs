@@ -80,8 +80,8 @@ impl Rung {
 
     /// The same with what is set.
     #[must_use]
-    pub(super) fn set(mut self, setting: f64) -> Self {
-        self.setting = Some(setting);
+    pub(super) fn set(mut self, setting: impl Into<Option<f64>>) -> Self {
+        self.setting = setting.into();
         self
     }
 

@@ -97,10 +97,7 @@ impl Roll {
                     move || same.error(&errs),
                     move || roller.roll(&[motion]),
                 );
-                Some(match setting {
-                    Some(setting) => rung.set(setting),
-                    None => rung,
-                })
+                Some(rung.set(setting))
             })
             .collect();
         SceneRungs {

@@ -214,10 +214,12 @@ impl Stage {
     }
 }
 
-/// Scene, stage, and what a trial of it does.
-const TALLIED: [&str; 8] = [
-    "scene",
-    "stage",
+/// Which stage a row is of.
+const STAGE: [&str; 2] = ["scene", "stage"];
+/// What a trial of it costs.
+const TIMED: [&str; 4] = ["median_ns", "q25_ns", "q75_ns", "instructions"];
+/// What a trial of it does.
+const TALLIED: [&str; 6] = [
     "random_draws",
     "integrator_derivatives",
     "contact_searches",
@@ -226,48 +228,47 @@ const TALLIED: [&str; 8] = [
     "rendered_frames",
 ];
 
-/// What a trial of each stage does, in their order.
+/// What a trial of a stage does.
+pub(super) struct Tallied {
+    stage: [String; 2],
+    counts: [String; 6],
+}
+
+/// Writes what a trial of each stage does, in their order.
 #[cfg(feature = "count")]
 pub(super) fn write_tallies(path: &Path) -> Result<()> {
-    let row = |stage: Stage| -> Result<[String; 8]> {
+    let row = |stage: Stage| -> Result<Vec<String>> {
         let tally = stage.tally()?;
-        let [kind, name] = [stage.kind, stage.name].map(str::to_owned);
-        let [draws, derivatives, searches, layers, markers, frames] = [
+        let counts = [
             tally.draws,
             tally.derivatives,
             tally.searches,
             tally.layers,
             tally.projections,
             tally.frames,
-        ]
-        .map(|count| count.to_string());
-        Ok([
-            kind,
-            name,
-            draws,
-            derivatives,
-            searches,
-            layers,
-            markers,
-            frames,
-        ])
+        ];
+        let stage = [stage.kind, stage.name].map(str::to_owned);
+        Ok([&stage[..], &counts.map(|count| count.to_string())].concat())
     };
-    let rows: Vec<[String; 8]> = stages().into_iter().map(row).collect::<Result<_>>()?;
-    table(path, TALLIED, rows.into_iter())
+    let rows: Vec<Vec<String>> = stages().into_iter().map(row).collect::<Result<_>>()?;
+    table(path, &[&STAGE[..], &TALLIED].concat(), rows.into_iter())
 }
 
-/// The rows that [`write_tallies`] has written.
-pub(super) fn read_tallies(path: &Path) -> Result<Vec<[String; 8]>> {
+/// What [`write_tallies`] has written.
+pub(super) fn read_tallies(path: &Path) -> Result<Vec<Tallied>> {
     let cannot = || format!("cannot read {}", path.display());
     let mut reader = csv::Reader::from_path(path).with_context(cannot)?;
     ensure!(
-        reader.headers().with_context(cannot)? == TALLIED.as_slice(),
+        reader.headers().with_context(cannot)? == [&STAGE[..], &TALLIED].concat(),
         "{} holds no tallies",
         path.display()
     );
-    let row = |record: Result<csv::StringRecord, csv::Error>| -> Result<[String; 8]> {
+    let row = |record: Result<csv::StringRecord, csv::Error>| -> Result<Tallied> {
         let record = record.with_context(cannot)?;
-        Ok(std::array::from_fn(|column| record[column].to_owned()))
+        Ok(Tallied {
+            stage: std::array::from_fn(|column| record[column].to_owned()),
+            counts: std::array::from_fn(|column| record[STAGE.len() + column].to_owned()),
+        })
     };
     reader.records().map(row).collect()
 }
@@ -276,60 +277,25 @@ pub(super) fn read_tallies(path: &Path) -> Result<Vec<[String; 8]>> {
 pub(super) fn write(
     stages: &[Stage],
     instructions: Option<&[u64]>,
-    tallies: &[[String; 8]],
+    tallies: &[Tallied],
     patience: Duration,
     folder: &Path,
 ) -> Result<()> {
-    let mut rows = Vec::new();
-    for (at, stage) in stages.iter().enumerate() {
-        let spread = stage.evaluation().time(patience);
-        let [median, q25, q75] = nanoseconds(&spread);
-        let tallied = tallies
+    let row = |(at, stage): (usize, &Stage)| -> Result<Vec<String>> {
+        let Tallied {
+            stage: names,
+            counts,
+        } = tallies
             .iter()
-            .find(|[kind, name, ..]| kind == stage.kind && name == stage.name);
-        let [kind, name, counts @ ..] =
-            tallied.with_context(|| format!("{}: {} is not tallied", stage.kind, stage.name))?;
-        let [draws, derivatives, searches, layers, markers, frames] = counts.clone();
-        rows.push([
-            kind.clone(),
-            name.clone(),
-            median,
-            q25,
-            q75,
-            count(instructions.map(|counts| counts[at])),
-            draws,
-            derivatives,
-            searches,
-            layers,
-            markers,
-            frames,
-        ]);
-    }
-    let [
-        kind,
-        name,
-        draws,
-        derivatives,
-        searches,
-        layers,
-        markers,
-        frames,
-    ] = TALLIED;
-    let header = [
-        kind,
-        name,
-        "median_ns",
-        "q25_ns",
-        "q75_ns",
-        "instructions",
-        draws,
-        derivatives,
-        searches,
-        layers,
-        markers,
-        frames,
-    ];
-    table(&folder.join("stages.csv"), header, rows.into_iter())
+            .find(|tallied| tallied.stage == [stage.kind, stage.name])
+            .with_context(|| format!("{}: {} is not tallied", stage.kind, stage.name))?;
+        let times = nanoseconds(&stage.evaluation().time(patience));
+        let instructions = count(instructions.map(|counts| counts[at]));
+        Ok([&names[..], &times, &[instructions], counts].concat())
+    };
+    let rows: Vec<Vec<String>> = stages.iter().enumerate().map(row).collect::<Result<_>>()?;
+    let header = [&STAGE[..], &TIMED, &TALLIED].concat();
+    table(&folder.join("stages.csv"), &header, rows.into_iter())
 }
 
 #[cfg(feature = "count")]

@@ -78,7 +78,7 @@ fn write_ladders(measured: &[Measured], machine: &str, folder: &Path) -> Result<
         ]
         .map(str::to_owned)
     });
-    table(&folder.join("ladders.csv"), header, rows)
+    table(&folder.join("ladders.csv"), &header, rows)
 }
 
 fn write_rungs(measured: &[Measured], folder: &Path) -> Result<()> {
@@ -113,7 +113,7 @@ fn write_rungs(measured: &[Measured], folder: &Path) -> Result<()> {
             ]
         })
     });
-    table(&folder.join("rungs.csv"), header, rows)
+    table(&folder.join("rungs.csv"), &header, rows)
 }
 
 fn write_answers(measured: &[Measured], folder: &Path) -> Result<()> {
@@ -153,7 +153,7 @@ fn write_answers(measured: &[Measured], folder: &Path) -> Result<()> {
             ]
         })
     });
-    table(&folder.join("answers.csv"), header, rows)
+    table(&folder.join("answers.csv"), &header, rows)
 }
 
 /// Median and quartiles, with the digits that they deserve.
@@ -166,15 +166,16 @@ pub(super) fn count(instructions: Option<u64>) -> String {
     instructions.map_or_else(String::new, |count| count.to_string())
 }
 
-pub(super) fn table<const N: usize>(
+/// Writes a table; every row is as long as the header.
+pub(super) fn table(
     path: &Path,
-    header: [&str; N],
-    rows: impl Iterator<Item = [String; N]>,
+    header: &[&str],
+    rows: impl Iterator<Item = impl AsRef<[String]>>,
 ) -> Result<()> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(header)?;
     for row in rows {
-        writer.write_record(row)?;
+        writer.write_record(row.as_ref())?;
     }
     let bytes = writer.into_inner().context("the table is not whole")?;
     fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))

@@ -71,11 +71,7 @@ impl Template {
                 (asked.error)(&scene_of(&errs)?, asked.trials)
             };
             let rung = Rung::new(choice.name.as_str(), error, evaluated(text, asked.timed));
-            let rung = rung.in_a_row(asked.timed);
-            match choice.setting {
-                Some(setting) => rung.set(setting),
-                None => rung,
-            }
+            rung.in_a_row(asked.timed).set(choice.setting)
         });
         SceneRungs {
             ease: self.ease,
