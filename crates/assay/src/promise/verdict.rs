@@ -106,3 +106,21 @@ pub(super) fn words(verdicts: &[Verdict<'_>]) -> Result<String, String> {
         Err(words)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twice_the_cheapest_keeps_the_promise_and_no_more() {
+        let promise = Promise::of(Kind::Glide, 0).unwrap();
+        assert!(promise.competitors() > 0);
+        let is_kept = |taken: u64| {
+            let count = |place| if place == promise.taken { taken } else { 100 };
+            let verdict = Verdict::of(&promise, &mut promise.judged().map(count));
+            words(&[verdict]).is_ok()
+        };
+        assert!([50, 200].into_iter().all(is_kept));
+        assert!(!is_kept(201));
+    }
+}

@@ -4,8 +4,9 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
+use palpate_tally::Tally;
 #[cfg(feature = "count")]
-use palpate_tally::{Tally, counted};
+use palpate_tally::counted;
 
 use super::table::{count, nanoseconds, table};
 use super::trials::evaluated;
@@ -218,15 +219,23 @@ impl Stage {
 const STAGE: [&str; 2] = ["scene", "stage"];
 /// What a trial of it costs.
 const TIMED: [&str; 4] = ["median_ns", "q25_ns", "q75_ns", "instructions"];
+/// A column and its number.
+type Counter = (&'static str, fn(&Tally) -> u64);
 /// What a trial of it does.
-const TALLIED: [&str; 6] = [
-    "random_draws",
-    "integrator_derivatives",
-    "contact_searches",
-    "layer_solves",
-    "projected_markers",
-    "rendered_frames",
+const TALLIED: [Counter; 6] = [
+    ("random_draws", |tally| tally.draws),
+    ("integrator_derivatives", |tally| tally.derivatives),
+    ("contact_searches", |tally| tally.searches),
+    ("layer_solves", |tally| tally.layers),
+    ("projected_markers", |tally| tally.projections),
+    ("rendered_frames", |tally| tally.frames),
 ];
+
+/// The columns of tallies.
+fn tallied() -> Vec<&'static str> {
+    let names = TALLIED.map(|(name, _)| name);
+    [&STAGE[..], &names].concat()
+}
 
 /// What a trial of a stage does.
 pub(super) struct Tallied {
@@ -239,19 +248,12 @@ pub(super) struct Tallied {
 pub(super) fn write_tallies(path: &Path) -> Result<()> {
     let row = |stage: Stage| -> Result<Vec<String>> {
         let tally = stage.tally()?;
-        let counts = [
-            tally.draws,
-            tally.derivatives,
-            tally.searches,
-            tally.layers,
-            tally.projections,
-            tally.frames,
-        ];
+        let counts = TALLIED.map(|(_, count)| count(&tally).to_string());
         let stage = [stage.kind, stage.name].map(str::to_owned);
-        Ok([&stage[..], &counts.map(|count| count.to_string())].concat())
+        Ok([&stage[..], &counts].concat())
     };
     let rows: Vec<Vec<String>> = stages().into_iter().map(row).collect::<Result<_>>()?;
-    table(path, &[&STAGE[..], &TALLIED].concat(), rows.into_iter())
+    table(path, &tallied(), rows.into_iter())
 }
 
 /// What [`write_tallies`] has written.
@@ -259,7 +261,7 @@ pub(super) fn read_tallies(path: &Path) -> Result<Vec<Tallied>> {
     let cannot = || format!("cannot read {}", path.display());
     let mut reader = csv::Reader::from_path(path).with_context(cannot)?;
     ensure!(
-        reader.headers().with_context(cannot)? == [&STAGE[..], &TALLIED].concat(),
+        reader.headers().with_context(cannot)? == tallied(),
         "{} holds no tallies",
         path.display()
     );
@@ -294,7 +296,8 @@ pub(super) fn write(
         Ok([&names[..], &times, &[instructions], counts].concat())
     };
     let rows: Vec<Vec<String>> = stages.iter().enumerate().map(row).collect::<Result<_>>()?;
-    let header = [&STAGE[..], &TIMED, &TALLIED].concat();
+    let (stage, counts) = (&STAGE[..], TALLIED.map(|(name, _)| name));
+    let header = [stage, &TIMED, &counts].concat();
     table(&folder.join("stages.csv"), &header, rows.into_iter())
 }
 
