@@ -192,8 +192,9 @@ impl LeastSquares {
         };
         let determinant = travel.determinant();
         let trace = travel.uu + travel.vv;
-        let moved =
-            N::of(0.0).is_below(travel.uu) & (trace * N::of(SMALLEST_TRAVEL)).is_below(determinant);
+        let moved = N::of(0.0).is_below(travel.uu)
+            & N::of(0.0).is_below(travel.vv)
+            & (trace * N::of(SMALLEST_TRAVEL)).is_below(determinant);
         let scale = N::of(self.probe_curvature) / determinant;
         // −K₁ (I + K₁ D)⁻¹ K₁ D; the product of two functions of D is symmetric.
         let mixed = deviation.uv * deviation.uv;

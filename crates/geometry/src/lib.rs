@@ -23,7 +23,7 @@ pub mod surfaces;
 pub use curvature::{CurvatureForm, PrincipalCurvatures, ShapeClass, ShapeThresholds};
 pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};
-pub use meridian::{Meridian, MeridianPoint};
+pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
 pub use posed::Posed;
 pub use shape::Shape;
 pub use surface::{InvalidShape, Surface, SurfaceError};

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 /// The meridian of a surface of revolution, from its apex.
 ///
-/// A parameter `t`, 0 at the apex and growing along the meridian, gives the point, the slope angle
-/// and the arc-length element, each within 1e-15 of itself.
+/// A parameter `t`, 0 at the apex and growing along the meridian, gives the point, the normal, the slope
+/// angle and the arc-length element, each within 1e-15 of itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Meridian {
     /// `z = −c r²`; the parameter is `r`.
@@ -23,13 +23,20 @@ pub enum Meridian {
     },
 }
 
-/// A point of a [`Meridian`].
+/// A point of a [`Meridian`], and how the surface leans there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeridianPoint {
     /// Distance from the axis.
     pub r: f64,
     /// Height above the apex (negative: below), along the normal at the apex.
     pub height: f64,
+    /// The normal: away from the axis (the sine of the slope angle), and along it (its cosine).
+    pub normal: [f64; 2],
+}
+
+/// The slope of a [`Meridian`] at a point, and how fast one runs along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeridianSlope {
     /// Angle by which the normal has turned from the axis, positive on a convex surface.
     pub slope_rad: f64,
     /// Arc length per parameter.
@@ -41,13 +48,29 @@ pub struct MeridianPoint {
 impl Meridian {
     /// The point at parameter `t`, which must be finite, as must be the numbers that describe it.
     pub fn at(&self, t: f64) -> MeridianPoint {
+        let (r, height, [outward, along]) = match *self {
+            Self::Paraboloid { c } => (t, -c * t * t, [2.0 * c * t, 1.0]),
+            Self::Spheroid { a, c } => {
+                let (sin, cos) = t.sin_cos();
+                let height = -2.0 * c * (0.5 * t).sin().powi(2);
+                (a * sin, height, [c * sin, a * cos])
+            }
+        };
+        let length = outward.hypot(along);
+        MeridianPoint {
+            r,
+            height,
+            normal: [outward / length, along / length],
+        }
+    }
+
+    /// The slope at parameter `t`, finite as in [`Meridian::at`].
+    pub fn slope(&self, t: f64) -> MeridianSlope {
         match *self {
             Self::Paraboloid { c } => {
                 let slope = 2.0 * c * t;
                 let stretch = slope.hypot(1.0);
-                MeridianPoint {
-                    r: t,
-                    height: -c * t * t,
+                MeridianSlope {
                     slope_rad: slope.atan(),
                     arc_per_parameter: stretch,
                     slope_per_parameter: 2.0 * c / stretch / stretch,
@@ -60,9 +83,7 @@ impl Meridian {
                 // whole turns.
                 let within_turn = (c * sin).atan2(a * cos);
                 let turns = ((t - within_turn) / TAU).round();
-                MeridianPoint {
-                    r: a * sin,
-                    height: -2.0 * c * (0.5 * t).sin().powi(2),
+                MeridianSlope {
                     slope_rad: within_turn + turns * TAU,
                     arc_per_parameter: square.sqrt(),
                     slope_per_parameter: a * c / square,

@@ -40,13 +40,13 @@ impl MeridianRung {
 
     /// Newton's method; θ grows with the parameter, for the relative curvature is positive.
     fn along_ellipse(&self, a: f64, c: f64, theta: f64) -> Option<(f64, f64)> {
-        let apex = self.meridian.at(0.0);
+        let apex = self.meridian.slope(0.0);
         let rate = apex.slope_per_parameter + apex.arc_per_parameter / self.radius;
         let mut root = Bracket::new(theta / rate);
         for _ in 0..MOST_ITERATIONS {
             let t = root.at;
             let arc = ellipse::arc_length(a, c, t);
-            let point = self.meridian.at(t);
+            let point = self.meridian.slope(t);
             let excess = point.slope_rad + arc / self.radius - theta;
             let slope = point.slope_per_parameter + point.arc_per_parameter / self.radius;
             root.step(excess, excess / slope);
@@ -80,7 +80,7 @@ impl MeridianRung {
         let direction: Vector2<f64> = turn / theta;
         let outward = apex.x_axis * direction.x + apex.y_axis() * direction.y;
         // The frame turns about the tangent across the meridian.
-        let (sin, cos) = point.slope_rad.sin_cos();
+        let [sin, cos] = point.normal;
         let along = outward * (1.0 - cos) + apex.normal * sin;
         Ok(Contact {
             on_object: apex.on_object + outward * point.r + apex.normal * point.height,

@@ -1,6 +1,6 @@
 //! Readings that do not tell the curvature are refused by name.
 
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Rotation2, Vector2};
 use palpate_ep1::{Ep1Error, Estimate, LeastSquares, ProbeReading, ReadingNoise};
 use palpate_geometry::CurvatureForm;
 use proptest::prelude::*;
@@ -89,6 +89,39 @@ fn a_contact_that_moves_backwards_is_no_rolling() {
         error.to_string().starts_with("at 90.0 degrees from u"),
         "{error}"
     );
+}
+
+/// Forwards, backwards and not at all, in any two directions across each other.
+#[test]
+fn only_a_contact_that_moves_along_in_every_direction_tells_a_curvature() {
+    let sizes = [0.0, 1e-16, 1e-14, 1e-13, 1e-9, 0.5];
+    let travels = || sizes.into_iter().flat_map(|size| [size, -size]);
+    for along in travels() {
+        for (across, turned) in travels().flat_map(|across| [(across, 0.0), (across, 0.4)]) {
+            let axes = Rotation2::new(turned).into_inner();
+            let travel = axes * Matrix2::from_diagonal(&[along, across].into()) * axes.transpose();
+            let readings: Vec<ProbeReading> = eight(0.1)
+                .into_iter()
+                .map(|(direction, theta)| {
+                    let drive = Vector2::new(direction.cos(), direction.sin()) * theta;
+                    ProbeReading {
+                        rotation: Vector2::new(drive.y, -drive.x),
+                        shift: travel * drive,
+                    }
+                })
+                .collect();
+            let smallest = along.min(across);
+            let expected = if smallest < -1e-12 {
+                Some("not-rolling")
+            } else if smallest < 1e-12 {
+                Some("unresolved")
+            } else {
+                None
+            };
+            let found = estimate(&readings).err().map(|error| error.name());
+            assert_eq!(found, expected, "{along:e}, {across:e} at {turned}");
+        }
+    }
 }
 
 #[test]

@@ -146,9 +146,12 @@ proptest! {
         let [c, t, aspect] = [c, t, aspect].map(|exponent| 10.0_f64.powf(exponent));
         let paraboloid = Meridian::Paraboloid { c };
         let spheroid = Meridian::Spheroid { a: 1.0, c: aspect };
-        for point in [paraboloid.at(t), spheroid.at(phi)] {
-            let numbers = [point.r, point.height, point.slope_rad, point.arc_per_parameter];
-            prop_assert!(is_finite(&numbers) && point.slope_per_parameter.is_finite(), "{point:?}");
+        for (meridian, t) in [(paraboloid, t), (spheroid, phi)] {
+            let (point, slope) = (meridian.at(t), meridian.slope(t));
+            let [outward, along] = point.normal;
+            prop_assert!(is_finite(&[point.r, point.height, outward, along]), "{point:?}");
+            let numbers = [slope.slope_rad, slope.arc_per_parameter, slope.slope_per_parameter];
+            prop_assert!(is_finite(&numbers), "{slope:?}");
         }
         let arc = paraboloid.arc_length(t).unwrap();
         prop_assert!(arc.is_finite() && arc >= t, "{arc:e}");

@@ -63,6 +63,22 @@ pub(super) fn cases() -> Vec<Case> {
             lopsided(across)
         }));
     }
+    for [along, across] in [
+        [1e-14, 1e-14],
+        [1e-14, -1e-14],
+        [-1e-14, -1e-14],
+        [1e-12, -0.5],
+        [0.5, -1e-14],
+        [0.5, -0.5],
+        [-0.5, -0.5],
+    ] {
+        let input =
+            format!("contacts that move by {along:e} and {across:e} of their way on a plane");
+        cases.push(Case::refusal("ep1::LeastSquares::of", input, move || {
+            let readings = readings(1.0, [1.0 / along - 1.0, 1.0 / across - 1.0], 0.1, 1.0);
+            LeastSquares::of(1.0, EXACT, &readings)
+        }));
+    }
     for ratio in [1e13, 1e16, 1e100] {
         let input = format!("curvature of {ratio:e} times the probe's: not resolved");
         cases.push(Case::refusal("ep1::LeastSquares::of", input, move || {
