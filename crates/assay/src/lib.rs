@@ -1,7 +1,7 @@
 //! Harnesses over the whole of palpate: what each rung costs and how far it errs ([`tradeoff`]), what
 //! happens at the extremes of every public entry point (`extremes`), and whether `auto` keeps its word
 //! ([`promise`]). What must not get worse: instructions of the [`hot`] paths and [`accuracy`]. What palpate takes beside its
-//! peers: [`ours`]. Truth for presses, of its own making: [`pressed`].
+//! peers: [`ours`]. Truth of their own making: [`pressed`] for presses, [`touched`] for round tips.
 
 pub mod accuracy;
 #[cfg(feature = "extremes")]
@@ -11,4 +11,5 @@ pub mod measured;
 pub mod ours;
 pub mod pressed;
 pub mod promise;
+pub mod touched;
 pub mod tradeoff;

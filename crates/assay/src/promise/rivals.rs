@@ -1,16 +1,19 @@
 //! The models that a choice is held against, more than a ladder shows, and the truth that all of them are.
 
 use anyhow::{Result, bail};
+use nalgebra::Point3;
+use palpate_geometry::Surface;
 use palpate_press::Skin;
-use palpate_rolling::{Chart, Model, Rolls, Touch};
+use palpate_rolling::{Chart, HeldAxis, Model, Roller, Rolls};
 use palpate_scene::config::{
-    self, FingertipConfig, GlideConfig, GlideModelConfig, ModelConfig, PressConfig,
+    self, FingertipConfig, GlideConfig, GlideModelConfig, ModelConfig, ObjectConfig, PressConfig,
     PressModelConfig, PressProbeConfig, RollModelConfig, SceneConfig, Study,
 };
 use palpate_scene::{GlideScene, Ladder, Rung, Scene};
 
 use super::cost;
 use crate::pressed::{Body, Pressed};
+use crate::touched;
 
 /// Of RK4.
 const STEPS: [u32; 19] = [
@@ -69,15 +72,18 @@ fn of_roll(study: &Study) -> Result<Rivals> {
         models.push(taken);
     }
     let rolls = scene.noiseless();
-    let measured = scene
-        .roller()
-        .measured(&models, chart, Rolls { rolls: &rolls });
+    let rolls = Rolls { rolls: &rolls };
+    let roller = scene.roller();
+    let truth = ends(roller, TRUE_ROLL, rolls)?;
+    let length = length_scale(roller)?;
+    let measured = roller.measured(&models, chart, rolls);
     let rival = |rung: palpate_rolling::MeasuredRung| -> Result<Rival> {
+        let found = ends(roller, rung.model, rolls).map_err(|error| format!("{error:#}"));
         Ok(Rival {
             rung: Rung {
+                outcome: found.map(|found| farthest(found.iter().zip(&truth)) / length),
                 model: ModelConfig::Roll(named(rung.model)?),
                 name: rung.name,
-                outcome: rung.outcome,
             },
             evaluations: Some(rung.evaluations),
         })
@@ -85,7 +91,44 @@ fn of_roll(study: &Study) -> Result<Rivals> {
     Ok(Rivals {
         all: measured.into_iter().map(rival).collect::<Result<_>>()?,
         taken: models.iter().position(|model| *model == taken).unwrap_or(0),
-        truth: "DOP853, tolerance 1e-14",
+        truth: "Montana's equations in charts",
+    })
+}
+
+/// In the charts of both bodies: coordinates, metrics and Christoffel symbols, where the rungs that are judged have a normal
+/// and a shape operator in space.
+const TRUE_ROLL: Model = Model::Dop853 {
+    tolerance: Model::SMALLEST_TOLERANCE,
+    chart: Chart::Montana(HeldAxis::Transported),
+};
+
+/// Where each roll ends, on the object and on the probe.
+fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f64>>> {
+    let radius = roller.probe().radius();
+    let roller = roller.on(model, rolls)?;
+    let mut ends = Vec::new();
+    for motions in rolls.rolls {
+        let contact = roller.roll(motions)?;
+        ends.extend([contact.on_object, contact.on_probe(radius)]);
+    }
+    Ok(ends)
+}
+
+/// How far a contact moves per radian at first, at least.
+fn length_scale(roller: &Roller) -> Result<f64> {
+    let first = roller.first_contact();
+    let (_, curvature) = roller
+        .object()
+        .curvature_along(&first.on_object, &first.x_axis)?;
+    let principal = curvature.principal();
+    let sharpest = principal.k_min.abs().max(principal.k_max.abs());
+    Ok(1.0 / (1.0 / roller.probe().radius() + sharpest))
+}
+
+/// The largest distance between two points of a pair.
+fn farthest<'a>(pairs: impl Iterator<Item = (&'a Point3<f64>, &'a Point3<f64>)>) -> f64 {
+    pairs.fold(0.0, |most: f64, (one, other)| {
+        most.max((one - other).norm())
     })
 }
 
@@ -104,7 +147,7 @@ fn named(model: Model) -> Result<RollModelConfig> {
     })
 }
 
-/// A closed form and Newton's method are each held against the other, where there is a closed form.
+/// Newton's method is held against the closed form or the offset surface, and the closed form against Newton's method.
 fn of_glide(config: &GlideConfig, ladder: &Ladder) -> Result<Rivals> {
     let newton = |tolerance| GlideModelConfig::Newton { tolerance };
     let mut models = vec![GlideModelConfig::ClosedForm {}];
@@ -118,19 +161,27 @@ fn of_glide(config: &GlideConfig, ladder: &Ladder) -> Result<Rivals> {
     let FingertipConfig::Sphere { radius } = config.probe else {
         bail!("a point touches where it is held");
     };
-    let follow = |model: &GlideModelConfig| -> Result<Vec<Touch>, String> {
+    let follow = |model: &GlideModelConfig| -> Result<Vec<Point3<f64>>, String> {
         let config = GlideConfig {
             model: model.clone(),
             ..config.clone()
         };
         let glider = GlideScene::glider(&config).map_err(|error| error.message)?;
-        GlideScene::follow(&glider, &config).map_err(|error| error.message)
+        let touches = GlideScene::follow(&glider, &config).map_err(|error| error.message)?;
+        Ok(touches.into_iter().map(|touch| touch.point).collect())
     };
     let closed = follow(&GlideModelConfig::ClosedForm {});
-    let finest = follow(&newton(Model::SMALLEST_TOLERANCE));
-    let truth_of = |model: &GlideModelConfig| match (model, &closed) {
-        (GlideModelConfig::ClosedForm {}, _) | (_, Err(_)) => ("Newton, tolerance 1e-14", &finest),
-        (_, Ok(_)) => ("closed form", &closed),
+    let of_newton = match true_touches(config, radius) {
+        Some(touches) => ("offset surface", Ok(touches)),
+        None => ("closed form", closed),
+    };
+    let of_closed = (
+        "Newton, tolerance 1e-14",
+        follow(&newton(Model::SMALLEST_TOLERANCE)),
+    );
+    let truth_of = |model: &GlideModelConfig| match model {
+        GlideModelConfig::ClosedForm {} => &of_closed,
+        _ => &of_newton,
     };
     let rival = |model: &GlideModelConfig| Rival {
         rung: Rung {
@@ -140,9 +191,9 @@ fn of_glide(config: &GlideConfig, ladder: &Ladder) -> Result<Rivals> {
                 }
                 _ => "closed form".to_owned(),
             },
-            outcome: follow(model).and_then(|touches| {
+            outcome: follow(model).and_then(|found| {
                 let truth = truth_of(model).1.as_ref().map_err(Clone::clone)?;
-                Ok(distance(&touches, truth) / radius)
+                Ok(farthest(found.iter().zip(truth)) / radius)
             }),
             model: ModelConfig::Glide(model.clone()),
         },
@@ -155,11 +206,31 @@ fn of_glide(config: &GlideConfig, ladder: &Ladder) -> Result<Rivals> {
     })
 }
 
-/// The largest distance between contacts.
-fn distance(touches: &[Touch], others: &[Touch]) -> f64 {
-    let pairs = touches.iter().zip(others);
-    let distances = pairs.map(|(one, other)| (one.point - other.point).norm());
-    distances.fold(0.0, f64::max)
+/// Where the fingers touch, finger by finger; `None` on objects for which a rung has a closed form.
+fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
+    let touch: Box<dyn Fn([f64; 2]) -> [f64; 3]> = match &config.object {
+        &ObjectConfig::Ellipsoid { semi_axes } => {
+            Box::new(move |centre| touched::on_ellipsoid(semi_axes, tip, centre))
+        }
+        &ObjectConfig::Paraboloid { c } => {
+            Box::new(move |centre| touched::on_quadric([-c, -c], tip, centre))
+        }
+        &ObjectConfig::Saddle { a } => {
+            Box::new(move |centre| touched::on_quadric([a, -a], tip, centre))
+        }
+        ObjectConfig::HeightField { parameters, .. } => {
+            let waves = [*parameters.get("a")?, *parameters.get("l")?];
+            Box::new(move |centre| touched::on_waves(waves, tip, centre))
+        }
+        _ => return None,
+    };
+    let motion = &config.motion;
+    let contacts = motion.contacts_per_finger;
+    let along =
+        |contact: u32| motion.patch_length * (f64::from(contact) / f64::from(contacts - 1) - 0.5);
+    let fingers = motion.finger_positions.iter();
+    let centres = fingers.flat_map(|across| (0..contacts).map(move |one| [along(one), *across]));
+    Some(centres.map(|centre| Point3::from(touch(centre))).collect())
 }
 
 /// All rungs, Hertz's and the layer among them, are held against a quadrature.

@@ -8,6 +8,7 @@ use palpate_rolling::{Fingertip, Glider, TouchModel};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::trials::at_least_rounding;
+use crate::touched;
 
 /// Of Newton's method.
 const TOLERANCES: [i32; 7] = [-1, -2, -3, -5, -7, -10, -13];
@@ -37,7 +38,7 @@ const PATHS: [Path; 3] = [
         object: || Ok(Shape::Sphere(Sphere::new(BALL)?)),
         tip_radius: 1.0,
         ends: [[-2.0, 0.5], [2.0, 0.5]],
-        truth: on_ball,
+        truth: |tip, centre| touched::on_ball(BALL, tip, centre),
     },
     Path {
         ease: Ease::Typical,
@@ -45,7 +46,7 @@ const PATHS: [Path; 3] = [
         object: || Ok(Shape::Saddle(Graph::saddle(SADDLE)?)),
         tip_radius: 0.5,
         ends: [[-1.5, -1.0], [1.5, 1.0]],
-        truth: on_saddle,
+        truth: |tip, centre| touched::on_quadric([SADDLE, -SADDLE], tip, centre),
     },
     Path {
         ease: Ease::Hard,
@@ -53,7 +54,7 @@ const PATHS: [Path; 3] = [
         object: || Ok(Shape::Ellipsoid(Ellipsoid::new(SEMI_AXES)?)),
         tip_radius: 1.0,
         ends: [[4.5, 0.2], [5.7, 0.2]],
-        truth: on_ellipsoid,
+        truth: |tip, centre| touched::on_ellipsoid(SEMI_AXES, tip, centre),
     },
 ];
 
@@ -125,84 +126,9 @@ impl Path {
     }
 }
 
-fn on_ball(tip_radius: f64, centre: [f64; 2]) -> [f64; 3] {
-    let [x, y] = centre.map(|part| part * BALL / (BALL + tip_radius));
-    [x, y, (BALL * BALL - x * x - y * y).sqrt()]
-}
-
-/// With s = √(1 + 4a²(x² + y²)) the tip's centre is x (1 − 2ar/s), y (1 + 2ar/s) from the contact's x and y; which s it is
-/// is bisected.
-fn on_saddle(tip_radius: f64, [x, y]: [f64; 2]) -> [f64; 3] {
-    let at = |s: f64| {
-        let aside = 2.0 * SADDLE * tip_radius / s;
-        [x / (1.0 - aside), y / (1.0 + aside)]
-    };
-    let is_less = |s: f64| {
-        let [x, y] = at(s);
-        s * s < 1.0 + 4.0 * SADDLE * SADDLE * (x * x + y * y)
-    };
-    let [x, y] = at(bisected(1.0, 100.0, is_less));
-    [x, y, SADDLE * (x * x - y * y)]
-}
-
-/// With g = |(x/a², y/b², z/c²)| the tip's centre is x (1 + r/(g a²)) and so on; which g it is is bisected.
-fn on_ellipsoid(tip_radius: f64, [x, y]: [f64; 2]) -> [f64; 3] {
-    let squares = SEMI_AXES.map(|axis| axis * axis);
-    let at = |g: f64| {
-        let shrunk = |part: f64, square: f64| part / (1.0 + tip_radius / (g * square));
-        let [x, y] = [shrunk(x, squares[0]), shrunk(y, squares[1])];
-        let height = 1.0 - x * x / squares[0] - y * y / squares[1];
-        // The larger g, the farther out.
-        (height >= 0.0).then(|| [x, y, (height * squares[2]).sqrt()])
-    };
-    let is_less = |g: f64| {
-        at(g).is_some_and(|point| {
-            let parts = [0, 1, 2].map(|axis| point[axis] / squares[axis]);
-            g * g < parts.iter().map(|part| part * part).sum()
-        })
-    };
-    // g lies between the reciprocals of the longest and the shortest axis.
-    let [long, short] = [SEMI_AXES[0], SEMI_AXES[2]];
-    at(bisected(long.recip(), short.recip(), is_less)).unwrap_or([f64::NAN; 3])
-}
-
-/// The number below which something holds, to the last bit, from below.
-fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    while let middle = 0.5 * (low + high)
-        && low < middle
-        && middle < high
-    {
-        if holds(middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    low
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn true_contacts_lie_a_tip_radius_below_the_centre() {
-        // On the object, with the centre along its normal.
-        for path in PATHS {
-            let r = path.tip_radius;
-            for [x, y] in path.centres() {
-                let [px, py, pz] = (path.truth)(r, [x, y]);
-                let gradient = match path.ease {
-                    Ease::Easy => [px, py, pz],
-                    Ease::Typical => [-2.0 * SADDLE * px, 2.0 * SADDLE * py, 1.0],
-                    Ease::Hard => [px / 25.0, py, pz],
-                };
-                let size = gradient.iter().map(|part| part * part).sum::<f64>().sqrt();
-                let off = (px + r * gradient[0] / size - x).hypot(py + r * gradient[1] / size - y);
-                assert!(off < 1e-14, "{x} {y}: {off:e}");
-            }
-        }
-    }
 
     #[test]
     fn the_finest_rung_errs_by_rounding() {

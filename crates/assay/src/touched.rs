@@ -1,0 +1,134 @@
+//! Where a round tip of radius r that comes from above touches, from the offset surface written out: with the outward normal
+//! n at the contact p, the tip's centre is p + r n. Of the unknown contact one number remains, which is bisected, or the
+//! equation is its own iteration; no rung searches like that.
+
+/// On a ball about the origin.
+pub fn on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
+    let [x, y] = centre.map(|part| part * ball / (ball + tip));
+    [x, y, (ball * ball - x * x - y * y).sqrt()]
+}
+
+/// On z = k x² + l y², where the tip is less curved than a hollow: with s = √(1 + 4 (k²x² + l²y²)) its centre is
+/// x (1 − 2kr/s), y (1 − 2lr/s); s is bisected.
+pub fn on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
+    let at = |s: f64| [x / (1.0 - 2.0 * k * tip / s), y / (1.0 - 2.0 * l * tip / s)];
+    let square = |[x, y]: [f64; 2]| 1.0 + 4.0 * ((k * x).powi(2) + (l * y).powi(2));
+    // Of hollows the farthest contact is that at s = 1.
+    let most = square(at(1.0)).max(square([x, y])).sqrt();
+    let [x, y] = at(bisected(1.0, 1.0 + most, |s| s * s < square(at(s))));
+    [x, y, k * x * x + l * y * y]
+}
+
+/// On an ellipsoid: with g = |(x/a², y/b², z/c²)| the tip's centre is x (1 + r/(g a²)) and so on; g is bisected. NaN where
+/// the tip misses it.
+pub fn on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
+    let squares = semi_axes.map(|axis| axis * axis);
+    let at = |g: f64| {
+        let shrunk = |part: f64, square: f64| part / (1.0 + tip / (g * square));
+        let [x, y] = [shrunk(x, squares[0]), shrunk(y, squares[1])];
+        let height = 1.0 - x * x / squares[0] - y * y / squares[1];
+        // The larger g, the farther out.
+        (height >= 0.0).then(|| [x, y, (height * squares[2]).sqrt()])
+    };
+    let is_less = |g: f64| {
+        at(g).is_some_and(|point| {
+            let parts = [0, 1, 2].map(|axis| point[axis] / squares[axis]);
+            g * g < parts.iter().map(|part| part * part).sum()
+        })
+    };
+    // g lies between the reciprocals of the longest and the shortest axis.
+    let longest = semi_axes.into_iter().fold(0.0, f64::max);
+    let shortest = semi_axes.into_iter().fold(f64::INFINITY, f64::min);
+    let g = bisected(0.5 / longest, 2.0 / shortest, is_less);
+    at(g).unwrap_or([f64::NAN; 3])
+}
+
+/// On z = a sin(x/l) cos(y/l), nowhere as curved as the tip: `p = centre − r n(p)` from the centre on.
+pub fn on_waves([a, l]: [f64; 2], tip: f64, centre: [f64; 2]) -> [f64; 3] {
+    let mut contact = centre;
+    for _ in 0..100 {
+        let [(sin_x, cos_x), (sin_y, cos_y)] = contact.map(|part| (part / l).sin_cos());
+        let slope = [a / l * cos_x * cos_y, -a / l * sin_x * sin_y];
+        let steep = (1.0 + slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
+        contact = [0, 1].map(|axis| centre[axis] + tip * slope[axis] / steep);
+    }
+    let [x, y] = contact;
+    [x, y, a * (x / l).sin() * (y / l).cos()]
+}
+
+/// The number below which something holds, to the last bit, from below.
+fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    while let middle = 0.5 * (low + high)
+        && low < middle
+        && middle < high
+    {
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLACES: [[f64; 2]; 5] = [[0.0, 0.0], [0.4, 0.0], [0.0, -0.7], [-0.5, 0.6], [1.1, 0.9]];
+
+    /// The contact lies on the object, and the centre a tip's radius along its normal.
+    #[track_caller]
+    fn is_touched(
+        tip: f64,
+        contact: impl Fn([f64; 2]) -> [f64; 3],
+        level: impl Fn([f64; 3]) -> f64,
+        gradient: impl Fn([f64; 3]) -> [f64; 3],
+    ) {
+        for [x, y] in PLACES {
+            let [px, py, pz] = contact([x, y]);
+            let normal = gradient([px, py, pz]);
+            let size = normal.iter().map(|part| part * part).sum::<f64>().sqrt();
+            let off = (px + tip * normal[0] / size - x).hypot(py + tip * normal[1] / size - y);
+            assert!(off < 1e-14, "{x} {y}: {off:e}");
+            let height = level([px, py, pz]);
+            assert!(height.abs() < 1e-14, "{x} {y}: {height:e}");
+            assert!(pz + tip * normal[2] / size > pz, "{x} {y}: from below");
+        }
+    }
+
+    #[test]
+    fn tips_lie_a_radius_along_the_normal() {
+        is_touched(
+            0.5,
+            |centre| on_ball(2.0, 0.5, centre),
+            |[x, y, z]| (x * x + y * y + z * z) / 4.0 - 1.0,
+            |point| point,
+        );
+        for [k, l] in [[-0.3, -0.3], [0.4, -0.4], [0.45, 0.2]] {
+            is_touched(
+                0.8,
+                |centre| on_quadric([k, l], 0.8, centre),
+                |[x, y, z]| z - k * x * x - l * y * y,
+                |[x, y, _]| [-2.0 * k * x, -2.0 * l * y, 1.0],
+            );
+        }
+        for [a, b, c] in [[2.0, 1.5, 1.0], [1.5, 1.5, 3.0]] {
+            is_touched(
+                1.0,
+                |centre| on_ellipsoid([a, b, c], 1.0, centre),
+                |[x, y, z]| (x / a).powi(2) + (y / b).powi(2) + (z / c).powi(2) - 1.0,
+                |[x, y, z]| [x / (a * a), y / (b * b), z / (c * c)],
+            );
+        }
+        is_touched(
+            0.5,
+            |centre| on_waves([0.1, 0.7], 0.5, centre),
+            |[x, y, z]| z - 0.1 * (x / 0.7).sin() * (y / 0.7).cos(),
+            |[x, y, _]| {
+                let [(sin_x, cos_x), (sin_y, cos_y)] = [x, y].map(|part| (part / 0.7).sin_cos());
+                [-cos_x * cos_y / 7.0, sin_x * sin_y / 7.0, 1.0]
+            },
+        );
+    }
+}
