@@ -27,11 +27,11 @@ const COST: Limits = Limits {
     allowed: 0.03,
     floor: 0.0,
 };
-/// Below 1e-13, rounding rules, and every mathematical library rounds its own way.
+/// Below 20 roundings, every mathematical library rounds its own way.
 const ERROR: Limits = Limits {
     what: "error",
     allowed: 0.01,
-    floor: 1e-13,
+    floor: 5e-15,
 };
 
 #[derive(Args)]

@@ -89,7 +89,7 @@ impl Body {
     /// # Errors
     /// [`PressError::BadSetting`] for a `thickness` that is not a length, or a `depth` that is not within it.
     pub fn bonded_layer(thickness: f64, depth: f64) -> Result<Self, PressError> {
-        Self::layer(thickness, depth, Layers::Tables)
+        BondedLayer::new(thickness, depth).map(|layer| Self::layer(layer, Layers::Tables))
     }
 
     /// The same for few contacts, each of which is solved for itself, as [`BondedLayer::solved`] does.
@@ -97,15 +97,18 @@ impl Body {
     /// # Errors
     /// As [`Body::bonded_layer`].
     pub fn solved_layer(thickness: f64, depth: f64) -> Result<Self, PressError> {
-        Self::layer(thickness, depth, Layers::Solved)
+        BondedLayer::new(thickness, depth).map(Self::solved)
     }
 
-    fn layer(thickness: f64, depth: f64, how: Layers) -> Result<Self, PressError> {
-        BondedLayer::new(thickness, depth).map(|layer| {
-            Self(Rung::BondedLayer {
-                layer: Arc::new(layer),
-                how,
-            })
+    /// This layer, for few contacts: as [`Body::solved_layer`], at the layer's own resolution.
+    pub fn solved(layer: BondedLayer) -> Self {
+        Self::layer(layer, Layers::Solved)
+    }
+
+    fn layer(layer: BondedLayer, how: Layers) -> Self {
+        Self(Rung::BondedLayer {
+            layer: Arc::new(layer),
+            how,
         })
     }
 

@@ -1,22 +1,33 @@
 //! The field of a press, and what the estimators make of it.
 
 use anyhow::Result;
-use palpate_press::{Body, BondedLayer};
+use palpate_press::Body;
 
 use super::{Figure, rms};
 use crate::hot::presses::{AT, INDENTATION, OBJECT, SKIN, Told, fit, markers};
+use crate::pressed::{self, Pressed};
 
 const PRESSES: u64 = 20;
+/// Of the layer, mm; and of the markers in it.
+const THICKNESS: f64 = 5.0;
+const DEPTH: f64 = 2.0;
 
 pub(super) fn figures() -> Result<Vec<Figure>> {
     let mut figures = vec![
         Figure::new("press, half-space at its surface", at_the_surface()?),
         Figure::new("press, half-space at depth, on the axis", on_the_axis()?),
-        Figure::new("press, layer from its table", from_the_table()?),
+        Figure::new(
+            "press, layer from its table",
+            of_a_layer(Body::bonded_layer(THICKNESS, DEPTH)?)?,
+        ),
+        Figure::new(
+            "press, layer, solved",
+            of_a_layer(Body::solved_layer(THICKNESS, DEPTH)?)?,
+        ),
     ];
     let bodies = [
         ("half-space", Body::half_space(0.5, 2.0)?),
-        ("layer", Body::bonded_layer(5.0, 2.0)?),
+        ("layer", Body::bonded_layer(THICKNESS, DEPTH)?),
     ];
     for (name, body) in bodies {
         let name = format!("press, {name} fit, object curvature");
@@ -68,20 +79,23 @@ fn on_the_axis() -> Result<f64> {
     Ok((contact.displacement(0.0).normal / expected - 1.0).abs())
 }
 
-/// Against the solved contact, of the largest displacement.
-fn from_the_table() -> Result<f64> {
-    let layer = BondedLayer::new(5.0, 2.0)?;
-    let radius = layer.contact_radius(SKIN)?;
-    let (told, solved) = (layer.contact(radius)?, layer.solved(radius)?);
-    let largest = solved.field(0.0).normal.abs();
-    let off = |marker: i32| {
-        let r = 0.25 * f64::from(marker);
-        let (told, solved) = (told.field(r), solved.field(r));
-        (told.normal - solved.normal)
-            .abs()
-            .max((told.radial - solved.radial).abs())
+/// Against a quadrature over wavenumbers, of the largest displacement; from tables, and solved for itself.
+fn of_a_layer(body: Body) -> Result<f64> {
+    let layer = pressed::Body::Layer {
+        thickness: THICKNESS,
     };
-    Ok((0..77).map(off).fold(0.0, f64::max) / largest)
+    let distances: Vec<f64> = (0..77).map(|marker| 0.25 * f64::from(marker)).collect();
+    let truth = Pressed::new(layer, 1.0 / SKIN, INDENTATION)?;
+    let truth = truth.displacements(DEPTH, &distances)?;
+    let contact = body.press(1.0 / SKIN, INDENTATION)?;
+    let off = distances.iter().zip(&truth).map(|(r, [normal, radial])| {
+        let found = contact.displacement(*r);
+        (found.normal - normal)
+            .abs()
+            .max((found.radial - radial).abs())
+    });
+    let largest = truth.iter().map(|[normal, _]| normal.abs());
+    Ok(off.fold(0.0, f64::max) / largest.fold(0.0, f64::max))
 }
 
 /// Of the object's curvature as fitted, over the curvature of skin and object together.

@@ -10,7 +10,12 @@ use super::trials::{Asked, Choice, Template, at_least_rounding, evaluated, outco
 const CONTACTS: [u32; 4] = [5, 10, 30, 100];
 /// Two-pass takes seconds on more.
 const MOST_OF_TWO_PASS: u32 = 30;
+/// Along each side of the penalised spline.
 const INTERVALS: [u32; 4] = [2, 4, 6, 8];
+/// Contacts of each finger with which these are tried.
+const KNOTTED: [u32; 3] = [10, 30, 100];
+/// Of both passes, which place knots until residuals are so small; 1000 is usual.
+const SMOOTHINGS: [f64; 2] = [300.0, 3000.0];
 /// Places along a side of the map.
 const GRIDS: [u32; 7] = [1, 2, 3, 5, 9, 17, 33];
 /// On which a map is held against the truth.
@@ -82,11 +87,22 @@ pub(super) fn fits() -> Ladder {
             Choice::new(format!("{name}, {points} points"), text).set(f64::from(points))
         }));
     }
-    choices.extend(INTERVALS.map(|intervals| {
-        let estimator = format!(r#"{{ kind = "penalised", intervals = {intervals} }}"#);
-        let name = format!("penalised, {intervals}² cells");
-        Choice::new(name, rung(&estimator, 30, 15)).set(f64::from(intervals))
-    }));
+    for contacts in KNOTTED {
+        choices.extend(INTERVALS.map(|intervals| {
+            let estimator = format!(r#"{{ kind = "penalised", intervals = {intervals} }}"#);
+            let name = format!("penalised, {intervals}² cells, {} points", 3 * contacts);
+            Choice::new(name, rung(&estimator, contacts, 15)).set(f64::from(intervals))
+        }));
+    }
+    for contacts in [10, MOST_OF_TWO_PASS] {
+        choices.extend(SMOOTHINGS.map(|smoothing| {
+            let estimator = format!(
+                r#"{{ kind = "two-pass", smoothing = {smoothing:e}, second_smoothing = {smoothing:e} }}"#
+            );
+            let name = format!("two-pass, S = {smoothing}, {} points", 3 * contacts);
+            Choice::new(name, rung(&estimator, contacts, 15)).set(smoothing)
+        }));
+    }
     let asked = Asked {
         error: |scene, trials| shape_error(scene, trials),
         trials: TRIALS,
@@ -95,7 +111,7 @@ pub(super) fn fits() -> Ladder {
     Ladder {
         name: "fits",
         title: "Which fit, with how many contacts?",
-        error: "rms error of K or H, the larger, over that of the curvedness; fits of 90 points unless named",
+        error: "rms error of K or H, the larger, over that of the curvedness; two-pass only up to 90 points, more take it seconds",
         evaluation: "one trial: readings, fit, and a map of 15 × 15",
         scenes: SCENES
             .iter()

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 
 use anyhow::{Context, Result};
-use palpate_press::{Body, Skin};
+use palpate_press::{Body, BondedLayer, Skin};
 
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::trials::at_least_rounding;
@@ -16,6 +16,15 @@ const POISSON: f64 = 0.5;
 const PLACES: usize = 77;
 /// The farthest of them, mm.
 const REACH: f64 = 20.0;
+
+/// Of contacts that are solved: how many times the usual nodes.
+const RESOLUTIONS: [(&str, f64); 5] = [
+    (" × 1/4", 0.25),
+    (" × 3/8", 0.375),
+    (" × 1/2", 0.5),
+    (" × 3/4", 0.75),
+    ("", 1.0),
+];
 
 /// A press on a layer.
 #[derive(Clone, Copy)]
@@ -82,11 +91,7 @@ impl Press {
             let body = from_table.get_or_init(|| press.layer().ok());
             press.profile(body.as_ref().context("no layer")?)
         };
-        let solved = move || {
-            let body = Body::solved_layer(press.thickness, press.depth)?;
-            press.profile(&body)
-        };
-        let rungs = vec![
+        let mut rungs = vec![
             press.rung("Hertz", solid(0.0), solid(0.0)),
             press.rung("half-space", solid(press.depth), solid(press.depth)),
             press.rung(
@@ -99,8 +104,16 @@ impl Press {
                 move || press.profile(&press.layer()?),
                 move || press.profile(&press.layer()?),
             ),
-            press.rung("layer, solved", solved, solved),
         ];
+        rungs.extend(RESOLUTIONS.map(|(nodes, resolution)| {
+            let solved = move || {
+                let layer = BondedLayer::new(press.thickness, press.depth)?;
+                press.profile(&Body::solved(layer.at_resolution(resolution)?))
+            };
+            press
+                .rung(&format!("layer, solved{nodes}"), solved, solved)
+                .set(resolution)
+        }));
         SceneRungs {
             ease: press.ease,
             scene: press.scene.to_owned(),

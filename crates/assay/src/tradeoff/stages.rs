@@ -87,6 +87,8 @@ const STAGED: [Staged; 3] = [
                 "evaluate",
                 "{ grid = 10, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }",
             ),
+            // Whose cost does not depend on what it is given.
+            ("estimator", r#"{ kind = "quadric" }"#),
         ],
         stages: &[
             ("ideal, a pointed finger", NONE),

@@ -22,6 +22,8 @@ use super::reflection;
 use super::rings::Term;
 use crate::PressError;
 
+/// Wavenumbers for a smooth function alone.
+const SMOOTH: f64 = 48.0;
 /// Coefficients below this share of the largest are rounding.
 const ROUNDING: f64 = 3e-14;
 
@@ -45,22 +47,13 @@ pub(super) struct Pressure {
 }
 
 impl Pressure {
-    /// Solves for the contact of this radius. Everything is good to about 1e-11; nodes between them stand less than
-    /// half the thickness apart.
-    pub(super) fn solve(contact: f64) -> Result<Self, PressError> {
-        Self::solve_finer(contact, 1.0)
-    }
-
-    /// The same with so many times the nodes.
-    pub(super) fn solve_finer(contact: f64, finer: f64) -> Result<Self, PressError> {
+    /// Solves for the contact of this radius. At resolution 1 everything is good to about 1e-11, and nodes stand less
+    /// than half the thickness apart.
+    pub(super) fn solve(contact: f64, resolution: f64) -> Result<Self, PressError> {
         palpate_tally::solved_layer(1);
-        let count = (finer * (16.0 + 5.0 * contact)).ceil() as usize;
+        let count = (resolution * (16.0 + 5.0 * contact)).ceil() as usize;
         let shares = positive_gauss(count);
-        let waves = wavenumbers(
-            reflection::SURFACE_REACH,
-            2.0 * contact,
-            (finer * 24.0).ceil() as usize,
-        );
+        let waves = wavenumbers(reflection::SURFACE_REACH, 2.0 * contact, resolution);
         // Symmetric with the square roots of the weights on either side; positive definite, for g < 1.
         let ripples = DMatrix::from_fn(count, waves.len(), |row, column| {
             let ([share, weight], [k, dk]) = (shares[row], waves[column]);
@@ -158,8 +151,8 @@ fn positive_gauss(count: usize) -> Vec<[f64; 2]> {
 }
 
 /// Wavenumbers and weights on [0, reach] for a smooth decaying function times waves over that distance.
-pub(super) fn wavenumbers(reach: f64, distance: f64, least: usize) -> Vec<[f64; 2]> {
-    let count = (0.27 * reach * distance).ceil() as usize + 2 * least;
+pub(super) fn wavenumbers(reach: f64, distance: f64, resolution: f64) -> Vec<[f64; 2]> {
+    let count = (resolution * (0.27 * reach * distance + SMOOTH)).ceil() as usize;
     let degree = NonZeroUsize::new(count).expect("a least count is positive");
     let half = 0.5 * reach;
     let rule = GaussLegendre::new(degree);
@@ -222,7 +215,7 @@ mod tests {
             (50.0, 1e-8),
         ] {
             let numbers = |finer| {
-                let solved = Pressure::solve_finer(contact, finer).expect("a solvable contact");
+                let solved = Pressure::solve(contact, finer).expect("a solvable contact");
                 [
                     solved.indentation,
                     solved.force,
@@ -242,7 +235,7 @@ mod tests {
     #[test]
     fn half_spaces_have_the_pressure_of_hertz() {
         let contact = 1e-10;
-        let solved = Pressure::solve(contact).expect("a solvable contact");
+        let solved = Pressure::solve(contact, 1.0).expect("a solvable contact");
         let half_space = [
             (solved.indentation, contact * contact),
             (solved.slope, 2.0 * contact),

@@ -64,7 +64,7 @@ impl Table {
             .collect();
         let mut pressures = Vec::new();
         for contact in nodes(range) {
-            pressures.push(Pressure::solve(contact)?);
+            pressures.push(Pressure::solve(contact, 1.0)?);
         }
         let terms = pressures.iter().map(terms).max().unwrap_or(1);
         let mut bessels = Vec::new();
@@ -75,6 +75,7 @@ impl Table {
                 pressure,
                 depth,
                 range[1] + panels[panels.len() - 1] - pressure.contact,
+                1.0,
             );
             if bessels.is_empty() {
                 bessels = distances

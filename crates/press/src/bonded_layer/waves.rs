@@ -9,8 +9,6 @@ use crate::Field;
 /// So many thicknesses beyond the contact's edge the layer moves by less than 1e-9 of its most: it falls off as
 /// e^{−0.739 r}, where cos 0.739 = 0.739.
 pub(super) const BEYOND: f64 = 30.0;
-/// Wavenumbers for a smooth function alone.
-const LEAST: usize = 24;
 
 /// Distances up to which the sums are good, the shortest; each following one reaches twice as far.
 const NEAR: f64 = 4.0;
@@ -20,6 +18,7 @@ const NEAR: f64 = 4.0;
 pub(super) struct Waves {
     pressure: Pressure,
     depth: f64,
+    resolution: f64,
     /// Sums for short distances first, each made when first needed.
     bands: Vec<OnceLock<Vec<Wave>>>,
 }
@@ -35,10 +34,10 @@ pub(super) struct Wave {
 }
 
 impl Wave {
-    /// Every wavenumber that the base reflects from this pressure, close enough for distances up to `reach`.
-    pub(super) fn all(pressure: &Pressure, depth: f64, reach: f64) -> Vec<Self> {
+    /// Every wavenumber that the base reflects from this pressure, close enough for distances up to `reach` at resolution 1.
+    pub(super) fn all(pressure: &Pressure, depth: f64, reach: f64, resolution: f64) -> Vec<Self> {
         let distance = pressure.contact + reach;
-        let nodes = wavenumbers(reflection::reach(depth), distance, LEAST);
+        let nodes = wavenumbers(reflection::reach(depth), distance, resolution);
         let waves = nodes.into_iter().map(|[wavenumber, weight]| {
             let [curved, flat] = pressure.transform(wavenumber);
             let share = reflection::at_depth(wavenumber, depth);
@@ -53,11 +52,12 @@ impl Wave {
 }
 
 impl Waves {
-    pub(super) fn new(pressure: Pressure, depth: f64) -> Self {
+    pub(super) fn new(pressure: Pressure, depth: f64, resolution: f64) -> Self {
         let count = ((pressure.contact + BEYOND) / NEAR).log2().ceil() as usize + 1;
         Self {
             pressure,
             depth,
+            resolution,
             bands: vec![OnceLock::new(); count],
         }
     }
@@ -73,7 +73,8 @@ impl Waves {
         let Some((waves, reach)) = band else {
             return Field::default();
         };
-        let waves = waves.get_or_init(|| Wave::all(&self.pressure, self.depth, reach));
+        let waves =
+            waves.get_or_init(|| Wave::all(&self.pressure, self.depth, reach, self.resolution));
         let mut field = Field::default();
         for wave in waves {
             let k = wave.wavenumber;

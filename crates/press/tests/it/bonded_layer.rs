@@ -337,3 +337,23 @@ fn a_layer_that_is_solved_presses_like_one_with_tables() {
         }
     }
 }
+
+#[test]
+fn a_finer_resolution_errs_less_and_unusual_ones_are_refused() {
+    let layer = |resolution: f64| BondedLayer::new(5.0, 2.0)?.at_resolution(resolution);
+    let field = |resolution: f64| {
+        let field = layer(resolution).unwrap().solved(4.0).unwrap().field(3.0);
+        [field.normal, field.radial]
+    };
+    let finest = field(2.0);
+    let off = |resolution: f64| {
+        let pairs = field(resolution).into_iter().zip(finest);
+        pairs.fold(0.0, |most: f64, (one, best)| most.max((one - best).abs()))
+    };
+    let errors = [0.125, 0.25, 0.5, 1.0].map(off);
+    assert!(errors.is_sorted_by(|a, b| a > b), "{errors:?}");
+    assert!(errors[0] > 1e-4 && errors[3] < 1e-9, "{errors:?}");
+    for bad in [f64::NAN, f64::INFINITY, -1.0, 0.0, 0.06, 16.1] {
+        assert!(layer(bad).is_err(), "{bad}");
+    }
+}

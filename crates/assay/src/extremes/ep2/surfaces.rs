@@ -164,6 +164,27 @@ pub(super) fn cases() -> Vec<Case> {
                 move || mapped(method, side),
             ));
         }
+        for side in [1, 2, 300] {
+            cases.push(Case::value(
+                "ep2::Fit::curvatures",
+                format!(
+                    "{method}, grid of {side} × {side}: of the principal curvatures on the map"
+                ),
+                move || {
+                    let fit = Paraboloid::PLAIN.fit(method)?;
+                    let (found, map) = (fit.curvatures(side)?, fit.map(side)?);
+                    let pairs = found.iter().zip(&map).flat_map(|(found, point)| {
+                        [
+                            (found.gaussian, point.k_min * point.k_max),
+                            (found.mean, 0.5 * (point.k_min + point.k_max)),
+                        ]
+                    });
+                    Ok::<_, Ep2Error>(
+                        Answer::all_at_scale(pairs.collect::<Vec<_>>(), 1.0).within(1e-12),
+                    )
+                },
+            ));
+        }
         for side in [1 << 20, usize::MAX] {
             cases.push(Case::refusal(
                 "ep2::Fit::map",

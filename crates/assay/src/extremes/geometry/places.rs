@@ -78,6 +78,19 @@ fn poles(radius: f64) -> Vec<Case> {
             asked.into_iter().find(Result::is_ok).unwrap_or(first)
         },
     ));
+    for u in [0.0, 1.0, FRAC_PI_2 - 1e-8] {
+        let input = format!("radius {radius:e}, {u:e} rad from the equator");
+        cases.push(Case::value(
+            "geometry::Dish::chart_geometry",
+            input,
+            move || {
+                let dish = Dish::new(radius).expect(MADE);
+                let form = dish.chart_geometry(Parameters::new(u, 0.7))?.curvature;
+                let pairs = [(form.k_uu, -1.0 / radius), (form.k_vv, -1.0 / radius)];
+                Ok::<_, SurfaceError>(Answer::all_near(pairs).within(1e-15).also([form.k_uv]))
+            },
+        ));
+    }
     cases
 }
 
@@ -95,6 +108,17 @@ fn rims(radius: f64) -> Vec<Case> {
             Ok::<_, SurfaceError>(answer.also([found.x, found.y]))
         })
     });
+    let of_cylinders = short.map(|short| {
+        let input = format!("radius {radius:e}, {short:e} of it from where it is steep");
+        Case::value("geometry::Cylinder::contact_at", input, move || {
+            let y = radius * (1.0 - short);
+            let rest = (Precise::new(radius) - y) * (Precise::new(radius) + y);
+            let cylinder = Cylinder::new(radius, 0.0).expect(MADE);
+            let found = cylinder.contact_at(3.0 * radius, y)?;
+            let answer = Answer::near(found.z, rest.sqrt().to_f64()).within(1e-15);
+            Ok::<_, SurfaceError>(answer.also([found.x, found.y]))
+        })
+    });
     let beside = Case::refusal(
         "geometry::Cylinder::contact_at",
         format!("radius {radius:e}, just beside it"),
@@ -103,14 +127,48 @@ fn rims(radius: f64) -> Vec<Case> {
             cylinder.contact_at(0.0, radius.next_up())
         },
     );
-    inside.into_iter().chain([beside]).collect()
+    inside
+        .into_iter()
+        .chain(of_cylinders)
+        .chain([beside])
+        .collect()
 }
 
-/// At a centre, on an axis, there is neither a normal nor a closest point.
-fn centres(size: f64) -> [Case; 2] {
+/// Normals and curvatures at a top; at a centre, on an axis, there are none.
+fn centres(size: f64) -> Vec<Case> {
     let ellipsoid = Ellipsoid::new([size, 2.0 * size, 3.0 * size]).expect(MADE);
     let torus = Torus::new(size, 0.3 * size).expect(MADE);
-    [
+    vec![
+        Case::value(
+            "geometry::Ellipsoid::level_set",
+            format!("size {size:e}, at its top"),
+            move || {
+                let ellipsoid = Ellipsoid::new([size, 2.0 * size, 3.0 * size]).expect(MADE);
+                let found = ellipsoid.level_set(&Point3::new(0.0, 0.0, 3.0 * size))?;
+                // c/a² and c/b².
+                let pairs = [
+                    (found.second_form.m11 * size, 3.0),
+                    (found.second_form.m22 * size, 0.75),
+                    (found.normal.z, 1.0),
+                ];
+                Ok::<_, SurfaceError>(Answer::all_near(pairs).within(1e-15))
+            },
+        ),
+        Case::value(
+            "geometry::Torus::level_set",
+            format!("size {size:e}, on its outer equator"),
+            move || {
+                let torus = Torus::new(size, 0.25 * size).expect(MADE);
+                let found = torus.level_set(&Point3::new(1.25 * size, 0.0, 0.0))?;
+                // 1/(R + r) along the equator, 1/r across it.
+                let pairs = [
+                    (found.second_form.m22 * size, 0.8),
+                    (found.second_form.m33 * size, 4.0),
+                    (found.normal.x, 1.0),
+                ];
+                Ok::<_, SurfaceError>(Answer::all_near(pairs).within(2e-15))
+            },
+        ),
         Case::refusal(
             "geometry::Ellipsoid::level_set",
             format!("size {size:e}, at its centre"),
