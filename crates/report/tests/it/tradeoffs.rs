@@ -55,8 +55,28 @@ fn a_picture_names_the_front_and_nothing_else() {
     ] {
         assert!(svg.contains(text), "{text}");
     }
-    // Beaten on the easy scene, on the front of the hard one.
+    // Beaten on the easy scene, where it is a title only; on the front of the hard one.
     assert_eq!(svg.matches("RK4 × 1\n").count(), 1, "{svg}");
+    assert_eq!(svg.matches("><title>RK4 × 1</title></circle>").count(), 1);
+    assert_eq!(svg.matches("<title>").count(), 1);
+    assert!(!svg.contains("off the scale"));
+}
+
+#[test]
+fn a_rung_off_the_scale_is_shown_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    fill(folder.path());
+    let rungs = RUNGS.replace(",1e-3,", ",345.6,").replace(",0.2,", ",12,");
+    fs::write(folder.path().join("rungs.csv"), rungs).unwrap();
+    let files = draw_tradeoff(folder.path()).unwrap();
+    let svg = fs::read_to_string(&files[0]).unwrap();
+    for text in [
+        "triangles: off the scale, more than 10",
+        "><title>RK4 × 1, errs by 346</title></polygon>",
+        "RK4 × 1, errs by 12\n",
+    ] {
+        assert!(svg.contains(text), "{text}\n{svg}");
+    }
 }
 
 #[test]
