@@ -1,6 +1,7 @@
 //! The README's commands, which must work as they are printed.
 
 use std::env;
+use std::ffi::OsString;
 use std::fs;
 use std::path::Path;
 
@@ -12,6 +13,8 @@ use crate::{Cli, palpate};
 
 /// What a reader of the README has at hand; commands may write beside it.
 const COPIED: [&str; 3] = ["sim-configs", "examples", "results"];
+/// Where commands write, which git ignores.
+const OUTPUT: &str = "out";
 
 /// Runs the commands of the `sh` blocks in a copy of the repository's inputs, `palpate` on the path.
 ///
@@ -38,7 +41,18 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     for command in commands(&readme) {
         run(&sandbox, &command).with_context(|| format!("README.md: `{command}`"))?;
     }
-    Ok(())
+    match strays(directory.path())?.as_slice() {
+        [] => Ok(()),
+        strays => bail!("README.md: its commands leave {strays:?} outside {OUTPUT}/"),
+    }
+}
+
+/// What lies beside the inputs and the ignored directory of outputs.
+fn strays(directory: &Path) -> Result<Vec<OsString>> {
+    let names = fs::read_dir(directory)?.map(|entry| Ok(entry?.file_name()));
+    let mut names: Vec<OsString> = names.collect::<Result<_>>()?;
+    names.retain(|name| name != OUTPUT && !COPIED.iter().any(|copied| name == copied));
+    Ok(names)
 }
 
 fn run(sandbox: &Shell, command: &str) -> Result<()> {
@@ -142,6 +156,15 @@ palpate untagged
         assert!(run(&shell, "cargo xtask reproduce some-study --quick --check").is_ok());
         assert!(run(&shell, "cargo xtask reprodcue").is_err());
         assert!(run(&shell, "cargo xtask reproduce --fast").is_err());
+    }
+
+    #[test]
+    fn files_beside_inputs_and_outputs_are_strays() {
+        let directory = tempfile::tempdir().unwrap();
+        for name in ["examples", "out", "mine.toml"] {
+            fs::create_dir(directory.path().join(name)).unwrap();
+        }
+        assert_eq!(strays(directory.path()).unwrap(), ["mine.toml"]);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use xshell::{Shell, cmd};
 use crate::palpate;
 
 const RESULTS: &str = "results/tradeoff";
+const PROMISE: &str = "promise.csv";
 
 #[derive(Args)]
 pub(crate) struct Options {
@@ -43,8 +44,11 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
         .quiet()
         .ignore_stdout()
         .run()?;
+    let judged = judge(shell, &assay, &fresh.join(PROMISE));
+    keep(PROMISE, &fresh, &out)?;
     replace(&fresh, &out)?;
-    judge(shell, &assay, &out.join("promise.csv"))?;
+    // A promise that is broken stands in the tables, too.
+    judged?;
     println!(
         "{}: {:.1} s; `cargo xtask reproduce` puts it on the page",
         out.display(),
@@ -91,12 +95,24 @@ fn measure(shell: &Shell, assay: &Path, out: &Path, quick: bool) -> Result<()> {
 fn judge(shell: &Shell, assay: &Path, promise: &Path) -> Result<()> {
     let valgrind = cmd!(shell, "valgrind --version").quiet().ignore_stdout();
     if valgrind.ignore_stderr().run().is_err() {
-        println!("valgrind is missing: what `auto` promises is not judged");
+        println!(
+            "valgrind is missing: what `auto` promises is not judged; {PROMISE} stays as it was"
+        );
         return Ok(());
     }
     cmd!(shell, "{assay} promise --out {promise}")
         .quiet()
         .run()?;
+    Ok(())
+}
+
+/// Where a fresh folder lacks a file, it gets the one of the folder whose place it is to take, if there is one.
+fn keep(name: &str, fresh: &Path, out: &Path) -> Result<()> {
+    let (missing, known) = (fresh.join(name), out.join(name));
+    if !missing.exists() && known.exists() {
+        std::fs::copy(&known, &missing)
+            .with_context(|| format!("cannot copy {}", known.display()))?;
+    }
     Ok(())
 }
 
@@ -113,6 +129,23 @@ fn replace(fresh: &Path, out: &Path) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_not_judged_again_is_kept() {
+        let parent = tempfile::tempdir().unwrap();
+        let [out, fresh] = ["tradeoff", "fresh"].map(|name| parent.path().join(name));
+        let promise = |folder: &Path| std::fs::read_to_string(folder.join(PROMISE)).ok();
+        std::fs::create_dir(&fresh).unwrap();
+        keep(PROMISE, &fresh, &out).unwrap();
+        assert_eq!(promise(&fresh), None);
+        std::fs::create_dir(&out).unwrap();
+        std::fs::write(out.join(PROMISE), "known").unwrap();
+        keep(PROMISE, &fresh, &out).unwrap();
+        assert_eq!(promise(&fresh).as_deref(), Some("known"));
+        std::fs::write(fresh.join(PROMISE), "judged").unwrap();
+        keep(PROMISE, &fresh, &out).unwrap();
+        assert_eq!(promise(&fresh).as_deref(), Some("judged"));
+    }
 
     #[test]
     fn a_fresh_folder_takes_the_place_of_the_old_one() {

@@ -9,7 +9,7 @@ use palpate_scene::config::{self, Study};
 use palpate_sweep::Cell;
 
 use crate::cli::RunArgs;
-use crate::duration::{roughly, two_digits};
+use crate::duration::{exact, roughly, two_digits};
 use crate::failure::Failure;
 use crate::pace::{self, Pace};
 use crate::pilot::{Need, Pilot};
@@ -202,6 +202,7 @@ impl Chooser<'_> {
             .collect();
         match (failing.first(), self.target) {
             (Some((cell, failed)), Some(target)) if failing.len() == random.len() => {
+                let target = exact(target);
                 let message =
                     format!("--target-error {target}: {failed}, which leaves no error to tell");
                 Err(Failure::usage(study.error_at(*cell, "scene", message)))
@@ -275,6 +276,7 @@ impl Chooser<'_> {
                 false => "",
             };
             let reached = target * (need.trials / MOST_FOR_TARGET).sqrt();
+            let target = exact(target);
             let message = format!(
                 "--target-error {target}: the rms error of {what} needs about {:.1e} trials, and at most \
                  {MOST_FOR_TARGET:.0e} are taken, which reach {reached:.1e}{tails}",
@@ -319,8 +321,9 @@ impl Chooser<'_> {
     fn does_not_fit(&self, budget: Duration, least_s: f64) -> Failure {
         let budget_s = budget.as_secs_f64();
         Failure::usage(anyhow!(
-            "--budget: one trial of each cell does not fit into {budget_s} s; the least is about {} on {} threads, \
+            "--budget: one trial of each cell does not fit into {} s; the least is about {} on {} threads, \
              planning included",
+            exact(budget_s),
             roughly(1.1 * least_s.max(budget_s)),
             self.threads
         ))

@@ -140,7 +140,11 @@ fn models(
         }
         match &ladder {
             Some(ladder) => {
-                let _ = writeln!(text, "    rungs of the model, in cell {cell}");
+                let error_of = ladder::error_of(ladder);
+                let _ = writeln!(
+                    text,
+                    "    rungs of the model, in cell {cell}; errors: {error_of}"
+                );
                 for line in ladder::lines(bare, *cell, ladder, deadline) {
                     let _ = writeln!(text, "      {line}");
                 }

@@ -43,7 +43,9 @@ model. They are written to run.toml before the first trial: `palpate run` of tha
 clock nor a pilot, and gives the same bytes.
 
 A run that is interrupted leaves run.toml and no tables. Where the directory has tables of another
-config, they and their run.toml stay until the run is done; meanwhile its config is next-run.toml.")]
+config, they and their run.toml stay until the run is done; meanwhile its config is next-run.toml.
+What palpate did not write is not replaced: where the directory has a run.toml by hand, or tables
+without one, the run is refused.")]
     Run(RunArgs),
     /// Follow one pass of a scene: writes trace.csv (truth) and readings.csv (what `estimate` accepts).
     #[command(after_help = "Examples:
@@ -291,10 +293,13 @@ fn not_negative(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A smaller target error asks for more trials than are counted.
+const SMALLEST_SHARE: f64 = 1e-9;
+
 fn share(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(number) if number > 0.0 && number < 1.0 => Ok(number),
-        Ok(_) => Err(format!("must be > 0 and < 1, is {text}")),
+        Ok(number) if (SMALLEST_SHARE..1.0).contains(&number) => Ok(number),
+        Ok(_) => Err(format!("must be >= {SMALLEST_SHARE:e} and < 1, is {text}")),
         Err(_) => Err("is not a number".to_owned()),
     }
 }

@@ -4,8 +4,11 @@ use std::time::Duration;
 
 /// Seconds in the unit that each suffix stands for.
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
-/// Longer than anybody waits, and far within a [`Duration`].
+/// Longer than anybody waits, and far within a [`Duration`], which counts nanoseconds.
 const LONGEST_S: f64 = 1e10;
+const SHORTEST_S: f64 = 1e-9;
+/// Numbers outside have an exponent.
+const PLAIN: std::ops::Range<f64> = 1e-4..1e6;
 
 /// Reads `30s`, `5m`, `1.5h`, or plain seconds.
 pub(crate) fn parse(text: &str) -> Result<Duration, String> {
@@ -18,11 +21,11 @@ pub(crate) fn parse(text: &str) -> Result<Duration, String> {
         .parse()
         .map_err(|_| "is no duration; write 30s, 5m or 1.5h".to_owned())?;
     let seconds = number * unit;
-    if seconds > 0.0 && seconds <= LONGEST_S {
+    if (SHORTEST_S..=LONGEST_S).contains(&seconds) {
         Ok(Duration::from_secs_f64(seconds))
     } else {
         Err(format!(
-            "must be > 0 and at most {LONGEST_S:e} seconds, is {text}"
+            "must be from {SHORTEST_S:e} to {LONGEST_S:e} seconds, is {text}"
         ))
     }
 }
@@ -49,8 +52,17 @@ pub(crate) fn short(seconds: f64) -> String {
 }
 
 /// A number to two digits.
-pub(crate) fn two_digits(number: f64) -> f64 {
-    format!("{number:.1e}").parse().unwrap_or(number)
+pub(crate) fn two_digits(number: f64) -> String {
+    exact(format!("{number:.1e}").parse().unwrap_or(number))
+}
+
+/// A number to its last digit; a very small or large one with an exponent.
+pub(crate) fn exact(number: f64) -> String {
+    if number == 0.0 || PLAIN.contains(&number.abs()) {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
 }
 
 #[cfg(test)]
@@ -85,9 +97,26 @@ mod tests {
     }
 
     #[test]
+    fn small_and_large_numbers_have_an_exponent() {
+        for (number, whole, short) in [
+            (0.0, "0", "0"),
+            (1.26, "1.26", "1.3"),
+            (123_456.0, "123456", "120000"),
+            (1.26e-300, "1.26e-300", "1.3e-300"),
+            (1.26e300, "1.26e300", "1.3e300"),
+        ] {
+            assert_eq!(
+                (exact(number).as_str(), two_digits(number).as_str()),
+                (whole, short)
+            );
+        }
+    }
+
+    #[test]
     fn what_is_no_duration() {
         for text in [
             "", "s", "0s", "-3s", "nan", "nans", "inf", "1e400s", "-0", "3d", "1h30m", "1e-400s",
+            "1e-300s", "9e-10",
         ] {
             assert!(parse(text).is_err(), "{text}");
         }

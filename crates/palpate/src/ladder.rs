@@ -1,25 +1,35 @@
 //! The ladder of a cell in words: the rung that is taken, and what its neighbours would cost and err.
 
-use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 use palpate_scene::config::{ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study};
-use palpate_scene::{Ladder, Rung, Scene};
-use palpate_sweep::Cell;
+use palpate_scene::{Ladder, RollScene, Rung, Scene};
 
 use crate::duration;
-use crate::pace::Pace;
 use crate::trial::SceneTrial;
 
-/// How long the trials of a rung are timed.
-const TIMING: Duration = Duration::from_millis(10);
+/// How long a rung is timed.
+const TIMING: Duration = Duration::from_millis(12);
+/// Trials of a roll that are timed at once: enough that the clock's own time is nothing.
+const MOST_AT_ONCE: u64 = 64;
 
-/// What a rung costs.
-struct Cost {
-    /// Each trial of a roll follows its contacts.
-    trial_s: Option<f64>,
+/// What a rung costs, in seconds: the least that was measured, for what else the machine does only adds.
+enum Cost {
+    /// Each trial of a roll follows its contacts; without the statistics.
+    EachTrial(f64),
     /// Contacts of a glide and markers of a press are computed once.
-    setting_up_s: f64,
+    SettingUp(f64),
+}
+
+/// What the errors of the rungs are of, and relative to what.
+pub(crate) fn error_of(ladder: &Ladder) -> &'static str {
+    match ladder.taken().model {
+        ModelConfig::Roll(_) => {
+            "places of the contacts at the end, relative to the first contact's length scale"
+        }
+        ModelConfig::Glide(_) => "places of contacts, relative to the tip's radius",
+        ModelConfig::Press(_) => "displacements of markers, relative to the largest",
+    }
 }
 
 /// The rung of a cell, why it is taken, and the next ones up and down; nothing of a scene that has no ladder. Costs are
@@ -70,44 +80,71 @@ fn cost(study: &Study, cell: usize, rung: &Rung, deadline: Instant) -> Option<Co
         return None;
     }
     // Once to fill caches and tables.
-    study.with_model(cell, rung).ok()?;
-    let start = Instant::now();
-    let trial = SceneTrial(study.with_model(cell, rung).ok()?);
-    let setting_up_s = start.elapsed().as_secs_f64();
-    if !matches!(trial.0, Scene::Roll(_)) {
-        return Some(Cost {
-            trial_s: None,
-            setting_up_s,
-        });
-    }
-    let timed = Cell {
-        trials: u64::MAX,
-        trial: &trial,
+    let scene = study.with_model(cell, rung).ok()?;
+    let Scene::Roll(roll) = &scene else {
+        let timed = || {
+            let start = Instant::now();
+            std::hint::black_box(study.with_model(cell, rung).ok()?);
+            Some(start.elapsed().as_secs_f64())
+        };
+        return least(timed).map(Cost::SettingUp);
     };
-    let pace = Pace::of(&[timed], NonZeroUsize::MIN, TIMING).ok()?;
-    Some(Cost {
-        trial_s: Some(pace.seconds_per_trial(0)),
-        setting_up_s,
-    })
+    let mut trials = 1;
+    let timed = || {
+        let start = Instant::now();
+        run(roll, trials);
+        let seconds = start.elapsed().as_secs_f64() / trials as f64;
+        trials = (2 * trials).min(MOST_AT_ONCE);
+        Some(seconds)
+    };
+    least(timed).map(Cost::EachTrial)
+}
+
+/// As the runner has them: side by side where that goes.
+fn run(roll: &RollScene, trials: u64) {
+    let mut trial = 0;
+    while trial < trials {
+        trial += roll.side_by_side(trial..trials, |observed| {
+            std::hint::black_box(observed);
+            true
+        });
+        if trial < trials {
+            // A trial that fails takes its time, too.
+            let _ = std::hint::black_box(roll.outcomes(trial));
+            trial += 1;
+        }
+    }
+}
+
+/// The least of what is measured within about [`TIMING`]; once at least.
+fn least(mut measured: impl FnMut() -> Option<f64>) -> Option<f64> {
+    let start = Instant::now();
+    let mut least = measured()?;
+    while start.elapsed() < TIMING {
+        least = least.min(measured()?);
+    }
+    Some(least)
 }
 
 impl Cost {
+    fn seconds(&self) -> f64 {
+        let (Self::EachTrial(seconds) | Self::SettingUp(seconds)) = self;
+        *seconds
+    }
+
     fn told(&self) -> String {
-        let setting_up = duration::short(self.setting_up_s);
-        match self.trial_s {
-            Some(trial) => format!(", {} per trial", duration::short(trial)),
-            None => format!(", {setting_up} once for all trials"),
+        let seconds = duration::short(self.seconds());
+        match self {
+            Self::EachTrial(_) => format!(", {seconds} per trial"),
+            Self::SettingUp(_) => format!(", {seconds} once for all trials"),
         }
     }
 
     /// With the ratio to the rung that is taken.
     fn beside(&self, taken: Option<&Self>) -> String {
-        let seconds = |cost: &Self| cost.trial_s.unwrap_or(cost.setting_up_s);
         let ratio = taken.map(|taken| {
-            format!(
-                " ({} x)",
-                duration::two_digits(seconds(self) / seconds(taken))
-            )
+            let ratio = self.seconds() / taken.seconds();
+            format!(" ({} x)", duration::two_digits(ratio))
         });
         self.told() + &ratio.unwrap_or_default()
     }
@@ -139,4 +176,27 @@ pub(crate) fn not_needed(
     .filter_map(|(needs, what)| (!needs).then_some(what))
     .collect();
     (!needless.is_empty()).then(|| format!("needs no {}", needless.join(", no ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_of_several_counts() {
+        let mut samples = [3.0, 1.0, 2.0].into_iter().chain(std::iter::repeat(4.0));
+        assert_eq!(least(|| samples.next()), Some(1.0));
+    }
+
+    #[test]
+    fn what_takes_long_is_measured_once() {
+        let mut times = 0;
+        let slow = || {
+            std::thread::sleep(TIMING);
+            times += 1;
+            Some(1.0)
+        };
+        assert_eq!((least(slow), times), (Some(1.0), 1));
+        assert_eq!(least(|| None), None);
+    }
 }

@@ -11,6 +11,7 @@ mod cli;
 mod duration;
 mod estimate;
 mod failure;
+mod foreign;
 mod ladder;
 mod output;
 mod pace;

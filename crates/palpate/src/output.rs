@@ -3,7 +3,7 @@
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-use anyhow::{Context, Error};
+use anyhow::{Context, Error, anyhow};
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
@@ -11,7 +11,7 @@ use crate::failure::Failure;
 /// What a run's config is called beside its tables.
 pub(crate) const CONFIG: &str = "run.toml";
 /// What it is called while there are tables of another config.
-const NEXT_CONFIG: &str = "next-run.toml";
+pub(crate) const NEXT_CONFIG: &str = "next-run.toml";
 /// The table without which there are no results.
 const TABLE: &str = "cells.csv";
 
@@ -29,6 +29,12 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 /// Makes `dir` if it is missing, and sees that files can be written there: before the work, not
 /// after it.
 pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
+    if let Some(file) = dir.ancestors().find(|place| place.is_file()) {
+        let (dir, file) = (dir.display(), file.display());
+        return Err(Failure::work(anyhow!(
+            "cannot make the directory {dir}: {file} is a file"
+        )));
+    }
     std::fs::create_dir_all(dir)
         .with_context(|| format!("cannot make the directory {}", dir.display()))
         .and_then(|()| {

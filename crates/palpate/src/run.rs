@@ -15,8 +15,16 @@ use crate::cli::RunArgs;
 use crate::failure::Failure;
 use crate::tables::{self, Ran};
 use crate::trial::SceneTrial;
-use crate::{output, progress};
+use crate::{foreign, output, progress};
 
+/// What is written.
+const CELLS: &str = "cells.csv";
+const FAILURES: &str = "failures.csv";
+const TRACE: &str = "trace.csv";
+const READINGS: &str = "readings.csv";
+const MARKERS: &str = "markers.csv";
+const FRAMES: [&str; 2] = ["rest.png", "pressed.png"];
+const MAP: &str = "map.csv";
 /// More threads than this only cost their setting up.
 const MOST_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
@@ -31,6 +39,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             .override_trials(trials.get())
             .map_err(Failure::usage)?;
     }
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("out").join(&study.config.name));
+    foreign::refuse(&out, &tables_of(&study))?;
     let numbers: Vec<usize> = (0..study.cells.len())
         .step_by(args.every_nth_cell.get())
         .collect();
@@ -50,10 +63,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         })
         .collect();
 
-    let out = args
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(&study.config.name));
     output::make_directory(&out)?;
     // Before the work, which would be lost where there is no pass to follow.
     let traced = study.config.outputs.contains(&Output::Trace);
@@ -88,24 +97,37 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         .collect();
     let mut files: Vec<(&str, Vec<u8>)> = vec![
         (
-            "cells.csv",
+            CELLS,
             tables::cells(&study, &ran).map_err(Failure::work)?.into(),
         ),
         (
-            "failures.csv",
+            FAILURES,
             tables::failures(&ran).map_err(Failure::work)?.into(),
         ),
         (output::CONFIG, config.into()),
     ];
     files.extend(traced.into_iter().flat_map(|traced| traced.files));
     if study.config.outputs.contains(&Output::Map) {
-        files.push(("map.csv", maps(&study, &ran).into()));
+        files.push((MAP, maps(&study, &ran).into()));
     }
     let written = output::write_files(&out, &files);
     let ended = output::end(&out);
     written?;
     ended?;
     output::print(&summary(&study, &ran, &out))
+}
+
+/// All that a run of the study may write beside its config.
+fn tables_of(study: &Study) -> Vec<&'static str> {
+    let mut names = vec![CELLS, FAILURES];
+    if study.config.outputs.contains(&Output::Trace) {
+        names.extend([TRACE, READINGS, MARKERS]);
+        names.extend(FRAMES);
+    }
+    if study.config.outputs.contains(&Output::Map) {
+        names.push(MAP);
+    }
+    names
 }
 
 fn scenes(study: &Study, numbers: &[usize]) -> Result<Vec<SceneTrial>, Failure> {
@@ -220,16 +242,13 @@ pub(crate) fn trace_files(
         }
     };
     let mut files = vec![
-        ("trace.csv", contacts.to_csv().into_bytes()),
-        ("readings.csv", readings.to_csv().into_bytes()),
+        (TRACE, contacts.to_csv().into_bytes()),
+        (READINGS, readings.to_csv().into_bytes()),
     ];
     let is_seen = seen.is_some();
     if let Some(seen) = seen {
-        files.push(("markers.csv", seen.markers.to_csv().into_bytes()));
-        for (name, frame) in ["rest.png", "pressed.png"]
-            .into_iter()
-            .zip(seen.frames.iter().flatten())
-        {
+        files.push((MARKERS, seen.markers.to_csv().into_bytes()));
+        for (name, frame) in FRAMES.into_iter().zip(seen.frames.iter().flatten()) {
             files.push((name, output::png(frame)?));
         }
     }

@@ -1,4 +1,9 @@
-//! What was measured of speed against accuracy: `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv` of one folder.
+//! What was measured of speed against accuracy: `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv` of one folder,
+//! and what was judged of `auto`: `promise.csv`, which may be absent.
+
+mod promise;
+
+pub(crate) use promise::Promise;
 
 use crate::ReportError;
 use crate::records::Columns;
@@ -9,6 +14,8 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tradeoff {
     pub(crate) ladders: Vec<Ladder>,
+    /// Of each kind of scene; none where nothing was judged.
+    pub(crate) promises: Vec<Promise>,
     /// Whether instructions are counted, of every rung.
     pub(crate) counted: bool,
     /// What was measured on, in words.
@@ -63,8 +70,10 @@ impl Tradeoff {
     /// Reads the tables of a folder.
     ///
     /// # Errors
-    /// A table is absent or malformed, or a cost or an error is not positive.
+    /// A table but `promise.csv` is absent, or one is malformed, or a cost or an error is not positive.
     pub(crate) fn read(dir: &Path) -> Result<Self, ReportError> {
+        let judged = Some(dir.join("promise.csv")).filter(|path| path.exists());
+        let promises = judged.map_or(Ok(Vec::new()), |path| promise::read(&path))?;
         let (rungs, counted) = rungs(&dir.join("rungs.csv"))?;
         let answers = answers(&dir.join("answers.csv"))?;
         let of = |ladder: &str, ease: &str| {
@@ -120,6 +129,7 @@ impl Tradeoff {
         };
         Ok(Self {
             ladders,
+            promises,
             counted,
             machine,
         })

@@ -122,12 +122,12 @@ impl Comparison {
             .any(|(_, change)| matches!(change, Change::Worse | Change::New | Change::Missing))
     }
 
-    /// Whether a figure that was there before is another now: by more than the digits that the baseline has, and than the
-    /// floor.
+    /// Whether a figure is another now, by more than the digits that the baseline has and than the floor; or came, or
+    /// went, as where a name changes with its figure.
     pub(crate) fn alters(&self) -> bool {
-        self.before.0.iter().any(|(name, before)| {
-            let Some(now) = self.now.get(name) else {
-                return false;
+        self.changes().any(|(name, _)| {
+            let Some((before, now)) = self.before.get(name).zip(self.now.get(name)) else {
+                return true;
             };
             (now - before).abs() > (1e-5 * before).max(self.limits.floor)
         })
@@ -231,7 +231,7 @@ mod tests {
     fn what_is_new_or_missing_is_named_and_fails() {
         let before = figures(&[("a", 1.0), ("b", 2.0)]);
         let comparison = Comparison::new(&COST, before, figures(&[("a", 1.0), ("c", 3.0)]));
-        assert!(comparison.fails() && !comparison.alters());
+        assert!(comparison.fails());
         let text = comparison.render();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 3, "{text}");
@@ -265,6 +265,18 @@ mod tests {
         assert!(alters(0.1, 0.05));
         assert!(!alters(0.1, 0.1 + 1e-7));
         assert!(!alters(1e-15, 5e-14));
+    }
+
+    #[test]
+    fn figures_that_come_or_go_are_alterations() {
+        let alters = |before: &[(&str, f64)], now: &[(&str, f64)]| {
+            Comparison::new(&ERROR, figures(before), figures(now)).alters()
+        };
+        let (one, both) = ([("a", 0.1)], [("a", 0.1), ("b", 0.2)]);
+        assert!(alters(&one, &both));
+        assert!(alters(&both, &one));
+        assert!(alters(&one, &[("b", 0.1)]));
+        assert!(!alters(&both, &both));
     }
 
     #[test]

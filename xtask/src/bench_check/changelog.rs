@@ -18,7 +18,7 @@ pub(crate) fn demand_line(shell: &Shell) -> Result<()> {
         return Ok(());
     }
     bail!(
-        "an error is another than in the baseline, but `{HEADING}` in {FILE} has no line more than the last commit: \
+        "an error is another than in the baseline, or has come or gone, but `{HEADING}` in {FILE} has no line more than the last commit: \
          write there what changes, why and by how much, then accept"
     )
 }

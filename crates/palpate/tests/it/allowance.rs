@@ -66,6 +66,7 @@ fn arguments_that_mean_nothing() {
         "--budget -3s",
         "--budget nan",
         "--budget 1e400s",
+        "--budget 1e-300s",
         "--budget soon",
         "--budget 5d",
         "--budget inf",
@@ -74,6 +75,7 @@ fn arguments_that_mean_nothing() {
         "--target-error 2",
         "--target-error nan",
         "--target-error -0.1",
+        "--target-error 1e-300",
         "--target-error small",
         "--trials 5 --budget 3s",
         "--trials 5 --target-error 0.1",
@@ -108,7 +110,7 @@ fn a_budget_that_fits_nothing_tells_the_least() {
     let desk = Desk::with(STUDY);
     let said = desk.palpate("run c.toml --budget 1e-6s").said(2);
     assert!(
-        said.contains("one trial of each cell does not fit into 0.000001 s; the least is about"),
+        said.contains("one trial of each cell does not fit into 1e-6 s; the least is about"),
         "{said}"
     );
     assert_untouched(&desk.path(""));
@@ -118,6 +120,10 @@ fn a_budget_that_fits_nothing_tells_the_least() {
 fn a_target_that_asks_too_much_names_the_cell() {
     let desk = Desk::with(STUDY);
     let said = desk.palpate("run c.toml --target-error 1e-6").said(2);
+    assert!(
+        said.contains("trials: --target-error 1e-6: the rms error of "),
+        "{said}"
+    );
     assert!(said.contains("at most 1e8 are taken"), "{said}");
     assert!(
         said.contains("in cell 0: scene.object.radius = 50"),

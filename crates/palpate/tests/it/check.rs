@@ -24,6 +24,11 @@ fn cells_trials_models_and_time() {
     assert!(line("needs no").starts_with("needs no integrator"));
     let chosen = "chosen for a tolerance of 1e-9: the contact runs along geodesics";
     assert!(line("chosen").starts_with(chosen));
+    assert_eq!(
+        line("rungs"),
+        "rungs of the model, in cell 0; errors: places of the contacts at the end, relative to the first \
+         contact's length scale"
+    );
     assert!(line("> closed form").contains(" per trial"));
     // The next rungs up: one that cannot, and one that can.
     assert!(line("meridian").contains("cannot: the first contact is not the apex"));
@@ -98,6 +103,10 @@ fn a_noiseless_press_needs_neither_draws_nor_frames() {
     let printed = Desk::with(press).palpate("check c.toml").printed();
     assert!(
         printed.contains("    needs no random numbers, no frames\n"),
+        "{printed}"
+    );
+    assert!(
+        printed.contains("cell 0; errors: displacements of markers, relative to the largest\n"),
         "{printed}"
     );
     assert!(printed.contains("      > bonded layer"), "{printed}");

@@ -9,9 +9,9 @@ fn a_directory_under_a_file_cannot_be_made() {
         let said = desk
             .palpate(&format!("{command} c.toml --out c.toml/o"))
             .said(1);
-        assert!(
-            said.contains("cannot make the directory c.toml/o"),
-            "{said}"
+        assert_eq!(
+            said,
+            "error: cannot make the directory c.toml/o: c.toml is a file\n"
         );
         assert_eq!(desk.names(""), ["c.toml"]);
         assert_eq!(desk.read("c.toml"), STUDY);
@@ -23,8 +23,75 @@ fn the_directory_is_a_file() {
     let desk = Desk::with(STUDY);
     desk.write("o", "mine");
     let said = desk.palpate("run c.toml --out o").said(1);
-    assert!(said.contains("cannot make the directory o"), "{said}");
+    assert_eq!(said, "error: cannot make the directory o: o is a file\n");
     assert_eq!(desk.read("o"), "mine");
+}
+
+#[test]
+fn a_config_by_hand_is_not_replaced() {
+    let desk = Desk::with(STUDY);
+    desk.palpate("run c.toml --out ours").printed();
+    let noted = |comment: &str| edited(&desk.read("ours/run.toml"), "trials = 20", comment);
+    for by_hand in [
+        STUDY.to_owned(),
+        noted("# more\ntrials = 20"),
+        noted("trials = 20 # enough"),
+        String::new(),
+    ] {
+        for name in ["run.toml", "next-run.toml"] {
+            let dir = desk.path("mine");
+            std::fs::create_dir_all(&dir).unwrap();
+            desk.write(&format!("mine/{name}"), &by_hand);
+            let said = desk.palpate("run c.toml --out mine --budget 1h").said(2);
+            assert_eq!(
+                said,
+                format!(
+                    "error: mine/{name} is no config that palpate wrote: the run would replace it; \
+                     give another --out, or move it away\n"
+                )
+            );
+            assert_eq!(desk.names("mine"), [name]);
+            assert_eq!(desk.read(&format!("mine/{name}")), by_hand);
+            std::fs::remove_dir_all(&dir).unwrap();
+        }
+    }
+    // Not even where it is the study that is run.
+    desk.write("run.toml", STUDY);
+    desk.palpate("run run.toml --out .").said(2);
+    assert_eq!(desk.read("run.toml"), STUDY);
+    assert_eq!(desk.names(""), ["c.toml", "ours", "run.toml"]);
+}
+
+#[test]
+fn tables_without_a_config_beside_them_are_not_replaced() {
+    let outputs = "outputs = [\"cells\", \"trace\"]\nlength_unit";
+    let desk = Desk::with(&edited(STUDY, "length_unit", outputs));
+    for name in ["cells.csv", "failures.csv", "readings.csv"] {
+        std::fs::create_dir(desk.path("o")).unwrap();
+        desk.write(&format!("o/{name}"), "mine");
+        let said = desk.palpate("run c.toml --out o").said(2);
+        let start = format!("error: o/{name} has no run.toml of palpate beside it: ");
+        assert!(said.starts_with(&start), "{said}");
+        assert_eq!(desk.names("o"), [name]);
+        assert_eq!(desk.read(&format!("o/{name}")), "mine");
+        std::fs::remove_dir_all(desk.path("o")).unwrap();
+    }
+    // What the run does not write may be anybody's.
+    std::fs::create_dir(desk.path("o")).unwrap();
+    desk.write("o/map.csv", "mine");
+    desk.palpate("run c.toml --out o").printed();
+    assert_eq!(desk.read("o/map.csv"), "mine");
+}
+
+#[test]
+fn results_of_a_run_are_replaced_by_those_of_another() {
+    let desk = Desk::with(STUDY);
+    desk.palpate("run c.toml --out o").printed();
+    let first = desk.read("o/cells.csv");
+    desk.palpate("run o/run.toml --out o --seed 8").printed();
+    assert_ne!(desk.read("o/cells.csv"), first);
+    desk.palpate("run c.toml --out o").printed();
+    assert_eq!(desk.read("o/cells.csv"), first);
 }
 
 /// Where a name is taken by a directory, the files cannot all be renamed.

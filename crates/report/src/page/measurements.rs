@@ -1,9 +1,11 @@
 //! What the page shows of the tables beside the studies: `tradeoff/`, `extremes.csv` and `peers.csv`, each where it is.
 
+mod extremes;
+
 use crate::plot::{fronts_svgs, spoken_cost};
-use crate::records::{Columns, Records};
+use crate::records::Records;
 use crate::table::finite;
-use crate::tradeoff::{Answer, Tradeoff};
+use crate::tradeoff::{Answer, Promise, Tradeoff};
 use crate::{ReportError, Study, words};
 use minijinja::context;
 use minijinja::value::Value;
@@ -26,9 +28,9 @@ pub(super) fn sections(folder: &Path) -> Result<Value, ReportError> {
     let there = |name: &str| Some(folder.join(name)).filter(|path| path.exists());
     let tradeoff = there("tradeoff").map(|path| tradeoff(&path)).transpose()?;
     let extremes = there("extremes.csv")
-        .map(|path| extremes(&path))
+        .map(|path| extremes::section(&path))
         .transpose()?;
-    let peers = there("peers.csv").map(|path| rows(&path)).transpose()?;
+    let peers = there("peers.csv").map(|path| peers(&path)).transpose()?;
     Ok(context! { tradeoff, extremes, peers })
 }
 
@@ -59,8 +61,19 @@ fn tradeoff(dir: &Path) -> Result<Value, ReportError> {
             }
         })
         .collect();
-    let stages = rows(&dir.join("stages.csv"))?;
-    Ok(context! { ladders, stages, machine => &tradeoff.machine })
+    let stages = shown(&Records::read(&dir.join("stages.csv"), &[])?);
+    let promises: Vec<Value> = tradeoff.promises.iter().map(promise).collect();
+    Ok(context! { ladders, stages, promises, machine => &tradeoff.machine })
+}
+
+fn promise(promise: &Promise) -> Value {
+    context! {
+        kind => &promise.kind,
+        scenes => promise.scenes,
+        kept => promise.kept,
+        with_rivals => promise.with_rivals,
+        ratio => promise.dearest.map(|ratio| format!("{ratio:.2}")),
+    }
 }
 
 fn answer(answer: &Answer) -> Value {
@@ -68,15 +81,48 @@ fn answer(answer: &Answer) -> Value {
     context! { rung => &answer.rung, cost, error => answer.error.map(words::number) }
 }
 
+/// The table of peers, verdicts in its second column, and the machine where it is one.
+fn peers(path: &Path) -> Result<Value, ReportError> {
+    let mut records = Records::read(path, &[])?;
+    let machine = take_constant(&mut records, "machine");
+    let verdict = records.header.iter().position(|name| name == "verdict");
+    if let Some(verdict) = verdict.filter(|&verdict| verdict > 1) {
+        for row in std::iter::once(&mut records.header).chain(&mut records.rows) {
+            row[1..=verdict].rotate_right(1);
+        }
+    }
+    Ok(context! { table => shown(&records), machine })
+}
+
+/// Takes a column out of a table in whose rows it is the same.
+fn take_constant(records: &mut Records, name: &str) -> Option<String> {
+    let at = records.header.iter().position(|column| column == name)?;
+    let constant = records.rows.first()?[at].clone();
+    if records.rows.iter().any(|row| row[at] != constant) {
+        return None;
+    }
+    for row in std::iter::once(&mut records.header).chain(&mut records.rows) {
+        row.remove(at);
+    }
+    Some(constant)
+}
+
 /// A table as it is, headers in words.
-fn rows(path: &Path) -> Result<Value, ReportError> {
-    let Records { header, rows, .. } = Records::read(path, &[])?;
-    let header: Vec<String> = header.iter().map(|name| name.replace('_', " ")).collect();
+fn shown(Records { header, rows, .. }: &Records) -> Value {
+    let header: Vec<String> = header.iter().map(|name| heading(name)).collect();
     let rows: Vec<Vec<Value>> = rows
         .iter()
         .map(|row| row.iter().map(|cell| spoken(cell)).collect())
         .collect();
-    Ok(context! { header, rows })
+    context! { header, rows }
+}
+
+/// A header in words, with its unit of time in brackets.
+fn heading(name: &str) -> String {
+    let units = [("_us", "µs"), ("_ns", "ns")];
+    let split = |(suffix, unit)| Some((name.strip_suffix(suffix)?, unit));
+    let (name, unit) = units.into_iter().find_map(split).unwrap_or((name, ""));
+    words::with_unit(&name.replace('_', " "), unit)
 }
 
 /// A cell, and whether it is a number; a long one is rounded.
@@ -89,43 +135,4 @@ fn spoken(cell: &str) -> Value {
         Some(_) => context! { text => cell, number => true },
         None => context! { text => cell, number => false },
     }
-}
-
-/// Cases of each entry point by verdict, verdicts in the order in which they appear.
-fn extremes(path: &Path) -> Result<Value, ReportError> {
-    let table = Columns::read(path, &["entry", "verdict"])?;
-    let (mut entries, mut verdicts): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
-    let cases: Vec<[&str; 2]> = (0..table.rows())
-        .map(|row| [table.text(row, 0), table.text(row, 1)])
-        .collect();
-    for [entry, verdict] in &cases {
-        for (known, name) in [(&mut entries, entry), (&mut verdicts, verdict)] {
-            if !known.contains(name) {
-                known.push(name);
-            }
-        }
-    }
-    let count = |wanted: &dyn Fn(&[&str; 2]) -> bool| -> String {
-        match cases.iter().filter(|case| wanted(case)).count() {
-            0 => String::new(),
-            count => words::count(count as u64),
-        }
-    };
-    let of_entries: Vec<Value> = entries
-        .iter()
-        .map(|entry| {
-            let counts: Vec<String> = verdicts
-                .iter()
-                .map(|verdict| count(&|case| case == &[*entry, *verdict]))
-                .collect();
-            context! { name => *entry, counts }
-        })
-        .collect();
-    let totals: Vec<String> = verdicts
-        .iter()
-        .map(|verdict| count(&|case| case[1] == *verdict))
-        .collect();
-    let all = words::count(cases.len() as u64);
-    let verdicts: Vec<String> = verdicts.into_iter().map(str::to_owned).collect();
-    Ok(context! { verdicts, entries => of_entries, totals, all })
 }

@@ -275,15 +275,18 @@ pub(crate) fn svg(picture: &Picture, path: &Path) -> Result<String, ReportError>
     }
     // The backend knows one size only: give the picture its own, keep the units of its content, and name it.
     let backend = format!("width=\"{}\" height=\"{}\" viewBox", units.0, units.1);
-    let label = picture
-        .title()
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('"', "&quot;");
+    let label = escaped(picture.title());
     let own = format!(
         "width=\"{width}\" height=\"{height}\" role=\"img\" aria-label=\"{label}\" viewBox"
     );
-    Ok(text.replacen(&backend, &own, 1))
+    Ok(picture.titled(text.replacen(&backend, &own, 1)))
+}
+
+/// A text as it stands in an SVG.
+pub(crate) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('"', "&quot;")
 }
 
 /// Writes the picture as PNG to `path`.

@@ -8,7 +8,7 @@ use super::layout::{EDGE, LEADING, TEXT, TICK_GAP, TITLE};
 use super::lettering::{width, wrap};
 use super::picture::Picture;
 use super::scale::{Scale, Spacing};
-use super::style::Style;
+use super::style::{Marker, Style};
 use super::write;
 use crate::tradeoff::{Ladder, LadderScene, Rung, Tradeoff};
 use crate::{ReportError, words};
@@ -23,7 +23,8 @@ pub(super) const NAME: f64 = 15.0;
 const MARKER: f64 = 5.0;
 const OTHER: f64 = 3.0;
 const STROKE: f64 = 2.0;
-/// Ten times the truth; no answer that errs by more is worth telling apart.
+/// Ten times the truth; no answer that errs by more is worth telling apart. Such a rung is drawn as high as this, and as
+/// off the scale.
 const WORST: f64 = 10.0;
 /// Rungs that another beats.
 const BEATEN: RGBColor = RGBColor(178, 178, 178);
@@ -73,11 +74,17 @@ struct Panel {
     above: f64,
     /// Top of the frame.
     top: f64,
-    /// Places of rungs that another beats.
-    beaten: Vec<Point>,
-    /// Places of the others, cheapest first.
-    front: Vec<Point>,
+    beaten: Vec<Beaten>,
+    /// Marks and places of the others, cheapest first.
+    front: Vec<(Marker, Point)>,
     names: Vec<Name>,
+}
+
+/// A rung that another beats.
+struct Beaten {
+    place: Point,
+    title: String,
+    is_off_scale: bool,
 }
 
 impl Fronts {
@@ -89,13 +96,17 @@ impl Fronts {
             .ticks(5)
             .iter()
             .fold(0.0, |most: f64, tick| most.max(width(&tick.label, TEXT)));
+        let off_scale = match rungs().any(is_off_scale) {
+            true => format!("; triangles: off the scale, more than {WORST}"),
+            false => String::new(),
+        };
         let mut fronts = Self {
             name: ladder.name.clone(),
             title_text: ladder.title.clone(),
             size: (WIDTH, 0.0),
             title: wrap(&ladder.title, TITLE, WIDTH - 2.0 * EDGE),
             subtitle: wrap(
-                &format!("up: {}", ladder.error_of),
+                &format!("up: {}{off_scale}", ladder.error_of),
                 TEXT,
                 WIDTH - 2.0 * EDGE,
             ),
@@ -133,20 +144,54 @@ impl Fronts {
         let beaten = scene.rungs.iter().filter(|rung| !rung.on_front);
         let mut front: Vec<&Rung> = scene.rungs.iter().filter(|rung| rung.on_front).collect();
         front.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        let named: Vec<(&str, Point)> = front
+        let names: Vec<(String, Point)> = front
             .iter()
-            .map(|rung| (rung.name.as_str(), place(rung)))
+            .map(|rung| (named(rung), place(rung)))
             .collect();
-        let beaten: Vec<Point> = beaten.map(place).collect();
+        let beaten: Vec<Beaten> = beaten
+            .map(|rung| Beaten {
+                place: place(rung),
+                title: named(rung),
+                is_off_scale: is_off_scale(rung),
+            })
+            .collect();
+        let places: Vec<Point> = beaten.iter().map(|rung| rung.place).collect();
         let frame = [self.left, top, self.left + self.wide(), top + PANEL_HEIGHT];
         Panel {
             heading,
             above,
             top,
-            names: names::place(&named, &beaten, frame),
-            front: named.into_iter().map(|(_, place)| place).collect(),
+            names: names::place(&names, &places, frame),
+            front: front
+                .iter()
+                .zip(names)
+                .map(|(rung, (_, place))| (marker(is_off_scale(rung)), place))
+                .collect(),
             beaten,
         }
+    }
+
+    /// The SVG with the names of the rungs that have none beside them, as titles of their marks.
+    pub(crate) fn titled(&self, svg: &str) -> String {
+        let RGBColor(red, green, blue) = BEATEN;
+        let fill = format!("fill=\"#{red:02X}{green:02X}{blue:02X}\"");
+        let mut titles = self.panels.iter().flat_map(|panel| &panel.beaten);
+        let mut titled = String::with_capacity(svg.len());
+        for line in svg.lines() {
+            let mark = line.strip_suffix("/>").filter(|mark| mark.contains(&fill));
+            match mark.and_then(|mark| Some((mark, titles.next()?))) {
+                Some((mark, Beaten { title, .. })) => {
+                    let (name, _) = mark[1..].split_once(' ').unwrap_or((&mark[1..], ""));
+                    let title = canvas::escaped(title);
+                    titled += &format!("{mark}><title>{title}</title></{name}>\n");
+                }
+                None => {
+                    titled += line;
+                    titled.push('\n');
+                }
+            }
+        }
+        titled
     }
 
     fn wide(&self) -> f64 {
@@ -213,26 +258,60 @@ impl Panel {
             canvas.text(line, (left, y), TEXT, Anchor::Left, INK)?;
             y += TEXT * LEADING;
         }
-        for place in &self.beaten {
-            canvas.disc(*place, OTHER, BEATEN)?;
+        for rung in &self.beaten {
+            match rung.is_off_scale {
+                true => canvas.polygon(&triangle(rung.place), BEATEN)?,
+                false => canvas.disc(rung.place, OTHER, BEATEN)?,
+            }
         }
-        let Style { colour, marker } = Style::of(0);
+        let Style { colour, .. } = Style::of(0);
         if self.front.len() > 1 {
-            canvas.line(&self.front, colour, STROKE)?;
+            let places: Vec<Point> = self.front.iter().map(|(_, place)| *place).collect();
+            canvas.line(&places, colour, STROKE)?;
         }
         for name in &self.names {
             if let Some(leader) = name.leader {
                 canvas.line(&leader, FRAME, 1.0)?;
             }
         }
-        for place in &self.front {
-            canvas.marker(marker, *place, MARKER, colour)?;
+        for (marker, place) in &self.front {
+            canvas.marker(*marker, *place, MARKER, colour)?;
         }
         for name in &self.names {
             canvas.text(&name.text, name.place, NAME, Anchor::Left, INK)?;
         }
         Ok(())
     }
+}
+
+/// What a rung is called; one off the scale with its error.
+fn named(rung: &Rung) -> String {
+    match is_off_scale(rung) {
+        true => format!(
+            "{}, errs by {}",
+            rung.name,
+            words::significant(rung.error, 2)
+        ),
+        false => rung.name.clone(),
+    }
+}
+
+fn is_off_scale(rung: &Rung) -> bool {
+    rung.error > WORST
+}
+
+/// The mark of a rung on the front.
+fn marker(is_off_scale: bool) -> Marker {
+    match is_off_scale {
+        true => Marker::Up,
+        false => Style::of(0).marker,
+    }
+}
+
+/// Points upwards, about as large as a disc of a beaten rung.
+fn triangle((x, y): Point) -> [Point; 3] {
+    let half = 1.3 * OTHER;
+    [(x - half, y + OTHER), (x + half, y + OTHER), (x, y - half)]
 }
 
 /// The error as drawn: what errs by more is drawn as high as this.

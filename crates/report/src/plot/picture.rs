@@ -60,6 +60,14 @@ impl Picture {
         }
     }
 
+    /// Its SVG with titles of what has no name beside it.
+    pub(crate) fn titled(&self, svg: String) -> String {
+        match self {
+            Self::Fronts(fronts) => fronts.titled(&svg),
+            _ => svg,
+        }
+    }
+
     /// Width and height in pixels.
     pub(crate) fn size(&self) -> (f64, f64) {
         match self {

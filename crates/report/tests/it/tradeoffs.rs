@@ -55,8 +55,28 @@ fn a_picture_names_the_front_and_nothing_else() {
     ] {
         assert!(svg.contains(text), "{text}");
     }
-    // Beaten on the easy scene, on the front of the hard one.
+    // Beaten on the easy scene, where it is a title only; on the front of the hard one.
     assert_eq!(svg.matches("RK4 × 1\n").count(), 1, "{svg}");
+    assert_eq!(svg.matches("><title>RK4 × 1</title></circle>").count(), 1);
+    assert_eq!(svg.matches("<title>").count(), 1);
+    assert!(!svg.contains("off the scale"));
+}
+
+#[test]
+fn a_rung_off_the_scale_is_shown_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    fill(folder.path());
+    let rungs = RUNGS.replace(",1e-3,", ",345.6,").replace(",0.2,", ",12,");
+    fs::write(folder.path().join("rungs.csv"), rungs).unwrap();
+    let files = draw_tradeoff(folder.path()).unwrap();
+    let svg = fs::read_to_string(&files[0]).unwrap();
+    for text in [
+        "triangles: off the scale, more than 10",
+        "><title>RK4 × 1, errs by 346</title></polygon>",
+        "RK4 × 1, errs by 12\n",
+    ] {
+        assert!(svg.contains(text), "{text}\n{svg}");
+    }
 }
 
 #[test]
@@ -88,29 +108,22 @@ fn an_error_that_a_log_axis_cannot_show_is_named() {
 #[test]
 fn the_page_shows_what_is_measured_beside_its_studies() {
     let results = tempfile::tempdir().unwrap();
-    let mut cells = Cells::new("scene.object.radius_cm");
-    cells.push("5", Numbers::new(0.2, 0.1));
-    let (made, _) = cells.study(&config("sphere", ""));
-    let folder = results.path().join("study");
-    fs::create_dir(&folder).unwrap();
-    for file in fs::read_dir(made.path()).unwrap() {
-        let file = file.unwrap();
-        fs::copy(file.path(), folder.join(file.file_name())).unwrap();
-    }
-    let study = || Study::load(&folder).unwrap();
+    let study = || study_in(results.path());
     assert!(!page(&[study()]).unwrap().contains("Speed against accuracy"));
 
     fill(&results.path().join("tradeoff"));
     let extremes = "entry,input,outcome,value,truth,error,condition,bound,verdict
 a::f,0,zero,,,,,,refused
 a::f,1,value,1,1,0,1,1e-15,within-bound
-a::f,2,value,1,1,0,1,1e-15,within-bound
+a::f,2,value,1,1,4e-16,1,1e-15,within-bound
+a::f,3,value,1,1,2e-9,1,1e-6,within-bound
 b::g,1,value,1,1,0,1,1e-15,within-bound
 ";
     fs::write(results.path().join("extremes.csv"), extremes).unwrap();
     fs::write(
         results.path().join("peers.csv"),
-        "task,peer,ratio\nroll <1>,other,3.14159265\n",
+        "task,peer,peer_time_us,ratio,verdict,machine\n\
+         roll <1>,other,3,3.14159265,met,a desk\nroll <2>,other,4,1,short,a desk\n",
     )
     .unwrap();
     let html = page(&[study()]).unwrap();
@@ -119,13 +132,64 @@ b::g,1,value,1,1,0,1,1e-15,within-bound
         "Measured on a processor of 2 cores.",
         "<td>hard: an ellipsoid</td><td>RK4 × 8<span class=\"cost\">900 ns, 6 k instructions</span></td><td>none</td>",
         "<td class=\"number\">16</td>",
-        "4 cases",
-        "<td>a::f</td><td class=\"number\">1</td><td class=\"number\">2</td>",
-        "<td>roll &lt;1&gt;</td>",
+        "5 cases",
+        "<td class=\"number\">1</td><td class=\"number\">4</td>",
+        "<summary>Each of 2 entry points</summary>",
+        "<td>a::f</td><td class=\"number\">4 × 10⁻¹⁶</td><td class=\"number\">1 × 10⁻¹⁵</td>\
+         <td class=\"number\">1</td><td class=\"number\">3</td>",
+        "on one core of a desk.",
+        "<th>task</th><th>verdict</th><th>peer</th><th>peer time (µs)</th><th>ratio</th></tr>",
+        "<td>roll &lt;1&gt;</td><td>met</td><td>other</td>",
+        "<th>median (ns)</th>",
         "3.142",
         "<svg",
     ] {
         assert!(html.contains(part), "{part}\n{html}");
     }
     assert!(!html.contains("<?xml"));
+    assert!(!html.contains("keep its word"));
+}
+
+#[test]
+fn the_page_tells_whether_auto_keeps_its_word() {
+    let results = tempfile::tempdir().unwrap();
+    let study = || study_in(results.path());
+    let folder = results.path().join("tradeoff");
+    fill(&folder);
+    let write = |rows: &str| {
+        let table = format!("kind,scene,competitors,ratio,kept\n{rows}");
+        fs::write(folder.join("promise.csv"), table).unwrap();
+    };
+    write("roll,0,3,1.284,yes\nroll,1,0,1.0,yes\nroll,2,1,2.5,no\npress,0,0,,no\n");
+    let html = page(&[study()]).unwrap();
+    for part in [
+        "roll: kept on 2 of 3 random scenes; on 2 another rung would do; at most 2.50 times the cheapest.",
+        "press: kept on 0 of 1 random scenes; on 0 another rung would do.",
+    ] {
+        assert!(html.contains(part), "{part}\n{html}");
+    }
+    for (row, wrong) in [
+        ("roll,0,many,1,yes", "competitors"),
+        ("roll,0,1,inf,yes", "ratio"),
+        ("roll,0,1,1,perhaps", "kept"),
+    ] {
+        write(row);
+        let error = page(&[study()]).unwrap_err();
+        let named = matches!(&error, ReportError::BadCell { column, .. } if column == wrong);
+        assert!(named, "{error}");
+    }
+}
+
+/// A study whose folder lies in `results`.
+fn study_in(results: &Path) -> Study {
+    let mut cells = Cells::new("scene.object.radius_cm");
+    cells.push("5", Numbers::new(0.2, 0.1));
+    let (made, _) = cells.study(&config("sphere", ""));
+    let folder = results.join("study");
+    fs::create_dir_all(&folder).unwrap();
+    for file in fs::read_dir(made.path()).unwrap() {
+        let file = file.unwrap();
+        fs::copy(file.path(), folder.join(file.file_name())).unwrap();
+    }
+    Study::load(&folder).unwrap()
 }

@@ -62,7 +62,7 @@ impl Bounds {
 }
 
 /// Places the names of points one after the other, each where it hides the least, within a frame.
-pub(super) fn place(named: &[(&str, Point)], beaten: &[Point], frame: [f64; 4]) -> Vec<Name> {
+pub(super) fn place(named: &[(String, Point)], beaten: &[Point], frame: [f64; 4]) -> Vec<Name> {
     let front: Vec<Point> = named.iter().map(|(_, place)| *place).collect();
     let mut names: Vec<Name> = Vec::new();
     for (text, point) in named {
@@ -79,7 +79,7 @@ pub(super) fn place(named: &[(&str, Point)], beaten: &[Point], frame: [f64; 4]) 
         };
         let [left, top, _, bottom] = bounds.0;
         names.push(Name {
-            text: (*text).to_owned(),
+            text: text.clone(),
             place: (left + 2.0, 0.5 * (top + bottom)),
             leader: (distance > LED).then(|| [*point, bounds.nearest(*point)]),
             bounds,
@@ -152,10 +152,6 @@ mod tests {
                 let place = (80.0 + 25.0 * f64::from(at), 20.0 + 11.0 * f64::from(at));
                 (format!("RK4 × {}, Montana", 1 << at), place)
             })
-            .collect();
-        let named: Vec<(&str, Point)> = named
-            .iter()
-            .map(|(name, at)| (name.as_str(), *at))
             .collect();
         let names = place(&named, &[], [0.0, 0.0, 700.0, 230.0]);
         assert_eq!(names.len(), named.len());

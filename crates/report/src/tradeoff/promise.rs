@@ -1,0 +1,56 @@
+//! `promise.csv`: whether `auto` takes a rung that errs within the tolerance and costs little more than the cheapest.
+
+use crate::ReportError;
+use crate::records::Columns;
+use crate::table::finite;
+use std::path::Path;
+
+/// What was judged on scenes of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Promise {
+    pub(crate) kind: String,
+    pub(crate) scenes: usize,
+    /// Scenes on which the promise is kept.
+    pub(crate) kept: usize,
+    /// Scenes for which another rung would do.
+    pub(crate) with_rivals: usize,
+    /// The largest ratio of instructions, taken over cheapest.
+    pub(crate) dearest: Option<f64>,
+}
+
+/// Reads the table; kinds in the order in which they appear.
+///
+/// # Errors
+/// The table is malformed.
+pub(super) fn read(path: &Path) -> Result<Vec<Promise>, ReportError> {
+    let table = Columns::read(path, &["kind", "competitors", "ratio", "kept"])?;
+    let mut promises: Vec<Promise> = Vec::new();
+    for row in 0..table.rows() {
+        let kind = table.text(row, 0);
+        let known = promises.iter().position(|promise| promise.kind == kind);
+        let place = known.unwrap_or(promises.len());
+        if known.is_none() {
+            promises.push(Promise {
+                kind: kind.to_owned(),
+                scenes: 0,
+                kept: 0,
+                with_rivals: 0,
+                dearest: None,
+            });
+        }
+        let promise = &mut promises[place];
+        promise.scenes += 1;
+        promise.with_rivals += usize::from(table.number(row, 1)? > 0.0);
+        promise.kept += match table.text(row, 3) {
+            "yes" => 1,
+            "no" => 0,
+            _ => return Err(table.bad(row, 3, "yes or no")),
+        };
+        let ratio = match table.text(row, 2) {
+            "" => None,
+            text => Some(finite(text).ok_or_else(|| table.bad(row, 2, "a number or nothing"))?),
+        };
+        promise.dearest = promise.dearest.into_iter().chain(ratio).reduce(f64::max);
+    }
+    Ok(promises)
+}
