@@ -4,6 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::anyhow;
+use toml_parser::Source;
+use toml_parser::lexer::{Token, TokenKind};
 
 use crate::failure::Failure;
 use crate::output::{CONFIG, NEXT_CONFIG};
@@ -45,28 +47,10 @@ fn is_file(path: &Path) -> bool {
 /// Whether a run wrote this config, and nobody a comment into it.
 fn is_of_a_run(path: &Path) -> bool {
     fs::read_to_string(path).is_ok_and(|text| {
-        let mut lines = text.lines();
-        lines.any(|line| line.starts_with("crate_version = ")) && !text.lines().any(has_comment)
+        let is_comment = |token: Token| token.kind() == TokenKind::Comment;
+        let has_version = text
+            .lines()
+            .any(|line| line.starts_with("crate_version = "));
+        has_version && !Source::new(&text).lex().any(is_comment)
     })
-}
-
-/// Whether a line of TOML has a comment: a `#` that begins it, or that no string is closed after.
-fn has_comment(line: &str) -> bool {
-    let after = line.rsplit_once('#').map(|(_, after)| after);
-    line.trim_start().starts_with('#') || after.is_some_and(|after| !after.contains(['"', '\'']))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::has_comment;
-
-    #[test]
-    fn comments_are_told_from_strings() {
-        for line in ["# a note", "  # it's", "trials = 3 # more", "x = \"#\" #"] {
-            assert!(has_comment(line), "{line}");
-        }
-        for line in ["trials = 3", "title = \"no. # 3\"", "title = '# 1'", ""] {
-            assert!(!has_comment(line), "{line}");
-        }
-    }
 }

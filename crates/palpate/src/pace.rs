@@ -3,11 +3,13 @@
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::time::{Duration, Instant};
 
-use palpate_sweep::{BLOCK, Cell, RunOptions, SweepError, run};
+use palpate_sweep::{BLOCK, Cell, RunOptions, Runner, SweepError};
 
 /// No cell is timed for longer, and none for less where it is timed at all (but one trial is run whole).
 const LONGEST: Duration = Duration::from_millis(10);
 const SHORTEST: Duration = Duration::from_millis(1);
+/// No thread takes as long to wake.
+const SLOW: Duration = Duration::from_millis(100);
 /// Beyond so many trials of a cell nothing more is learnt.
 const MOST_TIMED: u64 = 1 << 20;
 /// What the runner gives to a thread at once: this share of its blocks, and no more than so many.
@@ -28,13 +30,16 @@ impl Pace {
         limit: Duration,
     ) -> Result<Self, SweepError> {
         let each = (limit / cells.len().max(1) as u32).clamp(SHORTEST, LONGEST);
+        let runner = Runner::new(&RunOptions {
+            threads: Some(threads),
+        })?;
         let start = Instant::now();
         let mut seconds = vec![None; cells.len()];
         for cell in spread(cells.len()) {
             if start.elapsed() >= limit && seconds.iter().any(Option::is_some) {
                 break;
             }
-            seconds[cell] = Some(seconds_per_trial(&cells[cell], threads, each)?);
+            seconds[cell] = Some(seconds_per_trial(&runner, &cells[cell], threads, each)?);
         }
         let dearest = seconds.iter().flatten().copied().fold(0.0, f64::max);
         Ok(Self {
@@ -117,35 +122,72 @@ pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
         .filter(move |&number| number < count)
 }
 
-/// As the runner takes it, on all threads at once: twice as many trials each time, of which the last are timed. A slow
-/// trial is run once.
+/// As the runner takes it, on all threads at once: twice as many trials each time, of which the last are timed, be they
+/// more than the cell has: of a few, waking the threads would be most. What takes long is run once more, for threads may
+/// take longer to wake than trials; unless it is too slow for that.
 fn seconds_per_trial(
+    runner: &Runner,
     cell: &Cell<'_>,
     threads: NonZeroUsize,
     long_enough: Duration,
 ) -> Result<f64, SweepError> {
-    let options = RunOptions {
-        threads: Some(threads),
-    };
-    let most = cell.trials.clamp(1, MOST_TIMED);
-    let mut trials = 1;
-    loop {
+    let time = |trials: u64| -> Result<Duration, SweepError> {
         let start = Instant::now();
         let timed = vec![Cell { trials, ..*cell }; threads.get()];
-        std::hint::black_box(run(&timed, &options, &|_| ())?);
-        let elapsed = start.elapsed();
-        if elapsed >= long_enough || trials >= most {
+        std::hint::black_box(runner.run(&timed, &|_| ())?);
+        Ok(start.elapsed())
+    };
+    let mut trials = 1;
+    loop {
+        let mut elapsed = time(trials)?;
+        if (long_enough..SLOW).contains(&elapsed) {
+            elapsed = elapsed.min(time(trials)?);
+        }
+        if elapsed >= long_enough || trials >= MOST_TIMED {
             return Ok(elapsed.as_secs_f64() / trials as f64);
         }
-        trials = (2 * trials).min(most);
+        trials *= 2;
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    use palpate_sweep::{Record, Trial};
+
     use super::*;
 
     const ONE: NonZeroUsize = NonZeroUsize::MIN;
+
+    /// Counts its trials.
+    struct Counted(AtomicU64);
+
+    impl Trial for Counted {
+        fn quantities(&self) -> usize {
+            0
+        }
+
+        fn run(&self, _: u64, _: &mut Record) -> Result<(), &'static str> {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_quick_cell_is_timed_by_many_trials_even_if_it_has_one() {
+        let counted = Counted(AtomicU64::new(0));
+        let cell = Cell {
+            trials: 1,
+            trial: &counted,
+        };
+        let options = RunOptions { threads: Some(ONE) };
+        let runner = Runner::new(&options).unwrap();
+        let long_enough = Duration::from_millis(50);
+        let seconds = seconds_per_trial(&runner, &cell, ONE, long_enough).unwrap();
+        assert!(seconds > 0.0);
+        assert!(counted.0.into_inner() > 1000);
+    }
 
     #[test]
     fn first_numbers_are_spread() {

@@ -52,5 +52,5 @@ mod sums;
 
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 pub use record::{Observation, Observations, Record};
-pub use run::{BLOCK, Cell, RunOptions, SweepError, Trial, run};
+pub use run::{BLOCK, Cell, RunOptions, Runner, SweepError, Trial, run};
 pub use summary::{CellStatistics, Summary};

@@ -97,13 +97,44 @@ pub fn run(
     options: &RunOptions,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<CellStatistics>, SweepError> {
-    let study = Study::new(cells)?;
-    let threads = options.threads;
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.map_or(0, NonZeroUsize::get))
-        .build()
-        .map_err(|source| SweepError::Threads { threads, source })
-        .map(|pool| pool.install(|| study.run(progress)))
+    Runner::new(options)?.run(cells, progress)
+}
+
+/// The threads of a run, for one after another.
+#[derive(Debug)]
+pub struct Runner {
+    pool: rayon::ThreadPool,
+}
+
+impl Runner {
+    /// Starts the threads.
+    ///
+    /// # Errors
+    /// [`SweepError::Threads`].
+    pub fn new(options: &RunOptions) -> Result<Self, SweepError> {
+        let threads = options.threads;
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.map_or(0, NonZeroUsize::get))
+            .build()
+            .map_err(|source| SweepError::Threads { threads, source })
+            .map(|pool| Self { pool })
+    }
+
+    /// As [`run`], on these threads.
+    ///
+    /// # Errors
+    /// [`SweepError::TooManyTrials`], before any trial is run.
+    ///
+    /// # Panics
+    /// Where a trial or `progress` does.
+    pub fn run(
+        &self,
+        cells: &[Cell],
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Vec<CellStatistics>, SweepError> {
+        let study = Study::new(cells)?;
+        Ok(self.pool.install(|| study.run(progress)))
+    }
 }
 
 /// The blocks of all cells in one sequence.

@@ -62,6 +62,16 @@ fn a_config_by_hand_is_not_replaced() {
     assert_eq!(desk.names(""), ["c.toml", "ours", "run.toml"]);
 }
 
+/// A `#` in a text is no comment, also where it begins a line.
+#[test]
+fn a_title_of_two_lines_makes_no_config_by_hand() {
+    let title = "title = \"\"\"\none\n# two, no. # 3\"\"\"\nlength_unit";
+    let desk = Desk::with(&edited(STUDY, "length_unit", title));
+    desk.palpate("run c.toml --out o").printed();
+    assert!(desk.read("o/run.toml").contains("\n# two"));
+    desk.palpate("run o/run.toml --out o").printed();
+}
+
 #[test]
 fn tables_without_a_config_beside_them_are_not_replaced() {
     let outputs = "outputs = [\"cells\", \"trace\"]\nlength_unit";
