@@ -123,7 +123,7 @@ fn hertz(poisson: f64, a: f64, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
     }
     let share = 0.5 / (1.0 - poisson);
     let waves = |k: f64| {
-        let (kz, decay) = (k * depth, (-k * depth).exp());
+        let (kz, decay) = (k * depth, libm::exp(-k * depth));
         let transform = 2.0 * FRAC_2_PI * a.powi(3) * hump(k * a);
         let part = |part: f64| transform * decay * part;
         [
@@ -137,7 +137,7 @@ fn hertz(poisson: f64, a: f64, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
 /// (sin x − x cos x)/x³.
 fn hump(x: f64) -> f64 {
     if x > 0.5 {
-        return (x.sin() - x * x.cos()) / (x * x * x);
+        return (libm::sin(x) - x * libm::cos(x)) / (x * x * x);
     }
     let s = x * x;
     let terms = [
@@ -152,9 +152,9 @@ fn hump(x: f64) -> f64 {
 
 /// The displacement of a half-space's surface at distance r: ∫ φ(t)/√(r² − t²) dt from 0 to the lesser of a and r.
 fn abel(phi: impl Fn(f64) -> f64, a: f64, r: f64) -> f64 {
-    let most = if r > a { (a / r).asin() } else { FRAC_PI_2 };
+    let most = if r > a { libm::asin(a / r) } else { FRAC_PI_2 };
     over(0.0, most, 48)
-        .map(|[angle, weight]| weight * phi(r * angle.sin()))
+        .map(|[angle, weight]| weight * phi(r * libm::sin(angle)))
         .sum()
 }
 

@@ -47,13 +47,13 @@ pub fn on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64; 3]
 pub fn on_waves([a, l]: [f64; 2], tip: f64, centre: [f64; 2]) -> [f64; 3] {
     let mut contact = centre;
     for _ in 0..100 {
-        let [(sin_x, cos_x), (sin_y, cos_y)] = contact.map(|part| (part / l).sin_cos());
+        let [(sin_x, cos_x), (sin_y, cos_y)] = contact.map(|part| libm::sincos(part / l));
         let slope = [a / l * cos_x * cos_y, -a / l * sin_x * sin_y];
         let steep = (1.0 + slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
         contact = [0, 1].map(|axis| centre[axis] + tip * slope[axis] / steep);
     }
     let [x, y] = contact;
-    [x, y, a * (x / l).sin() * (y / l).cos()]
+    [x, y, a * libm::sin(x / l) * libm::cos(y / l)]
 }
 
 /// The number below which something holds, to the last bit, from below.
@@ -89,7 +89,10 @@ mod tests {
             let [px, py, pz] = contact([x, y]);
             let normal = gradient([px, py, pz]);
             let size = normal.iter().map(|part| part * part).sum::<f64>().sqrt();
-            let off = (px + tip * normal[0] / size - x).hypot(py + tip * normal[1] / size - y);
+            let off = libm::hypot(
+                px + tip * normal[0] / size - x,
+                py + tip * normal[1] / size - y,
+            );
             assert!(off < 1e-14, "{x} {y}: {off:e}");
             let height = level([px, py, pz]);
             assert!(height.abs() < 1e-14, "{x} {y}: {height:e}");
@@ -124,9 +127,9 @@ mod tests {
         is_touched(
             0.5,
             |centre| on_waves([0.1, 0.7], 0.5, centre),
-            |[x, y, z]| z - 0.1 * (x / 0.7).sin() * (y / 0.7).cos(),
+            |[x, y, z]| z - 0.1 * libm::sin(x / 0.7) * libm::cos(y / 0.7),
             |[x, y, _]| {
-                let [(sin_x, cos_x), (sin_y, cos_y)] = [x, y].map(|part| (part / 0.7).sin_cos());
+                let [(sin_x, cos_x), (sin_y, cos_y)] = [x, y].map(|part| libm::sincos(part / 0.7));
                 [-cos_x * cos_y / 7.0, sin_x * sin_y / 7.0, 1.0]
             },
         );

@@ -122,7 +122,7 @@ fn in_gores(
             for marker in 0..markers {
                 let share = (f64::from(marker) + 0.5) / f64::from(markers);
                 let azimuth = TAU * (f64::from(gore) + share) / f64::from(gores);
-                places.push([distance * azimuth.cos(), distance * azimuth.sin()]);
+                places.push([distance * libm::cos(azimuth), distance * libm::sin(azimuth)]);
             }
         }
     }
@@ -134,7 +134,7 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     LayoutError::unless(good, "cap_deg", cap_deg, "above 0 and at most 180")?;
     let half_cap = 0.5 * cap_deg.to_radians();
     // The cap's share of the sphere is sin²(cap/2).
-    let share = half_cap.sin() * half_cap.sin();
+    let share = libm::sin(half_cap) * libm::sin(half_cap);
     let good = pitch > 0.0 && pitch.is_finite();
     LayoutError::unless(good, "pitch", pitch, "finite and > 0")?;
     let pitch_rad = pitch / sensor_radius;
@@ -150,10 +150,10 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     })?;
     let places: Vec<[f64; 2]> = (0..lattice.pads())
         .map(|marker| lattice.direction(marker))
-        .map(|direction| (direction, direction.x.hypot(direction.y)))
-        .take_while(|(direction, across)| across.atan2(direction.z) <= 2.0 * half_cap)
+        .map(|direction| (direction, libm::hypot(direction.x, direction.y)))
+        .take_while(|(direction, across)| libm::atan2(*across, direction.z) <= 2.0 * half_cap)
         .map(|(direction, across)| {
-            let distance = sensor_radius * across.atan2(direction.z);
+            let distance = sensor_radius * libm::atan2(across, direction.z);
             [direction.x, direction.y].map(|component| distance * component / across)
         })
         .collect();
@@ -193,7 +193,7 @@ mod tests {
         let places = Layout::published().places(20.0).unwrap();
         assert_eq!((places.len(), places[0]), (77, [0.0, 0.0]));
         // 11.9° on a sphere of 20 mm is 4.15 mm along the skin.
-        let distances: Vec<f64> = places.iter().map(|[x, y]| x.hypot(*y)).collect();
+        let distances: Vec<f64> = places.iter().map(|[x, y]| libm::hypot(*x, *y)).collect();
         for (row, markers) in [(1, 1..5), (2, 5..17), (3, 17..29), (4, 29..49), (5, 49..77)] {
             for marker in markers {
                 assert_relative_eq!(
@@ -204,7 +204,8 @@ mod tests {
             }
         }
         // The only marker of a gore's first row is in its middle, the seven of the last every 90/7 degrees.
-        let azimuth = |marker: usize| places[marker][1].atan2(places[marker][0]).to_degrees();
+        let azimuth =
+            |marker: usize| libm::atan2(places[marker][1], places[marker][0]).to_degrees();
         assert_relative_eq!(azimuth(1), 45.0, max_relative = 1e-12);
         assert_relative_eq!(azimuth(2), 135.0, max_relative = 1e-12);
         assert_relative_eq!(azimuth(49), 45.0 / 7.0, max_relative = 1e-12);
@@ -221,9 +222,9 @@ mod tests {
             let angle = cap_deg.to_radians();
             let within = places
                 .iter()
-                .filter(|[x, y]| x.hypot(*y) <= radius * angle)
+                .filter(|[x, y]| libm::hypot(*x, *y) <= radius * angle)
                 .count();
-            let expected = TAU * radius * radius * (1.0 - angle.cos()) / (pitch * pitch);
+            let expected = TAU * radius * radius * (1.0 - libm::cos(angle)) / (pitch * pitch);
             assert!(
                 (within as f64 - expected).abs() < 2.0,
                 "{cap_deg}: {within}, {expected}"
@@ -233,7 +234,7 @@ mod tests {
         let nearest = places.iter().enumerate().map(|(one, [x, y])| {
             let others = places.iter().enumerate().filter(|(other, _)| *other != one);
             others
-                .map(|(_, [u, v])| (x - u).hypot(y - v))
+                .map(|(_, [u, v])| libm::hypot(x - u, y - v))
                 .fold(f64::INFINITY, f64::min)
         });
         assert!(nearest.fold(f64::INFINITY, f64::min) > 0.7 * pitch);

@@ -99,16 +99,16 @@ impl Pattern {
     }
 
     fn flatten_marker(&self, marker: usize, [x, y]: [f64; 2]) -> Result<FlatPlace, PatternError> {
-        let from_apex = x.hypot(y);
+        let from_apex = libm::hypot(x, y);
         let polar = from_apex / self.radius;
         if !(0.0..=FRAC_PI_2).contains(&polar) {
             let polar_deg = polar.to_degrees();
             return Err(PatternError::BeyondTheEquator { marker, polar_deg });
         }
-        let turn = (y.atan2(x) / TAU).rem_euclid(1.0) * f64::from(self.gores);
+        let turn = (libm::atan2(y, x) / TAU).rem_euclid(1.0) * f64::from(self.gores);
         let gore = (turn.floor() as u32).min(self.gores - 1);
         let longitude = (turn - f64::from(gore) - 0.5) * TAU / f64::from(self.gores);
-        let across = longitude * polar.sin() * self.radius;
+        let across = longitude * libm::sin(polar) * self.radius;
         Ok(FlatPlace {
             gore,
             across,
@@ -127,13 +127,13 @@ impl Pattern {
     /// (Half-width, distance from the apex) of a gore after this many steps from its apex, length.
     fn edge(&self, step: u32) -> [f64; 2] {
         let polar = FRAC_PI_2 * f64::from(step) / f64::from(self.samples);
-        let half_width = PI / f64::from(self.gores) * polar.sin();
+        let half_width = PI / f64::from(self.gores) * libm::sin(polar);
         [half_width * self.radius, polar * self.radius]
     }
 
     fn assembled(&self, gore: u32, [across, from_apex]: [f64; 2]) -> [f64; 2] {
         let middle = TAU * (f64::from(gore) + 0.5) / f64::from(self.gores);
-        let (sin, cos) = middle.sin_cos();
+        let (sin, cos) = libm::sincos(middle);
         [
             from_apex * cos - across * sin,
             from_apex * sin + across * cos,
@@ -154,7 +154,10 @@ mod tests {
         let next = outline.iter().cycle().skip(1);
         let sides = outline.iter().zip(next);
         sides.fold((0.0, 0.0), |(area, length), ([x, y], [u, v])| {
-            (area + 0.5 * (x * v - u * y), length + (u - x).hypot(v - y))
+            (
+                area + 0.5 * (x * v - u * y),
+                length + libm::hypot(u - x, v - y),
+            )
         })
     }
 
@@ -199,7 +202,7 @@ mod tests {
             let (area, _) = area_and_length(&outline);
             // Chords leave out a share 1 − (h/2) cot(h/2) of the area under a sine.
             let half_step = 0.25 * PI / f64::from(samples);
-            let chords = half_step / half_step.tan();
+            let chords = half_step / libm::tan(half_step);
             let share = TAU * radius * radius / f64::from(gores);
             assert_relative_eq!(area, share * chords, max_relative = 1e-12);
         }
@@ -234,25 +237,33 @@ mod tests {
                 let flat = pattern.flatten(place).unwrap();
                 let middle = TAU * (f64::from(flat.gore) + 0.5) / f64::from(gores);
                 let height = radius * FRAC_PI_2 - flat.from_apex;
-                let shrunk = radius * (height / radius).cos();
+                let shrunk = radius * libm::cos(height / radius);
                 let azimuth = middle
                     + if shrunk > 0.0 {
                         flat.across / shrunk
                     } else {
                         0.0
                     };
-                assert_relative_eq!(place[0], flat.from_apex * azimuth.cos(), epsilon = 1e-12);
-                assert_relative_eq!(place[1], flat.from_apex * azimuth.sin(), epsilon = 1e-12);
+                assert_relative_eq!(
+                    place[0],
+                    flat.from_apex * libm::cos(azimuth),
+                    epsilon = 1e-12
+                );
+                assert_relative_eq!(
+                    place[1],
+                    flat.from_apex * libm::sin(azimuth),
+                    epsilon = 1e-12
+                );
                 let half_width = PI * shrunk / f64::from(gores);
                 assert!(flat.across.abs() <= half_width + 1e-12);
                 // On the sheet, too, a gore lies in its share of the turn.
                 let [x, y] = flat.assembled;
                 assert_relative_eq!(
-                    x.hypot(y),
-                    flat.from_apex.hypot(flat.across),
+                    libm::hypot(x, y),
+                    libm::hypot(flat.from_apex, flat.across),
                     epsilon = 1e-12
                 );
-                let along = x * middle.cos() + y * middle.sin();
+                let along = x * libm::cos(middle) + y * libm::sin(middle);
                 assert_relative_eq!(along, flat.from_apex, epsilon = 1e-12);
             }
         }

@@ -45,5 +45,5 @@ pub(crate) fn too_close<const D: usize>(
 
 fn distance<const D: usize>(one: &[f64; D], other: &[f64; D]) -> f64 {
     let steps = one.iter().zip(other).map(|(one, other)| one - other);
-    steps.fold(0.0, f64::hypot)
+    steps.fold(0.0, libm::hypot)
 }

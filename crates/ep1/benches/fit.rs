@@ -13,7 +13,7 @@ const SPHERE: f64 = 5.0;
 /// Each probe turns by 0.1 rad in a direction of its own.
 fn readings() -> Vec<ProbeReading> {
     let reading = |probe: i32| {
-        let (sine, cosine) = (FRAC_PI_4 * f64::from(probe)).sin_cos();
+        let (sine, cosine) = libm::sincos(FRAC_PI_4 * f64::from(probe));
         let along = 0.1 / (1.0 / RADIUS + 1.0 / SPHERE);
         ProbeReading {
             rotation: Vector2::new(0.1 * sine, -0.1 * cosine),

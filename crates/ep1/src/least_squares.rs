@@ -247,7 +247,7 @@ impl LeastSquares {
         } else {
             direction.into_owned()
         };
-        let direction_rad = along.y.atan2(along.x);
+        let direction_rad = libm::atan2(along.y, along.x);
         if smallest < -SMALLEST_TRAVEL * eigen.eigenvalues.max().max(1.0) {
             let travel_per_radian = smallest * self.radius;
             return Ep1Error::NotRolling {

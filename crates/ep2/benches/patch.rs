@@ -35,7 +35,7 @@ fn waves(contacts: usize) -> Vec<Contact> {
                 1.5 * stream.symmetric_uniform(),
                 1.5 * stream.symmetric_uniform(),
             );
-            let z = 0.2 * (2.0 * x).sin() * (2.0 * y).cos() + 0.02 * stream.standard_normal();
+            let z = 0.2 * libm::sin(2.0 * x) * libm::cos(2.0 * y) + 0.02 * stream.standard_normal();
             Contact::new(0, Point3::new(x, y, z), None)
         })
         .collect()
@@ -54,14 +54,15 @@ fn error_of_waves(fit: &Fit) -> f64 {
             -1.0 + (index % 20) as f64 * 0.1,
         );
         let (z, p, q, s) = (
-            0.2 * (2.0 * x).sin() * (2.0 * y).cos(),
-            0.4 * (2.0 * x).cos() * (2.0 * y).cos(),
-            -0.4 * (2.0 * x).sin() * (2.0 * y).sin(),
-            -0.8 * (2.0 * x).cos() * (2.0 * y).sin(),
+            0.2 * libm::sin(2.0 * x) * libm::cos(2.0 * y),
+            0.4 * libm::cos(2.0 * x) * libm::cos(2.0 * y),
+            -0.4 * libm::sin(2.0 * x) * libm::sin(2.0 * y),
+            -0.8 * libm::cos(2.0 * x) * libm::sin(2.0 * y),
         );
         let (r, t) = (-4.0 * z, -4.0 * z);
         let d = 1.0 + p * p + q * q;
-        let mean = -((1.0 + q * q) * r - 2.0 * p * q * s + (1.0 + p * p) * t) / (2.0 * d.powf(1.5));
+        let mean =
+            -((1.0 + q * q) * r - 2.0 * p * q * s + (1.0 + p * p) * t) / (2.0 * libm::pow(d, 1.5));
         let found = fit
             .curvature_at(&Point3::new(x, y, z))
             .expect("a curvature");

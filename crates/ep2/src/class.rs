@@ -58,7 +58,7 @@ pub(crate) fn probabilities(
                 let deviate = (mean - centre) / std;
                 add(
                     mean,
-                    simpson * step / std * (-0.5 * deviate * deviate).exp(),
+                    simpson * step / std * libm::exp(-0.5 * deviate * deviate),
                 );
             }
         }

@@ -172,9 +172,9 @@ impl Cloud {
         }
         let normal = self.axes.column(0).into_owned();
         let side = normal.dot(&outward.normalize());
-        if side.abs().asin() <= LEAST_SIDE_RAD {
+        if libm::asin(side.abs()) <= LEAST_SIDE_RAD {
             return Err(Ep2Error::NoSide {
-                angle_deg: side.abs().asin().to_degrees(),
+                angle_deg: libm::asin(side.abs()).to_degrees(),
             });
         }
         Ok(normal * side.signum())
@@ -201,7 +201,7 @@ impl Cloud {
             cosine += square * square - product * product;
             sine += 2.0 * square * product;
         }
-        let (sin, cos) = (0.25 * (sine.atan2(cosine) - PI)).sin_cos();
+        let (sin, cos) = libm::sincos(0.25 * (libm::atan2(sine, cosine) - PI));
         Some(principal * cos + across * sin)
     }
 }

@@ -147,7 +147,7 @@ fn sample(frame: &PatchFrame, index: usize, contact: &Contact) -> Result<Sample,
     let slopes = match contact.normal {
         Some(normal) => {
             let normal = frame.direction(&normal.normalize());
-            let angle_deg = normal.z.clamp(-1.0, 1.0).acos().to_degrees();
+            let angle_deg = libm::acos(normal.z.clamp(-1.0, 1.0)).to_degrees();
             if angle_deg > STEEPEST_DEG {
                 return Err(Ep2Error::Folded {
                     contact: index,

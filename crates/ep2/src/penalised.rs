@@ -1,6 +1,7 @@
 //! One penalised spline through heights and slopes, with a smoothing weight from the data.
 
 mod equations;
+mod product;
 mod roughness;
 mod spectrum;
 mod weight;
@@ -113,7 +114,7 @@ impl Penalised {
                 v: square.knots(1, &knots[1]),
                 coefficients,
             },
-            covariance: told.then(|| spectrum.covariance(&search.covariance(&choice))),
+            covariance: told.then(|| spectrum.covariance(&search.spread(&choice))),
             noise: told.then(|| variances.estimate(patch)),
             effective_unknowns: choice.effective_unknowns,
             status: None,

@@ -197,7 +197,7 @@ impl Fit {
     ) -> Result<MapPoint, Ep2Error> {
         let (form, [along, across]) = form_and_basis(jet);
         let principal = form.principal();
-        let (sin, cos) = principal.angle_of_max_rad.sin_cos();
+        let (sin, cos) = libm::sincos(principal.angle_of_max_rad);
         let in_world = |direction: Vector3<f64>| self.frame.direction_in_world(&direction);
         let point = MapPoint {
             position: self.frame.point_in_world(&Vector3::new(u, v, jet.w)),

@@ -200,7 +200,7 @@ impl TwoPass {
                 Some([_, slope]) if is_measured => (first.spline.value(sample.u, sample.v), slope),
                 _ => height_and_slope(&first.spline, sample),
             };
-            let across = self.tangent_step * unit / slope.hypot(1.0);
+            let across = self.tangent_step * unit / libm::hypot(slope, 1.0);
             for step in [0.0, across, -across] {
                 let place = [sample.u, sample.v + step, height + step * slope];
                 if !place.iter().all(|number| number.abs() <= LARGEST) {

@@ -69,8 +69,8 @@ impl CurvatureForm {
     pub fn principal(&self) -> PrincipalCurvatures {
         let mean = self.mean_curvature();
         let (half_difference, mixed) = (0.5 * self.k_uu - 0.5 * self.k_vv, self.k_uv);
-        let spread = half_difference.hypot(mixed);
-        let angle = 0.5 * mixed.atan2(half_difference);
+        let spread = libm::hypot(half_difference, mixed);
+        let angle = 0.5 * libm::atan2(mixed, half_difference);
         // Both are the same direction; the range holds one of them.
         let angle = if angle <= -FRAC_PI_2 {
             FRAC_PI_2
@@ -86,7 +86,7 @@ impl CurvatureForm {
 
     /// Normal curvature in the tangent direction at `angle_rad` from `u` towards `v`, 1/length.
     pub fn normal_curvature(&self, angle_rad: f64) -> f64 {
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = libm::sincos(angle_rad);
         self.along(&Vector2::new(cos, sin))
     }
 
@@ -106,7 +106,7 @@ impl CurvatureForm {
 
     /// The form seen in the basis turned by `angle_rad` from `u` towards `v`.
     pub fn rotated(&self, angle_rad: f64) -> Self {
-        let (sin, cos) = angle_rad.sin_cos();
+        let (sin, cos) = libm::sincos(angle_rad);
         let (u, v) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
         Self {
             k_uu: self.along(&u),
@@ -118,7 +118,7 @@ impl CurvatureForm {
     /// The form seen in the other body's frame, whose normal is opposite and whose axes stand at
     /// the contact angle ψ: `K̃ = R_ψ K R_ψ` with `R_ψ = [[cos ψ, −sin ψ], [−sin ψ, −cos ψ]]`.
     pub fn seen_from_other_body(&self, contact_angle_rad: f64) -> Self {
-        let (sin, cos) = contact_angle_rad.sin_cos();
+        let (sin, cos) = libm::sincos(contact_angle_rad);
         let reflection = Matrix2::new(cos, -sin, -sin, -cos);
         Self::from_matrix(&(reflection * self.matrix() * reflection))
     }
@@ -131,14 +131,14 @@ impl CurvatureForm {
         if k_min == 0.0 && k_max == 0.0 {
             return None;
         }
-        let index = FRAC_2_PI * (k_max + k_min).atan2(k_max - k_min);
+        let index = FRAC_2_PI * libm::atan2(k_max + k_min, k_max - k_min);
         index.is_finite().then_some(index)
     }
 
     /// Curvedness `√((k_min² + k_max²)/2)`, 1/length.
     pub fn curvedness(&self) -> f64 {
         let PrincipalCurvatures { k_min, k_max, .. } = self.principal();
-        k_min.hypot(k_max) * FRAC_1_SQRT_2
+        libm::hypot(k_min, k_max) * FRAC_1_SQRT_2
     }
 }
 

@@ -51,12 +51,12 @@ impl Meridian {
         let (r, height, [outward, along]) = match *self {
             Self::Paraboloid { c } => (t, -c * t * t, [2.0 * c * t, 1.0]),
             Self::Spheroid { a, c } => {
-                let (sin, cos) = t.sin_cos();
-                let height = -2.0 * c * (0.5 * t).sin().powi(2);
+                let (sin, cos) = libm::sincos(t);
+                let height = -2.0 * c * libm::sin(0.5 * t).powi(2);
                 (a * sin, height, [c * sin, a * cos])
             }
         };
-        let length = outward.hypot(along);
+        let length = libm::hypot(outward, along);
         MeridianPoint {
             r,
             height,
@@ -69,19 +69,19 @@ impl Meridian {
         match *self {
             Self::Paraboloid { c } => {
                 let slope = 2.0 * c * t;
-                let stretch = slope.hypot(1.0);
+                let stretch = libm::hypot(slope, 1.0);
                 MeridianSlope {
-                    slope_rad: slope.atan(),
+                    slope_rad: libm::atan(slope),
                     arc_per_parameter: stretch,
                     slope_per_parameter: 2.0 * c / stretch / stretch,
                 }
             }
             Self::Spheroid { a, c } => {
-                let (sin, cos) = t.sin_cos();
+                let (sin, cos) = libm::sincos(t);
                 let square = (a * cos).powi(2) + (c * sin).powi(2);
                 // The normal (c sin φ, a cos φ) never strays a quarter turn from φ, which tells the
                 // whole turns.
-                let within_turn = (c * sin).atan2(a * cos);
+                let within_turn = libm::atan2(c * sin, a * cos);
                 let turns = ((t - within_turn) / TAU).round();
                 MeridianSlope {
                     slope_rad: within_turn + turns * TAU,
@@ -110,9 +110,9 @@ impl Meridian {
                 let ratio = if slope == 0.0 {
                     1.0
                 } else {
-                    slope.asinh() / slope
+                    libm::asinh(slope) / slope
                 };
-                Some(0.5 * t * (slope.hypot(1.0) + ratio))
+                Some(0.5 * t * (libm::hypot(slope, 1.0) + ratio))
             }
             Self::Spheroid { .. } => None,
         }

@@ -363,7 +363,7 @@ fn is_random(scene: &Scene) -> bool {
 
 /// A number of trials to three digits; at least 1.
 fn rounded(trials: f64, round: fn(f64) -> f64) -> NonZeroU64 {
-    let unit = 10_f64.powi((trials.log10().floor() as i32 - 2).max(0));
+    let unit = libm::pow(10.0, (libm::log10(trials).floor() - 2.0).max(0.0));
     let whole = round(trials / unit) * unit;
     NonZeroU64::new(whole as u64).unwrap_or(NonZeroU64::MIN)
 }

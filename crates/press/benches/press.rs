@@ -17,7 +17,7 @@ fn published() -> Markers {
             let distance = 20.0 * (11.9 * (row + 1) as f64).to_radians();
             for marker in 0..count {
                 let share = (f64::from(marker) + 0.5) / f64::from(count);
-                let (sine, cosine) = (FRAC_PI_2 * (f64::from(gore) + share)).sin_cos();
+                let (sine, cosine) = libm::sincos(FRAC_PI_2 * (f64::from(gore) + share));
                 positions.push([distance * cosine, distance * sine]);
             }
         }

@@ -277,7 +277,7 @@ impl Contact<'_> {
             Rung::HalfSpace { poisson, depth } => half_space::field(*poisson, *depth, a, r),
             Rung::BondedLayer { .. } => Field::default(),
             Rung::Gaussian { c } => {
-                let share = (-0.5 * c * (r / a) * (r / a)).exp();
+                let share = libm::exp(-0.5 * c * (r / a) * (r / a));
                 Field {
                     normal: a * a * share,
                     normal_per_r: -c * r * share,

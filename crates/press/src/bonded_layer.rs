@@ -155,7 +155,7 @@ impl BondedLayer {
             let tried = contact.min(LIMIT);
             let [reached, slope] = scaled_indentation(tried)?;
             let power = reached / (tried * slope);
-            contact = tried * (root / reached.sqrt()).powf(2.0 * power);
+            contact = tried * libm::pow(root / reached.sqrt(), 2.0 * power);
             if tried == LIMIT && contact > LIMIT * (1.0 + 1e-12) {
                 return Err(too_thin(contact));
             }

@@ -133,7 +133,7 @@ impl ForwardFit {
         }
         let place = problem.place_at(markers.skin().place(at).direction.as_ref());
         let state = State {
-            log_curvature: contact.relative_curvature.ln(),
+            log_curvature: libm::log(contact.relative_curvature),
             place,
             indentation: contact.indentation,
             baseline: 0.0,

@@ -29,5 +29,5 @@ pub fn sneddon_indentation(radius: f64, a: f64) -> Result<f64, PressError> {
     let good = (0.0..radius).contains(&a);
     PressError::unless_good("contact_radius", a, good, "at least 0 and below the radius")?;
     // The area tangent of a/R, from R − a, which has all its digits.
-    Ok(0.5 * a * (2.0 * a / (radius - a)).ln_1p())
+    Ok(0.5 * a * libm::log1p(2.0 * a / (radius - a)))
 }

@@ -47,7 +47,7 @@ impl Markers {
         }
         let limit = std::f64::consts::PI * skin.radius();
         for (marker, [x, y]) in positions.iter().enumerate() {
-            let distance = x.hypot(*y);
+            let distance = libm::hypot(*x, *y);
             if distance > limit * (1.0 + 1e-9) {
                 return Err(PressError::OffSkin {
                     marker,
@@ -128,7 +128,7 @@ impl Markers {
         let moved = |place: &Place| {
             let sight = self.sight(&middle, place);
             let (cosine, sine) = (sight.bearing.x, sight.bearing.y);
-            let azimuth = sine.atan2(cosine);
+            let azimuth = libm::atan2(sine, cosine);
             let moved = stuck_shift(poisson, depth, contact_radius, sight.distance, azimuth)?;
             let outward = moved.along * cosine + moved.across * sine;
             let around = moved.across * cosine - moved.along * sine;
@@ -159,7 +159,7 @@ impl Markers {
         };
         let radius = self.skin.radius();
         Sight {
-            distance: 2.0 * radius * half_chord.asin(),
+            distance: 2.0 * radius * libm::asin(half_chord),
             reach: radius * sine,
             bearing: unit(chord + from * half_square, contact),
             outward: unit(chord - to * half_square, marker),

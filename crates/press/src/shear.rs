@@ -57,7 +57,7 @@ pub fn stuck_shift(
     let z = depth / contact_radius;
     let waves = Waves::new(z, Spheroidal::new(contact_radius, depth, r));
     let scale = 1.0 / (PI * (2.0 - poisson));
-    let (sine, cosine) = azimuth.sin_cos();
+    let (sine, cosine) = libm::sincos(azimuth);
     let uniform = 2.0 * (2.0 - poisson) * waves.a[0] - z * waves.b[0];
     let turning = 2.0 * poisson * waves.a[2] + z * waves.b[2];
     let inward = (1.0 - 2.0 * poisson) * waves.a[1] + z * waves.b[1];
@@ -95,7 +95,7 @@ impl Waves {
         let size = place.edge.max(f64::MIN_POSITIVE);
         let over_distance = |[real, imaginary]: [f64; 2]| (imaginary * xi + real * eta) / size;
         Self {
-            a: [1.0_f64.atan2(xi), t[1], 0.5 * t_squared[1]],
+            a: [libm::atan2(1.0_f64, xi), t[1], 0.5 * t_squared[1]],
             b: [[1.0, 0.0], t, t_squared].map(over_distance),
         }
     }

@@ -52,13 +52,13 @@ impl Skin {
     /// place at all, for no double holds their angle, count as the apex.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
         let [x, y] = [x / self.radius, y / self.radius];
-        let angle = x.hypot(y);
+        let angle = libm::hypot(x, y);
         let (angle, along) = if angle > 0.0 && angle.is_finite() {
             (angle, Vector2::new(x / angle, y / angle))
         } else {
             (0.0, Vector2::x())
         };
-        let (sine, cosine) = angle.sin_cos();
+        let (sine, cosine) = libm::sincos(angle);
         let meridian = Vector3::new(along.x * cosine, along.y * cosine, -sine);
         let across = Vector3::new(-along.y, along.x, 0.0);
         Place {
@@ -80,7 +80,7 @@ impl Skin {
             return [0.0; 2];
         }
         let direction = direction / largest;
-        let across = direction.x.hypot(direction.y);
+        let across = libm::hypot(direction.x, direction.y);
         if across == 0.0 {
             let turn = if direction.z < 0.0 {
                 std::f64::consts::PI
@@ -89,7 +89,7 @@ impl Skin {
             };
             return [self.radius * turn, 0.0];
         }
-        let distance = self.radius * across.atan2(direction.z);
+        let distance = self.radius * libm::atan2(across, direction.z);
         [
             distance * (direction.x / across),
             distance * (direction.y / across),

@@ -65,8 +65,8 @@ impl<'a, S: Surface> ChartForm<'a, S> {
         let object_at = bodies.object.parameters(&from.on_object);
         let object = bodies.object.chart_geometry(object_at)?;
         let x1 = from.x_axis * path.y - from.y_axis() * path.x;
-        let psi = (-x1.dot(&object.frame.y)).atan2(x1.dot(&object.frame.x));
-        let phi = path.x.atan2(path.y);
+        let psi = libm::atan2(-x1.dot(&object.frame.y), x1.dot(&object.frame.x));
+        let phi = libm::atan2(path.x, path.y);
 
         let state = [
             0.0,
@@ -83,7 +83,7 @@ impl<'a, S: Surface> ChartForm<'a, S> {
             on_probe,
             on_probe,
             object.metric[(0, 0)] * scale,
-            object.metric[(0, 1)].hypot(object.metric[(1, 1)]) * scale,
+            libm::hypot(object.metric[(0, 1)], object.metric[(1, 1)]) * scale,
             1.0,
             1.0,
             scale,
@@ -106,9 +106,9 @@ impl<S: Surface> Form<STATE> for ChartForm<'_, S> {
         let probe = self.probe.chart_geometry(Parameters::new(u1, v1))?.frame;
         let object = self.object.chart_geometry(Parameters::new(u2, v2))?;
         let (x2, y2) = (object.frame.x, object.frame.y);
-        let (sin, cos) = psi.sin_cos();
+        let (sin, cos) = libm::sincos(psi);
         let (x1, y1) = (x2 * cos - y2 * sin, -x2 * sin - y2 * cos);
-        let (sin, cos) = phi.sin_cos();
+        let (sin, cos) = libm::sincos(phi);
         let in_chart = Matrix3::from_columns(&[
             probe.x * cos + probe.y * sin,
             probe.y * cos - probe.x * sin,
@@ -150,7 +150,7 @@ impl<S: Surface> System<STATE> for ChartForm<'_, S> {
             &(into_gauss * self.motion.drive_on_object(self.probe.radius())),
         )?;
         let p = c - into_gauss * self.motion.sliding;
-        let (sin, cos) = psi.sin_cos();
+        let (sin, cos) = libm::sincos(psi);
         let on_object = Matrix2::new(cos, -sin, -sin, -cos) * c;
         let rate1 = parameter_rate(&probe, &p);
         let rate2 = parameter_rate(&object, &on_object);

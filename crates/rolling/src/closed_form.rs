@@ -79,7 +79,7 @@ impl Screw {
                 numbers: [0.0, 0.0, 1.0, 0.0],
             };
         }
-        let (half_sine, half_cosine) = (0.5 * angle).sin_cos();
+        let (half_sine, half_cosine) = libm::sincos(0.5 * angle);
         let (sine, versine) = (2.0 * half_sine * half_cosine, 2.0 * half_sine * half_sine);
         let per_angle = 1.0 / angle;
         Self {

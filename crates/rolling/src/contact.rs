@@ -110,7 +110,7 @@ fn logarithm(direction: &Vector3<f64>) -> Vector2<f64> {
             Vector2::x() * std::f64::consts::PI
         };
     }
-    across * (sine.atan2(direction.z) / sine)
+    across * (libm::atan2(sine, direction.z) / sine)
 }
 
 impl Shift {

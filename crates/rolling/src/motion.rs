@@ -75,7 +75,7 @@ fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
     /// Of so many quarters rounding leaves less than 1e-12.
     const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;
-    let (sin, cos) = angle_rad.sin_cos();
+    let (sin, cos) = libm::sincos(angle_rad);
     let off = (quarters - quarters.round()).abs();
     if off < 1e-15 * quarters.abs().max(1.0) && quarters.abs() < COUNTABLE {
         (sin.round(), cos.round())

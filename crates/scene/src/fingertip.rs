@@ -137,7 +137,7 @@ fn area(config: &BareFingertipConfig, camera: &LensConfig) -> Result<Option<f64>
         yellow: sizes.yellow_diameter,
     };
     MarkerArray::new(radius, &[[0.0; 2]], diameters, depths).map_err(|error| of_optics(&error))?;
-    let seen = |diameter: f64, depth: f64| (0.5 * diameter).atan2(radius - depth);
+    let seen = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, radius - depth);
     let larger = f64::max(
         seen(sizes.magenta_diameter, depths.magenta),
         seen(sizes.yellow_diameter, depths.yellow),

@@ -75,7 +75,7 @@ mod tests {
                 let across = read - normal * normal.dot(&read);
                 sum += across;
                 square += across * across.transpose();
-                tilts += normal.cross(&read).norm().atan2(normal.dot(&read)).powi(2);
+                tilts += libm::atan2(normal.cross(&read).norm(), normal.dot(&read)).powi(2);
             }
             let count = f64::from(count);
             assert!(sum.norm() / count < 0.05 * 3.0 / count.sqrt() * 1.5);

@@ -164,7 +164,9 @@ impl Pads {
                     std::f64::consts::PI * stream.symmetric_uniform(),
                     std::f64::consts::PI * stream.symmetric_uniform(),
                 );
-                let middle = direction_at(&(Vector2::new(azimuth.cos(), azimuth.sin()) * distance));
+                let middle = direction_at(
+                    &(Vector2::new(libm::cos(azimuth), libm::sin(azimuth)) * distance),
+                );
                 let spin = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
                 let lattice_from_contact = turn_to(&middle) * spin;
                 let first_pad = lattice.direction(lattice.nearest(&middle));

@@ -10,7 +10,7 @@ pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
     if angle == 0.0 {
         return Vector3::z();
     }
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = libm::sincos(angle);
     let across = displacement * (sin / angle);
     Vector3::new(across.x, across.y, cos)
 }
@@ -34,7 +34,7 @@ pub fn displacement_between(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector2<f
             Vector2::x() * std::f64::consts::PI
         };
     }
-    across * (sine.atan2(local.z) / sine)
+    across * (libm::atan2(sine, local.z) / sine)
 }
 
 /// The direction reached from a unit `direction` by going `displacement` (in radians) along a great
@@ -56,7 +56,7 @@ mod tests {
     proptest! {
         #[test]
         fn logarithm_inverts_exponential(angle in 0.0..3.1_f64, azimuth in -3.2..3.2_f64) {
-            let displacement = Vector2::new(azimuth.cos(), azimuth.sin()) * angle;
+            let displacement = Vector2::new(libm::cos(azimuth), libm::sin(azimuth)) * angle;
             let back = displacement_between(&Vector3::z(), &direction_at(&displacement));
             prop_assert!((back - displacement).norm() < 1e-13);
         }
@@ -65,7 +65,7 @@ mod tests {
         fn length_is_the_angle(a in -1.0..1.0_f64, b in -1.0..1.0_f64, c in -3.0..3.0_f64) {
             let from = direction_at(&Vector2::new(a, b));
             let to = direction_at(&Vector2::new(b, c));
-            let angle = from.cross(&to).norm().atan2(from.dot(&to));
+            let angle = libm::atan2(from.cross(&to).norm(), from.dot(&to));
             assert_relative_eq!(displacement_between(&from, &to).norm(), angle, epsilon = 1e-14);
         }
     }

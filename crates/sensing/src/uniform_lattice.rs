@@ -49,7 +49,7 @@ impl UniformLattice {
         let below = (2.0 * index as f64 + 1.0) / self.pads as f64;
         // 1 − z² = below (2 − below), without cancellation near the pole.
         let sine = (below * (2.0 - below)).max(0.0).sqrt();
-        let (sin, cos) = azimuth(index).sin_cos();
+        let (sin, cos) = libm::sincos(azimuth(index));
         Vector3::new(sine * cos, sine * sin, 1.0 - below)
     }
 
@@ -65,12 +65,14 @@ impl UniformLattice {
         } * 0.5
             * count
             - 0.5;
-        let azimuth_here = direction.y.atan2(direction.x);
+        let azimuth_here = libm::atan2(direction.y, direction.x);
 
         // The Fibonacci numbers of this latitude's zone.
         let zone = (count * std::f64::consts::PI * 5.0_f64.sqrt() * sine_squared).max(1.0);
-        let order = (zone.ln() / (2.0 * GOLDEN_RATIO.ln())).floor().max(2.0) as i32;
-        let fibonacci = GOLDEN_RATIO.powi(order) / 5.0_f64.sqrt();
+        let order = (libm::log(zone) / (2.0 * libm::log(GOLDEN_RATIO)))
+            .floor()
+            .max(2.0);
+        let fibonacci = libm::pow(GOLDEN_RATIO, order) / 5.0_f64.sqrt();
         let (f0, f1) = (fibonacci.round(), (fibonacci * GOLDEN_RATIO).round());
         let basis = Matrix2::new(signed_azimuth(f0 as u64), signed_azimuth(f1 as u64), f0, f1);
         let mut best = Nearest::new(direction);

@@ -69,7 +69,7 @@ impl Equidistant {
             (point_px[0] - self.centre_px[0]) / self.px_per_rad,
             (self.centre_px[1] - point_px[1]) / self.px_per_rad,
         ];
-        place[0].hypot(place[1]).is_finite().then_some(place)
+        libm::hypot(place[0], place[1]).is_finite().then_some(place)
     }
 
     /// How far a place moved along the sphere, rad along the axes at rest.
@@ -91,7 +91,7 @@ impl Equidistant {
         let shift = self.shift(rest.centroid_px, pressed.centroid_px);
         let stretched = |marker: &Marker| {
             let [x, y] = self.place(marker.centroid_px);
-            stretching(x.hypot(y)).ln()
+            libm::log(stretching(libm::hypot(x, y)))
         };
         let change = Change {
             shift_px: shift.map(|angle| self.px_per_rad * angle),
@@ -108,19 +108,19 @@ fn stretching(angle: f64) -> f64 {
     if angle < 1e-8 {
         1.0
     } else {
-        angle / angle.sin()
+        angle / libm::sin(angle)
     }
 }
 
 /// The direction of a place, and the apex's axes carried there.
 fn frame([x, y]: [f64; 2]) -> [Vector3<f64>; 3] {
-    let angle = x.hypot(y);
+    let angle = libm::hypot(x, y);
     let [along_x, along_y] = if angle > 0.0 {
         [x / angle, y / angle]
     } else {
         [1.0, 0.0]
     };
-    let (sine, cosine) = angle.sin_cos();
+    let (sine, cosine) = libm::sincos(angle);
     let meridian = Vector3::new(along_x * cosine, along_y * cosine, -sine);
     let across = Vector3::new(-along_y, along_x, 0.0);
     [
@@ -137,8 +137,8 @@ pub(crate) fn great_circle(from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     // From the chord, which keeps its digits where it is short.
     let chord = end - start;
     let [x, y] = [chord.dot(&x_axis), chord.dot(&y_axis)];
-    let across = x.hypot(y);
-    let angle = across.atan2(start.dot(&end));
+    let across = libm::hypot(x, y);
+    let angle = libm::atan2(across, start.dot(&end));
     if across > 0.0 {
         [angle * (x / across), angle * (y / across)]
     } else {
@@ -172,7 +172,11 @@ mod tests {
         assert_relative_eq!(along[1], 0.0, epsilon = 1e-12);
         // Across, a place 1 rad from the apex lies on a circle of radius sin 1 and not 1.
         let across = camera.shift(rest, [rest[0], rest[1] - 1e-3]);
-        assert_relative_eq!(across[1], 1e-3 / 230.0 * 1.0_f64.sin(), max_relative = 1e-6);
+        assert_relative_eq!(
+            across[1],
+            1e-3 / 230.0 * libm::sin(1.0_f64),
+            max_relative = 1e-6
+        );
     }
 
     #[test]
@@ -196,7 +200,7 @@ mod tests {
         let marker = |angle: f64| Marker {
             centroid_px: [319.5 + 230.0 * angle, 319.5],
             hue_turns: 0.9,
-            size_px2: 500.0 * angle / angle.sin(),
+            size_px2: 500.0 * angle / libm::sin(angle),
             pixels: 500,
         };
         let track = Track {

@@ -111,7 +111,7 @@ impl Field {
             let is_sound = [along_x, along_y, normal]
                 .iter()
                 .all(|one| one.abs() <= 1e100)
-                && x.hypot(y) <= std::f64::consts::PI;
+                && libm::hypot(x, y) <= std::f64::consts::PI;
             let out_of_range = FieldError::OutOfRange { marker };
             if !is_sound {
                 return Err(out_of_range);
@@ -148,11 +148,11 @@ impl Field {
         let mean = |centre: &Displaced| {
             let weights = self.markers.iter().map(|marker| {
                 let [x, y] = great_circle(centre.place, marker.place);
-                let distance = x.hypot(y);
+                let distance = libm::hypot(x, y);
                 if distance == 0.0 {
                     1.0
                 } else {
-                    (-0.5 * (distance / std_rad).powi(2)).exp()
+                    libm::exp(-0.5 * (distance / std_rad).powi(2))
                 }
             });
             let weights: Vec<f64> = weights.collect();
@@ -253,7 +253,7 @@ impl Field {
         });
         let away = |marker: &Displaced| {
             let [x, y] = great_circle(marker.place, self.markers[centre].place);
-            let distance = x.hypot(y);
+            let distance = libm::hypot(x, y);
             if distance == 0.0 {
                 return 0.0;
             }
@@ -345,7 +345,7 @@ mod tests {
         spike[12].normal = 1.0;
         let field = Field::new(&spike).expect("sound markers");
         let smooth = field.smoothed(0.1).expect("a width");
-        let row: f64 = (-2..=2).map(|k| (-0.5 * f64::from(k * k)).exp()).sum();
+        let row: f64 = (-2..=2).map(|k| libm::exp(-0.5 * f64::from(k * k))).sum();
         assert_relative_eq!(
             smooth.markers()[12].normal,
             1.0 / (row * row),

@@ -226,7 +226,7 @@ impl Finder {
             let mut markers: Vec<Marker> = markers.iter().flatten().copied().collect();
             let away = |marker: &Marker| {
                 let [x, y] = [0, 1].map(|axis| marker.centroid_px[axis] - mask.centre_px[axis]);
-                x.hypot(y)
+                libm::hypot(x, y)
             };
             markers.sort_by(|a, b| away(a).total_cmp(&away(b)));
             markers

@@ -32,7 +32,7 @@ impl Mask {
         let [x, y] = [width, height].map(|side| (f64::from(side) - 1.0) / 2.0);
         Self {
             centre_px: [x, y],
-            radius_px: x.hypot(y) + 1.0,
+            radius_px: libm::hypot(x, y) + 1.0,
         }
     }
 
@@ -161,13 +161,13 @@ impl Circle {
         let steps = (TAU * self.radius / STEP).ceil().max(8.0);
         let mut seen = vec![false; steps as usize];
         for point in points.iter().filter(|point| self.holds(point)) {
-            let turn = (point[1] - self.centre[1]).atan2(point[0] - self.centre[0]) / TAU;
+            let turn = libm::atan2(point[1] - self.centre[1], point[0] - self.centre[0]) / TAU;
             let step = (turn.rem_euclid(1.0) * steps) as usize % seen.len();
             seen[step] = true;
         }
         let (mut within, mut count) = (0.0, 0.0);
         for (step, &seen) in seen.iter().enumerate() {
-            let (sine, cosine) = (TAU * (step as f64 + 0.5) / steps).sin_cos();
+            let (sine, cosine) = libm::sincos(TAU * (step as f64 + 0.5) / steps);
             let at = [
                 self.centre[0] + self.radius * cosine,
                 self.centre[1] + self.radius * sine,

@@ -103,7 +103,10 @@ impl Lighting {
     /// The ground about a place of the frame.
     pub(crate) fn about(&self, place: [f64; 2], colour: usize) -> Local {
         let [x, y] = [0, 1].map(|axis| (place[axis] - self.centre[axis]) / self.radius);
-        let power = |base: f64, power: i32| if power < 0 { 0.0 } else { base.powi(power) };
+        let power = |base: f64, power: i32| match power {
+            ..0 => 0.0,
+            _ => (0..power).fold(1.0, |product, _| product * base),
+        };
         let (mut value, mut slope, mut bend) = (0.0, [0.0; 2], [0.0; 3]);
         for (&(i, j), &term) in POWERS.iter().zip(&self.terms[colour]) {
             let (m, n) = (f64::from(i), f64::from(j));

@@ -83,7 +83,7 @@ impl Track {
         let change = Change {
             shift_px: [0, 1].map(|axis| pressed.centroid_px[axis] - rest.centroid_px[axis]),
             hue_turns: turn - (turn + 0.5).floor(),
-            growth: 0.5 * (pressed.size_px2 / rest.size_px2).ln(),
+            growth: 0.5 * libm::log(pressed.size_px2 / rest.size_px2),
         };
         Some(change).filter(Change::is_finite)
     }

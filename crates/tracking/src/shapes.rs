@@ -63,7 +63,7 @@ impl Shape {
             xy / area - middle[0] * middle[1],
             yy / area - middle[1] * middle[1],
         );
-        let (half, spread) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+        let (half, spread) = (0.5 * (xx + yy), libm::hypot(0.5 * (xx - yy), xy));
         let (long, short) = (half + spread, (half - spread).max(1e-9));
         Form {
             middle,

@@ -80,7 +80,7 @@ fn hue(light: [f64; 3], ground: Ground) -> (f64, f64) {
         4.0 + (red - green) / chroma
     };
     let turns = (sixths / 6.0).rem_euclid(1.0);
-    let length = along.hypot(0.75_f64.sqrt() * across);
+    let length = libm::hypot(along, 0.75_f64.sqrt() * across);
     // A tiny negative angle rounds up to a whole turn.
     (if turns < 1.0 { turns } else { 0.0 }, length)
 }

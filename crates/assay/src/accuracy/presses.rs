@@ -59,10 +59,10 @@ fn on_the_axis() -> Result<f64> {
     let a = contact.radius;
     // r = a sin t makes the integrand smooth: Simpson's rule.
     let integrand = |t: f64| {
-        let (r, pressure) = (a * t.sin(), peak * t.cos());
-        let rho = r.hypot(depth);
+        let (r, pressure) = (a * libm::sin(t), peak * libm::cos(t));
+        let rho = libm::hypot(r, depth);
         let kernel = depth * depth / rho.powi(3) + 2.0 * (1.0 - poisson) / rho;
-        (1.0 + poisson) * kernel * pressure * r * a * t.cos()
+        (1.0 + poisson) * kernel * pressure * r * a * libm::cos(t)
     };
     let steps = 2000;
     let step = std::f64::consts::FRAC_PI_2 / f64::from(steps);

@@ -76,7 +76,7 @@ pub(crate) fn against_closed_form(
         // Both turn by half the angle.
         Shape::Sphere(_) => {
             let half = 0.5 * angle_rad;
-            (half.sin(), half.cos(), half)
+            (libm::sin(half), libm::cos(half), half)
         }
         Shape::Paraboloid(_) => {
             let r = radius_on_paraboloid(angle_rad);
@@ -84,9 +84,9 @@ pub(crate) fn against_closed_form(
         }
         other => anyhow::bail!("no closed form of a roll over a {}", other.name()),
     };
-    let along = Vector3::new(DIRECTION.cos(), DIRECTION.sin(), 0.0);
+    let along = Vector3::new(libm::cos(DIRECTION), libm::sin(DIRECTION), 0.0);
     let on_object = along * axial + Vector3::z() * height;
-    let on_probe = along * path.sin() - Vector3::z() * path.cos();
+    let on_probe = along * libm::sin(path) - Vector3::z() * libm::cos(path);
     let off_object = (contact.on_object.coords - on_object).amax();
     Ok(off_object.max((contact.on_probe(1.0).coords - on_probe).amax()))
 }
@@ -97,8 +97,8 @@ fn radius_on_paraboloid(angle_rad: f64) -> f64 {
     let mut r = angle_rad / 3.0;
     for _ in 0..60 {
         let slope = 2.0 * r;
-        let excess = slope.atan() + length_on_paraboloid(r) - angle_rad;
-        r -= excess / (2.0 / (1.0 + slope * slope) + slope.hypot(1.0));
+        let excess = libm::atan(slope) + length_on_paraboloid(r) - angle_rad;
+        r -= excess / (2.0 / (1.0 + slope * slope) + libm::hypot(slope, 1.0));
     }
     r
 }
@@ -106,5 +106,5 @@ fn radius_on_paraboloid(angle_rad: f64) -> f64 {
 /// Of the meridian of z = −r² from the apex.
 fn length_on_paraboloid(r: f64) -> f64 {
     let slope = 2.0 * r;
-    0.5 * r * slope.hypot(1.0) + 0.25 * slope.asinh()
+    0.5 * r * libm::hypot(slope, 1.0) + 0.25 * libm::asinh(slope)
 }

@@ -41,7 +41,7 @@ pub(super) fn figures() -> Result<Vec<Figure>> {
 
 fn away(marker: &Marker, place: [f64; 2]) -> f64 {
     let [dx, dy] = [0, 1].map(|axis| marker.centroid_px[axis] - place[axis]);
-    dx.hypot(dy)
+    libm::hypot(dx, dy)
 }
 
 fn nearest(found: &[Marker], place: [f64; 2]) -> Result<&Marker> {

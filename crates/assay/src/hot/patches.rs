@@ -39,7 +39,7 @@ pub fn many(count: usize) -> Vec<Contact> {
     (0..count)
         .map(|_| {
             let (x, y) = (uniform(1.5), uniform(1.5));
-            let z = 0.2 * (2.0 * x).sin() * (2.0 * y).cos() + uniform(MANY_OFF);
+            let z = 0.2 * libm::sin(2.0 * x) * libm::cos(2.0 * y) + uniform(MANY_OFF);
             Contact::new(0, Point3::new(x, y, z), None)
         })
         .collect()
@@ -69,15 +69,19 @@ pub fn places_on_waves() -> Vec<(Point3<f64>, f64)> {
     let along = |index: usize, end: f64| end * (2.0 * (index as f64) / 29.0 - 1.0);
     let place = |index: usize| {
         let (x, y) = (along(index / 30, 1.5), along(index % 30, 1.0));
-        let z = 0.2 * (2.0 * x).sin() * (2.0 * y).cos();
+        let z = 0.2 * libm::sin(2.0 * x) * libm::cos(2.0 * y);
         let (p, q) = (
-            0.4 * (2.0 * x).cos() * (2.0 * y).cos(),
-            -0.4 * (2.0 * x).sin() * (2.0 * y).sin(),
+            0.4 * libm::cos(2.0 * x) * libm::cos(2.0 * y),
+            -0.4 * libm::sin(2.0 * x) * libm::sin(2.0 * y),
         );
-        let (r, s, t) = (-4.0 * z, -0.8 * (2.0 * x).cos() * (2.0 * y).sin(), -4.0 * z);
+        let (r, s, t) = (
+            -4.0 * z,
+            -0.8 * libm::cos(2.0 * x) * libm::sin(2.0 * y),
+            -4.0 * z,
+        );
         let square = 1.0 + p * p + q * q;
         let twice = (1.0 + q * q) * r - 2.0 * p * q * s + (1.0 + p * p) * t;
-        (Point3::new(x, y, z), -0.5 * twice / square.powf(1.5))
+        (Point3::new(x, y, z), -0.5 * twice / libm::pow(square, 1.5))
     };
     (0..900).map(place).collect()
 }

@@ -22,13 +22,13 @@ pub(super) fn contact() -> Result<Vec<Figure>> {
     let contact = surface.press(1.0 / RADIUS, DEPTH)?;
     // By the pressure's integral over the contact, 2/3 π a² of its peak, and the force of Hertz's theory.
     let peak = contact.peak_pressure(YOUNG).context("no pressure")?;
-    let force = 4.0 / 3.0 * RADIUS.sqrt() * DEPTH.powf(1.5);
+    let force = 4.0 / 3.0 * RADIUS.sqrt() * libm::pow(DEPTH, 1.5);
     let radius = (1.5 * force / (std::f64::consts::PI * peak)).sqrt();
     let error = (contact.radius / radius - 1.0).abs();
 
     let along = |index: usize| (index as f64 + 0.5) * SIDE / POINTS as f64 - 0.5 * SIDE;
     let grid: Vec<f64> = (0..POINTS * POINTS)
-        .map(|index| along(index / POINTS).hypot(along(index % POINTS)))
+        .map(|index| libm::hypot(along(index / POINTS), along(index % POINTS)))
         .collect();
     let markers = markers()?;
     let below = Body::half_space(0.5, 2.0)?;

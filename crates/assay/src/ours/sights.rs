@@ -28,7 +28,7 @@ pub(super) fn frames() -> Result<Vec<Figure>> {
 fn centroid_error(found: &[Marker], discs: &[Disc]) -> f64 {
     let away = |disc: &Disc, marker: &Marker| {
         let [dx, dy] = [0, 1].map(|axis| disc.centroid_px[axis] - marker.centroid_px[axis]);
-        dx.hypot(dy)
+        libm::hypot(dx, dy)
     };
     let nearest = |disc| {
         found

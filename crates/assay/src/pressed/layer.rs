@@ -9,7 +9,7 @@
 use std::f64::consts::FRAC_2_PI;
 
 use anyhow::{Context, Result, bail};
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
 use super::quadrature::{around, on_panels, over};
 use super::{NEGLIGIBLE, PHASE, abel, sum};
@@ -45,13 +45,13 @@ impl Layer {
         // Logarithms of D and α lie almost on a line.
         let [mut before, mut here] = [solve(wanted.sqrt())?, solve(1.2 * wanted.sqrt())?];
         for _ in 0..MOST_STEPS {
-            let slope =
-                (here.contact / before.contact).ln() / (here.indentation / before.indentation).ln();
-            let missing = (wanted / here.indentation).ln();
+            let slope = libm::log(here.contact / before.contact)
+                / libm::log(here.indentation / before.indentation);
+            let missing = libm::log(wanted / here.indentation);
             if missing.abs() < 1e-14 || !slope.is_finite() {
                 return Ok(here);
             }
-            let next = solve(here.contact * (slope * missing).exp())?;
+            let next = solve(here.contact * libm::exp(slope * missing))?;
             before = std::mem::replace(&mut here, next);
         }
         match (here.indentation / wanted - 1.0).abs() {
@@ -65,7 +65,7 @@ impl Layer {
         let places: Vec<[f64; 2]> = over(0.0, contact, intervals).collect();
         let waves: Vec<[f64; 2]> = on_panels(reach(), panel(2.0 * contact)).collect();
         let cosines = DMatrix::from_fn(places.len(), waves.len(), |row, column| {
-            (waves[column][0] * places[row][0]).cos()
+            libm::cos(waves[column][0] * places[row][0])
         });
         let weighted = DMatrix::from_fn(waves.len(), places.len(), |row, column| {
             let ([k, of_k], [_, of_t]) = (waves[row], places[column]);
@@ -99,7 +99,7 @@ impl Layer {
     fn transform(&self, k: f64) -> f64 {
         let nodes = self.nodes.iter();
         nodes
-            .map(|node| node.weight * node.phi * (k * node.place).cos())
+            .map(|node| node.weight * node.phi * libm::cos(k * node.place))
             .sum()
     }
 
@@ -147,7 +147,7 @@ impl Layer {
         }
         around(self.contact, r, depth).fold([0.0; 2], |[normal, radial], [t, weight]| {
             let below = Complex::new(depth, t);
-            let root = (below * below + r * r).sqrt();
+            let root = ComplexField::sqrt(below * below + r * r);
             let cube = root * root * root;
             let phi = weight * self.phi(t);
             [
@@ -169,7 +169,7 @@ fn panel(distance: f64) -> f64 {
 
 /// g: the share of a half-space's surface that the core takes.
 fn reflected(k: f64) -> f64 {
-    let q = (-2.0 * k).exp();
+    let q = libm::exp(-2.0 * k);
     2.0 * q * (1.0 + q + 2.0 * k + 2.0 * k * k) / (1.0 + q * q + 4.0 * k * k * q + 2.0 * q)
 }
 
@@ -179,19 +179,19 @@ fn taken(k: f64, depth: f64) -> [f64; 2] {
         return [-reflected(k), shares(k, 0.0)[1]];
     }
     let [normal, radial] = shares(k, depth);
-    let (kz, decay) = (k * depth, (-k * depth).exp());
+    let (kz, decay) = (k * depth, libm::exp(-k * depth));
     [normal - (1.0 + kz) * decay, radial - kz * decay]
 }
 
 /// N and R: e^{H} and e^{x} taken out of every hyperbolic function.
 fn shares(k: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (k, k * (1.0 - depth));
-    let (q, p) = ((-2.0 * h).exp(), (-2.0 * x).exp());
+    let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
     let [cosh_h, sinh_h] = [0.5 * (1.0 + q), 0.5 * (1.0 - q)];
     let [cosh_x, sinh_x] = [0.5 * (1.0 + p), 0.5 * (1.0 - p)];
     // cosh H sinh x − sinh H cosh x = (q − p)/2 and cosh H cosh x − sinh H sinh x = (q + p)/2.
     let normal = cosh_h * (sinh_x - x * cosh_x) + h * sinh_h * sinh_x + 0.5 * h * x * (q - p);
     let radial = (h - x) * cosh_h * sinh_x + 0.5 * h * x * (q + p);
-    let scale = (-h * depth).exp() / (cosh_h * cosh_h + h * h * q);
+    let scale = libm::exp(-h * depth) / (cosh_h * cosh_h + h * h * q);
     [scale * normal, scale * radial]
 }

@@ -263,9 +263,11 @@ fn of_press(config: &PressConfig, ladder: &Ladder) -> Result<Rivals> {
             let moved = distances.iter().map(|r| contact.displacement(*r));
             let pairs = truth.iter().zip(moved);
             let off = pairs.map(|([normal, radial], moved)| {
-                (moved.normal - normal).hypot(moved.radial - radial)
+                libm::hypot(moved.normal - normal, moved.radial - radial)
             });
-            let sizes = truth.iter().map(|[normal, radial]| normal.hypot(*radial));
+            let sizes = truth
+                .iter()
+                .map(|[normal, radial]| libm::hypot(*normal, *radial));
             off.fold(0.0, f64::max) / sizes.fold(0.0, f64::max)
         });
         Ok(Rival {

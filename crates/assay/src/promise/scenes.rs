@@ -50,7 +50,7 @@ impl Draws {
 
     /// Log-uniform.
     fn of_magnitude(&mut self, from: f64, to: f64) -> f64 {
-        10_f64.powf(self.between(from.log10(), to.log10()))
+        libm::pow(10_f64, self.between(libm::log10(from), libm::log10(to)))
     }
 
     fn index(&mut self, count: usize) -> usize {

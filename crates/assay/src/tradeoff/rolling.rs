@@ -171,7 +171,7 @@ fn on_ball(roll: &Roll) -> Result<End> {
     };
     let ball = ball.context("no ball")?;
     let path = roll.angle / (RADIUS.recip() + ball.recip());
-    let (sine, cosine) = (path / ball).sin_cos();
+    let (sine, cosine) = libm::sincos(path / ball);
     Ok(End {
         on_object: Point3::from(ahead() * (ball * sine) + Vector3::z() * (ball * cosine)),
         on_probe: along_probe(path),
@@ -184,9 +184,9 @@ fn on_paraboloid(roll: &Roll) -> Result<End> {
     const C: f64 = 0.2;
     let length = |r: f64| {
         let slope = 2.0 * C * r;
-        0.5 * r * slope.hypot(1.0) + slope.asinh() / (4.0 * C)
+        0.5 * r * libm::hypot(slope, 1.0) + libm::asinh(slope) / (4.0 * C)
     };
-    let turned = |r: f64| (2.0 * C * r).atan() + length(r) / RADIUS;
+    let turned = |r: f64| libm::atan(2.0 * C * r) + length(r) / RADIUS;
     let (mut low, mut high) = (0.0, RADIUS * roll.angle);
     while let middle = 0.5 * (low + high)
         && low < middle
@@ -238,12 +238,12 @@ fn in_charts(roll: &Roll) -> Result<End> {
 }
 
 fn ahead() -> Vector3<f64> {
-    Vector3::new(DIRECTION.cos(), DIRECTION.sin(), 0.0)
+    Vector3::new(libm::cos(DIRECTION), libm::sin(DIRECTION), 0.0)
 }
 
 /// The contact on the probe after a path along a great circle from its lowest point.
 fn along_probe(path: f64) -> Point3<f64> {
-    let (sine, cosine) = (path / RADIUS).sin_cos();
+    let (sine, cosine) = libm::sincos(path / RADIUS);
     Point3::from((ahead() * sine - Vector3::z() * cosine) * RADIUS)
 }
 

@@ -175,7 +175,7 @@ impl MarkerArray {
         for stand in &mut self.stands {
             // A uniform share of the disc's area is within the square of the share of its radius.
             let share = 0.5 * (stream.symmetric_uniform() + 1.0);
-            let (sine, cosine) = (PI * stream.symmetric_uniform()).sin_cos();
+            let (sine, cosine) = libm::sincos(PI * stream.symmetric_uniform());
             let size = most_rad * share.sqrt();
             stand.misalignment = [size * cosine, size * sine];
         }
@@ -238,7 +238,7 @@ impl Layer {
             return Err(motion.normal);
         }
         if !beside {
-            return Err(motion.tangential[0].hypot(motion.tangential[1]));
+            return Err(libm::hypot(motion.tangential[0], motion.tangential[1]));
         }
         let (x, y) = (x + offset[0], y + offset[1]);
         // Exponential map from the marker's place.
@@ -256,7 +256,7 @@ impl Layer {
 
 fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, OpticsError> {
     let [x, y] = place.map(|coordinate| coordinate / sensor_radius);
-    let angle = x.hypot(y);
+    let angle = libm::hypot(x, y);
     let on_the_skin = angle < PI;
     if !on_the_skin {
         return Err(OpticsError::OffTheSkin {
@@ -270,7 +270,7 @@ fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, Op
     } else {
         [1.0, 0.0]
     };
-    let (sine, cosine) = angle.sin_cos();
+    let (sine, cosine) = libm::sincos(angle);
     let meridian = Vector3::new(along_x * cosine, along_y * cosine, -sine);
     let across = Vector3::new(-along_y, along_x, 0.0);
     Ok(Stand {
@@ -285,7 +285,7 @@ fn stand(marker: usize, place: [f64; 2], sensor_radius: f64) -> Result<Stand, Op
 fn apart(stands: &[Stand], layer: Layer) -> Result<(), OpticsError> {
     let directions: Vec<[f64; 3]> = stands.iter().map(|stand| stand.direction.into()).collect();
     // Two caps of an angle touch where their middles' chord is twice the angle's sine.
-    let reach = 2.0 * layer.half_width / layer.half_width.hypot(1.0);
+    let reach = 2.0 * layer.half_width / libm::hypot(layer.half_width, 1.0);
     match too_close(&directions, reach, 1e-9) {
         None => Ok(()),
         Some(pair) => Err(OpticsError::DiscsOverlap {

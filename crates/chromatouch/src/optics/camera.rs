@@ -65,13 +65,13 @@ impl Camera {
         let rim_rad = field_deg.to_radians();
         let rim = match lens {
             Lens::Fisheye => rim_rad,
-            Lens::Pinhole => rim_rad.tan(),
+            Lens::Pinhole => libm::tan(rim_rad),
         };
         Ok(Self {
             lens,
             size_px,
             rim_rad,
-            rim_cosine: rim_rad.cos(),
+            rim_cosine: libm::cos(rim_rad),
             px_per_rad: 0.5 * f64::from(size_px) / rim,
         })
     }
@@ -98,8 +98,8 @@ impl Camera {
 
     /// Where a direction from the sensor's centre, of any length, is seen; `None` outside the image circle.
     pub fn image(&self, direction: &Vector3<f64>) -> Option<[f64; 2]> {
-        let across = direction.x.hypot(direction.y);
-        let polar = across.atan2(direction.z);
+        let across = libm::hypot(direction.x, direction.y);
+        let polar = libm::atan2(across, direction.z);
         let is_direction = direction.iter().all(|component| component.is_finite())
             && (across > 0.0 || direction.z != 0.0);
         if !is_direction || polar > self.rim_rad {
@@ -119,16 +119,16 @@ impl Camera {
     pub fn direction(&self, [column, row]: [f64; 2]) -> Option<UnitVector3<f64>> {
         let centre = self.centre_px();
         let (x, y) = (column - centre[0], centre[1] - row);
-        let radius = x.hypot(y);
+        let radius = libm::hypot(x, y);
         let inside = radius <= self.rim_px();
         if !inside {
             return None;
         }
         let polar = match self.lens {
             Lens::Fisheye => radius / self.px_per_rad,
-            Lens::Pinhole => (radius / self.px_per_rad).atan(),
+            Lens::Pinhole => libm::atan(radius / self.px_per_rad),
         };
-        let (sine, cosine) = polar.sin_cos();
+        let (sine, cosine) = libm::sincos(polar);
         let along = if radius > 0.0 { sine / radius } else { 0.0 };
         Some(UnitVector3::new_normalize(Vector3::new(
             x * along,
@@ -151,8 +151,8 @@ impl Camera {
         if !good {
             return None;
         }
-        let (sine, cosine) = angular_radius.sin_cos();
-        let local = Local::new(self, polar, polar.sin_cos());
+        let (sine, cosine) = libm::sincos(angular_radius);
+        let local = Local::new(self, polar, libm::sincos(polar));
         Some(cap(self.lens, &local, sine, cosine).area)
     }
 
@@ -160,20 +160,20 @@ impl Camera {
     pub(super) fn radius(&self, polar: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => self.px_per_rad * polar,
-            Lens::Pinhole => self.px_per_rad * polar.tan(),
+            Lens::Pinhole => self.px_per_rad * libm::tan(polar),
         }
     }
 
     /// The lens around a direction, a unit vector; at the rim, for one beyond.
     pub(super) fn local(&self, direction: &Vector3<f64>) -> Local {
-        let polar = direction.x.hypot(direction.y).atan2(direction.z);
+        let polar = libm::atan2(libm::hypot(direction.x, direction.y), direction.z);
         let polar = polar.min(self.rim_rad).min(PI - 1e-6);
-        Local::new(self, polar, polar.sin_cos())
+        Local::new(self, polar, libm::sincos(polar))
     }
 
     /// Most pixels per radian, in any direction, at a polar angle in the field.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
-        let (sine, cosine) = polar.sin_cos();
+        let (sine, cosine) = libm::sincos(polar);
         match self.lens {
             Lens::Fisheye if polar > 0.0 => self.px_per_rad * (polar / sine.max(0.0)),
             Lens::Fisheye => self.px_per_rad,

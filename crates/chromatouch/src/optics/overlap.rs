@@ -116,7 +116,7 @@ fn lens((first, first_radius): (f64, f64), (second, second_radius): (f64, f64)) 
 /// segment of half-angle β is farther along.
 #[inline]
 fn segment(radius: f64, to_chord: f64, half: f64) -> Moments {
-    let angle = half.atan2(to_chord);
+    let angle = libm::atan2(half, to_chord);
     let square = radius * radius;
     // r² sin β cos β, r² sin² β.
     let (triangle, half_square) = (half * to_chord, half * half);

@@ -48,7 +48,7 @@ struct Aim {
 impl Aim {
     #[inline]
     fn new(camera: &Camera, direction: &Vector3<f64>) -> Self {
-        Self::at(camera, direction, f64::atan2)
+        Self::at(camera, direction, libm::atan2)
     }
 
     /// Of a direction that is likely near to this one.
@@ -61,7 +61,7 @@ impl Aim {
             if near {
                 self.polar + small_angle(step)
             } else {
-                sine.atan2(cosine)
+                libm::atan2(sine, cosine)
             }
         })
     }

@@ -125,7 +125,7 @@ impl Pattern {
 
 /// How far (across, from the apex) lies inside the line through a chord of the right edge.
 fn inside(&[[x, y], [u, v]]: &[[f64; 2]; 2], [across, from_apex]: [f64; 2]) -> f64 {
-    let length = (u - x).hypot(v - y);
+    let length = libm::hypot(u - x, v - y);
     (u - x) / length * (from_apex - y) - (v - y) / length * (across - x)
 }
 
@@ -213,7 +213,9 @@ impl CuttingSheet {
     /// Half the side of a square around the apex that holds the drawing and a margin.
     fn half_side(&self) -> f64 {
         let corners = self.cuts.iter().flatten();
-        1.05 * corners.map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max)
+        1.05 * corners
+            .map(|[x, y]| libm::hypot(*x, *y))
+            .fold(0.0, f64::max)
     }
 }
 

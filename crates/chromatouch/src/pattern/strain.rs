@@ -76,14 +76,14 @@ impl FoldStrain {
         LayoutError::unless(on_gore, "longitude", longitude, &expected)?;
         let on_gore = (0.0..=FRAC_PI_2).contains(&latitude);
         LayoutError::unless(on_gore, "latitude", latitude, "from 0 to a quarter turn")?;
-        Ok(strain_of_shear((longitude * latitude.sin()).abs()))
+        Ok(strain_of_shear((longitude * libm::sin(latitude)).abs()))
     }
 }
 
 /// σ − 1 for s ≥ 0, without cancellation.
 fn strain_of_shear(shear: f64) -> f64 {
     let half = 0.5 * shear;
-    half + half * half / (1.0 + half.hypot(1.0))
+    half + half * half / (1.0 + libm::hypot(half, 1.0))
 }
 
 fn rms(gores: u32, nodes: usize) -> f64 {
@@ -130,11 +130,11 @@ mod tests {
 
     /// The fold itself, in space, for a sphere of radius 1.
     fn fold([x, y]: [f64; 2]) -> [f64; 3] {
-        let longitude = x / y.cos();
+        let longitude = x / libm::cos(y);
         [
-            y.cos() * longitude.cos(),
-            y.cos() * longitude.sin(),
-            y.sin(),
+            libm::cos(y) * libm::cos(longitude),
+            libm::cos(y) * libm::sin(longitude),
+            libm::sin(y),
         ]
     }
 
@@ -152,7 +152,7 @@ mod tests {
             dot(along_x, along_y),
             dot(along_y, along_y),
         );
-        let spread = (0.5 * (xx - yy)).hypot(xy);
+        let spread = libm::hypot(0.5 * (xx - yy), xy);
         [0.5 * (xx + yy) + spread, 0.5 * (xx + yy) - spread].map(f64::sqrt)
     }
 
@@ -163,7 +163,7 @@ mod tests {
             for latitude in [0.01_f64, 0.4, 0.9, 1.4] {
                 for share in [-1.0, -0.3, 0.0, 0.7, 1.0] {
                     let longitude = share * PI / f64::from(gores);
-                    let [greatest, least] = stretches(longitude * latitude.cos(), latitude);
+                    let [greatest, least] = stretches(longitude * libm::cos(latitude), latitude);
                     let expected = 1.0 + strain.at(longitude, latitude).unwrap();
                     assert_relative_eq!(greatest, expected, max_relative = 1e-8);
                     assert_relative_eq!(least, 1.0 / expected, max_relative = 1e-8);
@@ -205,8 +205,8 @@ mod tests {
                 for column in 0..cells {
                     let share = (f64::from(column) + 0.5) / f64::from(cells);
                     let value = strain.at(share * PI / f64::from(gores), latitude).unwrap();
-                    area += latitude.cos();
-                    sum += latitude.cos() * value * value;
+                    area += libm::cos(latitude);
+                    sum += libm::cos(latitude) * value * value;
                 }
             }
             assert_relative_eq!(strain.rms(), (sum / area).sqrt(), max_relative = 2e-5);

@@ -79,7 +79,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
     // The first two are each in a frame of its own.
     let places: Vec<[f64; 2]> = std::iter::zip(polar, azimuth)
         .map(|(polar, azimuth)| {
-            let (sine, cosine) = azimuth.to_radians().sin_cos();
+            let (sine, cosine) = libm::sincos(azimuth.to_radians());
             [cosine, sine].map(|share| 20.0 * polar.to_radians() * share)
         })
         .collect();
@@ -110,7 +110,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
             let marker = marker.unwrap();
             let [column, row] = marker.centroid_px;
             let [middle, _] = camera.centre_px();
-            let from_centre = (column - middle).hypot(row - middle) / camera.px_per_rad();
+            let from_centre = libm::hypot(column - middle, row - middle) / camera.px_per_rad();
             // Half a side that holds a marker and not its neighbours, over the focal length.
             let half_side = match lens {
                 Lens::Fisheye => 0.16,
@@ -120,7 +120,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
             let turn = found.hue_turns - marker.hue_turns;
             let [x, y] = [0, 1].map(|axis| found.centroid_px[axis] - marker.centroid_px[axis]);
             let differences = [
-                x.hypot(y),
+                libm::hypot(x, y),
                 (turn - turn.round()).abs(),
                 (found.size_px2 / marker.size_px2 - 1.0).abs(),
             ];
@@ -266,7 +266,7 @@ fn light_falls_with_the_square_of_the_polar_angle() {
     let camera = Camera::new(Lens::Pinhole, 201, 60.0).unwrap();
     let optics = Optics::new(array(&[], 0.0), camera, WHOLE_LEVELS, blemishes).unwrap();
     let frame = optics.rendered(&[], None).unwrap();
-    let polar = (50.0 / 100.5 * 60.0_f64.to_radians().tan()).atan();
+    let polar = libm::atan(50.0 / 100.5 * libm::tan(60.0_f64.to_radians()));
     let expected = 240.0 * (1.0 - 0.5 * (polar / 60.0_f64.to_radians()).powi(2));
     assert!((level(&frame, 150, 100) - expected).abs() <= 0.5);
 }
@@ -290,12 +290,12 @@ fn seams_are_as_wide_on_the_skin_everywhere() {
             // Across the seam along +x; a seam takes half the light.
             let column = (500.0 + focal * polar).round() as u32;
             let found = 2.0 * taken(&mut (400..600).map(|row| (column, row)));
-            let expected = 2.0 * (0.025 * width).sin() * focal * polar / polar.sin();
+            let expected = 2.0 * libm::sin(0.025 * width) * focal * polar / libm::sin(polar);
             assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
             // Those at ±120° are cut slanted by a column, opposite the first there is none.
             let column = (500.0 - 0.5 * focal * polar).round() as u32;
             let found = taken(&mut (0..1001).filter_map(|row| {
-                let inside = (f64::from(row) - 500.0).hypot(f64::from(column) - 500.0) < 499.0;
+                let inside = libm::hypot(f64::from(row) - 500.0, f64::from(column) - 500.0) < 499.0;
                 inside.then_some((column, row))
             }));
             assert!(
@@ -336,9 +336,11 @@ fn a_blur_is_a_gaussian_and_keeps_the_light() {
     let column = 300;
     let edge = {
         let focal = 200.5 / 70.0_f64.to_radians();
-        let polar = |row: f64| (row - 200.0).hypot(100.0) / focal;
+        let polar = |row: f64| libm::hypot(row - 200.0, 100.0) / focal;
         // Rows where the half-width in the image is the distance from the seam's middle.
-        let off = |row: f64| row - 200.0 - 0.5_f64.sin() * focal * polar(row) / polar(row).sin();
+        let off = |row: f64| {
+            row - 200.0 - libm::sin(0.5_f64) * focal * polar(row) / libm::sin(polar(row))
+        };
         let (mut low, mut high) = (200.0, 380.0);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
@@ -376,7 +378,7 @@ fn pixel_noise_has_its_size_and_stays_inside() {
     );
     let (mut count, mut sum, mut square) = (0.0, 0.0, 0.0);
     for (column, row, pixel) in frame.enumerate_pixels() {
-        let radius = (f64::from(column) - 149.5).hypot(f64::from(row) - 149.5);
+        let radius = libm::hypot(f64::from(column) - 149.5, f64::from(row) - 149.5);
         for (channel, &level) in pixel.0.iter().enumerate() {
             let error = f64::from(level) - f64::from(clean.get_pixel(column, row).0[channel]);
             if radius > 150.0 {
@@ -415,7 +417,7 @@ fn markers_that_are_not_there_leave_the_ground_and_those_on_the_rim_are_cut() {
     let scale = (camera.px_per_rad() / wide.px_per_rad()).powi(2);
     let whole = scale
         * wide
-            .disc_area((1.0_f64 / 17.0).atan(), 70.0_f64.to_radians())
+            .disc_area(libm::atan(1.0_f64 / 17.0), 70.0_f64.to_radians())
             .unwrap();
     assert!((changed / whole - 0.5).abs() < 0.05, "{changed} {whole}");
 }

@@ -56,7 +56,7 @@ fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
 
 /// On the skin of radius 20, this far from the apex.
 pub(crate) fn at(polar_deg: f64, azimuth_deg: f64) -> [f64; 2] {
-    let (sine, cosine) = azimuth_deg.to_radians().sin_cos();
+    let (sine, cosine) = libm::sincos(azimuth_deg.to_radians());
     [cosine, sine].map(|share| 20.0 * polar_deg.to_radians() * share)
 }
 
@@ -66,10 +66,11 @@ fn fisheye_area(radius: f64, polar: f64) -> f64 {
     let steps = 20_000;
     let step = PI / f64::from(steps);
     let slice = |number: u32| {
-        let (sine, cosine) = ((f64::from(number) + 0.5) * step).sin_cos();
+        let (sine, cosine) = libm::sincos((f64::from(number) + 0.5) * step);
         let angle = polar - radius * cosine;
-        let across = (radius.cos() - angle.cos() * polar.cos()) / (angle.sin() * polar.sin());
-        2.0 * across.clamp(-1.0, 1.0).acos() * angle * radius * sine * step
+        let across = (libm::cos(radius) - libm::cos(angle) * libm::cos(polar))
+            / (libm::sin(angle) * libm::sin(polar));
+        2.0 * libm::acos(across.clamp(-1.0, 1.0)) * angle * radius * sine * step
     };
     (0..steps).map(slice).sum()
 }
@@ -94,9 +95,9 @@ fn a_disc_has_the_image_area_that_integration_gives() {
     let square = pinhole.px_per_rad().powi(2);
     for polar_deg in [0.0_f64, 30.0, 60.0] {
         let (radius, polar) = (0.05_f64, polar_deg.to_radians());
-        let (sine, cosine) = radius.sin_cos();
-        let power = polar.cos().powi(2) - sine * sine;
-        let expected = PI * square * sine * sine * cosine / power.powf(1.5);
+        let (sine, cosine) = libm::sincos(radius);
+        let power = libm::cos(polar).powi(2) - sine * sine;
+        let expected = PI * square * sine * sine * cosine / libm::pow(power, 1.5);
         let area = pinhole.disc_area(radius, polar).unwrap();
         assert_relative_eq!(area, expected, max_relative = 1e-12);
     }
@@ -116,11 +117,11 @@ fn series_at_the_axis_and_closed_forms_off_it_meet() {
 fn concentric_discs_of_pure_colours_count_with_both_areas() {
     for (lens, image) in [
         (Lens::Fisheye, (|angle| angle) as fn(f64) -> f64),
-        (Lens::Pinhole, f64::tan),
+        (Lens::Pinhole, libm::tan),
     ] {
         let optics = optics(&[[0.0, 0.0]], depths(3.0, 1.0), lens, PURE);
         let focal = optics.camera().px_per_rad();
-        let area = |distance: f64| PI * (focal * image((1.0 / distance).atan())).powi(2);
+        let area = |distance: f64| PI * (focal * image(libm::atan(1.0 / distance))).powi(2);
         let marker = seen(&optics, Some(MarkerMotion::default()));
         assert_relative_eq!(
             marker.size_px2,
@@ -140,8 +141,8 @@ fn concentric_discs_of_pure_colours_count_with_both_areas() {
 fn a_pinhole_shows_the_middle_of_the_ellipse() {
     let optics = optics(&[at(50.0, 0.0)], depths(2.0, 2.0), Lens::Pinhole, PURE);
     let marker = seen(&optics, Some(MarkerMotion::default()));
-    let (polar, radius) = (50.0_f64.to_radians(), (1.0_f64 / 18.0).atan());
-    let middle = 0.5 * ((polar + radius).tan() + (polar - radius).tan());
+    let (polar, radius) = (50.0_f64.to_radians(), libm::atan(1.0_f64 / 18.0));
+    let middle = 0.5 * (libm::tan(polar + radius) + libm::tan(polar - radius));
     let expected = 319.5 + optics.camera().px_per_rad() * middle;
     assert_relative_eq!(marker.centroid_px[0], expected, epsilon = 1e-9);
     assert_relative_eq!(marker.centroid_px[1], 319.5, epsilon = 1e-9);
@@ -153,11 +154,11 @@ fn a_marker_moved_inward_grows_with_its_nearness() {
     let rest = seen(&optics, Some(MarkerMotion::default())).size_px2;
     for normal in [-0.5_f64, 0.01, 0.5, 1.5] {
         let size = seen(&optics, moved(inward(normal), inward(normal))).size_px2;
-        let growth = 0.5 * (size / rest).ln();
-        let exact = ((1.0 / (18.0 - normal)).atan() / (1.0_f64 / 18.0).atan()).ln();
+        let growth = 0.5 * libm::log(size / rest);
+        let exact = libm::log(libm::atan(1.0 / (18.0 - normal)) / libm::atan(1.0_f64 / 18.0));
         assert_relative_eq!(growth, exact, epsilon = 1e-6);
         // Small discs grow as −ln(1 − u/ρ).
-        assert_relative_eq!(growth, -(1.0 - normal / 18.0).ln(), max_relative = 3e-3);
+        assert_relative_eq!(growth, -libm::log(1.0 - normal / 18.0), max_relative = 3e-3);
     }
 }
 

@@ -49,8 +49,10 @@ fn check(noise: ReadingNoise, form: CurvatureForm, rolls: &[(f64, f64)]) {
         let noisy: Vec<ProbeReading> = exact
             .iter()
             .map(|reading| {
-                let rotation_std = (noise.relative_rotation_std * reading.rotation.norm())
-                    .hypot(noise.rotation_std_rad);
+                let rotation_std = libm::hypot(
+                    noise.relative_rotation_std * reading.rotation.norm(),
+                    noise.rotation_std_rad,
+                );
                 ProbeReading {
                     rotation: reading.rotation + draws.pair() * rotation_std,
                     shift: reading.shift + draws.pair() * noise.shift_std,

@@ -60,11 +60,11 @@ proptest! {
 
     #[test]
     fn exact_readings_are_read_exactly(
-        radius in (-9.0..9.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
-        along in (-9.0..9.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        radius in (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
+        along in (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
         across in -0.9..3.0_f64,
         start in -3.0..3.0_f64,
-        theta in (-9.0..3.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        theta in (-9.0..3.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
     ) {
         let form = CurvatureForm { k_uu: along / radius, k_uv: 0.0, k_vv: across / radius };
         let rolls: Vec<_> = (0..8).map(|probe| (start + f64::from(probe) * 0.7, theta)).collect();

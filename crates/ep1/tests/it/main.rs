@@ -18,7 +18,7 @@ pub fn readings(radius: f64, form: &CurvatureForm, rolls: &[(f64, f64)]) -> Vec<
     rolls
         .iter()
         .map(|&(direction, theta)| {
-            let drive = Vector2::new(direction.cos(), direction.sin()) * theta;
+            let drive = Vector2::new(libm::cos(direction), libm::sin(direction)) * theta;
             ProbeReading {
                 rotation: Vector2::new(drive.y, -drive.x),
                 shift: mobility * drive,

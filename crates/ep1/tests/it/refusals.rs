@@ -103,7 +103,7 @@ fn only_a_contact_that_moves_along_in_every_direction_tells_a_curvature() {
             let readings: Vec<ProbeReading> = eight(0.1)
                 .into_iter()
                 .map(|(direction, theta)| {
-                    let drive = Vector2::new(direction.cos(), direction.sin()) * theta;
+                    let drive = Vector2::new(libm::cos(direction), libm::sin(direction)) * theta;
                     ProbeReading {
                         rotation: Vector2::new(drive.y, -drive.x),
                         shift: travel * drive,

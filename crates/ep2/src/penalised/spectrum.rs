@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::equations::Equations;
+use super::product::{add_symmetric, product};
 use crate::Ep2Error;
 use crate::quadric::UNKNOWNS;
 use crate::square::Kinds;
@@ -27,6 +28,12 @@ pub(super) struct Spectrum {
     pub(super) square: f64,
     /// How many observations there are.
     pub(super) equations: f64,
+}
+
+/// Covariance of the modes: variances of their own, and distances that those with a penalty have together, one column each.
+pub(super) struct Spread {
+    pub(super) variances: Vec<f64>,
+    pub(super) distances: DMatrix<f64>,
 }
 
 impl Spectrum {
@@ -83,7 +90,7 @@ impl Spectrum {
 
     /// 1/(fidelity + λ roughness) of each mode.
     pub(super) fn kept(&self, log_weight: f64) -> Vec<f64> {
-        let weight = log_weight.exp();
+        let weight = libm::exp(log_weight);
         let pairs = self.fidelity.iter().zip(&self.roughness);
         pairs
             .map(|(fidelity, roughness)| 1.0 / (fidelity + weight * roughness))
@@ -99,18 +106,29 @@ impl Spectrum {
         &self.modes * DVector::from_iterator(self.right.len(), in_modes)
     }
 
-    /// (A + λP)⁻¹.
+    /// Inverse of A + λP, of which the modes keep these shares; likewise the covariance of modes with these variances.
     pub(super) fn inverse(&self, kept: &[f64]) -> DMatrix<f64> {
-        let mut scaled = self.modes.clone();
-        for (mut column, kept) in scaled.column_iter_mut().zip(kept) {
-            column *= *kept;
-        }
-        scaled * self.modes.transpose()
+        let size = self.modes.nrows();
+        let mut inverse = DMatrix::zeros(size, size);
+        add_symmetric(&mut inverse, &self.scaled(kept), &self.modes);
+        inverse
     }
 
-    /// A covariance in the modes as one of the coefficients.
-    pub(super) fn covariance(&self, in_modes: &DMatrix<f64>) -> DMatrix<f64> {
-        &self.modes * in_modes * self.modes.transpose()
+    /// Covariance of the coefficients.
+    pub(super) fn covariance(&self, spread: &Spread) -> DMatrix<f64> {
+        let mut covariance = self.inverse(&spread.variances);
+        let distances = product(&self.modes, &spread.distances);
+        add_symmetric(&mut covariance, &distances, &distances);
+        covariance
+    }
+
+    /// The modes, each times its factor.
+    fn scaled(&self, factors: &[f64]) -> DMatrix<f64> {
+        let mut scaled = self.modes.clone();
+        for (mut column, factor) in scaled.column_iter_mut().zip(factors) {
+            column *= *factor;
+        }
+        scaled
     }
 }
 

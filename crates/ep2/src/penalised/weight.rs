@@ -1,8 +1,10 @@
 //! The choice of the smoothing weight, and what the data leave open of it.
 
+use std::f64::consts::LN_2;
+
 use nalgebra::DMatrix;
 
-use super::spectrum::Spectrum;
+use super::spectrum::{Spectrum, Spread};
 use crate::Ep2Error;
 use crate::quadric::UNKNOWNS;
 
@@ -13,6 +15,9 @@ const LEAST: f64 = 1e-2;
 /// The largest, relative to the largest at which a mode is half kept: beyond, only the quadric is
 /// left.
 const MOST: f64 = 1e3;
+/// A product this small, which is a power of two, is counted apart.
+const SMALL: f64 = 1.0 / (1u64 << SMALL_HALVINGS) as f64;
+const SMALL_HALVINGS: u32 = 60;
 /// Modes whose half weight is below this share of the largest do not widen the search.
 const FAINT: f64 = 1e-8;
 /// The search ends so far beyond the expected weight, or never farther than so far beyond the largest
@@ -94,14 +99,14 @@ struct Sums {
 
 impl Sums {
     fn at(spectrum: &Spectrum, log_weight: f64) -> Self {
-        let weight = log_weight.exp();
+        let weight = libm::exp(log_weight);
         let mut sums = Self {
             residual: spectrum.square,
             penalised: spectrum.square,
             ..Self::default()
         };
-        // Logarithms of products of a few: none is below 1e-12.
-        let mut product = 1.0;
+        // One logarithm of a product whose powers of two are counted apart, lest it vanish.
+        let (mut product, mut halvings) = (1.0, 0);
         for mode in 0..spectrum.right.len() {
             let (fidelity, right) = (spectrum.fidelity[mode], spectrum.right[mode]);
             let penalty = weight * spectrum.roughness[mode];
@@ -116,14 +121,14 @@ impl Sums {
             sums.unknowns_prime -= fitted * smoothed;
             if mode >= UNKNOWNS && penalty > 0.0 {
                 product *= smoothed;
-                if mode % 8 == 0 {
-                    sums.log_determinants += product.ln();
-                    product = 1.0;
+                if product < SMALL {
+                    product /= SMALL;
+                    halvings += SMALL_HALVINGS;
                 }
                 sums.log_determinants_prime += fitted;
             }
         }
-        sums.log_determinants += product.ln();
+        sums.log_determinants = libm::log(product) - f64::from(halvings) * LN_2;
         // Rounding may leave a negative rest where everything is fitted.
         let rest = f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE;
         sums.residual = sums.residual.max(rest);
@@ -155,7 +160,7 @@ impl<'a> Search<'a> {
         let expected = Expected {
             log_weight: expected.log_weight.min(largest + FARTHEST),
         };
-        let high = (largest + MOST.ln()).max(expected.log_weight + BEYOND_EXPECTED);
+        let high = (largest + libm::log(MOST)).max(expected.log_weight + BEYOND_EXPECTED);
         let step = (high - low) / (NODES - 1) as f64;
         let places: Vec<f64> = (0..NODES).map(|node| low + step * node as f64).collect();
         let sums = places
@@ -174,14 +179,14 @@ impl<'a> Search<'a> {
 
     /// The weight that the criterion likes best.
     pub(super) fn best(&self) -> Choice {
-        let score = |node: usize| self.score(&self.sums[node]);
+        let scores: Vec<f64> = self.sums.iter().map(|sums| self.score(sums)).collect();
         let best = (0..NODES)
             .rev()
-            .min_by(|&one, &other| score(one).total_cmp(&score(other)))
+            .min_by(|&one, &other| scores[one].total_cmp(&scores[other]))
             .unwrap_or(NODES - 1);
         let below = best.saturating_sub(1);
         let above = (best + 1).min(NODES - 1);
-        let has_root = score(below).is_finite()
+        let has_root = scores[below].is_finite()
             && self.slope(&self.sums[below]) < 0.0
             && self.slope(&self.sums[above]) > 0.0;
         let log_weight = if has_root {
@@ -202,12 +207,12 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Covariance of the modes around the fit of a choice.
+    /// Spread of the modes around the fit of a choice.
     ///
     /// What the data leave open of the weight is taken from its likelihood and from what is
     /// [`Expected`]: the covariance is the mean over weights of that of the posterior, and of the
     /// squared distance to the chosen fit.
-    pub(super) fn covariance(&self, choice: &Choice) -> DMatrix<f64> {
+    pub(super) fn spread(&self, choice: &Choice) -> Spread {
         let log_probabilities: Vec<f64> = self
             .sums
             .iter()
@@ -222,24 +227,33 @@ impl<'a> Search<'a> {
             .places
             .iter()
             .zip(log_probabilities)
-            .map(|(&place, probability)| (place, (probability - most).exp()))
+            .map(|(&place, probability)| (place, libm::exp(probability - most)))
             .filter(|(_, probability)| *probability > NEGLIGIBLE)
             .collect();
         let total: f64 = likely.iter().map(|(_, probability)| probability).sum();
         let chosen = self.spectrum.kept(choice.log_weight);
         let modes = chosen.len();
-        let mut result = DMatrix::zeros(modes, modes);
-        let mut distances = DMatrix::zeros(modes, likely.len());
-        for (index, (place, probability)) in likely.iter().enumerate() {
+        let mut variances = vec![0.0; modes];
+        // No weight moves what the penalty leaves alone.
+        let mut distances = DMatrix::zeros(modes - UNKNOWNS, likely.len());
+        for (mut distances, (place, probability)) in distances.column_iter_mut().zip(likely) {
             let share = probability / total;
-            for (mode, kept) in self.spectrum.kept(*place).into_iter().enumerate() {
-                result[(mode, mode)] += share * choice.scale * kept;
-                let distance = (kept - chosen[mode]) * self.spectrum.right[mode];
-                distances[(mode, index)] = share.sqrt() * distance;
+            let kept = self.spectrum.kept(place);
+            for (variance, kept) in variances.iter_mut().zip(&kept) {
+                *variance += share * choice.scale * kept;
+            }
+            let root = share.sqrt();
+            let moved = kept.iter().zip(&chosen).zip(&self.spectrum.right);
+            for (distance, ((kept, chosen), right)) in
+                distances.iter_mut().zip(moved.skip(UNKNOWNS))
+            {
+                *distance = root * (kept - chosen) * right;
             }
         }
-        result.gemm(1.0, &distances, &distances.transpose(), 1.0);
-        result
+        Spread {
+            variances,
+            distances,
+        }
     }
 
     /// −2 ln(likelihood) with the quadric integrated out; that of the best scale unless it is
@@ -249,7 +263,7 @@ impl<'a> Search<'a> {
         let misfit = if self.is_known {
             sums.penalised
         } else {
-            degrees * sums.penalised.ln()
+            degrees * libm::log(sums.penalised)
         };
         misfit - sums.log_determinants
     }
@@ -261,7 +275,7 @@ impl<'a> Search<'a> {
         }
         let left = self.spectrum.equations - self.criterion.gamma() * sums.unknowns;
         if left > 0.0 {
-            sums.residual.ln() - 2.0 * left.ln()
+            libm::log(sums.residual) - 2.0 * libm::log(left)
         } else {
             f64::INFINITY
         }
@@ -322,7 +336,7 @@ impl Expected {
     /// From the mean square of the curvature, in units of the square.
     pub(super) fn of(square_curvature: f64) -> Self {
         Self {
-            log_weight: -2.0 * 0.75_f64.ln() - 3.0 * square_curvature.ln(),
+            log_weight: -2.0 * libm::log(0.75_f64) - 3.0 * libm::log(square_curvature),
         }
     }
 
@@ -330,9 +344,9 @@ impl Expected {
         // x²/(1 + x³) with x = τ/τ₀, ln x = roughness/2.
         let roughness = self.log_weight - log_weight;
         if roughness > 0.0 {
-            -0.5 * roughness - (-1.5 * roughness).exp().ln_1p()
+            -0.5 * roughness - libm::log1p(libm::exp(-1.5 * roughness))
         } else {
-            roughness - (1.5 * roughness).exp().ln_1p()
+            roughness - libm::log1p(libm::exp(1.5 * roughness))
         }
     }
 }
@@ -348,5 +362,5 @@ fn range(spectrum: &Spectrum) -> (f64, f64) {
     };
     let largest = halves().fold(f64::MIN_POSITIVE, f64::max);
     let smallest = halves().fold(largest, f64::min).max(FAINT * largest);
-    ((LEAST * smallest).ln(), largest.ln())
+    (libm::log(LEAST * smallest), libm::log(largest))
 }

@@ -103,7 +103,7 @@ impl Rotations {
                 continue;
             }
             let entries = triangle.row_mut(start + offset);
-            let norm = entries[0].hypot(pivot);
+            let norm = libm::hypot(entries[0], pivot);
             let [cosine, sine] = [entries[0] / norm, pivot / norm];
             entries[0] = norm;
             for (entry, left) in entries[1..].iter_mut().zip(&mut row[offset + 1..]) {

@@ -129,7 +129,7 @@ mod tests {
             let mut found = 0.0;
             let excess = |p: f64| {
                 found = p;
-                (1.0 + p / root).powf(-0.7) - 0.5_f64.powf(0.7)
+                libm::pow(1.0 + p / root, -0.7) - libm::pow(0.5_f64, 0.7)
             };
             assert!(search(1.0 - 0.6156, -0.6156, 1.0, 1e-9, excess));
             assert_relative_eq!(found, root, max_relative = 1e-7);

@@ -13,7 +13,7 @@ fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => any::<u64>().prop_map(f64::from_bits),
         4 => -2.0..2.0,
-        1 => (-9.0..9.0).prop_map(|power: f64| 10f64.powf(power)),
+        1 => (-9.0..9.0).prop_map(|power: f64| libm::pow(10f64, power)),
     ]
 }
 
@@ -83,7 +83,7 @@ fn bump() -> Vec<Contact> {
     let at = |index: usize| [index % 7, index / 7].map(|step| step as f64 / 3.0 - 1.0);
     let contact = |index: usize| {
         let [x, y] = at(index);
-        let z = 0.3 * (-(x * x + y * y)).exp();
+        let z = 0.3 * libm::exp(-(x * x + y * y));
         let normal = Vector3::new(2.0 * x * z, 2.0 * y * z, 1.0);
         Contact::new(index / 7, Point3::new(x, y, z), Some(normal))
     };

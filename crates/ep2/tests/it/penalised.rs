@@ -113,7 +113,7 @@ fn many_contacts_of_few_fingers_make_no_stairs() {
                 point,
                 Vector3::new(-p, -q, 1.0),
                 -0.36 / (d * d),
-                -trace / (2.0 * d.powf(1.5)),
+                -trace / (2.0 * libm::pow(d, 1.5)),
             )
         },
     };

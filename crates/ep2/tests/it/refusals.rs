@@ -150,7 +150,7 @@ fn closed_shapes_and_walls() {
             // A spiral over the whole sphere.
             let (height, turn) = (1.0 - (index as f64 + 0.5) / 100.0, 2.4 * index as f64);
             let out = (1.0 - height * height).sqrt();
-            Vector3::new(out * turn.cos(), out * turn.sin(), height)
+            Vector3::new(out * libm::cos(turn), out * libm::sin(turn), height)
         })
         .collect();
     let bare: Vec<Contact> = directions

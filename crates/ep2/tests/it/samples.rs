@@ -19,7 +19,7 @@ fn graph(x: f64, y: f64, jet: [f64; 6]) -> Truth {
     let d = 1.0 + p * p + q * q;
     let gaussian = (r * t - s * s) / (d * d);
     let trace = (1.0 + q * q) * r - 2.0 * p * q * s + (1.0 + p * p) * t;
-    let mean = -trace / (2.0 * d.powf(1.5));
+    let mean = -trace / (2.0 * libm::pow(d, 1.5));
     (
         Point3::new(x, y, z),
         Vector3::new(-p, -q, 1.0),
@@ -30,9 +30,9 @@ fn graph(x: f64, y: f64, jet: [f64; 6]) -> Truth {
 
 /// A cylinder of radius 5 whose curved direction is turned by `turn` from x.
 fn cylinder(x: f64, y: f64, turn: f64) -> Truth {
-    let across = x * turn.cos() + y * turn.sin();
+    let across = x * libm::cos(turn) + y * libm::sin(turn);
     let height = (25.0 - across * across).sqrt();
-    let normal = Vector3::new(across * turn.cos(), across * turn.sin(), height);
+    let normal = Vector3::new(across * libm::cos(turn), across * libm::sin(turn), height);
     (Point3::new(x, y, height - 5.0), normal, 0.0, 0.1)
 }
 
@@ -72,7 +72,7 @@ pub(crate) const DETAILED: [Surface; 2] = [
         name: "torus",
         at: |x, y| {
             let (x, centre) = (x + 3.0, 3.0);
-            let from_axis = x.hypot(y);
+            let from_axis = libm::hypot(x, y);
             let out = from_axis - centre;
             let height = (4.0 - out * out).sqrt();
             let normal = Vector3::new(out * x / from_axis, out * y / from_axis, height);
@@ -84,7 +84,7 @@ pub(crate) const DETAILED: [Surface; 2] = [
     Surface {
         name: "bump",
         at: |x, y| {
-            let z = 0.3 * (-(x * x + y * y)).exp();
+            let z = 0.3 * libm::exp(-(x * x + y * y));
             let jet = [
                 z,
                 -2.0 * x * z,

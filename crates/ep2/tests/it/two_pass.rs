@@ -86,7 +86,7 @@ fn saddle_curvature(x: f64, y: f64) -> (f64, f64) {
     let (p, q) = (0.2 * x, -0.2 * y);
     let d = 1.0 + p * p + q * q;
     let trace = 0.2 * (1.0 + q * q) - 0.2 * (1.0 + p * p);
-    (-0.04 / (d * d), -trace / (2.0 * d.powf(1.5)))
+    (-0.04 / (d * d), -trace / (2.0 * libm::pow(d, 1.5)))
 }
 
 /// The first pass finds it. The points on the tangents lie off the surface, by half the squared step

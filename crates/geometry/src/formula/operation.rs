@@ -94,55 +94,57 @@ impl Unary {
             Self::DivideBy(c) => a / c,
             Self::Power(n) => a.compose(|v| power(v, n)),
             Self::Exponential(base) => a.compose(|v| {
-                let (f, ln) = (base.powf(v), base.ln());
+                let (f, ln) = (libm::pow(base, v), libm::log(base));
                 [f, f * ln, f * ln * ln]
             }),
             Self::Sin => a.compose(|v| {
-                let (sin, cos) = v.sin_cos();
+                let (sin, cos) = libm::sincos(v);
                 [sin, cos, -sin]
             }),
             Self::Cos => a.compose(|v| {
-                let (sin, cos) = v.sin_cos();
+                let (sin, cos) = libm::sincos(v);
                 [cos, -sin, -cos]
             }),
             Self::Tan => a.compose(|v| {
-                let tan = v.tan();
+                let tan = libm::tan(v);
                 let first = 1.0 + tan * tan;
                 [tan, first, 2.0 * tan * first]
             }),
             Self::Asin => a.compose(|v| {
                 let [first, second] = asin_derivatives(v);
-                [v.asin(), first, second]
+                [libm::asin(v), first, second]
             }),
             Self::Acos => a.compose(|v| {
                 let [first, second] = asin_derivatives(v);
-                [v.acos(), -first, -second]
+                [libm::acos(v), -first, -second]
             }),
             Self::Atan => a.compose(|v| {
                 let first = 1.0 / (1.0 + v * v);
-                [v.atan(), first, -2.0 * v * first * first]
+                [libm::atan(v), first, -2.0 * v * first * first]
             }),
             Self::Sinh => a.compose(|v| {
-                let (sinh, cosh) = (v.sinh(), v.cosh());
+                let (sinh, cosh) = (libm::sinh(v), libm::cosh(v));
                 [sinh, cosh, sinh]
             }),
             Self::Cosh => a.compose(|v| {
-                let (sinh, cosh) = (v.sinh(), v.cosh());
+                let (sinh, cosh) = (libm::sinh(v), libm::cosh(v));
                 [cosh, sinh, cosh]
             }),
             Self::Tanh => a.compose(|v| {
-                let (tanh, sech) = (v.tanh(), v.cosh().recip());
+                let (tanh, sech) = (libm::tanh(v), libm::cosh(v).recip());
                 [tanh, sech * sech, -2.0 * tanh * sech * sech]
             }),
-            Self::Exp => a.compose(|v| [v.exp(); 3]),
-            Self::Ln => a.compose(|v| [v.ln(), 1.0 / v, -1.0 / v / v]),
-            Self::Log10 => a.compose(|v| [v.log10(), 1.0 / (LN_10 * v), -1.0 / (LN_10 * v) / v]),
+            Self::Exp => a.compose(|v| [libm::exp(v); 3]),
+            Self::Ln => a.compose(|v| [libm::log(v), 1.0 / v, -1.0 / v / v]),
+            Self::Log10 => {
+                a.compose(|v| [libm::log10(v), 1.0 / (LN_10 * v), -1.0 / (LN_10 * v) / v])
+            }
             Self::Sqrt => a.compose(|v| {
                 let root = v.sqrt();
                 [root, 0.5 / root, -0.25 / root / v]
             }),
             Self::Cbrt => a.compose(|v| {
-                let root = v.cbrt();
+                let root = libm::cbrt(v);
                 let first = 1.0 / (3.0 * root * root);
                 [root, first, -2.0 / 3.0 * first / v]
             }),
@@ -177,9 +179,14 @@ impl Binary {
 fn power(v: f64, n: f64) -> [f64; 3] {
     let raise = |exponent: f64| {
         if exponent.fract() == 0.0 && exponent.abs() <= 16.0 {
-            v.powi(exponent as i32)
+            let product = (0..exponent.abs() as u32).fold(1.0, |product, _| product * v);
+            if exponent < 0.0 {
+                1.0 / product
+            } else {
+                product
+            }
         } else {
-            v.powf(exponent)
+            libm::pow(v, exponent)
         }
     };
     if n == 0.0 {
@@ -197,7 +204,7 @@ fn power(v: f64, n: f64) -> [f64; 3] {
 
 /// a^b where both vary: differentiable for a > 0 only.
 fn general_power(a: f64, b: f64) -> Jet {
-    let (f, ln) = (a.powf(b), a.ln());
+    let (f, ln) = (libm::pow(a, b), libm::log(a));
     Jet {
         value: f,
         gradient: [b * f / a, f * ln],
@@ -216,18 +223,18 @@ fn asin_derivatives(v: f64) -> [f64; 2] {
 }
 
 fn atan2(a: f64, b: f64) -> Jet {
-    let r = a.hypot(b);
+    let r = libm::hypot(a, b);
     let (sin, cos) = (a / r, b / r);
     let second = 2.0 * sin * cos / r / r;
     Jet {
-        value: a.atan2(b),
+        value: libm::atan2(a, b),
         gradient: [cos / r, -sin / r],
         hessian: [-second, (sin - cos) * (sin + cos) / r / r, second],
     }
 }
 
 fn hypot(a: f64, b: f64) -> Jet {
-    let r = a.hypot(b);
+    let r = libm::hypot(a, b);
     let (sin, cos) = (b / r, a / r);
     Jet {
         value: r,

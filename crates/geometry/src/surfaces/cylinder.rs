@@ -23,7 +23,7 @@ impl Cylinder {
     /// [`InvalidShape`] unless the radius is finite, positive and can be squared and the direction finite.
     pub fn new(radius: f64, direction_rad: f64) -> Result<Self, InvalidShape> {
         let radius = InvalidShape::unless_length("radius", radius)?;
-        let (sin, cos) = InvalidShape::unless_finite("direction", direction_rad)?.sin_cos();
+        let (sin, cos) = libm::sincos(InvalidShape::unless_finite("direction", direction_rad)?);
         let axis = Vector3::new(cos, sin, 0.0);
         let across = Vector3::new(-sin, cos, 0.0);
         Ok(Self {
@@ -52,7 +52,7 @@ impl Cylinder {
 impl Surface for Cylinder {
     fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
         let at = at.unless_out_of_reach()?;
-        let (sin, cos) = at.v.sin_cos();
+        let (sin, cos) = libm::sincos(at.v);
         let radial = (self.across * sin + Vector3::z() * cos) * self.radius;
         Ok(ChartJet {
             point: Point3::from(self.axis * at.u + radial),
@@ -75,7 +75,7 @@ impl Surface for Cylinder {
     fn parameters(&self, point: &Point3<f64>) -> Parameters {
         Parameters::new(
             self.axis.dot(&point.coords),
-            self.across.dot(&point.coords).atan2(point.z),
+            libm::atan2(self.across.dot(&point.coords), point.z),
         )
     }
 

@@ -37,8 +37,8 @@ impl Ellipsoid {
 impl Surface for Ellipsoid {
     fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
         let at = at.unless_beyond_pole()?;
-        let (sin_u, cos_u) = at.u.sin_cos();
-        let (sin_v, cos_v) = at.v.sin_cos();
+        let (sin_u, cos_u) = libm::sincos(at.u);
+        let (sin_v, cos_v) = libm::sincos(at.v);
         let scaled = |x: f64, y: f64, z: f64| self.semi_axes.component_mul(&Vector3::new(x, y, z));
         let outward = scaled(sin_u, cos_u * sin_v, cos_u * cos_v);
         Ok(ChartJet {
@@ -64,7 +64,10 @@ impl Surface for Ellipsoid {
 
     fn parameters(&self, point: &Point3<f64>) -> Parameters {
         let unit = point.coords.component_div(&self.semi_axes);
-        Parameters::new(unit.x.atan2(unit.y.hypot(unit.z)), unit.y.atan2(unit.z))
+        Parameters::new(
+            libm::atan2(unit.x, libm::hypot(unit.y, unit.z)),
+            libm::atan2(unit.y, unit.z),
+        )
     }
 
     /// The closest point `x` has `x_i/a_i = w_i/(σ + b_i)` with `w_i = p_i a_i/a_min²` and
@@ -116,7 +119,7 @@ impl Surface for Ellipsoid {
     }
 
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
-        let rim = (x / self.semi_axes.x).hypot(y / self.semi_axes.y);
+        let rim = libm::hypot(x / self.semi_axes.x, y / self.semi_axes.y);
         if rim <= 1.0 {
             let z = self.semi_axes.z * ((1.0 - rim) * (1.0 + rim)).sqrt();
             Ok(Point3::new(x, y, z))

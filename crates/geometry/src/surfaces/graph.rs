@@ -304,7 +304,7 @@ impl<H: Height> Surface for Graph<H> {
         for _ in 0..200 {
             let step = foot.step().ok_or(none)?;
             let shorter = (0..40)
-                .map(|halvings| foot.at + step * 0.5_f64.powi(halvings))
+                .map(|halvings| foot.at + step * libm::scalbn(1.0, -halvings))
                 .take_while(|next| *next != foot.at)
                 .filter_map(|next| Foot::new(self, point, next).ok())
                 .find(|next| next.improves(&foot));

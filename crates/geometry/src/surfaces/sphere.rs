@@ -57,8 +57,8 @@ impl Dish {
 /// The chart of a sphere whose height is `side · R cos u cos v`.
 fn spherical_chart(radius: f64, side: f64, at: Parameters) -> Result<ChartJet, SurfaceError> {
     let at = at.unless_beyond_pole()?;
-    let (sin_u, cos_u) = at.u.sin_cos();
-    let (sin_v, cos_v) = at.v.sin_cos();
+    let (sin_u, cos_u) = libm::sincos(at.u);
+    let (sin_v, cos_v) = libm::sincos(at.v);
     let around = Vector3::new(0.0, sin_v, side * cos_v);
     let around_dv = Vector3::new(0.0, cos_v, -side * sin_v);
     let outward = Vector3::x() * sin_u + around * cos_u;
@@ -74,7 +74,10 @@ fn spherical_chart(radius: f64, side: f64, at: Parameters) -> Result<ChartJet, S
 
 fn spherical_parameters(point: &Point3<f64>, side: f64) -> Parameters {
     let height = side * point.z;
-    Parameters::new(point.x.atan2(point.y.hypot(height)), point.y.atan2(height))
+    Parameters::new(
+        libm::atan2(point.x, libm::hypot(point.y, height)),
+        libm::atan2(point.y, height),
+    )
 }
 
 /// The level set through `point` of the distance from the origin, growing outwards (`side` = 1)
@@ -112,7 +115,7 @@ fn radial_projection(radius: f64, point: &Point3<f64>) -> Result<Point3<f64>, Su
 }
 
 fn height_over(radius: f64, x: f64, y: f64) -> Result<f64, SurfaceError> {
-    let rim = x.hypot(y);
+    let rim = libm::hypot(x, y);
     if rim <= radius {
         Ok(((radius - rim) * (radius + rim)).sqrt())
     } else {

@@ -51,8 +51,8 @@ impl Torus {
 impl Surface for Torus {
     fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
         let at = at.unless_out_of_reach()?;
-        let (sin_u, cos_u) = at.u.sin_cos();
-        let (sin_v, cos_v) = at.v.sin_cos();
+        let (sin_u, cos_u) = libm::sincos(at.u);
+        let (sin_v, cos_v) = libm::sincos(at.v);
         let (out, around) = (
             Vector3::new(cos_v, sin_v, 0.0),
             Vector3::new(-sin_v, cos_v, 0.0),
@@ -74,7 +74,7 @@ impl Surface for Torus {
             x: point.x,
             y: point.y,
         };
-        let rho = point.x.hypot(point.y);
+        let rho = libm::hypot(point.x, point.y);
         if rho == 0.0 {
             return Err(off_domain);
         }
@@ -98,12 +98,12 @@ impl Surface for Torus {
     }
 
     fn parameters(&self, point: &Point3<f64>) -> Parameters {
-        let beyond = point.x.hypot(point.y) - self.major_radius;
-        Parameters::new(beyond.atan2(point.z), point.y.atan2(point.x))
+        let beyond = libm::hypot(point.x, point.y) - self.major_radius;
+        Parameters::new(libm::atan2(beyond, point.z), libm::atan2(point.y, point.x))
     }
 
     fn closest_point(&self, point: &Point3<f64>) -> Result<Point3<f64>, SurfaceError> {
-        let rho = point.x.hypot(point.y);
+        let rho = libm::hypot(point.x, point.y);
         let out = Vector3::new(point.x / rho, point.y / rho, 0.0);
         let centre = out * self.major_radius;
         let radial = point.coords - centre;
@@ -117,7 +117,7 @@ impl Surface for Torus {
     }
 
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError> {
-        let beyond = (x.hypot(y) - self.major_radius).abs();
+        let beyond = (libm::hypot(x, y) - self.major_radius).abs();
         if beyond <= self.minor_radius {
             let z = ((self.minor_radius - beyond) * (self.minor_radius + beyond)).sqrt();
             Ok(Point3::new(x, y, z))

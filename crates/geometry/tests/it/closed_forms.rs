@@ -34,13 +34,23 @@ fn assert_forms(found: &ChartGeometry, metric: [f64; 2], curvature: [f64; 2], to
 #[test]
 fn sphere_and_dish() {
     let r = 1.7;
-    let torsion = |u: f64| [0.0, -u.tan() / r];
+    let torsion = |u: f64| [0.0, -libm::tan(u) / r];
     over_angles(&Sphere::new(r).unwrap(), |u, found| {
-        assert_forms(&found, [r, r * u.cos()], [1.0 / r, 1.0 / r], torsion(u));
+        assert_forms(
+            &found,
+            [r, r * libm::cos(u)],
+            [1.0 / r, 1.0 / r],
+            torsion(u),
+        );
         assert_relative_eq!(found.frame.normal, found.point.coords / r, epsilon = 1e-15);
     });
     over_angles(&Dish::new(r).unwrap(), |u, found| {
-        assert_forms(&found, [r, r * u.cos()], [-1.0 / r, -1.0 / r], torsion(u));
+        assert_forms(
+            &found,
+            [r, r * libm::cos(u)],
+            [-1.0 / r, -1.0 / r],
+            torsion(u),
+        );
         assert_relative_eq!(found.frame.normal, -found.point.coords / r, epsilon = 1e-15);
     });
 }
@@ -61,9 +71,14 @@ fn plane_and_cylinder_do_not_turn_their_frames() {
 fn spheroid_about_the_axis_of_its_chart() {
     let (a, c) = (1.2, 0.5);
     over_angles(&Ellipsoid::new([c, a, a]).unwrap(), |u, found| {
-        let w = (a * u.sin()).hypot(c * u.cos());
+        let w = libm::hypot(a * libm::sin(u), c * libm::cos(u));
         let curvature = [a * c / w.powi(3), c / (a * w)];
-        assert_forms(&found, [w, a * u.cos()], curvature, [0.0, -u.tan() / w]);
+        assert_forms(
+            &found,
+            [w, a * libm::cos(u)],
+            curvature,
+            [0.0, -libm::tan(u) / w],
+        );
     });
 }
 
@@ -96,9 +111,9 @@ fn torus_is_a_saddle_on_its_inner_side() {
     let (major, minor) = (2.0, 0.7);
     let torus = Torus::new(major, minor).unwrap();
     over_angles(&torus, |u, found| {
-        let rho = major + minor * u.sin();
-        let curvature = [1.0 / minor, u.sin() / rho];
-        assert_forms(&found, [minor, rho], curvature, [0.0, u.cos() / rho]);
+        let rho = major + minor * libm::sin(u);
+        let curvature = [1.0 / minor, libm::sin(u) / rho];
+        assert_forms(&found, [minor, rho], curvature, [0.0, libm::cos(u) / rho]);
     });
     let gaussian = |u| {
         let geometry = torus.chart_geometry(Parameters::new(u, 0.3)).unwrap();
@@ -157,8 +172,8 @@ fn forms_of_a_skewed_graph() {
     let formula = Formula::parse("0.4*x^2*y - 0.3*x*y + sin(y)", &BTreeMap::new()).unwrap();
     let graph = Graph::of_formula(formula);
     for (x, y) in [(0.3_f64, -0.7_f64), (1.1, 0.4), (-0.8, 2.0)] {
-        let (fx, fy) = (0.8 * x * y - 0.3 * y, 0.4 * x * x - 0.3 * x + y.cos());
-        let (fxx, fxy, fyy) = (0.8 * y, 0.8 * x - 0.3, -y.sin());
+        let (fx, fy) = (0.8 * x * y - 0.3 * y, 0.4 * x * x - 0.3 * x + libm::cos(y));
+        let (fxx, fxy, fyy) = (0.8 * y, 0.8 * x - 0.3, -libm::sin(y));
         let (p, w) = ((1.0 + fx * fx).sqrt(), (1.0 + fx * fx + fy * fy).sqrt());
         let s = fx * fy / (p * p);
         let here = graph.chart_geometry(Parameters::new(x, y)).unwrap();

@@ -13,7 +13,7 @@ fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
         (-12.0..12.0_f64, any::<bool>()).prop_map(|(exponent, negative)| {
-            let size = 10.0_f64.powf(exponent);
+            let size = libm::pow(10.0_f64, exponent);
             if negative { -size } else { size }
         }),
         Just(0.0),
@@ -97,9 +97,9 @@ proptest! {
 
     #[test]
     fn a_closest_point_lies_on_the_surface(
-        size in (-9.0..9.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        size in (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
         direction in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0],
-        distance in (-6.0..1.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        distance in (-6.0..1.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
     ) {
         for shape in surfaces(size, 0.4 * size, 0.7 * size) {
             let place = Point3::from(Vector3::from(direction) * (distance * size));
@@ -143,7 +143,7 @@ proptest! {
         aspect in -12.0..12.0_f64,
         phi in -1e6..1e6_f64,
     ) {
-        let [c, t, aspect] = [c, t, aspect].map(|exponent| 10.0_f64.powf(exponent));
+        let [c, t, aspect] = [c, t, aspect].map(|exponent| libm::pow(10.0_f64, exponent));
         let paraboloid = Meridian::Paraboloid { c };
         let spheroid = Meridian::Spheroid { a: 1.0, c: aspect };
         for (meridian, t) in [(paraboloid, t), (spheroid, phi)] {

@@ -284,7 +284,7 @@ fn principal_directions_lie_in_their_half_turn() {
 
 /// Between ten to the −9 and to the 9.
 fn lengths() -> impl Strategy<Value = f64> {
-    (-9.0..9.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent))
+    (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent))
 }
 
 proptest! {
@@ -314,15 +314,15 @@ proptest! {
     #[test]
     fn tori_of_any_ratio(
         minor in lengths(),
-        ratio in (0.001..12.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        ratio in (0.001..12.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
         u in -3.1..3.1_f64,
         v in -3.1..3.1_f64,
     ) {
         let major = minor * ratio;
         let torus = Torus::new(major, minor).unwrap();
         let here = torus.chart_geometry(Parameters::new(u, v)).unwrap();
-        let rho = major + minor * u.sin();
-        let across = u.sin() / rho;
+        let rho = major + minor * libm::sin(u);
+        let across = libm::sin(u) / rho;
         assert_relative_eq!(here.curvature.k_uu, 1.0 / minor, max_relative = 1e-13);
         assert_relative_eq!(here.curvature.k_vv, across, max_relative = 1e-13);
         // A point is no finer than its coordinates, and the tube is thin.
@@ -343,7 +343,7 @@ proptest! {
         u in -1.57..1.57_f64,
         v in -3.1..3.1_f64,
     ) {
-        let semi_axes = exponents.map(|exponent| 10.0_f64.powf(exponent));
+        let semi_axes = exponents.map(|exponent| libm::pow(10.0_f64, exponent));
         let ellipsoid = Ellipsoid::new(semi_axes).unwrap();
         let here = ellipsoid.chart_geometry(Parameters::new(u, v)).unwrap();
         let frame = here.frame;

@@ -156,7 +156,7 @@ impl<'a, S: Surface> Place<'a, S> {
         let (p, frame) = (&self.geometry.point, &self.geometry.frame);
         let level_set = self.surface.level_set(p).unwrap();
         for angle in [0.0_f64, 0.3, 1.7, 2.9, -1.1] {
-            let x = frame.x * angle.cos() + frame.y * angle.sin();
+            let x = frame.x * libm::cos(angle) + frame.y * libm::sin(angle);
             let (normal, form) = self.surface.curvature_along(p, &x).unwrap();
             assert_relative_eq!(normal, level_set.normal, epsilon = 1e-14);
             let expected = level_set.curvature(&x, &x.cross(&normal)).matrix();

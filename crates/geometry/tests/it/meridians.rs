@@ -31,7 +31,7 @@ fn follows_the_chart(surface: &impl Surface, t: f64) {
         Vector3::new(sin, 0.0, cos),
         epsilon = 1e-13
     );
-    let (sine, cosine) = slope.slope_rad.sin_cos();
+    let (sine, cosine) = libm::sincos(slope.slope_rad);
     assert_abs_diff_eq!(sin, sine, epsilon = 1e-15);
     assert_abs_diff_eq!(cos, cosine, epsilon = 1e-15);
     assert_relative_eq!(
@@ -80,7 +80,7 @@ fn derivatives_are_those_of_the_meridian() {
                 max_relative = 1e-5
             );
             let [before, after] = [t - h, t + h].map(|t| meridian.at(t));
-            let arc = (after.r - before.r).hypot(after.height - before.height) / (2.0 * h);
+            let arc = libm::hypot(after.r - before.r, after.height - before.height) / (2.0 * h);
             assert_relative_eq!(arc, here.arc_per_parameter, max_relative = 1e-5);
         }
     }

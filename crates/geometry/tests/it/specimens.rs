@@ -69,7 +69,7 @@ pub(crate) fn plane() -> Specimen {
 }
 
 pub(crate) fn cylinder(radius: f64, direction: f64) -> Specimen {
-    let axis = Vector3::new(direction.cos(), direction.sin(), 0.0);
+    let axis = Vector3::new(libm::cos(direction), libm::sin(direction), 0.0);
     Specimen {
         name: format!("cylinder {radius} at {direction} rad"),
         shape: Shape::Cylinder(Cylinder::new(radius, direction).unwrap()),
@@ -103,7 +103,7 @@ pub(crate) fn torus(major: f64, minor: f64) -> Specimen {
         unit: [1.0, 1.0],
         size: major,
         reach: minor.min(major - minor),
-        solid: Box::new(move |p| (p.x.hypot(p.y) - major).hypot(p.z) < minor),
+        solid: Box::new(move |p| libm::hypot(libm::hypot(p.x, p.y) - major, p.z) < minor),
     }
 }
 
@@ -173,10 +173,10 @@ pub(crate) fn all() -> Vec<Specimen> {
         saddle(0.1),
         saddle(-2.0),
         height_field("0.15*sin(0.7*x)*cos(0.7*y)", 3.0, |x, y| {
-            0.15 * (0.7 * x).sin() * (0.7 * y).cos()
+            0.15 * libm::sin(0.7 * x) * libm::cos(0.7 * y)
         }),
         height_field("exp(-(x^2 + y^2)/2)", 0.9, |x, y| {
-            (-0.5 * (x * x + y * y)).exp()
+            libm::exp(-0.5 * (x * x + y * y))
         }),
         height_field("0.2*x + 0.1*y - 0.05*x*y", 5.0, |x, y| {
             0.2 * x + 0.1 * y - 0.05 * x * y
@@ -185,7 +185,7 @@ pub(crate) fn all() -> Vec<Specimen> {
             (25.0 - x * x - y * y).sqrt() - 5.0
         }),
         height_field("0.1*x^3 - 0.2*x*y + atan2(y, x + 9)", 0.7, |x, y| {
-            0.1 * x * x * x - 0.2 * x * y + y.atan2(x + 9.0)
+            0.1 * x * x * x - 0.2 * x * y + libm::atan2(y, x + 9.0)
         }),
     ]
 }

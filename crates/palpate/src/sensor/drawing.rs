@@ -70,7 +70,7 @@ impl Canvas {
         let steps = (7.0 * radius).ceil().clamp(8.0, 1e5) as u32;
         for step in 0..steps {
             let (sine, cosine) =
-                (std::f64::consts::TAU * f64::from(step) / f64::from(steps)).sin_cos();
+                libm::sincos(std::f64::consts::TAU * f64::from(step) / f64::from(steps));
             for width in [0.0, 1.0] {
                 let radius = radius + width;
                 self.dot([x + radius * cosine, y + radius * sine], colour);
@@ -82,7 +82,7 @@ impl Canvas {
     pub(super) fn arrow(&mut self, from: [f64; 2], shift: [f64; 2], colour: Colour) {
         let start = self.at(from);
         let [dx, dy] = shift.map(|one| one * f64::from(self.scale));
-        let length = dx.hypot(dy);
+        let length = libm::hypot(dx, dy);
         if length < 1.0 {
             return;
         }

@@ -112,8 +112,8 @@ fn contacts_that_tell_no_patch() {
         "{line}"
     );
     let closed = grid(BARE, 12, |u, v| {
-        let (sin, cos) = (3.1 * u).sin_cos();
-        let (height, radius) = (1.5 * v).sin_cos();
+        let (sin, cos) = libm::sincos(3.1 * u);
+        let (height, radius) = libm::sincos(1.5 * v);
         format!("{},{},{}", radius * cos, radius * sin, height)
     });
     let closed = said_of(&closed);

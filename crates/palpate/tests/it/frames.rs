@@ -23,7 +23,7 @@ const RADIUS: f64 = 0.045;
 pub(crate) fn places() -> Vec<[f64; 2]> {
     let steps = || (-5..=5).map(|step| f64::from(step) * SPACING);
     let net = steps().flat_map(|y| steps().map(move |x| [x, y]));
-    net.filter(|[x, y]| x.hypot(*y) < 1.05).collect()
+    net.filter(|[x, y]| libm::hypot(*x, *y) < 1.05).collect()
 }
 
 /// A frame of markers that were displaced inward, mm, by `inward` of their place, but for those left out.
@@ -31,7 +31,7 @@ pub(crate) fn frame(inward: impl Fn([f64; 2]) -> f64, without: &[usize]) -> RgbI
     let middle = 0.5 * (f64::from(SIDE) - 1.0);
     let mut image = RgbImage::from_fn(SIDE, SIDE, |column, row| {
         let [x, y] = [column, row].map(|at| f64::from(at) - middle);
-        Rgb([if x.hypot(y) < RIM { 255 } else { 0 }; 3])
+        Rgb([if libm::hypot(x, y) < RIM { 255 } else { 0 }; 3])
     });
     for (marker, place) in places().into_iter().enumerate() {
         if without.contains(&marker) {
@@ -50,7 +50,7 @@ pub(crate) fn frame(inward: impl Fn([f64; 2]) -> f64, without: &[usize]) -> RgbI
 /// Takes a channel's light from a disc, whose rim falls off over a pixel.
 fn disc(image: &mut RgbImage, [x, y]: [f64; 2], radius: f64, channel: usize) {
     let within = |column: u32, row: u32| {
-        let distance = (f64::from(column) - x).hypot(f64::from(row) - y);
+        let distance = libm::hypot(f64::from(column) - x, f64::from(row) - y);
         (radius - distance + 0.5).clamp(0.0, 1.0)
     };
     let near = |at: f64| {

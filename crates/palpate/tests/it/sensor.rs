@@ -20,11 +20,11 @@ const MARKERS: [&str; 8] = [
 /// onto, 1 mm deep: the closed form for the pressure of Hertz.
 fn pressed([x, y]: [f64; 2]) -> f64 {
     let (radius, depth, nu): (f64, f64, f64) = (20.0, 2.0, 0.5);
-    let r = radius * x.hypot(y);
+    let r = radius * libm::hypot(x, y);
     let contact = radius.sqrt();
-    let [near, far] = [r - contact, r + contact].map(|along| along.hypot(depth));
+    let [near, far] = [r - contact, r + contact].map(|along| libm::hypot(along, depth));
     let [l_1, l_2] = [0.5 * (far - near), 0.5 * (far + near)];
-    let angle = (contact / l_2).asin();
+    let angle = libm::asin(contact / l_2);
     let [a, z] = [contact, depth];
     let of_pressure = (2.0 * a * a - r * r + 2.0 * z * z) * angle
         + (3.0 * l_1 * l_1 - 2.0 * a * a) / a * (l_2 * l_2 - a * a).sqrt();

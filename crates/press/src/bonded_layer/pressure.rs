@@ -58,9 +58,13 @@ impl Pressure {
         let ripples = DMatrix::from_fn(count, waves.len(), |row, column| {
             let ([share, weight], [k, dk]) = (shares[row], waves[column]);
             let strength = FRAC_2_PI * contact * weight * dk * reflection::at_surface(k);
-            strength.sqrt() * (k * contact * share).cos()
+            strength.sqrt() * libm::cos(k * contact * share)
         });
-        let matrix = DMatrix::identity(count, count) - &ripples * ripples.transpose();
+        let mut matrix = DMatrix::identity(count, count);
+        for ripple in ripples.column_iter() {
+            // The lower triangle, which is all that the factors need.
+            matrix.syger(-1.0, &ripple, &ripple, 1.0);
+        }
         let solved = matrix.cholesky().ok_or(PressError::OutOfRange)?;
         let solve = |right: fn(f64) -> f64| {
             let weighted = shares
@@ -120,7 +124,7 @@ impl Pressure {
         self.nodes
             .iter()
             .fold([0.0; 2], |[curved, flat], [t, phi, per_contact]| {
-                let wave = (k * t).cos();
+                let wave = libm::cos(k * t);
                 [curved + phi * wave, flat + per_contact * wave]
             })
     }

@@ -16,7 +16,7 @@ const NEGLIGIBLE: f64 = 36.0;
 /// Half-space less layer at the surface, as a share of the half-space: 1 − (sinh 2H − 2H)/(cosh 2H + 2H² + 1).
 pub(super) fn at_surface(wavenumber: f64) -> f64 {
     let h = wavenumber;
-    let q = (-2.0 * h).exp();
+    let q = libm::exp(-2.0 * h);
     2.0 * q * (1.0 + 2.0 * h + 2.0 * h * h + q) / ((1.0 + q) * (1.0 + q) + 4.0 * h * h * q)
 }
 
@@ -26,8 +26,8 @@ pub(super) const SURFACE_REACH: f64 = NEGLIGIBLE / 2.0;
 /// Layer less half-space at a depth: inward under J₀, outward under J₁.
 pub(super) fn at_depth(wavenumber: f64, depth: f64) -> [f64; 2] {
     let (h, x) = (wavenumber, wavenumber * (1.0 - depth));
-    let (q, p) = ((-2.0 * h).exp(), (-2.0 * x).exp());
-    let decay = (-h * depth).exp();
+    let (q, p) = (libm::exp(-2.0 * h), libm::exp(-2.0 * x));
+    let decay = libm::exp(-h * depth);
     let denominator = (1.0 + q) * (1.0 + q) + 4.0 * h * h * q;
     let excess = q * (2.0 + q + 4.0 * h * h);
     let cross = 2.0 * h * x;
@@ -52,11 +52,13 @@ mod tests {
     fn differences_equal_the_quotients() {
         for (h, depth) in [(0.3_f64, 0.0), (1.0, 0.4), (2.5, 0.9), (4.0, 0.1)] {
             let x = h * (1.0 - depth);
-            let denominator = h.cosh().powi(2) + h * h;
-            let stiff = h.cosh() + h * h.sinh();
-            let normal = stiff * (x.sinh() - x * x.cosh()) + h * h.cosh() * x * x.sinh();
-            let radial = -stiff * x * x.sinh() + h * h.cosh() * (x.sinh() + x * x.cosh());
-            let half_space = (-h * depth).exp();
+            let denominator = libm::cosh(h).powi(2) + h * h;
+            let stiff = libm::cosh(h) + h * libm::sinh(h);
+            let normal =
+                stiff * (libm::sinh(x) - x * libm::cosh(x)) + h * libm::cosh(h) * x * libm::sinh(x);
+            let radial = -stiff * x * libm::sinh(x)
+                + h * libm::cosh(h) * (libm::sinh(x) + x * libm::cosh(x));
+            let half_space = libm::exp(-h * depth);
             let expected = [
                 normal / denominator - (1.0 + h * depth) * half_space,
                 radial / denominator - h * depth * half_space,
@@ -65,7 +67,8 @@ mod tests {
             for (got, expected) in got.iter().zip(expected) {
                 assert!((got - expected).abs() < 1e-13, "{got} {expected}");
             }
-            let surface = ((2.0 * h).sinh() - 2.0 * h) / ((2.0 * h).cosh() + 2.0 * h * h + 1.0);
+            let surface =
+                (libm::sinh(2.0 * h) - 2.0 * h) / (libm::cosh(2.0 * h) + 2.0 * h * h + 1.0);
             assert!((1.0 - at_surface(h) - surface).abs() < 1e-13);
         }
     }

@@ -58,8 +58,8 @@ pub(super) fn field(a: f64, terms: &[Term], z: f64, r: f64) -> Field {
 
 /// Fills in q₀, q₁, … and returns how many of them count.
 fn second_kind(xi: f64, q: &mut [f64]) -> usize {
-    let angle = (xi + (1.0 + xi * xi).sqrt()).ln();
-    let zeroth = 1.0_f64.atan2(xi);
+    let angle = libm::log(xi + (1.0 + xi * xi).sqrt());
+    let zeroth = libm::atan2(1.0_f64, xi);
     let last = q.len() - 1;
     if angle * last as f64 <= UPWARD {
         (q[0], q[1]) = (zeroth, 1.0 - xi * zeroth);

@@ -250,7 +250,7 @@ fn angle(node: usize) -> f64 {
 
 /// Chebyshev nodes between two values.
 fn nodes([from, to]: [f64; 2]) -> [f64; NODES] {
-    std::array::from_fn(|node| 0.5 * (from + to) + 0.5 * (to - from) * angle(node).cos())
+    std::array::from_fn(|node| 0.5 * (from + to) + 0.5 * (to - from) * libm::cos(angle(node)))
 }
 
 /// Shares of the values at [`nodes`] in the polynomial's value: Lagrange's formula, barycentric.
@@ -259,7 +259,7 @@ fn lagrange(range: [f64; 2], value: f64) -> [f64; NODES] {
     let mut sign = -1.0;
     let mut shares: [f64; NODES] = std::array::from_fn(|node| {
         sign = -sign;
-        let (sine, cosine) = angle(node).sin_cos();
+        let (sine, cosine) = libm::sincos(angle(node));
         sign * sine / (x - cosine)
     });
     if let Some(node) = shares.iter().position(|share| share.is_infinite()) {
@@ -275,7 +275,7 @@ fn coefficients(values: &[f64; NODES]) -> [f64; NODES] {
         let sum: f64 = values
             .iter()
             .enumerate()
-            .map(|(node, value)| value * (order as f64 * angle(node)).cos())
+            .map(|(node, value)| value * libm::cos(order as f64 * angle(node)))
             .sum();
         sum * if order == 0 { 1.0 } else { 2.0 } / NODES as f64
     })

@@ -53,7 +53,7 @@ impl Wave {
 
 impl Waves {
     pub(super) fn new(pressure: Pressure, depth: f64, resolution: f64) -> Self {
-        let count = ((pressure.contact + BEYOND) / NEAR).log2().ceil() as usize + 1;
+        let count = libm::log2((pressure.contact + BEYOND) / NEAR).ceil() as usize + 1;
         Self {
             pressure,
             depth,

@@ -85,7 +85,7 @@ pub(super) fn on_markers(problem: &Problem<'_>, state: &State) -> Result<(), Pre
 fn are_around(sights: &[Sight]) -> bool {
     let mut bearings: Vec<f64> = sights
         .iter()
-        .map(|sight| sight.bearing.y.atan2(sight.bearing.x))
+        .map(|sight| libm::atan2(sight.bearing.y, sight.bearing.x))
         .collect();
     bearings.sort_by(f64::total_cmp);
     let Some(&first) = bearings.first() else {

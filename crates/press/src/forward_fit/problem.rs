@@ -68,7 +68,7 @@ struct Predicted {
 
 impl State {
     pub(super) fn curvature(&self) -> f64 {
-        self.log_curvature.exp()
+        libm::exp(self.log_curvature)
     }
 }
 
@@ -254,7 +254,7 @@ impl<'a> Problem<'a> {
         }
         let limit = self.tolerance * self.tolerance;
         let ratio = squared / limit;
-        (limit * ratio.ln_1p(), 1.0 / (1.0 + ratio))
+        (limit * libm::log1p(ratio), 1.0 / (1.0 + ratio))
     }
 
     fn predicted(
@@ -357,8 +357,8 @@ impl<'a> Problem<'a> {
         } else {
             let tangent = state.place.x_axis * step[ALONG] + state.place.y_axis * step[ACROSS];
             let angle = tangent.norm() / radius;
-            let direction =
-                state.place.direction.as_ref() * angle.cos() + tangent.normalize() * angle.sin();
+            let direction = state.place.direction.as_ref() * libm::cos(angle)
+                + tangent.normalize() * libm::sin(angle);
             self.place_at(&direction)
         };
         State {

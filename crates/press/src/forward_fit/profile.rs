@@ -29,7 +29,7 @@ pub(super) fn profile(
     let mut ends = [None; 2];
     for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
         match walk(problem, best, sums, covariance, limit.sqrt(), sign) {
-            Walk::End(log_curvature) => *end = Some(log_curvature.exp()),
+            Walk::End(log_curvature) => *end = Some(libm::exp(log_curvature)),
             Walk::Endless => {}
             Walk::Better(state) => return Profile::Better(state),
         }
@@ -68,7 +68,7 @@ fn walk(
         }
         Some(Ok(rise.max(0.0).sqrt()))
     };
-    let furthest = FURTHEST.ln();
+    let furthest = libm::log(FURTHEST);
     let mut step = (limit * variance.sqrt()).clamp(1e-12, 1.0);
     // Steps with the root there; no root where no press is possible.
     let mut inside = (0.0, 0.0);

@@ -95,7 +95,7 @@ fn of_radius(
         (None, _) => (amplitude()?, 1.0),
     };
     let state = State {
-        log_curvature: curvature.ln(),
+        log_curvature: libm::log(curvature),
         place,
         indentation: known.unwrap_or(curvature * unit.indentation),
         baseline,
@@ -161,10 +161,10 @@ fn beyond(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let rim = directions()
         .map(|direction| direction.dot(&middle))
         .fold(1.0, f64::min);
-    let at = |angle: f64| middle * angle.cos() + outward * angle.sin();
+    let at = |angle: f64| middle * libm::cos(angle) + outward * libm::sin(angle);
     BEYOND
         .iter()
-        .map(|beyond| at(rim.acos() + beyond))
+        .map(|beyond| at(libm::acos(rim) + beyond))
         .collect()
 }
 

@@ -14,7 +14,7 @@ fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
         -30.0..30.0,
-        (-9.0..9.0).prop_map(|power: f64| 10f64.powf(power)),
+        (-9.0..9.0).prop_map(|power: f64| libm::pow(10f64, power)),
     ]
 }
 
@@ -82,7 +82,7 @@ proptest! {
     #[test]
     fn bodies_give_numbers_or_errors(numbers in prop::array::uniform7(any_number())) {
         let [poisson, thickness, depth, curvature, indentation, r, young] = numbers;
-        for body in bodies(0.5 * (poisson.sin() + 1.0), thickness, depth) {
+        for body in bodies(0.5 * (libm::sin(poisson) + 1.0), thickness, depth) {
             if let Ok(contact) = body.press(curvature, indentation) {
                 assert_finite(&contact, r, young);
             }
@@ -189,11 +189,11 @@ proptest! {
         let body = Body::half_space(0.3, 2.0).unwrap();
         let contact = skin.contact(&body, 0.1, 1.0).unwrap();
         let moved = |turn: f64| {
-            let place = |r: f64, bearing: f64| [r * (bearing + turn).cos(), r * (bearing + turn).sin()];
+            let place = |r: f64, bearing: f64| [r * libm::cos(bearing + turn), r * libm::sin(bearing + turn)];
             let markers = Markers::new(skin, &[place(r, bearing)]).unwrap();
             let [x, y] = markers.displacements(&contact, place(at, 0.0))[0].tangential;
             let normal = markers.displacements(&contact, place(at, 0.0))[0].normal;
-            [normal, x * turn.cos() + y * turn.sin(), y * turn.cos() - x * turn.sin()]
+            [normal, x * libm::cos(turn) + y * libm::sin(turn), y * libm::cos(turn) - x * libm::sin(turn)]
         };
         for (still, turned) in moved(0.0).into_iter().zip(moved(angle)) {
             prop_assert!((still - turned).abs() < 1e-11, "{still} {turned}");

@@ -35,7 +35,7 @@ pub(crate) fn along(distances: &[f64]) -> Markers {
 /// Chart coordinates of a place by polar angle and azimuth, in degrees.
 pub(crate) fn at(polar: f64, azimuth: f64) -> [f64; 2] {
     let distance = RADIUS * polar.to_radians();
-    let (sine, cosine) = azimuth.to_radians().sin_cos();
+    let (sine, cosine) = libm::sincos(azimuth.to_radians());
     [distance * cosine, distance * sine]
 }
 

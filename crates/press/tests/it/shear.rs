@@ -65,8 +65,8 @@ fn far_away_it_is_a_force_at_a_point() {
         (0.5, 0.1, 7.0, 4.0),
     ] {
         let a = 1e-5;
-        let rho = f64::hypot(r, z);
-        let (x, y) = (r * f64::cos(azimuth), r * f64::sin(azimuth));
+        let rho = libm::hypot(r, z);
+        let (x, y) = (r * libm::cos(azimuth), r * libm::sin(azimuth));
         let unit = 8.0 * a / (2.0 - poisson) / (4.0 * PI);
         let spread = (1.0 - 2.0 * poisson) / (rho * (rho + z) * (rho + z));
         let along =
@@ -138,7 +138,14 @@ fn markers_of_a_nearly_flat_skin_move_as_on_a_plane() {
         .unwrap();
     for ([x, y], moved) in places.iter().zip(moved) {
         let (x, y) = (x - at[0], y - at[1]);
-        let flat = stuck_shift(poisson, depth, contact_radius, x.hypot(y), y.atan2(x)).unwrap();
+        let flat = stuck_shift(
+            poisson,
+            depth,
+            contact_radius,
+            libm::hypot(x, y),
+            libm::atan2(y, x),
+        )
+        .unwrap();
         let expected = [flat.along, flat.across, flat.normal].map(|one| one * shift);
         // `across` counts a quarter turn from the shift, which is along x.
         let found = [moved.tangential[0], moved.tangential[1], moved.normal];

@@ -178,11 +178,11 @@ fn crossing(samples: &[Sample], c: f64) -> String {
         Some(at) => {
             let ((x0, y0), (x1, y1)) = (errors[at - 1], errors[at]);
             let share = if y0 > 0.0 {
-                (GOOD / y0).ln() / (y1 / y0).ln()
+                libm::log(GOOD / y0) / libm::log(y1 / y0)
             } else {
                 1.0
             };
-            format!("{} R₁", short(x0 * (x1 / x0).powf(share)))
+            format!("{} R₁", short(x0 * libm::pow(x1 / x0, share)))
         }
     };
     format!("{place} (c = {})", short(c))

@@ -41,11 +41,11 @@ pub(super) fn acts_like_pads(study: &Study) -> Result<Finding, String> {
             .filter_map(|row| Some((size_of(*row, "pads ")?, error(row)?, *row)))
             .collect();
         pads.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let apart = |pad: &(f64, f64, usize)| (pad.0 / size).ln().abs();
+        let apart = |pad: &(f64, f64, usize)| libm::log(pad.0 / size).abs();
         let Some(nearest) = pads.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))) else {
             continue;
         };
-        if apart(nearest) > ALIKE.ln() / 2.0 {
+        if apart(nearest) > libm::log(ALIKE) / 2.0 {
             continue;
         }
         names = Some((sensor.text(wrist), sensor.text(nearest.2)));
@@ -85,6 +85,6 @@ fn equal_size(pads: &[(f64, f64, usize)], error: f64) -> Option<f64> {
     pads.windows(2).find_map(|pair| {
         let ((x0, y0, _), (x1, y1, _)) = (pair[0], pair[1]);
         (y0 < y1 && (y0..=y1).contains(&error))
-            .then(|| x0 * (x1 / x0).powf((error / y0).ln() / (y1 / y0).ln()))
+            .then(|| x0 * libm::pow(x1 / x0, libm::log(error / y0) / libm::log(y1 / y0)))
     })
 }

@@ -75,7 +75,7 @@ impl<B: DrawingBackend> Canvas<B> {
         let mut done = 0.0;
         for pair in points.windows(2) {
             let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
-            let length = (x1 - x0).hypot(y1 - y0);
+            let length = libm::hypot(x1 - x0, y1 - y0);
             let along = |s: f64| (x0 + (x1 - x0) * s / length, y0 + (y1 - y0) * s / length);
             let mut dash = -(done % PERIOD);
             while dash < length {
@@ -220,7 +220,10 @@ impl<B: DrawingBackend> Canvas<B> {
         };
         let bars = |turn: f64| -> Drawn {
             let (r, half) = (r * 1.15, 0.35 * size + grow);
-            for (c, s) in [(turn.cos(), turn.sin()), (-turn.sin(), turn.cos())] {
+            for (c, s) in [
+                (libm::cos(turn), libm::sin(turn)),
+                (-libm::sin(turn), libm::cos(turn)),
+            ] {
                 let corner = |a: f64, b: f64| (x + a * c - b * s, y + a * s + b * c);
                 self.polygon(
                     &[

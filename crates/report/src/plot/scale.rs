@@ -55,7 +55,7 @@ impl Scale {
         let (min, max) = match spacing {
             Spacing::Linear => linear_range(min, max),
             Spacing::Log => {
-                let (low, high) = (min.log10(), max.log10());
+                let (low, high) = (libm::log10(min), libm::log10(max));
                 let margin = if high - low < 1e-9 {
                     0.5
                 } else {
@@ -106,7 +106,7 @@ impl Scale {
     /// Where `value` stands: 0 at the lower end, 1 at the upper.
     pub(crate) fn place(&self, value: f64) -> f64 {
         let value = if self.spacing == Spacing::Log {
-            value.log10()
+            libm::log10(value)
         } else {
             value
         };
@@ -194,8 +194,8 @@ impl Scale {
         if exponents.is_empty() || self.max - self.min < 0.5 {
             let narrow = Self {
                 spacing: Spacing::Linear,
-                min: 10f64.powf(self.min),
-                max: 10f64.powf(self.max),
+                min: libm::pow(10f64, self.min),
+                max: libm::pow(10f64, self.max),
                 categories: Vec::new(),
             };
             return narrow.linear_ticks(about);
@@ -205,7 +205,7 @@ impl Scale {
 
     fn linear_ticks(&self, about: usize) -> Vec<Tick> {
         let step = round_step((self.max - self.min) / about.max(1) as f64);
-        let decimals = usize::try_from(-step.log10().floor() as i32).unwrap_or(0);
+        let decimals = usize::try_from(-libm::log10(step).floor() as i32).unwrap_or(0);
         let label = |value: f64| {
             if decimals > 5 || value.abs() >= 1e6 {
                 words::number(value)
@@ -241,7 +241,7 @@ fn power(exponent: i32) -> f64 {
 
 /// The 1, 2 or 5 times a power of ten that is nearest to `width` in ratio.
 pub(crate) fn round_step(width: f64) -> f64 {
-    let ten = 10f64.powf(width.log10().floor());
+    let ten = libm::pow(10f64, libm::log10(width).floor());
     let ratio = width / ten;
     let factor = [(1.0, 1.41), (2.0, 3.16), (5.0, 7.07)]
         .into_iter()

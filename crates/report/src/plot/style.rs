@@ -108,9 +108,9 @@ mod tests {
 
     /// CIE 1976 lightness, from 0 (black) to 100 (white).
     fn lightness(RGBColor(r, g, b): RGBColor) -> f64 {
-        let linear = |channel: u8| ((f64::from(channel) / 255.0 + 0.055) / 1.055).powf(2.4);
+        let linear = |channel: u8| libm::pow((f64::from(channel) / 255.0 + 0.055) / 1.055, 2.4);
         let luminance = 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
-        116.0 * luminance.cbrt() - 16.0
+        116.0 * libm::cbrt(luminance) - 16.0
     }
 
     #[test]

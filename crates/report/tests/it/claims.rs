@@ -129,8 +129,9 @@ fn paraboloids(claims: &str, error: impl Fn(f64, f64) -> f64) -> (tempfile::Temp
 
 /// |relative error| of curvature from the apex over an arc length, with θ = α + s: the estimate is α/s.
 fn exact(c: f64, length: f64) -> f64 {
-    let arc =
-        |r: f64| 0.5 * r * (1.0 + 4.0 * c * c * r * r).sqrt() + (2.0 * c * r).asinh() / (4.0 * c);
+    let arc = |r: f64| {
+        0.5 * r * (1.0 + 4.0 * c * c * r * r).sqrt() + libm::asinh(2.0 * c * r) / (4.0 * c)
+    };
     let (mut low, mut high) = (0.0, length);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
@@ -140,7 +141,7 @@ fn exact(c: f64, length: f64) -> f64 {
             high = middle
         }
     }
-    1.0 - (2.0 * c * low).atan() / length / (2.0 * c)
+    1.0 - libm::atan(2.0 * c * low) / length / (2.0 * c)
 }
 
 #[test]

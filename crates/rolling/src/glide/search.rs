@@ -156,7 +156,7 @@ impl<S: Surface> Search<'_, S> {
         let from = foot.point.coords.xy();
         let mut edge = None;
         for halvings in 0..attempts {
-            let to = from + step * 0.5_f64.powi(halvings);
+            let to = from + step * libm::scalbn(1.0, -halvings);
             if to == from {
                 break;
             }

@@ -374,7 +374,7 @@ mod tests {
             let end = solver(tolerance)
                 .integrate(&Oscillator, [0.0, 1.0], 10.0)
                 .unwrap();
-            let error = (end.state[0] - 10.0_f64.sin()).abs();
+            let error = (end.state[0] - libm::sin(10.0_f64)).abs();
             assert!(error < 20.0 * tolerance, "{tolerance}: {error}");
         }
     }
@@ -385,9 +385,9 @@ mod tests {
             let end = solver(f64::INFINITY)
                 .integrate(&Oscillator, [0.0, 1.0], h)
                 .unwrap();
-            (end.state[0] - h.sin()).abs()
+            (end.state[0] - libm::sin(h)).abs()
         };
-        let order = (error(1.0) / error(0.5)).log2();
+        let order = libm::log2(error(1.0) / error(0.5));
         assert!(order > 8.5, "local order {order}");
     }
 
@@ -431,7 +431,7 @@ mod tests {
         let end = solver(0.1).integrate(&Decay, [1.0], 1.0).unwrap();
         assert!(end.state[0].abs() < 0.1, "{end:?}");
         let end = solver(1e-9).integrate(&Decay, [1.0], 0.1).unwrap();
-        assert!((end.state[0] - (-5.0_f64).exp()).abs() < 1e-8, "{end:?}");
+        assert!((end.state[0] - libm::exp(-5.0_f64)).abs() < 1e-8, "{end:?}");
     }
 
     #[test]
@@ -439,7 +439,7 @@ mod tests {
         for exponent in -300..300 {
             for mantissa in [1.0, 1.4, 2.7, 7.5] {
                 let x = mantissa * 10.0_f64.powi(exponent);
-                let ratio = inverse_sixteenth_root(x) * x.powf(1.0 / 16.0);
+                let ratio = inverse_sixteenth_root(x) * libm::pow(x, 1.0 / 16.0);
                 assert!((0.99..1.07).contains(&ratio), "{x:e}: {ratio}");
             }
         }

@@ -28,7 +28,7 @@ pub(super) fn arc_length(a: f64, c: f64, t: f64) -> f64 {
 }
 
 fn within_quarter(a: f64, c: f64, t: f64) -> f64 {
-    let (sin, cos) = t.sin_cos();
+    let (sin, cos) = libm::sincos(t);
     let ratio = c / a;
     let [x, y] = [cos * cos, cos * cos + ratio * sin * (ratio * sin)];
     let (first, second) = integrals(x, y);
@@ -144,7 +144,7 @@ mod tests {
             let arc = arc_length(a, c, FRAC_PI_2);
             assert_relative_eq!(arc, f64::max(a, c), max_relative = 2e-14);
         }
-        let (short, rest) = (1e-3_f64, 0.5e-6 * ((4e3_f64).ln() - 0.5));
+        let (short, rest) = (1e-3_f64, 0.5e-6 * (libm::log(4e3_f64) - 0.5));
         assert_relative_eq!(
             arc_length(1.0, short, FRAC_PI_2),
             1.0 + rest,

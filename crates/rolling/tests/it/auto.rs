@@ -26,7 +26,7 @@ impl Numbers {
 
     /// Alike in every decade.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
-        (self.between(low.ln(), high.ln())).exp()
+        libm::exp(self.between(libm::log(low), libm::log(high)))
     }
 }
 
@@ -56,7 +56,7 @@ fn scene(kind: usize, numbers: &mut Numbers) -> Scene {
         8 => (torus(size * (1.0 + spread), size), {
             let out = size * (1.0 + spread + 0.8 * aside[0]);
             let turn = aside[1];
-            (out * turn.cos(), out * turn.sin())
+            (out * libm::cos(turn), out * libm::sin(turn))
         }),
         9 => (saddle(0.4 / (1.0 + size)), on(1.0)),
         _ => {

@@ -16,7 +16,7 @@ fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits),
         -2.0..2.0_f64,
-        (-12.0..12.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        (-12.0..12.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
         Just(0.0),
         Just(-0.0),
     ]
@@ -148,10 +148,10 @@ proptest! {
 
     #[test]
     fn there_and_back_is_where_it_began(
-        probe in (-9.0..9.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
-        ratio in (-3.0..3.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        probe in (-9.0..9.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
+        ratio in (-3.0..3.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
         direction in -3.0..3.0_f64,
-        theta in (-9.0..0.5_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        theta in (-9.0..0.5_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
     ) {
         let size = probe * ratio;
         let there = Motion::rolling(direction, 1.0, theta);
@@ -178,7 +178,7 @@ proptest! {
 
     #[test]
     fn an_arc_lasts_as_long_as_it_takes(
-        arc in (-12.0..1.0_f64).prop_map(|exponent| 10.0_f64.powf(exponent)),
+        arc in (-12.0..1.0_f64).prop_map(|exponent| libm::pow(10.0_f64, exponent)),
         c in -0.4..5.0_f64,
     ) {
         let unit = Motion::rolling(0.3, 1.0, 1.0);

@@ -94,7 +94,7 @@ fn a_torus_is_touched_towards_its_core() {
         for turn in [0.0, 1.0, 4.0_f64] {
             for beyond in [-0.99, -0.5, -0.1, 0.0, 0.3, 0.9, 0.999] {
                 let beyond = beyond * (1.0 + radius);
-                let out = Vector3::new(turn.cos(), turn.sin(), 0.0);
+                let out = Vector3::new(libm::cos(turn), libm::sin(turn), 0.0);
                 if 3.0 + beyond < 1e-3 {
                     continue;
                 }
@@ -150,11 +150,11 @@ fn paraboloids_saddles_and_ellipsoids_on_a_line_of_symmetry() {
         for part in [0.0, 0.5, 0.9, 0.999] {
             let x = part * (3.0 + radius);
             let phi = bisect(0.0, std::f64::consts::FRAC_PI_2, |phi: f64| {
-                let (sin, cos) = phi.sin_cos();
-                3.0 * sin + radius * sin / sin.hypot(3.0 * cos) - x
+                let (sin, cos) = libm::sincos(phi);
+                3.0 * sin + radius * sin / libm::hypot(sin, 3.0 * cos) - x
             });
             let found = touch(&ellipsoid(3.0, 2.0, 1.0), radius, x, 0.0).unwrap();
-            let off = found.point - Point3::new(3.0 * phi.sin(), 0.0, phi.cos());
+            let off = found.point - Point3::new(3.0 * libm::sin(phi), 0.0, libm::cos(phi));
             assert!(off.norm() < 1e-10, "{radius} {x}: {off}");
         }
     }
@@ -239,7 +239,7 @@ fn first_met(height: impl Fn(f64, f64) -> f64, radius: f64, x: f64, y: f64) -> f
 
 #[test]
 fn the_contact_met_first_counts() {
-    let height = |x: f64, y: f64| 0.3 * (2.0 * x).sin() * (1.5 * y).cos() + 0.1 * x;
+    let height = |x: f64, y: f64| 0.3 * libm::sin(2.0 * x) * libm::cos(1.5 * y) + 0.1 * x;
     let rough = height_field("0.3*sin(2*x)*cos(1.5*y) + 0.1*x", &[]);
     // Tips tighter than the valleys, and tips that ride on the ridges alone.
     for radius in [0.3, 0.8, 2.0, 4.0] {
@@ -276,7 +276,7 @@ fn the_contact_met_first_counts() {
     // One too large for a bump's skirt stays on the bump.
     let bump = height_field("0.3*exp(-(x^2+y^2))", &[]);
     let found = touch(&bump, 10.0, 1.0, 0.0).unwrap();
-    let expected = first_met(|x, y| 0.3 * (-(x * x + y * y)).exp(), 10.0, 1.0, 0.0);
+    let expected = first_met(|x, y| 0.3 * libm::exp(-(x * x + y * y)), 10.0, 1.0, 0.0);
     assert!((found.tip_centre.z - expected).abs() < 1e-3, "{expected}");
     assert!(found.point.x < 0.5, "{}", found.point);
 }
@@ -433,7 +433,7 @@ proptest! {
         u in -1.55..1.55_f64,
         v in -1.55..1.55_f64,
     ) {
-        let (a, b, radius) = (10.0_f64.powf(a), 10.0_f64.powf(b), 10.0_f64.powf(tip_exponent));
+        let (a, b, radius) = (libm::pow(10.0_f64, a), libm::pow(10.0_f64, b), libm::pow(10.0_f64, tip_exponent));
         let object = ellipsoid(a, b, 1.0);
         let at = palpate_geometry::Parameters::new(u, v);
         let contact = object.chart(at).unwrap().point;

@@ -295,7 +295,10 @@ fn range(table: &Node) -> Result<Vec<Vec<Setting>>, Fault> {
             0 => (first, from),
             _ if index == steps => (last, to),
             _ if log => (
-                rounded(10_f64.powf(mix(first.log10(), last.log10()))),
+                rounded(libm::pow(
+                    10_f64,
+                    mix(libm::log10(first), libm::log10(last)),
+                )),
                 count,
             ),
             _ => (rounded(mix(first, last)), count),

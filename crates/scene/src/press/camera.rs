@@ -183,7 +183,7 @@ impl Eye {
             Some(Marker {
                 centroid_px: [0, 1].map(|axis| seen.centroid_px[axis] + centroid[axis]),
                 hue_turns: (seen.hue_turns + hue).rem_euclid(1.0),
-                size_px2: seen.size_px2 * size.exp(),
+                size_px2: seen.size_px2 * libm::exp(size),
                 ..seen
             })
         };
@@ -237,7 +237,8 @@ fn track(rest: Marker, pressed: Option<Marker>) -> Track {
 
 /// The marker that is seen nearest to a place in the image.
 fn nearest(images: &[Option<SeenMarker>], [x, y]: [f64; 2]) -> Option<usize> {
-    let distance = |seen: &SeenMarker| (seen.centroid_px[0] - x).hypot(seen.centroid_px[1] - y);
+    let distance =
+        |seen: &SeenMarker| libm::hypot(seen.centroid_px[0] - x, seen.centroid_px[1] - y);
     let seen = images.iter().enumerate();
     seen.filter_map(|(marker, seen)| Some((marker, distance(seen.as_ref()?))))
         .min_by(|one, other| one.1.total_cmp(&other.1))

@@ -156,7 +156,7 @@ fn displaced(
 
 /// The largest difference, relative to the largest displacement of the second.
 fn distance(moved: &[MarkerDisplacement], reference: &[MarkerDisplacement]) -> f64 {
-    let size = |normal: f64, [x, y]: [f64; 2]| normal.hypot(x).hypot(y);
+    let size = |normal: f64, [x, y]: [f64; 2]| libm::hypot(libm::hypot(normal, x), y);
     let differences = moved.iter().zip(reference).map(|(one, other)| {
         let aside = [0, 1].map(|axis| one.tangential[axis] - other.tangential[axis]);
         size(one.normal - other.normal, aside)

@@ -247,7 +247,7 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Pl
         return Err(PlanError::at("scene.motion.contact_deg", message));
     }
     let distance = radius * polar.to_radians();
-    let (sine, cosine) = azimuth.to_radians().sin_cos();
+    let (sine, cosine) = libm::sincos(azimuth.to_radians());
     Ok([distance * cosine, distance * sine])
 }
 
@@ -421,7 +421,7 @@ impl Planned<'_> {
     fn method(&self, radius: f64, marker_depth: f64) -> Result<PressMethod, PlanError> {
         let nuisances = Nuisances::of(&self.config.estimator);
         let stated = |error: GaussianError, sensed: Option<f64>| {
-            let std = error.std().hypot(sensed.unwrap_or(0.0));
+            let std = libm::hypot(error.std(), sensed.unwrap_or(0.0));
             Some(std).filter(|&std| nuisances.noise == NoiseKnown::Stated && std > 0.0)
         };
         let fit = self

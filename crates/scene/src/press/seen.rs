@@ -104,7 +104,7 @@ impl Shows {
         let [x, y] = change.shift_px;
         Some(Self {
             hue_turns: change.hue_turns,
-            shift_px: Some(x.hypot(y))
+            shift_px: Some(libm::hypot(x, y))
                 .filter(|&shift| shift > ROUNDING_PX)
                 .unwrap_or(0.0),
         })

@@ -289,7 +289,8 @@ mod tests {
             steps().map(move |normal| NormalPoint {
                 marker: Some(marker),
                 normal,
-                hue_turns: (0.02 + 0.001 * marker as f64) * normal + 1e-3 * (30.0 * normal).sin(),
+                hue_turns: (0.02 + 0.001 * marker as f64) * normal
+                    + 1e-3 * libm::sin(30.0 * normal),
                 growth: 0.05 * normal,
             })
         };

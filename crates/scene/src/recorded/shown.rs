@@ -76,7 +76,7 @@ pub fn calibration_points_of_frames(
         if let Some(along) = of_frame(&known.tangential)? {
             lateral.push(LateralPoint {
                 tangential: [along.abs(), 0.0],
-                shift_px: [change.shift_px[0].hypot(change.shift_px[1]), 0.0],
+                shift_px: [libm::hypot(change.shift_px[0], change.shift_px[1]), 0.0],
                 normal: inward,
             });
         }
@@ -89,7 +89,7 @@ pub fn calibration_points_of_frames(
 /// By what a marker under the contact stands out.
 fn strength(change: &Change, known: &KnownOfFrames) -> f64 {
     match (&known.normal, known.from) {
-        (None, _) => change.shift_px[0].hypot(change.shift_px[1]),
+        (None, _) => libm::hypot(change.shift_px[0], change.shift_px[1]),
         (Some(_), NormalFrom::Hue) => change.hue_turns,
         (Some(_), NormalFrom::Size | NormalFrom::Both) => change.growth,
     }

@@ -189,7 +189,7 @@ impl TrackedFrames {
     fn moved_together(&self) -> Option<(f64, f64)> {
         let shifts = self.changes().map(|change| {
             let [x, y] = change.shift_px;
-            x.hypot(y)
+            libm::hypot(x, y)
         });
         let places: Vec<[f64; 2]> = self
             .tracks
@@ -197,7 +197,9 @@ impl TrackedFrames {
             .filter_map(|track| Some(track.rest?.centroid_px))
             .collect();
         let away = |[x, y]: [f64; 2]| {
-            let distances = places.iter().map(move |at| (at[0] - x).hypot(at[1] - y));
+            let distances = places
+                .iter()
+                .map(move |at| libm::hypot(at[0] - x, at[1] - y));
             let others = distances.filter(|&distance| distance > 0.0);
             others.fold(f64::INFINITY, f64::min)
         };

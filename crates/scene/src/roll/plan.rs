@@ -60,7 +60,10 @@ impl RollScene {
         let reading_noise = ReadingNoise {
             // The error is a fraction of the whole rate, of which only the tangential part is summed.
             relative_rotation_std: noise.relative_rotation_std()
-                * (config.motion.spin_rad_per_s / config.motion.rate_rad_per_s).hypot(1.0),
+                * libm::hypot(
+                    config.motion.spin_rad_per_s / config.motion.rate_rad_per_s,
+                    1.0,
+                ),
             rotation_std_rad: encoder.map_or(0.0, |encoder| encoder.std_rad()),
             shift_std,
             shift_resolution,

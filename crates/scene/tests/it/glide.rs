@@ -59,7 +59,7 @@ fn of_saddle(a: f64, x: f64, y: f64) -> (f64, f64) {
     let d = 1.0 + p * p + q * q;
     let gaussian = -4.0 * a * a / (d * d);
     // Convex positive: −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}) with r = 2a = −t.
-    let mean = -a * (q * q - p * p) / d.powf(1.5);
+    let mean = -a * (q * q - p * p) / libm::pow(d, 1.5);
     (gaussian, mean)
 }
 

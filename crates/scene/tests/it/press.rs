@@ -79,7 +79,7 @@ fn without_noise_every_object_is_found() {
             ("object_curvature", curvature),
             ("indentation", 1.0),
             // a² = R δ.
-            ("contact_radius", relative_curvature.powf(-0.5)),
+            ("contact_radius", libm::pow(relative_curvature, -0.5)),
             ("r_squared", 1.0),
             ("object_radius", 1.0 / curvature),
         ] {

@@ -43,7 +43,7 @@ fn rows(curvature_u: f64, curvature_v: f64, directions: usize) -> String {
     (0..directions)
         .map(|probe| {
             let angle = std::f64::consts::TAU * probe as f64 / directions as f64;
-            let (sin, cos) = angle.sin_cos();
+            let (sin, cos) = libm::sincos(angle);
             let [u, v] = [
                 0.3 * cos / (0.1 + curvature_u),
                 0.3 * sin / (0.1 + curvature_v),

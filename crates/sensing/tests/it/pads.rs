@@ -116,8 +116,8 @@ fn directions_are_sensed_as_those_of_pads() {
             let aside = pole.cross(&Vector3::y()).normalize();
             for turn in [0.0, 0.01, 0.02, 0.2, -0.7, 1.3_f64] {
                 for lean in [0.0, 0.3, 0.8_f64] {
-                    let along = aside * lean.cos() + pole.cross(&aside) * lean.sin();
-                    let direction = pole * turn.cos() + along * turn.sin();
+                    let along = aside * libm::cos(lean) + pole.cross(&aside) * libm::sin(lean);
+                    let direction = pole * libm::cos(turn) + along * libm::sin(turn);
                     let once = sense(&direction);
                     assert!((once.norm() - 1.0).abs() < 1e-14);
                     // A pad senses its own centre, and it is near.

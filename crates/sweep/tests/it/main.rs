@@ -73,5 +73,5 @@ fn uniform(index: u64) -> f64 {
 /// Independent standard normal numbers (Box and Muller).
 fn normal(index: u64) -> f64 {
     let (radius, angle) = (uniform(2 * index + 1), uniform(2 * index + 2));
-    (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
+    (-2.0 * libm::log(radius)).sqrt() * libm::cos(std::f64::consts::TAU * angle)
 }

@@ -149,7 +149,7 @@ impl LateralCalibration {
 /// The length of the known displacement, and the shift in its direction.
 fn along(point: &LateralPoint) -> [f64; 2] {
     let [x, y] = point.tangential;
-    let length = x.hypot(y);
+    let length = libm::hypot(x, y);
     let [along_x, along_y] = if length > 0.0 {
         [x / length, y / length]
     } else {
@@ -228,7 +228,7 @@ mod tests {
         let points: Vec<LateralPoint> = (0..12)
             .map(|step| {
                 let (angle, normal) = (f64::from(step), 0.1 * f64::from(step % 4));
-                let tangential = [0.3 * angle.cos(), 0.05 * angle * angle.sin()];
+                let tangential = [0.3 * libm::cos(angle), 0.05 * angle * libm::sin(angle)];
                 let slope = 7.0 + 2.0 * normal;
                 LateralPoint {
                     tangential,

@@ -172,7 +172,7 @@ impl NormalCalibration {
 
 /// The share of its distance from the camera by which a marker came nearer: 1 - 1/e^growth.
 fn nearness(growth: f64) -> f64 {
-    -(-growth).exp_m1()
+    -libm::expm1(-growth)
 }
 
 fn signal(weights: [f64; 2], hue_turns: f64, nearness: f64) -> f64 {
@@ -274,7 +274,7 @@ mod tests {
         (0..4)
             .flat_map(|step| {
                 let normal = 0.4 * f64::from(step);
-                let growth = (18.0 / (18.0 - normal)).ln();
+                let growth = libm::log(18.0 / (18.0 - normal));
                 [
                     point(4, normal, 0.02 * normal, growth),
                     point(9, normal, 0.04 * normal, growth),
@@ -295,7 +295,7 @@ mod tests {
     fn nearness_is_the_displacement_over_the_distance() {
         let fitted = NormalCalibration::fit(&two_markers(), NormalFrom::Size).expect("a slope");
         assert_relative_eq!(fitted.line.slope, 1.0 / 18.0, max_relative = 1e-12);
-        let deep = change(f64::NAN, (18.0_f64 / 16.0).ln());
+        let deep = change(f64::NAN, libm::log(18.0_f64 / 16.0));
         assert_relative_eq!(
             fitted.read(0, &deep).expect("finite"),
             2.0,
@@ -328,7 +328,7 @@ mod tests {
         let points: Vec<NormalPoint> = [(0.01, 0.02), (0.02, 0.01), (0.03, 0.05), (-0.01, 0.04)]
             .map(|(hue, nearness): (f64, f64)| {
                 let normal = 10.0 * hue + 5.0 * nearness;
-                point(0, normal, hue, -(-nearness).ln_1p())
+                point(0, normal, hue, -libm::log1p(-nearness))
             })
             .to_vec();
         let fitted = NormalCalibration::fit(&points, NormalFrom::Both).expect("a slope");
@@ -342,7 +342,7 @@ mod tests {
         let points: Vec<NormalPoint> = (1..5)
             .map(|step| {
                 let normal = f64::from(step);
-                point(0, normal, 0.01 * normal, -(-0.002 * normal).ln_1p())
+                point(0, normal, 0.01 * normal, -libm::log1p(-0.002 * normal))
             })
             .collect();
         let fitted = NormalCalibration::fit(&points, NormalFrom::Both).expect("a slope");

@@ -103,7 +103,7 @@ pub(crate) fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     let mut random = Random(seed);
     let n = size as f64;
     let lamp = |x: f64, y: f64| {
-        0.75 + 0.25 * ((x - 0.45 * n) / n * 1.6).cos() * ((y - 0.55 * n) / n * 1.6).cos()
+        0.75 + 0.25 * libm::cos((x - 0.45 * n) / n * 1.6) * libm::cos((y - 0.55 * n) / n * 1.6)
     };
     let place = |at: usize| [(at % size) as f64, (at / size) as f64];
     let mut plane: Vec<[f64; 3]> = (0..size * size)
@@ -130,7 +130,7 @@ pub(crate) fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     }
     for (at, value) in plane.iter_mut().enumerate() {
         let [x, y] = place(at).map(|at| at - 0.5 * n);
-        if x.hypot(y) > 0.48 * n {
+        if libm::hypot(x, y) > 0.48 * n {
             *value = [0; 3].map(|_| 90.0 + 20.0 * random.normal());
         }
     }
@@ -164,7 +164,8 @@ pub(crate) fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, 
     let mut truth = Vec::new();
     for place in places {
         let turn = random.uniform(0.0, std::f64::consts::TAU);
-        let shift = [turn.cos(), turn.sin()].map(|along| 0.5 * how.apart * disc_px * along);
+        let shift =
+            [libm::cos(turn), libm::sin(turn)].map(|along| 0.5 * how.apart * disc_px * along);
         let discs = [-1.0, 1.0].map(|sign| [0, 1].map(|axis| place[axis] + sign * shift[axis]));
         let mut through = std::collections::BTreeMap::new();
         for (disc, dye) in discs.into_iter().zip([MAGENTA, YELLOW]) {
@@ -212,7 +213,7 @@ fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
     }
     let reach = (4.0 * std).ceil() as usize;
     let mut kernel: Vec<f64> = (0..=2 * reach)
-        .map(|at| (-0.5 * ((at as f64 - reach as f64) / std).powi(2)).exp())
+        .map(|at| libm::exp(-0.5 * ((at as f64 - reach as f64) / std).powi(2)))
         .collect();
     let sum: f64 = kernel.iter().sum();
     kernel.iter_mut().for_each(|weight| *weight /= sum);
@@ -245,8 +246,10 @@ pub(crate) fn rings(size: usize, spacing: f64, rings: usize) -> Vec<[f64; 2]> {
         let count = 6 * ring;
         for at in 0..count {
             let turn = std::f64::consts::TAU * (at as f64 + 0.37 * ring as f64) / count as f64;
-            places
-                .push([turn.cos(), turn.sin()].map(|along| middle + spacing * ring as f64 * along));
+            places.push(
+                [libm::cos(turn), libm::sin(turn)]
+                    .map(|along| middle + spacing * ring as f64 * along),
+            );
         }
     }
     places

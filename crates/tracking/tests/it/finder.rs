@@ -10,7 +10,10 @@ fn find(frame: &RgbImage, settings: FinderSettings) -> palpate_tracking::Found {
 }
 
 fn away(marker: &Marker, place: [f64; 2]) -> f64 {
-    (marker.centroid_px[0] - place[0]).hypot(marker.centroid_px[1] - place[1])
+    libm::hypot(
+        marker.centroid_px[0] - place[0],
+        marker.centroid_px[1] - place[1],
+    )
 }
 
 /// Root mean squares of the errors: of the centroid in px, of the hue in turns and of the size as a share. Each known

@@ -37,7 +37,7 @@ fn pressed(rest: &[Marker], most: f64) -> Vec<Marker> {
         .map(|marker| {
             let [x, y] = [marker.centroid_px[0] - 190.0, marker.centroid_px[1] - 130.0];
             // Largest one width from the middle.
-            let scale = most / width * (0.5 - 0.5 * (x * x + y * y) / (width * width)).exp();
+            let scale = most / width * libm::exp(0.5 - 0.5 * (x * x + y * y) / (width * width));
             Marker {
                 centroid_px: [
                     marker.centroid_px[0] + scale * x,
@@ -158,7 +158,10 @@ fn merged_split_lost_and_new_are_told_apart() {
     let together = split.pressed.unwrap();
     let middle = both(44, 45, &rest).centroid_px;
     assert!(
-        (together.centroid_px[0] - middle[0]).hypot(together.centroid_px[1] - middle[1]) < 1e-9
+        libm::hypot(
+            together.centroid_px[0] - middle[0],
+            together.centroid_px[1] - middle[1]
+        ) < 1e-9
     );
     assert_eq!(together.size_px2, 600.0);
 }

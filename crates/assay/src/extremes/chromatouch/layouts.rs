@@ -208,7 +208,7 @@ fn radius(markers: u32, share: f64) -> Result<Answer, LayoutError> {
 /// One marker per square of the pitch, to within one.
 fn lattice(pitch: f64, cap_deg: f64) -> Result<Answer, LayoutError> {
     let half = 0.5 * f64::to_radians(cap_deg);
-    let area = 4.0 * std::f64::consts::PI * half.sin() * half.sin();
+    let area = 4.0 * std::f64::consts::PI * libm::sin(half) * libm::sin(half);
     let mut pairs = Vec::new();
     let mut numbers = Vec::new();
     for radius in RADII {
@@ -235,7 +235,7 @@ fn gored(gores: u32, rows: usize) -> Result<Answer, LayoutError> {
     .places(1.0)?;
     let latitudes = places.iter().enumerate().map(|(row, [x, y])| {
         let truth = (row as f64 * spacing).to_radians();
-        (x.hypot(*y), truth)
+        (libm::hypot(*x, *y), truth)
     });
     Ok(Answer::all_at_scale(latitudes, 1.0).within(1e-14))
 }
@@ -274,7 +274,7 @@ fn flattened(angle: f64) -> Result<Answer, PatternError> {
     let mut numbers = Vec::new();
     for radius in [1e-90, 1.0, 1e90] {
         let pattern = Pattern::new(5, 10, radius)?;
-        for (sine, cosine) in [0.0_f64, 1.0, 2.513, -3.0].map(f64::sin_cos) {
+        for (sine, cosine) in [0.0_f64, 1.0, 2.513, -3.0].map(libm::sincos) {
             let reach = angle * radius;
             let flat = pattern.flatten([reach * cosine, reach * sine]);
             // Rounding may take a place on the equator beyond it.

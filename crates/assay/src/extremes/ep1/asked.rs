@@ -91,7 +91,7 @@ fn noise(part: usize, size: f64) -> ReadingNoise {
 fn good() -> Vec<ProbeReading> {
     [0.0, 1.0, 2.0]
         .map(|angle: f64| {
-            let drive = Vector2::new(angle.cos(), angle.sin()) * 0.1;
+            let drive = Vector2::new(libm::cos(angle), libm::sin(angle)) * 0.1;
             ProbeReading {
                 rotation: Vector2::new(drive.y, -drive.x),
                 shift: drive / 1.5,

@@ -93,7 +93,7 @@ fn readings(radius: f64, curvatures: [f64; 2], theta: f64, across: f64) -> Vec<P
     let eighth = std::f64::consts::FRAC_PI_4;
     (0..8)
         .map(|probe| {
-            let (sin, cos) = (f64::from(probe) * eighth + 0.1).sin_cos();
+            let (sin, cos) = libm::sincos(f64::from(probe) * eighth + 0.1);
             let drive = [cos * theta, sin * theta * across];
             let shift = [0, 1].map(|axis| {
                 let relative = Precise::new(1.0) / radius + curvatures[axis];

@@ -16,7 +16,7 @@ fn contact(x: f64, y: f64, z: f64, normal: Option<[f64; 3]>) -> Contact {
 fn on_a_ruling(count: usize, angle: f64) -> Vec<Contact> {
     let at = |index: usize| {
         let share = index as f64 / (count - 1) as f64;
-        let (sine, cosine) = (angle * (PI * 7.0 * share).sin()).sin_cos();
+        let (sine, cosine) = libm::sincos(angle * libm::sin(PI * 7.0 * share));
         contact(share, sine, cosine, Some([0.0, sine, cosine]))
     };
     (0..count).map(at).collect()

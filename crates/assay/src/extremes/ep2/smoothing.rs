@@ -131,7 +131,7 @@ fn weighted(weight: f64) -> Result<Answer, Ep2Error> {
 /// Sum of squares over that aimed at, within the tolerance of a thousandth; beyond it, where the polynomial
 /// meets it, the same in any unit.
 fn wave(smoothing: f64) -> Result<Answer, Ep2Error> {
-    let height = |u: f64, v: f64| (5.0 * u).sin() * (4.0 * v).cos();
+    let height = |u: f64, v: f64| libm::sin(5.0 * u) * libm::cos(4.0 * v);
     let found = SmoothingSpline::new(3, smoothing).fit(&points(1.0, height))?;
     if found.status.is_met() && found.status != palpate_ep2::Status::Polynomial && smoothing > 0.0 {
         return Ok(Answer::near(found.residual_sum, smoothing).within(1.001e-3));

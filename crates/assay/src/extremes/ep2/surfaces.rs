@@ -262,7 +262,7 @@ fn mapped(method: &str, side: usize) -> Result<Answer, Ep2Error> {
 
 /// Numbers in [-1, 1], the same each time.
 fn shaken(index: usize) -> f64 {
-    (78.233 * (index as f64 + 1.0)).sin()
+    libm::sin(78.233 * (index as f64 + 1.0))
 }
 
 /// A power of two as a unit of length changes no digit.

@@ -97,7 +97,7 @@ fn above_ellipsoid(axes: [f64; 3]) -> Result<Answer, SurfaceError> {
 
 /// The first closest point that is none.
 fn nowhere(size: f64) -> Result<Point3<f64>, SurfaceError> {
-    let axis = Vector3::new(0.4f64.cos(), 0.4f64.sin(), 0.0) * size;
+    let axis = Vector3::new(libm::cos(0.4f64), libm::sin(0.4f64), 0.0) * size;
     let asked: [(Shape, Vector3<f64>); 5] = [
         (
             Shape::Sphere(Sphere::new(size).expect(MADE)),

@@ -87,7 +87,7 @@ fn normal(
 
 /// `(c sin φ, a cos φ)`.
 fn spheroid_normal(aspect: f64, t: f64) -> Result<Answer, Infallible> {
-    let (sin, cos) = (Precise::new(t).sin(), Precise::new(t).cos());
+    let (sin, cos) = ((Precise::new(t)).sin(), (Precise::new(t)).cos());
     let meridian = Meridian::Spheroid { a: 1.0, c: aspect };
     normal(meridian, t, [&(sin * aspect), &cos])
 }
@@ -96,11 +96,11 @@ fn spheroid_normal(aspect: f64, t: f64) -> Result<Answer, Infallible> {
 fn spheroid_slope(aspect: f64, t: f64) -> Outcome {
     let turn = Precise::pi() * 2.0;
     let turns = (t / std::f64::consts::TAU).round();
-    let (sin, cos) = (Precise::new(t).sin(), Precise::new(t).cos());
+    let (sin, cos) = ((Precise::new(t)).sin(), (Precise::new(t)).cos());
     let within = (sin * aspect / &cos).atan();
     // Between a quarter and three quarters of a turn the tangent repeats itself.
     let truth = if cos.is_negative() {
-        let half = if t.sin() < 0.0 { -0.5 } else { 0.5 };
+        let half = if libm::sin(t) < 0.0 { -0.5 } else { 0.5 };
         within + &turn * (turns + half)
     } else {
         within + &turn * turns

@@ -54,7 +54,7 @@ fn poles(radius: f64) -> Vec<Case> {
             let input = format!("radius {radius:e}, {short:e} rad from the pole");
             Case::value("geometry::Sphere::chart_geometry", input, move || {
                 let u = FRAC_PI_2 - short;
-                let truth = -(Precise::new(u).tan() / radius).to_f64();
+                let truth = -((Precise::new(u)).tan() / radius).to_f64();
                 let sphere = Sphere::new(radius).expect(MADE);
                 let found = sphere.chart_geometry(Parameters::new(u, 0.7))?;
                 let form = found.curvature;
@@ -185,7 +185,7 @@ fn centres(size: f64) -> Vec<Case> {
 /// `K = diag(1/r, sin u/(R + r sin u))`.
 fn torus(ratio: f64) -> Result<Answer, SurfaceError> {
     let u = -1.2;
-    let sin = Precise::new(u).sin();
+    let sin = (Precise::new(u)).sin();
     let across = (&sin / (&sin + ratio)).to_f64();
     let torus = Torus::new(ratio, 1.0).expect(MADE);
     let found = torus.chart_geometry(Parameters::new(u, 2.0))?;
@@ -198,8 +198,8 @@ fn torus(ratio: f64) -> Result<Answer, SurfaceError> {
 fn ellipsoid(ratio: f64) -> Result<Answer, SurfaceError> {
     let axes = [ratio, 1.0, 1.5];
     let (u, v) = (0.4, 0.9);
-    let [sin_u, cos_u] = [Precise::new(u).sin(), Precise::new(u).cos()];
-    let [sin_v, cos_v] = [Precise::new(v).sin(), Precise::new(v).cos()];
+    let [sin_u, cos_u] = [(Precise::new(u)).sin(), (Precise::new(u)).cos()];
+    let [sin_v, cos_v] = [(Precise::new(v)).sin(), (Precise::new(v)).cos()];
     let unit = [sin_u, &cos_u * sin_v, &cos_u * cos_v];
     let inverse_square = (unit.into_iter().zip(axes))
         .map(|(x, axis)| (x / axis).squared())

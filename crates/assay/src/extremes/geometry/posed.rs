@@ -130,7 +130,7 @@ fn turned(angle: f64) -> Result<Answer, SurfaceError> {
     let pose = Isometry3::rotation(Vector3::x() * angle);
     let sphere = posed(1.0, pose).expect("a turn");
     let found = sphere.contact_at(0.0, 0.0)?;
-    let truth = [0.0, -angle.sin(), angle.cos()];
+    let truth = [0.0, -libm::sin(angle), libm::cos(angle)];
     let pairs = (0..3).map(|axis| (found[axis], truth[axis]));
     Ok(Answer::all_at_scale(pairs, 1.0).within(2e-15))
 }

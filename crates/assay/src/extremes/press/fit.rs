@@ -21,7 +21,7 @@ fn grid(radius: f64, share: f64) -> Result<Markers, PressError> {
 
 /// Numbers in [-1, 1], the same each time.
 fn shaken(index: usize) -> f64 {
-    (12.9898 * (index as f64 + 1.0)).sin()
+    libm::sin(12.9898 * (index as f64 + 1.0))
 }
 
 pub(super) fn cases() -> Vec<Case> {

@@ -136,7 +136,7 @@ fn displacements(depth: f64, r: f64) -> Result<Answer, PressError> {
             let truth = field(poisson, &ratio((depth * radius).min(1e50)), &ratio(at));
             let unit = Precise::new(contact.relative_curvature) * contact.radius * contact.radius;
             let [normal, radial] = truth.map(|part| (part * &unit).to_f64());
-            let size = normal.hypot(radial);
+            let size = libm::hypot(normal, radial);
             pairs.push((moved.normal / size, normal / size));
             pairs.push((moved.radial / size, radial / size));
         }

@@ -136,7 +136,7 @@ fn at_the_base(ratio: f64) -> Result<Answer, PressError> {
     let layer = BondedLayer::new(1.0, 1.0)?;
     let contact = layer.contact(ratio)?;
     let moved = [0.0, 0.5, 1.0, 2.0].map(|share| contact.field(share * ratio));
-    let pairs = moved.map(|field| (field.normal.hypot(field.radial), 0.0));
+    let pairs = moved.map(|field| (libm::hypot(field.normal, field.radial), 0.0));
     Ok(Answer::all_at_scale(pairs, ratio * ratio))
 }
 

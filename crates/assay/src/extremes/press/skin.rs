@@ -196,7 +196,7 @@ fn there_and_back(angle: f64) -> Result<Answer, PressError> {
     let mut pairs = Vec::new();
     for radius in RADII {
         let skin = Skin::new(radius)?;
-        for (sine, cosine) in [0.0_f64, 0.7, 2.0, -3.0].map(f64::sin_cos) {
+        for (sine, cosine) in [0.0_f64, 0.7, 2.0, -3.0].map(libm::sincos) {
             let place = [angle * radius * cosine, angle * radius * sine];
             let chart = skin.chart(skin.place(place).direction.as_ref());
             let scale = angle * radius;

@@ -65,8 +65,8 @@ fn in_dish(radius: f64, model: Model, bound: f64) -> Result<Answer, Named> {
     let contact = roll(&roller(1.0, dish, (0.0, 0.0), model, motion)?, motion)?;
     let pairs = [
         (contact.arc_length, path.to_f64()),
-        (contact.on_object.x, radius * angle.sin()),
-        (contact.on_object.z, -radius * angle.cos()),
+        (contact.on_object.x, radius * libm::sin(angle)),
+        (contact.on_object.z, -radius * libm::cos(angle)),
     ];
     let condition = (1.0 + 1.0 / radius) / relative.to_f64().abs();
     Ok(Answer::all_at_scale(pairs, 1.0)

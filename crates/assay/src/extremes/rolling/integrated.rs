@@ -74,7 +74,7 @@ fn poles() -> Vec<Case> {
             chart,
         };
         // Along x the pole is met after 0.8 rad of the probe's turn.
-        let short = 2.0 * (FRAC_PI_2 - 0.8 / 3.0).sin();
+        let short = 2.0 * libm::sin(FRAC_PI_2 - 0.8 / 3.0);
         for (input, place, direction, theta) in [
             ("starts at a pole", (2.0, 0.0), 0.0, 1.0),
             ("ends at a pole", (short, 0.0), 0.0, 0.8),
@@ -116,9 +116,9 @@ fn on_sphere(
     let roller = roller(1.0, sphere, start, model, motion)?;
     let first = *roller.first_contact();
     let contact = roll(&roller, motion)?;
-    let along =
-        first.x_axis * direction.cos() + first.normal.cross(&first.x_axis) * direction.sin();
-    let (sin, cos) = (theta / 3.0).sin_cos();
+    let along = first.x_axis * libm::cos(direction)
+        + first.normal.cross(&first.x_axis) * libm::sin(direction);
+    let (sin, cos) = libm::sincos(theta / 3.0);
     let truth = first.on_object.coords * cos + along * (2.0 * sin);
     let pairs = (0..3)
         .map(|axis| (contact.on_object[axis], truth[axis]))

@@ -126,7 +126,7 @@ fn area(unit: f64, diameter: &str, polar_deg: &str) -> Result<Answer, Refused> {
     let width = 0.5 * diameter.parse::<f64>().unwrap_or(f64::NAN);
     let px_per_rad = 320.0 / 65f64.to_radians();
     // The magenta disc is half the separation nearer to the camera than the marker.
-    let half = Precise::new(width / 0.895).atan() * 0.5;
+    let half = (Precise::new(width / 0.895)).atan() * 0.5;
     let truth = (half.sin().squared() * 4.0 * PI).to_f64() * px_per_rad * px_per_rad;
     Ok(Answer::near(told[0], truth)
         .within(1e-9 + width * width / 4.0)

@@ -169,7 +169,7 @@ fn estimated_press(number: &str, sensor_radius: f64) -> Result<Answer, RecordedE
         let moved = if index == 3 {
             number.to_owned()
         } else {
-            format!("{:e}", (-(x * x + y * y) / 30.0).exp())
+            format!("{:e}", libm::exp(-(x * x + y * y) / 30.0))
         };
         text += &format!("{x},{y},{moved}\n");
     }
@@ -211,10 +211,10 @@ fn scaled(
     let pairs = found.values.iter().zip(&of_one.values);
     let pairs = pairs.filter(|(_, of_one)| **of_one != 0.0);
     let pairs = pairs.map(|(found, of_one)| {
-        let power = ((found / of_one).abs().ln() / scale.ln())
+        let power = (libm::log((found / of_one).abs()) / libm::log(scale))
             .round()
             .clamp(-2.0, 2.0);
-        (found / scale.powf(power), *of_one)
+        (found / libm::pow(scale, power), *of_one)
     });
     let answer = Answer::all_near(pairs.collect::<Vec<_>>()).within(1e-6);
     Ok(answer.also(found.values))

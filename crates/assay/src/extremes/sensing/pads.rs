@@ -115,7 +115,7 @@ fn read(
         PadLayout::Square => (read - displacement).amax(),
         PadLayout::Uniform => {
             let angle = displacement.norm() / radius;
-            (read - displacement).norm() * angle.sin() / angle
+            (read - displacement).norm() * libm::sin(angle) / angle
         }
     };
     let answer = Answer::at_scale(errors, 0.0, pitch * radius).within(bound);
@@ -167,8 +167,8 @@ fn direction(angle: f64) -> Outcome {
 }
 
 fn displacement(angle: f64) -> Outcome {
-    let sine = Precise::new(angle).sin().to_f64();
-    let to = Vector3::new(0.6 * sine, 0.8 * sine, angle.cos());
+    let sine = (Precise::new(angle)).sin().to_f64();
+    let to = Vector3::new(0.6 * sine, 0.8 * sine, libm::cos(angle));
     let found = displacement_between(&Vector3::z(), &to);
     let pairs = [(found.x, 0.6 * angle), (found.y, 0.8 * angle)];
     // The nearer to the opposite side, the less a direction tells the azimuth.

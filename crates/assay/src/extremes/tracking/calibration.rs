@@ -224,7 +224,7 @@ fn normal_points(scale: f64) -> Vec<NormalPoint> {
                 marker: Some(step as usize % 2),
                 normal: share * scale,
                 hue_turns: 0.1 * share,
-                growth: -(0.2 * share).mul_add(-1.0, 1.0).ln(),
+                growth: -libm::log(1.0 - 0.2 * share),
             }
         })
         .collect()
@@ -272,7 +272,7 @@ fn read_normal(from: NormalFrom, growth: f64) -> Outcome {
     let read = [0, 1, usize::MAX].map(|marker| calibration.normal(marker, &change));
     let truth = match from {
         NormalFrom::Hue => 10.0 * growth,
-        NormalFrom::Size => 5.0 * (1.0 - (-growth).exp()),
+        NormalFrom::Size => 5.0 * (1.0 - libm::exp(-growth)),
         NormalFrom::Both => {
             return Outcome::of_all(read.map(|read| read.map(|it| [it]).ok_or(NONE)));
         }

@@ -270,7 +270,7 @@ fn fields(cases: &mut Vec<Case>) {
         })
         .collect();
     let circle: Vec<_> = (0..40)
-        .map(|step| (f64::from(step) * PI / 20.0).sin_cos())
+        .map(|step| libm::sincos(f64::from(step) * PI / 20.0))
         .map(|(sine, cosine)| displaced(cosine, sine, 1e100 * sine))
         .collect();
     let few = [displaced(0.0, 0.0, 1.0), displaced(PI, 0.0, -0.0)];

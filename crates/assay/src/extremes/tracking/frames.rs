@@ -44,7 +44,7 @@ const WHITE: Rgb<u8> = Rgb([245, 245, 245]);
 impl Content {
     fn pixel(self, x: u32, y: u32, size: u32) -> Rgb<u8> {
         let within = |radius: f64, centre: [f64; 2]| {
-            (f64::from(x) - centre[0]).hypot(f64::from(y) - centre[1]) <= radius
+            libm::hypot(f64::from(x) - centre[0], f64::from(y) - centre[1]) <= radius
         };
         let size = f64::from(size);
         match self {

@@ -20,7 +20,7 @@ impl Blur {
             return None;
         }
         let reach = (3.5 * std_px).ceil() as usize;
-        let bell = |step: usize| (-0.5 * (step as f64 / std_px).powi(2)).exp();
+        let bell = |step: usize| libm::exp(-0.5 * (step as f64 / std_px).powi(2));
         let total: f64 = bell(0) + 2.0 * (1..=reach).map(bell).sum::<f64>();
         Some(Self {
             weights: (0..=reach)

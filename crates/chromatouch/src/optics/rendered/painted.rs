@@ -61,8 +61,8 @@ pub(super) fn painted(camera: &Camera, sight: &MarkerSight) -> Option<PaintedMar
 /// Columns and rows of a box around a disc's image.
 fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
     let direction = &disc.direction;
-    let polar = direction.x.hypot(direction.y).atan2(direction.z);
-    let radius = disc.sine.atan2(disc.cosine);
+    let polar = libm::atan2(libm::hypot(direction.x, direction.y), direction.z);
+    let radius = libm::atan2(disc.sine, disc.cosine);
     let rim = camera.rim_rad;
     if polar - radius > rim * (1.0 + 1e-9) {
         return None;
@@ -76,7 +76,7 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
     let half = reach * camera.most_px_per_rad(farthest) + 1.5;
     let [centre, _] = camera.centre_px();
     let from_centre = camera.radius(polar.min(rim));
-    let across = direction.x.hypot(direction.y);
+    let across = libm::hypot(direction.x, direction.y);
     let along = |component: f64| {
         if across > 0.0 {
             from_centre * (component / across)

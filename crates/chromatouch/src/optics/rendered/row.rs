@@ -215,7 +215,7 @@ impl<'a> Rows<'a> {
             let square = (x * x + y * y) * per_square;
             let polar_square = match self.camera.lens {
                 Lens::Fisheye => square,
-                Lens::Pinhole => square.sqrt().atan().powi(2),
+                Lens::Pinhole => libm::atan(square.sqrt()).powi(2),
             };
             let light = (1.0 - fall * polar_square).max(0.0) as f32;
             row.filter(column, [light; 3]);
@@ -239,7 +239,7 @@ impl<'a> Rows<'a> {
         }
         for column in (touched.start..whole.start).chain(whole.end..touched.end) {
             let x = column as f64 - middle;
-            let share = (0.5 + rim - x.hypot(y)).clamp(0.0, 1.0) as f32;
+            let share = (0.5 + rim - libm::hypot(x, y)).clamp(0.0, 1.0) as f32;
             for (level, outside) in row.pixel(column).iter_mut().zip(outside) {
                 *level = outside + share * (*level - outside);
             }

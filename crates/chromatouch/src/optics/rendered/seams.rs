@@ -24,12 +24,12 @@ impl SeamLines {
         let seams = optics.blemishes.seams.filter(|seams| seams.width > 0.0)?;
         let camera = &optics.camera;
         let half_angle = 0.5 * seams.width / optics.array.radius();
-        let half_width = half_angle.min(FRAC_PI_2).sin();
+        let half_width = libm::sin(half_angle.min(FRAC_PI_2));
         let widest = half_width * camera.most_px_per_rad(camera.rim_rad);
         Some(Self {
             lines: (0..seams.gores)
                 .map(|gore| TAU * f64::from(gore) / f64::from(seams.gores))
-                .map(|azimuth| [azimuth.cos(), azimuth.sin()])
+                .map(|azimuth| [libm::cos(azimuth), libm::sin(azimuth)])
                 .collect(),
             half_width,
             widest: widest.min(f64::from(camera.size_px())),
@@ -56,7 +56,7 @@ impl SeamLines {
                 let aside = if along > 0.0 {
                     (x * line[1] - y * line[0]).abs()
                 } else {
-                    x.hypot(y)
+                    libm::hypot(x, y)
                 };
                 // Around the axis a pixel spans the angle that the seam's width is counted in.
                 let half = self.half_width / camera.ray(x, y).lateral_rad.max(f64::MIN_POSITIVE);

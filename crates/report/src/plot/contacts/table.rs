@@ -142,7 +142,7 @@ fn unit(vector: Vector) -> Option<Vector> {
 }
 
 fn distance(a: Vector, b: Vector) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2])
+    libm::hypot(libm::hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2])
 }
 
 /// The longest side of a box around all contacts.

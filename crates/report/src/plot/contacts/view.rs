@@ -28,16 +28,16 @@ impl View {
         let mut view = Self {
             centre: [0, 1, 2].map(|k| middle(axes[k].ends())),
             axes,
-            right: [-turn.sin(), turn.cos(), 0.0],
+            right: [-libm::sin(turn), libm::cos(turn), 0.0],
             up: [
-                -raise.sin() * turn.cos(),
-                -raise.sin() * turn.sin(),
-                raise.cos(),
+                -libm::sin(raise) * libm::cos(turn),
+                -libm::sin(raise) * libm::sin(turn),
+                libm::cos(raise),
             ],
             toward: [
-                raise.cos() * turn.cos(),
-                raise.cos() * turn.sin(),
-                raise.sin(),
+                libm::cos(raise) * libm::cos(turn),
+                libm::cos(raise) * libm::sin(turn),
+                libm::sin(raise),
             ],
             scale: 1.0,
             middle: (0.0, 0.0),
@@ -86,7 +86,7 @@ impl View {
         let (mut from, mut to) = ([0.0; 3], [0.0; 3]);
         (from[axis], to[axis]) = (0.0, 1.0);
         let (a, b) = (self.at(self.inside(from)), self.at(self.inside(to)));
-        (b.0 - a.0).hypot(b.1 - a.1)
+        libm::hypot(b.0 - a.0, b.1 - a.1)
     }
 
     fn along(&self, place: Vector, direction: Vector) -> f64 {

@@ -91,7 +91,7 @@ pub(super) fn place(named: &[(String, Point)], beaten: &[Point], frame: [f64; 4]
 /// A name at a distance in one of the directions, first level to the right.
 fn candidate((x, y): Point, half_width: f64, distance: f64, at: usize) -> (f64, Bounds) {
     let angle = std::f64::consts::TAU * at as f64 / DIRECTIONS as f64;
-    let (sine, cosine) = angle.sin_cos();
+    let (sine, cosine) = libm::sincos(angle);
     let centre = (
         x + cosine * (distance + half_width),
         y - sine * (distance + HALF),

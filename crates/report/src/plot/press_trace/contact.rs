@@ -14,7 +14,7 @@ const AT_CONTACT: f64 = 1e-6;
 /// the contact itself. `places` are logarithm maps from the apex of a spherical skin of any radius, `distances` their
 /// great-circle distances from the contact.
 pub(super) fn outward(places: &[[f64; 2]], distances: &[f64]) -> Vec<Option<[f64; 2]>> {
-    let lengths = places.iter().map(|[x, y]| x.hypot(*y));
+    let lengths = places.iter().map(|[x, y]| libm::hypot(*x, *y));
     let size = lengths.chain(distances.iter().copied()).fold(0.0, f64::max);
     if size <= f64::MIN_POSITIVE {
         return vec![None; places.len()];
@@ -64,9 +64,9 @@ impl Contact {
             .iter()
             .zip(distances)
             .map(|(place, distance)| {
-                let length = place[0].hypot(place[1]);
+                let length = libm::hypot(place[0], place[1]);
                 let [x, y, _] = on_sphere(*place, curvature);
-                let cosine = (length * curvature).cos();
+                let cosine = libm::cos(length * curvature);
                 let difference = chord(length).powi(2) - chord(*distance).powi(2);
                 ([2.0 * x, 2.0 * y, 2.0 * cosine], difference)
             })
@@ -84,10 +84,10 @@ impl Contact {
 
     /// The unit vector away from the contact, in the axes of `place`.
     fn away_at(&self, place: [f64; 2]) -> Option<[f64; 2]> {
-        let length = place[0].hypot(place[1]);
+        let length = libm::hypot(place[0], place[1]);
         let [x, y, z] = on_sphere(place, self.curvature);
         let from = [x - self.place[0], y - self.place[1], z - self.place[2]];
-        let (sin, cos) = (length * self.curvature).sin_cos();
+        let (sin, cos) = libm::sincos(length * self.curvature);
         let (east, north) = if length > 0.0 {
             (place[0] / length, place[1] / length)
         } else {
@@ -95,7 +95,7 @@ impl Contact {
         };
         let along = dot(from, [cos * east, cos * north, -sin]);
         let across = dot(from, [-north, east, 0.0]);
-        let far = along.hypot(across);
+        let far = libm::hypot(along, across);
         let in_axes = [
             (along * east - across * north) / far,
             (along * north + across * east) / far,
@@ -106,7 +106,7 @@ impl Contact {
 
 /// The place in space of a place on the skin.
 fn on_sphere(place: [f64; 2], curvature: f64) -> [f64; 3] {
-    let length = place[0].hypot(place[1]);
+    let length = libm::hypot(place[0], place[1]);
     let stretch = over(length * curvature);
     let chord = length * over(0.5 * length * curvature);
     [
@@ -118,7 +118,7 @@ fn on_sphere(place: [f64; 2], curvature: f64) -> [f64; 3] {
 
 /// sin(x)/x.
 fn over(x: f64) -> f64 {
-    if x == 0.0 { 1.0 } else { x.sin() / x }
+    if x == 0.0 { 1.0 } else { libm::sin(x) / x }
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -166,13 +166,13 @@ mod tests {
     /// `vector` turned about the horizontal axis that takes the apex to the place, by its polar angle: what carries the
     /// axes of the apex to it (Rodrigues).
     fn carried(vector: [f64; 3], place: [f64; 2], radius: f64) -> [f64; 3] {
-        let length = place[0].hypot(place[1]);
+        let length = libm::hypot(place[0], place[1]);
         let axis = if length > 0.0 {
             [-place[1] / length, place[0] / length, 0.0]
         } else {
             [0.0, 1.0, 0.0]
         };
-        let (sin, cos) = (length / radius).sin_cos();
+        let (sin, cos) = libm::sincos(length / radius);
         let (side, share) = (cross(axis, vector), dot(axis, vector) * (1.0 - cos));
         [0, 1, 2].map(|k| vector[k] * cos + side[k] * sin + axis[k] * share)
     }
@@ -200,7 +200,7 @@ mod tests {
             let distance = |place: &[f64; 2]| {
                 let (a, b) = (at(*place), centre);
                 let sine = dot(cross(a, b), cross(a, b)).sqrt();
-                radius * sine.atan2(dot(a, b))
+                radius * libm::atan2(sine, dot(a, b))
             };
             let distances: Vec<f64> = places.iter().map(distance).collect();
             let found = outward(&places, &distances);
@@ -210,11 +210,11 @@ mod tests {
                     continue;
                 }
                 // The gradient of the angle between the place and the contact.
-                let sine = (distance / radius).sin();
+                let sine = libm::sin(distance / radius);
                 let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
                 let true_one = axes.map(|axis| -dot(carried(axis, *place, radius), centre) / sine);
                 let [x, y] = found.unwrap();
-                let off = (x - true_one[0]).hypot(y - true_one[1]);
+                let off = libm::hypot(x - true_one[0], y - true_one[1]);
                 assert!(off < 1e-5, "{contact:?} {place:?}: {off}");
             }
         }

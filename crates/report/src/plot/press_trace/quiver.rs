@@ -57,7 +57,7 @@ impl Quiver {
             let read = marker.reading.and_then(|reading| reading.tangential);
             marker.truth.tangential.into_iter().chain(read)
         });
-        let longest = moves.map(|[x, y]| x.hypot(y)).fold(0.0, f64::max);
+        let longest = moves.map(|[x, y]| libm::hypot(x, y)).fold(0.0, f64::max);
         let stretch = (longest > LEAST).then(|| (0.8 * apart).clamp(12.0, 70.0) / longest);
         let normals = trace.markers.iter().map(|marker| marker.truth.normal);
         Self {

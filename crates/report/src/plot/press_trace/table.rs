@@ -154,7 +154,7 @@ impl Trace {
         let normal = read().map(|(truth, reading)| reading.normal - truth.normal);
         let tangential = read().filter_map(|(truth, reading)| {
             let ([x, y], [read_x, read_y]) = (truth.tangential?, reading.tangential?);
-            Some((read_x - x).hypot(read_y - y))
+            Some(libm::hypot(read_x - x, read_y - y))
         });
         (rms(normal), rms(tangential))
     }

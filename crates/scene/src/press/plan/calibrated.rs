@@ -171,5 +171,5 @@ fn inward(moved: &MarkerDisplacement) -> f64 {
 }
 
 fn along(moved: &MarkerDisplacement) -> f64 {
-    moved.tangential[0].hypot(moved.tangential[1])
+    libm::hypot(moved.tangential[0], moved.tangential[1])
 }

@@ -208,7 +208,7 @@ fn arrow<B: DrawingBackend>(
     wide: f64,
     canvas: &Canvas<B>,
 ) -> Drawn {
-    let length = along.hypot(down);
+    let length = libm::hypot(along, down);
     if length < 1.0 {
         return Ok(());
     }
