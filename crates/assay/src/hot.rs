@@ -21,6 +21,3 @@ fn warm<T>(mut run: impl FnMut() -> T + 'static) -> Hot {
 #[path = "../../tracking/tests/frames/mod.rs"]
 #[allow(dead_code)]
 pub(crate) mod frames;
-
-#[path = "../../palpate/src/trial.rs"]
-mod trial;

@@ -4,13 +4,8 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use palpate_scene::{Scene, config};
+use palpate::{Scene, SceneTrial, config};
 use palpate_sweep::{Cell, RunOptions};
-
-#[path = "../src/trial.rs"]
-mod trial;
-
-use trial::SceneTrial;
 
 fn scene(object: &str, noise: &str, sensor: &str) -> SceneTrial {
     let text = format!(
@@ -18,7 +13,7 @@ fn scene(object: &str, noise: &str, sensor: &str) -> SceneTrial {
          object = {object}\nmotion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}\n\
          noise = {{ {noise} }}\nsensor = {sensor}\n"
     );
-    SceneTrial(
+    SceneTrial::new(
         config::parse("bench.toml", &text)
             .unwrap()
             .scene(0)
@@ -79,11 +74,11 @@ fn benches(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(TRIALS));
     group.bench_function("sphere", |bencher| {
         let trial = scene(sphere, uniform, "{ kind = \"ideal\" }");
-        let Scene::Roll(roll) = &trial.0 else {
+        let Scene::Roll(roll) = &trial.scene else {
             panic!("not a roll");
         };
         bencher.iter(|| {
-            roll.side_by_side(0..TRIALS, |observed| {
+            roll.side_by_side(palpate::Arch::new(), 0..TRIALS, |observed| {
                 black_box(observed);
                 true
             })

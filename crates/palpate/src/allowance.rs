@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::pace::{self, Pace};
 use crate::pilot::{Need, Pilot};
 use crate::rungs::{self, Allowance};
-use crate::trial::SceneTrial;
+use palpate::SceneTrial;
 
 /// The model may shift an estimate by this share of what the target allows.
 const SHARE_OF_MODEL: f64 = 0.1;
@@ -74,7 +74,7 @@ impl Chooser<'_> {
     fn choose(&self, study: &Study) -> Result<Allowed, Failure> {
         let trials = self.scenes(study)?;
         let random: Vec<usize> = (0..trials.len())
-            .filter(|&place| is_random(&trials[place].0))
+            .filter(|&place| is_random(&trials[place].scene))
             .collect();
         let pilot = self.pilot(&trials, &random)?;
         let mut warnings = match &pilot {
@@ -144,7 +144,7 @@ impl Chooser<'_> {
         let mut scenes = Vec::with_capacity(self.numbers.len());
         for &cell in self.numbers {
             let scene = study.estimable_scene(cell).map_err(Failure::usage)?;
-            scenes.push(SceneTrial(scene));
+            scenes.push(SceneTrial::new(scene));
             if let Some(budget) = self.budget
                 && self.start.elapsed() >= budget
             {
@@ -175,7 +175,7 @@ impl Chooser<'_> {
         if most < FEWEST_OF_PILOT {
             return Ok(None);
         }
-        let scenes: Vec<&Scene> = random.iter().map(|&place| &trials[place].0).collect();
+        let scenes: Vec<&Scene> = random.iter().map(|&place| &trials[place].scene).collect();
         // A budget alone asks only what it will give: of as many trials as there may be.
         let target = self.target.unwrap_or(f64::MIN_POSITIVE);
         let pilot = Pilot::for_error(&scenes, target, self.threads, most, MOST_FOR_TARGET);
@@ -194,7 +194,7 @@ impl Chooser<'_> {
         let failing: Vec<(usize, String)> = cells
             .filter(|(cell, _)| cell.success == 0.0)
             .map(|(cell, &place)| {
-                let kind = trials[place].0.trial(0, |_, _| ()).err();
+                let kind = trials[place].scene.trial(0, |_, _| ()).err();
                 let kind = kind.unwrap_or("not-finite");
                 let failed = format!("all {} trials of a pilot fail ({kind})", cell.trials);
                 (self.numbers[place], failed)
@@ -218,7 +218,7 @@ impl Chooser<'_> {
         let cells: Vec<Cell<'_>> = trials
             .iter()
             .map(|trial| Cell {
-                trials: trial.0.trials(MOST_FOR_BUDGET),
+                trials: trial.scene.trials(MOST_FOR_BUDGET),
                 trial,
             })
             .collect();
@@ -246,7 +246,7 @@ impl Chooser<'_> {
             .map(|place| Allowance {
                 cell: self.numbers[place],
                 share,
-                quantities: trials[place].0.quantities(),
+                quantities: trials[place].scene.quantities(),
                 rms_errors: rms_errors(place),
             })
             .collect()
@@ -291,7 +291,7 @@ impl Chooser<'_> {
     /// Name of the quantity, and its cell as the study counts it.
     fn named(&self, trials: &[SceneTrial], random: &[usize], need: &Need) -> (&'static str, usize) {
         let place = random[need.cell];
-        let quantity = trials[place].0.quantities()[need.quantity];
+        let quantity = trials[place].scene.quantities()[need.quantity];
         (quantity.name, self.numbers[place])
     }
 

@@ -13,7 +13,7 @@ use crate::ladder;
 use crate::output;
 use crate::pace::{self, Pace};
 use crate::rungs;
-use crate::trial::SceneTrial;
+use palpate::SceneTrial;
 
 /// How long scenes are set up as they are run, how long trials are timed, and how long the rungs of ladders.
 const SETTING_UP: Duration = Duration::from_millis(800);
@@ -30,7 +30,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let cells: Vec<Cell<'_>> = scenes
         .iter()
         .map(|(cell, trial)| Cell {
-            trials: trial.0.trials(study.cells[*cell].config.trials),
+            trials: trial.scene.trials(study.cells[*cell].config.trials),
             trial,
         })
         .collect();
@@ -90,7 +90,7 @@ fn scenes(study: &Study, bare: &Study) -> Result<Vec<(usize, SceneTrial)>, Failu
             bare.scene(cell).map_err(Failure::usage)?;
         } else {
             let scene = study.estimable_scene(cell).map_err(Failure::usage)?;
-            scenes.push((cell, SceneTrial(scene)));
+            scenes.push((cell, SceneTrial::new(scene)));
         }
     }
     scenes.sort_by_key(|(cell, _)| *cell);
@@ -130,7 +130,7 @@ fn models(
         }
         let in_time = Instant::now() < deadline;
         let ladder = in_time
-            .then(|| study.ladder_of(*cell, &trial.0))
+            .then(|| study.ladder_of(*cell, &trial.scene))
             .transpose();
         let ladder = ladder.map_err(Failure::usage)?.flatten();
         let taken = ladder.as_ref().map(|ladder| &ladder.taken().model);
@@ -169,7 +169,7 @@ struct Group {
 
 fn groups(scenes: &[(usize, SceneTrial)]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
-    let all = scenes.iter().map(|(_, trial)| trial.0.needs());
+    let all = scenes.iter().map(|(_, trial)| trial.scene.needs());
     for (place, needs) in all.enumerate() {
         match groups.iter_mut().find(|known| known.needs == needs) {
             Some(known) => known.cells += 1,

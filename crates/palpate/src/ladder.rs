@@ -6,7 +6,7 @@ use palpate_scene::config::{ModelConfig, PressSensorConfig, RollModelConfig, Sce
 use palpate_scene::{Ladder, RollScene, Rung, Scene};
 
 use crate::duration;
-use crate::trial::SceneTrial;
+use palpate::{Arch, SceneTrial};
 
 /// How long a rung is timed.
 const TIMING: Duration = Duration::from_millis(12);
@@ -104,7 +104,7 @@ fn cost(study: &Study, cell: usize, rung: &Rung, deadline: Instant) -> Option<Co
 fn run(roll: &RollScene, trials: u64) {
     let mut trial = 0;
     while trial < trials {
-        trial += roll.side_by_side(trial..trials, |observed| {
+        trial += roll.side_by_side(Arch::new(), trial..trials, |observed| {
             std::hint::black_box(observed);
             true
         });
@@ -156,7 +156,7 @@ pub(crate) fn not_needed(
     scene: &SceneConfig,
     taken: Option<&ModelConfig>,
 ) -> Option<String> {
-    let is_random = trial.0.trials(2) > 1;
+    let is_random = trial.scene.trials(2) > 1;
     let integrates = !matches!(
         taken,
         Some(ModelConfig::Roll(

@@ -7,6 +7,7 @@
 
 mod allowance;
 mod check;
+mod c_library;
 mod cli;
 mod duration;
 mod estimate;
@@ -21,9 +22,7 @@ mod results;
 mod run;
 mod rungs;
 mod sensor;
-mod tables;
 mod trace;
-mod trial;
 
 use std::process::ExitCode;
 

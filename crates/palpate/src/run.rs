@@ -4,17 +4,12 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use palpate_scene::Scene;
-use palpate_scene::config::{self, Output, Study, StudyConfig};
-use palpate_scene::glide::MapTable;
-use palpate_scene::press::ProfileTable;
-use palpate_sweep::{Cell, RunOptions};
+use palpate::config::{self, Output, Study, StudyConfig};
+use palpate::{CellStatistics, Map, RunOptions, Scene, Simulation};
 
 use crate::allowance;
 use crate::cli::RunArgs;
 use crate::failure::Failure;
-use crate::tables::{self, Ran};
-use crate::trial::SceneTrial;
 use crate::{foreign, output, progress};
 
 /// What is written.
@@ -52,22 +47,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         study = allowed.study;
         (allowed.lines, allowed.warnings)
     });
-    let scenes = scenes(&study, &numbers)?;
-    refuse_maps(&study, &scenes)?;
-    let cells: Vec<Cell<'_>> = numbers
-        .iter()
-        .zip(&scenes)
-        .map(|(&number, trial)| Cell {
-            trials: trial.0.trials(study.cells[number].config.trials),
-            trial,
-        })
-        .collect();
+    let simulation = Simulation::new(&study, numbers).map_err(Failure::usage)?;
 
     output::make_directory(&out)?;
     // Before the work, which would be lost where there is no pass to follow.
     let traced = study.config.outputs.contains(&Output::Trace);
     let traced = traced
-        .then(|| trace_files(&study, &scenes[0].0, None))
+        .then(|| simulation.scenes().next())
+        .flatten()
+        .map(|scene| trace_files(&study, scene, None))
         .transpose()?;
     let config = resolved(&study);
     output::begin(&out, &config)?;
@@ -77,44 +65,30 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         }
         output::print(&lines.join("\n"))?;
     }
-    let bar = progress::bar(cells.iter().map(|cell| cell.trials).sum());
+    let bar = progress::bar(simulation.trials());
     let options = RunOptions {
         threads: args.threads.map(|threads| threads.min(MOST_THREADS)),
     };
-    let statistics = palpate_sweep::run(&cells, &options, &|finished| bar.inc(finished))
+    let ran = simulation
+        .run(&options, &|finished| bar.inc(finished))
         .map_err(Failure::work)?;
     bar.finish_and_clear();
 
-    let ran: Vec<Ran<'_>> = numbers
-        .iter()
-        .zip(&scenes)
-        .zip(&statistics)
-        .map(|((&cell, scene), statistics)| Ran {
-            cell,
-            scene: &scene.0,
-            statistics,
-        })
-        .collect();
     let mut files: Vec<(&str, Vec<u8>)> = vec![
-        (
-            CELLS,
-            tables::cells(&study, &ran).map_err(Failure::work)?.into(),
-        ),
-        (
-            FAILURES,
-            tables::failures(&ran).map_err(Failure::work)?.into(),
-        ),
+        (CELLS, ran.cells().to_csv().into()),
+        (FAILURES, ran.failures().to_csv().into()),
         (output::CONFIG, config.into()),
     ];
     files.extend(traced.into_iter().flat_map(|traced| traced.files));
-    if study.config.outputs.contains(&Output::Map) {
-        files.push((MAP, maps(&study, &ran).into()));
+    if let Some(map) = ran.map() {
+        warn_of_missing(&map);
+        files.push((MAP, map.csv.into()));
     }
     let written = output::write_files(&out, &files);
     let ended = output::end(&out);
     written?;
     ended?;
-    output::print(&summary(&study, &ran, &out))
+    output::print(&summary(&study, &ran.statistics, &out))
 }
 
 /// All that a run of the study may write beside its config.
@@ -130,70 +104,17 @@ fn tables_of(study: &Study) -> Vec<&'static str> {
     names
 }
 
-fn scenes(study: &Study, numbers: &[usize]) -> Result<Vec<SceneTrial>, Failure> {
-    numbers
-        .iter()
-        .map(|&cell| study.estimable_scene(cell).map(SceneTrial))
-        .collect::<Result<_, _>>()
-        .map_err(Failure::usage)
-}
-
-fn refuse_maps(study: &Study, scenes: &[SceneTrial]) -> Result<(), Failure> {
-    if !study.config.outputs.contains(&Output::Map) {
-        return Ok(());
+/// Says which cells have no map: a trial that fails has none.
+fn warn_of_missing(map: &Map) {
+    if map.failed.is_empty() {
+        return;
     }
-    let is_press = |scene: &SceneTrial| matches!(scene.0, Scene::Press(_));
-    let message = if scenes.iter().any(|scene| matches!(scene.0, Scene::Roll(_))) {
-        "a roll has no map; \"cells\" and \"trace\" are possible"
-    } else if scenes
-        .iter()
-        .any(|scene| matches!(scene.0, Scene::Fingertip(_)))
-    {
-        "a fingertip that touches nothing has no map; \"cells\" is possible"
-    } else if scenes.iter().any(is_press) && !scenes.iter().all(is_press) {
-        "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
-    } else {
-        return Ok(());
-    };
-    Err(Failure::usage(study.error_at(0, "outputs", message)))
-}
-
-/// The maps, or profiles, of the first trial of every cell that was run. A trial that fails has
-/// none, which is said.
-fn maps(study: &Study, ran: &[Ran<'_>]) -> String {
-    let unit = study.config.length_unit;
-    let mut maps = MapTable::of_cells(unit);
-    let mut profiles = ProfileTable::of_cells(unit);
-    let mut is_press = false;
-    let mut missing = Vec::new();
-    for Ran { cell, scene, .. } in ran {
-        let failed = match scene {
-            Scene::Roll(_) | Scene::Fingertip(_) => None,
-            Scene::Glide(glide) => glide.map(*cell, 0, &mut maps).err().map(|e| e.name()),
-            Scene::Press(press) => {
-                is_press = true;
-                press
-                    .profile(*cell, 0, &mut profiles)
-                    .err()
-                    .map(|e| e.name())
-            }
-        };
-        missing.extend(failed.map(|name| format!("{cell} ({name})")));
-    }
-    if !missing.is_empty() {
-        let what = if is_press {
-            "estimates of cells"
-        } else {
-            "cells"
-        };
-        let cells = missing.join(", ");
-        eprintln!("warning: map.csv lacks {what} whose trial 0 failed: {cells}");
-    }
-    if is_press {
-        profiles.into_csv()
-    } else {
-        maps.into_csv()
-    }
+    let cells = map.failed.iter();
+    let cells: Vec<String> = cells
+        .map(|(cell, name)| format!("{cell} ({name})"))
+        .collect();
+    let (lacks, cells) = (map.lacks, cells.join(", "));
+    eprintln!("warning: map.csv lacks {lacks} whose trial 0 failed: {cells}");
 }
 
 /// The config with all defaults and overrides, as it was run.
@@ -260,10 +181,10 @@ pub(crate) fn trace_files(
     })
 }
 
-fn summary(study: &Study, ran: &[Ran<'_>], out: &std::path::Path) -> String {
-    let trials: u64 = ran.iter().map(|ran| ran.statistics.trials).sum();
+fn summary(study: &Study, ran: &[CellStatistics], out: &std::path::Path) -> String {
+    let trials: u64 = ran.iter().map(|cell| cell.trials).sum();
     let mut kinds = std::collections::BTreeMap::new();
-    for failure in ran.iter().flat_map(|ran| &ran.statistics.failures) {
+    for failure in ran.iter().flat_map(|cell| &cell.failures) {
         *kinds.entry(failure.kind).or_insert(0) += failure.count;
     }
     let failed: u64 = kinds.values().sum();

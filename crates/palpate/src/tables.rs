@@ -1,12 +1,11 @@
 //! `cells.csv` and `failures.csv`.
 
-use anyhow::Error;
-use palpate_scene::Scene;
 use palpate_scene::config::{STATISTICS, STD_BOUND, Study};
+use palpate_scene::{Scene, Table};
 use palpate_sweep::{CellStatistics, Summary};
 
 /// A cell that was run: its number in the study, its scene and what came out.
-pub(crate) struct Ran<'a> {
+pub(crate) struct Row<'a> {
     pub(crate) cell: usize,
     pub(crate) scene: &'a Scene,
     pub(crate) statistics: &'a CellStatistics,
@@ -16,23 +15,20 @@ pub(crate) struct Ran<'a> {
 /// statistics.
 ///
 /// Where the number of trials is swept, the statistic of that name is its column.
-pub(crate) fn cells(study: &Study, ran: &[Ran<'_>]) -> Result<String, Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let fixed = ["quantity", "unit"];
+pub(crate) fn cells(study: &Study, ran: &[Row<'_>]) -> Table {
     let swept: Vec<usize> = (0..study.paths.len())
         .filter(|&place| !STATISTICS.contains(&study.paths[place].as_str()))
         .collect();
     let columns = swept.iter().map(|&place| study.columns[place].as_str());
     let of_presses = ran.iter().any(|ran| matches!(ran.scene, Scene::Press(_)));
-    writer.write_record(
-        ["cell"]
-            .into_iter()
-            .chain(columns)
-            .chain(fixed)
-            .chain(STATISTICS)
-            .chain(of_presses.then_some(STD_BOUND)),
-    )?;
-    for Ran {
+    let header = ["cell"]
+        .into_iter()
+        .chain(columns)
+        .chain(["quantity", "unit"])
+        .chain(STATISTICS)
+        .chain(of_presses.then_some(STD_BOUND));
+    let mut table = Table::new(header.map(str::to_owned));
+    for Row {
         cell,
         scene,
         statistics,
@@ -40,23 +36,20 @@ pub(crate) fn cells(study: &Study, ran: &[Ran<'_>]) -> Result<String, Error> {
     {
         let quantities = scene.quantities().iter().zip(&statistics.quantities);
         for (place, (quantity, summary)) in quantities.enumerate() {
-            let index = cell.to_string();
-            let unit = quantity.unit.of(study.config.length_unit);
             // Where every trial failed, the scene still knows.
             let truth = summary.truth.or_else(|| scene.truth(place));
             let statistics = statistics_of(statistics, &Summary { truth, ..*summary });
-            let bound = of_presses.then(|| number(scene.std_bound(place)));
             let coordinates = &study.cells[*cell].coordinates;
-            let row = [index.as_str()]
-                .into_iter()
-                .chain(swept.iter().map(|&place| coordinates[place].as_str()))
-                .chain([quantity.name, &unit])
-                .chain(statistics.iter().map(String::as_str))
-                .chain(bound.as_deref());
-            writer.write_record(row)?;
+            let mut row = vec![cell.to_string()];
+            row.extend(swept.iter().map(|&place| coordinates[place].clone()));
+            let unit = quantity.unit.of(study.config.length_unit);
+            row.extend([quantity.name.to_owned(), unit.to_string()]);
+            row.extend(statistics);
+            row.extend(of_presses.then(|| number(scene.std_bound(place))));
+            table.rows.push(row);
         }
     }
-    Ok(String::from_utf8(writer.into_inner()?)?)
+    table
 }
 
 /// A number, zero without a sign; empty where there is none.
@@ -108,18 +101,17 @@ fn statistics_of(cell: &CellStatistics, summary: &Summary) -> Vec<String> {
 }
 
 /// One row per cell and kind of failure.
-pub(crate) fn failures(ran: &[Ran<'_>]) -> Result<String, Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(["cell", "kind", "count", "first_trial"])?;
-    for Ran {
+pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
+    let mut table = Table::new(["cell", "kind", "count", "first_trial"].map(str::to_owned));
+    for Row {
         cell, statistics, ..
     } in ran
     {
-        for failure in &statistics.failures {
-            let numbers = [*cell as u64, failure.count, failure.first_trial].map(|n| n.to_string());
-            let [cell, count, first] = numbers.each_ref().map(String::as_str);
-            writer.write_record([cell, failure.kind, count, first])?;
-        }
+        let rows = statistics.failures.iter().map(|failure| {
+            let [count, first] = [failure.count, failure.first_trial].map(|n| n.to_string());
+            vec![cell.to_string(), failure.kind.to_owned(), count, first]
+        });
+        table.rows.extend(rows);
     }
-    Ok(String::from_utf8(writer.into_inner()?)?)
+    table
 }

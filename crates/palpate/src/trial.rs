@@ -2,19 +2,35 @@
 
 use std::ops::Range;
 
-use palpate_scene::{LANES, Outcome, Scene, SideBySide};
+use palpate_scene::{Arch, LANES, Outcome, Scene, SideBySide};
 use palpate_sweep::{Observation, Observations, Record, Trial};
 
 /// Repeats a scene.
-pub(crate) struct SceneTrial(pub(crate) Scene);
+#[derive(Debug)]
+pub struct SceneTrial {
+    /// The scene.
+    pub scene: Scene,
+    /// Instructions for trials side by side.
+    pub(crate) arch: Arch,
+}
+
+impl SceneTrial {
+    /// Trials of a scene, side by side with the widest vectors that the processor has.
+    pub fn new(scene: Scene) -> Self {
+        Self {
+            scene,
+            arch: Arch::new(),
+        }
+    }
+}
 
 impl Trial for SceneTrial {
     fn quantities(&self) -> usize {
-        self.0.quantities().len()
+        self.scene.quantities().len()
     }
 
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
-        match &self.0 {
+        match &self.scene {
             Scene::Roll(roll) => record.observe_each(roll.outcomes(trial)?.map(observation)),
             Scene::Glide(glide) => glide.trial(trial, |quantity, outcome| {
                 record.observe(quantity, observation(outcome));
@@ -30,8 +46,8 @@ impl Trial for SceneTrial {
     }
 
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
-        match &self.0 {
-            Scene::Roll(roll) => roll.side_by_side(trials, |observed| {
+        match &self.scene {
+            Scene::Roll(roll) => roll.side_by_side(self.arch, trials, |observed| {
                 record.observe_together(&observed.map(observations))
             }),
             Scene::Glide(_) | Scene::Press(_) | Scene::Fingertip(_) => 0,

@@ -23,7 +23,7 @@ pub use ladder::{Ladder, Rung};
 pub use plan::PlanError;
 pub use press::PressScene;
 pub use quantity::{Quantity, Unit};
-pub use roll::{LANES, RollScene, SideBySide};
+pub use roll::{Arch, LANES, RollScene, SideBySide};
 pub use table::Table;
 
 use config::{ConfigError, SceneConfig, Study};

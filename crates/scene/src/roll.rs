@@ -19,7 +19,8 @@ use palpate_ep1::{
 };
 use palpate_geometry::CurvatureForm;
 use palpate_rolling::{Motion, Roller};
-use pulp::{Arch, Simd, WithSimd};
+pub use pulp::Arch;
+use pulp::{Simd, WithSimd};
 
 use crate::{Outcome, PlanError, Quantity, Unit};
 use linear::LinearRolls;
@@ -223,6 +224,7 @@ impl RollScene {
     /// taken.
     pub fn side_by_side(
         &self,
+        arch: Arch,
         trials: Range<u64>,
         take: impl FnMut(&[SideBySide; QUANTITIES.len()]) -> bool,
     ) -> u64 {
@@ -230,7 +232,7 @@ impl RollScene {
         else {
             return 0;
         };
-        Arch::new().dispatch(Together {
+        arch.dispatch(Together {
             scene: self,
             linear,
             fit,

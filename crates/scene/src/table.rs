@@ -12,7 +12,8 @@ pub struct Table {
 }
 
 impl Table {
-    pub(crate) fn new(header: impl IntoIterator<Item = String>) -> Self {
+    /// A table of these columns, without rows.
+    pub fn new(header: impl IntoIterator<Item = String>) -> Self {
         Self {
             header: header.into_iter().collect(),
             rows: Vec::new(),
@@ -56,15 +57,29 @@ impl Table {
         table
     }
 
-    /// The table as CSV text.
+    /// CSV text of the table (RFC 4180): what holds a comma, a quote or a line's end is quoted.
     pub fn to_csv(&self) -> String {
-        let mut text = self.header.join(",");
-        text.push('\n');
-        for row in &self.rows {
-            text.push_str(&row.join(","));
+        let mut text = String::new();
+        for row in std::iter::once(&self.header).chain(&self.rows) {
+            for (place, field) in row.iter().enumerate() {
+                if place > 0 {
+                    text.push(',');
+                }
+                push_field(&mut text, field);
+            }
             text.push('\n');
         }
         text
+    }
+}
+
+fn push_field(text: &mut String, field: &str) {
+    if field.contains([',', '"', '\n', '\r']) {
+        text.push('"');
+        text.push_str(&field.replace('"', "\"\""));
+        text.push('"');
+    } else {
+        text.push_str(field);
     }
 }
 

@@ -1,5 +1,7 @@
 //! The runner.
 
+use std::error::Error as _;
+use std::io;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
@@ -103,21 +105,25 @@ pub fn run(
 /// The threads of a run, for one after another.
 #[derive(Debug)]
 pub struct Runner {
-    pool: rayon::ThreadPool,
+    /// None where there are no threads: the calling one does the work.
+    pool: Option<rayon::ThreadPool>,
 }
 
 impl Runner {
-    /// Starts the threads.
+    /// Starts the threads. On platforms that have none, such as WebAssembly, the calling thread does the work.
     ///
     /// # Errors
     /// [`SweepError::Threads`].
     pub fn new(options: &RunOptions) -> Result<Self, SweepError> {
         let threads = options.threads;
-        rayon::ThreadPoolBuilder::new()
+        let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads.map_or(0, NonZeroUsize::get))
-            .build()
-            .map_err(|source| SweepError::Threads { threads, source })
-            .map(|pool| Self { pool })
+            .build();
+        match pool {
+            Ok(pool) => Ok(Self { pool: Some(pool) }),
+            Err(source) if has_no_threads(&source) => Ok(Self { pool: None }),
+            Err(source) => Err(SweepError::Threads { threads, source }),
+        }
     }
 
     /// As [`run`], on these threads.
@@ -133,8 +139,19 @@ impl Runner {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Vec<CellStatistics>, SweepError> {
         let study = Study::new(cells)?;
-        Ok(self.pool.install(|| study.run(progress)))
+        Ok(match &self.pool {
+            Some(pool) => pool.install(|| study.run(progress)),
+            None => study.run(progress),
+        })
     }
+}
+
+/// Whether the platform never has threads, rather than none to spare.
+fn has_no_threads(error: &rayon::ThreadPoolBuildError) -> bool {
+    let cause = error
+        .source()
+        .and_then(|cause| cause.downcast_ref::<io::Error>());
+    cause.is_some_and(|cause| cause.kind() == io::ErrorKind::Unsupported)
 }
 
 /// The blocks of all cells in one sequence.

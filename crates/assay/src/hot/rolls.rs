@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 
 use anyhow::{Context, Result};
 use nalgebra::Vector2;
+use palpate::SceneTrial;
 use palpate_geometry::Shape;
 use palpate_geometry::surfaces::{Graph, Sphere};
 use palpate_rolling::{Fingertip, Glider, Motion, Probe, Roller, Rolls};
@@ -14,7 +15,6 @@ use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Trial
 
 pub use palpate_rolling::{Chart, Model};
 
-use super::trial::SceneTrial;
 use super::{Hot, warm};
 
 /// Rate of every roll, rad/s.
@@ -75,7 +75,7 @@ impl Ep1 {
              object = {{ kind = \"sphere\", radius = 5.0 }}\n\
              motion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}\n{setting}\n"
         );
-        Ok(Self(SceneTrial(
+        Ok(Self(SceneTrial::new(
             config::parse("hot.toml", &text)?.scene(0)?,
         )))
     }
@@ -84,14 +84,16 @@ impl Ep1 {
     /// curvature. `None` where they cannot all be run side by side.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
         let mut sum = 0.0;
-        let taken = self.roll()?.side_by_side(0..trials, |observed| {
-            let [normal_curvature_u, ..] = black_box(observed);
-            for estimate in normal_curvature_u.estimates {
-                let error = estimate / normal_curvature_u.truth - 1.0;
-                sum += error * error;
-            }
-            true
-        });
+        let taken = self
+            .roll()?
+            .side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
+                let [normal_curvature_u, ..] = black_box(observed);
+                for estimate in normal_curvature_u.estimates {
+                    let error = estimate / normal_curvature_u.truth - 1.0;
+                    sum += error * error;
+                }
+                true
+            });
         if taken != trials {
             return None;
         }
@@ -101,7 +103,7 @@ impl Ep1 {
     /// Trials alone: side by side as far as they can be, then one by one.
     fn alone(&self, trials: u64) -> Option<()> {
         let roll = self.roll()?;
-        let together = roll.side_by_side(0..trials, |observed| {
+        let together = roll.side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
             black_box(observed);
             true
         });
@@ -112,7 +114,7 @@ impl Ep1 {
     }
 
     fn roll(&self) -> Option<&RollScene> {
-        match &self.0.0 {
+        match &self.0.scene {
             Scene::Roll(roll) => Some(roll),
             _ => None,
         }

@@ -103,7 +103,7 @@ pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
     let trials = u64::from(trials);
     let mut sum = 0.0;
     let together = match scene {
-        Scene::Roll(roll) => roll.side_by_side(0..trials, |observed| {
+        Scene::Roll(roll) => roll.side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
             sum += observed.iter().map(|one| one.estimates[0]).sum::<f64>();
             true
         }),

@@ -11,7 +11,7 @@ pub(super) fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let columns = &a.as_slice()[(a.ncols() - b.nrows()) * height..];
     let mut product = DMatrix::zeros(height, b.ncols());
     let sums = product.as_mut_slice().chunks_exact_mut(height.max(1));
-    for (sum, factors) in sums.zip(b.column_iter()) {
+    for (sum, factors) in sums.zip(b.as_slice().chunks_exact(b.nrows().max(1))) {
         add_columns(sum, columns, height, |column| factors[column]);
     }
     product

@@ -1,31 +1,32 @@
 //! The choice of the smoothing weight, and what the data leave open of it.
 
-use std::f64::consts::LN_2;
+use std::f64::consts::{LN_2, LN_10};
 
 use nalgebra::DMatrix;
 
 use super::spectrum::{Spectrum, Spread};
 use crate::Ep2Error;
 use crate::quadric::UNKNOWNS;
+use crate::spline::{LANES, Lanes};
 
-/// Places at which the criterion is looked at, in equal steps of the logarithm of the weight.
+/// Places at which the criterion is looked at, in equal steps of the logarithm of the weight; a multiple of [`LANES`].
 const NODES: usize = 80;
 /// The smallest weight looked at, relative to the smallest at which a mode is half kept.
 const LEAST: f64 = 1e-2;
 /// The largest, relative to the largest at which a mode is half kept: beyond, only the quadric is
 /// left.
 const MOST: f64 = 1e3;
-/// A product this small, which is a power of two, is counted apart.
-const SMALL: f64 = 1.0 / (1u64 << SMALL_HALVINGS) as f64;
-const SMALL_HALVINGS: u32 = 60;
+/// Bound on a product below which its power of two is counted apart.
+const SMALL: f64 = 1.0 / (1u64 << 60) as f64;
+const SMALL_HALVINGS: f64 = 60.0;
 /// Modes whose half weight is below this share of the largest do not widen the search.
 const FAINT: f64 = 1e-8;
 /// The search ends so far beyond the expected weight, or never farther than so far beyond the largest
 /// at which a mode is half kept, both in logarithms.
 const BEYOND_EXPECTED: f64 = 5.0;
 const FARTHEST: f64 = 16.0;
-/// Weights less probable than this do not count.
-const NEGLIGIBLE: f64 = 1e-4;
+/// Logarithm of the smallest probability of a weight that counts, relative to the most probable.
+const NEGLIGIBLE: f64 = -4.0 * LN_10;
 
 /// How the smoothing weight is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,59 +82,89 @@ pub(super) struct Choice {
 }
 
 /// What the sums over modes are at a smoothing weight λ. The prime is a derivative by ln λ.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
+#[derive(Clone, Copy, Debug)]
+struct Sums<T = f64> {
     /// Weighted sum of squared residuals.
-    residual: f64,
-    residual_prime: f64,
-    /// The same plus λ times the penalty.
-    penalised: f64,
-    penalised_prime: f64,
+    residual: T,
+    residual_prime: T,
+    /// Sum of squared residuals plus λ times the penalty.
+    penalised: T,
+    penalised_prime: T,
     /// Trace of the map from observations to fit.
-    unknowns: f64,
-    unknowns_prime: f64,
+    unknowns: T,
+    unknowns_prime: T,
     /// ln det⁺(λP) − ln det(A + λP), and its derivative.
-    log_determinants: f64,
-    log_determinants_prime: f64,
+    log_determinants: T,
+    log_determinants_prime: T,
+}
+
+impl Sums<Lanes> {
+    /// Sums at weights side by side, from their logarithms.
+    fn at(spectrum: &Spectrum, log_weights: [f64; LANES]) -> [Sums; LANES] {
+        let weight = Lanes::from(log_weights.map(libm::exp));
+        let square = Lanes::splat(spectrum.square);
+        let mut sums = Self {
+            residual: square,
+            residual_prime: Lanes::ZERO,
+            penalised: square,
+            penalised_prime: Lanes::ZERO,
+            unknowns: Lanes::ZERO,
+            unknowns_prime: Lanes::ZERO,
+            log_determinants: Lanes::ZERO,
+            log_determinants_prime: Lanes::ZERO,
+        };
+        // One logarithm of a product of which powers of two are counted apart, lest it vanish: no factor is below 1e-12.
+        let (mut product, mut halvings) = (Lanes::ONE, Lanes::ZERO);
+        let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);
+        for (mode, ((fidelity, roughness), right)) in modes.zip(&spectrum.right).enumerate() {
+            let penalty = weight * *roughness;
+            let kept = Lanes::ONE / (penalty + *fidelity);
+            let (fitted, smoothed) = (kept * *fidelity, penalty * kept);
+            let square = kept * (right * right);
+            sums.residual -= square * (Lanes::splat(2.0) - fitted);
+            sums.residual_prime += square * smoothed * smoothed;
+            sums.penalised -= square;
+            sums.penalised_prime += square * smoothed;
+            sums.unknowns += fitted;
+            sums.unknowns_prime -= fitted * smoothed;
+            if mode >= UNKNOWNS {
+                let is_rough = penalty.simd_gt(Lanes::ZERO);
+                product *= is_rough.select(smoothed, Lanes::ONE);
+                sums.log_determinants_prime += is_rough.select(fitted, Lanes::ZERO);
+            }
+            if mode % 4 == 3 {
+                let is_small = product.simd_lt(Lanes::splat(SMALL));
+                product = is_small.select(product * (1.0 / SMALL), product);
+                halvings += is_small.select(Lanes::splat(SMALL_HALVINGS), Lanes::ZERO);
+            }
+        }
+        sums.log_determinants = Lanes::from(product.to_array().map(libm::log)) - halvings * LN_2;
+        sums.residual_prime *= Lanes::splat(2.0);
+        // Rounding may leave a negative rest where everything is fitted.
+        let rest = Lanes::splat(f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE);
+        sums.residual = sums.residual.max(rest);
+        sums.penalised = sums.penalised.max(rest);
+        sums.apart()
+    }
+
+    fn apart(self) -> [Sums; LANES] {
+        let lane = |lane: usize, lanes: Lanes| lanes.to_array()[lane];
+        std::array::from_fn(|place| Sums {
+            residual: lane(place, self.residual),
+            residual_prime: lane(place, self.residual_prime),
+            penalised: lane(place, self.penalised),
+            penalised_prime: lane(place, self.penalised_prime),
+            unknowns: lane(place, self.unknowns),
+            unknowns_prime: lane(place, self.unknowns_prime),
+            log_determinants: lane(place, self.log_determinants),
+            log_determinants_prime: lane(place, self.log_determinants_prime),
+        })
+    }
 }
 
 impl Sums {
-    fn at(spectrum: &Spectrum, log_weight: f64) -> Self {
-        let weight = libm::exp(log_weight);
-        let mut sums = Self {
-            residual: spectrum.square,
-            penalised: spectrum.square,
-            ..Self::default()
-        };
-        // One logarithm of a product whose powers of two are counted apart, lest it vanish.
-        let (mut product, mut halvings) = (1.0, 0);
-        for mode in 0..spectrum.right.len() {
-            let (fidelity, right) = (spectrum.fidelity[mode], spectrum.right[mode]);
-            let penalty = weight * spectrum.roughness[mode];
-            let kept = 1.0 / (fidelity + penalty);
-            let (fitted, square) = (fidelity * kept, right * right);
-            let smoothed = penalty * kept;
-            sums.residual -= square * kept * (2.0 - fitted);
-            sums.residual_prime += 2.0 * square * kept * smoothed * smoothed;
-            sums.penalised -= square * kept;
-            sums.penalised_prime += square * kept * smoothed;
-            sums.unknowns += fitted;
-            sums.unknowns_prime -= fitted * smoothed;
-            if mode >= UNKNOWNS && penalty > 0.0 {
-                product *= smoothed;
-                if product < SMALL {
-                    product /= SMALL;
-                    halvings += SMALL_HALVINGS;
-                }
-                sums.log_determinants_prime += fitted;
-            }
-        }
-        sums.log_determinants = libm::log(product) - f64::from(halvings) * LN_2;
-        // Rounding may leave a negative rest where everything is fitted.
-        let rest = f64::EPSILON * f64::EPSILON * spectrum.square + f64::MIN_POSITIVE;
-        sums.residual = sums.residual.max(rest);
-        sums.penalised = sums.penalised.max(rest);
-        sums
+    fn alone(spectrum: &Spectrum, log_weight: f64) -> Self {
+        Sums::at(spectrum, [log_weight; LANES])[0]
     }
 }
 
@@ -164,8 +195,8 @@ impl<'a> Search<'a> {
         let step = (high - low) / (NODES - 1) as f64;
         let places: Vec<f64> = (0..NODES).map(|node| low + step * node as f64).collect();
         let sums = places
-            .iter()
-            .map(|&place| Sums::at(spectrum, place))
+            .chunks_exact(LANES)
+            .flat_map(|places| Sums::at(spectrum, std::array::from_fn(|lane| places[lane])))
             .collect();
         Self {
             spectrum,
@@ -194,7 +225,7 @@ impl<'a> Search<'a> {
         } else {
             self.places[best]
         };
-        let chosen = Sums::at(self.spectrum, log_weight);
+        let chosen = Sums::alone(self.spectrum, log_weight);
         let scale = if self.is_known {
             1.0
         } else {
@@ -227,8 +258,8 @@ impl<'a> Search<'a> {
             .places
             .iter()
             .zip(log_probabilities)
+            .filter(|(_, probability)| *probability - most > NEGLIGIBLE)
             .map(|(&place, probability)| (place, libm::exp(probability - most)))
-            .filter(|(_, probability)| *probability > NEGLIGIBLE)
             .collect();
         let total: f64 = likely.iter().map(|(_, probability)| probability).sum();
         let chosen = self.spectrum.kept(choice.log_weight);
@@ -300,7 +331,7 @@ impl<'a> Search<'a> {
     /// The root of the slope between two places where it rises through zero (by false position
     /// with Illinois' halving).
     fn root(&self, low: f64, high: f64) -> f64 {
-        let slope = |place: f64| self.slope(&Sums::at(self.spectrum, place));
+        let slope = |place: f64| self.slope(&Sums::alone(self.spectrum, place));
         let (mut ends, mut slopes) = ([low, high], [slope(low), slope(high)]);
         let mut last = 2;
         for _ in 0..100 {

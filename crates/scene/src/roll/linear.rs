@@ -177,7 +177,7 @@ impl LinearRolls {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LANES, RollScene, Scene, config};
+    use crate::{Arch, LANES, RollScene, Scene, config};
 
     fn scene(duration_s: f64, noise: &str) -> RollScene {
         let text = format!(
@@ -245,7 +245,7 @@ mod tests {
                 let (mut trial, mut together) = (0, 0);
                 while trial < 50 {
                     let mut first = trial;
-                    let taken = scene.side_by_side(trial..50, |observed| {
+                    let taken = scene.side_by_side(Arch::new(), trial..50, |observed| {
                         for lane in 0..LANES {
                             let outcomes = scene.outcomes(first + lane as u64).unwrap();
                             for (side_by_side, outcome) in observed.iter().zip(outcomes) {
@@ -277,12 +277,15 @@ mod tests {
     fn what_is_not_taken_does_not_count() {
         let scene = scene(1.0, NOISES[1]);
         let mut offers = 0;
-        let taken = scene.side_by_side(3..50, |_| {
+        let taken = scene.side_by_side(Arch::new(), 3..50, |_| {
             offers += 1;
             offers < 3
         });
         assert_eq!((offers, taken), (3, 2 * LANES as u64));
-        assert_eq!(scene.side_by_side(3..3 + LANES as u64 - 1, |_| true), 0);
+        assert_eq!(
+            scene.side_by_side(Arch::new(), 3..3 + LANES as u64 - 1, |_| true),
+            0
+        );
     }
 
     #[test]
