@@ -4,14 +4,14 @@ use crate::failures::Failure;
 use crate::histogram::Histogram;
 use crate::sums::{Sums, Truth};
 
-/// What came of a cell's trials.
+/// Statistics of all trials of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellStatistics {
     /// Trials run, failed ones included.
     pub trials: u64,
     /// Failures, one entry per kind, ordered by kind.
     pub failures: Vec<Failure>,
-    /// One per quantity, in the trial's order.
+    /// Statistics of each quantity, in the order in which the trial counts them.
     pub quantities: Vec<Summary>,
 }
 
@@ -52,14 +52,14 @@ pub struct Summary {
     ///
     /// Quantiles are linear between neighbouring order statistics, the usual definition (type 7).
     pub q05: Option<f64>,
-    /// Median of the estimates, as `q05`.
+    /// Median of the estimates, with the accuracy of `q05`.
     pub q50: Option<f64>,
-    /// 95 % quantile of the estimates, as `q05`.
+    /// 95 % quantile of the estimates, with the accuracy of `q05`.
     pub q95: Option<f64>,
     /// Mean of the reported standard deviations; `None` where none was reported.
     pub mean_reported_std: Option<f64>,
-    /// Share of the reported 95 % intervals that hold the truth: estimate ± 1.96 std where the trial does not judge its
-    /// own; `None` where neither was reported.
+    /// Share of the 95 % intervals that hold the truth. An interval is estimate ± 1.96 std unless the trial gives its
+    /// own verdict (`interval_holds`). `None` where no trial reported either.
     pub coverage95: Option<f64>,
 }
 
