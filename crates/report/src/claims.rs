@@ -27,9 +27,9 @@ use std::fmt;
 pub enum Verdict {
     /// The tables show what the paper says, within the stated thresholds.
     Holds,
-    /// They show something else.
+    /// The tables show something else.
     Differs,
-    /// They lack what would show it either way.
+    /// The tables lack what the claim is about.
     NotTestable,
 }
 
@@ -43,20 +43,20 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// One claim against one study.
+/// Outcome of holding one claim against the tables of one study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Score {
     /// Number of the claim.
     pub claim: u32,
     /// Name of the study.
     pub study: String,
-    /// What the paper says, in short.
+    /// Claim of the paper, in short; empty if no claim has this number.
     pub paper_says: String,
-    /// What the tables show, with units; empty if not testable.
+    /// Finding in the tables, with units; empty if the claim is not testable.
     pub measured: String,
     /// The verdict.
     pub verdict: Verdict,
-    /// The thresholds behind the verdict, and what else is worth knowing; or what was missing.
+    /// Thresholds behind the verdict, and further remarks; for a claim that is not testable, the reason.
     pub why: String,
 }
 

@@ -11,9 +11,9 @@ pub struct Failure {
     pub cell: u64,
     /// Kebab-case name of the error.
     pub kind: String,
-    /// How many trials failed so.
+    /// Number of trials that failed so.
     pub count: u64,
-    /// The first of them, from 0.
+    /// Number of the first trial that failed so, counted from 0.
     pub first_trial: u64,
 }
 
@@ -102,12 +102,12 @@ impl Study {
         }
     }
 
-    /// Where the question comes from; may be empty.
+    /// Publication or other origin of the question; may be empty.
     pub fn source(&self) -> &str {
         self.word("source")
     }
 
-    /// Numbers of the published claims this study's tables are to be held against.
+    /// Numbers of the published claims that this study tests.
     pub fn claims(&self) -> &[u32] {
         &self.claims
     }
@@ -139,7 +139,8 @@ impl Study {
         segments.try_fold(first, |value, segment| value.as_table()?.get(segment))
     }
 
-    /// The number at `path` that holds for `row`: of the sweep's column if there is one, else of the config.
+    /// Number at a dotted `path` of the config in the cell of `row`: the entry of the table's column if the path is
+    /// swept, else the config's. `None` if there is no finite number.
     pub fn number(&self, row: usize, path: &str) -> Option<f64> {
         match self.cells.axis(path) {
             Some(axis) => axis.number(row),
@@ -147,7 +148,8 @@ impl Study {
         }
     }
 
-    /// The text at `path` that holds for `row`: of the sweep's column if there is one, else of the config.
+    /// Text at a dotted `path` of the config in the cell of `row`: the entry of the table's column if the path is
+    /// swept, else the config's. `None` if there is no text.
     pub fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),

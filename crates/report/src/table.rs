@@ -165,12 +165,12 @@ impl Table {
         self.axes.iter().find(|axis| axis.is(path))
     }
 
-    /// The quantities as a column like an axis: its values are their names.
+    /// Names of the quantities as an axis, one per row.
     pub fn quantities(&self) -> &Axis {
         &self.quantity
     }
 
-    /// The numbers of trials as a column like an axis: a sweep of them has no other.
+    /// Numbers of trials as an axis, one per row: where trials are swept, the table has no other column for them.
     pub fn trials(&self) -> &Axis {
         &self.trials
     }

@@ -80,7 +80,8 @@ impl Course {
     }
 }
 
-/// What the estimator whose rows are `chosen` makes of each of the paper's radii, or what the table lacks.
+/// Estimates of each of the paper's radii over the indentation, from the rows that `chosen` accepts; an error says what
+/// the table lacks.
 fn courses(study: &Study, chosen: &dyn Fn(usize) -> bool) -> Result<Vec<Course>, String> {
     let unit = millimetres(study).ok_or("the length unit is not known in millimetres")?;
     let rows: Vec<usize> = rows_of(study, "effective_radius")

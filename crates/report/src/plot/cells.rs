@@ -91,7 +91,8 @@ fn place(study: &Study, row: usize) -> String {
     }
 }
 
-/// What the cells of some rows have in common: the object, unless it is swept, and the axes with one value.
+/// Words for the settings that the cells of some rows share: the object, unless it is swept, and the axes with one
+/// value.
 pub(crate) fn in_common(study: &Study, rows: &[usize]) -> Vec<String> {
     let axes = study.cells().axes();
     let is_swept = axes

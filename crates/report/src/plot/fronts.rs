@@ -284,7 +284,7 @@ impl Panel {
     }
 }
 
-/// What a rung is called; one off the scale with its error.
+/// Name of a rung, with its error where that is off the scale.
 fn named(rung: &Rung) -> String {
     match is_off_scale(rung) {
         true => format!(

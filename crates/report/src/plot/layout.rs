@@ -55,31 +55,31 @@ pub(crate) struct Layout {
     pub(crate) y_label_at: Point,
 }
 
-/// One line of the legend: a text, and what stands before it.
+/// Line of the legend: a text, and the sample before it.
 pub(crate) struct Entry {
     pub(crate) text: String,
     pub(crate) sample: Sample,
 }
 
-/// What stands before a line of the legend.
+/// Sample before a line of the legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sample {
-    /// Nothing, not even room: the line is a heading.
+    /// None, and no room for one: the line is a heading.
     Heading,
-    /// Nothing: the line continues the one above.
+    /// None, but room for one: the line continues the one above.
     Continued,
     /// Line and marker of this entry of the figure's legend.
     Series(usize),
-    /// What solid lines are.
+    /// A solid line, for the first of two statistics.
     Solid,
-    /// What dashed lines are.
+    /// A dashed line, for the second of two statistics.
     Dashed,
     /// The open marker of this entry of the figure's legend.
     Points(usize),
 }
 
 impl Entry {
-    /// From the legend's left edge to the text.
+    /// Distance from the legend's left edge to the text, pixels.
     pub(crate) fn indent(&self) -> f64 {
         if self.sample == Sample::Heading {
             0.0
@@ -111,7 +111,7 @@ impl Layout {
         figures.into_iter().map(place).collect()
     }
 
-    /// The same below another picture of height `by`.
+    /// Moves everything down by `by`, the height of a picture above.
     fn moved_down(mut self, by: f64) -> Self {
         let places = [
             &mut self.legend_at,
@@ -240,7 +240,7 @@ fn named_width(figure: &Figure) -> f64 {
     (names.len() as f64 * (widest + BESIDE)).min(LARGEST_WIDTH)
 }
 
-/// As many ticks along x as have room for their labels.
+/// Largest set of ticks along x whose labels have room, each with the lines of its label.
 fn x_ticks(figure: &Figure, panel_width: f64) -> Vec<(f64, Vec<String>)> {
     let labelled = |about: usize| {
         let ticks = figure.x.ticks(about);

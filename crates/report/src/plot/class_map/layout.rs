@@ -47,7 +47,7 @@ pub(crate) struct Layout {
     pub(crate) y_label: String,
 }
 
-/// What stands before an entry of the key.
+/// Sample before an entry of the key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sample {
     Class(Class),

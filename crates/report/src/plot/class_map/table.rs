@@ -43,7 +43,7 @@ impl CellMap {
     }
 }
 
-/// What is wrong with a map: of the file, or of the points in it.
+/// Problem with a map: with the file, or with the points in it.
 #[derive(Debug)]
 pub(crate) enum MapProblem {
     File(ReportError),
