@@ -22,12 +22,12 @@ use anyhow::{Result, ensure};
 use layer::Layer;
 use quadrature::{on_panels, over};
 
-/// Below e to minus this power nothing counts.
+/// Exponent p of the smallest factor e⁻ᵖ that still counts.
 const NEGLIGIBLE: f64 = 30.0;
-/// An angle's share that one panel of the quadrature spans.
+/// Phase that one panel of the quadrature spans, rad.
 const PHASE: f64 = 12.0;
 
-/// What is pressed.
+/// Soft body that is pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
     /// An elastic half-space.

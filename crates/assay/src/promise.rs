@@ -29,26 +29,26 @@ use verdict::Verdict;
 
 /// Scenes of each kind.
 pub const SCENES: u64 = 50;
-/// The rung that is taken may cost so many times the cheapest that would do.
+/// Largest ratio of the cost of the rung taken to that of the cheapest adequate rung.
 const MOST: f64 = 2.0;
-/// A roll that evaluates the contact equations so many times as often is dearer for certain.
+/// Ratio of the numbers of evaluations of the contact equations from which on a roll is dearer for certain.
 const DEARER: usize = 3;
 
-/// A random scene, what `auto` has taken for it, and what it could have taken.
+/// Random scene with the model that `auto` took for it and the models that it could have taken.
 #[derive(Debug)]
 pub struct Promise {
-    /// What kind of scene it is.
+    /// Kind of the scene.
     pub kind: Kind,
-    /// Its number among its kind.
+    /// Number of the scene among those of its kind.
     pub number: u64,
     study: Study,
-    /// The models of the scene, with what they err by against a truth that is none of them.
+    /// Models that can do the scene, with their errors against a truth that is computed in another way.
     pub rivals: Vec<Rival>,
-    /// Which of them `auto` has taken.
+    /// Index in `rivals` of the model that `auto` took.
     taken: usize,
-    /// What the model that is taken is held against.
+    /// Words for the truth that the errors are measured against.
     pub truth: &'static str,
-    /// What `auto` was asked for.
+    /// Tolerance that `auto` was given.
     pub tolerance: f64,
 }
 
@@ -133,7 +133,7 @@ impl Promise {
         self.judged().map(|place| self.evaluation(place)).collect()
     }
 
-    /// What the truth of the scene costs on a model.
+    /// Evaluation that computes the truth of the scene by the model at index `place` of `rivals`.
     fn evaluation(&self, place: usize) -> Result<Evaluation> {
         let rung = &self.rivals[place].rung;
         let mut run = cost::truth(&self.study, rung)?;

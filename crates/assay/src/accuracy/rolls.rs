@@ -103,7 +103,7 @@ fn radius_on_paraboloid(angle_rad: f64) -> f64 {
     r
 }
 
-/// Of the meridian of z = −r² from the apex.
+/// Length of the meridian of z = −r² from the apex to `r`.
 fn length_on_paraboloid(r: f64) -> f64 {
     let slope = 2.0 * r;
     0.5 * r * libm::hypot(slope, 1.0) + 0.25 * libm::asinh(slope)

@@ -137,14 +137,15 @@ fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
     statistics.into_iter().next().context("no cell")
 }
 
-/// Observations without a trial, so that only the statistics remain: five quantities of the same nearly uniform errors.
+/// Trial that observes five quantities with the same nearly uniform errors and computes nothing, so that only the
+/// statistics cost time.
 pub struct Statistics;
 
 impl Statistics {
     const QUANTITIES: usize = 5;
     const TRUTH: f64 = 5.0;
 
-    /// Of so many trials on one thread.
+    /// Statistics of `trials` trials on one thread.
     ///
     /// # Errors
     /// If no thread can be had.

@@ -32,7 +32,7 @@ pub(super) struct Layer {
 #[derive(Debug)]
 struct Node {
     place: f64,
-    /// Of the quadrature over the contact.
+    /// Weight of the place in the quadrature over the contact.
     weight: f64,
     phi: f64,
 }

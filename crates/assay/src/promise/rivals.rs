@@ -1,4 +1,5 @@
-//! The models that a choice is held against, more than a ladder shows, and the truth that all of them are.
+//! Models that a choice is compared with, more than a ladder shows, and the truth that the errors of all of them are
+//! measured against.
 
 use anyhow::{Result, bail};
 use nalgebra::Point3;
@@ -15,30 +16,30 @@ use super::cost;
 use crate::pressed::{Body, Pressed};
 use crate::touched;
 
-/// Of RK4.
+/// Numbers of steps of the RK4 rivals.
 const STEPS: [u32; 19] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64,
 ];
-/// Of DOP853 and of Newton's method, the negative exponents.
+/// Negative decimal exponents of the tolerances of DOP853 and of Newton's method.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
-/// Closer markers lie at the same distance, as a share of the sensor's radius.
+/// Difference between two distances from the contact below which they count as one, as a share of the sensor's radius.
 const SAME: f64 = 1e-9;
 
 /// A model that could be taken.
 #[derive(Debug)]
 pub struct Rival {
-    /// Its name, and what it errs by against the truth.
+    /// Name of the model, and its error against the truth.
     pub rung: Rung,
-    /// How often a roll evaluates the contact equations; of others not known.
+    /// Evaluations of the contact equations by a roll; not known of other scenes.
     pub evaluations: Option<usize>,
 }
 
-/// What a choice is held against.
+/// Models for a scene with their errors, and the index of the one that `auto` took.
 pub(super) struct Rivals {
-    /// The rung that is taken is among them.
+    /// All models, with the one that was taken.
     pub(super) all: Vec<Rival>,
     pub(super) taken: usize,
-    /// What the rung that is taken is held against.
+    /// Words for the truth that the errors are measured against.
     pub(super) truth: &'static str,
 }
 
@@ -132,7 +133,7 @@ fn farthest<'a>(pairs: impl Iterator<Item = (&'a Point3<f64>, &'a Point3<f64>)>)
     })
 }
 
-/// As it stands in a config.
+/// Config of a rolling model.
 fn named(model: Model) -> Result<RollModelConfig> {
     let chart = config::Chart::Free;
     Ok(match model {

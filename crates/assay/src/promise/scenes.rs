@@ -19,7 +19,7 @@ impl Kind {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Roll, Self::Glide, Self::Press];
 
-    /// As configs call it.
+    /// Name of the kind in configs.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Roll => "roll",
@@ -30,7 +30,7 @@ impl Kind {
 }
 
 impl Kind {
-    /// Many of them.
+    /// Plural of the name.
     pub(super) const fn plural(self) -> &'static str {
         match self {
             Self::Roll => "rolls",

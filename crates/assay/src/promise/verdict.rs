@@ -1,4 +1,4 @@
-//! What counting instructions says of a promise.
+//! Verdicts on promises, from counts of instructions.
 
 use std::path::Path;
 

@@ -15,11 +15,11 @@ use super::trials::at_least_rounding;
 
 const STEPS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 const TOLERANCES: [i32; 6] = [-3, -5, -7, -9, -11, -13];
-/// Of the probe.
+/// Radius of the probe.
 const RADIUS: f64 = 1.0;
-/// Two independent truths differ by less, over the path.
+/// Largest difference between two independent truths, relative to the length of the path.
 const TRUSTED: f64 = 1e-12;
-/// In which the contact moves.
+/// Direction in which the contact moves at first, rad.
 const DIRECTION: f64 = FRAC_PI_6;
 
 /// One roll: what it is, and where it ends.

@@ -45,7 +45,7 @@ NOISE
 estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
 "#;
 
-/// What planning the scene does, and what its first trial does.
+/// Work of planning the scene, and work of its first trial.
 fn tallies(template: &str, parts: &[(&str, &str)]) -> [Tally; 2] {
     let text = parts
         .iter()

@@ -7,7 +7,7 @@ use palpate_press::{
 
 use crate::extremes::{Answer, Case};
 
-/// What the documentation of `ForwardFit::estimate` states of readings without error.
+/// Relative error that the documentation of `ForwardFit::estimate` allows for readings without noise.
 const EXACT: f64 = 1e-9;
 
 /// A grid of 7 × 7 markers over a share of the skin, in radii.

@@ -137,7 +137,7 @@ fn at(layout: PadLayout, displacement: Vector2<f64>) -> Result<Vector2<f64>, Bey
     pads.read(&placement, &displacement)
 }
 
-/// As far as the direction is a number, where it is told.
+/// Readings of pads of a direction with a bad coordinate.
 fn sensed(layout: PadLayout, bad: f64) -> Result<Vector2<f64>, BeyondPads> {
     let pads = Pads::new(1.0, 0.01, layout, PadOffset::Random, 1.0).expect(MADE);
     let placement = pads.place(|| Stream::new(3, 5, Channel::PadOffset));
