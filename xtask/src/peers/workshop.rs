@@ -30,7 +30,7 @@ pub(crate) struct Workshop<'s> {
 pub(crate) struct Peer(Vec<OsString>);
 
 impl Peer {
-    /// What it prints, run on one core.
+    /// Runs the peer on one core and reads the figures that it prints.
     pub(crate) fn figures(&self, shell: &Shell, core: &str, inputs: &Path) -> Result<Vec<Figure>> {
         let command = &self.0;
         let mut run = cmd!(shell, "taskset -c {core} {command...} {inputs}").quiet();
