@@ -31,6 +31,24 @@ pub struct Study {
 impl Study {
     /// Reads `cells.csv`, `failures.csv` and `run.toml` in `dir`.
     ///
+    /// ```
+    /// use palpate_report::Study;
+    ///
+    /// let dir = tempfile::tempdir()?;
+    /// let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text);
+    /// write("run.toml", "name = \"ball\"\n[scene.probe]\nradius = 20.0\n")?;
+    /// write("failures.csv", "cell,kind,count,first_trial\n0,slipped,3,7\n")?;
+    /// let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
+    ///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
+    /// let row = format!("0,curvature,1/mm,0.2,9,3,0.25{}", ",".repeat(11));
+    /// write("cells.csv", &format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
+    ///
+    /// let study = Study::load(dir.path())?;
+    /// assert_eq!(study.number(0, "scene.probe.radius"), Some(20.0));
+    /// assert_eq!((study.failures()[0].kind.as_str(), study.failures()[0].count), ("slipped", 3));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// A file is absent or malformed; see [`ReportError`].
     pub fn load(dir: impl AsRef<Path>) -> Result<Self, ReportError> {

@@ -4,6 +4,24 @@ use crate::column::Column;
 use crate::failures::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 
 /// Estimate of one quantity by one trial beside its true value, both in the quantity's unit.
+///
+/// ```
+/// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+///
+/// /// Claims an interval of its own, which misses the truth in one trial of four.
+/// struct Intervals;
+/// impl Trial for Intervals {
+///     fn quantities(&self) -> usize { 1 }
+///     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+///         let interval_holds = Some(trial % 4 != 0);
+///         record.observe(0, Observation { estimate: 1.0, truth: 1.0, std: None, interval_holds });
+///         Ok(())
+///     }
+/// }
+/// let statistics = run(&[Cell { trials: 8, trial: &Intervals }], &RunOptions::default(), &|_| ())?;
+/// assert_eq!(statistics[0].quantities[0].coverage95, Some(0.75));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
     /// The estimate.
@@ -26,6 +44,14 @@ impl Observation {
 }
 
 /// Observations of one quantity by `N` trials that ran together, trial by trial; see [`Observation`].
+///
+/// ```
+/// use palpate_sweep::{Observation, Observations};
+///
+/// let one = Observation { estimate: 2.5, truth: 2.0, std: Some(0.5), interval_holds: None };
+/// let alone = Observations { estimates: [2.5], truth: 2.0, stds: Some([0.5]) };
+/// assert_eq!(Observations::<1>::from(one), alone);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observations<const N: usize> {
     /// The estimates.
@@ -60,6 +86,24 @@ impl Record {
     ///
     /// An observation whose error or standard deviation is not a finite number fails the trial as [`NOT_FINITE`], a
     /// negative standard deviation as [`NEGATIVE_STD`], a quantity out of range as [`UNKNOWN_QUANTITY`].
+    ///
+    /// ```
+    /// use palpate_sweep::{Cell, NOT_FINITE, Observation, Record, RunOptions, Trial, run};
+    ///
+    /// struct Overflow;
+    /// impl Trial for Overflow {
+    ///     fn quantities(&self) -> usize { 1 }
+    ///     fn run(&self, _trial: u64, record: &mut Record) -> Result<(), &'static str> {
+    ///         let estimate = f64::INFINITY;
+    ///         record.observe(0, Observation { estimate, truth: 1.0, std: None, interval_holds: None });
+    ///         Ok(())
+    ///     }
+    /// }
+    /// let statistics = run(&[Cell { trials: 5, trial: &Overflow }], &RunOptions::default(), &|_| ())?;
+    /// assert_eq!(statistics[0].quantities[0].observations, 0);
+    /// assert_eq!((statistics[0].failures[0].kind, statistics[0].failures[0].count), (NOT_FINITE, 5));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[inline]
     pub fn observe(&mut self, quantity: usize, observation: Observation) {
         match self.columns.get_mut(quantity) {

@@ -5,6 +5,22 @@ use crate::histogram::Histogram;
 use crate::sums::{Sums, Truth};
 
 /// Statistics of all trials of a cell.
+///
+/// ```
+/// use palpate_sweep::{Cell, Failure, Record, RunOptions, Trial, run};
+///
+/// struct EveryThirdSlips;
+/// impl Trial for EveryThirdSlips {
+///     fn quantities(&self) -> usize { 0 }
+///     fn run(&self, trial: u64, _record: &mut Record) -> Result<(), &'static str> {
+///         if trial % 3 == 2 { Err("slipped") } else { Ok(()) }
+///     }
+/// }
+/// let statistics = run(&[Cell { trials: 9, trial: &EveryThirdSlips }], &RunOptions::default(), &|_| ())?;
+/// assert_eq!((statistics[0].trials, statistics[0].failed()), (9, 3));
+/// assert_eq!(statistics[0].failures, [Failure { kind: "slipped", count: 3, first_trial: 2 }]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellStatistics {
     /// Trials run, failed ones included.
@@ -28,6 +44,24 @@ impl CellStatistics {
 /// `None` where it is undefined (always so without observations) or beyond the range of `f64`. Means, roots of mean squares
 /// and standard deviations are within 1e-13 of the mean magnitude of what they are of, standard deviations within 1e-12 of
 /// themselves, however large or small the numbers; below 1e-308 they are whole multiples of the least double.
+///
+/// ```
+/// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+///
+/// struct Swing;
+/// impl Trial for Swing {
+///     fn quantities(&self) -> usize { 1 }
+///     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+///         let estimate = if trial % 2 == 0 { 1.0 } else { 3.0 };
+///         record.observe(0, Observation { estimate, truth: 2.0, std: None, interval_holds: None });
+///         Ok(())
+///     }
+/// }
+/// let swing = run(&[Cell { trials: 4, trial: &Swing }], &RunOptions::default(), &|_| ())?[0].quantities[0];
+/// assert_eq!((swing.mean, swing.bias, swing.rms_error), (Some(2.0), Some(0.0), Some(1.0)));
+/// assert_eq!((swing.relative_rms_error, swing.coverage95), (Some(0.5), None));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Number of observations.
