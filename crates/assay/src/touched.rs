@@ -2,7 +2,7 @@
 //! n at the contact p, the tip's centre is p + r n. Of the unknown contact one number remains, which is bisected, or the
 //! equation is its own iteration; no rung searches like that.
 
-/// On a ball about the origin.
+/// Contact on a ball about the origin.
 pub fn on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
     let [x, y] = centre.map(|part| part * ball / (ball + tip));
     [x, y, (ball * ball - x * x - y * y).sqrt()]

@@ -99,7 +99,7 @@ impl Moments {
         self.count
     }
 
-    /// Magnitude of the number furthest from 0; 0 of nothing.
+    /// Magnitude of the number furthest from 0; 0 without numbers.
     pub(crate) fn largest(&self) -> f64 {
         self.max.max(-self.min)
     }
@@ -109,12 +109,12 @@ impl Moments {
         value.max(self.min).min(self.max)
     }
 
-    /// Arithmetic mean; `None` of nothing.
+    /// Arithmetic mean; `None` without numbers.
     pub(crate) fn mean(&self) -> Option<f64> {
         (self.count > 0).then(|| self.clamp(self.in_plain_units(self.origin + self.mean)))
     }
 
-    /// Root of the mean square; `None` of nothing.
+    /// Root of the mean square; `None` without numbers.
     pub(crate) fn rms(&self) -> Option<f64> {
         let mean = self.origin + self.mean;
         let mean_square = self.squares / self.count as f64 + mean * mean;

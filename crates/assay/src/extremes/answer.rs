@@ -224,7 +224,7 @@ impl<E: Debug> From<Result<Answer, E>> for Outcome {
     }
 }
 
-/// Where an entry point gives `None`.
+/// Error that stands for the `None` of an entry point.
 pub(super) const NONE: Named = Named("none");
 
 /// An error by the stable name that it gives itself.

@@ -54,7 +54,7 @@ impl Told {
         }
     }
 
-    /// For an estimator; the indentation is known to 0.02.
+    /// Reading for an estimator, with the indentation known to a standard deviation of 0.02 mm.
     pub fn reading<'a>(&'a self, markers: &'a Markers) -> Reading<'a> {
         Reading {
             markers,

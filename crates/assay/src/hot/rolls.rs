@@ -59,7 +59,7 @@ pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
 pub struct Ep1(SceneTrial);
 
 impl Ep1 {
-    /// Each component of a rotation errs uniformly by at most 1 % of it.
+    /// Uniform errors of each component of a rotation, at most 1 % of it.
     pub const UNIFORM: &str =
         "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }";
     /// Pads that report where the contact is.
@@ -118,7 +118,7 @@ impl Ep1 {
         }
     }
 
-    /// Statistics of so many trials on one thread.
+    /// Statistics of `trials` trials on one thread.
     ///
     /// # Errors
     /// If no thread can be had.
@@ -127,7 +127,7 @@ impl Ep1 {
     }
 }
 
-/// Statistics of so many trials on one thread.
+/// Statistics of `trials` trials on one thread.
 fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
     let options = RunOptions {
         threads: NonZeroUsize::new(1),

@@ -158,7 +158,7 @@ impl Layer {
     }
 }
 
-/// Where g ends.
+/// End of the range over which g counts.
 fn reach() -> f64 {
     0.6 * NEGLIGIBLE
 }

@@ -96,14 +96,14 @@ fn of_roll(study: &Study) -> Result<Rivals> {
     })
 }
 
-/// In the charts of both bodies: coordinates, metrics and Christoffel symbols, where the rungs that are judged have a normal
-/// and a shape operator in space.
+/// Model of the truth of rolls. It computes in the charts of both bodies, with coordinates, metrics and Christoffel
+/// symbols; the rungs that are judged use a normal and a shape operator in space.
 const TRUE_ROLL: Model = Model::Dop853 {
     tolerance: Model::SMALLEST_TOLERANCE,
     chart: Chart::Montana(HeldAxis::Transported),
 };
 
-/// Where each roll ends, on the object and on the probe.
+/// End points of each roll on the object and on the probe.
 fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f64>>> {
     let radius = roller.probe().radius();
     let roller = roller.on(model, rolls)?;
@@ -207,7 +207,7 @@ fn of_glide(config: &GlideConfig, ladder: &Ladder) -> Result<Rivals> {
     })
 }
 
-/// Where the fingers touch, finger by finger; `None` on objects for which a rung has a closed form.
+/// Points at which the fingers touch, finger by finger; `None` on objects for which a rung has a closed form.
 fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     let touch: Box<dyn Fn([f64; 2]) -> [f64; 3]> = match &config.object {
         &ObjectConfig::Ellipsoid { semi_axes } => {

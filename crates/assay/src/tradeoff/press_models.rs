@@ -160,7 +160,7 @@ impl Press {
             .collect())
     }
 
-    /// By quadrature.
+    /// True displacements, by quadrature.
     fn truth(&self) -> Result<Profile> {
         let layer = pressed::Body::Layer {
             thickness: self.thickness,

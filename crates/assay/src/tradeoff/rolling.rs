@@ -34,7 +34,7 @@ struct Roll {
     end: OnceCell<End>,
 }
 
-/// Where a contact is on both bodies, and how long its path on the probe was.
+/// Contact at the end of a roll: its place on both bodies, and the length of its path on the probe.
 struct End {
     on_object: Point3<f64>,
     on_probe: Point3<f64>,
@@ -179,7 +179,8 @@ fn on_ball(roll: &Roll) -> Result<End> {
     })
 }
 
-/// From the apex of z = −c r² the probe turns by θ = α + s/R₁: α the slope's angle, s the parabola's length.
+/// End of a roll from the apex of z = −c r²: the probe has turned by θ = α + s/R₁, where α is the slope's angle and s
+/// the length of the parabola.
 fn on_paraboloid(roll: &Roll) -> Result<End> {
     const C: f64 = 0.2;
     let length = |r: f64| {

@@ -1,4 +1,4 @@
-//! Only what a scene requires: what scenes ask for, counted.
+//! Counts of the work of scenes: no scene does work that it does not require.
 
 use palpate_scene::config;
 use palpate_tally::{Tally, counted};

@@ -51,7 +51,7 @@ pub(super) fn converges(study: &Study) -> Result<Finding, String> {
 /// The estimates of one effective radius by one estimator.
 struct Course {
     truth: f64,
-    /// Below [`SHALLOW`]; none where no trial gave an estimate.
+    /// Estimates at indentations below [`SHALLOW`]; none where no trial gave one.
     shallow: Vec<Option<Estimates>>,
     deepest: Estimates,
 }
@@ -164,7 +164,7 @@ fn chains(study: &Study, seen: &dyn Fn(usize) -> bool) -> String {
     told.collect()
 }
 
-/// Where the estimates end and how they scatter before.
+/// Words for the estimates at the deepest press and for their scatter before it.
 fn told(courses: &[Course]) -> String {
     let ends = courses.iter().map(|course| {
         let Estimates { median, error, .. } = course.deepest;

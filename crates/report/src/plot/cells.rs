@@ -80,7 +80,7 @@ pub(crate) fn choose(
     Ok(Chosen { rows, notes })
 }
 
-/// Where a row stands in the sweep.
+/// Words for the place of a row in the sweep.
 fn place(study: &Study, row: usize) -> String {
     let axes = study.cells().axes().iter();
     let values: Vec<String> = axes.map(|axis| full_value(axis, axis.text(row))).collect();

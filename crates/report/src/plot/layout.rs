@@ -9,22 +9,22 @@ use super::scale::Tick;
 pub(crate) const TITLE: f64 = 25.0;
 /// Size of all other text.
 pub(crate) const TEXT: f64 = 18.0;
-/// From one line of text to the next, in sizes.
+/// Distance between lines of text, in sizes of the text.
 pub(crate) const LEADING: f64 = 1.35;
 /// Margin around the picture.
 pub(crate) const EDGE: f64 = 22.0;
 /// Length of a line's sample in the legend.
 pub(crate) const SAMPLE: f64 = 40.0;
-/// From a panel to the labels of its ticks.
+/// Gap between a panel and the labels of its ticks, pixels.
 pub(crate) const TICK_GAP: f64 = 10.0;
 
 const GAP: f64 = 30.0;
 const SMALLEST_WIDTH: f64 = 960.0;
 const PANEL_HEIGHT: f64 = 390.0;
 const LEGEND_LIMIT: f64 = 250.0;
-/// Names along x make no panel wider than this, and no row of several.
+/// Width of a panel, and of a row of panels, up to which names along x widen it, pixels.
 const LARGEST_WIDTH: f64 = 1500.0;
-/// Between names along x.
+/// Gap between names along x, pixels.
 const BESIDE: f64 = 12.0;
 /// More panels than this make several rows.
 const PER_ROW: usize = 4;

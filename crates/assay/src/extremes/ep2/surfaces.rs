@@ -19,7 +19,7 @@ struct Paraboloid {
     size: f64,
     /// b₁ and b₂ times the size.
     bends: [f64; 2],
-    /// Where its apex lies, in sizes.
+    /// Each coordinate of the apex, in sizes.
     offset: f64,
     turn: [f64; 3],
 }
