@@ -1,7 +1,8 @@
 //! Errors of palpate on fixed scenes and seeds: of every rung against closed forms, of the estimators against the truth
 //! of the scenes, and of the tracker against the true places of the discs in its frames.
 //!
-//! `cargo xtask bench-check` compares them with `baseline/accuracy.csv`, so that no change makes an answer worse unseen.
+//! `cargo xtask bench-check` compares them with `baseline/accuracy.csv`, so that no change makes an answer worse
+//! unseen.
 
 mod curvatures;
 mod presses;

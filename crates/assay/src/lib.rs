@@ -1,7 +1,7 @@
-//! Harnesses over the whole of palpate: what each rung costs and how far it errs ([`tradeoff`]), what
-//! happens at the extremes of every public entry point (`extremes`), and whether `auto` keeps its word
-//! ([`promise`]). What must not get worse: instructions of the [`hot`] paths and [`accuracy`]. What palpate takes beside its
-//! peers: [`ours`]. Truth of their own making: [`pressed`] for presses, [`touched`] for round tips.
+//! Harnesses over the whole of palpate: what each rung costs and how far it errs ([`tradeoff`]), what happens at the
+//! extremes of every public entry point (`extremes`), and whether `auto` keeps its word ([`promise`]). What must not
+//! get worse: instructions of the [`hot`] paths and [`accuracy`]. What palpate takes beside its peers: [`ours`]. Truth
+//! of their own making: [`pressed`] for presses, [`touched`] for round tips.
 
 pub mod accuracy;
 #[cfg(feature = "extremes")]

@@ -97,8 +97,8 @@ fn table(directory: &Path, name: &str, header: &str) -> Result<BufWriter<File>> 
     Ok(table)
 }
 
-/// Times a group of tasks: a line of JSON per rung. Where a rung has a tolerance, it is the loosest that errs by at most
-/// what `error_at_most` says of the task, or 1e-12.
+/// Times a group of tasks: a line of JSON per rung. Where a rung has a tolerance, it is the loosest that errs by at
+/// most what `error_at_most` says of the task, or 1e-12.
 ///
 /// # Errors
 /// If there is no such group, or a rung cannot do its task.

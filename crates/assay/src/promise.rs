@@ -7,8 +7,8 @@
 //! | glide | the touches of all fingers | contacts, relative to the tip's radius | the offset surface written out; a closed form against Newton's method, and the other way round | closed form, Newton's method in steps of ten |
 //! | press | the press, and how the markers move | displacements, relative to the largest | quadrature over wavenumbers, which no rung uses | Hertz, half-space, layer |
 //!
-//! Setting up a scene is not counted, nor is a roll's rival that evaluates the contact equations more than three times as
-//! often as the rung that is taken: what a method does around an evaluation makes it 2.1 times as dear at most.
+//! Setting up a scene is not counted, nor is a roll's rival that evaluates the contact equations more than three times
+//! as often as the rung that is taken: what a method does around an evaluation makes it 2.1 times as dear at most.
 
 mod cost;
 mod rivals;
@@ -101,8 +101,8 @@ impl Promise {
         method(&self.taken().name) != method(self.truth)
     }
 
-    /// Whether the model that was taken costs no more than it may, as far as that shows without counting instructions: a
-    /// roll evaluates the contact equations at most twice as often as any other that would do; of glides and presses
+    /// Whether the model that was taken costs no more than it may, as far as that shows without counting instructions:
+    /// a roll evaluates the contact equations at most twice as often as any other that would do; of glides and presses
     /// none earlier on the ladder that would do is of another method.
     pub fn seems_cheap(&self) -> bool {
         let evaluations = |place: usize| self.rivals[place].evaluations.unwrap_or(0) as f64;
@@ -152,7 +152,8 @@ pub fn promises() -> Result<Vec<Promise>> {
     Kind::ALL.into_iter().flat_map(numbered).collect()
 }
 
-/// Judges all scenes and writes `promise.csv`; `counted` as in [`measured::instructions`]. Says how many kept their word.
+/// Judges all scenes and writes `promise.csv`; `counted` as in [`measured::instructions`]. Says how many kept their
+/// word.
 ///
 /// # Errors
 /// If a scene breaks the promise, after the table is written; if counting fails, or the table cannot be written.

@@ -41,9 +41,10 @@ impl CellStatistics {
 /// Statistics of one quantity over the observations of the trials that succeeded.
 ///
 /// An error is estimate − truth. Everything is in the quantity's unit or a plain ratio, and finite; a statistic is
-/// `None` where it is undefined (always so without observations) or beyond the range of `f64`. Means, roots of mean squares
-/// and standard deviations are within 1e-13 of the mean magnitude of what they are of, standard deviations within 1e-12 of
-/// themselves, however large or small the numbers; below 1e-308 they are whole multiples of the least double.
+/// `None` where it is undefined (always so without observations) or beyond the range of `f64`. Means, roots of mean
+/// squares and standard deviations are within 1e-13 of the mean magnitude of what they are of, standard deviations
+/// within 1e-12 of themselves, however large or small the numbers; below 1e-308 they are whole multiples of the least
+/// double.
 ///
 /// ```
 /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};

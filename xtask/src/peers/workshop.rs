@@ -121,8 +121,8 @@ impl<'s> Workshop<'s> {
     }
 }
 
-/// The interpreter of the virtual environment with the packages of requirements.txt, made where it is missing, or why it
-/// cannot be.
+/// The interpreter of the virtual environment with the packages of requirements.txt, made where it is missing, or why
+/// it cannot be.
 fn environment(shell: &Shell, sources: &Path, directory: &Path) -> Result<Result<PathBuf, String>> {
     let place = directory.join("venv");
     let python = place.join("bin").join("python");

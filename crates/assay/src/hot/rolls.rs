@@ -80,8 +80,8 @@ impl Ep1 {
         )))
     }
 
-    /// Trials alone, side by side as the runner takes them: the root of the mean square of the relative error of the normal
-    /// curvature. `None` where they cannot all be run side by side.
+    /// Trials alone, side by side as the runner takes them: the root of the mean square of the relative error of the
+    /// normal curvature. `None` where they cannot all be run side by side.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
         let mut sum = 0.0;
         let taken = self.roll()?.side_by_side(0..trials, |observed| {

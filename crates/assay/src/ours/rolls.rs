@@ -21,7 +21,8 @@ const TOLERANCES: [f64; 16] = [
 const USUAL_ERROR: f64 = 1e-12;
 const TRIALS: u64 = 1 << 17;
 
-/// Rolls by 6 rad: by the integrator that errs by at most what `error_at_most` says of the task, and by the cheapest rung.
+/// Rolls by 6 rad: by the integrator that errs by at most what `error_at_most` says of the task, and by the cheapest
+/// rung.
 pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {

@@ -198,7 +198,8 @@ fn shape_error(scene: &Scene, trials: u64) -> Result<f64> {
     squares.error()
 }
 
-/// The map of `coarse` against the truth on the grid of `fine`. All grids are held against the truth at the same places.
+/// The map of `coarse` against the truth on the grid of `fine`. All grids are held against the truth at the same
+/// places.
 fn map_error(coarse: &Scene, fine: &Scene) -> Result<f64> {
     let truths = outcomes(fine, 1)?.remove(0);
     let mut squares = Squares::default();

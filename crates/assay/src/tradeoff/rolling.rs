@@ -206,8 +206,9 @@ fn on_paraboloid(roll: &Roll) -> Result<End> {
     })
 }
 
-/// Where there is no closed form: RK4 on Montana's equations in the charts of the two surfaces, with which the chart-free
-/// rungs share nothing, extrapolated from two counts of steps (Richardson). DOP853 on the same equations has to agree.
+/// Where there is no closed form: RK4 on Montana's equations in the charts of the two surfaces, with which the
+/// chart-free rungs share nothing, extrapolated from two counts of steps (Richardson). DOP853 on the same equations has
+/// to agree.
 fn in_charts(roll: &Roll) -> Result<End> {
     const STEPS: usize = 3000;
     let chart = Chart::Montana(HeldAxis::Transported);

@@ -49,7 +49,8 @@ impl MeasuredRung {
     }
 }
 
-/// Writes `ladders.csv` (what the ladders are, and on which machine they were measured), `rungs.csv` and `answers.csv` to a folder.
+/// Writes `ladders.csv` (what the ladders are, and on which machine they were measured), `rungs.csv` and `answers.csv`
+/// to a folder.
 pub(super) fn write(measured: &[Measured], machine: &str, folder: &Path) -> Result<()> {
     write_ladders(measured, machine, folder)?;
     write_rungs(measured, folder)?;

@@ -12,7 +12,8 @@ use super::{PressMethodName, length_unit, not_negative, positive};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SensorCommand {
-    /// Draw the flat pattern that a sensor's skin is cut from: writes pattern.svg, pattern.dxf and the strain of folding.
+    /// Draw the flat pattern that a sensor's skin is cut from: writes pattern.svg, pattern.dxf and the strain of
+    /// folding.
     #[command(
         after_help = "The config is that of a press or of a fingertip whose layout has gores and whose probe has discs.
 pattern.svg and pattern.dxf are in millimetres, with the outlines of the gores (CUT), fold and seam marks

@@ -1,4 +1,5 @@
-//! Frames of a small camera sensor, drawn by the simplest rules: a disc of magenta and one of yellow per marker, on white.
+//! Frames of a small camera sensor, drawn by the simplest rules: a disc of magenta and one of yellow per marker, on
+//! white.
 
 use std::io::Cursor;
 

@@ -16,8 +16,8 @@ const MARKERS: [&str; 8] = [
     "status",
 ];
 
-/// Displacement in mm, 2 mm deep in an incompressible half-space, under a plane that a sensor of radius 20 mm is pressed
-/// onto, 1 mm deep: the closed form for the pressure of Hertz.
+/// Displacement in mm, 2 mm deep in an incompressible half-space, under a plane that a sensor of radius 20 mm is
+/// pressed onto, 1 mm deep: the closed form for the pressure of Hertz.
 fn pressed([x, y]: [f64; 2]) -> f64 {
     let (radius, depth, nu): (f64, f64, f64) = (20.0, 2.0, 0.5);
     let r = radius * libm::hypot(x, y);
