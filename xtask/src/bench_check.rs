@@ -69,7 +69,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// What palpate errs by on fixed scenes, which is the same in every profile.
+/// Errors of palpate on fixed scenes, which are the same in every build profile.
 fn accuracy(shell: &Shell) -> Result<Figures> {
     let run = cmd!(shell, "cargo run --quiet -p palpate-assay -- accuracy");
     Figures::read(&run.quiet().read()?)

@@ -1,4 +1,4 @@
-//! What nobody would write, to the readers of files.
+//! Fuzzing of the readers of files.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -33,7 +33,7 @@ pub(crate) fn build_uncounted_assay(shell: &Shell) -> Result<PathBuf> {
     Ok(target_dir(shell).join("release").join(binary))
 }
 
-/// What costs are measured on: processor, cores, compiler.
+/// Words for the machine on which costs are measured: processor, cores, compiler.
 pub(crate) fn machine(shell: &Shell) -> String {
     let processors = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = processors

@@ -1,4 +1,5 @@
-//! What a user would pick instead, beside palpate: the same tasks on the same inputs in the same run, on one core.
+//! Comparison of palpate with other programs that a user could take instead: the same tasks on the same inputs in the
+//! same run, on one core.
 
 mod figure;
 mod table;
@@ -31,7 +32,7 @@ pub(crate) struct Options {
     core: usize,
 }
 
-/// What a peer is made of.
+/// Form of a peer's program.
 pub(crate) enum Kind {
     /// A script in xtask/peers/.
     Python(&'static str),
@@ -45,10 +46,10 @@ pub(crate) enum Kind {
 struct Group {
     name: &'static str,
     peer: Kind,
-    /// How many times quicker palpate is to be.
+    /// Factor by which palpate is to be quicker.
     target: f64,
-    /// By what palpate's error may exceed the peer's and still count as equal: 0 where both are of the same inputs, what
-    /// chance allows where each draws its own.
+    /// Share of the peer's error by which palpate's may exceed it and still count as equal: 0 where both read the same
+    /// inputs, the effect of chance where each draws its own.
     slack: f64,
 }
 

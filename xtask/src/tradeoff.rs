@@ -1,5 +1,5 @@
-//! Error against cost of every ladder: measured, then drawn, into `results/tradeoff/`; and whether `auto` keeps its word
-//! (`promise.csv`).
+//! Error against cost of every ladder: measured, then drawn, into `results/tradeoff/`; and whether `auto` keeps its
+//! word (`promise.csv`).
 
 use std::path::Path;
 use std::time::Instant;

@@ -1,7 +1,8 @@
-//! What palpate errs by, on fixed scenes and seeds: errors of every rung against closed forms, of the estimators against
-//! the truth of the scenes, and of the tracker against the frames' truth.
+//! Errors of palpate on fixed scenes and seeds: of every rung against closed forms, of the estimators against the truth
+//! of the scenes, and of the tracker against the true places of the discs in its frames.
 //!
-//! `cargo xtask bench-check` compares them with `baseline/accuracy.csv`, so that no change makes an answer worse unseen.
+//! `cargo xtask bench-check` compares them with `baseline/accuracy.csv`, so that no change makes an answer worse
+//! unseen.
 
 mod curvatures;
 mod presses;
@@ -12,7 +13,7 @@ use anyhow::{Result, ensure};
 
 /// An error of palpate: relative, or in the unit that its name ends with.
 pub struct Figure {
-    /// What errs, on what scene.
+    /// Name of the estimate and of the scene.
     pub name: String,
     /// Finite and at least 0.
     pub error: f64,

@@ -1,7 +1,8 @@
-//! Harnesses over the whole of palpate: what each rung costs and how far it errs ([`tradeoff`]), what
-//! happens at the extremes of every public entry point (`extremes`), and whether `auto` keeps its word
-//! ([`promise`]). What must not get worse: instructions of the [`hot`] paths and [`accuracy`]. What palpate takes beside its
-//! peers: [`ours`]. Truth of their own making: [`pressed`] for presses, [`touched`] for round tips.
+//! Harnesses over the whole of palpate. They measure the cost and the error of each rung ([`tradeoff`]), call every
+//! public entry point with extreme inputs (`extremes`), and check that `auto` takes an adequate and cheap rung
+//! ([`promise`]). The instructions of the [`hot`] paths and the errors in [`accuracy`] must not grow. [`ours`] times
+//! palpate on the tasks of its peers. The truths come from independent computations: [`pressed`] for presses,
+//! [`touched`] for fingertips with a radius.
 
 pub mod accuracy;
 #[cfg(feature = "extremes")]

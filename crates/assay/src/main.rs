@@ -1,4 +1,4 @@
-//! What `cargo xtask` runs of the harnesses.
+//! Program by which `cargo xtask` runs the harnesses.
 #![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;
@@ -30,21 +30,21 @@ enum Harness {
         /// The table to write.
         #[arg(long)]
         out: PathBuf,
-        /// Count instructions: what this program asks of itself under valgrind.
+        /// Count instructions instead; the program calls itself so under valgrind.
         #[arg(long, hide = true)]
         counted: bool,
     },
-    /// Prints what palpate errs by on fixed scenes, as CSV.
+    /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
-    /// Times the tasks of the peers, a line of JSON per rung; or writes what the peers read.
+    /// Times palpate on the tasks of the peers, a line of JSON per rung; or writes the inputs of the peers.
     Ours {
         /// The group of tasks.
         #[arg(required_unless_present = "inputs")]
         group: Option<String>,
-        /// What a rung with a tolerance may err by on a task, `TASK=ERROR`; 1e-12 on those not named.
+        /// Largest error that a rung with a tolerance may have on a task, `TASK=ERROR`; 1e-12 on tasks not named.
         #[arg(long, value_parser = limit)]
         error_at_most: Vec<(String, f64)>,
-        /// Where the peers' inputs go; nothing is timed.
+        /// Folder to write the peers' inputs to; nothing is timed.
         #[arg(long)]
         inputs: Option<PathBuf>,
     },
@@ -60,16 +60,16 @@ enum Harness {
         /// The folder to write to.
         #[arg(long)]
         out: PathBuf,
-        /// What `tallies` has written.
+        /// Table that `tallies` has written.
         #[arg(long)]
         tallies: PathBuf,
-        /// What to write beside the times: the machine in words.
+        /// Words for the machine, written beside the times.
         #[arg(long)]
         machine: String,
-        /// Time as short as may be.
+        /// Time each rung only briefly.
         #[arg(long)]
         quick: bool,
-        /// Count instructions: what this program asks of itself under valgrind.
+        /// Count instructions instead; the program calls itself so under valgrind.
         #[arg(long, hide = true)]
         counted: bool,
     },

@@ -1,4 +1,4 @@
-//! What one evaluation costs: time with its spread, and instructions where valgrind is present.
+//! Cost of one evaluation: time with its spread, and instructions where valgrind is present.
 //!
 //! A harness makes a list of [`Evaluation`]s. [`Evaluation::time`] measures one of them here and now;
 //! [`instructions`] runs the harness once more under callgrind, with the same arguments and
@@ -14,25 +14,25 @@ use anyhow::{Context, Result, bail, ensure};
 
 /// The flag on which a harness counts its evaluations instead of measuring them.
 pub const COUNTED: &str = "--counted";
-/// What to tell users when [`instructions`] returns nothing.
+/// Message for users when [`instructions`] returns nothing.
 pub const NO_VALGRIND: &str =
     "valgrind is not installed: instructions are not counted, their column stays empty";
 
-/// A batch lasts at least as long, so that the clock's own cost does not matter.
+/// Least duration of a batch, long enough that the clock's own cost does not matter.
 const BATCH: Duration = Duration::from_millis(5);
 /// Runs of each evaluation under callgrind, of which the last counts.
 const RUNS: usize = 2;
-/// Batches at least, however long one takes.
+/// Fewest batches, however long one takes.
 const FEWEST_BATCHES: usize = 3;
-/// What callgrind knows [`evaluate_once`] by, whether names are mangled or not.
+/// Pattern that tells callgrind the name of [`evaluate_once`], mangled or not.
 const EVALUATE_ONCE: &str = "*measured*evaluate_once*";
 
-/// Something whose cost is asked for, repeatable: each run does the same work.
+/// Work whose cost is to be measured; each run does the same.
 pub struct Evaluation {
-    /// What it is, for messages.
+    /// Name of the work, for messages.
     pub name: String,
     run: Box<dyn FnMut()>,
-    /// How many of what is asked for one run makes.
+    /// Number of evaluations that one run makes.
     in_a_row: u32,
 }
 
@@ -57,14 +57,14 @@ impl Evaluation {
         }
     }
 
-    /// The same where each run makes so many of what is asked for, at least 1: costs are per one of them.
+    /// Sets the number of evaluations that each run makes, at least 1; costs are per evaluation.
     #[must_use]
     pub fn in_a_row(mut self, evaluations: u32) -> Self {
         self.in_a_row = evaluations.max(1);
         self
     }
 
-    /// How many of what is asked for one run makes.
+    /// Number of evaluations that one run makes.
     pub fn scale(&self) -> u32 {
         self.in_a_row
     }
@@ -109,8 +109,8 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[below] + (sorted[above] - sorted[below]) * place.fract()
 }
 
-/// What a harness does that was called with [`COUNTED`]: runs each evaluation twice, first to fill caches and tables.
-/// Callgrind writes what it has counted, and starts again, at the end of each run.
+/// Runs each evaluation twice, first to fill caches and tables. A harness that was called with [`COUNTED`] calls this
+/// and nothing else: callgrind writes its count at the end of each run and starts again from 0.
 pub fn count(evaluations: impl IntoIterator<Item = Evaluation>) {
     for mut evaluation in evaluations {
         for _ in 0..RUNS {

@@ -1,4 +1,5 @@
-//! What palpate takes for the tasks of its peers, on the same inputs: a line of JSON per rung, as the peers print it.
+//! Costs and errors of palpate on the tasks of its peers, on the same inputs: a line of JSON per rung, as the peers
+//! print it.
 
 mod patches;
 mod presses;
@@ -25,13 +26,13 @@ const FRAMES: [usize; 2] = [640, 1024];
 /// How long an evaluation is timed.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// What a rung takes for a task.
+/// Cost and error of one rung on one task.
 struct Figure {
-    /// As the peers name it.
+    /// Name of the task, which the peers use too.
     task: String,
     rung: String,
     time_us: f64,
-    /// As the peers define it.
+    /// Error as the peers define it for the task.
     error: f64,
 }
 
@@ -96,8 +97,8 @@ fn table(directory: &Path, name: &str, header: &str) -> Result<BufWriter<File>> 
     Ok(table)
 }
 
-/// Times a group of tasks: a line of JSON per rung. Where a rung has a tolerance, it is the loosest that errs by at most
-/// what `error_at_most` says of the task, or 1e-12.
+/// Times a group of tasks: a line of JSON per rung. Where a rung has a tolerance, it is the loosest that errs by at
+/// most what `error_at_most` says of the task, or 1e-12.
 ///
 /// # Errors
 /// If there is no such group, or a rung cannot do its task.

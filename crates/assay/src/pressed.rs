@@ -1,5 +1,5 @@
-//! Displacements under a frictionless rigid paraboloid by plain quadrature over wavenumbers: what the closed forms, series
-//! and tables of `palpate-press` are held against, none of which is used here.
+//! Displacements under a frictionless rigid paraboloid by plain quadrature over wavenumbers: what the closed forms,
+//! series and tables of `palpate-press` are held against, none of which is used here.
 //!
 //! The pressure has the Hankel transform Q(k) = ∫₀^a φ(t) cos kt dt, and moves what it presses by C_r ∫ Q N J₀(kr) dk
 //! inward and C_r ∫ Q R J₁(kr) dk outward, at depth z:
@@ -9,8 +9,9 @@
 //! | half-space | (1 + kz/(2 − 2ν)) e^{−kz} | (kz − 1 + 2ν)/(2 − 2ν) e^{−kz} |
 //! | layer on a core, ν = ½ | [(cosh H + H sinh H)(sinh x − x cosh x) + H cosh H x sinh x]/(cosh² H + H²) | ∂N/∂x likewise |
 //!
-//! (the layer's less the half-space's, which is summed over the contact instead) with the wavenumber H and x = H(1 − z) in units of the layer's thickness. On a half-space φ = (2/π)(a² − t²); on a layer
-//! φ solves the integral equation of the second kind of Lebedev and Ufliand (1958).
+//! (the layer's less the half-space's, which is summed over the contact instead) with the wavenumber H and x = H(1 − z)
+//! in units of the layer's thickness. On a half-space φ = (2/π)(a² − t²); on a layer φ solves the integral equation of
+//! the second kind of Lebedev and Ufliand (1958).
 
 mod layer;
 mod quadrature;
@@ -22,12 +23,12 @@ use anyhow::{Result, ensure};
 use layer::Layer;
 use quadrature::{on_panels, over};
 
-/// Below e to minus this power nothing counts.
+/// Exponent p of the smallest factor e⁻ᵖ that still counts.
 const NEGLIGIBLE: f64 = 30.0;
-/// An angle's share that one panel of the quadrature spans.
+/// Phase that one panel of the quadrature spans, rad.
 const PHASE: f64 = 12.0;
 
-/// What is pressed.
+/// Soft body that is pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
     /// An elastic half-space.

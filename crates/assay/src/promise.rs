@@ -7,8 +7,8 @@
 //! | glide | the touches of all fingers | contacts, relative to the tip's radius | the offset surface written out; a closed form against Newton's method, and the other way round | closed form, Newton's method in steps of ten |
 //! | press | the press, and how the markers move | displacements, relative to the largest | quadrature over wavenumbers, which no rung uses | Hertz, half-space, layer |
 //!
-//! Setting up a scene is not counted, nor is a roll's rival that evaluates the contact equations more than three times as
-//! often as the rung that is taken: what a method does around an evaluation makes it 2.1 times as dear at most.
+//! Setting up a scene is not counted, nor is a roll's rival that evaluates the contact equations more than three times
+//! as often as the rung that is taken: what a method does around an evaluation makes it 2.1 times as dear at most.
 
 mod cost;
 mod rivals;
@@ -29,26 +29,26 @@ use verdict::Verdict;
 
 /// Scenes of each kind.
 pub const SCENES: u64 = 50;
-/// The rung that is taken may cost so many times the cheapest that would do.
+/// Largest ratio of the cost of the rung taken to that of the cheapest adequate rung.
 const MOST: f64 = 2.0;
-/// A roll that evaluates the contact equations so many times as often is dearer for certain.
+/// Ratio of the numbers of evaluations of the contact equations from which on a roll is dearer for certain.
 const DEARER: usize = 3;
 
-/// A random scene, what `auto` has taken for it, and what it could have taken.
+/// Random scene with the model that `auto` took for it and the models that it could have taken.
 #[derive(Debug)]
 pub struct Promise {
-    /// What kind of scene it is.
+    /// Kind of the scene.
     pub kind: Kind,
-    /// Its number among its kind.
+    /// Number of the scene among those of its kind.
     pub number: u64,
     study: Study,
-    /// The models of the scene, with what they err by against a truth that is none of them.
+    /// Models that can do the scene, with their errors against a truth that is computed in another way.
     pub rivals: Vec<Rival>,
-    /// Which of them `auto` has taken.
+    /// Index in `rivals` of the model that `auto` took.
     taken: usize,
-    /// What the model that is taken is held against.
+    /// Words for the truth that the errors are measured against.
     pub truth: &'static str,
-    /// What `auto` was asked for.
+    /// Tolerance that `auto` was given.
     pub tolerance: f64,
 }
 
@@ -101,8 +101,8 @@ impl Promise {
         method(&self.taken().name) != method(self.truth)
     }
 
-    /// Whether the model that was taken costs no more than it may, as far as that shows without counting instructions: a
-    /// roll evaluates the contact equations at most twice as often as any other that would do; of glides and presses
+    /// Whether the model that was taken costs no more than it may, as far as that shows without counting instructions:
+    /// a roll evaluates the contact equations at most twice as often as any other that would do; of glides and presses
     /// none earlier on the ladder that would do is of another method.
     pub fn seems_cheap(&self) -> bool {
         let evaluations = |place: usize| self.rivals[place].evaluations.unwrap_or(0) as f64;
@@ -133,7 +133,7 @@ impl Promise {
         self.judged().map(|place| self.evaluation(place)).collect()
     }
 
-    /// What the truth of the scene costs on a model.
+    /// Evaluation that computes the truth of the scene by the model at index `place` of `rivals`.
     fn evaluation(&self, place: usize) -> Result<Evaluation> {
         let rung = &self.rivals[place].rung;
         let mut run = cost::truth(&self.study, rung)?;
@@ -152,7 +152,8 @@ pub fn promises() -> Result<Vec<Promise>> {
     Kind::ALL.into_iter().flat_map(numbered).collect()
 }
 
-/// Judges all scenes and writes `promise.csv`; `counted` as in [`measured::instructions`]. Says how many kept their word.
+/// Judges all scenes and writes `promise.csv`; `counted` as in [`measured::instructions`]. Says how many kept their
+/// word.
 ///
 /// # Errors
 /// If a scene breaks the promise, after the table is written; if counting fails, or the table cannot be written.

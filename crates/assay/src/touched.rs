@@ -1,8 +1,8 @@
-//! Where a round tip of radius r that comes from above touches, from the offset surface written out: with the outward normal
-//! n at the contact p, the tip's centre is p + r n. Of the unknown contact one number remains, which is bisected, or the
-//! equation is its own iteration; no rung searches like that.
+//! Where a round tip of radius r that comes from above touches, from the offset surface written out: with the outward
+//! normal n at the contact p, the tip's centre is p + r n. Of the unknown contact one number remains, which is
+//! bisected, or the equation is its own iteration; no rung searches like that.
 
-/// On a ball about the origin.
+/// Contact on a ball about the origin.
 pub fn on_ball(ball: f64, tip: f64, centre: [f64; 2]) -> [f64; 3] {
     let [x, y] = centre.map(|part| part * ball / (ball + tip));
     [x, y, (ball * ball - x * x - y * y).sqrt()]
@@ -19,8 +19,8 @@ pub fn on_quadric([k, l]: [f64; 2], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     [x, y, k * x * x + l * y * y]
 }
 
-/// On an ellipsoid: with g = |(x/a², y/b², z/c²)| the tip's centre is x (1 + r/(g a²)) and so on; g is bisected. NaN where
-/// the tip misses it.
+/// On an ellipsoid: with g = |(x/a², y/b², z/c²)| the tip's centre is x (1 + r/(g a²)) and so on; g is bisected. NaN
+/// where the tip misses it.
 pub fn on_ellipsoid(semi_axes: [f64; 3], tip: f64, [x, y]: [f64; 2]) -> [f64; 3] {
     let squares = semi_axes.map(|axis| axis * axis);
     let at = |g: f64| {

@@ -38,11 +38,11 @@ use table::{Measured, MeasuredRung};
 pub struct Options<'a> {
     /// The folder to write to.
     pub out: &'a Path,
-    /// What [`tallies`] has written.
+    /// Table that [`tallies`] has written.
     pub tallies: &'a Path,
-    /// What is measured on, in words.
+    /// Words for the machine on which costs are measured.
     pub machine: &'a str,
-    /// Time each rung for as short as may be.
+    /// Whether to time each rung only briefly.
     pub quick: bool,
     /// Count the evaluations for [`measured::instructions`], and do nothing else.
     pub counted: bool,

@@ -1,8 +1,9 @@
-//! What nobody would write, for the readers of files.
+//! Fuzz targets for the readers of files: configs, formulas, readings, frames and calibrations.
 //!
-//! Each target takes any bytes for a file. It must end with a result or an error that says something; what is read must
-//! be whole: nothing in it may be NaN or infinite, and what is written of it must be read back the same. `corpus/` holds
-//! inputs that reach different code, found by coverage; the tests replay them, and variations of them.
+//! Each target takes arbitrary bytes as the contents of a file and panics where a reader breaks its promise. A reader
+//! must return a result or an error with a message. A result must hold no number that is NaN or infinite, and what is
+//! written from it must read back the same. `corpus/` holds inputs that reach different parts of the code, found by
+//! coverage; the tests replay them and variations of them.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -18,9 +19,9 @@ use palpate_tracking::{Finder, FinderSettings};
 /// A reader under test.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// Its name, that of the folder of its corpus too.
+    /// Name of the reader, also of the folder of its corpus.
     pub name: &'static str,
-    /// Reads these bytes.
+    /// Function that feeds bytes to the reader; it panics where the reader breaks its promise.
     pub run: fn(&[u8]),
 }
 
@@ -48,11 +49,12 @@ pub const TARGETS: [Target; 5] = [
     },
 ];
 
-/// Rows and pixels beyond these are not worked on, for the sake of speed.
+/// Lines of a file beyond which no estimate of a glide or press is made, to keep a target quick.
 const MOST_ROWS: usize = 60;
+/// Pixels of a frame beyond which no markers are sought in it.
 const MOST_PIXELS: u32 = 200 * 200;
 
-/// A study's config.
+/// Reads a study's config.
 ///
 /// # Panics
 /// If a resolved config is not read back the same, or an error says nothing.
@@ -73,7 +75,7 @@ pub fn config(bytes: &[u8]) {
     }
 }
 
-/// The formula of a height field.
+/// Parses and evaluates the formula of a height field.
 ///
 /// # Panics
 /// If value and jet differ, or an error says nothing.
@@ -103,7 +105,7 @@ pub fn formula(bytes: &[u8]) {
     }
 }
 
-/// Recorded readings of rolls, glides and presses, and the estimates from them.
+/// Reads recorded readings of rolls, glides and presses, and estimates from them.
 ///
 /// # Panics
 /// If an estimate is not finite, or an error says nothing.
@@ -142,7 +144,7 @@ pub fn readings(bytes: &[u8]) {
     }
 }
 
-/// A frame of a camera, and the markers in it.
+/// Reads a frame of a camera and finds the markers in it.
 ///
 /// # Panics
 /// If a marker is not finite, or an error says nothing.
@@ -163,7 +165,7 @@ pub fn frame(bytes: &[u8]) {
     }
 }
 
-/// A calibration, and the points that one is made from.
+/// Reads a calibration, and points to make one from.
 ///
 /// # Panics
 /// If a calibration is not read back the same, is not finite, or an error says nothing.
@@ -182,7 +184,8 @@ pub fn calibration(bytes: &[u8]) {
     }
 }
 
-/// What was read, all of it finite; nothing where it was refused with words.
+/// Value that was read, after a check that all of its numbers are finite; `None` where the reader refused with a
+/// message.
 fn whole<T: Debug>(read: Result<T, RecordedError>) -> Option<T> {
     match read {
         Ok(whole) => {

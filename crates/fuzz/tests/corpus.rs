@@ -1,4 +1,4 @@
-//! The corpus again, and variations of it.
+//! Replay of the corpus, and of variations of each of its files.
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
@@ -6,8 +6,9 @@ use std::path::Path;
 
 use palpate_fuzz::{TARGETS, Target};
 
-/// How many variations of each file, up to so many of a target.
+/// Variations of each file of a target that has few files.
 const VARIATIONS: u64 = 40;
+/// Most variations of a target over all of its files.
 const MOST: u64 = 4000;
 
 /// Files of a target by name.
@@ -40,7 +41,7 @@ impl Dice {
     }
 }
 
-/// What readers of numbers stumble over.
+/// Pieces of text that readers of numbers and files often mishandle, to be put into files.
 const WORDS: [&[u8]; 16] = [
     b"nan",
     b"inf",

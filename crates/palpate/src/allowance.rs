@@ -1,4 +1,5 @@
-//! From a budget of time or a target of error to trials and a rung, before the first trial.
+//! Choice of the number of trials and of a model's rung before the first trial, from a budget of time or a target
+//! error.
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::time::{Duration, Instant};
@@ -16,27 +17,32 @@ use crate::pilot::{Need, Pilot};
 use crate::rungs::{self, Allowance};
 use palpate::SceneTrial;
 
-/// The model may shift an estimate by this share of what the target allows.
+/// Share of the target error by which the model may shift an estimate, relative to its rms error.
 const SHARE_OF_MODEL: f64 = 0.1;
-/// More trials than this are not taken for a target's sake; nor for a budget's.
+/// Most trials per cell that a target error may ask for.
 const MOST_FOR_TARGET: f64 = 1e8;
+/// Most trials per cell that a budget may give.
 const MOST_FOR_BUDGET: u64 = 1_000_000_000_000;
-/// Shares of a budget: of timing a few trials, of a pilot, and of what the run is held to.
+/// Share of a budget that may go into timing a few trials.
 const TIMING: f64 = 0.1;
+/// Share of a budget that may go into a pilot.
 const PILOT: f64 = 0.15;
+/// Share of the budget left after planning that the run may take, as predicted.
 const KEPT: f64 = 0.9;
-/// A pilot of fewer trials tells nothing; one within a budget has no more.
+/// Fewest trials per cell of a pilot within a budget; fewer tell nothing of the errors.
 const FEWEST_OF_PILOT: u64 = 32;
+/// Most trials per cell of a pilot within a budget.
 const MOST_OF_PILOT: u64 = 1024;
 
-/// A study with its trials and its model chosen, and what there is to say of them.
+/// Study whose trials and model have been chosen, with the lines and warnings to print about the choice.
 pub(crate) struct Allowed {
     pub(crate) study: Study,
     pub(crate) lines: Vec<String>,
     pub(crate) warnings: Vec<String>,
 }
 
-/// What the choice goes by.
+/// Arguments of the choice: the cells that are run, the budget, the target error, the threads and the time at which
+/// planning began.
 struct Chooser<'a> {
     numbers: &'a [usize],
     budget: Option<Duration>,
@@ -176,13 +182,14 @@ impl Chooser<'_> {
             return Ok(None);
         }
         let scenes: Vec<&Scene> = random.iter().map(|&place| &trials[place].scene).collect();
-        // A budget alone asks only what it will give: of as many trials as there may be.
+        // Without a target, as many trials as the budget's share allows.
         let target = self.target.unwrap_or(f64::MIN_POSITIVE);
         let pilot = Pilot::for_error(&scenes, target, self.threads, most, MOST_FOR_TARGET);
         Ok(Some(pilot))
     }
 
-    /// What there is to say of cells of which every trial of the pilot failed: they have no error to tell.
+    /// Warnings about cells of which every trial of the pilot failed, for such cells have no errors to go by. Refuses
+    /// if all random cells are so and there is a target error.
     fn failing(
         &self,
         study: &Study,
@@ -252,7 +259,7 @@ impl Chooser<'_> {
             .collect()
     }
 
-    /// The trials that the target needs, and what needs them; without the latter where nothing errs.
+    /// Number of trials that the target needs, and the figure that needs most; no figure where no estimate errs.
     fn need(
         &self,
         study: &Study,
@@ -262,7 +269,7 @@ impl Chooser<'_> {
         target: f64,
     ) -> Result<(NonZeroU64, Option<Need>), Failure> {
         let Some(need) = pilot.need(target) else {
-            // What does not err in a pilot is run as often.
+            // Where no estimate of the pilot errs, the run has as many trials as the pilot.
             let run = pilot.cells.iter().map(|cell| cell.trials).max();
             return Ok((
                 NonZeroU64::new(run.unwrap_or(1)).unwrap_or(NonZeroU64::MIN),
@@ -288,7 +295,7 @@ impl Chooser<'_> {
         Ok((trials, Some(need)))
     }
 
-    /// Name of the quantity, and its cell as the study counts it.
+    /// Name of the quantity that a need is about, and the number of its cell in the study.
     fn named(&self, trials: &[SceneTrial], random: &[usize], need: &Need) -> (&'static str, usize) {
         let place = random[need.cell];
         let quantity = trials[place].scene.quantities()[need.quantity];
@@ -329,7 +336,8 @@ impl Chooser<'_> {
         ))
     }
 
-    /// What rules, and which error is expected.
+    /// Reason for the number of trials: which of target and budget decides it, and the error to be expected of the
+    /// figures.
     fn why(
         &self,
         by_error: Option<NonZeroU64>,

@@ -15,7 +15,8 @@ use crate::pace::{self, Pace};
 use crate::rungs;
 use palpate::SceneTrial;
 
-/// How long scenes are set up as they are run, how long trials are timed, and how long the rungs of ladders.
+/// Times after which no more scenes are set up as they are run, no more trials are timed, and no more rungs of ladders
+/// are measured.
 const SETTING_UP: Duration = Duration::from_millis(800);
 const TIMING: Duration = Duration::from_millis(300);
 const LADDERS: Duration = Duration::from_millis(600);
@@ -69,7 +70,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
     output::print(&text)
 }
 
-/// The study with presses that no camera looks at.
+/// Study whose presses are read without a camera, so that scenes are quick to set up.
 fn bare(study: &Study) -> Study {
     let mut bare = study.clone();
     for cell in &mut bare.cells {
@@ -80,7 +81,7 @@ fn bare(study: &Study) -> Study {
     bare
 }
 
-/// The scenes of as many cells as there is time for, in the order of the cells; the others are set up without a camera.
+/// Scenes of the cells, in order, as many as there is time for; once the time is up, cells are set up without a camera.
 fn scenes(study: &Study, bare: &Study) -> Result<Vec<(usize, SceneTrial)>, Failure> {
     let start = Instant::now();
     let mut scenes = Vec::new();
@@ -97,7 +98,7 @@ fn scenes(study: &Study, bare: &Study) -> Result<Vec<(usize, SceneTrial)>, Failu
     Ok(scenes)
 }
 
-/// What each group of cells needs, and where it stands on the ladder of its model.
+/// Appends to `text` the models that each group of cells needs, with the rungs of their ladder.
 fn models(
     text: &mut String,
     study: &Study,
@@ -118,7 +119,7 @@ fn models(
             let _ = writeln!(text, "    {need}");
         }
         let scene = &bare.cells[*cell].config.scene;
-        // A camera looks at markers at other depths than they are read at.
+        // The camera sees markers at other depths than those at which displacements are read without one.
         let by_camera = match &study.cells[*cell].config.scene {
             SceneConfig::Press(press) => !matches!(press.sensor, PressSensorConfig::Direct { .. }),
             _ => false,
@@ -162,7 +163,7 @@ fn models(
 /// Cells that need the same models.
 struct Group {
     needs: Vec<String>,
-    /// Of the first of them, among those that were set up.
+    /// Index in `scenes` of the first cell of the group.
     place: usize,
     cells: usize,
 }

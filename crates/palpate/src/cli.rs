@@ -97,13 +97,13 @@ pub(crate) struct RunArgs {
     /// Run this many trials per cell instead of the config's.
     #[arg(long, value_name = "N")]
     pub(crate) trials: Option<NonZeroU64>,
-    /// Run as many trials per cell as take about this long on the threads given, planning included:
-    /// 30s, 5m, 1.5h, or seconds.
+    /// Choose the number of trials per cell so that planning and run together take about this long on
+    /// the given threads: 30s, 5m, 1.5h, or a plain number of seconds.
     #[arg(long, value_name = "DURATION", value_parser = duration::parse, allow_hyphen_values = true, conflicts_with = "trials")]
     pub(crate) budget: Option<Duration>,
-    /// Run as many trials per cell as tell every rms error to this relative standard error, and let
-    /// the error of an `auto` model shift no estimate by more than a tenth of that. With --budget, no
-    /// more trials than fit.
+    /// Choose the number of trials per cell so that every rms error has a relative standard error of at
+    /// most E, and the tolerance of an `auto` model so that it shifts no estimate by more than E/10 of
+    /// its rms error. With --budget, take no more trials than fit into it.
     #[arg(long, value_name = "E", value_parser = share, allow_negative_numbers = true, conflicts_with = "trials")]
     pub(crate) target_error: Option<f64>,
     /// Use this many threads instead of all cores; results do not depend on it.
@@ -121,10 +121,10 @@ pub(crate) struct TraceArgs {
     /// Where to write the tables.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Which cell, counted from 0.
+    /// Number of the cell to follow, counted from 0.
     #[arg(long, value_name = "I", default_value_t = 0)]
     pub(crate) cell: usize,
-    /// Replay this trial, with its noise; without it the pass is noiseless.
+    /// Replay this trial with its noise [default: a pass without noise].
     #[arg(long, value_name = "J")]
     pub(crate) trial: Option<u64>,
 }
@@ -174,8 +174,8 @@ pub(crate) struct EstimateRollArgs {
     /// The estimator.
     #[arg(long, default_value = "least-squares")]
     pub(crate) method: Method,
-    /// Pitch of the pads, in the readings' length unit: gives standard deviations, and bounds where
-    /// the contact did not move.
+    /// Pitch of the pads, in the readings' length unit. With it the estimates have standard deviations,
+    /// and a roll whose contact did not move bounds the object's radius from above.
     #[arg(long, value_name = "P", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) pitch: Option<f64>,
     /// The unit of lengths, if the header does not state it (shift_u_mm).
@@ -190,14 +190,13 @@ pub(crate) struct EstimateGlideArgs {
     /// The estimator.
     #[arg(long, default_value = GlideMethod::default().name(), value_parser = glide_methods())]
     pub(crate) method: GlideMethod,
-    /// Places of the map along each side of the patch.
+    /// Points along each side of the map's grid.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) grid: u32,
     /// Write the curvature all over the patch to this CSV file.
     #[arg(long, value_name = "FILE")]
     pub(crate) map: Option<PathBuf>,
-    /// Let the map have one row per reading, in their order, and not those of the grid; it then tells
-    /// no regions.
+    /// Give the map one row per reading, in their order, instead of a grid; it then has no regions.
     #[arg(long, requires = "map")]
     pub(crate) at_contacts: bool,
     /// The direction out of the object, for readings without normals [default: 0,0,1].
@@ -206,11 +205,12 @@ pub(crate) struct EstimateGlideArgs {
     /// The unit of lengths, if the header does not state it (x_mm).
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub(crate) length_unit: Option<LengthUnit>,
-    /// Below which the Gaussian curvature counts as zero, 1/length²; at least the square of the mean
-    /// threshold [default: from the patch's size].
+    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square
+    /// of the mean threshold [default: from the patch's size].
     #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true, requires = "mean_threshold")]
     pub(crate) gaussian_threshold: Option<f64>,
-    /// Below which the mean curvature counts as zero, 1/length [default: from the patch's size].
+    /// Magnitude of the mean curvature below which it counts as zero, 1/length [default: from the
+    /// patch's size].
     #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true, requires = "gaussian_threshold")]
     pub(crate) mean_threshold: Option<f64>,
     /// Standard deviation of each coordinate, in the readings' length unit [default: found from the
@@ -221,8 +221,8 @@ pub(crate) struct EstimateGlideArgs {
     /// readings].
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) normal_std_deg: Option<f64>,
-    /// The distance between fingers that the settings of two-pass count in, in the readings' length
-    /// unit [default: the mean distance between neighbouring fingers].
+    /// Distance between fingers, in the readings' length unit; the unit of length of the settings of
+    /// two-pass [default: the mean distance between neighbouring fingers].
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) inter_finger_distance: Option<f64>,
 }
@@ -293,7 +293,7 @@ fn not_negative(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A smaller target error asks for more trials than are counted.
+/// Smallest target error that is accepted; a smaller one would need more trials than can be counted.
 const SMALLEST_SHARE: f64 = 1e-9;
 
 fn share(text: &str) -> Result<f64, String> {

@@ -4,10 +4,11 @@ use std::time::Duration;
 
 /// Seconds in the unit that each suffix stands for.
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
-/// Longer than anybody waits, and far within a [`Duration`], which counts nanoseconds.
+/// Longest duration that is accepted, s; far within the range of [`Duration`].
 const LONGEST_S: f64 = 1e10;
+/// Shortest duration that is accepted, s.
 const SHORTEST_S: f64 = 1e-9;
-/// Numbers outside have an exponent.
+/// Range of numbers that are written without an exponent.
 const PLAIN: std::ops::Range<f64> = 1e-4..1e6;
 
 /// Reads `30s`, `5m`, `1.5h`, or plain seconds.
@@ -30,7 +31,7 @@ pub(crate) fn parse(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// A time that is roughly known, in words.
+/// Words for a time that is known roughly.
 pub(crate) fn roughly(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => "a second".to_owned(),

@@ -1,4 +1,4 @@
-//! What a run must not replace: files that palpate did not write.
+//! Protection of files that palpate did not write: a run that would replace one is refused.
 
 use std::fs;
 use std::path::Path;
@@ -39,12 +39,12 @@ pub(crate) fn refuse(dir: &Path, tables: &[&str]) -> Result<(), Failure> {
     }
 }
 
-/// Whether there is something that can be replaced; a directory cannot.
+/// Whether there is an entry at `path` other than a directory; links count as themselves.
 fn is_file(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|found| !found.is_dir())
 }
 
-/// Whether a run wrote this config, and nobody a comment into it.
+/// Whether a run wrote this config: it states the version of palpate and has no comment, which a run never writes.
 fn is_of_a_run(path: &Path) -> bool {
     fs::read_to_string(path).is_ok_and(|text| {
         let is_comment = |token: Token| token.kind() == TokenKind::Comment;

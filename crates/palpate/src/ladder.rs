@@ -8,20 +8,21 @@ use palpate_scene::{Ladder, RollScene, Rung, Scene};
 use crate::duration;
 use palpate::{Arch, SceneTrial};
 
-/// How long a rung is timed.
+/// Time for which a rung is measured again and again.
 const TIMING: Duration = Duration::from_millis(12);
-/// Trials of a roll that are timed at once: enough that the clock's own time is nothing.
+/// Most trials of a roll between two readings of the clock; enough to make the cost of reading it negligible.
 const MOST_AT_ONCE: u64 = 64;
 
-/// What a rung costs, in seconds: the least that was measured, for what else the machine does only adds.
+/// Cost of a rung, s. It is the least of several measurements, because whatever else the machine does only adds to
+/// them.
 enum Cost {
-    /// Each trial of a roll follows its contacts; without the statistics.
+    /// Seconds per trial, without the statistics: each trial of a roll follows its contacts anew.
     EachTrial(f64),
-    /// Contacts of a glide and markers of a press are computed once.
+    /// Seconds to set up the scene: contacts of a glide and displacements of markers are computed once for all trials.
     SettingUp(f64),
 }
 
-/// What the errors of the rungs are of, and relative to what.
+/// Words for the quantity whose errors are shown and the scale that they are relative to.
 pub(crate) fn error_of(ladder: &Ladder) -> &'static str {
     match ladder.taken().model {
         ModelConfig::Roll(_) => {
@@ -32,7 +33,7 @@ pub(crate) fn error_of(ladder: &Ladder) -> &'static str {
     }
 }
 
-/// The rung of a cell, why it is taken, and the next ones up and down; nothing of a scene that has no ladder. Costs are
+/// Lines that show the rung taken for a cell with the reason, and the next usable rungs below and above it. Costs are
 /// measured until `deadline`.
 pub(crate) fn lines(study: &Study, cell: usize, ladder: &Ladder, deadline: Instant) -> Vec<String> {
     let shown = neighbours(ladder);
@@ -65,7 +66,7 @@ pub(crate) fn lines(study: &Study, cell: usize, ladder: &Ladder, deadline: Insta
     lines
 }
 
-/// The taken rung's place and those up and down from it, as far as the next one that can do the scene.
+/// Range of indices from the next usable rung below the taken one to the next usable rung above it.
 fn neighbours(ladder: &Ladder) -> std::ops::RangeInclusive<usize> {
     let can = |place: &usize| ladder.rungs[*place].outcome.is_ok();
     let last = ladder.rungs.len() - 1;
@@ -74,7 +75,7 @@ fn neighbours(ladder: &Ladder) -> std::ops::RangeInclusive<usize> {
     down..=up
 }
 
-/// What the scene costs on a rung; `None` where that cannot do it, or there is no time left.
+/// Measured cost of the scene on a rung; `None` where the rung cannot do the scene, or `deadline` has passed.
 fn cost(study: &Study, cell: usize, rung: &Rung, deadline: Instant) -> Option<Cost> {
     if rung.outcome.is_err() || Instant::now() >= deadline {
         return None;
@@ -100,7 +101,7 @@ fn cost(study: &Study, cell: usize, rung: &Rung, deadline: Instant) -> Option<Co
     least(timed).map(Cost::EachTrial)
 }
 
-/// As the runner has them: side by side where that goes.
+/// Runs trials 0 to `trials` as the runner does, side by side where the roll can.
 fn run(roll: &RollScene, trials: u64) {
     let mut trial = 0;
     while trial < trials {
@@ -116,7 +117,7 @@ fn run(roll: &RollScene, trials: u64) {
     }
 }
 
-/// The least of what is measured within about [`TIMING`]; once at least.
+/// Least of the values measured within about [`TIMING`]; at least one is taken.
 fn least(mut measured: impl FnMut() -> Option<f64>) -> Option<f64> {
     let start = Instant::now();
     let mut least = measured()?;
@@ -140,7 +141,7 @@ impl Cost {
         }
     }
 
-    /// With the ratio to the rung that is taken.
+    /// Words for the cost, with its ratio to that of the rung that is taken.
     fn beside(&self, taken: Option<&Self>) -> String {
         let ratio = taken.map(|taken| {
             let ratio = self.seconds() / taken.seconds();
@@ -150,7 +151,8 @@ impl Cost {
     }
 }
 
-/// What a scene of this kind may need and this one does not, on one line.
+/// Line that names the means which scenes of this kind may need and this one does not; `None` where it needs all of
+/// them.
 pub(crate) fn not_needed(
     trial: &SceneTrial,
     scene: &SceneConfig,

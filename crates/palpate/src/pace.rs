@@ -1,29 +1,29 @@
-//! How long trials take, and so a run.
+//! Time that trials take, and from it that of a run.
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::time::{Duration, Instant};
 
 use palpate_sweep::{BLOCK, Cell, RunOptions, Runner, SweepError};
 
-/// No cell is timed for longer, and none for less where it is timed at all (but one trial is run whole).
+/// Longest and shortest time for which trials of a cell are repeated; a single trial always runs to its end.
 const LONGEST: Duration = Duration::from_millis(10);
 const SHORTEST: Duration = Duration::from_millis(1);
-/// No thread takes as long to wake.
+/// Time above which the waking of threads no longer matters, so that a measurement is not repeated.
 const SLOW: Duration = Duration::from_millis(100);
-/// Beyond so many trials of a cell nothing more is learnt.
+/// Most trials of a cell that are timed together.
 const MOST_TIMED: u64 = 1 << 20;
-/// What the runner gives to a thread at once: this share of its blocks, and no more than so many.
+/// Jobs per thread into which the runner divides its blocks, and most blocks of a job.
 const JOBS_PER_THREAD: u64 = 8;
 const LARGEST_JOB: u64 = 32;
 
-/// Time per trial of some cells, on one thread while the others are busy too.
+/// Time per trial of each of some cells, s, on one thread while the others are busy too.
 pub(crate) struct Pace {
     seconds: Vec<f64>,
 }
 
 impl Pace {
-    /// Runs a few trials of as many of the cells as fit into about `limit`, spread evenly over them; at least one. A
-    /// cell that is not timed counts as the dearest that is.
+    /// Times a few trials of as many cells as fit into about `limit`, spread evenly over all; at least one cell. A cell
+    /// that is not timed gets the largest time measured.
     pub(crate) fn of(
         cells: &[Cell<'_>],
         threads: NonZeroUsize,
@@ -55,8 +55,8 @@ impl Pace {
         self.seconds[cell]
     }
 
-    /// Seconds that `threads` take at most for these trials of each cell: none idles before the last job is
-    /// given away (Graham's bound on list scheduling, 1966).
+    /// Bound on the seconds that a run with these trials of each cell takes on `threads` (Graham's bound on list
+    /// scheduling, 1966): no thread is idle before the last job has been handed out.
     pub(crate) fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
         let threads = threads.get() as u64;
         let blocks: u64 = trials.iter().map(|trials| trials.div_ceil(BLOCK)).sum();
@@ -70,8 +70,8 @@ impl Pace {
         sum / threads + longest * (1.0 - 1.0 / threads)
     }
 
-    /// The most trials of each random cell with which a run takes at most `seconds`; `None` where it takes longer even
-    /// with one.
+    /// Largest number of trials of each random cell, up to `most`, with which a run takes at most `seconds`; cells that
+    /// are not random run once. `None` where even one trial takes longer.
     pub(crate) fn most_trials(
         &self,
         is_random: &[bool],
@@ -105,13 +105,14 @@ impl Pace {
     }
 }
 
-/// The threads that work at the same time, of those that are asked for.
+/// Number of threads that really run at the same time: those asked for, but no more than there are processors.
 pub(crate) fn threads(asked: Option<NonZeroUsize>) -> NonZeroUsize {
     let processors = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     asked.map_or(processors, |asked| asked.min(processors))
 }
 
-/// All numbers below `count`, so that the first few of them are spread over all: bits reversed.
+/// Numbers below `count` in the order of their reversed bits, so that the first few of them are spread over the whole
+/// range.
 pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
     let bits = count.next_power_of_two().trailing_zeros();
     (0..count.next_power_of_two())
@@ -122,9 +123,11 @@ pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
         .filter(move |&number| number < count)
 }
 
-/// As the runner takes it, on all threads at once: twice as many trials each time, of which the last are timed, be they
-/// more than the cell has: of a few, waking the threads would be most. What takes long is run once more, for threads may
-/// take longer to wake than trials; unless it is too slow for that.
+/// Seconds per trial of a cell, run by the runner on all threads at once.
+///
+/// The number of trials doubles until they take `long_enough` or there are [`MOST_TIMED`] of them, even if the cell has
+/// fewer: with few trials the waking of the threads would count for most of the time. The last number is run twice and
+/// the shorter time counts, unless it takes longer than [`SLOW`].
 fn seconds_per_trial(
     runner: &Runner,
     cell: &Cell<'_>,

@@ -1,10 +1,10 @@
-//! How well so many trials tell the error figures: a pilot of some of them.
+//! Prediction, from a pilot of some trials, of how many trials tell the error figures to a given accuracy.
 //!
 //! The root mean square of N errors has the relative standard error √(v / N) / 2, where v is the relative variance of a
 //! trial's squared error: m₄/m₂² − 1 where a trial has one error (from the fourth and second moments), 2 where that is
-//! Gaussian. A trial with many errors (all places of a patch) counts once: they go together.
+//! Gaussian. The errors of one trial (those at all places of a patch) are dependent, and count as one.
 //!
-//! A pilot depends on nothing but the numbers of its trials.
+//! The result of a pilot depends on nothing but the numbers of its trials.
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -18,32 +18,32 @@ mod spread;
 
 use spread::{Part, Spread};
 
-/// Parts of a pilot, each left out in turn to see how well it tells v.
+/// Number of parts of a pilot; each is left out in turn to find the standard error of v.
 const PARTS: usize = 16;
-/// v is taken with so many of its own standard errors on top.
+/// Standard errors of v that are added to v, for caution.
 const MARGIN: f64 = 2.0;
-/// Where the standard error of v is more than this of v, few trials decide it.
+/// Relative standard error of v above which v is called doubtful: a few trials decide it.
 const DOUBTFUL: f64 = 0.5;
-/// The final pilot has at least this share of the trials that it asks for.
+/// Least share of the trials needed that the final pilot has.
 const SHARE: f64 = 1.0 / 16.0;
-/// Trials of a first pilot.
+/// Fewest and most trials of a first pilot.
 const FEWEST: u64 = 64;
 const FIRST: u64 = 1024;
 
-/// What a pilot found out about the cells that it ran.
+/// Results of a pilot, cell by cell.
 #[derive(Debug)]
 pub(crate) struct Pilot {
     pub(crate) cells: Vec<CellPilot>,
 }
 
-/// What it found out about one.
+/// Results of a pilot for one cell.
 #[derive(Debug)]
 pub(crate) struct CellPilot {
     /// Share of the trials that succeeded.
     pub(crate) success: f64,
     /// Trials run.
     pub(crate) trials: u64,
-    /// One per quantity; `None` where none was observed.
+    /// Error figures of each quantity; `None` where none was observed.
     pub(crate) figures: Vec<Option<Figure>>,
 }
 
@@ -52,27 +52,27 @@ pub(crate) struct CellPilot {
 pub(crate) struct Figure {
     /// Root mean square of the errors, in the quantity's unit.
     pub(crate) rms_error: f64,
-    /// v, with its margin.
+    /// The relative variance v of a trial's squared error, increased by [`MARGIN`] of its own standard errors.
     variance: f64,
-    /// Whether few trials decide v: the errors have heavy tails.
+    /// Whether a few trials decide v, as with errors of heavy tails.
     pub(crate) is_doubtful: bool,
 }
 
-/// The figure that asks for the most trials.
+/// Error figure that needs the most trials, and how many.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Need {
-    /// Place of the cell among those of the pilot.
+    /// Index of the cell among those of the pilot.
     pub(crate) cell: usize,
     pub(crate) quantity: usize,
-    /// Trials, failures included.
+    /// Trials needed, those included that will fail.
     pub(crate) trials: f64,
     pub(crate) is_doubtful: bool,
 }
 
 impl Pilot {
-    /// A pilot for a relative standard error of `target`: at first as many trials as Gaussian errors need twice, at
-    /// most 1,024; then more, where a cell needs many: one in sixteen, unless that is more than `most` trials or
-    /// the need more than `hopeless`.
+    /// Runs a pilot for error figures with a relative standard error of `target`. At first each cell has twice the
+    /// trials that Gaussian errors need, between 64 and 1,024. A cell that turns out to need many trials gets more, up
+    /// to one in sixteen of its need; but at most `most`, and none where the need is above `hopeless`.
     pub(crate) fn for_error(
         scenes: &[&Scene],
         target: f64,
@@ -104,8 +104,8 @@ impl Pilot {
         }
     }
 
-    /// What asks for the most trials, for error figures with a relative standard error of at most `target`; `None` where
-    /// nothing errs.
+    /// Figure that needs the most trials for all figures to have a relative standard error of at most `target`; `None`
+    /// where no estimate errs.
     pub(crate) fn need(&self, target: f64) -> Option<Need> {
         let needs = self.cells.iter().enumerate().filter_map(|(cell, pilot)| {
             let (quantity, trials) = pilot.need(target)?;
@@ -120,8 +120,8 @@ impl Pilot {
         needs.reduce(|most, one| if one.trials > most.trials { one } else { most })
     }
 
-    /// The largest relative standard error of an error figure that is expected of so many trials; `None` where nothing
-    /// errs.
+    /// Largest relative standard error of an error figure to be expected after `trials` trials; `None` where no
+    /// estimate errs.
     pub(crate) fn expected_error(&self, trials: u64) -> Option<f64> {
         // Needs go as 1/target².
         self.need(1.0)
@@ -130,7 +130,7 @@ impl Pilot {
 }
 
 impl CellPilot {
-    /// The quantity that asks for the most trials, and how many.
+    /// Quantity that needs the most trials, and their number.
     fn need(&self, target: f64) -> Option<(usize, f64)> {
         let needs = self
             .figures
@@ -145,12 +145,12 @@ impl CellPilot {
     }
 }
 
-/// The sums over the trials of a cell, in parts.
+/// Sums over the trials of a cell, in [`PARTS`] parts.
 #[derive(Clone, Default)]
 struct CellParts {
     /// Trials run so far.
     trials: u64,
-    /// What errors are counted in, one per quantity; so that no square overflows or vanishes.
+    /// Unit in which the errors of each quantity are counted, so that no square overflows or vanishes.
     scales: Vec<f64>,
     parts: Vec<Part>,
 }
@@ -200,7 +200,7 @@ impl CellParts {
     }
 }
 
-/// The trials of a part of a cell, to be run in their order.
+/// Trials of one part of a cell, run in the order of their numbers.
 struct Job<'a> {
     scene: &'a Scene,
     scales: &'a [f64],
@@ -222,7 +222,7 @@ impl Job<'_> {
     }
 }
 
-/// Runs the trials of each cell that are missing `until` a number.
+/// Runs the trials of each cell that have not been run and whose number is below its entry in `until`.
 fn run(scenes: &[&Scene], cells: &mut [CellParts], until: &[u64], threads: NonZeroUsize) {
     for ((scene, cell), &until) in scenes.iter().zip(cells.iter_mut()).zip(until) {
         if cell.scales.is_empty() {
@@ -261,8 +261,8 @@ fn run(scenes: &[&Scene], cells: &mut [CellParts], until: &[u64], threads: NonZe
     });
 }
 
-/// What the errors of each quantity are counted in: the magnitude of truth or estimate in the first trial that
-/// succeeds, of the first few; 1 where that is 0.
+/// Units for the errors of each quantity: the largest magnitude of truth or estimate in the first trial that succeeds,
+/// among the first 64; 1 where that is 0.
 fn scales(scene: &Scene, until: u64) -> Vec<f64> {
     let mut scales = vec![0.0_f64; scene.quantities().len()];
     for trial in 0..until.min(FEWEST) {

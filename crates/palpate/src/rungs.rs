@@ -1,4 +1,4 @@
-//! How far a model errs in terms of the estimates, and so which rung of `auto` is good enough.
+//! Choice of the tolerance of `auto` from the shift of the estimates that a model's error causes.
 
 use palpate_scene::config::{
     self, ConfigError, GlideSensorConfig, PressSensorConfig, RollSensorConfig, SceneConfig, Study,
@@ -6,35 +6,36 @@ use palpate_scene::config::{
 };
 use palpate_scene::{GlideScene, PressScene, Quantity, RollScene, Scene};
 
-/// `auto` is tried with these tolerances from the first on; the last that its kind of scene takes is the reference.
+/// Tolerances of `auto` that are tried, largest first. The smallest that a scene of its kind accepts gives the
+/// reference.
 const TOLERANCES: [f64; 14] = [
     1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
 ];
-/// Below this share of a value, rounding rules.
+/// Share of a value below which rounding decides a difference.
 const ROUNDING: f64 = 1e-12;
 
-/// How far the model may shift the estimates of a cell.
+/// Largest shift of a cell's estimates that the model may cause.
 pub(crate) struct Allowance {
-    /// The cell, as the study counts it.
+    /// Number of the cell in the study.
     pub(crate) cell: usize,
-    /// The share of a quantity's rms error, or of its truth where it has none, that is allowed.
+    /// Allowed shift as a share of a quantity's rms error, or of its truth where there is no rms error.
     pub(crate) share: f64,
-    /// What the cell estimates.
+    /// Quantities that the cell estimates.
     pub(crate) quantities: &'static [Quantity],
-    /// The rms errors of these, as far as they are known.
+    /// Rms error of each quantity, where it is known; may be shorter than `quantities`.
     pub(crate) rms_errors: Vec<Option<f64>>,
 }
 
-/// Whether the study chooses its models by a tolerance that no sweep sets.
+/// Whether every cell has the model `auto` with a tolerance that no sweep sets.
 pub(crate) fn is_auto(study: &Study) -> bool {
     let swept = |path: &String| path == "scene" || path.starts_with("scene.model");
     let is_auto = |scene: &SceneConfig| with_tolerance(scene, TOLERANCES[0]).is_some();
     !study.paths.iter().any(swept) && study.cells.iter().all(|cell| is_auto(&cell.config.scene))
 }
 
-/// The largest tolerance of `auto` with which the model shifts no estimate of a noiseless pass by more than is allowed,
-/// against the pass with the smallest tolerance. Cells whose noiseless pass tells nothing have no say; `None` where none
-/// has.
+/// Largest tolerance of `auto` with which the model shifts no estimate by more than is allowed, compared by a noiseless
+/// pass with the pass at the smallest tolerance. Cells without a noiseless estimate are left out; `None` where that
+/// leaves no cell.
 pub(crate) fn tolerance_for(study: &Study, allowances: &[Allowance]) -> Option<f64> {
     let config = |allowance: &Allowance| &study.cells[allowance.cell].config;
     let reference = |allowance: &Allowance| {
@@ -64,8 +65,8 @@ pub(crate) fn tolerance_for(study: &Study, allowances: &[Allowance]) -> Option<f
     )
 }
 
-/// The same study with `auto` at this tolerance; or with the rung that it then takes, where `cells` are all cells and take
-/// the same.
+/// Config of the study with `tolerance` for `auto`. Where `cells` are all cells of the study and `auto` takes the same
+/// rung in each, that rung stands in place of `auto`.
 pub(crate) fn resolved(
     study: &Study,
     cells: &[usize],
@@ -100,7 +101,7 @@ pub(crate) fn resolved(
     Ok(config)
 }
 
-/// What stands in `scene.model`, on one line.
+/// Model of a scene as one line of TOML, `kind` first.
 pub(crate) fn shown(scene: &SceneConfig) -> Option<String> {
     let model = serde_json::to_value(scene.model()?).ok()?;
     let (kind, settings): (Vec<_>, Vec<_>) = model
@@ -116,7 +117,7 @@ pub(crate) fn shown(scene: &SceneConfig) -> Option<String> {
 }
 
 impl Allowance {
-    /// Whether a pass is as near to the reference as is allowed.
+    /// Whether no estimate and no truth of a pass differs from the reference by more than is allowed.
     fn is_kept(&self, pass: &Pass, reference: &Pass) -> bool {
         if pass.values.len() != reference.values.len() {
             return false;
@@ -141,11 +142,12 @@ impl Allowance {
     }
 }
 
-/// A noiseless pass with an ideal sensor.
+/// Results of a noiseless pass with an ideal sensor.
 struct Pass {
     quantities: &'static [Quantity],
     values: Vec<PassValue>,
-    /// Of each quantity, the largest magnitude of its truths; where they are 0, of those in the same unit.
+    /// Largest magnitude of the truths of each quantity; where they are 0, the largest of any quantity in the same
+    /// unit.
     scales: Vec<f64>,
 }
 
@@ -155,7 +157,7 @@ struct PassValue {
     truth: f64,
 }
 
-/// What is estimated of a cell without noise; `None` where nothing is.
+/// Noiseless pass of a cell with this tolerance; `None` where the scene cannot be set up or its trial fails.
 fn pass(config: &StudyConfig, tolerance: f64) -> Option<Pass> {
     let scene = with_tolerance(&config.scene, tolerance)?;
     let scene = scene_of(&bare(&scene), config.seed)?;
@@ -164,7 +166,7 @@ fn pass(config: &StudyConfig, tolerance: f64) -> Option<Pass> {
     let mut scales = vec![0.0_f64; quantities.len()];
     scene
         .trial(0, |quantity, outcome| {
-            // A class is no number that shifts.
+            // A class is not a number that could be shifted.
             if quantities[quantity].name != "class" {
                 scales[quantity] = scales[quantity].max(outcome.truth.abs());
                 values.push(PassValue {
@@ -192,7 +194,7 @@ fn pass(config: &StudyConfig, tolerance: f64) -> Option<Pass> {
     })
 }
 
-/// The same scene without noise, read by an ideal sensor: cheap to set up.
+/// Copy of a scene without noise and with an ideal sensor, which makes it cheap to set up.
 pub(crate) fn bare(scene: &SceneConfig) -> SceneConfig {
     let mut scene = scene.clone();
     match &mut scene {
@@ -226,7 +228,8 @@ fn scene_of(config: &SceneConfig, seed: u64) -> Option<Scene> {
     }
 }
 
-/// The same scene with this tolerance of `auto`; `None` of one whose model is named, or that has none.
+/// Copy of a scene with this tolerance of `auto`; `None` where the scene's model is another than `auto`, or there is
+/// none.
 fn with_tolerance(scene: &SceneConfig, tolerance: f64) -> Option<SceneConfig> {
     let mut scene = serde_json::to_value(scene).ok()?;
     let model = scene.get_mut("model")?;

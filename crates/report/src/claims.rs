@@ -27,9 +27,9 @@ use std::fmt;
 pub enum Verdict {
     /// The tables show what the paper says, within the stated thresholds.
     Holds,
-    /// They show something else.
+    /// The tables show something else.
     Differs,
-    /// They lack what would show it either way.
+    /// The tables lack what the claim is about.
     NotTestable,
 }
 
@@ -43,20 +43,20 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// One claim against one study.
+/// Outcome of holding one claim against the tables of one study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Score {
     /// Number of the claim.
     pub claim: u32,
     /// Name of the study.
     pub study: String,
-    /// What the paper says, in short.
+    /// Claim of the paper, in short; empty if no claim has this number.
     pub paper_says: String,
-    /// What the tables show, with units; empty if not testable.
+    /// Finding in the tables, with units; empty if the claim is not testable.
     pub measured: String,
     /// The verdict.
     pub verdict: Verdict,
-    /// The thresholds behind the verdict, and what else is worth knowing; or what was missing.
+    /// Thresholds behind the verdict, and further remarks; for a claim that is not testable, the reason.
     pub why: String,
 }
 
@@ -182,6 +182,28 @@ const CLAIMS: [Claim; 21] = [
 ];
 
 /// Scores the claims that each study names, in order of the claims' numbers, then of the studies.
+///
+/// ```
+/// use palpate_report::{Study, Verdict, score};
+///
+/// # let root = tempfile::tempdir()?;
+/// # let dir = root.path().join("ball");
+/// # std::fs::create_dir(&dir)?;
+/// # let config = "name = \"ball\"\ntitle = \"How round is the ball?\"\nclaims = [99]\n";
+/// # std::fs::write(dir.join("run.toml"), config)?;
+/// # std::fs::write(dir.join("failures.csv"), "cell,kind,count,first_trial\n")?;
+/// # let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
+/// #     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
+/// # let row = format!("0,curvature,1/mm,0.2,9,0,0.25{}", ",".repeat(11));
+/// # std::fs::write(dir.join("cells.csv"), format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
+/// // A study that names a claim of a number that no claim has.
+/// let study = Study::load(&dir)?;
+/// assert_eq!(study.claims(), [99]);
+/// let scores = score(&[study]);
+/// assert_eq!((scores[0].claim, scores[0].verdict), (99, Verdict::NotTestable));
+/// assert!(scores[0].measured.is_empty() && !scores[0].why.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn score(studies: &[Study]) -> Vec<Score> {
     let mut scores: Vec<Score> = studies
         .iter()

@@ -1,9 +1,9 @@
-//! What can be wrong with a study's folder, and where.
+//! Errors of reading, drawing, scoring and writing studies, each with the place where something is wrong.
 
 use std::path::PathBuf;
 
-/// Why a study could not be read, drawn, scored or written. Each variant names the file and, where there is
-/// one, the line, column or key, and the value found there.
+/// Reason for which a study could not be read, drawn, scored or written. Each variant names the file and, where there
+/// is one, the line, column or key, and the value found there.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
@@ -12,7 +12,7 @@ pub enum ReportError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A file is not CSV: bad quoting, a row of another length, not UTF-8.
@@ -20,7 +20,7 @@ pub enum ReportError {
     Csv {
         /// The file.
         path: PathBuf,
-        /// What the parser said, with the line.
+        /// Error of the parser, with the line.
         source: csv::Error,
     },
     /// A table has no rows (or not even a header).
@@ -58,7 +58,7 @@ pub enum ReportError {
         column: String,
         /// The cell's text.
         value: String,
-        /// What it should have been.
+        /// Words for the values that are allowed there.
         expected: &'static str,
     },
     /// `run.toml` is not TOML.
@@ -66,7 +66,7 @@ pub enum ReportError {
     Toml {
         /// The file.
         path: PathBuf,
-        /// What the parser said, with the place.
+        /// Error of the parser, with the line and column.
         source: Box<toml::de::Error>,
     },
     /// A key of `run.toml` is absent, unknown or of the wrong type.
@@ -76,7 +76,7 @@ pub enum ReportError {
         path: PathBuf,
         /// The key, dotted.
         key: String,
-        /// What is wrong with it, with its value.
+        /// Problem with the key, and its value.
         problem: String,
     },
     /// A plot names a column that the table does not have.
@@ -115,7 +115,7 @@ pub enum ReportError {
         path: PathBuf,
         /// Name of the plot.
         plot: String,
-        /// What is wrong, with the value.
+        /// Problem with the plot, and the value that causes it.
         problem: String,
     },
     /// The drawing library failed.
@@ -123,7 +123,7 @@ pub enum ReportError {
     Draw {
         /// The picture.
         path: PathBuf,
-        /// What the library said.
+        /// Error of the drawing library.
         message: String,
     },
     /// The page's template failed.

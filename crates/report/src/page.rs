@@ -21,6 +21,27 @@ pub fn write_page(studies: &[Study], out: &Path) -> Result<(), ReportError> {
 /// studies lie in one folder, what is measured in it: `tradeoff/`, `extremes.csv`, `peers.csv`. It has no scripts and
 /// loads nothing.
 ///
+/// ```
+/// use palpate_report::{Study, page};
+///
+/// # let root = tempfile::tempdir()?;
+/// # let dir = root.path().join("ball");
+/// # std::fs::create_dir(&dir)?;
+/// # let config = "name = \"ball\"\ntitle = \"How round is the ball?\"\nclaims = [99]\n";
+/// # std::fs::write(dir.join("run.toml"), config)?;
+/// # std::fs::write(dir.join("failures.csv"), "cell,kind,count,first_trial\n")?;
+/// # let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
+/// #     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
+/// # let row = format!("0,curvature,1/mm,0.2,9,0,0.25{}", ",".repeat(11));
+/// # std::fs::write(dir.join("cells.csv"), format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
+/// let study = Study::load(&dir)?;
+/// assert_eq!(study.title(), "How round is the ball?");
+/// let html = page(&[study])?;
+/// assert!(html.contains("How round is the ball?"));
+/// assert!(!html.contains("<script"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// A plot of a study is wrong, as for [`plot()`](crate::plot()); a table of measurements is malformed.
 pub fn page(studies: &[Study]) -> Result<String, ReportError> {

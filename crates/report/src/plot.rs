@@ -29,14 +29,14 @@ pub use fronts::draw_tradeoff;
 pub(crate) use fronts::{spoken_cost, svgs as fronts_svgs};
 pub use press_trace::draw_press_trace;
 
-/// Draws every `[[plot]]` of the study, as SVG and PNG beside its tables, and returns the files written, in
-/// the order of the config. A plot of kind `class-map` or `profile` is of `map.csv`, one of kind `contacts` of `trace.csv` and
+/// Draws every `[[plot]]` of the study, as SVG and PNG beside its tables, and returns the files written, in the order
+/// of the config. A plot of kind `class-map` or `profile` is of `map.csv`, one of kind `contacts` of `trace.csv` and
 /// `readings.csv`. The bytes of an SVG depend on the study's tables and `run.toml` alone.
 ///
 /// # Errors
-/// A `[[plot]]` is malformed, names an unknown column, or leaves several rows for one point (the error says
-/// which axis is free); its table is absent or malformed; or a file cannot be written. Nothing is half-written, and nothing at all is written
-/// if any `[[plot]]` is wrong.
+/// A `[[plot]]` is malformed, names an unknown column, or leaves several rows for one point (the error says which axis
+/// is free); its table is absent or malformed; or a file cannot be written. Nothing is half-written, and nothing at all
+/// is written if any `[[plot]]` is wrong.
 pub fn plot(study: &Study) -> Result<Vec<PathBuf>, ReportError> {
     let mut written = Vec::new();
     for picture in pictures(study)? {

@@ -15,7 +15,8 @@ impl Records {
     pub(crate) fn read(path: &Path, required: &[&str]) -> Result<Self, ReportError> {
         let text = file::read(path)?;
         let (header, mut reader) = open(path, &text)?;
-        // In this order, too: sweep columns lie between `cell` and `quantity`, statistics after `unit`.
+        // The required columns must also stand in this order: sweep columns lie between `cell` and `quantity`,
+        // statistics after `unit`.
         let mut next = 0;
         for name in required {
             match header[next..].iter().position(|column| column == name) {
@@ -57,7 +58,7 @@ impl Columns {
         Ok(columns)
     }
 
-    /// The same of a file that may have no rows.
+    /// Columns `names` of the file at `path`, in the order of `names`; there may be no rows.
     pub(crate) fn read_any(path: &Path, names: &[&str]) -> Result<Self, ReportError> {
         let text = file::read(path)?;
         let (header, mut reader) = open(path, &text)?;

@@ -6,6 +6,22 @@ const WIDTH: usize = 100;
 const INDENT: usize = 14;
 
 /// The scores as text of at most 100 columns, with a line of totals at the end; empty without scores.
+///
+/// ```
+/// use palpate_report::{Score, Verdict, scorecard_text};
+///
+/// let score = Score {
+///     claim: 19,
+///     study: "lenses".to_owned(),
+///     paper_says: "The fisheye lens gives all markers a similar area in the image.".to_owned(),
+///     measured: "The largest area is 1.2 times the smallest.".to_owned(),
+///     verdict: Verdict::Holds,
+///     why: "Holds if the ratio is at most 1.5.".to_owned(),
+/// };
+/// let text = scorecard_text(&[score]);
+/// assert!(text.starts_with("Claim 19  HOLDS  (lenses)\n"));
+/// assert!(text.ends_with("1 hold, 0 differ, 0 not testable\n"));
+/// ```
 pub fn scorecard_text(scores: &[Score]) -> String {
     if scores.is_empty() {
         return String::new();

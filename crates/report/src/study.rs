@@ -11,9 +11,9 @@ pub struct Failure {
     pub cell: u64,
     /// Kebab-case name of the error.
     pub kind: String,
-    /// How many trials failed so.
+    /// Number of trials that failed so.
     pub count: u64,
-    /// The first of them, from 0.
+    /// Number of the first trial that failed so, counted from 0.
     pub first_trial: u64,
 }
 
@@ -30,6 +30,24 @@ pub struct Study {
 
 impl Study {
     /// Reads `cells.csv`, `failures.csv` and `run.toml` in `dir`.
+    ///
+    /// ```
+    /// use palpate_report::Study;
+    ///
+    /// let dir = tempfile::tempdir()?;
+    /// let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text);
+    /// write("run.toml", "name = \"ball\"\n[scene.probe]\nradius = 20.0\n")?;
+    /// write("failures.csv", "cell,kind,count,first_trial\n0,slipped,3,7\n")?;
+    /// let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
+    ///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
+    /// let row = format!("0,curvature,1/mm,0.2,9,3,0.25{}", ",".repeat(11));
+    /// write("cells.csv", &format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
+    ///
+    /// let study = Study::load(dir.path())?;
+    /// assert_eq!(study.number(0, "scene.probe.radius"), Some(20.0));
+    /// assert_eq!((study.failures()[0].kind.as_str(), study.failures()[0].count), ("slipped", 3));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// A file is absent or malformed; see [`ReportError`].
@@ -102,12 +120,12 @@ impl Study {
         }
     }
 
-    /// Where the question comes from; may be empty.
+    /// Publication or other origin of the question; may be empty.
     pub fn source(&self) -> &str {
         self.word("source")
     }
 
-    /// Numbers of the published claims this study's tables are to be held against.
+    /// Numbers of the published claims that this study tests.
     pub fn claims(&self) -> &[u32] {
         &self.claims
     }
@@ -139,7 +157,8 @@ impl Study {
         segments.try_fold(first, |value, segment| value.as_table()?.get(segment))
     }
 
-    /// The number at `path` that holds for `row`: of the sweep's column if there is one, else of the config.
+    /// Number at a dotted `path` of the config in the cell of `row`: the entry of the table's column if the path is
+    /// swept, else the config's. `None` if there is no finite number.
     pub fn number(&self, row: usize, path: &str) -> Option<f64> {
         match self.cells.axis(path) {
             Some(axis) => axis.number(row),
@@ -147,7 +166,8 @@ impl Study {
         }
     }
 
-    /// The text at `path` that holds for `row`: of the sweep's column if there is one, else of the config.
+    /// Text at a dotted `path` of the config in the cell of `row`: the entry of the table's column if the path is
+    /// swept, else the config's. `None` if there is no text.
     pub fn text(&self, row: usize, path: &str) -> Option<&str> {
         match self.cells.axis(path) {
             Some(axis) => Some(axis.text(row)),

@@ -76,6 +76,23 @@ pub struct Table {
 impl Table {
     /// Reads a `cells.csv`.
     ///
+    /// ```
+    /// use palpate_report::Table;
+    ///
+    /// let dir = tempfile::tempdir()?;
+    /// let path = dir.path().join("cells.csv");
+    /// let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
+    ///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
+    /// let row = format!("0,5,curvature,1/mm,0.2,1,0,0.25{}", ",".repeat(11));
+    /// std::fs::write(&path, format!("cell,scene.object.radius_mm,quantity,unit,{statistics}\n{row}\n"))?;
+    ///
+    /// let table = Table::read(&path)?;
+    /// let radius = table.axis("scene.object.radius").and_then(|axis| axis.number(0));
+    /// assert_eq!((radius, table.quantity(0)), (Some(5.0), "curvature"));
+    /// assert_eq!((table.statistic(0, "mean"), table.statistic(0, "std")), (Some(0.25), None));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// The file cannot be read, is not CSV, has no rows, lacks a column or has one twice, or holds text or
     /// a number that is not finite where a number must be.
@@ -165,12 +182,12 @@ impl Table {
         self.axes.iter().find(|axis| axis.is(path))
     }
 
-    /// The quantities as a column like an axis: its values are their names.
+    /// Names of the quantities as an axis, one per row.
     pub fn quantities(&self) -> &Axis {
         &self.quantity
     }
 
-    /// The numbers of trials as a column like an axis: a sweep of them has no other.
+    /// Numbers of trials as an axis, one per row: where trials are swept, the table has no other column for them.
     pub fn trials(&self) -> &Axis {
         &self.trials
     }

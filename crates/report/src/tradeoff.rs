@@ -1,5 +1,5 @@
-//! What was measured of speed against accuracy: `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv` of one folder,
-//! and what was judged of `auto`: `promise.csv`, which may be absent.
+//! Measurements of speed against accuracy: `ladders.csv`, `rungs.csv`, `answers.csv` and `stages.csv` of one folder,
+//! and `promise.csv`, the verdicts on `auto`, which may be absent.
 
 mod promise;
 
@@ -14,27 +14,27 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tradeoff {
     pub(crate) ladders: Vec<Ladder>,
-    /// Of each kind of scene; none where nothing was judged.
+    /// Verdicts on `auto` for each kind of scene; none where there is no `promise.csv`.
     pub(crate) promises: Vec<Promise>,
-    /// Whether instructions are counted, of every rung.
+    /// Whether instructions are known for every rung; if so they are the cost.
     pub(crate) counted: bool,
-    /// What was measured on, in words.
+    /// Words for the machine on which the measurements were made.
     pub(crate) machine: String,
 }
 
-/// The rungs of one choice, on several scenes.
+/// Models, sensors or settings that answer the same question, each at its own cost and error, on several scenes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ladder {
     pub(crate) name: String,
     pub(crate) title: String,
-    /// What the error is, and of what a share.
+    /// Words for the quantity that errs and for the scale that its error is relative to.
     pub(crate) error_of: String,
-    /// What is evaluated once.
+    /// Words for one evaluation, whose cost is given.
     pub(crate) evaluation: String,
     pub(crate) scenes: Vec<LadderScene>,
 }
 
-/// A scene and what was measured on it.
+/// Measurements of the rungs on one scene.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LadderScene {
     /// `easy`, `typical`, `hard`.
@@ -44,14 +44,14 @@ pub(crate) struct LadderScene {
     pub(crate) answers: Vec<Answer>,
 }
 
-/// One rung.
+/// Error and cost of one rung.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Rung {
     pub(crate) name: String,
     pub(crate) error: f64,
     /// Instructions where they are counted, else the median of nanoseconds.
     pub(crate) cost: f64,
-    /// Whether no other is better.
+    /// Whether no other rung is both as exact and as cheap (Pareto front).
     pub(crate) on_front: bool,
 }
 
@@ -135,7 +135,7 @@ impl Tradeoff {
         })
     }
 
-    /// What a rung's cost is counted in.
+    /// Unit of the costs.
     pub(crate) const fn unit(&self) -> &'static str {
         if self.counted { "instructions" } else { "ns" }
     }

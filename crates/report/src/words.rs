@@ -63,8 +63,8 @@ pub(crate) fn with_unit(label: &str, unit: &str) -> String {
     }
 }
 
-/// What a column shows: its words, its unit, and the factor from the table's numbers to the shown ones
-/// (fractions are shown in percent).
+/// Meaning of a column: its words, its unit, and the factor from the numbers in the table to those shown (fractions are
+/// shown in percent).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Meaning {
     pub(crate) words: String,

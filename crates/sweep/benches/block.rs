@@ -1,4 +1,5 @@
-//! What the runner and the statistics cost per trial: a trial that only looks numbers up, with five quantities.
+//! Benchmark of the cost of the runner and its statistics per trial. The trials only look numbers up, so that almost
+//! nothing else is timed; each observes five quantities.
 
 use std::hint::black_box;
 use std::num::NonZeroUsize;

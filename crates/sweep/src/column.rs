@@ -2,7 +2,8 @@
 
 use crate::record::Observations;
 
-/// In place of a standard deviation that was not reported; below all that are.
+/// Placeholder for a standard deviation that was not reported; lower than any that can be reported, for those are at
+/// least 0.
 pub(crate) const UNREPORTED: f64 = -1.0;
 
 /// The truth of some observations; none is −0.
@@ -11,9 +12,9 @@ pub(crate) enum Truths {
     /// There are no observations.
     #[default]
     None,
-    /// Always the same.
+    /// One truth shared by all observations.
     Same(f64),
-    /// Of each observation.
+    /// Truth of each observation, in their order.
     Varied(Vec<f64>),
 }
 
@@ -23,14 +24,15 @@ pub(crate) struct Column {
     estimates: Vec<f64>,
     stds: Vec<f64>,
     truths: Truths,
-    /// Whether intervals hold the truth, where they are not estimate ± 1.96 std; ends at the last that is not.
+    /// Verdicts of trials on whether their 95 % interval holds the truth, one per observation; `None` where the
+    /// interval is estimate ± 1.96 std. The list ends at the last observation that has a verdict.
     judgements: Vec<Option<bool>>,
-    /// Observations of the trials that have succeeded; the rest are of the one that runs.
+    /// Number of observations of trials that have succeeded; the observations after them belong to the running trial.
     kept: usize,
 }
 
 impl Column {
-    /// Adds observations of the trial that runs, or of some that ran together.
+    /// Adds observations of the running trial, or of several trials that ran together.
     #[inline(always)]
     pub(crate) fn push<const N: usize>(&mut self, observations: &Observations<N>) {
         if !matches!(self.truths, Truths::Same(truth) if truth == observations.truth) {
@@ -41,7 +43,8 @@ impl Column {
         self.stds.extend_from_slice(&stds);
     }
 
-    /// Notes whether the interval of the last observation holds the truth; `None` leaves it to the standard deviation.
+    /// Sets the verdict on whether the interval of the last observation holds the truth; `None` leaves it to the
+    /// standard deviation.
     #[inline]
     pub(crate) fn judge(&mut self, interval_holds: Option<bool>) {
         if interval_holds.is_some() {
@@ -50,7 +53,7 @@ impl Column {
         }
     }
 
-    /// Notes a truth of the `count` observations to come that is not the same as all before it.
+    /// Records the truth of the next `count` observations where it differs from that of all observations before.
     #[inline(never)]
     fn note(&mut self, truth: f64, count: usize) {
         match &mut self.truths {
@@ -91,27 +94,28 @@ impl Column {
         self.truths = Truths::None;
     }
 
-    /// How many observations there are.
+    /// Number of observations.
     pub(crate) fn len(&self) -> usize {
         self.estimates.len()
     }
 
-    /// What was estimated.
+    /// Estimates, one per observation.
     pub(crate) fn estimates(&self) -> &[f64] {
         &self.estimates
     }
 
-    /// The standard deviations of the estimates, or [`UNREPORTED`].
+    /// Standard deviations of the estimates; [`UNREPORTED`] where a trial gave none.
     pub(crate) fn stds(&self) -> &[f64] {
         &self.stds
     }
 
-    /// Whether intervals hold the truth, where that is not for the standard deviation to tell; the rest is missing.
+    /// Verdicts on whether intervals hold the truth, one per observation from the first on; `None`, or beyond the end
+    /// of the slice, where the standard deviation decides.
     pub(crate) fn judgements(&self) -> &[Option<bool>] {
         &self.judgements
     }
 
-    /// The truth of the estimates.
+    /// Truths of the estimates.
     pub(crate) fn truths(&self) -> &Truths {
         &self.truths
     }

@@ -14,7 +14,7 @@ pub struct Failure {
     pub kind: &'static str,
     /// Number of trials that failed so.
     pub count: u64,
-    /// The smallest of their numbers.
+    /// Smallest number of a trial that failed so.
     pub first_trial: u64,
 }
 
@@ -37,7 +37,7 @@ impl Failures {
         other.0.into_iter().for_each(|failure| self.add(failure));
     }
 
-    /// Ordered by kind.
+    /// Failures ordered by kind.
     pub(crate) fn sorted(mut self) -> Vec<Failure> {
         self.0.sort_by_key(|failure| failure.kind);
         self.0

@@ -86,8 +86,8 @@ impl Histogram {
         }
     }
 
-    /// Quantile of probability `p` in [0, 1], linear between order statistics 0 … n − 1 at `p (n − 1)`, each at most
-    /// 0.4 % off; `None` of nothing.
+    /// Quantile of probability `p` in [0, 1], linear between the order statistics 0 to n − 1 at `p (n − 1)`, each of
+    /// which is at most 0.4 % off; `None` without numbers.
     pub(crate) fn quantile(&self, p: f64) -> Option<f64> {
         let count: u64 = self.ascending().map(|(_, count)| count).sum();
         let position = p * count.checked_sub(1)? as f64;

@@ -1,8 +1,8 @@
 //! A deterministic parallel Monte Carlo runner: cells × trials.
 //!
-//! A [`Cell`] is one setting of a study and a [`Trial`] is what is repeated in it: a function of the trial's number
-//! that records an [`Observation`] of each quantity. [`run`] repeats it and sums up every quantity of every cell in
-//! a [`Summary`]. What the trial does is none of this crate's business.
+//! A [`Cell`] is one setting of a study. Its [`Trial`] is a function of a number that records an [`Observation`] of
+//! each quantity; it is repeated with the numbers 0, 1, 2 and so on. [`run`] repeats the trials of all cells and gives
+//! a [`Summary`] of every quantity in every cell. This crate knows nothing of what a trial computes.
 //!
 //! Guarantees, for trials that depend on nothing but their number:
 //!

@@ -11,7 +11,7 @@ pub(crate) struct MeanMagnitude {
 }
 
 impl MeanMagnitude {
-    /// Of finite numbers, the largest of which in magnitude is given.
+    /// Mean magnitude of finite `values`, none of which is larger in magnitude than `largest`.
     pub(crate) fn of(values: &[f64], largest: f64) -> MeanMagnitude {
         let exponent = exponent(largest);
         let per_unit = power_of_two(-exponent);
@@ -22,7 +22,7 @@ impl MeanMagnitude {
         }
     }
 
-    /// Adds the numbers of `other`, which come after one's own.
+    /// Adds the numbers of `other`, which come after those summed so far.
     pub(crate) fn merge(&mut self, other: &MeanMagnitude) {
         let exponent = self.exponent.max(other.exponent);
         let in_new_units = |mean: &MeanMagnitude| mean.sum * power_of_two(mean.exponent - exponent);
@@ -31,12 +31,12 @@ impl MeanMagnitude {
         self.exponent = exponent;
     }
 
-    /// How many numbers.
+    /// Number of values summed.
     pub(crate) fn count(&self) -> u64 {
         self.count
     }
 
-    /// The mean; `None` of nothing.
+    /// Mean magnitude; `None` without values.
     pub(crate) fn mean(&self) -> Option<f64> {
         let mean = self.sum / self.count as f64 * power_of_two(self.exponent);
         (self.count > 0).then_some(mean)

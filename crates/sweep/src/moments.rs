@@ -12,9 +12,9 @@ pub(crate) struct Moments {
     count: u64,
     min: f64,
     max: f64,
-    /// Everything below is in units of 2^exponent.
+    /// Exponent of the unit 2^exponent in which the fields below are kept.
     exponent: i32,
-    /// The first number.
+    /// First of the numbers, from which `mean` counts.
     origin: f64,
     /// Mean of the differences to `origin`.
     mean: f64,
@@ -23,7 +23,7 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    /// Of finite numbers.
+    /// Moments of finite `values`; all zero without values.
     pub(crate) fn of(values: &[f64]) -> Moments {
         let Some(&first) = values.first() else {
             return Moments::default();
@@ -49,7 +49,7 @@ impl Moments {
         }
     }
 
-    /// Adds the numbers of `other`, which come after one's own.
+    /// Adds the numbers of `other`, which come after those summed so far.
     pub(crate) fn merge(&mut self, other: &Moments) {
         if other.count == 0 {
             return;
@@ -73,7 +73,7 @@ impl Moments {
         self.count = count;
     }
 
-    /// Of the same numbers with `by` added to each.
+    /// Moments that the same numbers have after `by` is added to each of them.
     pub(crate) fn shifted(&self, by: f64) -> Moments {
         let mut shifted = *self;
         shifted.rescale(self.exponent.max(exponent(by)));
@@ -85,7 +85,7 @@ impl Moments {
         shifted
     }
 
-    /// Changes to a unit that is not smaller.
+    /// Changes the unit to 2^exponent, which must be no smaller than the present one.
     fn rescale(&mut self, exponent: i32) {
         let factor = power_of_two(self.exponent - exponent);
         self.exponent = exponent;
@@ -99,7 +99,7 @@ impl Moments {
         self.count
     }
 
-    /// Magnitude of the number furthest from 0; 0 of nothing.
+    /// Magnitude of the number furthest from 0; 0 without numbers.
     pub(crate) fn largest(&self) -> f64 {
         self.max.max(-self.min)
     }
@@ -109,12 +109,12 @@ impl Moments {
         value.max(self.min).min(self.max)
     }
 
-    /// Arithmetic mean; `None` of nothing.
+    /// Arithmetic mean; `None` without numbers.
     pub(crate) fn mean(&self) -> Option<f64> {
         (self.count > 0).then(|| self.clamp(self.in_plain_units(self.origin + self.mean)))
     }
 
-    /// Root of the mean square; `None` of nothing.
+    /// Root of the mean square; `None` without numbers.
     pub(crate) fn rms(&self) -> Option<f64> {
         let mean = self.origin + self.mean;
         let mean_square = self.squares / self.count as f64 + mean * mean;

@@ -7,26 +7,28 @@ use crate::run::{BLOCK, Cell};
 use crate::summary::{CellStatistics, Summary};
 use crate::sums::{Scratch, Sums};
 
-/// Observations of one quantity that are summed up before the block ends.
+/// Observations of one quantity from which on they are summed up before the end of the block, which bounds the memory
+/// of trials with many observations.
 const MANY: usize = 4 * BLOCK as usize;
 
-/// What one thread works with.
+/// Buffers that one thread reuses from block to block.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     record: Record,
     scratch: Scratch,
 }
 
-/// What came of some consecutive blocks of a cell.
+/// Statistics of some consecutive blocks of one cell, before they are complete.
 #[derive(Debug)]
 struct Part {
     cell: usize,
     first_block: u64,
     blocks: u64,
     failures: Failures,
-    /// One per quantity, over all blocks: exact in any order.
+    /// Histogram of the errors of each quantity, over all blocks; merging is exact in any order.
     histograms: Vec<Histogram>,
-    /// One per block and quantity, block after block; the first may stand for several blocks that were folded.
+    /// Sums of each quantity in each block, block after block. The first block's may stand for several blocks that were
+    /// folded into one.
     sums: Vec<Sums>,
 }
 
@@ -120,7 +122,7 @@ enum Piece {
     Open(Part),
 }
 
-/// What came of consecutive blocks of the whole study: every cell that is complete is already summarised.
+/// Statistics of consecutive blocks of the whole study, with every complete cell already summarised.
 #[derive(Debug, Default)]
 pub(crate) struct Segment {
     pieces: Vec<Piece>,

@@ -1,9 +1,27 @@
-//! What trials say, kept until a block of them is summed up.
+//! Observations of trials, kept until a block of trials is summed up.
 
 use crate::column::Column;
 use crate::failures::{NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 
-/// What one trial says of one quantity, in the quantity's unit.
+/// Estimate of one quantity by one trial beside its true value, both in the quantity's unit.
+///
+/// ```
+/// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+///
+/// /// Claims an interval of its own, which misses the truth in one trial of four.
+/// struct Intervals;
+/// impl Trial for Intervals {
+///     fn quantities(&self) -> usize { 1 }
+///     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+///         let interval_holds = Some(trial % 4 != 0);
+///         record.observe(0, Observation { estimate: 1.0, truth: 1.0, std: None, interval_holds });
+///         Ok(())
+///     }
+/// }
+/// let statistics = run(&[Cell { trials: 8, trial: &Intervals }], &RunOptions::default(), &|_| ())?;
+/// assert_eq!(statistics[0].quantities[0].coverage95, Some(0.75));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
     /// The estimate.
@@ -17,7 +35,7 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// What was observed of the error is a number, and the standard deviation is one.
+    /// Whether the error is finite and the standard deviation, if any, is finite and at least 0.
     #[inline]
     fn is_sound(&self) -> bool {
         let sound_std = |std| (0.0..f64::INFINITY).contains(&std);
@@ -25,7 +43,15 @@ impl Observation {
     }
 }
 
-/// What `N` trials that ran together say of one quantity, trial by trial; see [`Observation`].
+/// Observations of one quantity by `N` trials that ran together, trial by trial; see [`Observation`].
+///
+/// ```
+/// use palpate_sweep::{Observation, Observations};
+///
+/// let one = Observation { estimate: 2.5, truth: 2.0, std: Some(0.5), interval_holds: None };
+/// let alone = Observations { estimates: [2.5], truth: 2.0, stds: Some([0.5]) };
+/// assert_eq!(Observations::<1>::from(one), alone);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observations<const N: usize> {
     /// The estimates.
@@ -36,7 +62,7 @@ pub struct Observations<const N: usize> {
     pub stds: Option<[f64; N]>,
 }
 
-/// Without what it says of its interval.
+/// Conversion of a single observation; `interval_holds` is dropped, as [`Observations`] have none.
 impl From<Observation> for Observations<1> {
     #[inline]
     fn from(observation: Observation) -> Self {
@@ -48,7 +74,7 @@ impl From<Observation> for Observations<1> {
     }
 }
 
-/// Takes the observations of trials.
+/// Collector of the observations of trials, handed to each [`Trial`](crate::Trial).
 #[derive(Debug, Default)]
 pub struct Record {
     columns: Vec<Column>,
@@ -60,6 +86,24 @@ impl Record {
     ///
     /// An observation whose error or standard deviation is not a finite number fails the trial as [`NOT_FINITE`], a
     /// negative standard deviation as [`NEGATIVE_STD`], a quantity out of range as [`UNKNOWN_QUANTITY`].
+    ///
+    /// ```
+    /// use palpate_sweep::{Cell, NOT_FINITE, Observation, Record, RunOptions, Trial, run};
+    ///
+    /// struct Overflow;
+    /// impl Trial for Overflow {
+    ///     fn quantities(&self) -> usize { 1 }
+    ///     fn run(&self, _trial: u64, record: &mut Record) -> Result<(), &'static str> {
+    ///         let estimate = f64::INFINITY;
+    ///         record.observe(0, Observation { estimate, truth: 1.0, std: None, interval_holds: None });
+    ///         Ok(())
+    ///     }
+    /// }
+    /// let statistics = run(&[Cell { trials: 5, trial: &Overflow }], &RunOptions::default(), &|_| ())?;
+    /// assert_eq!(statistics[0].quantities[0].observations, 0);
+    /// assert_eq!((statistics[0].failures[0].kind, statistics[0].failures[0].count), (NOT_FINITE, 5));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[inline]
     pub fn observe(&mut self, quantity: usize, observation: Observation) {
         match self.columns.get_mut(quantity) {
@@ -88,7 +132,7 @@ impl Record {
     /// Records what `N` trials that ran together and succeeded say of the first `Q` quantities: one observation of each
     /// in every trial.
     ///
-    /// Records nothing and tells `false` where [`Record::observe`] would fail any of the trials.
+    /// Returns whether all of them were recorded: where [`Record::observe`] would fail any of the trials, nothing is.
     #[inline(always)]
     pub fn observe_together<const Q: usize, const N: usize>(
         &mut self,
@@ -101,7 +145,8 @@ impl Record {
         sound
     }
 
-    /// Adds sound observations of the first `Q` quantities; otherwise nothing, and tells `false`.
+    /// Adds the observations of the first `Q` quantities if all of them are sound, and returns whether they were; adds
+    /// nothing otherwise.
     #[inline(always)]
     fn push_each<const Q: usize, const N: usize>(
         &mut self,
@@ -134,12 +179,14 @@ impl Record {
         }
     }
 
-    /// Prepares for a block of trials of so many quantities; nothing may be left from another.
+    /// Prepares for a block of trials that observe `quantities` quantities; the observations of the block before must
+    /// have been cleared.
     pub(crate) fn set_quantities(&mut self, quantities: usize) {
         self.columns.resize_with(quantities, Column::default);
     }
 
-    /// Runs one trial; a failed one leaves nothing but its kind.
+    /// Runs one trial and keeps its observations if it succeeds. Of a failed one nothing remains but the kind of
+    /// failure.
     #[inline]
     pub(crate) fn take(
         &mut self,

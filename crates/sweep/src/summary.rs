@@ -4,14 +4,30 @@ use crate::failures::Failure;
 use crate::histogram::Histogram;
 use crate::sums::{Sums, Truth};
 
-/// What came of a cell's trials.
+/// Statistics of all trials of a cell.
+///
+/// ```
+/// use palpate_sweep::{Cell, Failure, Record, RunOptions, Trial, run};
+///
+/// struct EveryThirdSlips;
+/// impl Trial for EveryThirdSlips {
+///     fn quantities(&self) -> usize { 0 }
+///     fn run(&self, trial: u64, _record: &mut Record) -> Result<(), &'static str> {
+///         if trial % 3 == 2 { Err("slipped") } else { Ok(()) }
+///     }
+/// }
+/// let statistics = run(&[Cell { trials: 9, trial: &EveryThirdSlips }], &RunOptions::default(), &|_| ())?;
+/// assert_eq!((statistics[0].trials, statistics[0].failed()), (9, 3));
+/// assert_eq!(statistics[0].failures, [Failure { kind: "slipped", count: 3, first_trial: 2 }]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellStatistics {
     /// Trials run, failed ones included.
     pub trials: u64,
     /// Failures, one entry per kind, ordered by kind.
     pub failures: Vec<Failure>,
-    /// One per quantity, in the trial's order.
+    /// Statistics of each quantity, in the order in which the trial counts them.
     pub quantities: Vec<Summary>,
 }
 
@@ -25,9 +41,28 @@ impl CellStatistics {
 /// Statistics of one quantity over the observations of the trials that succeeded.
 ///
 /// An error is estimate − truth. Everything is in the quantity's unit or a plain ratio, and finite; a statistic is
-/// `None` where it is undefined (always so without observations) or beyond the range of `f64`. Means, roots of mean squares
-/// and standard deviations are within 1e-13 of the mean magnitude of what they are of, standard deviations within 1e-12 of
-/// themselves, however large or small the numbers; below 1e-308 they are whole multiples of the least double.
+/// `None` where it is undefined (always so without observations) or beyond the range of `f64`. Means, roots of mean
+/// squares and standard deviations are within 1e-13 of the mean magnitude of what they are of, standard deviations
+/// within 1e-12 of themselves, however large or small the numbers; below 1e-308 they are whole multiples of the least
+/// double.
+///
+/// ```
+/// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+///
+/// struct Swing;
+/// impl Trial for Swing {
+///     fn quantities(&self) -> usize { 1 }
+///     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+///         let estimate = if trial % 2 == 0 { 1.0 } else { 3.0 };
+///         record.observe(0, Observation { estimate, truth: 2.0, std: None, interval_holds: None });
+///         Ok(())
+///     }
+/// }
+/// let swing = run(&[Cell { trials: 4, trial: &Swing }], &RunOptions::default(), &|_| ())?[0].quantities[0];
+/// assert_eq!((swing.mean, swing.bias, swing.rms_error), (Some(2.0), Some(0.0), Some(1.0)));
+/// assert_eq!((swing.relative_rms_error, swing.coverage95), (Some(0.5), None));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Number of observations.
@@ -52,14 +87,14 @@ pub struct Summary {
     ///
     /// Quantiles are linear between neighbouring order statistics, the usual definition (type 7).
     pub q05: Option<f64>,
-    /// Median of the estimates, as `q05`.
+    /// Median of the estimates, with the accuracy of `q05`.
     pub q50: Option<f64>,
-    /// 95 % quantile of the estimates, as `q05`.
+    /// 95 % quantile of the estimates, with the accuracy of `q05`.
     pub q95: Option<f64>,
     /// Mean of the reported standard deviations; `None` where none was reported.
     pub mean_reported_std: Option<f64>,
-    /// Share of the reported 95 % intervals that hold the truth: estimate ± 1.96 std where the trial does not judge its
-    /// own; `None` where neither was reported.
+    /// Share of the 95 % intervals that hold the truth. An interval is estimate ± 1.96 std unless the trial gives its
+    /// own verdict (`interval_holds`). `None` where no trial reported either.
     pub coverage95: Option<f64>,
 }
 

@@ -9,20 +9,21 @@ use crate::scale::range;
 /// Two-sided 95 % point of the normal distribution, in standard deviations.
 const COVERAGE_95: f64 = 1.959_963_984_540_054;
 
-/// The truth of all observations.
+/// Truth of all observations of a quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Truth {
-    /// There was none.
+    /// No observation, so no truth.
     #[default]
     Unknown,
-    /// Always the same.
+    /// One truth shared by all observations.
     Same(f64),
-    /// Not always the same, so that the estimates have moments other than the errors'.
+    /// Truths that differ, so that the moments of the estimates do not follow from those of the errors and are kept as
+    /// well.
     Varies { estimates: Moments },
 }
 
 impl Truth {
-    /// Of some estimates.
+    /// Truth of estimates, from the truth of each of them.
     fn of(truths: &[f64], estimates: &[f64]) -> Truth {
         match truths {
             [first, rest @ ..] if rest.iter().all(|truth| truth == first) => Truth::Same(*first),
@@ -33,7 +34,8 @@ impl Truth {
     }
 }
 
-/// What is summed over the observations of one quantity; merged in the order of the trials.
+/// Sums over the observations of one quantity, from which its statistics follow. They are merged in the order of the
+/// trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     pub(crate) truth: Truth,
@@ -46,7 +48,7 @@ pub(crate) struct Sums {
     pub(crate) covered: u64,
 }
 
-/// Work space, to be used again.
+/// Buffers that are used again for each quantity.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     errors: Vec<f64>,
@@ -54,7 +56,7 @@ pub(crate) struct Scratch {
 }
 
 impl Sums {
-    /// Of the observations of a quantity, whose errors are also counted in the histogram.
+    /// Sums over the observations of `column`. Their errors are also counted in `histogram`.
     pub(crate) fn of(column: &Column, histogram: &mut Histogram, scratch: &mut Scratch) -> Sums {
         let (estimates, stds) = (column.estimates(), column.stds());
         let Scratch { errors, reported } = scratch;
@@ -106,7 +108,7 @@ impl Sums {
         }
     }
 
-    /// Adds what comes after.
+    /// Adds sums over the trials that follow.
     pub(crate) fn merge(&mut self, other: &Sums) {
         self.truth = match (self.truth, other.truth) {
             (Truth::Unknown, truth) | (truth, Truth::Unknown) => truth,

@@ -1,16 +1,16 @@
-//! Counts what a scene makes the machine do, so that a scene which needs no random numbers, integrator or frames can
-//! be shown to ask for none.
+//! Counters of the work that a scene causes. They show that a scene which needs no random numbers, integrator or frames
+//! causes none of that work.
 //!
 //! Counting is per thread, and only with the feature `count`; without it every function here is empty.
 
-/// What was done on this thread.
+/// Work done on one thread, counted by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Random words drawn.
     pub draws: u64,
     /// Evaluations of the right-hand side of contact equations by an integrator.
     pub derivatives: u64,
-    /// Searches for the place where a round tip touches.
+    /// Searches for the place where a fingertip with a radius touches.
     pub searches: u64,
     /// Contacts with an elastic layer for which an integral equation was solved.
     pub layers: u64,
@@ -40,7 +40,7 @@ mod counting {
         });
     }
 
-    /// What `work` does on this thread, and what it gives.
+    /// Work that `work` does on this thread, beside the value that `work` returns.
     pub fn counted<T>(work: impl FnOnce() -> T) -> (Tally, T) {
         let before = TALLY.replace(Tally::default());
         let given = work();

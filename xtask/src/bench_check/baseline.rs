@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 pub(crate) struct Figures(Vec<(String, f64)>);
 
 impl Figures {
-    /// Of a table with a header and two columns: name and figure.
+    /// Reads a table with a header and two columns: name and figure.
     pub(crate) fn read(text: &str) -> Result<Self> {
         let mut figures = Self::default();
         for record in csv::Reader::from_reader(text.as_bytes()).records() {
@@ -63,28 +63,28 @@ fn text(figure: f64) -> String {
     }
 }
 
-/// By what figures may grow.
+/// Limits within which figures may change.
 #[derive(Debug)]
 pub(crate) struct Limits {
     pub(crate) what: &'static str,
-    /// Share of the figure before.
+    /// Allowed growth, as a share of the earlier figure.
     pub(crate) allowed: f64,
-    /// What counts as nothing.
+    /// Smallest figure that counts; smaller ones are compared as if they were this.
     pub(crate) floor: f64,
 }
 
-/// How a figure is beside the one before.
+/// Change of a figure against the baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Change {
     /// Within the limits.
     Same,
     /// Larger than allowed.
     Worse,
-    /// Smaller by as much.
+    /// Smaller by more than the allowed growth.
     Better,
-    /// Only now.
+    /// Absent from the baseline.
     New,
-    /// Only before.
+    /// Present in the baseline only.
     Missing,
 }
 
@@ -159,7 +159,7 @@ impl Comparison {
         }
     }
 
-    /// What differs, before and after.
+    /// Table of the figures that differ, before and now.
     pub(crate) fn render(&self) -> String {
         let what = self.limits.what;
         let (mut rows, mut better) = (String::new(), false);

@@ -30,7 +30,7 @@ pub(crate) fn count(shell: &Shell) -> Result<Result<Figures, &'static str>> {
     read(&lines).map(Ok)
 }
 
-/// Of one summary per line.
+/// Reads counts from lines of JSON, one summary per line.
 fn read(lines: &str) -> Result<Figures> {
     let mut counts = Figures::default();
     for line in lines.lines().filter(|line| line.starts_with('{')) {

@@ -1,9 +1,9 @@
-//! What a peer or palpate takes for a task.
+//! Times and errors of peers and of palpate on tasks.
 
 use anyhow::{Context, Result};
 use serde_json::Value;
 
-/// Of one line that a peer prints.
+/// Time and error of one task, as a line of JSON tells them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Figure {
     pub(crate) task: String,

@@ -16,7 +16,7 @@ pub(crate) struct Row {
     verdict: Verdict,
 }
 
-/// What a row says of the target.
+/// Outcome of a row against the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// Quick enough and no less exact.

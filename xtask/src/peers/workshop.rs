@@ -30,7 +30,7 @@ pub(crate) struct Workshop<'s> {
 pub(crate) struct Peer(Vec<OsString>);
 
 impl Peer {
-    /// What it prints, run on one core.
+    /// Runs the peer on one core and reads the figures that it prints.
     pub(crate) fn figures(&self, shell: &Shell, core: &str, inputs: &Path) -> Result<Vec<Figure>> {
         let command = &self.0;
         let mut run = cmd!(shell, "taskset -c {core} {command...} {inputs}").quiet();
@@ -121,8 +121,8 @@ impl<'s> Workshop<'s> {
     }
 }
 
-/// The interpreter of the virtual environment with the packages of requirements.txt, made where it is missing, or why it
-/// cannot be.
+/// The interpreter of the virtual environment with the packages of requirements.txt, made where it is missing, or why
+/// it cannot be.
 fn environment(shell: &Shell, sources: &Path, directory: &Path) -> Result<Result<PathBuf, String>> {
     let place = directory.join("venv");
     let python = place.join("bin").join("python");

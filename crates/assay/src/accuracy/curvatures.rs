@@ -1,4 +1,4 @@
-//! What EP2 makes of contacts.
+//! Errors of the curvatures that EP2 estimates from contacts.
 
 use anyhow::Result;
 use palpate_ep2::{Curvature, Method, Penalised, Quadric, TwoPass};

@@ -8,8 +8,9 @@ use crate::hot::presses::{AT, INDENTATION, OBJECT, SKIN, Told, fit, markers};
 use crate::pressed::{self, Pressed};
 
 const PRESSES: u64 = 20;
-/// Of the layer, mm; and of the markers in it.
+/// Thickness of the layer, mm.
 const THICKNESS: f64 = 5.0;
+/// Depth of the markers in the layer, mm.
 const DEPTH: f64 = 2.0;
 
 pub(super) fn figures() -> Result<Vec<Figure>> {
@@ -98,7 +99,7 @@ fn of_a_layer(body: Body) -> Result<f64> {
     Ok(off.fold(0.0, f64::max) / largest.fold(0.0, f64::max))
 }
 
-/// Of the object's curvature as fitted, over the curvature of skin and object together.
+/// Rms error of the object's fitted curvature, relative to the sum of the curvatures of skin and object.
 fn estimated(body: Body) -> Result<f64> {
     let markers = markers()?;
     let contact = markers.skin().contact(&body, OBJECT, INDENTATION)?;

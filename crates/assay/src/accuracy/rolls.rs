@@ -42,7 +42,7 @@ pub(super) fn figures() -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Every rung that can roll over the object.
+/// Names and models of all rungs that can roll over the object.
 fn rungs(object: &str) -> Vec<(&'static str, Model)> {
     let charts = Chart::Montana(HeldAxis::Transported);
     let rk4 = |chart| Model::Rk4 { steps: 64, chart };
@@ -91,8 +91,8 @@ pub(crate) fn against_closed_form(
     Ok(off_object.max((contact.on_probe(1.0).coords - on_probe).amax()))
 }
 
-/// Where the unit sphere touches z = −r² after it has turned by this angle: by the slope's angle and by the meridian's
-/// length.
+/// Distance from the axis at which the unit sphere touches z = −r² after it has turned by `angle_rad`, the sum of the
+/// slope's angle and the meridian's length.
 fn radius_on_paraboloid(angle_rad: f64) -> f64 {
     let mut r = angle_rad / 3.0;
     for _ in 0..60 {
@@ -103,7 +103,7 @@ fn radius_on_paraboloid(angle_rad: f64) -> f64 {
     r
 }
 
-/// Of the meridian of z = −r² from the apex.
+/// Length of the meridian of z = −r² from the apex to `r`.
 fn length_on_paraboloid(r: f64) -> f64 {
     let slope = 2.0 * r;
     0.5 * r * libm::hypot(slope, 1.0) + 0.25 * libm::asinh(slope)

@@ -1,4 +1,4 @@
-//! What the tracker makes of frames.
+//! Errors of the markers that the tracker finds in a frame.
 
 use anyhow::{Context, Result};
 use palpate_tracking::Marker;

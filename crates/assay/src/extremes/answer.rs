@@ -1,15 +1,15 @@
-//! What an entry point gave, and what it should have given.
+//! Results of entry points, beside the results that they should have had.
 
 use std::fmt::{self, Debug};
 
 use super::case::Verdict;
 
-/// Errors may be so many times what the condition explains.
+/// Factor by which an error may exceed what the condition explains.
 const SLACK: f64 = 10.0;
-/// A condition that would explain an error above this explains none: hardly a digit is left.
+/// Largest error that a condition may explain; above it hardly a digit of the result is left, and no error is excused.
 const MOST_EXPLAINED: f64 = 0.1;
 
-/// What an entry point gave.
+/// Result of a call of an entry point: numbers or an error.
 #[derive(Clone, Debug)]
 pub enum Outcome {
     /// Numbers, the first of which is judged.
@@ -18,36 +18,37 @@ pub enum Outcome {
     Refused(String),
 }
 
-/// A value, and what is known of it.
+/// Numbers that an entry point returned, with the truth and the accuracy that is promised.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// All that was given; none may be NaN or infinite. The first is judged.
+    /// All numbers of the result, none of which may be NaN or infinite. The first is judged.
     pub values: Vec<f64>,
-    /// What it should be.
+    /// True value of the first number.
     pub truth: Truth,
     /// The condition number that the result reports, where it reports one; else that of the problem.
     pub condition: f64,
     /// The error that the documentation allows, in the terms of [`Truth`].
     pub bound: f64,
-    /// The error that there must be, in the same terms: a reading in whole steps that is exact between them is wrong.
+    /// Least error that there must be, in the same terms: a sensor that reads in whole steps is wrong if it is exact
+    /// between two steps.
     pub least: f64,
 }
 
-/// What a value should be.
+/// True value of a number, and the scale on which its error counts.
 #[derive(Clone, Copy, Debug)]
 pub enum Truth {
-    /// This, from a closed form or in higher precision; errors are relative to it.
+    /// Value from a closed form or from a computation in higher precision; errors are relative to it.
     Relative(f64),
-    /// This; errors are relative to the given scale (for truths that may be 0).
+    /// Value that may be 0; errors are relative to a given scale.
     OfScale {
-        /// What it should be.
+        /// True value.
         value: f64,
-        /// What errors are relative to.
+        /// Magnitude that errors are relative to.
         scale: f64,
     },
-    /// Only that it is finite (the case's input says why).
+    /// No known value: the number need only be finite (the case's input says why).
     Finite,
-    /// Only that it is finite, as the condition leaves it no digit.
+    /// No value that could be told: the condition leaves the number no digit, and it need only be finite.
     NoDigits,
 }
 
@@ -95,7 +96,7 @@ impl Answer {
         Self { bound, ..self }
     }
 
-    /// The error that there must be.
+    /// Sets the least error that there must be.
     #[must_use]
     pub fn at_least(self, least: f64) -> Self {
         Self { least, ..self }
@@ -187,8 +188,8 @@ impl Answer {
 }
 
 impl Outcome {
-    /// What one entry point gave of many inputs: all numbers of those that it answered, of which only finiteness is
-    /// asked; if it answered none, why not the last of them.
+    /// Outcome of one entry point for many inputs: all numbers of the inputs that it answered, which need only be
+    /// finite; the last error if it answered none.
     pub(super) fn of_all<E: Debug, N: IntoIterator<Item = f64>>(
         attempts: impl IntoIterator<Item = Result<N, E>>,
     ) -> Self {
@@ -223,7 +224,7 @@ impl<E: Debug> From<Result<Answer, E>> for Outcome {
     }
 }
 
-/// Where an entry point gives `None`.
+/// Error that stands for the `None` of an entry point.
 pub(super) const NONE: Named = Named("none");
 
 /// An error by the stable name that it gives itself.

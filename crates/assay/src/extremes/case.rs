@@ -8,20 +8,20 @@ use std::time::Duration;
 
 use super::answer::{Answer, Outcome};
 
-/// After so long an entry point is said to hang.
+/// Time after which an entry point is said to hang.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// One entry point at one extreme.
+/// Call of one entry point with one extreme input.
 pub struct Case {
-    /// The entry point: `rolling::Roller::roll`.
+    /// Path of the entry point, such as `rolling::Roller::roll`.
     pub entry: &'static str,
-    /// What is extreme about the input: `object radius 1e9`.
+    /// Words for the extreme in the input, such as `object radius 1e9`.
     pub input: String,
     expected: Expected,
     attempt: Box<dyn FnOnce() -> Outcome + Send>,
 }
 
-/// What kind of outcome there should be.
+/// Kind of outcome that a case must have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Expected {
     /// A value or a named error.
@@ -32,12 +32,12 @@ enum Expected {
     Refusal,
 }
 
-/// What came of a case.
+/// Outcome of a case and the verdict on it.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// As in [`Case`].
+    /// Path of the entry point, from [`Case`].
     pub entry: &'static str,
-    /// As in [`Case`].
+    /// Words for the extreme in the input, from [`Case`].
     pub input: String,
     /// `None` where it panicked or hung.
     pub outcome: Option<Outcome>,
@@ -75,7 +75,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// As the table says it.
+    /// Name of the verdict in the table.
     pub const fn name(self) -> &'static str {
         match self {
             Self::WithinBound => "within-bound",

@@ -22,8 +22,8 @@ pub(super) fn cases() -> Vec<Case> {
     parts.into_iter().flatten().collect()
 }
 
-/// What is told of a place fits together: `K = k_min k_max`, H is their mean, and the normal and both directions are
-/// an orthonormal triple.
+/// Consistency of the results at one place of a map: `K = k_min k_max`, H is their mean, and the normal and both
+/// directions are an orthonormal triple.
 fn consistent(point: &MapPoint) -> Answer {
     let (least, most) = (point.k_min, point.k_max);
     let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);

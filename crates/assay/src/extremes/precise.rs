@@ -66,7 +66,7 @@ impl Precise {
         self.0.is_negative() && !self.0.is_zero()
     }
 
-    /// Without its sign.
+    /// Magnitude of the number.
     #[must_use]
     pub fn abs(&self) -> Self {
         Self(self.0.abs())

@@ -1,4 +1,4 @@
-//! What a camera sees of 77 markers.
+//! Work on frames of a camera that looks at 77 markers: painting, finding and matching.
 
 use std::hint::black_box;
 

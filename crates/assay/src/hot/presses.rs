@@ -29,16 +29,16 @@ pub fn markers() -> Result<Markers> {
     Ok(Markers::new(Skin::new(SKIN)?, &places)?)
 }
 
-/// What the markers of a press tell in a trial: how far each moves inward and along the skin, with normal errors.
+/// Readings of the markers in one trial of a press, with Gaussian errors.
 pub struct Told {
-    /// Inward, mm.
+    /// Inward displacement of each marker, mm.
     pub normal: Vec<f64>,
-    /// Along the skin, mm.
+    /// Displacement of each marker along the skin, mm.
     pub tangential: Vec<[f64; 2]>,
 }
 
 impl Told {
-    /// Of these displacements, with the errors of a trial.
+    /// Readings of the displacements `moved`, with the errors of trial number `trial`.
     pub fn new(moved: &[MarkerDisplacement], trial: u64) -> Self {
         let mut noise = Stream::new(1, trial, Channel::Position);
         let mut off = |value: f64, std: f64| value + std * noise.standard_normal();
@@ -54,7 +54,7 @@ impl Told {
         }
     }
 
-    /// For an estimator; the indentation is known to 0.02.
+    /// Reading for an estimator, with the indentation known to a standard deviation of 0.02 mm.
     pub fn reading<'a>(&'a self, markers: &'a Markers) -> Reading<'a> {
         Reading {
             markers,

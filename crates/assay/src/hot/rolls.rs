@@ -59,7 +59,7 @@ pub fn roller(object: Shape, model: Model, angle_rad: f64) -> Result<Roller> {
 pub struct Ep1(SceneTrial);
 
 impl Ep1 {
-    /// Each component of a rotation errs uniformly by at most 1 % of it.
+    /// Uniform errors of each component of a rotation, at most 1 % of it.
     pub const UNIFORM: &str =
         "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }";
     /// Pads that report where the contact is.
@@ -80,8 +80,8 @@ impl Ep1 {
         )))
     }
 
-    /// Trials alone, side by side as the runner takes them: the root of the mean square of the relative error of the normal
-    /// curvature. `None` where they cannot all be run side by side.
+    /// Trials alone, side by side as the runner takes them: the root of the mean square of the relative error of the
+    /// normal curvature. `None` where they cannot all be run side by side.
     pub fn relative_rms_error(&self, trials: u64) -> Option<f64> {
         let mut sum = 0.0;
         let taken = self
@@ -120,7 +120,7 @@ impl Ep1 {
         }
     }
 
-    /// Statistics of so many trials on one thread.
+    /// Statistics of `trials` trials on one thread.
     ///
     /// # Errors
     /// If no thread can be had.
@@ -129,7 +129,7 @@ impl Ep1 {
     }
 }
 
-/// Statistics of so many trials on one thread.
+/// Statistics of `trials` trials on one thread.
 fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
     let options = RunOptions {
         threads: NonZeroUsize::new(1),
@@ -139,14 +139,15 @@ fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
     statistics.into_iter().next().context("no cell")
 }
 
-/// Observations without a trial, so that only the statistics remain: five quantities of the same nearly uniform errors.
+/// Trial that observes five quantities with the same nearly uniform errors and computes nothing, so that only the
+/// statistics cost time.
 pub struct Statistics;
 
 impl Statistics {
     const QUANTITIES: usize = 5;
     const TRUTH: f64 = 5.0;
 
-    /// Of so many trials on one thread.
+    /// Statistics of `trials` trials on one thread.
     ///
     /// # Errors
     /// If no thread can be had.

@@ -17,8 +17,8 @@ const INTERVALS: usize = 7;
 /// A method by its name, and what is kept of its fits.
 type Told = (&'static str, Box<dyn Method>, fn(Fit) -> Fit);
 
-/// Every method on all patches of few contacts, as the peer does it: curvatures alone. One with their standard deviations
-/// beside. One pass of the paper's method is the peer's own task: the same smoothing spline.
+/// Every method on all patches of few contacts, as the peer does it: curvatures alone. One with their standard
+/// deviations beside. One pass of the paper's method is the peer's own task: the same smoothing spline.
 pub(super) fn few() -> Result<Vec<Figure>> {
     let one_pass = TwoPass {
         passes: Passes::One,

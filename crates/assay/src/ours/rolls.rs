@@ -12,16 +12,17 @@ use crate::hot::rolls::{Chart, Ep1, Model, motion, paraboloid, roller, sphere};
 
 const LONG_RAD: f64 = 6.0;
 const SHORT_RAD: f64 = 0.1;
-/// Of DOP853, loosest first.
+/// Tolerances of DOP853, loosest first.
 const TOLERANCES: [f64; 16] = [
     1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9, 3e-10, 1e-10, 3e-11, 1e-11, 3e-12, 1e-12, 3e-13,
     1e-13, 3e-14,
 ];
-/// Where nothing else is asked for.
+/// Error allowed on tasks for which none is given.
 const USUAL_ERROR: f64 = 1e-12;
 const TRIALS: u64 = 1 << 17;
 
-/// Rolls by 6 rad: by the integrator that errs by at most what `error_at_most` says of the task, and by the cheapest rung.
+/// Rolls by 6 rad: by the integrator that errs by at most what `error_at_most` says of the task, and by the cheapest
+/// rung.
 pub(super) fn long(error_at_most: &[(String, f64)]) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, object) in [("sphere", sphere()?), ("paraboloid", paraboloid()?)] {

@@ -32,7 +32,7 @@ pub(super) struct Layer {
 #[derive(Debug)]
 struct Node {
     place: f64,
-    /// Of the quadrature over the contact.
+    /// Weight of the place in the quadrature over the contact.
     weight: f64,
     phi: f64,
 }
@@ -124,8 +124,8 @@ impl Layer {
         sum / weights
     }
 
-    /// Displacements inward and outward per unit relative curvature: those of a half-space under the same pressure, and what
-    /// the core takes from them.
+    /// Displacements inward and outward per unit relative curvature: those of a half-space under the same pressure, and
+    /// what the core takes from them.
     pub(super) fn field(&self, depth: f64, distances: &[f64]) -> Vec<[f64; 2]> {
         let waves = |k: f64| taken(k, depth).map(|share| share * self.transform(k));
         let reach = NEGLIGIBLE / (2.0 - depth);
@@ -158,7 +158,7 @@ impl Layer {
     }
 }
 
-/// Where g ends.
+/// End of the range over which g counts.
 fn reach() -> f64 {
     0.6 * NEGLIGIBLE
 }

@@ -1,4 +1,4 @@
-//! What a rung has to do for the truth of a scene, and nothing else.
+//! Computations that a rung needs for the truth of a scene, and nothing else.
 
 use anyhow::{Result, bail};
 use palpate_chromatouch::Layout;
@@ -9,7 +9,7 @@ use palpate_scene::config::{
 };
 use palpate_scene::{GlideScene, Rung, Scene};
 
-/// A computation that can be repeated. It gives how many contacts or markers it was of.
+/// Repeatable computation that returns its number of contacts or markers.
 pub(super) type Computation = Box<dyn FnMut() -> Result<usize>>;
 
 /// The truth of the first cell's scene on a rung.
@@ -59,7 +59,7 @@ fn press(config: &PressConfig, model: &PressModelConfig) -> Result<Computation> 
     }))
 }
 
-/// What is pressed, as a rung has it.
+/// Soft body that a rung computes with.
 pub(super) fn body(config: &PressConfig, model: &PressModelConfig) -> Result<Body> {
     let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
     Ok(match *model {

@@ -1,4 +1,5 @@
-//! The models that a choice is held against, more than a ladder shows, and the truth that all of them are.
+//! Models that a choice is compared with, more than a ladder shows, and the truth that the errors of all of them are
+//! measured against.
 
 use anyhow::{Result, bail};
 use nalgebra::Point3;
@@ -15,30 +16,30 @@ use super::cost;
 use crate::pressed::{Body, Pressed};
 use crate::touched;
 
-/// Of RK4.
+/// Numbers of steps of the RK4 rivals.
 const STEPS: [u32; 19] = [
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 32, 40, 48, 56, 64,
 ];
-/// Of DOP853 and of Newton's method, the negative exponents.
+/// Negative decimal exponents of the tolerances of DOP853 and of Newton's method.
 const TOLERANCES: std::ops::RangeInclusive<i32> = 1..=13;
-/// Closer markers lie at the same distance, as a share of the sensor's radius.
+/// Difference between two distances from the contact below which they count as one, as a share of the sensor's radius.
 const SAME: f64 = 1e-9;
 
 /// A model that could be taken.
 #[derive(Debug)]
 pub struct Rival {
-    /// Its name, and what it errs by against the truth.
+    /// Name of the model, and its error against the truth.
     pub rung: Rung,
-    /// How often a roll evaluates the contact equations; of others not known.
+    /// Evaluations of the contact equations by a roll; not known of other scenes.
     pub evaluations: Option<usize>,
 }
 
-/// What a choice is held against.
+/// Models for a scene with their errors, and the index of the one that `auto` took.
 pub(super) struct Rivals {
-    /// The rung that is taken is among them.
+    /// All models, with the one that was taken.
     pub(super) all: Vec<Rival>,
     pub(super) taken: usize,
-    /// What the rung that is taken is held against.
+    /// Words for the truth that the errors are measured against.
     pub(super) truth: &'static str,
 }
 
@@ -95,14 +96,14 @@ fn of_roll(study: &Study) -> Result<Rivals> {
     })
 }
 
-/// In the charts of both bodies: coordinates, metrics and Christoffel symbols, where the rungs that are judged have a normal
-/// and a shape operator in space.
+/// Model of the truth of rolls. It computes in the charts of both bodies, with coordinates, metrics and Christoffel
+/// symbols; the rungs that are judged use a normal and a shape operator in space.
 const TRUE_ROLL: Model = Model::Dop853 {
     tolerance: Model::SMALLEST_TOLERANCE,
     chart: Chart::Montana(HeldAxis::Transported),
 };
 
-/// Where each roll ends, on the object and on the probe.
+/// End points of each roll on the object and on the probe.
 fn ends(roller: &Roller, model: Model, rolls: Rolls<'_>) -> Result<Vec<Point3<f64>>> {
     let radius = roller.probe().radius();
     let roller = roller.on(model, rolls)?;
@@ -132,7 +133,7 @@ fn farthest<'a>(pairs: impl Iterator<Item = (&'a Point3<f64>, &'a Point3<f64>)>)
     })
 }
 
-/// As it stands in a config.
+/// Config of a rolling model.
 fn named(model: Model) -> Result<RollModelConfig> {
     let chart = config::Chart::Free;
     Ok(match model {
@@ -206,7 +207,7 @@ fn of_glide(config: &GlideConfig, ladder: &Ladder) -> Result<Rivals> {
     })
 }
 
-/// Where the fingers touch, finger by finger; `None` on objects for which a rung has a closed form.
+/// Points at which the fingers touch, finger by finger; `None` on objects for which a rung has a closed form.
 fn true_touches(config: &GlideConfig, tip: f64) -> Option<Vec<Point3<f64>>> {
     let touch: Box<dyn Fn([f64; 2]) -> [f64; 3]> = match &config.object {
         &ObjectConfig::Ellipsoid { semi_axes } => {

@@ -19,7 +19,7 @@ impl Kind {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Roll, Self::Glide, Self::Press];
 
-    /// As configs call it.
+    /// Name of the kind in configs.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Roll => "roll",
@@ -30,7 +30,7 @@ impl Kind {
 }
 
 impl Kind {
-    /// Many of them.
+    /// Plural of the name.
     pub(super) const fn plural(self) -> &'static str {
         match self {
             Self::Roll => "rolls",
@@ -72,7 +72,8 @@ pub fn text(kind: Kind, number: u64) -> String {
     )
 }
 
-/// An object against which a probe of radius `r` neither conforms nor is lost, and how far from its middle places may lie.
+/// An object against which a probe of radius `r` neither conforms nor is lost, and how far from its middle places may
+/// lie.
 fn object(draws: &mut Draws, kind: usize, r: f64) -> (String, f64) {
     let size = r * draws.of_magnitude(0.5, 30.0);
     match kind {
@@ -120,7 +121,8 @@ fn object(draws: &mut Draws, kind: usize, r: f64) -> (String, f64) {
     }
 }
 
-/// Most need an integrator: what has a closed form is drawn less often, and some rolls begin aside, spin, or are in pieces.
+/// Most need an integrator: what has a closed form is drawn less often, and some rolls begin aside, spin, or are in
+/// pieces.
 fn roll(mut draws: Draws) -> String {
     const KINDS: [usize; 12] = [0, 1, 2, 3, 4, 4, 4, 5, 6, 6, 6, 7];
     let radius = draws.of_magnitude(1e-2, 1e2);
@@ -175,8 +177,8 @@ fn glide(mut draws: Draws) -> String {
     )
 }
 
-/// From presses far wider than their markers are deep, in layers thicker still, for which the cheapest rung does, to those
-/// that a layer's base rules.
+/// From presses far wider than their markers are deep, in layers thicker still, for which the cheapest rung does, to
+/// those that a layer's base rules.
 fn press(mut draws: Draws) -> String {
     let radius = draws.of_magnitude(1.0, 1e2);
     let size = radius * draws.of_magnitude(1.0, 30.0);

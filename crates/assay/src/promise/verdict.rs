@@ -1,4 +1,4 @@
-//! What counting instructions says of a promise.
+//! Verdicts on promises, from counts of instructions.
 
 use std::path::Path;
 
@@ -84,7 +84,8 @@ pub(super) fn write(verdicts: &[Verdict<'_>], out: &Path) -> Result<()> {
         .with_context(|| format!("cannot write {}", out.display()))
 }
 
-/// How many of each kind keep their word, how many had a choice, and what the dearest costs; as an error where one does not.
+/// How many of each kind keep their word, how many had a choice, and what the dearest costs; as an error where one does
+/// not.
 pub(super) fn words(verdicts: &[Verdict<'_>]) -> Result<String, String> {
     let of_kind = Kind::ALL.map(|kind| {
         let of = || verdicts.iter().filter(move |one| one.promise.kind == kind);

@@ -1,21 +1,21 @@
 //! Which rungs are worth taking, and which answers a target.
 
-/// What a rung costs and errs; smaller is better.
+/// Cost and error of a rung; smaller is better in both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Worth {
     /// Instructions, or nanoseconds where none are counted.
     pub(super) cost: f64,
-    /// Relative.
+    /// Relative error.
     pub(super) error: f64,
 }
 
-/// Costs that differ by no more count as equal.
+/// Ratio of two costs up to which they count as equal.
 const EQUAL: f64 = 1.02;
-/// Below this, rounding rules: errors count as equal.
+/// Error below which rounding decides; smaller errors count as equal.
 const ROUNDING: f64 = 1e-14;
 
-/// Whether each rung lies on the Pareto front: no other errs at most as much at most as dearly, and less or cheaper. Of
-/// rungs that are equal, the first does.
+/// Whether each rung lies on the Pareto front: no other rung is at most as dear and errs at most as much while being
+/// better in one of the two. Of rungs that are equal in both, the first counts as on the front.
 pub(super) fn pareto(rungs: &[Worth]) -> Vec<bool> {
     let beats = |a: usize, b: usize| {
         let ([a_cost, b_cost], [a_error, b_error]) = (

@@ -10,13 +10,13 @@ use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::trials::at_least_rounding;
 use crate::touched;
 
-/// Of Newton's method.
+/// Decimal exponents of the tolerances of Newton's method.
 const TOLERANCES: [i32; 7] = [-1, -2, -3, -5, -7, -10, -13];
-/// Along a finger's path.
+/// Contacts along a finger's path.
 const PLACES: u32 = 32;
 const BALL: f64 = 5.0;
 const SADDLE: f64 = 0.1;
-/// Its sharp end has a radius of 0.2.
+/// Semi-axes of the ellipsoid, whose sharp end has a radius of 0.2.
 const SEMI_AXES: [f64; 3] = [5.0, 1.0, 1.0];
 
 /// A finger's path over an object, from one place of the tip's centre to another.

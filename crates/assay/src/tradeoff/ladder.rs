@@ -1,22 +1,22 @@
-//! What a ladder is: rungs that answer the same question about a scene, each at its own cost and error.
+//! Ladders: rungs that answer the same question about a scene, each at its own cost and error.
 
 use anyhow::Result;
 
 use crate::measured::Evaluation;
 
-/// How much a scene asks of a ladder.
+/// Difficulty of a scene for the rungs of a ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ease {
-    /// The cheapest rungs were made for it.
+    /// A scene for which the cheapest rungs were made.
     Easy,
-    /// What users have.
+    /// A scene like those of most users.
     Typical,
-    /// Where rungs give out.
+    /// A scene at which some rungs fail.
     Hard,
 }
 
 impl Ease {
-    /// As the tables say it.
+    /// Name of the difficulty in the tables.
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Easy => "easy",
@@ -32,17 +32,17 @@ pub(super) struct Ladder {
     pub(super) name: &'static str,
     /// The question, in a line.
     pub(super) title: &'static str,
-    /// What the error is, and of what it is a share.
+    /// Words for the quantity that errs and for the scale that its error is relative to.
     pub(super) error: &'static str,
-    /// What is evaluated once.
+    /// Words for one evaluation, whose cost is measured.
     pub(super) evaluation: &'static str,
-    /// Easy, typical, hard.
+    /// Three scenes: easy, typical and hard.
     pub(super) scenes: Vec<SceneRungs>,
 }
 
 /// A scene, and the rungs that can do it.
 pub(super) struct SceneRungs {
-    /// How much it asks.
+    /// Difficulty of the scene.
     pub(super) ease: Ease,
     /// The scene in a few words.
     pub(super) scene: String,
@@ -52,13 +52,14 @@ pub(super) struct SceneRungs {
 
 /// One way to answer.
 pub(super) struct Rung {
-    /// What it is called, setting included.
+    /// Name of the rung, with its setting.
     pub(super) name: String,
-    /// The number that is set, where there is one: steps, a tolerance, a pitch.
+    /// Setting that is a number, where there is one: steps, a tolerance, a pitch.
     pub(super) setting: Option<f64>,
-    /// Relative error against the truth. Asked for once, and not by the process that counts instructions.
+    /// Computation of the relative error against the truth. It runs once, and not in the process that counts
+    /// instructions.
     pub(super) error: Box<dyn FnOnce() -> Result<f64>>,
-    /// What it costs. What it needs beforehand is made at its first run.
+    /// Work whose cost is measured. Whatever it needs beforehand is made at its first run.
     pub(super) evaluation: Evaluation,
 }
 
@@ -78,14 +79,14 @@ impl Rung {
         }
     }
 
-    /// The same with what is set.
+    /// Adds the setting of the rung.
     #[must_use]
     pub(super) fn set(mut self, setting: impl Into<Option<f64>>) -> Self {
         self.setting = setting.into();
         self
     }
 
-    /// The same whose evaluation is so many in a row.
+    /// Sets the number of evaluations that each run makes.
     #[must_use]
     pub(super) fn in_a_row(mut self, evaluations: u32) -> Self {
         self.evaluation = self.evaluation.in_a_row(evaluations);

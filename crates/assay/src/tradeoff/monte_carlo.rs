@@ -6,7 +6,7 @@ use palpate_scene::Scene;
 use super::ladder::{Ease, Ladder};
 use super::trials::{Asked, Choice, Template, at_least_rounding, outcomes};
 
-/// Of the first quantity that a scene estimates.
+/// Index of the quantity whose rms error is judged: the first that a scene estimates.
 const QUANTITY: usize = 0;
 
 /// A scene and how many trials it is worth.
@@ -87,7 +87,8 @@ fn asked(trials: u32) -> Asked {
     }
 }
 
-/// Of r = √m, m the mean of N squared errors with standard deviation s: s/√N/(2 m).
+/// Standard error of the rms error r = √m, relative to r: s/√N/(2 m), where m is the mean of N squared errors and s
+/// their standard deviation.
 fn standard_error(scene: &Scene, trials: u64) -> Result<f64> {
     let squares: Vec<f64> = outcomes(scene, trials)?
         .into_iter()

@@ -6,19 +6,19 @@ use palpate_scene::{Outcome, Scene};
 use super::ladder::{Ease, Ladder, Rung, SceneRungs};
 use super::trials::{Asked, Choice, Template, at_least_rounding, evaluated, outcomes, scene_of};
 
-/// Of each of three fingers.
+/// Contacts of each of the three fingers.
 const CONTACTS: [u32; 4] = [5, 10, 30, 100];
-/// Two-pass takes seconds on more.
+/// Most contacts of a finger with which two-pass is tried, which takes seconds on more.
 const MOST_OF_TWO_PASS: u32 = 30;
-/// Along each side of the penalised spline.
+/// Knot intervals along each side of the penalised spline.
 const INTERVALS: [u32; 4] = [2, 4, 6, 8];
-/// Contacts of each finger with which these are tried.
+/// Contacts of each finger with which these numbers of intervals are tried.
 const KNOTTED: [u32; 3] = [10, 30, 100];
-/// Of both passes, which place knots until residuals are so small; 1000 is usual.
+/// Smoothing factors of both passes of two-pass, which adds knots until the residuals are that small; 1000 is usual.
 const SMOOTHINGS: [f64; 2] = [300.0, 3000.0];
 /// Places along a side of the map.
 const GRIDS: [u32; 7] = [1, 2, 3, 5, 9, 17, 33];
-/// On which a map is held against the truth.
+/// Places along a side of the grid on which a map is compared with the truth.
 const FINE: u32 = 97;
 const GAUSSIAN: usize = 0;
 const MEAN: usize = 1;
@@ -26,7 +26,7 @@ const TRIALS: u64 = 40;
 /// Trials in a row whose mean cost is taken.
 const TIMED: u32 = 2;
 
-/// Motion and estimator are a rung's, and the grid.
+/// Scenes without motion, estimator and grid, which each rung sets.
 const SCENES: [Template; 3] = [
     Template {
         ease: Ease::Easy,
@@ -198,7 +198,8 @@ fn shape_error(scene: &Scene, trials: u64) -> Result<f64> {
     squares.error()
 }
 
-/// The map of `coarse` against the truth on the grid of `fine`. All grids are held against the truth at the same places.
+/// The map of `coarse` against the truth on the grid of `fine`. All grids are held against the truth at the same
+/// places.
 fn map_error(coarse: &Scene, fine: &Scene) -> Result<f64> {
     let truths = outcomes(fine, 1)?.remove(0);
     let mut squares = Squares::default();
@@ -219,7 +220,8 @@ fn map_error(coarse: &Scene, fine: &Scene) -> Result<f64> {
     squares.error()
 }
 
-/// Of `side` places from end to end, one alone in the middle, that nearest to place `at` of `fine_side`.
+/// Index among `side` evenly spaced places of the one nearest to place `at` of `fine_side`; both grids run from end to
+/// end, and a single place lies in the middle.
 fn nearest(at: usize, fine_side: usize, side: usize) -> usize {
     let share = at as f64 / (fine_side - 1) as f64;
     (share * (side - 1) as f64).round() as usize

@@ -12,12 +12,13 @@ use crate::pressed::{self, Pressed};
 /// Radius of the sensor, mm.
 const RADIUS: f64 = 20.0;
 const POISSON: f64 = 0.5;
-/// Distances from the contact at which displacements are asked for, as those of a sensor's markers.
+/// Number of distances from the contact at which displacements are computed; as many as a sensor has markers.
 const PLACES: usize = 77;
-/// The farthest of them, mm.
+/// Largest of these distances, mm.
 const REACH: f64 = 20.0;
 
-/// Of contacts that are solved: how many times the usual nodes.
+/// Multiplier on the number of quadrature nodes for contacts solved directly instead of interpolated, with the words
+/// that name it.
 const RESOLUTIONS: [(&str, f64); 5] = [
     (" × 1/4", 0.25),
     (" × 3/8", 0.375),
@@ -159,7 +160,7 @@ impl Press {
             .collect())
     }
 
-    /// By quadrature.
+    /// True displacements, by quadrature.
     fn truth(&self) -> Result<Profile> {
         let layer = pressed::Body::Layer {
             thickness: self.thickness,

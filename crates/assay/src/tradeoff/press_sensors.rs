@@ -64,7 +64,8 @@ const WITHOUT_PIXELS: [(&str, &str); 2] = [
 ];
 const OF_PIXELS: &str = r#"pixel = { kind = "gaussian", std = 2.0 }"#;
 const CALIBRATION: &str = "calibration = { indentation = 1.4 }";
-/// As good for what a press costs.
+/// Calibration with few presses for scenes of which only the cost is measured: it is sooner made, and a press costs the
+/// same.
 const SHORT_CALIBRATION: &str = "calibration = { indentation = 1.4, presses = 2, rest_frames = 1 }";
 
 pub(super) fn ladder() -> Ladder {

@@ -15,11 +15,11 @@ use super::trials::at_least_rounding;
 
 const STEPS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 const TOLERANCES: [i32; 6] = [-3, -5, -7, -9, -11, -13];
-/// Of the probe.
+/// Radius of the probe.
 const RADIUS: f64 = 1.0;
-/// Two independent truths differ by less, over the path.
+/// Largest difference between two independent truths, relative to the length of the path.
 const TRUSTED: f64 = 1e-12;
-/// In which the contact moves.
+/// Direction in which the contact moves at first, rad.
 const DIRECTION: f64 = FRAC_PI_6;
 
 /// One roll: what it is, and where it ends.
@@ -34,7 +34,7 @@ struct Roll {
     end: OnceCell<End>,
 }
 
-/// Where a contact is on both bodies, and how long its path on the probe was.
+/// Contact at the end of a roll: its place on both bodies, and the length of its path on the probe.
 struct End {
     on_object: Point3<f64>,
     on_probe: Point3<f64>,
@@ -179,7 +179,8 @@ fn on_ball(roll: &Roll) -> Result<End> {
     })
 }
 
-/// From the apex of z = −c r² the probe turns by θ = α + s/R₁: α the slope's angle, s the parabola's length.
+/// End of a roll from the apex of z = −c r²: the probe has turned by θ = α + s/R₁, where α is the slope's angle and s
+/// the length of the parabola.
 fn on_paraboloid(roll: &Roll) -> Result<End> {
     const C: f64 = 0.2;
     let length = |r: f64| {
@@ -205,8 +206,9 @@ fn on_paraboloid(roll: &Roll) -> Result<End> {
     })
 }
 
-/// Where there is no closed form: RK4 on Montana's equations in the charts of the two surfaces, with which the chart-free
-/// rungs share nothing, extrapolated from two counts of steps (Richardson). DOP853 on the same equations has to agree.
+/// Where there is no closed form: RK4 on Montana's equations in the charts of the two surfaces, with which the
+/// chart-free rungs share nothing, extrapolated from two counts of steps (Richardson). DOP853 on the same equations has
+/// to agree.
 fn in_charts(roll: &Roll) -> Result<End> {
     const STEPS: usize = 3000;
     let chart = Chart::Montana(HeldAxis::Transported);

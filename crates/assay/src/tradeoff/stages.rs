@@ -1,4 +1,4 @@
-//! What each stage adds to a scene: a scene pays only for what it names.
+//! Cost that each stage adds to a scene: a scene pays only for the stages it names.
 
 use std::path::Path;
 use std::time::Duration;
@@ -14,10 +14,10 @@ use super::trials::evaluated;
 use super::trials::{run, scene_of};
 use crate::measured::Evaluation;
 
-/// Trials in a row of which the mean is stated.
+/// Trials in a row whose mean cost is stated.
 const TRIALS: u32 = 4;
 
-/// A scene, and what each of its stages sets in addition or instead: a key of `[scene]` and its value.
+/// Scene with its stages; each stage adds keys of `[scene]` or replaces their values.
 struct Staged {
     kind: &'static str,
     /// Keys and values of the first stage.
@@ -87,7 +87,7 @@ const STAGED: [Staged; 3] = [
                 "evaluate",
                 "{ grid = 10, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }",
             ),
-            // Whose cost does not depend on what it is given.
+            // The cost of the quadric does not depend on its data.
             ("estimator", r#"{ kind = "quadric" }"#),
         ],
         stages: &[
@@ -208,7 +208,7 @@ impl Stage {
         Evaluation::new(self.name, evaluated(self.text.clone(), TRIALS)).in_a_row(TRIALS)
     }
 
-    /// What its trials do besides: once all that is made once is made.
+    /// Work that one trial does, after a first trial has made everything that is made only once.
     #[cfg(feature = "count")]
     fn tally(&self) -> Result<Tally> {
         let scene = scene_of(&self.text)?;
@@ -217,13 +217,13 @@ impl Stage {
     }
 }
 
-/// Which stage a row is of.
+/// Columns that name the stage of a row.
 const STAGE: [&str; 2] = ["scene", "stage"];
-/// What a trial of it costs.
+/// Columns of the cost of a trial.
 const TIMED: [&str; 4] = ["median_ns", "q25_ns", "q75_ns", "instructions"];
-/// A column and its number.
+/// Name of a column, and the count that stands in it.
 type Counter = (&'static str, fn(&Tally) -> u64);
-/// What a trial of it does.
+/// Columns of the work that a trial does.
 const TALLIED: [Counter; 6] = [
     ("random_draws", |tally| tally.draws),
     ("integrator_derivatives", |tally| tally.derivatives),
@@ -239,7 +239,7 @@ fn tallied() -> Vec<&'static str> {
     [&STAGE[..], &names].concat()
 }
 
-/// What a trial of a stage does.
+/// Work that a trial of one stage does, as read from a table.
 pub(super) struct Tallied {
     stage: [String; 2],
     counts: [String; 6],
@@ -258,7 +258,7 @@ pub(super) fn write_tallies(path: &Path) -> Result<()> {
     table(path, &tallied(), rows.into_iter())
 }
 
-/// What [`write_tallies`] has written.
+/// Reads the table that [`write_tallies`] has written.
 pub(super) fn read_tallies(path: &Path) -> Result<Vec<Tallied>> {
     let cannot = || format!("cannot read {}", path.display());
     let mut reader = csv::Reader::from_path(path).with_context(cannot)?;

@@ -1,4 +1,4 @@
-//! What was measured, as tables.
+//! Tables of the measurements.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::front::{Worth, answer, pareto};
 use super::ladder::Ease;
 use crate::measured::Spread;
 
-/// What an answer may err by, as users say it.
+/// Errors that users may allow, in words and as numbers; for each the tables name the cheapest rung.
 const TARGETS: [(&str, f64); 4] = [
     ("10 %", 0.1),
     ("1 %", 0.01),
@@ -17,7 +17,7 @@ const TARGETS: [(&str, f64); 4] = [
     ("1e-6", 1e-6),
 ];
 
-/// What was measured of a ladder on a scene.
+/// Measurements of a ladder on one scene.
 pub(super) struct Measured {
     pub(super) ladder: &'static str,
     pub(super) title: &'static str,
@@ -28,7 +28,7 @@ pub(super) struct Measured {
     pub(super) rungs: Vec<MeasuredRung>,
 }
 
-/// What was measured of a rung.
+/// Measurements of one rung.
 pub(super) struct MeasuredRung {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
@@ -49,7 +49,8 @@ impl MeasuredRung {
     }
 }
 
-/// Writes `ladders.csv` (what the ladders are, and on which machine they were measured), `rungs.csv` and `answers.csv` to a folder.
+/// Writes `ladders.csv` (what the ladders are, and on which machine they were measured), `rungs.csv` and `answers.csv`
+/// to a folder.
 pub(super) fn write(measured: &[Measured], machine: &str, folder: &Path) -> Result<()> {
     write_ladders(measured, machine, folder)?;
     write_rungs(measured, folder)?;

@@ -7,24 +7,24 @@ use palpate_scene::{Outcome, Scene, config};
 
 use super::ladder::{Ease, Rung, SceneRungs};
 
-/// Stands in a scene's text for what a rung puts there.
+/// Placeholder in a scene's text for the lines of a rung.
 const RUNG: &str = "$rung";
 
 /// A scene's text, in which every rung stands in turn.
 pub(super) struct Template {
     pub(super) ease: Ease,
-    /// In a few words.
+    /// Words for the scene.
     pub(super) scene: &'static str,
     /// TOML of `[scene]` with a `$rung` in it.
     pub(super) text: &'static str,
 }
 
-/// What a rung puts in place of `$rung`.
+/// Text that a rung puts in place of `$rung`.
 pub(super) struct Choice {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
     pub(super) text: String,
-    /// What makes a scene whose trials cost as much but which is made sooner, where there is one.
+    /// Text of a scene whose trials cost the same but which is sooner set up, to be timed instead, where there is one.
     pub(super) evaluated: Option<String>,
 }
 
@@ -49,7 +49,7 @@ impl Choice {
 /// How trials become a number.
 #[derive(Clone, Copy)]
 pub(super) struct Asked {
-    /// What their error is.
+    /// Computation of the error of a number of trials.
     pub(super) error: fn(&Scene, trials: u64) -> Result<f64>,
     /// Trials for the error.
     pub(super) trials: u64,

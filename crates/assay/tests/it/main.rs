@@ -1,4 +1,4 @@
-//! What the harnesses promise, as tests.
+//! Promises of the harnesses, as tests.
 #![allow(clippy::unwrap_used)]
 
 #[cfg(feature = "extremes")]

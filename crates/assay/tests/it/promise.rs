@@ -1,5 +1,5 @@
-//! `auto` errs by at most its tolerance. What its choice costs is judged by counting instructions, which is no test; here
-//! what stands for it is how often a roll asks for derivatives, and the order of the other ladders.
+//! `auto` errs by at most its tolerance. What its choice costs is judged by counting instructions, which is no test;
+//! here what stands for it is how often a roll asks for derivatives, and the order of the other ladders.
 
 use palpate_assay::promise::{Kind, Promise, SCENES};
 use palpate_scene::config;

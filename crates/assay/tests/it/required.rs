@@ -1,4 +1,4 @@
-//! Only what a scene requires: what scenes ask for, counted.
+//! Counts of the work of scenes: no scene does work that it does not require.
 
 use palpate_scene::config;
 use palpate_tally::{Tally, counted};
@@ -45,7 +45,7 @@ NOISE
 estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
 "#;
 
-/// What planning the scene does, and what its first trial does.
+/// Work of planning the scene, and work of its first trial.
 fn tallies(template: &str, parts: &[(&str, &str)]) -> [Tally; 2] {
     let text = parts
         .iter()

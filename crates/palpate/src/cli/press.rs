@@ -36,7 +36,7 @@ pub(crate) struct EstimatePressArgs {
     /// The estimator.
     #[arg(long, default_value = "half-space")]
     pub(crate) method: PressMethodName,
-    /// How far under the skin the markers lie.
+    /// Depth of the markers under the skin.
     #[arg(long, value_name = "Z", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) depth: f64,
     /// Thickness of the soft layer; bonded-layer needs it, and gaussian is calibrated on it.
@@ -45,16 +45,16 @@ pub(crate) struct EstimatePressArgs {
     /// Poisson's ratio of the half-space, from 0 to 0.5 [default: 0.5].
     #[arg(long, value_name = "NU", value_parser = poisson, allow_negative_numbers = true)]
     pub(crate) poisson: Option<f64>,
-    /// The indentation, if something else tells it, a robot's pose say [default: fitted].
+    /// Indentation, where it is known from elsewhere, such as a robot's pose [default: fitted].
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) indentation: Option<f64>,
     /// Standard deviation of the given indentation.
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) indentation_std: f64,
-    /// Whether normal displacements are 0 without a press, or all off by the same.
+    /// Offset common to all normal displacements, which remains without a press.
     #[arg(long, default_value = "known")]
     pub(crate) baseline: BaselineIs,
-    /// Standard deviation of a factor, which should be 1, on all normal displacements.
+    /// Standard deviation of an unknown factor near 1 that is common to all normal displacements.
     #[arg(long, value_name = "G", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) gain_std: f64,
     /// Standard deviation of each normal displacement [default: found from the residuals].
@@ -64,18 +64,18 @@ pub(crate) struct EstimatePressArgs {
     /// residuals].
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) tangential_std: Option<f64>,
-    /// The c of the Gaussian, R = c sigma^2 / indentation [default: what gives the sensor's own radius
-    /// on a plane pressed as deep].
+    /// Factor c of the Gaussian method, R = c sigma^2 / indentation [default: the value that gives the
+    /// sensor's own radius on a plane pressed equally deep].
     #[arg(long, value_name = "C", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) c: Option<f64>,
-    /// Only fit the Gaussian to markers within this distance of the contact [default: all].
+    /// Fit the Gaussian only to markers within this distance of the contact [default: all].
     #[arg(long, value_name = "W", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) window: Option<f64>,
-    /// Multiply the markers' positions with this.
+    /// Multiply the positions of the markers by this factor.
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
     pub(crate) radial_scale: f64,
-    /// Young's modulus of the soft body, force per squared length unit: tells the force and the
-    /// highest pressure, which are as uncertain as it.
+    /// Young's modulus of the soft body, force per squared length unit. With it the output has the force
+    /// and the highest pressure, which are proportional to it.
     #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) young: Option<f64>,
     /// The unit of lengths, if the header does not state it (x_mm).
@@ -95,9 +95,9 @@ pub(crate) enum PressMethodName {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BaselineIs {
-    /// They are 0
+    /// No offset
     Known,
-    /// They are off by the same, which is fitted
+    /// An unknown offset, which is fitted
     Fitted,
 }
 

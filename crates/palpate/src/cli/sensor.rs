@@ -12,7 +12,8 @@ use super::{PressMethodName, length_unit, not_negative, positive};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SensorCommand {
-    /// Draw the flat pattern that a sensor's skin is cut from: writes pattern.svg, pattern.dxf and the strain of folding.
+    /// Draw the flat pattern that a sensor's skin is cut from: writes pattern.svg, pattern.dxf and the strain of
+    /// folding.
     #[command(
         after_help = "The config is that of a press or of a fingertip whose layout has gores and whose probe has discs.
 pattern.svg and pattern.dxf are in millimetres, with the outlines of the gores (CUT), fold and seam marks
@@ -23,10 +24,10 @@ Example:
   palpate sensor pattern examples/press-with-a-camera.toml --out out/pattern"
     )]
     Pattern(PatternArgs),
-    /// Calibrate hue, size and centroid of markers to displacements that are known.
+    /// Calibrate hue, size and centroid of markers against known displacements.
     #[command(after_help = CALIBRATE_HELP)]
     Calibrate(CalibrateArgs),
-    /// Find the markers of a pressed frame that a rest frame shows, and what pressed them.
+    /// Match the markers of a pressed frame with those of a frame at rest, and estimate what pressed them.
     #[command(after_help = TRACK_HELP)]
     Track(TrackArgs),
 }
@@ -73,7 +74,7 @@ Examples:
 
 #[derive(Debug, Args)]
 pub(crate) struct PatternArgs {
-    /// The study's config, a TOML file; of a sweep the first cell counts.
+    /// The study's config, a TOML file; if it has a sweep, its first cell is drawn.
     pub(crate) config: PathBuf,
     /// Where to write the files.
     #[arg(long, value_name = "DIR")]
@@ -91,16 +92,17 @@ pub(crate) struct CalibrateArgs {
     /// Inward displacements of the marker under the contact, one per pressed frame.
     #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) normal: Option<Vec<f64>>,
-    /// Its displacements along the skin, likewise.
+    /// Displacements of the same marker along the skin, one per pressed frame.
     #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
     pub(crate) tangential: Option<Vec<f64>>,
-    /// What of a marker tells its normal displacement.
+    /// Property of a marker from which its normal displacement is read.
     #[arg(long, default_value = NormalFrom::default().name(), value_parser = normal_from())]
     pub(crate) from: NormalFrom,
-    /// Use the slopes of markers that were shown at 3 displacements or more by themselves.
+    /// Read each marker that was seen at 3 or more displacements with a slope of its own.
     #[arg(long)]
     pub(crate) per_marker: bool,
-    /// The f of the fisheye, of frames [default: their pixels count as in the middle].
+    /// Focal length of the fisheye that took the frames, px per rad [default: the scale in the middle of
+    /// the frames is taken to hold everywhere].
     #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) px_per_rad: Option<f64>,
     /// The unit of lengths, if no header states it.
@@ -128,13 +130,13 @@ pub(crate) struct TrackArgs {
     /// Radius of the sensor's skin.
     #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) sensor_radius: Option<f64>,
-    /// How far under the skin the markers lie.
+    /// Depth of the markers under the skin.
     #[arg(long, value_name = "Z", value_parser = not_negative, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) depth: Option<f64>,
-    /// The f of the fisheye [default: the calibration's px per length, times R - Z].
+    /// Focal length of the fisheye, px per rad [default: the calibration's px per length, times R - Z].
     #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) px_per_rad: Option<f64>,
-    /// Places of the field along each side.
+    /// Points along each side of the field's grid.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1000), requires = "calibration")]
     pub(crate) grid: u32,
     /// Smooth the field with a Gaussian of this standard deviation, a length along the skin.
@@ -149,10 +151,11 @@ pub(crate) struct TrackArgs {
     /// Poisson's ratio of the half-space, from 0 to 0.5 [default: 0.5].
     #[arg(long, value_name = "NU", value_parser = poisson, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) poisson: Option<f64>,
-    /// The c of the Gaussian [default: what gives the sensor's own radius on a plane pressed as deep].
+    /// Factor c of the Gaussian method [default: the value that gives the sensor's own radius on a plane
+    /// pressed equally deep].
     #[arg(long, value_name = "C", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) c: Option<f64>,
-    /// The indentation, if something else tells it, a robot's pose say [default: fitted].
+    /// Indentation, where it is known from elsewhere, such as a robot's pose [default: fitted].
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) indentation: Option<f64>,
     /// Standard deviation of the given indentation.

@@ -21,7 +21,7 @@ fn refuse(message: impl std::fmt::Display) -> Result<(), Failure> {
     Err(Failure::Usage(anyhow!("{message}")))
 }
 
-/// What the arguments ask for.
+/// Options of the estimator, after a check that the arguments fit together.
 pub(crate) fn press_options(args: &EstimatePressArgs) -> Result<PressOptions, Failure> {
     useful(args)?;
     possible(args)?;

@@ -2,19 +2,19 @@
 
 use palpate_scene::{Outcome, Scene};
 
-/// Over the trials of a part of a pilot that succeeded.
+/// Sums over the successful trials of one part of a pilot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     pub(super) successes: u64,
     pub(super) quantities: Vec<Spread>,
-    /// Of the trial that is being run: observations and sum of squared errors of each quantity.
+    /// Number of observations and sum of squared errors of each quantity in the running trial.
     trial: Vec<(f64, f64)>,
 }
 
 /// Sums over trials of n, the observations of a quantity in a trial, and s, the sum of their squared errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Spread {
-    /// Trials, those that observed nothing included.
+    /// Number of trials, including those without an observation of the quantity.
     pub(super) trials: f64,
     /// Σ n, Σ s, Σ n², Σ n s, Σ s².
     n: f64,
@@ -33,7 +33,7 @@ impl Part {
         }
     }
 
-    /// Runs a trial and adds what it observes; nothing of one that fails.
+    /// Runs a trial and adds its observations, unless it fails.
     pub(super) fn add_trial(&mut self, scene: &Scene, trial: u64, scales: &[f64]) {
         self.trial.fill((0.0, 0.0));
         let sums = &mut self.trial;
@@ -64,7 +64,7 @@ impl Part {
 }
 
 impl Spread {
-    /// The same sums, over so many trials.
+    /// Replaces the number of trials by `trials`.
     pub(super) fn over(self, trials: u64) -> Self {
         Self {
             trials: trials as f64,
@@ -88,8 +88,8 @@ impl Spread {
         (self.n > 0.0).then(|| self.s / self.n)
     }
 
-    /// Variance of √N times the mean squared error over N trials, relative to its square (to first order in 1/N, with
-    /// n and s going together); `None` where nothing errs.
+    /// Variance of √N times the mean squared error over N trials, relative to the square of that mean; to first order
+    /// in 1/N, with n and s correlated. `None` where no estimate errs.
     pub(super) fn relative_variance(&self) -> Option<f64> {
         let mean = self.mean_square()?;
         let squares = self.ss - 2.0 * mean * self.ns + mean * mean * self.nn;

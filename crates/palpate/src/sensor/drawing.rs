@@ -26,7 +26,7 @@ const DIGITS: [[u8; 5]; 10] = [
 ];
 
 impl Canvas {
-    /// A frame to draw on, enlarged until it is at least `side` wide.
+    /// Canvas with a frame on it, enlarged by a whole factor until its longer side has at least `side` pixels.
     pub(super) fn new(frame: &RgbImage, side: u32) -> Self {
         let (width, height) = frame.dimensions();
         let scale = side.div_ceil(width.max(height).max(1)).max(1);
@@ -39,7 +39,7 @@ impl Canvas {
         self.picture
     }
 
-    /// Where a point of the frame lies, the middle of whose first pixel is (0, 0).
+    /// Place on the canvas of a point of the frame, whose first pixel has its middle at (0, 0).
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let scale = f64::from(self.scale);
         [(x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5]
@@ -98,7 +98,8 @@ impl Canvas {
         }
     }
 
-    /// A number with its middle at a point of the frame, in figures `height` pixels of the canvas high (rounded to fives).
+    /// Draws a number around a point of the frame, in digits `height` pixels of the canvas high (rounded down to a
+    /// multiple of 5).
     pub(super) fn number(&mut self, number: usize, middle: [f64; 2], height: u32, colour: Colour) {
         let size = f64::from((height / 5).max(1));
         let text = number.to_string();

@@ -1,17 +1,17 @@
-//! What became of the markers, drawn on a frame.
+//! Picture of a pressed frame with the fate of each marker drawn on it.
 
 use image::RgbImage;
 use palpate_scene::recorded::{Marker, Status, TrackedFrames};
 
 use super::drawing::{Canvas, Colour};
 
-/// Small frames are enlarged to this, px, so that numbers can be read.
+/// Side to which smaller frames are enlarged, px, so that numbers can be read.
 const SIDE: u32 = 1000;
 
-/// Shifts are drawn this many times as long as they are.
+/// Factor by which arrows are longer than the shifts they show.
 pub(super) const ARROW_SCALE: f64 = 5.0;
 
-/// Markers with fewer pixels of the canvas across have no number.
+/// Least diameter of a marker, in pixels of the canvas, with which it gets a number.
 const LEGIBLE: f64 = 12.0;
 
 const CUT: Colour = [120, 120, 120];
@@ -53,7 +53,7 @@ pub(super) fn overlay(pressed: &RgbImage, frames: &TrackedFrames) -> RgbImage {
     canvas.into_picture()
 }
 
-/// Around all pixels of a round marker, and a little more.
+/// Radius of a circle a little larger than a round marker, px.
 fn radius(marker: &Marker) -> f64 {
     let area = f64::from(marker.pixels).max(4.0);
     1.2 * (area / std::f64::consts::PI).sqrt()

@@ -33,7 +33,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         ),
         ("difference.png", output::png(&difference)?),
     ];
-    // What can be told is written, whatever the readings are worth.
+    // The tables are written even where the frames turn out not to fit together below.
     let read = calibrated
         .as_ref()
         .map(|calibrated| calibrated.read(&frames));
@@ -68,7 +68,7 @@ fn summary(fates: &Fates, out: &Path) -> String {
     )
 }
 
-/// A calibration, and what is asked of it.
+/// Calibration of a sensor, with the options of what is to be read with it.
 struct Calibrated<'a> {
     args: &'a TrackArgs,
     sensor: SensorOptions,
@@ -77,10 +77,10 @@ struct Calibrated<'a> {
     unit: palpate_scene::config::LengthUnit,
 }
 
-/// What a calibrated sensor reads.
+/// Readings of a calibrated sensor.
 struct Read {
     sensed: Sensed,
-    /// As CSV.
+    /// Displacements on a regular grid, as CSV.
     field: String,
 }
 
@@ -113,7 +113,7 @@ impl<'a> Calibrated<'a> {
             young: None,
             length_unit: None,
         };
-        // Before the work, which would be lost.
+        // Bad arguments are refused before the work begins.
         press_options(&estimate)?;
         let (calibration, unit) = read_calibration(file).map_err(Failure::work)?;
         Ok(Self {

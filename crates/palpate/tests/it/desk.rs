@@ -124,7 +124,7 @@ pub(crate) struct Ended {
 }
 
 impl Ended {
-    /// What a command that succeeded printed.
+    /// Standard output of a command, which must have succeeded without a message.
     #[track_caller]
     pub(crate) fn printed(self) -> String {
         assert_eq!(
@@ -135,7 +135,7 @@ impl Ended {
         self.stdout
     }
 
-    /// What a command that failed with this status said; it printed nothing else.
+    /// Message of a command that must have failed with `status` and printed nothing else.
     #[track_caller]
     pub(crate) fn said(self, status: i32) -> String {
         assert_eq!(

@@ -182,7 +182,7 @@ fn standard_output_is_full() {
     assert!(said.contains("cannot write to standard output"), "{said}");
 }
 
-/// As in `palpate schema | head -1`.
+/// Reader that closes the pipe early, like `palpate schema | head -1`.
 #[test]
 fn a_closed_pipe_is_no_error() {
     let ended = Desk::new().shell("{ \"$palpate\" schema; echo $? >&2; } | head -c 1");

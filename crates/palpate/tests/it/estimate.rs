@@ -10,7 +10,7 @@ const EXACT: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
 1,0.5,0,0,4
 ";
 
-/// The same with scatter.
+/// Readings of four rolls on the same sphere, with scatter.
 const SCATTERED: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
 0,0,-0.5,4.1,0
 1,0.5,0,0,4.1

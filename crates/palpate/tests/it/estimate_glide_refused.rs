@@ -5,7 +5,7 @@ use super::desk::{Desk, assert_close};
 const HEADER: &str = "finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z";
 const BARE: &str = "finger,x_mm,y_mm,z_mm";
 
-/// What is said about a file of these lines.
+/// Error message about a file of these lines.
 #[track_caller]
 fn said(lines: &[&str], options: &str) -> String {
     let desk = Desk::new();

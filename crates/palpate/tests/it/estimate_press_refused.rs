@@ -6,7 +6,7 @@ const HEADER: &str = "x_mm,y_mm,normal_displacement_mm";
 const FULL: &str = "x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm";
 const SENSOR: &str = "--sensor-radius 20 --depth 2";
 
-/// What is said about a file of these lines.
+/// Error message about a file of these lines.
 #[track_caller]
 fn said(lines: &[&str], options: &str) -> String {
     let desk = Desk::new();

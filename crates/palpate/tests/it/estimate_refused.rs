@@ -5,7 +5,7 @@ use super::desk::Desk;
 const HEADER: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm";
 const SERIES: &str = "probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm";
 
-/// What is said about a file of these bytes.
+/// Error message about a file of these bytes.
 #[track_caller]
 fn said(bytes: &[u8], options: &str) -> String {
     let desk = Desk::new();

@@ -1,4 +1,5 @@
-//! Frames of a small camera sensor, drawn by the simplest rules: a disc of magenta and one of yellow per marker, on white.
+//! Frames of a small camera sensor, drawn by the simplest rules: a disc of magenta and one of yellow per marker, on
+//! white.
 
 use std::io::Cursor;
 
@@ -10,13 +11,13 @@ use super::desk::Desk;
 pub(crate) const SIDE: u32 = 400;
 /// The f of the fisheye, px per rad.
 pub(crate) const PX_PER_RAD: f64 = 151.3;
-/// Of the markers from the camera, mm: a skin of radius 20, 2 deep.
+/// Distance of the markers from the camera, mm: the sensor's skin has a radius of 20 and the markers lie 2 deep.
 pub(crate) const DISTANCE: f64 = 18.0;
-/// Between neighbouring markers, rad.
+/// Angle between neighbouring markers, rad.
 const SPACING: f64 = 0.2;
 /// Radius of the image circle, px.
 const RIM: f64 = 190.0;
-/// Of a marker, rad.
+/// Angular radius of a marker, rad.
 const RADIUS: f64 = 0.045;
 
 /// Places of the markers: a square net within a circle, rad.

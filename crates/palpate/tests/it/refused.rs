@@ -2,7 +2,7 @@
 
 use super::desk::{Desk, SCENE, STUDY, assert_untouched, edited};
 
-/// What is said about a config.
+/// Error message about a config that must be refused as bad usage.
 #[track_caller]
 fn said(config: &str) -> String {
     let desk = Desk::with(config);

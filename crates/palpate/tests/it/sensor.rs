@@ -16,8 +16,8 @@ const MARKERS: [&str; 8] = [
     "status",
 ];
 
-/// Displacement in mm, 2 mm deep in an incompressible half-space, under a plane that a sensor of radius 20 mm is pressed
-/// onto, 1 mm deep: the closed form for the pressure of Hertz.
+/// Displacement in mm, 2 mm deep in an incompressible half-space, under a plane that a sensor of radius 20 mm is
+/// pressed onto, 1 mm deep: the closed form for the pressure of Hertz.
 fn pressed([x, y]: [f64; 2]) -> f64 {
     let (radius, depth, nu): (f64, f64, f64) = (20.0, 2.0, 0.5);
     let r = radius * libm::hypot(x, y);
@@ -137,7 +137,7 @@ fn frames_calibrate_and_are_tracked() {
         .printed();
     let again: serde_json::Value = serde_json::from_str(&again).unwrap();
     assert_eq!(again["effective_radius"], json["effective_radius"]);
-    // Of a layer on a core, likewise.
+    // The two commands agree for a layer on a core as well.
     let layer = "--sensor-radius 20 --depth 2 --method bonded-layer --thickness 12 --indentation 1";
     let [tracked, estimated] = [
         format!("sensor track rest.png pressed.png --calibration c.toml --px-per-rad {PX_PER_RAD} --out o {layer}"),

@@ -51,7 +51,7 @@ pub(super) fn converges(study: &Study) -> Result<Finding, String> {
 /// The estimates of one effective radius by one estimator.
 struct Course {
     truth: f64,
-    /// Below [`SHALLOW`]; none where no trial gave an estimate.
+    /// Estimates at indentations below [`SHALLOW`]; none where no trial gave one.
     shallow: Vec<Option<Estimates>>,
     deepest: Estimates,
 }
@@ -80,7 +80,8 @@ impl Course {
     }
 }
 
-/// What the estimator whose rows are `chosen` makes of each of the paper's radii, or what the table lacks.
+/// Estimates of each of the paper's radii over the indentation, from the rows that `chosen` accepts; an error says what
+/// the table lacks.
 fn courses(study: &Study, chosen: &dyn Fn(usize) -> bool) -> Result<Vec<Course>, String> {
     let unit = millimetres(study).ok_or("the length unit is not known in millimetres")?;
     let rows: Vec<usize> = rows_of(study, "effective_radius")
@@ -163,7 +164,7 @@ fn chains(study: &Study, seen: &dyn Fn(usize) -> bool) -> String {
     told.collect()
 }
 
-/// Where the estimates end and how they scatter before.
+/// Words for the estimates at the deepest press and for their scatter before it.
 fn told(courses: &[Course]) -> String {
     let ends = courses.iter().map(|course| {
         let Estimates { median, error, .. } = course.deepest;

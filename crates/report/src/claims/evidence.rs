@@ -93,7 +93,7 @@ pub(super) fn span((low, high): (f64, f64), show: fn(f64) -> String) -> String {
     }
 }
 
-/// The geometric mean of positive numbers; none of nothing.
+/// Geometric mean of positive numbers; `None` without numbers.
 pub(super) fn geometric_mean(values: &[f64]) -> Option<f64> {
     let sum: f64 = values.iter().map(|value| libm::log(*value)).sum();
     (!values.is_empty()).then(|| libm::exp(sum / values.len() as f64))

@@ -30,11 +30,11 @@ pub(super) fn keeps_the_area(study: &Study) -> Result<Finding, String> {
     })
 }
 
-/// What one lens makes of a marker.
+/// Image areas of a marker under one lens, over the angles at which the lens sees it.
 struct Field {
     /// The largest image area over the smallest.
     ratio: f64,
-    /// The least and the greatest polar angle, degrees.
+    /// Least and greatest polar angle at which the marker is seen, degrees.
     polar: (f64, f64),
 }
 

@@ -6,7 +6,7 @@ use super::presses::{kind, label, rows_of};
 use crate::Study;
 
 const PUBLISHED: f64 = 0.96;
-/// As the paper has two digits.
+/// Allowed difference from the published R², which has two digits.
 const TOLERANCE: f64 = 0.01;
 
 /// Claim 15.

@@ -34,7 +34,7 @@ struct Row<'a> {
 }
 
 impl<'a> Patches<'a> {
-    /// Every row of the table, or what it lacks.
+    /// Reads every row of the table; an error says what the table lacks.
     pub(super) fn of(study: &'a Study) -> Result<Self, String> {
         let named = |row: usize, path: &str| {
             let kind = || study.setting(path)?.as_table()?.get("kind")?.as_str();

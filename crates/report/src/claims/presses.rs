@@ -34,7 +34,7 @@ fn swept<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
     })
 }
 
-/// The `kind` of what stands at `path` for `row`.
+/// `kind` of the setting at `path` that holds for `row`.
 pub(super) fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     word(study, row, path, "kind")
 }
@@ -47,7 +47,7 @@ pub(super) fn word<'a>(study: &'a Study, row: usize, path: &str, key: &str) -> O
     }
 }
 
-/// The number `key` of what stands at `path` for `row`.
+/// Number under `key` in the setting at `path` that holds for `row`.
 pub(super) fn number(study: &Study, row: usize, path: &str, key: &str) -> Option<f64> {
     match study.cells().axis(&format!("{path}.{key}")) {
         Some(axis) => axis.number(row),
@@ -55,7 +55,7 @@ pub(super) fn number(study: &Study, row: usize, path: &str, key: &str) -> Option
     }
 }
 
-/// What stands at `path` for `row` in one word: its label in the table, else its kind.
+/// Word for the setting at `path` that holds for `row`: its label in the table, or its kind.
 pub(super) fn label<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
     study.text(row, path).or_else(|| kind(study, row, path))
 }

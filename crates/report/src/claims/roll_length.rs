@@ -161,7 +161,7 @@ pub(super) fn within_15_percent(study: &Study) -> Result<Finding, String> {
     })
 }
 
-/// Where the noiseless error of `c` first exceeds 15 %, in words.
+/// Words for the place at which the noiseless error of `c` first exceeds 15 %.
 fn crossing(samples: &[Sample], c: f64) -> String {
     let mut errors: Vec<(f64, f64)> = samples
         .iter()

@@ -1,4 +1,5 @@
-//! What the page shows of the tables beside the studies: `tradeoff/`, `extremes.csv` and `peers.csv`, each where it is.
+//! Sections of the page for the tables beside the studies: `tradeoff/`, `extremes.csv` and `peers.csv`, as far as they
+//! exist.
 
 mod extremes;
 
@@ -11,7 +12,7 @@ use minijinja::context;
 use minijinja::value::Value;
 use std::path::{Path, PathBuf};
 
-/// The folder in which the studies' folders lie, if it is one.
+/// Folder that holds the folders of all studies, if there is such a one.
 pub(super) fn folder(studies: &[Study]) -> Option<PathBuf> {
     let mut parents = studies.iter().map(|study| study.dir().parent());
     let first = parents.next()??;
@@ -20,7 +21,7 @@ pub(super) fn folder(studies: &[Study]) -> Option<PathBuf> {
         .then(|| first.to_owned())
 }
 
-/// Sections of what lies in the folder.
+/// Sections for the tables that the folder holds.
 ///
 /// # Errors
 /// A table is malformed.

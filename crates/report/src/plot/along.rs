@@ -10,12 +10,12 @@ use crate::words;
 pub(crate) struct Along {
     pub(crate) name: char,
     pub(crate) spacing: Spacing,
-    /// From the table's numbers to the shown ones.
+    /// Factor from the numbers in the table to those shown.
     pub(crate) factor: f64,
 }
 
 impl Along {
-    /// Where `value` is shown, or why the `what` at it cannot be.
+    /// Number shown for `value`; an error says why the `what` at it cannot be drawn.
     pub(crate) fn place(self, value: f64, what: &str) -> Result<f64, String> {
         let place = value * self.factor;
         match self.spacing.refusal(place) {

@@ -13,13 +13,13 @@ use std::path::Path;
 const DETAIL: u32 = 3;
 /// The SVG backend divides a font's size by this to get the size of its em.
 const EM: f64 = 1.24;
-/// It centres small letters; capitals and digits are centred this many ems further down.
+/// Shift of text downward, in ems: the SVG backend centres small letters, and capitals and digits are to be centred.
 const SINK: f64 = 0.09;
 
 /// A place in the picture, from its upper left corner.
 pub(crate) type Point = (f64, f64);
 
-/// What a drawing step returns: nothing, or what the backend said.
+/// Result of a drawing step; an error holds the message of the backend.
 pub(crate) type Drawn = Result<(), String>;
 
 /// Which point of a text stands at its place.
@@ -30,12 +30,12 @@ pub(crate) enum Anchor {
     Right,
 }
 
-/// How a backend gets its text.
+/// Way in which text reaches a backend.
 #[derive(Debug, Clone, Copy)]
 enum Lettering {
-    /// As text, which the viewer sets in its own sans-serif.
+    /// Text elements, which the viewer sets in its own sans-serif.
     Text,
-    /// As pixels: plotters' own rasteriser drops the space before each letter.
+    /// Pixels drawn here, because plotters' own rasteriser drops the space before each letter.
     Pixels,
 }
 

@@ -6,7 +6,7 @@ use crate::table::{Axis, finite};
 use crate::{Study, study, words};
 use std::collections::BTreeMap;
 
-/// What is held fixed, and how many trials stand behind a point.
+/// Subtitle of a plot: the settings held fixed, and the number of trials behind a point.
 pub(crate) fn subtitle(of: &Selection) -> String {
     let table = of.study.cells();
     let fixed = of.spec.filters.iter().filter_map(|(path, values)| {
@@ -26,7 +26,7 @@ pub(crate) fn subtitle(of: &Selection) -> String {
     parts.join(" · ")
 }
 
-/// What is not drawn or not counted, and why.
+/// Notes below a plot on the points that are not drawn or not counted, with reasons.
 pub(crate) fn notes(of: &Selection, skipped: Skipped) -> Vec<String> {
     let mut notes = Vec::new();
     for (why, (count, series)) in skipped {

@@ -80,7 +80,7 @@ pub(crate) fn choose(
     Ok(Chosen { rows, notes })
 }
 
-/// Where a row stands in the sweep.
+/// Words for the place of a row in the sweep.
 fn place(study: &Study, row: usize) -> String {
     let axes = study.cells().axes().iter();
     let values: Vec<String> = axes.map(|axis| full_value(axis, axis.text(row))).collect();
@@ -91,7 +91,8 @@ fn place(study: &Study, row: usize) -> String {
     }
 }
 
-/// What the cells of some rows have in common: the object, unless it is swept, and the axes with one value.
+/// Words for the settings that the cells of some rows share: the object, unless it is swept, and the axes with one
+/// value.
 pub(crate) fn in_common(study: &Study, rows: &[usize]) -> Vec<String> {
     let axes = study.cells().axes();
     let is_swept = axes

@@ -75,7 +75,7 @@ fn bad(study: &Study, spec: &MapSpec, problem: String) -> ReportError {
     }
 }
 
-/// What all panels have in common.
+/// Subtitle of the maps: the settings that all panels share.
 fn subtitle(study: &Study, shown: &[Shown<'_>]) -> String {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
     let mut parts = cells::in_common(study, &rows);

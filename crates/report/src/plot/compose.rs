@@ -223,7 +223,7 @@ impl<'a> Composer<'a> {
             .collect()
     }
 
-    /// Where `row` stands along x.
+    /// Place of `row` along x.
     fn across(&self, row: usize) -> Option<f64> {
         match (self.of.x, &self.categories) {
             (Column::Axis(axis), Some(names)) => names

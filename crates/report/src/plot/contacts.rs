@@ -44,7 +44,7 @@ pub(crate) struct Layout {
     stroke: f64,
 }
 
-/// What stands before an entry of the key.
+/// Sample before an entry of the key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sample {
     /// Path and contacts of a finger.
@@ -54,7 +54,7 @@ enum Sample {
     Tip,
 }
 
-/// Lays out what the study's `trace.csv` and `readings.csv` hold.
+/// Lays out the contacts in the study's `trace.csv` and `readings.csv`.
 pub(crate) fn layout(study: &Study, heading: &Heading) -> Result<Layout, ReportError> {
     let contacts = table::read(study.dir())?;
     let title_text = heading.title.as_deref().unwrap_or(study.title());
@@ -111,7 +111,7 @@ fn around(places: &[Vector], axis: usize) -> Scale {
     Scale::around(Spacing::Linear, places.iter().map(|place| place[axis]))
 }
 
-/// What was touched, how often, and how well it was read.
+/// Subtitle of the plot: the object, the numbers of fingers and contacts, and the error of the readings.
 fn subtitle(study: &Study, contacts: &Contacts) -> String {
     let mut parts: Vec<String> = captions::object(study).into_iter().collect();
     let fingers = contacts.fingers.len();

@@ -19,13 +19,13 @@ pub(crate) struct Figure {
     pub(crate) panels: Vec<Panel>,
     pub(crate) legend: Legend,
     pub(crate) marks: Vec<Mark>,
-    /// What is not drawn, and why.
+    /// Notes on the points that are not drawn, with reasons.
     pub(crate) notes: Vec<String>,
     /// Whether solid lines carry a marker at each point.
     pub(crate) markers: bool,
 }
 
-/// One of the small multiples.
+/// Panel of a figure, the only one or one of several on the same scales.
 #[derive(Debug, Clone)]
 pub(crate) struct Panel {
     pub(crate) title: Option<String>,
@@ -68,7 +68,7 @@ pub(crate) struct Line {
 pub(crate) struct Legend {
     pub(crate) title: String,
     pub(crate) entries: Vec<(String, Style)>,
-    /// What the solid and the dashed lines are.
+    /// Labels of the solid and of the dashed lines, where two statistics are compared.
     pub(crate) compared: Option<(String, String)>,
     /// The open markers, by label.
     pub(crate) points: Vec<(String, Style)>,

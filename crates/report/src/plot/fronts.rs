@@ -23,8 +23,8 @@ pub(super) const NAME: f64 = 15.0;
 const MARKER: f64 = 5.0;
 const OTHER: f64 = 3.0;
 const STROKE: f64 = 2.0;
-/// Ten times the truth; no answer that errs by more is worth telling apart. Such a rung is drawn as high as this, and as
-/// off the scale.
+/// Ten times the truth; no answer that errs by more is worth telling apart. Such a rung is drawn as high as this, and
+/// as off the scale.
 const WORST: f64 = 10.0;
 /// Rungs that another beats.
 const BEATEN: RGBColor = RGBColor(178, 178, 178);
@@ -284,7 +284,7 @@ impl Panel {
     }
 }
 
-/// What a rung is called; one off the scale with its error.
+/// Name of a rung, with its error where that is off the scale.
 fn named(rung: &Rung) -> String {
     match is_off_scale(rung) {
         true => format!(

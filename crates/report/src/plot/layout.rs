@@ -9,22 +9,22 @@ use super::scale::Tick;
 pub(crate) const TITLE: f64 = 25.0;
 /// Size of all other text.
 pub(crate) const TEXT: f64 = 18.0;
-/// From one line of text to the next, in sizes.
+/// Distance between lines of text, in sizes of the text.
 pub(crate) const LEADING: f64 = 1.35;
 /// Margin around the picture.
 pub(crate) const EDGE: f64 = 22.0;
 /// Length of a line's sample in the legend.
 pub(crate) const SAMPLE: f64 = 40.0;
-/// From a panel to the labels of its ticks.
+/// Gap between a panel and the labels of its ticks, pixels.
 pub(crate) const TICK_GAP: f64 = 10.0;
 
 const GAP: f64 = 30.0;
 const SMALLEST_WIDTH: f64 = 960.0;
 const PANEL_HEIGHT: f64 = 390.0;
 const LEGEND_LIMIT: f64 = 250.0;
-/// Names along x make no panel wider than this, and no row of several.
+/// Width of a panel, and of a row of panels, up to which names along x widen it, pixels.
 const LARGEST_WIDTH: f64 = 1500.0;
-/// Between names along x.
+/// Gap between names along x, pixels.
 const BESIDE: f64 = 12.0;
 /// More panels than this make several rows.
 const PER_ROW: usize = 4;
@@ -55,31 +55,31 @@ pub(crate) struct Layout {
     pub(crate) y_label_at: Point,
 }
 
-/// One line of the legend: a text, and what stands before it.
+/// Line of the legend: a text, and the sample before it.
 pub(crate) struct Entry {
     pub(crate) text: String,
     pub(crate) sample: Sample,
 }
 
-/// What stands before a line of the legend.
+/// Sample before a line of the legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sample {
-    /// Nothing, not even room: the line is a heading.
+    /// None, and no room for one: the line is a heading.
     Heading,
-    /// Nothing: the line continues the one above.
+    /// None, but room for one: the line continues the one above.
     Continued,
     /// Line and marker of this entry of the figure's legend.
     Series(usize),
-    /// What solid lines are.
+    /// A solid line, for the first of two statistics.
     Solid,
-    /// What dashed lines are.
+    /// A dashed line, for the second of two statistics.
     Dashed,
     /// The open marker of this entry of the figure's legend.
     Points(usize),
 }
 
 impl Entry {
-    /// From the legend's left edge to the text.
+    /// Distance from the legend's left edge to the text, pixels.
     pub(crate) fn indent(&self) -> f64 {
         if self.sample == Sample::Heading {
             0.0
@@ -111,7 +111,7 @@ impl Layout {
         figures.into_iter().map(place).collect()
     }
 
-    /// The same below another picture of height `by`.
+    /// Moves everything down by `by`, the height of a picture above.
     fn moved_down(mut self, by: f64) -> Self {
         let places = [
             &mut self.legend_at,
@@ -240,7 +240,7 @@ fn named_width(figure: &Figure) -> f64 {
     (names.len() as f64 * (widest + BESIDE)).min(LARGEST_WIDTH)
 }
 
-/// As many ticks along x as have room for their labels.
+/// Largest set of ticks along x whose labels have room, each with the lines of its label.
 fn x_ticks(figure: &Figure, panel_width: f64) -> Vec<(f64, Vec<String>)> {
     let labelled = |about: usize| {
         let ticks = figure.x.ticks(about);

@@ -124,7 +124,7 @@ impl Placed {
         Ok(Self { sets })
     }
 
-    /// Those of the panel of this value; those of every panel, if there are none.
+    /// Sets of points in the panel of this value, with those that are in every panel.
     pub(crate) fn of_panel(&self, value: Option<&str>) -> Vec<PointSet> {
         let here = |panel: &Option<String>| match (panel, value) {
             (Some(panel), Some(value)) => same(panel, value),

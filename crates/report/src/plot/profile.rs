@@ -156,16 +156,16 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
         .collect()
 }
 
-/// What tells the chosen cells apart.
+/// Axes on which the chosen cells differ.
 struct Axes<'a> {
     panel: Option<&'a Axis>,
-    /// The other axes on which they differ.
+    /// Axes other than that of the panels on which the cells differ.
     names: Vec<&'a Axis>,
 }
 
 /// The cells of one colour, at most one in a panel.
 struct Series<'a> {
-    /// Values on the axes that tell them apart.
+    /// Values on the axes that tell the series apart.
     name: Vec<&'a str>,
     label: String,
     style: Style,
@@ -195,7 +195,7 @@ impl<'a> Axes<'a> {
         self.names.iter().map(|axis| axis.text(row)).collect()
     }
 
-    /// What the series are called together, if one axis tells them apart.
+    /// Title over the names of the series: the words of the axis, if a single one tells them apart.
     fn title(&self) -> String {
         match self.names.as_slice() {
             [axis] => words::path(&axis.header).label(),

@@ -103,7 +103,7 @@ impl Scale {
         &self.categories
     }
 
-    /// Where `value` stands: 0 at the lower end, 1 at the upper.
+    /// Place of `value` along the axis: 0 at the lower end, 1 at the upper.
     pub(crate) fn place(&self, value: f64) -> f64 {
         let value = if self.spacing == Spacing::Log {
             libm::log10(value)

@@ -32,7 +32,7 @@ pub(crate) enum Plot {
     Profile(ProfileSpec),
 }
 
-/// What a plot is called.
+/// Name and title of a plot.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Heading {
     /// File stem.

@@ -13,7 +13,7 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
-/// As many colours as tell lines apart without markers.
+/// Number of lines that colours alone tell apart, without markers.
 pub(crate) const PLAIN: usize = COLOURS.len();
 
 /// Shape of a marker.
@@ -27,7 +27,7 @@ pub(crate) enum Marker {
     Ring,
     Plus,
     Cross,
-    /// Small and never open: of points so dense that others would hide each other.
+    /// Small mark, never drawn open, for points so dense that larger marks would hide each other.
     Dot,
     /// Level and never open: seen on both sides of a dot.
     Dash,
@@ -53,7 +53,7 @@ const OPEN: [Marker; 5] = [
     Marker::Down,
 ];
 
-/// What belongs to no series, or to several.
+/// Colour of marks that belong to no series, or to several.
 const NEUTRAL: RGBColor = RGBColor(60, 60, 60);
 
 /// The look of one series.

@@ -5,7 +5,7 @@ use crate::records::Columns;
 use crate::table::finite;
 use std::path::Path;
 
-/// What was judged on scenes of one kind.
+/// Verdict on `auto` over random scenes of one kind.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Promise {
     pub(crate) kind: String,

@@ -24,7 +24,7 @@ pub(crate) struct Cells {
     failures: Vec<String>,
 }
 
-/// What a row says beyond its place in the sweep.
+/// Numbers in a row beyond its place in the sweep.
 #[derive(Clone, Copy)]
 pub(crate) struct Numbers {
     pub(crate) truth: f64,

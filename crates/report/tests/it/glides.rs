@@ -15,7 +15,7 @@ pub(crate) fn config(a: f64, rest: &str) -> String {
     )
 }
 
-/// What one method makes of one surface at one noise.
+/// Errors of one method on one surface at one noise.
 #[derive(Clone, Copy)]
 pub(crate) struct Made {
     pub(crate) gaussian: f64,

@@ -32,7 +32,7 @@ pub(crate) fn config(claims: &str, rest: &str) -> String {
     )
 }
 
-/// What a row says beyond its place in the sweep.
+/// Numbers in a row beyond its place in the sweep.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Numbers {
     pub(crate) truth: Option<f64>,

@@ -16,7 +16,7 @@ const POINTS: &str = "[[plot.points]]\nlabel = \"published\"\n";
 const BLUE: &str = "#0072B2";
 const VERMILION: &str = "#D55E00";
 const GREEN: &str = "#009E73";
-/// Of what belongs to nobody, and that mixed with white.
+/// Colour of marks that belong to no series, and its mixture with white.
 const NEUTRAL: &str = "#3C3C3C";
 const PALE_NEUTRAL: &str = "#9D9D9D";
 

@@ -190,7 +190,7 @@ fn published(radius: f64) -> Result<Answer, LayoutError> {
     Ok(Answer::all_at_scale(scaled, radius.max(f64::MIN_POSITIVE)).within(1e-14))
 }
 
-/// From the first to the last marker in equal steps.
+/// Positions of markers on a radius, in equal steps from the first marker to the last.
 fn radius(markers: u32, share: f64) -> Result<Answer, LayoutError> {
     let mut pairs = Vec::new();
     for radius in RADII {
@@ -256,7 +256,7 @@ fn greatest_strain(gores: u32) -> Result<Answer, PatternError> {
     )
 }
 
-/// From the middle to the edge at the equator: πR/n.
+/// Half the width of a gore at the equator, which is πR/n.
 fn gore(gores: u32, samples: u32) -> Result<Answer, PatternError> {
     let mut pairs = Vec::new();
     let mut numbers = Vec::new();

@@ -1,4 +1,4 @@
-//! What a camera sees of markers: from one pixel to thousands, of discs from points to half the sky.
+//! Cases of a camera that looks at markers: frames from one pixel to thousands wide, discs from points to half the sky.
 
 use std::f64::consts::PI;
 
@@ -280,7 +280,8 @@ fn area(lens: Lens, polar: f64, width: f64) -> Result<Answer, OpticsError> {
     Ok(Answer::near(found, truth).within(bound))
 }
 
-/// What is seen on the axis is in the middle of the picture.
+/// A camera with `number` as a coordinate, angle or size: a point on the axis must have its image in the middle of the
+/// picture, and all other results must be finite.
 fn anywhere(lens: Lens, number: f64) -> Outcome {
     let camera = Camera::new(lens, 100, 80.0).expect("a camera");
     let aside = camera.image(&Vector3::new(0.0, number, 0.0));

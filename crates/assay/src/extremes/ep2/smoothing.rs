@@ -112,7 +112,7 @@ fn polynomial(size: f64, smoothing: f64) -> Result<Answer, Ep2Error> {
         .also([found.residual_sum, found.effective_unknowns]))
 }
 
-/// What a spline over a square of this size is at some places, and the cubic there.
+/// Values of a spline over a square of side `size` at three places, each beside the value of the cubic there.
 fn on_the_cubic(found: &Smoothed, size: f64) -> [(f64, f64); 3] {
     let at = [(0.0, 0.0), (0.31, 0.77), (1.0, 0.5)];
     at.map(|(u, v)| (found.spline.value(size * u, size * v) / size, cubic(u, v)))

@@ -9,7 +9,7 @@ use palpate_geometry::ShapeThresholds;
 use super::{FITS, consistent, numbers};
 use crate::extremes::{Answer, Case};
 
-/// What the documentation of `Fit::curvature_at` states of contacts on a paraboloid.
+/// Relative error that the documentation of `Fit::curvature_at` allows for contacts on a paraboloid.
 const EXACT: f64 = 1e-11;
 
 /// The paraboloid w = (b₁ u² + b₂ v²)/2 around its apex, turned and moved: K = b₁ b₂ and H = −(b₁ + b₂)/2 there.
@@ -19,7 +19,7 @@ struct Paraboloid {
     size: f64,
     /// b₁ and b₂ times the size.
     bends: [f64; 2],
-    /// Where its apex lies, in sizes.
+    /// Each coordinate of the apex, in sizes.
     offset: f64,
     turn: [f64; 3],
 }

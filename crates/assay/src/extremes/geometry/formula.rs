@@ -144,7 +144,7 @@ fn rims() -> impl Iterator<Item = Case> {
     })
 }
 
-/// What is no formula, or not a finite one.
+/// Texts that are not formulas, or whose value is not finite; each must be refused.
 fn refused() -> impl Iterator<Item = Case> {
     let deep = "(".repeat(1000) + "x" + &")".repeat(1000);
     let long = "x+".repeat(10_000) + "x";

@@ -110,7 +110,7 @@ fn level_set(radius: f64, far: f64) -> Result<Answer, SurfaceError> {
     Ok(answer.conditioned(1.0 + far.abs()).or_no_digits())
 }
 
-/// Where it stands changes nothing of what its chart says.
+/// Geometry of a moved sphere in its chart, which must not depend on where the sphere stands.
 fn in_its_chart(far: f64) -> Result<Answer, SurfaceError> {
     let (sphere, ..) = moved(1.0, far);
     let found = sphere.chart_geometry(palpate_geometry::Parameters::new(0.4, 0.9))?;

@@ -7,7 +7,7 @@ use palpate_press::{
 
 use crate::extremes::{Answer, Case};
 
-/// What the documentation of `ForwardFit::estimate` states of readings without error.
+/// Relative error that the documentation of `ForwardFit::estimate` allows for readings without noise.
 const EXACT: f64 = 1e-9;
 
 /// A grid of 7 × 7 markers over a share of the skin, in radii.
@@ -152,7 +152,8 @@ fn body(name: &str, radius: f64) -> Result<Body, PressError> {
     }
 }
 
-/// Relative curvature and contact of a press whose readings have no error, object and indentation in the sensor's units.
+/// Relative curvature and contact of a press whose readings have no error, object and indentation in the sensor's
+/// units.
 fn exact(name: &str, radius: f64, object: f64, indentation: f64) -> Result<Answer, PressError> {
     let markers = grid(radius, 0.5)?;
     let body = body(name, radius)?;
@@ -181,7 +182,8 @@ fn normal(moved: &[MarkerDisplacement]) -> Vec<f64> {
     moved.iter().map(|moved| moved.normal).collect()
 }
 
-/// A power of two as a unit of length changes no digit; what the search for the place ends at may differ by its tolerance.
+/// A power of two as a unit of length changes no digit; what the search for the place ends at may differ by its
+/// tolerance.
 fn noisy(noise: f64, stated: bool) -> Result<Answer, PressError> {
     let unit = 2f64.powi(20);
     let [here, there] = [1.0, unit].map(|unit| noisy_press(noise, stated, unit));

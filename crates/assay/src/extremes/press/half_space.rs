@@ -5,7 +5,7 @@ use palpate_press::{Body, PressError};
 use crate::extremes::precise::Precise;
 use crate::extremes::{Answer, Case};
 
-/// What the documentation of `Contact::displacement` states, relative to the displacement's length.
+/// Error that the documentation of `Contact::displacement` allows, relative to the length of the displacement.
 const BOUND: f64 = 1e-11;
 const POISSON: [f64; 3] = [0.0, 0.3, 0.5];
 /// Radii of the contact, length.

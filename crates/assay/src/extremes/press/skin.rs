@@ -230,7 +230,7 @@ fn displaced_from(number: f64) -> Result<Answer, PressError> {
         .flat_map(|one| [one.normal, one.tangential[0], one.tangential[1]]);
     let truths = [0.0, 5.0].map(|distance| contact.displacement(distance).normal);
     let pairs = moved.iter().map(|one| one.normal).zip(truths);
-    // Of a place so many turns away no digit is left.
+    // A place that many turns away has no digit left.
     let turns = Some(number.abs() / 20.0).filter(|turns| turns.is_finite());
     Ok(Answer::all_near(pairs)
         .within(1e-14)

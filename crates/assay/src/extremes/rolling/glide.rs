@@ -121,8 +121,8 @@ fn on_paraboloid(c: f64, tip: f64, r: f64) -> Result<Answer, Named> {
         .also(numbers(&touch)))
 }
 
-/// Of a tip a third as large as the sphere contacts are three quarters as far apart; the last place of
-/// a coordinate counts for more the nearer they are.
+/// Distance between neighbouring contacts on a sphere three times as large as the tip, which is 3/4 of the distance
+/// between the places asked for. The nearer these are, the more the last place of a coordinate counts.
 fn neighbours(apart: f64) -> Result<Answer, Named> {
     let (size, tip) = (1e12, 1e12 / 3.0);
     let at = |x| {
@@ -131,7 +131,7 @@ fn neighbours(apart: f64) -> Result<Answer, Named> {
     };
     let (here, there) = (at(1e3)?, at(1e3 + apart)?);
     let moved = there.point.x - here.point.x;
-    // Between the doubles that were asked.
+    // The truth is that of the places as rounded to doubles.
     let truth = 0.75 * ((1e3 + apart) - 1e3);
     let answer = Answer::near(moved, truth).within(1e-12);
     Ok(answer.conditioned(1e3 / apart).or_no_digits())

@@ -5,7 +5,7 @@ use palpate_scene::config::parse;
 use super::Refused;
 use crate::extremes::{Answer, Case, Outcome};
 
-/// What the estimate of a scene without noise may be off by, of the truth and of what the scene is measured in.
+/// Allowed error of the estimate of a scene without noise, relative to the truth and to the scene's own scale.
 const EXACT: f64 = 1e-6;
 
 /// A probe of radius `unit` that rolls by an angle.
@@ -232,7 +232,7 @@ fn exact(text: &str, condition: f64) -> Outcome {
         .into()
 }
 
-/// The same scene in another unit of length errs by as much of its truth.
+/// Comparison of a scene with its copy in another unit of length: their errors relative to the truth must agree.
 fn alike(here: &str, there: &str, condition: f64) -> Outcome {
     let [here, there] = [trials(here), trials(there)];
     let (here, there) = match (here, there) {
@@ -249,7 +249,7 @@ fn alike(here: &str, there: &str, condition: f64) -> Outcome {
         .into()
 }
 
-/// What some trials of a scene gave.
+/// Results of some trials of a scene.
 struct Trials {
     /// Quantity, estimate and truth.
     pairs: Vec<(&'static str, f64, f64)>,

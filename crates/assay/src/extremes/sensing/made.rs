@@ -79,7 +79,7 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-/// In both layouts; of which either may refuse.
+/// Construction of pads in either layout; fails only where both layouts refuse.
 fn pads(radius: f64, pitch: f64, cap_rad: f64) -> Result<(), InvalidSensor> {
     let made = |layout| Pads::new(radius, pitch, layout, PadOffset::Random, cap_rad).map(|_| ());
     made(PadLayout::Square).or(made(PadLayout::Uniform))

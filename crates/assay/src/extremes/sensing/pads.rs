@@ -12,7 +12,7 @@ use super::super::hostile::{EXTREME, NOT_FINITE};
 use super::super::precise::Precise;
 use super::super::{Answer, Case, Outcome};
 
-/// By less than this of a pitch a reading between centres of pads is not off by chance.
+/// Least error of a reading between the centres of pads, in pitches; a smaller one could not be chance.
 const LEAST_OFF: f64 = 1e-3;
 const MADE: &str = "a pitch between 1e-6 and 1 of the radius";
 
@@ -98,8 +98,8 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-/// Off by so many pitches at most, and not by nothing: half a radian away, along neither axis, and by no whole number
-/// of pitches.
+/// Error of a reading in pitches, which must be at most `bound` and not 0. The contact is half a radian away, along
+/// neither axis, and no whole number of pitches away.
 fn read(
     radius: f64,
     pitch: f64,
@@ -137,7 +137,7 @@ fn at(layout: PadLayout, displacement: Vector2<f64>) -> Result<Vector2<f64>, Bey
     pads.read(&placement, &displacement)
 }
 
-/// As far as the direction is a number, where it is told.
+/// Readings of pads of a direction with a bad coordinate.
 fn sensed(layout: PadLayout, bad: f64) -> Result<Vector2<f64>, BeyondPads> {
     let pads = Pads::new(1.0, 0.01, layout, PadOffset::Random, 1.0).expect(MADE);
     let placement = pads.place(|| Stream::new(3, 5, Channel::PadOffset));
@@ -146,7 +146,8 @@ fn sensed(layout: PadLayout, bad: f64) -> Result<Vector2<f64>, BeyondPads> {
     Ok(pad.xy())
 }
 
-/// `(sin a · d, cos a)`; of so many turns that no angle is left, a unit vector across which x is to y as it was.
+/// Direction after a turn by `angle` along d, which is `(sin a · d, cos a)`. Where the angle is so large that its
+/// double leaves no digit of the turn, only the ratio of x to y and the length of 1 are judged.
 fn direction(angle: f64) -> Outcome {
     let (x, y) = (0.6 * angle, 0.8 * angle);
     if angle * f64::EPSILON > 1.0 {

@@ -250,7 +250,8 @@ fn found(frame: &RgbImage, settings: FinderSettings) -> Result<Answer, TrackingE
     Ok(Answer::finite(numbers(&found)))
 }
 
-/// What is found of a frame of one disc, if it is: its middle, to a fifth of a pixel.
+/// Markers found in a frame of a single disc; if there are any, their middles must be within a fifth of a pixel of the
+/// disc's.
 fn found_of_disc(size: u32, settings: FinderSettings) -> Result<Answer, TrackingError> {
     let found = Finder::new(settings)?.find(&Content::Disc.frame(size))?;
     let truth = DISC.map(|share| share * f64::from(size));

@@ -20,11 +20,11 @@ pub(crate) struct Shown<'a> {
 
 /// A row of panels.
 pub(crate) struct Row<'a> {
-    /// What its cells have in common and other rows have not.
+    /// Words for the settings that the cells of this row share and those of other rows do not.
     pub(crate) heading: String,
-    /// The true map stands first where it is another than that of the rows above.
+    /// True map, shown first in the row where it differs from that of the rows above.
     pub(crate) truth: Option<&'a CellMap>,
-    /// The cells, each with what tells it from the others of the row.
+    /// Cells of the row, each with the words that tell it from the others.
     pub(crate) cells: Vec<(String, &'a CellMap)>,
 }
 

@@ -12,7 +12,7 @@ use crate::plot::style::CLASSES;
 use crate::words;
 
 const LINE: f64 = TEXT * LEADING;
-/// Between panels of a row, and between rows.
+/// Gap between panels of a row, and between rows, pixels.
 const GAP: f64 = 22.0;
 /// Side of a sample in the key.
 pub(crate) const SAMPLE: f64 = 18.0;
@@ -20,7 +20,7 @@ const SMALLEST_WIDTH: f64 = 960.0;
 /// Width of a panel.
 const NARROWEST: f64 = 196.0;
 const WIDEST: f64 = 290.0;
-/// A panel is at most so many times as high as wide, or as wide as high.
+/// Largest ratio of the sides of a panel.
 const SLIMMEST: f64 = 3.0;
 
 /// A class map with the place of everything.
@@ -47,7 +47,7 @@ pub(crate) struct Layout {
     pub(crate) y_label: String,
 }
 
-/// What stands before an entry of the key.
+/// Sample before an entry of the key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sample {
     Class(Class),

@@ -27,7 +27,7 @@ pub(crate) struct CellMap {
     pub(crate) side: usize,
     /// Mean x of each line of points that share it, rising.
     pub(crate) x: Vec<f64>,
-    /// Likewise y.
+    /// Mean y of each line of points that share it, rising.
     pub(crate) y: Vec<f64>,
     pub(crate) estimated: Vec<Class>,
     pub(crate) truth: Vec<Class>,
@@ -43,7 +43,7 @@ impl CellMap {
     }
 }
 
-/// What is wrong with a map: of the file, or of the points in it.
+/// Problem with a map: with the file, or with the points in it.
 #[derive(Debug)]
 pub(crate) enum MapProblem {
     File(ReportError),

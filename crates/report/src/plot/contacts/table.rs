@@ -27,10 +27,10 @@ pub(crate) struct Touch {
     pub(crate) tip: Vector,
 }
 
-/// What one finger touched, and its readings if they differ from that.
+/// Contacts of one finger, and its readings where they differ from the contacts.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Finger {
-    /// As in the table.
+    /// Name of the finger in the table.
     pub(crate) name: String,
     pub(crate) touches: Vec<Touch>,
     pub(crate) readings: Vec<Vector>,

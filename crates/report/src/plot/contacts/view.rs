@@ -60,7 +60,7 @@ impl View {
         (side(self.right), side(self.up))
     }
 
-    /// Where a place is seen.
+    /// Point of the picture at which a place is seen.
     pub(crate) fn at(&self, place: Vector) -> Point {
         (
             self.middle.0 + self.scale * self.along(place, self.right),

@@ -1,20 +1,20 @@
-//! Where names stand beside points, so that none hides another name or a point.
+//! Placement of names beside points, so that none hides another name or a point.
 
 use super::NAME;
 use crate::plot::canvas::Point;
 use crate::plot::lettering::width;
 
-/// How far from its point a name may stand, pixels.
+/// Distances from its point at which a name may stand, pixels.
 const DISTANCES: [f64; 9] = [9.0, 18.0, 30.0, 45.0, 62.0, 82.0, 105.0, 130.0, 160.0];
-/// From here on a line leads to it.
+/// Distance from which on a line leads from the point to its name, pixels.
 const LED: f64 = 20.0;
 const DIRECTIONS: usize = 24;
-/// Half the height of a name, with air.
+/// Half the height of a name with the space around it, pixels.
 const HALF: f64 = 0.62 * NAME;
-/// Room around a point.
+/// Half the side of the square around a point that names should leave free, pixels.
 const POINT: f64 = 6.0;
 
-/// What it costs to hide a thing, in pixels of distance.
+/// Costs of a place at which a name hides or crosses something, in pixels of distance from its point.
 const HIDES_NAME: f64 = 1e6;
 const HIDES_POINT: f64 = 1e5;
 const OUTSIDE: f64 = 1e7;
@@ -26,7 +26,7 @@ pub(super) struct Name {
     pub(super) text: String,
     /// Left end, at the middle of its height.
     pub(super) place: Point,
-    /// From the point to the name, where they are far apart.
+    /// Line from the point to the name, where they are far apart.
     pub(super) leader: Option<[Point; 2]>,
     pub(super) bounds: Bounds,
 }

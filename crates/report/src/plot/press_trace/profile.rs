@@ -53,7 +53,7 @@ pub(super) fn stack(trace: &Trace) -> Vec<(Figure, Layout)> {
     Layout::stack(figures)
 }
 
-/// Where each marker's component stands, true and read.
+/// Points of a component of each marker's displacement, true and read.
 fn places(trace: &Trace, component: impl Fn(usize, &Displacement) -> Option<f64>) -> Vec<PointSet> {
     let markers = || trace.markers.iter().enumerate();
     let truth =

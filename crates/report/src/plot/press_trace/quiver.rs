@@ -28,7 +28,7 @@ pub(crate) struct Quiver {
     side: f64,
     x: Scale,
     y: Scale,
-    /// Of the true normal displacement.
+    /// Scale of the shade that shows the true normal displacement.
     shade: Scale,
     /// Radius of a marker.
     radius: f64,

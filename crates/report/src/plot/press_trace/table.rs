@@ -36,7 +36,7 @@ pub(super) struct Displacement {
 /// One marker.
 #[derive(Debug, Clone)]
 pub(super) struct Marker {
-    /// Where on the skin it is at rest.
+    /// Place of the marker on the skin at rest.
     pub(super) place: [f64; 2],
     /// Distance from the contact.
     pub(super) radial: f64,
