@@ -1,4 +1,4 @@
-//! Where markers lie on a spherical skin.
+//! Layouts of markers on a spherical skin.
 
 use std::f64::consts::TAU;
 
@@ -33,14 +33,14 @@ pub enum Layout {
     Line {
         /// How many.
         markers: u32,
-        /// From the first to the last, length.
+        /// Distance from the first marker to the last along the skin, length.
         length: f64,
     },
     /// Equally spaced along +x, the first at the apex.
     Radius {
         /// How many.
         markers: u32,
-        /// From the first to the last, length.
+        /// Distance from the first marker to the last along the skin, length.
         length: f64,
     },
 }
@@ -163,7 +163,7 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     Ok(places)
 }
 
-/// From 0 to `length`, as long as the farthest place, `reach` from the apex, is on the sphere once.
+/// Equal steps from 0 to `length`, as long as the farthest place, `reach` from the apex, is on the sphere once.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -230,7 +230,7 @@ mod tests {
                 "{cap_deg}: {within}, {expected}"
             );
         }
-        // Nobody has a neighbour much nearer than the pitch.
+        // No two markers lie much nearer than the pitch.
         let nearest = places.iter().enumerate().map(|(one, [x, y])| {
             let others = places.iter().enumerate().filter(|(other, _)| *other != one);
             others

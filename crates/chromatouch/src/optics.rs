@@ -1,4 +1,4 @@
-//! What a camera in the sensor's centre sees of the markers: with and without pixels.
+//! Pictures of the markers by a camera in the sensor's centre: with and without pixels.
 
 mod array;
 mod blemishes;

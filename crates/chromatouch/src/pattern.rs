@@ -34,23 +34,23 @@ pub struct Pattern {
     radius: f64,
 }
 
-/// Where a place of the skin lies on the flat pattern.
+/// Place of the flat pattern at which a place of the skin lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FlatPlace {
-    /// On which gore, from 0, counter-clockwise from +x. The apex, which all share, is told as of gore 0.
+    /// Number of the gore, from 0, counter-clockwise from +x. The apex, which all gores share, counts to gore 0.
     pub gore: u32,
-    /// From the gore's middle meridian, counter-clockwise about the apex, length.
+    /// Distance from the gore's middle meridian, counter-clockwise about the apex, length.
     pub across: f64,
-    /// Along the gore's middle meridian from the apex, length.
+    /// Distance from the apex along the gore's middle meridian, length.
     pub from_apex: f64,
     /// Coordinates (x, y) on the assembled pattern: the apex in the origin, seen from outside the skin.
     pub assembled: [f64; 2],
 }
 
 impl Pattern {
-    /// Of `gores` per turn, their outlines drawn in `samples` steps from the apex to the equator, on a sphere of this
-    /// radius, length: that of the layer which is cut.
+    /// Pattern of `gores` gores per turn, their outlines drawn in `samples` steps from the apex to the equator, on a
+    /// sphere of this radius, length: that of the layer which is cut.
     ///
     /// # Errors
     /// [`PatternError::TooFewGores`], [`PatternError::TooManyGores`]; [`LayoutError::BadSetting`] for the others.
@@ -89,8 +89,8 @@ impl Pattern {
         self.outline().map(upright).collect()
     }
 
-    /// Where a place of the skin, given in the chart of [`Layout::places`](crate::Layout::places), lies on the flat
-    /// pattern: the inverse of folding.
+    /// Place of the flat pattern at which a place of the skin lies, given in the chart of
+    /// [`Layout::places`](crate::Layout::places): the inverse of folding.
     ///
     /// # Errors
     /// [`PatternError::BeyondTheEquator`], which calls the place marker 0.
@@ -117,7 +117,7 @@ impl Pattern {
         })
     }
 
-    /// Of one gore: (across, distance from the apex), in the order of [`Self::gore`].
+    /// Outline of one gore: (across, distance from the apex), in the order of [`Self::gore`].
     fn outline(&self) -> impl Iterator<Item = [f64; 2]> {
         let right = (0..=self.samples).rev().map(|step| self.edge(step));
         let left = (1..=self.samples).map(|step| self.edge(step));

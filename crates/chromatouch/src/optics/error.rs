@@ -12,7 +12,7 @@ pub enum OpticsError {
         setting: &'static str,
         /// Its value.
         value: f64,
-        /// What would be right.
+        /// Allowed values, in words.
         expected: &'static str,
     },
     /// A disc at or beyond the sensor's centre, or outside its skin.
@@ -24,7 +24,7 @@ pub enum OpticsError {
         depth: f64,
         /// Radius of the skin, length.
         radius: f64,
-        /// What would be right.
+        /// Allowed depths, in words.
         expected: &'static str,
     },
     /// A place that is not on the skin once.
@@ -57,7 +57,7 @@ pub enum OpticsError {
         first: usize,
         /// The other.
         second: usize,
-        /// Between the centres of their discs, length.
+        /// Distance between the centres of their discs, length.
         distance: f64,
         /// Diameter of those discs, length: the pair that looks larger from the centre.
         diameter: f64,

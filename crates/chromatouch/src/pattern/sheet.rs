@@ -1,4 +1,4 @@
-//! What is cut, marked and printed: the assembled gores with their marks and discs.
+//! Cutting sheet of a skin: the assembled gores with their marks and discs.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -24,9 +24,9 @@ const YELLOW: &str = "YELLOW";
 /// Diameters of the two discs that each marker is made of, length. They are drawn as circles, which the fold shears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discs {
-    /// Of the inner one, nearer the camera.
+    /// Diameter of the inner disc, nearer the camera.
     pub magenta: f64,
-    /// Of the outer one.
+    /// Diameter of the outer disc.
     pub yellow: f64,
 }
 

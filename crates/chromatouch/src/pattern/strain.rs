@@ -41,7 +41,7 @@ pub struct FoldStrain {
 }
 
 impl FoldStrain {
-    /// Of a sphere made of this many gores per turn, of any radius.
+    /// Strain of the gores of a sphere with this many of them per turn, whatever its radius.
     ///
     /// # Errors
     /// [`PatternError::TooFewGores`] for less than three.
@@ -64,7 +64,7 @@ impl FoldStrain {
         self.rms
     }
 
-    /// At the longitude from the gore's middle meridian and the latitude above the equator, radians. The other
+    /// Strain at the longitude from the gore's middle meridian and the latitude above the equator, radians. The other
     /// principal strain is that of 1/(1 + strain).
     ///
     /// # Errors
@@ -173,8 +173,8 @@ mod tests {
         }
     }
 
-    /// By series: from σ² = sσ + 1, (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)); the mean of sᵏ over the gore is
-    /// (π/n)ᵏ/(k + 1)².
+    /// Mean square of the strain by series: from σ² = sσ + 1, (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)); the mean of sᵏ
+    /// over the gore is (π/n)ᵏ/(k + 1)².
     fn mean_square_by_series(gores: u32) -> f64 {
         let widest = PI / f64::from(gores);
         let moment = |power: i32| widest.powi(power) / f64::from((power + 1).pow(2));

@@ -32,7 +32,7 @@ impl Row {
         &mut self.levels[3 * column..3 * column + 3]
     }
 
-    /// Lets shares of the light through.
+    /// Multiplies the light of a pixel by the shares that pass.
     fn filter(&mut self, column: usize, shares: [f32; 3]) {
         for (level, share) in self.pixel(column).iter_mut().zip(shares) {
             *level *= share;
@@ -95,9 +95,9 @@ impl Row {
 /// Paints the rows of a frame, from the first to the last.
 pub(super) struct Rows<'a> {
     camera: &'a Camera,
-    /// In the order of their first rows.
+    /// Markers in the order of their first rows.
     markers: &'a [PaintedMarker],
-    /// Those that began and have not ended.
+    /// Indices of the markers that began at or above the row and have not ended.
     active: Vec<usize>,
     /// How many began.
     begun: usize,
