@@ -49,7 +49,7 @@ impl Equidistant {
         }
     }
 
-    /// Where the apex is seen, px.
+    /// Place in the picture at which the apex is seen, px.
     pub const fn centre_px(&self) -> [f64; 2] {
         self.centre_px
     }
@@ -102,7 +102,8 @@ impl Equidistant {
     }
 }
 
-/// By how much an equidistant picture enlarges areas this far from its middle, θ/sin θ; past a right angle as there.
+/// Factor by which an equidistant picture enlarges areas this far from its middle, θ/sin θ; past a right angle that at
+/// a right angle.
 fn stretching(angle: f64) -> f64 {
     let angle = angle.min(std::f64::consts::FRAC_PI_2);
     if angle < 1e-8 {

@@ -1,4 +1,4 @@
-//! What changed between two frames, as a picture.
+//! Picture of the difference between two frames.
 
 use std::num::NonZeroU8;
 

@@ -10,9 +10,9 @@ use crate::camera::great_circle;
 pub struct Displaced {
     /// The place at rest: its logarithm map from the apex, rad.
     pub place: [f64; 2],
-    /// Along the skin, length, along the axes of the apex carried to the place along the meridian.
+    /// Displacement along the skin, length, along the axes of the apex carried to the place along the meridian.
     pub tangential: [f64; 2],
-    /// Inward, length.
+    /// Inward displacement, length.
     pub normal: f64,
 }
 
@@ -136,8 +136,8 @@ impl Field {
         &self.markers
     }
 
-    /// The same field with each displacement replaced by a mean over all markers, with weights that fall with the
-    /// great-circle distance as a Gaussian of standard deviation `std_rad`; 0 leaves it as it is.
+    /// Field with each displacement replaced by a mean over all markers, with weights that fall with the great-circle
+    /// distance as a Gaussian of standard deviation `std_rad`; 0 leaves it as it is.
     ///
     /// # Errors
     /// [`FieldError::BadFilter`] unless `std_rad` is finite and at least 0.
@@ -177,7 +177,7 @@ impl Field {
 
     /// The weights of markers at a point; none outside their convex hull.
     fn weights(&self, point: Point2<f64>) -> Vec<(usize, f64)> {
-        // Which has no edges to walk along.
+        // A single marker has no edges to walk along.
         if let [marker] = self.markers[..] {
             let is_there = site(marker.place) == point;
             return is_there.then_some((0, 1.0)).into_iter().collect();

@@ -17,7 +17,7 @@ pub struct Marker {
     pub pixels: u32,
 }
 
-/// What became of a marker of the rest frame.
+/// Fate of a marker between the rest frame and the pressed one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
     /// Found again.
@@ -48,22 +48,22 @@ impl Status {
 /// A marker in a rest frame and in a pressed one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
-    /// At rest; `None` for one that is new.
+    /// Marker at rest; `None` for one that is new.
     pub rest: Option<Marker>,
-    /// Pressed; `None` for one that is lost.
+    /// Marker pressed; `None` for one that is lost.
     pub pressed: Option<Marker>,
-    /// What became of it.
+    /// Fate of the marker.
     pub status: Status,
 }
 
-/// How the sight of a marker changed.
+/// Change of a marker's picture between rest and press.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Change {
-    /// Of the centroid, px.
+    /// Shift of the centroid, px.
     pub shift_px: [f64; 2],
-    /// Of the mean hue, turns, from -0.5 to below 0.5.
+    /// Change of the mean hue, turns, from -0.5 to below 0.5.
     pub hue_turns: f64,
-    /// Of the logarithm of its diameter: half that of its size.
+    /// Change of the logarithm of the marker's diameter: half the change of that of its size.
     pub growth: f64,
 }
 

@@ -42,11 +42,11 @@ pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
 struct Matching<'a> {
     rest: &'a [Marker],
     pressed: &'a [Marker],
-    /// For each marker at rest the distance to the next one, px.
+    /// Distance from each marker at rest to the next one, px.
     spacing: Vec<f64>,
-    /// For each marker at rest its nearest others, the nearest first.
+    /// Nearest other markers of each marker at rest, the nearest first.
     around: Vec<Vec<usize>>,
-    /// For each marker at rest its pressed one.
+    /// Pressed marker of each marker at rest.
     pairs: Vec<Option<usize>>,
 }
 
@@ -139,7 +139,7 @@ impl<'a> Matching<'a> {
             .then(|| [0, 1].map(|axis| middle(moves.iter().map(|moved| moved[axis]).collect())))
     }
 
-    /// Where a marker is expected in the pressed frame.
+    /// Place at which a marker is expected in the pressed frame.
     fn place(&self, at: usize) -> [f64; 2] {
         let moved = self
             .expected_move(at)

@@ -6,9 +6,9 @@ use crate::split::{split, steep};
 /// Shapes that may be markers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Selection {
-    /// Those seen whole.
+    /// Shapes that are seen whole.
     pub(crate) whole: Vec<Shape>,
-    /// Those cut off by the circle or the frame.
+    /// Shapes that are cut off by the circle or the frame.
     pub(crate) cut: Vec<Shape>,
     /// A typical one's diameter, in squares.
     pub(crate) diameter: f64,

@@ -29,7 +29,8 @@ pub struct LateralCalibration {
     pub per_indentation_std: Option<f64>,
     /// Root mean square of the residuals over p₀ + p₁ u, length.
     pub residual_rms: f64,
-    /// The same with the number of points less the number of unknowns as divisor; `None` where that is 0.
+    /// Standard deviation of the residuals over p₀ + p₁ u, length: the root of the sum of their squares over the number
+    /// of points less the number of unknowns; `None` where that is 0.
     pub residual_std: Option<f64>,
     /// The line through rest, p₁ = 0.
     pub line: Line,

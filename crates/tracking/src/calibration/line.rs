@@ -19,18 +19,19 @@ pub struct Line {
     pub r_squared: f64,
     /// Root mean square of the signal's residuals over the slope, length.
     pub residual_rms: f64,
-    /// The same with the number of points less the number of unknowns as divisor; `None` where that is 0.
+    /// Standard deviation of the signal's residuals over the slope, length: the root of the sum of their squares over
+    /// the number of points less the number of unknowns; `None` where that is 0.
     pub residual_std: Option<f64>,
     /// Points.
     pub count: usize,
 }
 
-/// What is fitted, for messages.
+/// Names of the displacement and the signal of a fit, for messages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Words {
-    /// Of the displacement: normal or tangential.
+    /// Kind of the displacement: normal or tangential.
     pub(super) displacement: &'static str,
-    /// The signal.
+    /// Name of the signal.
     pub(super) signal: &'static str,
 }
 
@@ -86,7 +87,7 @@ pub(super) fn fit(
     let freedom = points.len() - 1 - usize::from(has_intercept);
     let mean_square = (freedom > 0).then(|| residuals / freedom as f64);
     let unit = signal / length;
-    // What the mean alone explains as well is no slope.
+    // A slope so small explains no more than the mean alone: there is none.
     if slope.abs() < 1e-12 {
         return Err(CalibrationError::NoSlope { what: words.signal });
     }

@@ -8,7 +8,7 @@ use super::CalibrationError;
 use super::line::{Line, Words, finite, fit};
 use crate::Change;
 
-/// What of a marker tells its normal displacement.
+/// Feature of a marker's picture that tells its normal displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NormalFrom {
     /// Its mean hue: the overlap of the two discs, and so the difference between the displacements at their depths.
@@ -64,7 +64,7 @@ pub struct NormalPoint {
 /// the change of hue and the nearness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NormalCalibration {
-    /// What counts.
+    /// Feature that displacements are read from.
     pub from: NormalFrom,
     /// The weights of hue (per turn) and of nearness in the signal. From hue alone they are 1 and 0, so that the signal
     /// is in turns; from both, the signal is a length.
@@ -127,7 +127,7 @@ impl NormalCalibration {
         calibration.checked()
     }
 
-    /// The same, with the markers' own slopes where they are known.
+    /// Lets the markers' own slopes count where they are known.
     pub fn per_marker(self) -> Self {
         Self {
             uses_gains: true,
