@@ -23,7 +23,7 @@ pub struct Ladder {
 pub struct Rung {
     /// The model with its setting, in words.
     pub name: String,
-    /// The same as it stands in a config: never `auto`.
+    /// The model as it stands in a config: never `auto`.
     pub model: ModelConfig,
     /// How far the noiseless truth is off, against the ladder's best; or why this rung cannot do the scene. Of a roll,
     /// contacts at the end, relative to the first contact's length scale; of a glide, contacts, relative to the tip's
@@ -50,7 +50,7 @@ impl Study {
         self.ladder_of(cell, &self.estimable_scene(cell)?)
     }
 
-    /// The same of a cell whose scene has been made.
+    /// Ladder of a cell whose scene has been made.
     ///
     /// # Errors
     /// Where the model of another scene than the cell's cannot do what the cell asks for.

@@ -57,7 +57,7 @@ pub struct Outcome {
 }
 
 impl Scene {
-    /// What the scene estimates, in the order of the indices that [`Scene::trial`] reports.
+    /// Quantities that the scene estimates, in the order of the indices that [`Scene::trial`] reports.
     pub fn quantities(&self) -> &'static [Quantity] {
         match self {
             Self::Roll(_) => &roll::QUANTITIES,

@@ -1,4 +1,4 @@
-//! What a scene estimates, and in which unit.
+//! Quantities that scenes estimate, and their units.
 
 use crate::config::LengthUnit;
 

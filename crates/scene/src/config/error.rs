@@ -1,4 +1,4 @@
-//! What is wrong with a config, and where.
+//! Errors of a config: the problem and its place in the text.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -52,7 +52,7 @@ impl ConfigError {
         &self.path
     }
 
-    /// What is wrong, without the place and the excerpt.
+    /// Problem in words, without the place and the excerpt.
     pub fn message(&self) -> &str {
         &self.message
     }

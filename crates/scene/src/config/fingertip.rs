@@ -14,7 +14,7 @@ pub struct BareFingertipConfig {
     /// The camera in its centre.
     #[serde(default)]
     pub sensor: LensConfig,
-    /// Where a marker is looked at.
+    /// Place of the marker that is looked at.
     #[serde(default)]
     pub view: ViewConfig,
 }
@@ -65,7 +65,7 @@ pub enum LensName {
     Pinhole,
 }
 
-/// Where a marker is looked at.
+/// Place of the marker that is looked at.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ViewConfig {

@@ -1,4 +1,4 @@
-//! From a file or a text to a validated study.
+//! Reading of a study: from a file or a text to validated cells.
 
 use super::error::{ConfigError, Fault, Source};
 use super::grid::Grid;
@@ -225,7 +225,7 @@ impl Study {
         }
     }
 
-    /// Where a part of a text stands, if the text is written without escapes.
+    /// Place of a part of a string in the config's text, if the string is written without escapes.
     fn part_of(&self, node: &Node, part: Range<usize>) -> Option<Range<usize>> {
         let written = self.source.text.get(node.span.clone())?;
         let start = node.span.start + written.find(node.as_text()?)?;

@@ -323,7 +323,7 @@ fn range(table: &Node) -> Result<Vec<Vec<Setting>>, Fault> {
     Ok((0..=steps).map(setting).collect())
 }
 
-/// To 12 digits: 0.3 rather than 0.30000000000000004, and the same on machines whose logarithms differ.
+/// Number rounded to 12 digits: 0.3 rather than 0.30000000000000004, and the same on machines whose logarithms differ.
 fn rounded(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }

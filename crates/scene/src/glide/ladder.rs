@@ -8,11 +8,11 @@ use crate::config::{GlideConfig, GlideModelConfig, ModelConfig};
 use crate::ladder::{Ladder, Rung};
 use crate::plan::PlanError;
 
-/// Of the rungs of Newton's method.
+/// Relative tolerances of the rungs of Newton's method.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 impl GlideScene {
-    /// What finds the contacts of the scene of `config`, on the rung that it takes.
+    /// Glider that finds the contacts of the scene of `config`, on the rung that it takes.
     ///
     /// # Errors
     /// [`PlanError`] with the path of the field that makes no glider.

@@ -1,4 +1,4 @@
-//! From a glide's config to a [`GlideScene`].
+//! Plan of a glide: from its config to a [`GlideScene`].
 
 use palpate_ep2::{Contact, Ep2Error};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
@@ -57,7 +57,7 @@ pub(super) fn tip(config: &GlideConfig) -> (Fingertip, f64) {
     }
 }
 
-/// What finds the contacts.
+/// Glider that finds the contacts of the scene of `config`.
 pub(super) fn glider(config: &GlideConfig) -> Result<Glider, PlanError> {
     let model = match config.model {
         GlideModelConfig::Auto { tolerance } => TouchModel::Auto { tolerance },

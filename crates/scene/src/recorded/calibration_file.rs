@@ -282,7 +282,7 @@ mod tests {
         read_calibration(&path)
     }
 
-    /// With every part there is.
+    /// Calibration with every part there is.
     fn full() -> Calibration {
         let steps = || (0..8).map(|step| 0.1 * f64::from(step));
         let normal = |marker: usize| {

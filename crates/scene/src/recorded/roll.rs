@@ -42,7 +42,7 @@ pub enum RollMethod {
     LeastSquares,
 }
 
-/// What the readings do not say themselves.
+/// Settings of an estimate that the readings do not state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollOptions {
     /// The probe's radius, in the readings' length unit.
@@ -72,13 +72,13 @@ pub struct RollReadings {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct UnresolvedProbe {
     probe: u64,
-    /// In the direction of that roll the object's radius of curvature is below this; `null` where
-    /// the pads' pitch is not given or too coarse to say.
+    /// Bound below which the object's radius of curvature lies in the direction of that roll; `null` where the pads'
+    /// pitch is not given or too coarse to say.
     radius_below: Option<f64>,
     unit: String,
 }
 
-/// What `estimate roll` prints.
+/// Output of `estimate roll`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RollEstimate {
     method: &'static str,
@@ -97,7 +97,7 @@ pub struct RollEstimate {
     amplification_v: Option<f64>,
     /// Root mean square of what the fit leaves of each component of a shift.
     residual_rms: Value,
-    /// Where the standard deviations come from.
+    /// Origin of the standard deviations, in words.
     std_from: &'static str,
     unresolved_probes: Vec<UnresolvedProbe>,
 }

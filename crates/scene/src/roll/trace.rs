@@ -19,7 +19,7 @@ const SAMPLES: usize = 100;
 pub struct RollTrace {
     /// Truth: `probe,t_s,object_x…,probe_x…,normal_x…,arc_length`.
     pub contacts: Table,
-    /// What `estimate roll` accepts.
+    /// Readings, in the form that `estimate roll` accepts.
     pub readings: Table,
 }
 
