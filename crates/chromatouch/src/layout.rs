@@ -10,6 +10,19 @@ use crate::LayoutError;
 pub const MOST_MARKERS: usize = 100_000;
 
 /// An arrangement of markers around the apex of a spherical skin.
+///
+/// ```
+/// use palpate_chromatouch::Layout;
+///
+/// // The apex, and 1 + 3 + 3 + 5 + 7 markers in each of four gores.
+/// let places = Layout::published().places(20.0)?;
+/// assert_eq!(places.len(), 77);
+/// assert_eq!(places[0], [0.0, 0.0]);
+/// // The first row lies 11.9° from the apex along the skin.
+/// let [x, y] = places[1];
+/// assert!((libm::hypot(x, y) - 20.0 * 11.9_f64.to_radians()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layout {
     /// One marker at the apex and rows of markers in each of several equal gores, as the skin is cut to be folded onto

@@ -27,6 +27,21 @@ pub const MOST_GORES: u32 = 360;
 pub const MOST_SAMPLES: u32 = 1000;
 
 /// Flat gores that fold to a hemisphere.
+///
+/// ```
+/// use palpate_chromatouch::Pattern;
+///
+/// // A quarter of the equator of a sphere of radius 20 is 10 π wide, half of it on either side of the gore's middle.
+/// let pattern = Pattern::new(4, 8, 20.0)?;
+/// let [right, height] = pattern.gore()[0];
+/// assert!((right - 5.0 * std::f64::consts::PI).abs() < 1e-12 && height == 0.0);
+/// // At 45° from +x lies the middle of the first gore.
+/// let flat = pattern.flatten([3.0, 3.0])?;
+/// assert_eq!(flat.gore, 0);
+/// assert!(flat.across.abs() < 1e-12);
+/// assert!((flat.from_apex - 18.0_f64.sqrt()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pattern {
     gores: u32,

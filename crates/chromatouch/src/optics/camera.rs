@@ -27,6 +27,21 @@ pub enum Lens {
 ///
 /// The middle of the first pixel has the coordinates (0, 0); the first counts columns to the right, which is the
 /// sensor's x, the second rows downward, which is against the sensor's y.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use palpate_chromatouch::{Camera, Lens};
+///
+/// // 70° from the apex is seen at the rim, 320 px from the image's centre; r = f θ, so 35° is seen half-way to it.
+/// let camera = Camera::new(Lens::Fisheye, 640, 70.0)?;
+/// let (sine, cosine) = libm::sincos(35.0_f64.to_radians());
+/// let place = camera.image(&Vector3::new(sine, 0.0, cosine)).ok_or("outside the image circle")?;
+/// assert!((place[0] - (319.5 + 160.0)).abs() < 1e-9);
+/// assert!((place[1] - 319.5).abs() < 1e-9);
+/// let direction = camera.direction(place).ok_or("outside the image circle")?;
+/// assert!((direction.x - sine).abs() < 1e-12 && (direction.z - cosine).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub(super) lens: Lens,

@@ -31,6 +31,18 @@ pub struct Discs {
 }
 
 /// A pattern with the markers of a layout, ready to be cut.
+///
+/// ```
+/// use palpate_chromatouch::{Discs, Layout, Pattern};
+///
+/// // In millimetres: a skin of radius 20, cut in four gores.
+/// let discs = Discs { magenta: 2.0, yellow: 2.0 };
+/// let sheet = Pattern::new(4, 24, 20.0)?.sheet(&Layout::published(), discs)?;
+/// assert_eq!(sheet.cuts().len(), 4);
+/// assert_eq!(sheet.centres().len(), 77);
+/// assert!(sheet.svg(1.0)?.contains("MAGENTA"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CuttingSheet {
     radius: f64,

@@ -33,6 +33,18 @@ use crate::LayoutError;
 const NODES: usize = 16;
 
 /// Strain of a polyconic gore that is folded onto its sphere: its greatest principal stretch less 1.
+///
+/// ```
+/// use palpate_chromatouch::FoldStrain;
+///
+/// let strain = FoldStrain::of(4)?;
+/// // With the stretch σ, σ − 1/σ is the shear: π/4 where the seams of four gores meet the apex.
+/// let stretch = 1.0 + strain.greatest();
+/// assert!((stretch - 1.0 / stretch - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
+/// // The middle meridian keeps its length.
+/// assert_eq!(strain.at(0.0, 1.0)?, 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoldStrain {
     gores: u32,
