@@ -58,6 +58,22 @@ impl FieldError {
 
 /// Displacements at the markers, and between them by natural-neighbour interpolation over the map of places, which is
 /// continuous, and smooth but at the markers; there is none outside their convex hull.
+///
+/// ```
+/// use palpate_tracking::{Displaced, Field};
+///
+/// let markers = [[0.0, 0.0], [0.2, 0.0], [0.0, 0.2], [0.2, 0.2]].map(|[x, y]| Displaced {
+///     place: [x, y],
+///     tangential: [0.0, 0.0],
+///     normal: 1.0 - x + 0.5 * y,
+/// });
+/// let field = Field::new(&markers)?;
+/// // Natural neighbours reproduce what is linear; outside the markers' convex hull there is no displacement.
+/// let found = field.at([0.05, 0.1]).ok_or("outside")?;
+/// assert!((found.normal - 1.0).abs() < 1e-9);
+/// assert_eq!(field.at([0.3, 0.1]), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Field {
     markers: Vec<Displaced>,

@@ -68,6 +68,22 @@ const LEAST_CIRCLE: f64 = 1.5;
 const MOST_SHAPES: usize = 16_384;
 
 /// Finds markers in one frame after another; frames of the same size reuse its memory.
+///
+/// ```
+/// use image::{Rgb, RgbImage};
+/// use palpate_tracking::{Finder, Ground};
+///
+/// // Nine magenta discs of radius 10 px on a light ground, 60 px apart, the middle one at (120, 120).
+/// let near = |at: u32| [60, 120, 180].map(|middle| at.abs_diff(middle).pow(2)).into_iter().min().unwrap_or(0);
+/// let frame = RgbImage::from_fn(240, 240, |x, y| {
+///     if near(x) + near(y) <= 100 { Rgb([223, 59, 200]) } else { Rgb([235, 235, 235]) }
+/// });
+/// let found = Finder::default().find(&frame)?;
+/// assert_eq!((found.ground, found.markers.len()), (Ground::Bright, 9));
+/// // They are told from the middle of the frame outward.
+/// assert!(found.markers[0].centroid_px.iter().all(|place| (place - 120.0).abs() < 0.01));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Finder {
     settings: FinderSettings,

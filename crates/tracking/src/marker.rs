@@ -70,6 +70,20 @@ pub struct Change {
 impl Track {
     /// The change of a marker that was found again as it was: not of one that merged or split, nor of one whose numbers
     /// are none, as without a size.
+    ///
+    /// ```
+    /// use palpate_tracking::{Marker, Status, Track};
+    ///
+    /// let rest = Marker { centroid_px: [10.0, 10.0], hue_turns: 0.95, size_px2: 100.0, pixels: 100 };
+    /// let pressed = Marker { centroid_px: [13.0, 6.0], hue_turns: 0.05, ..rest };
+    /// let track = Track { rest: Some(rest), pressed: Some(pressed), status: Status::Tracked };
+    /// let change = track.change().ok_or("not tracked")?;
+    /// assert_eq!(change.shift_px, [3.0, -4.0]);
+    /// // Hues go round: from 0.95 to 0.05 it is a tenth of a turn forward.
+    /// assert!((change.hue_turns - 0.1).abs() < 1e-12);
+    /// assert_eq!(change.growth, 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn change(&self) -> Option<Change> {
         let (rest, pressed) = match self {
             Self {

@@ -26,6 +26,19 @@ const REACH: f64 = 1.5;
 /// them move alike. A merged one is the pressed marker of both tracks that it belongs to; the pieces of a split one are
 /// put together in its track: their common centroid, sizes added up. Markers that are not finite match nothing. The time
 /// grows with the product of the two numbers.
+///
+/// ```
+/// use palpate_tracking::{Marker, Status, match_markers};
+///
+/// let marker = |x: f64| Marker { centroid_px: [x, 50.0], hue_turns: 0.05, size_px2: 300.0, pixels: 300 };
+/// let rest = [20.0, 60.0, 100.0].map(marker);
+/// // Two move by 3 px; the third is not seen again.
+/// let pressed = [23.0, 63.0].map(marker);
+/// let tracks = match_markers(&rest, &pressed);
+/// let fates: Vec<Status> = tracks.iter().map(|track| track.status).collect();
+/// assert_eq!(fates, [Status::Tracked, Status::Tracked, Status::Lost]);
+/// assert_eq!(tracks[1].change().map(|change| change.shift_px), Some([3.0, 0.0]));
+/// ```
 pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
     let mut matching = Matching::new(rest, pressed);
     matching.first();

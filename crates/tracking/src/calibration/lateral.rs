@@ -17,6 +17,21 @@ pub struct LateralPoint {
 
 /// How far the centroid shifts per length of tangential displacement, as a function of the normal displacement u:
 /// p₀ + p₁ u.
+///
+/// ```
+/// use palpate_tracking::{LateralCalibration, LateralPoint};
+///
+/// // The centroid shifts by 12 px per unit of length, whatever the normal displacement.
+/// let points = [0.5, 1.0, 2.0].map(|length| LateralPoint {
+///     tangential: [length, 0.0],
+///     shift_px: [12.0 * length, 0.0],
+///     normal: None,
+/// });
+/// let lateral = LateralCalibration::fit(&points)?;
+/// assert!((lateral.px_per_length - 12.0).abs() < 1e-9);
+/// assert!((lateral.slope(0.3) - 12.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralCalibration {
     /// p₀, px per length.

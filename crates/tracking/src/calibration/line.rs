@@ -6,6 +6,17 @@ use super::CalibrationError;
 const LARGEST: f64 = 1e100;
 
 /// A least-squares line: a signal (hue in turns, px, …) over the displacement that is known.
+///
+/// ```
+/// use palpate_tracking::Line;
+///
+/// // Points (displacement, signal): the hue turns by 0.02 per unit of length.
+/// let line = Line::through_rest(&[[0.0, 0.0], [1.0, 0.02], [2.0, 0.04]])?;
+/// assert!((line.slope - 0.02).abs() < 1e-12);
+/// assert!((line.r_squared - 1.0).abs() < 1e-12);
+/// assert_eq!((line.intercept, line.count), (None, 3));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// Signal per length.
