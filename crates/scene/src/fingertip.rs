@@ -146,6 +146,25 @@ fn area(config: &BareFingertipConfig, camera: &LensConfig) -> Result<Option<f64>
 }
 
 /// The flat pattern of a study's sensor, ready to be cut.
+///
+/// ```
+/// use palpate_scene::config::parse;
+/// use palpate_scene::fingertip::CutPattern;
+///
+/// let text = r#"
+///     name = "fingertip"
+///     length_unit = "mm"
+///     scene.kind = "fingertip"
+///     scene.probe.kind = "marker-sphere"
+///     scene.probe.radius = 20.0
+///     scene.probe.marker_depth = 2.0
+///     scene.probe.discs = { magenta_diameter = 2.0, yellow_diameter = 2.0 }
+/// "#;
+/// let pattern = CutPattern::of(&parse("study.toml", text)?)?;
+/// assert_eq!((pattern.gores, pattern.markers), (4, 77));
+/// assert!(pattern.svg.contains("YELLOW") && pattern.dxf.contains("YELLOW"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct CutPattern {
     /// The drawing as SVG, in millimetres.

@@ -4,6 +4,23 @@ use crate::config::{ConfigError, ModelConfig, SceneConfig, Study};
 use crate::{GlideScene, Scene};
 
 /// The rungs on which the truth of a cell's scene can be computed, cheapest first.
+///
+/// ```
+/// use palpate_scene::config::{ModelConfig, RollModelConfig, parse};
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let ladder = parse("study.toml", text)?.ladder(0)?.ok_or("a roll has a ladder")?;
+/// // A ball on a ball rolls in closed form, which is the cheapest rung.
+/// assert_eq!(ladder.taken, 0);
+/// assert_eq!(ladder.taken().model, ModelConfig::Roll(RollModelConfig::ClosedForm {}));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ladder {
     /// The rungs, cheapest first; those that cannot do the scene are among them.

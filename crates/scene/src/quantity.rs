@@ -3,6 +3,15 @@
 use crate::config::LengthUnit;
 
 /// A unit, made of the study's length unit.
+///
+/// ```
+/// use palpate_scene::Unit;
+/// use palpate_scene::config::LengthUnit;
+///
+/// assert_eq!(Unit::Length.of(LengthUnit::Mm), "mm");
+/// assert_eq!(Unit::PerLengthSquared.of(LengthUnit::Cm), "1/cm^2");
+/// assert_eq!(Unit::Turn.of(LengthUnit::Cm), "turn");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Length.

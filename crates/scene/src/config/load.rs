@@ -70,6 +70,24 @@ pub fn load(path: &Path) -> Result<Study, ConfigError> {
 
 /// Reads a study from a text; `file` is the name that errors give.
 ///
+/// ```
+/// use palpate_scene::config::parse;
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     length_unit = "cm"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+///     sweep = [{ path = "scene.object.radius", values = [2.0, 4.0] }]
+/// "#;
+/// let study = parse("study.toml", text)?;
+/// assert_eq!(study.cells.len(), 2);
+/// assert_eq!(study.columns, ["scene.object.radius_cm"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// The first thing that is wrong with the config: syntax, keys, types, limits, sweeps, plots, or fields that contradict
 /// each other, in any of the cells.

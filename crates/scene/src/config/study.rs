@@ -132,6 +132,23 @@ impl SceneConfig {
 ///
 /// Where a sweep varies a `kind`, keys of that table that equal their default are left out, because another kind may
 /// not know them.
+///
+/// ```
+/// use palpate_scene::config::{parse, to_toml};
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let study = parse("study.toml", text)?;
+/// let resolved = to_toml(&study.config);
+/// assert!(resolved.contains("seed = 0"));
+/// assert_eq!(parse("run.toml", &resolved)?.config, study.config);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn to_toml(config: &StudyConfig) -> String {
     let text =
         toml::to_string(config).expect("strings, numbers, arrays and tables all have a TOML form");
