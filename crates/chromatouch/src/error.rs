@@ -1,4 +1,4 @@
-//! Layouts that cannot be.
+//! Errors of layouts.
 
 use thiserror::Error;
 

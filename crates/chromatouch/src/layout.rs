@@ -6,7 +6,7 @@ use palpate_sensing::UniformLattice;
 
 use crate::LayoutError;
 
-/// A layout may have at most this many markers.
+/// Largest number of markers of a layout.
 pub const MOST_MARKERS: usize = 100_000;
 
 /// An arrangement of markers around the apex of a spherical skin.
@@ -76,7 +76,7 @@ impl Layout {
     /// # Errors
     /// [`LayoutError`].
     pub fn places(&self, sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
-        // The way around the sphere is a number.
+        // Up to this radius the circumference does not overflow.
         let good = sensor_radius > 0.0 && sensor_radius <= 1e300;
         LayoutError::unless(good, "radius", sensor_radius, "above 0 and at most 1e300")?;
         match self {

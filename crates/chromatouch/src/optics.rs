@@ -61,7 +61,8 @@ pub struct SeenMarker {
 }
 
 impl Optics {
-    /// Markers, a camera, and what light and camera do.
+    /// Optics of these markers before a camera, with the colours of the sensor's parts and the blemishes of the
+    /// picture.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for a colour that is not a share, `light_at_rim`, `blur_px`, `gores`, `seam_width`

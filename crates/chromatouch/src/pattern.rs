@@ -17,13 +17,13 @@ pub use strain::FoldStrain;
 
 use crate::LayoutError;
 
-/// A pattern has at least this many gores.
+/// Least number of gores of a pattern.
 pub const FEWEST_GORES: u32 = 3;
 
-/// A pattern has at most this many gores.
+/// Largest number of gores of a pattern.
 pub const MOST_GORES: u32 = 360;
 
-/// The quarter circle is drawn in at most this many steps.
+/// Largest number of steps in which the quarter circle is drawn.
 pub const MOST_SAMPLES: u32 = 1000;
 
 /// Flat gores that fold to a hemisphere.

@@ -29,7 +29,7 @@ pub struct Ladder {
     pub taken: usize,
     /// The index of the rung that the errors of the others are held against; `None` where each is held against another.
     pub reference: Option<usize>,
-    /// Why that one.
+    /// Reason why that rung is taken.
     pub reason: String,
     /// The largest error that `auto` allows; `None` where the config names a rung.
     pub tolerance: Option<f64>,

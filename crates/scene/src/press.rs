@@ -130,7 +130,7 @@ struct PressMethod {
 /// Readings of a press.
 #[derive(Clone, Debug, PartialEq)]
 struct PressReadings {
-    /// The markers that are, in ascending order; `None`: all.
+    /// Indices of the tracked markers, in ascending order; `None` if all are tracked.
     tracked: Option<Vec<usize>>,
     normal: Vec<f64>,
     tangential: Vec<[f64; 2]>,
@@ -276,7 +276,7 @@ impl PressScene {
         }
         observe(5, plain(estimate.r_squared, 1.0));
         self.observe_sight(&readings, &mut observe);
-        // The radius of what is taken for flat is no number.
+        // An object taken for flat has no finite radius.
         let radius = estimate.most_likely_object_curvature().recip();
         if let Some(truth) = self.object.radius
             && radius.is_finite()

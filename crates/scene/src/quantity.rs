@@ -22,7 +22,7 @@ pub enum Unit {
     PerLengthSquared,
     /// Length².
     LengthSquared,
-    /// None: a share.
+    /// Share, without a unit.
     One,
     /// Turn, of a hue.
     Turn,

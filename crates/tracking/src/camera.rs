@@ -68,7 +68,7 @@ impl Equidistant {
         self.centre_px
     }
 
-    /// The f of r = f θ.
+    /// Scale f of r = f θ, px per radian.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }

@@ -22,7 +22,7 @@ pub(crate) struct Coarse {
     pub(crate) binned: Binned,
     /// Squares that show the sensor.
     pub(crate) inside: Vec<bool>,
-    /// How far markers rise above the ground.
+    /// Rise of each square's brightness above the ground about it: the top-hat.
     pub(crate) top_hat: Vec<u8>,
     /// Squares of the ground: neither of a marker nor near one.
     pub(crate) is_ground: Vec<bool>,

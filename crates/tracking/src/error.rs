@@ -1,4 +1,4 @@
-//! Frames in which no markers can be found.
+//! Errors of frames in which no markers can be found.
 
 use thiserror::Error;
 

@@ -203,7 +203,7 @@ impl Field {
         natural.get_weights(point, &mut weights);
         let is_mean = |(_, weight): &(_, f64)| (-1e-6..=1.0 + 1e-6).contains(weight);
         if !weights.iter().all(is_mean) {
-            // In slivers, whose circumcircles are beyond reckoning, those of the corners.
+            // In slivers, whose circumcircles overflow, the weights are those of the triangle's corners.
             let corners = self.triangulation.barycentric();
             corners.get_weights(point, &mut weights);
         }

@@ -10,9 +10,9 @@ use crate::{Marker, Status, Track};
 const FIRST_GATE: f64 = 0.5;
 /// How far from where its neighbours say that it went a marker may lie, in the same distances.
 const GATE: f64 = 0.3;
-/// Neighbours that say where a marker went.
+/// Number of neighbours that say where a marker went.
 const WITNESSES: usize = 6;
-/// How often all is looked through again at most.
+/// Largest number of rounds in which all is looked through again.
 const ROUNDS: usize = 8;
 /// How far the size of a merged marker may lie from the sum of two, as a share of it.
 const SIZE_GATE: f64 = 0.3;
@@ -77,7 +77,7 @@ impl<'a> Matching<'a> {
                 next.fold(f64::INFINITY, f64::min)
             })
             .collect();
-        // A marker that stands alone: as far as markers of its size might stand.
+        // A marker without a neighbour takes the distance at which markers of its size might stand.
         for (spacing, marker) in spacing.iter_mut().zip(rest) {
             *spacing = spacing.min(8.0 * marker.size_px2.max(0.0).sqrt());
         }

@@ -64,9 +64,9 @@ struct Patch {
 /// Owner of the pixels that lie in a neighbour's window too.
 #[derive(Clone, Copy, PartialEq)]
 enum Contested {
-    /// The nearer one's.
+    /// Pixels in two windows belong to the nearer marker.
     Nearest,
-    /// Not this one's.
+    /// Pixels in two windows count for neither marker.
     Nobody,
 }
 

@@ -1,4 +1,4 @@
-//! Frames.
+//! Rendered frames of the markers.
 
 use image::RgbImage;
 use palpate_sensing::Stream;

@@ -1,4 +1,4 @@
-//! Patterns that cannot be.
+//! Errors of patterns.
 
 use thiserror::Error;
 

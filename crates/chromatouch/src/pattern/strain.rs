@@ -66,12 +66,12 @@ impl FoldStrain {
         })
     }
 
-    /// Greatest over the gore: at its edges by the apex.
+    /// Greatest strain over the gore: that at its edges by the apex.
     pub const fn greatest(&self) -> f64 {
         self.greatest
     }
 
-    /// Root of its mean square over the gore's area.
+    /// Root mean square of the strain over the gore's area.
     pub const fn rms(&self) -> f64 {
         self.rms
     }
@@ -92,7 +92,7 @@ impl FoldStrain {
     }
 }
 
-/// σ − 1 for s ≥ 0, without cancellation.
+/// Strain σ − 1 of a shear s ≥ 0, without cancellation.
 fn strain_of_shear(shear: f64) -> f64 {
     let half = 0.5 * shear;
     half + half * half / (1.0 + libm::hypot(half, 1.0))

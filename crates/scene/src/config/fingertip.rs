@@ -58,10 +58,10 @@ fn field() -> f64 {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LensName {
-    /// The distance from the middle grows as the polar angle.
+    /// A lens with distances from the middle in proportion to the polar angle.
     #[default]
     Fisheye,
-    /// It grows as the angle's tangent.
+    /// A lens with distances from the middle in proportion to the angle's tangent.
     Pinhole,
 }
 

@@ -170,7 +170,7 @@ fn cell_config(schema: &Json, grid: &Grid, cell: usize) -> Result<StudyConfig, F
 /// Validates a cell's tree, which has no sweeps and plots, and reads it.
 fn check(schema: &Json, tree: &Node) -> Result<StudyConfig, Fault> {
     validate::validate(schema, tree).map_err(|fault| match &fault.span {
-        // The root table begins nowhere in particular.
+        // A fault of the root table has no place in the text.
         Some(span) if *span == tree.span => Fault {
             span: None,
             ..fault

@@ -58,7 +58,7 @@ pub enum Spacing {
     Log,
 }
 
-/// A study has at most this many cells.
+/// Largest number of cells of a study.
 const MAX_CELLS: u64 = 1_000_000;
 
 /// One axis, ready to be put into the tree.

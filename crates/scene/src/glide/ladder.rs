@@ -46,7 +46,8 @@ impl GlideScene {
         let finest = on(TouchModel::Newton {
             tolerance: Model::SMALLEST_TOLERANCE,
         });
-        // Each is held against the other; a point against itself.
+        // The closed form and the finest Newton are held against each other; where only one of them can do it, it errs
+        // by 0.
         let best = closed.as_ref().or(finest.as_ref());
         let off_closed = match (&closed, &finest) {
             (Ok(closed), Ok(finest)) => Ok(distance(closed, finest) / radius),

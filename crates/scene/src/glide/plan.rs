@@ -272,7 +272,7 @@ fn grid(
     let of_grid = |error: GlideError| {
         PlanError::at("scene.evaluate.half_width", format!("the grid: {error}"))
     };
-    // Free of rounding where it is known: a cylinder's K is 0.
+    // A curvature that is the same everywhere is known without rounding: the K of a cylinder is 0.
     let everywhere = object.constant_curvature();
     let place = |x: f64, y: f64| -> Result<TruePlace, PlanError> {
         let touch = truth.touch(middle_x + x, middle_y + y).map_err(of_grid)?;

@@ -28,12 +28,12 @@ pub(super) struct Eye {
     /// The lens, as far as tracking knows it.
     pub(super) lens: Equidistant,
     pub(super) rung: Rung,
-    /// Whether looks at the same differ.
+    /// Whether looks at the same markers differ: whether the picture has errors.
     pub(super) is_random: bool,
     pub(super) seed: u64,
 }
 
-/// How far the camera's work is followed.
+/// Rung of the camera: how far its work is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rung {
     /// The picture of each marker, without pixels.
@@ -64,7 +64,7 @@ impl SightError {
 pub(super) struct Sight {
     /// Track of each marker since it was at rest; `None` for those that are not seen at rest.
     pub(super) tracks: Vec<Option<Track>>,
-    /// How many were taken for another.
+    /// Number of markers that were taken for another.
     pub(super) wrong_matches: usize,
 }
 

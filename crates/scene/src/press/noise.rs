@@ -1,4 +1,4 @@
-//! Errors of what is read of a press.
+//! Errors of the readings of a press.
 
 use palpate_sensing::{Channel, GaussianError, Stream};
 

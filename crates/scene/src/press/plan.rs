@@ -93,7 +93,7 @@ impl PressScene {
                     markers: &markers,
                     body: &body,
                 };
-                // A press that is none is not seen.
+                // If the contact failed there is nothing to image: keep the contact's error.
                 let seen = match &truth {
                     Ok(_) => planned.press(&pressed)?,
                     Err(error) => Err(*error),
@@ -356,7 +356,7 @@ struct Planned<'a> {
 struct Nuisances {
     known_indentation: Option<f64>,
     baseline: Prior,
-    /// `None` for the Gaussian, whose amplitude is another thing.
+    /// Prior of the factor on all displacements; `None` for the Gaussian, where the amplitude takes its place.
     gain: Option<Prior>,
     noise: NoiseKnown,
 }

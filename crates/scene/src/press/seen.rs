@@ -12,9 +12,9 @@ pub(super) struct CameraPress {
     pub(super) sensor: CameraSensor,
     /// Displacements of the discs of each marker in the press.
     pub(super) motions: Vec<MarkerMotion>,
-    /// How many are not seen, others in every trial.
+    /// Number of markers that are not seen, others in every trial.
     pub(super) lost_markers: usize,
-    /// How many are seen otherwise.
+    /// Number of markers that are seen otherwise.
     pub(super) seen: usize,
     /// The marker nearest to the contact.
     pub(super) under_contact: usize,
@@ -40,7 +40,7 @@ impl CameraPress {
         self.lost_markers > 0 || self.sensor.eye.is_random
     }
 
-    /// Puts what the camera tells in the place of what is true.
+    /// Replaces the true displacements by those that the camera tells.
     pub(super) fn read(
         &self,
         readings: &mut PressReadings,

@@ -173,7 +173,7 @@ fn columns(names: &[&str]) -> Vec<Column> {
     }
     let sights = [HUE, GROWTH].into_iter().filter(|&column| has(column));
     columns.extend(sights);
-    // The commonest is asked for where nothing is named.
+    // Where the header names no feature, the hue is asked for, which is the commonest.
     if !is_lateral && !has(HUE) && !has(GROWTH) {
         columns.push(HUE);
     }

@@ -56,7 +56,7 @@ pub struct GlideEstimate {
     pub(super) length_unit: &'static str,
     /// The middle of the patch, on the fitted surface.
     pub(super) position: [f64; 3],
-    /// Out of the object.
+    /// Unit normal in the middle of the patch, out of the object.
     pub(super) normal: [f64; 3],
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
@@ -68,7 +68,7 @@ pub struct GlideEstimate {
     /// Shape index from −1, a cup, to 1, a cap; `null` where the surface is flat.
     pub(super) shape_index: Option<f64>,
     pub(super) class: &'static str,
-    /// `null` where the method states no uncertainty.
+    /// Probability of each class; `null` where the method states no uncertainty.
     pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,
     /// Class by the signs of the curvatures alone.
     pub(super) sign_class: &'static str,

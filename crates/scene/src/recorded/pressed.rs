@@ -44,7 +44,7 @@ pub enum PressMethod {
         c: Option<f64>,
         /// The body that is then pressed.
         calibrated_on: PressBody,
-        /// Only markers within this distance of the contact count, length.
+        /// Distance from the contact within which markers count, length.
         window: Option<f64>,
     },
 }
@@ -265,7 +265,7 @@ fn body(body: PressBody) -> Result<Body, PressError> {
 /// Past this ratio of the residuals to the noise that is stated, the intervals are too narrow.
 const LARGE_RESIDUALS: f64 = 1.5;
 
-/// Below this share of the variance the fit explains little.
+/// Share of the variance below which the fit explains little.
 const LITTLE: f64 = 0.5;
 
 fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {

@@ -33,7 +33,7 @@ pub struct Radius {
 /// A row of the readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Row {
-    /// Counted from 1, without the header.
+    /// Number of the row from 1, without the header.
     pub(super) row: usize,
     /// Its line in the file.
     pub(super) line: Option<usize>,
@@ -43,7 +43,7 @@ pub struct Row {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressNoise {
     pub(super) normal_std: Value,
-    /// `null` where none are used.
+    /// Standard deviation of tangential displacements; `null` where none are used.
     pub(super) tangential_std: Option<Value>,
     /// Reduced χ² of the fit: about 1 where residuals are as large as the noise.
     pub(super) reduced_chi_squared: f64,

@@ -41,7 +41,7 @@ impl MotionNoise {
         !matches!(self, Self::None)
     }
 
-    /// Into how many motions a roll falls.
+    /// Number of motions into which a roll falls.
     pub(super) fn pieces(&self) -> u32 {
         match self {
             Self::Motion { instants, .. } => *instants,

@@ -71,7 +71,7 @@ impl RollScene {
         let truth =
             truth(&roller, &commands).map_err(|error| PlanError::at("scene.motion", error))?;
         let rotations: Vec<_> = commands.iter().map(Motion::rotation).collect();
-        // Their reports, where their measurement does not err.
+        // Rotations as the encoder reports them where their measurement does not err.
         let reported: Vec<_> = rotations
             .iter()
             .map(|&rotation| encoder.map_or(rotation, |encoder| encoder.read(&rotation)))

@@ -1,4 +1,4 @@
-//! Points from which no calibration follows.
+//! Errors of calibrations.
 
 use thiserror::Error;
 

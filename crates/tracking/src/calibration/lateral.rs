@@ -36,11 +36,11 @@ pub struct LateralPoint {
 pub struct LateralCalibration {
     /// p₀, px per length.
     pub px_per_length: f64,
-    /// Its standard error.
+    /// Standard error of p₀.
     pub px_per_length_std: Option<f64>,
     /// p₁, px per length squared; `None` where there were fewer than two normal displacements.
     pub per_indentation: Option<f64>,
-    /// Its standard error.
+    /// Standard error of p₁.
     pub per_indentation_std: Option<f64>,
     /// Root mean square of the residuals over p₀ + p₁ u, length.
     pub residual_rms: f64,
@@ -261,7 +261,7 @@ mod tests {
         let read = fitted.read([7.4, -3.7], 0.2).expect("finite");
         assert_relative_eq!(read[0], 1.0, max_relative = 1e-9);
         assert_relative_eq!(read[1], -0.5, max_relative = 1e-9);
-        // Beyond the range, its end counts.
+        // Beyond the fitted range the slope is that at its end.
         assert_relative_eq!(fitted.slope(10.0), 7.6, max_relative = 1e-9);
         assert!(fitted.slope(f64::NAN).is_finite());
     }

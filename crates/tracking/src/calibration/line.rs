@@ -2,7 +2,7 @@
 
 use super::CalibrationError;
 
-/// Numbers up to this can be squared and summed.
+/// Largest number that can be squared and summed without overflow.
 const LARGEST: f64 = 1e100;
 
 /// A least-squares line: a signal (hue in turns, px, …) over the displacement that is known.
@@ -33,7 +33,7 @@ pub struct Line {
     /// Standard deviation of the signal's residuals over the slope, length: the root of the sum of their squares over
     /// the number of points less the number of unknowns; `None` where that is 0.
     pub residual_std: Option<f64>,
-    /// Points.
+    /// Number of points.
     pub count: usize,
 }
 

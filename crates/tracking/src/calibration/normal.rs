@@ -23,7 +23,7 @@ pub enum NormalFrom {
 }
 
 impl NormalFrom {
-    /// All, the default first.
+    /// All features, the default first.
     pub const ALL: [Self; 3] = [Self::Hue, Self::Size, Self::Both];
 
     /// The stable name.
@@ -56,7 +56,7 @@ pub struct NormalPoint {
     pub normal: f64,
     /// Change of its hue, turns.
     pub hue_turns: f64,
-    /// Change of the logarithm of its diameter.
+    /// Change of the logarithm of the marker's diameter.
     pub growth: f64,
 }
 
@@ -177,7 +177,7 @@ fn nearness(growth: f64) -> f64 {
 
 fn signal(weights: [f64; 2], hue_turns: f64, nearness: f64) -> f64 {
     let [per_turn, per_nearness] = weights;
-    // A part without weight may be unknown.
+    // A part without weight may be NaN.
     let part = |weight: f64, number: f64| if weight == 0.0 { 0.0 } else { weight * number };
     part(per_turn, hue_turns) + part(per_nearness, nearness)
 }

@@ -65,7 +65,7 @@ impl Row {
             for (level, other) in blurred.levels.iter_mut().skip(3 * step).zip(behind) {
                 *level += weight * other;
             }
-            // Beyond the ends.
+            // Beyond its ends the row goes on as it ends.
             for column in 0..step.min(last + 1) {
                 for channel in 0..3 {
                     blurred.levels[3 * column + channel] += weight * self.levels[channel];
@@ -86,7 +86,7 @@ impl Row {
     /// Rounds to whole levels.
     pub(super) fn write(&self, bytes: &mut [u8]) {
         for (byte, level) in bytes.iter_mut().zip(&self.levels) {
-            // Added to a number whose last bit is 1, the level is rounded and stands in the last bits.
+            // 2²³ plus a level rounds it to a whole number, which stands in the last bits of the sum.
             *byte = (level.clamp(0.0, 255.0) + 8_388_608.0).to_bits() as u8;
         }
     }

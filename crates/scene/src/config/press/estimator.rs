@@ -99,10 +99,10 @@ impl Default for PressEstimatorConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Indentation {
-    /// Something else tells it, a robot's pose say.
+    /// A value that something else tells, a robot's pose say.
     #[default]
     Known,
-    /// It follows from the displacements.
+    /// An unknown, which follows from the displacements.
     Fitted,
 }
 

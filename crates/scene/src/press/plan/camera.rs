@@ -40,7 +40,7 @@ pub(super) struct DiscBodies {
     yellow: (f64, Body),
 }
 
-/// A press, as deep as it may be.
+/// Indentation and place of a press, with the curvature and the sideways shift of its object.
 #[derive(Clone, Copy)]
 pub(in crate::press) struct Pressed {
     pub(in crate::press) object_curvature: f64,
