@@ -35,7 +35,7 @@ use colours::Contrasts;
 /// // At rest the first marker, at the apex, is seen in the image's centre.
 /// let seen = optics.projected(&[Some(MarkerMotion::default()); 77])?;
 /// let apex = seen[0].ok_or("outside the image circle")?;
-/// assert!(apex.centroid_px.iter().all(|place| (place - 319.5).abs() < 1e-9));
+/// assert!(apex.centroid_px.iter().all(|place| (*place - 319.5).abs() < 1e-9));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

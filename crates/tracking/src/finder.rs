@@ -81,7 +81,7 @@ const MOST_SHAPES: usize = 16_384;
 /// let found = Finder::default().find(&frame)?;
 /// assert_eq!((found.ground, found.markers.len()), (Ground::Bright, 9));
 /// // They are told from the middle of the frame outward.
-/// assert!(found.markers[0].centroid_px.iter().all(|place| (place - 120.0).abs() < 0.01));
+/// assert!(found.markers[0].centroid_px.iter().all(|place| (*place - 120.0).abs() < 0.01));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]
