@@ -1,4 +1,4 @@
-//! What a camera sees: without pixels, and frames.
+//! Time that pictures of the sensor's markers take: without pixels, and as frames.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::hint::black_box;

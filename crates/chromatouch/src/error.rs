@@ -1,4 +1,4 @@
-//! Layouts that cannot be.
+//! Errors of layouts.
 
 use thiserror::Error;
 
@@ -12,7 +12,7 @@ pub enum LayoutError {
         setting: &'static str,
         /// Its value.
         value: f64,
-        /// What would be right.
+        /// Allowed values, in words.
         expected: String,
     },
     /// The markers reach around the sphere and meet themselves.

@@ -1,4 +1,4 @@
-//! Where markers lie on a spherical skin.
+//! Layouts of markers on a spherical skin.
 
 use std::f64::consts::TAU;
 
@@ -6,10 +6,23 @@ use palpate_sensing::UniformLattice;
 
 use crate::LayoutError;
 
-/// A layout may have at most this many markers.
+/// Largest number of markers of a layout.
 pub const MOST_MARKERS: usize = 100_000;
 
 /// An arrangement of markers around the apex of a spherical skin.
+///
+/// ```
+/// use palpate_chromatouch::Layout;
+///
+/// // The apex, and 1 + 3 + 3 + 5 + 7 markers in each of four gores.
+/// let places = Layout::published().places(20.0)?;
+/// assert_eq!(places.len(), 77);
+/// assert_eq!(places[0], [0.0, 0.0]);
+/// // The first row lies 11.9° from the apex along the skin.
+/// let [x, y] = places[1];
+/// assert!((libm::hypot(x, y) - 20.0 * 11.9_f64.to_radians()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Layout {
     /// One marker at the apex and rows of markers in each of several equal gores, as the skin is cut to be folded onto
@@ -33,14 +46,14 @@ pub enum Layout {
     Line {
         /// How many.
         markers: u32,
-        /// From the first to the last, length.
+        /// Distance from the first marker to the last along the skin, length.
         length: f64,
     },
     /// Equally spaced along +x, the first at the apex.
     Radius {
         /// How many.
         markers: u32,
-        /// From the first to the last, length.
+        /// Distance from the first marker to the last along the skin, length.
         length: f64,
     },
 }
@@ -63,7 +76,7 @@ impl Layout {
     /// # Errors
     /// [`LayoutError`].
     pub fn places(&self, sensor_radius: f64) -> Result<Vec<[f64; 2]>, LayoutError> {
-        // The way around the sphere is a number.
+        // Up to this radius the circumference does not overflow.
         let good = sensor_radius > 0.0 && sensor_radius <= 1e300;
         LayoutError::unless(good, "radius", sensor_radius, "above 0 and at most 1e300")?;
         match self {
@@ -163,7 +176,7 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     Ok(places)
 }
 
-/// From 0 to `length`, as long as the farthest place, `reach` from the apex, is on the sphere once.
+/// Equal steps from 0 to `length`, as long as the farthest place, `reach` from the apex, is on the sphere once.
 fn equal_steps(
     markers: u32,
     length: f64,
@@ -230,7 +243,7 @@ mod tests {
                 "{cap_deg}: {within}, {expected}"
             );
         }
-        // Nobody has a neighbour much nearer than the pitch.
+        // No two markers lie much nearer than the pitch.
         let nearest = places.iter().enumerate().map(|(one, [x, y])| {
             let others = places.iter().enumerate().filter(|(other, _)| *other != one);
             others

@@ -1,4 +1,4 @@
-//! What a camera in the sensor's centre sees of the markers: with and without pixels.
+//! Pictures of the markers by a camera in the sensor's centre: with and without pixels.
 
 mod array;
 mod blemishes;
@@ -20,6 +20,24 @@ use array::MarkerSight;
 use colours::Contrasts;
 
 /// A sensor's markers and the camera that looks at them.
+///
+/// ```
+/// use palpate_chromatouch::{
+///     Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,
+/// };
+///
+/// let places = Layout::published().places(20.0)?;
+/// let discs = Discs { magenta: 2.0, yellow: 2.0 };
+/// let depths = DiscDepths { magenta: 3.0, yellow: 1.0 };
+/// let array = MarkerArray::new(20.0, &places, discs, depths)?;
+/// let camera = Camera::new(Lens::Fisheye, 640, 70.0)?;
+/// let optics = Optics::new(array, camera, Colours::default(), Blemishes::default())?;
+/// // At rest the first marker, at the apex, is seen in the image's centre.
+/// let seen = optics.projected(&[Some(MarkerMotion::default()); 77])?;
+/// let apex = seen[0].ok_or("outside the image circle")?;
+/// assert!(apex.centroid_px.iter().all(|place| (*place - 319.5).abs() < 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optics {
     array: MarkerArray,
@@ -43,7 +61,8 @@ pub struct SeenMarker {
 }
 
 impl Optics {
-    /// Markers, a camera, and what light and camera do.
+    /// Optics of these markers before a camera, with the colours of the sensor's parts and the blemishes of the
+    /// picture.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for a colour that is not a share, `light_at_rim`, `blur_px`, `gores`, `seam_width`

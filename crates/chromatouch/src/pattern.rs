@@ -17,16 +17,31 @@ pub use strain::FoldStrain;
 
 use crate::LayoutError;
 
-/// A pattern has at least this many gores.
+/// Least number of gores of a pattern.
 pub const FEWEST_GORES: u32 = 3;
 
-/// A pattern has at most this many gores.
+/// Largest number of gores of a pattern.
 pub const MOST_GORES: u32 = 360;
 
-/// The quarter circle is drawn in at most this many steps.
+/// Largest number of steps in which the quarter circle is drawn.
 pub const MOST_SAMPLES: u32 = 1000;
 
 /// Flat gores that fold to a hemisphere.
+///
+/// ```
+/// use palpate_chromatouch::Pattern;
+///
+/// // A quarter of the equator of a sphere of radius 20 is 10 π wide, half of it on either side of the gore's middle.
+/// let pattern = Pattern::new(4, 8, 20.0)?;
+/// let [right, height] = pattern.gore()[0];
+/// assert!((right - 5.0 * std::f64::consts::PI).abs() < 1e-12 && height == 0.0);
+/// // At 45° from +x lies the middle of the first gore.
+/// let flat = pattern.flatten([3.0, 3.0])?;
+/// assert_eq!(flat.gore, 0);
+/// assert!(flat.across.abs() < 1e-12);
+/// assert!((flat.from_apex - 18.0_f64.sqrt()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pattern {
     gores: u32,
@@ -34,23 +49,23 @@ pub struct Pattern {
     radius: f64,
 }
 
-/// Where a place of the skin lies on the flat pattern.
+/// Place of the flat pattern at which a place of the skin lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FlatPlace {
-    /// On which gore, from 0, counter-clockwise from +x. The apex, which all share, is told as of gore 0.
+    /// Number of the gore, from 0, counter-clockwise from +x. The apex, which all gores share, counts to gore 0.
     pub gore: u32,
-    /// From the gore's middle meridian, counter-clockwise about the apex, length.
+    /// Distance from the gore's middle meridian, counter-clockwise about the apex, length.
     pub across: f64,
-    /// Along the gore's middle meridian from the apex, length.
+    /// Distance from the apex along the gore's middle meridian, length.
     pub from_apex: f64,
     /// Coordinates (x, y) on the assembled pattern: the apex in the origin, seen from outside the skin.
     pub assembled: [f64; 2],
 }
 
 impl Pattern {
-    /// Of `gores` per turn, their outlines drawn in `samples` steps from the apex to the equator, on a sphere of this
-    /// radius, length: that of the layer which is cut.
+    /// Pattern of `gores` gores per turn, their outlines drawn in `samples` steps from the apex to the equator, on a
+    /// sphere of this radius, length: that of the layer which is cut.
     ///
     /// # Errors
     /// [`PatternError::TooFewGores`], [`PatternError::TooManyGores`]; [`LayoutError::BadSetting`] for the others.
@@ -89,8 +104,8 @@ impl Pattern {
         self.outline().map(upright).collect()
     }
 
-    /// Where a place of the skin, given in the chart of [`Layout::places`](crate::Layout::places), lies on the flat
-    /// pattern: the inverse of folding.
+    /// Place of the flat pattern at which a place of the skin lies, given in the chart of
+    /// [`Layout::places`](crate::Layout::places): the inverse of folding.
     ///
     /// # Errors
     /// [`PatternError::BeyondTheEquator`], which calls the place marker 0.
@@ -117,7 +132,7 @@ impl Pattern {
         })
     }
 
-    /// Of one gore: (across, distance from the apex), in the order of [`Self::gore`].
+    /// Outline of one gore: (across, distance from the apex), in the order of [`Self::gore`].
     fn outline(&self) -> impl Iterator<Item = [f64; 2]> {
         let right = (0..=self.samples).rev().map(|step| self.edge(step));
         let left = (1..=self.samples).map(|step| self.edge(step));

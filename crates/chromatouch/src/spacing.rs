@@ -7,7 +7,7 @@ pub(crate) struct TooClose {
     /// Which, from 0; the first such pair in the order of the second.
     pub(crate) first: usize,
     pub(crate) second: usize,
-    /// From one to the other.
+    /// Distance from one to the other.
     pub(crate) distance: f64,
 }
 

@@ -1,4 +1,4 @@
-//! From the text of a config to scenes.
+//! Time from the text of a config to its scenes.
 
 use std::hint::black_box;
 

@@ -31,7 +31,7 @@ const AREA: Quantity = Quantity {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FingertipScene {
     quantities: &'static [Quantity],
-    /// Of the quantities, in their order; `None` where the camera does not see the place.
+    /// Values of the quantities, in their order; `None` where the camera does not see the place.
     values: Vec<Option<f64>>,
     needs: Vec<String>,
 }
@@ -85,7 +85,7 @@ impl FingertipScene {
         })
     }
 
-    /// What is told.
+    /// Quantities that the scene tells.
     pub fn quantities(&self) -> &'static [Quantity] {
         self.quantities
     }
@@ -115,7 +115,7 @@ impl FingertipScene {
         self.values.get(quantity).copied().flatten()
     }
 
-    /// What the scene needs, one line each.
+    /// Needs of the scene, one line each.
     pub fn needs(&self) -> Vec<String> {
         self.needs.clone()
     }
@@ -131,7 +131,7 @@ fn area(config: &BareFingertipConfig, camera: &LensConfig) -> Result<Option<f64>
     };
     let camera =
         Camera::new(lens, camera.size_px, camera.field_deg).map_err(|error| of_optics(&error))?;
-    // That such discs can be made in the skin.
+    // Fails unless such discs can be made in the skin.
     let diameters = Discs {
         magenta: sizes.magenta_diameter,
         yellow: sizes.yellow_diameter,
@@ -146,11 +146,30 @@ fn area(config: &BareFingertipConfig, camera: &LensConfig) -> Result<Option<f64>
 }
 
 /// The flat pattern of a study's sensor, ready to be cut.
+///
+/// ```
+/// use palpate_scene::config::parse;
+/// use palpate_scene::fingertip::CutPattern;
+///
+/// let text = r#"
+///     name = "fingertip"
+///     length_unit = "mm"
+///     scene.kind = "fingertip"
+///     scene.probe.kind = "marker-sphere"
+///     scene.probe.radius = 20.0
+///     scene.probe.marker_depth = 2.0
+///     scene.probe.discs = { magenta_diameter = 2.0, yellow_diameter = 2.0 }
+/// "#;
+/// let pattern = CutPattern::of(&parse("study.toml", text)?)?;
+/// assert_eq!((pattern.gores, pattern.markers), (4, 77));
+/// assert!(pattern.svg.contains("YELLOW") && pattern.dxf.contains("YELLOW"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct CutPattern {
     /// The drawing as SVG, in millimetres.
     pub svg: String,
-    /// The same as DXF, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`.
+    /// The drawing as DXF, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`.
     pub dxf: String,
     /// How many gores make the turn.
     pub gores: u32,
@@ -160,7 +179,7 @@ pub struct CutPattern {
     pub fold_strain: FoldStrain,
     /// Strain of folding: `longitude_deg,latitude_deg,strain` over the half of a gore, from its middle meridian.
     pub strain: String,
-    /// The same by the number of gores: `gores,greatest_fold_strain,rms_fold_strain`, from 3 to 12.
+    /// Strain of folding by the number of gores: `gores,greatest_fold_strain,rms_fold_strain`, from 3 to 12.
     pub strain_by_gores: String,
 }
 

@@ -19,7 +19,7 @@ use palpate_sensing::{Channel, NormalError, PositionError, Stream};
 
 use crate::{Outcome, PlanError, Quantity, Unit};
 
-/// What a glide estimates, at every place of its grid.
+/// Quantities that a glide estimates, at every place of its grid.
 pub const QUANTITIES: [Quantity; 3] = [
     Quantity {
         name: "gaussian_curvature",
@@ -41,7 +41,7 @@ pub struct GlideScene {
     seed: u64,
     /// The true contacts.
     touches: Vec<FingerTouch>,
-    /// What the sensor says of them, without noise.
+    /// Contacts as the sensor reports them, without noise.
     sensed: Vec<Contact>,
     noise: ReadingNoise,
     method: AnyMethod,
@@ -63,7 +63,7 @@ struct ReadingNoise {
     normal: Option<NormalError>,
 }
 
-/// Where estimates are held against the truth.
+/// Places at which estimates are held against the truth.
 #[derive(Clone, Debug, PartialEq)]
 struct TrueGrid {
     /// Places along each side.
@@ -102,7 +102,7 @@ impl GlideScene {
         fit.map(drop).map_err(|error| plan::of_fit(&error))
     }
 
-    /// What the fingers report: without noise, or in trial number `trial`.
+    /// Contacts as the fingers report them: without noise, or in trial number `trial`.
     fn readings(&self, trial: Option<u64>) -> Vec<Contact> {
         let mut contacts = self.sensed.clone();
         let Some(trial) = trial else {

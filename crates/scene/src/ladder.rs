@@ -4,6 +4,23 @@ use crate::config::{ConfigError, ModelConfig, SceneConfig, Study};
 use crate::{GlideScene, Scene};
 
 /// The rungs on which the truth of a cell's scene can be computed, cheapest first.
+///
+/// ```
+/// use palpate_scene::config::{ModelConfig, RollModelConfig, parse};
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let ladder = parse("study.toml", text)?.ladder(0)?.ok_or("a roll has a ladder")?;
+/// // A ball on a ball rolls in closed form, which is the cheapest rung.
+/// assert_eq!(ladder.taken, 0);
+/// assert_eq!(ladder.taken().model, ModelConfig::Roll(RollModelConfig::ClosedForm {}));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ladder {
     /// The rungs, cheapest first; those that cannot do the scene are among them.
@@ -12,7 +29,7 @@ pub struct Ladder {
     pub taken: usize,
     /// The index of the rung that the errors of the others are held against; `None` where each is held against another.
     pub reference: Option<usize>,
-    /// Why that one.
+    /// Reason why that rung is taken.
     pub reason: String,
     /// The largest error that `auto` allows; `None` where the config names a rung.
     pub tolerance: Option<f64>,
@@ -23,7 +40,7 @@ pub struct Ladder {
 pub struct Rung {
     /// The model with its setting, in words.
     pub name: String,
-    /// The same as it stands in a config: never `auto`.
+    /// The model as it stands in a config: never `auto`.
     pub model: ModelConfig,
     /// How far the noiseless truth is off, against the ladder's best; or why this rung cannot do the scene. Of a roll,
     /// contacts at the end, relative to the first contact's length scale; of a glide, contacts, relative to the tip's
@@ -50,7 +67,7 @@ impl Study {
         self.ladder_of(cell, &self.estimable_scene(cell)?)
     }
 
-    /// The same of a cell whose scene has been made.
+    /// Ladder of a cell whose scene has been made.
     ///
     /// # Errors
     /// Where the model of another scene than the cell's cannot do what the cell asks for.

@@ -29,6 +29,25 @@ pub use table::Table;
 use config::{ConfigError, SceneConfig, Study};
 
 /// A scene that is ready to run.
+///
+/// ```
+/// use palpate_scene::config::parse;
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let scene = parse("study.toml", text)?.estimable_scene(0)?;
+/// assert_eq!(scene.quantities()[0].name, "normal_curvature_u");
+/// // Without noise the curvature of a ball is exact: 1/4.
+/// let mut estimates = Vec::new();
+/// scene.trial(0, |_, outcome| estimates.push(outcome.estimate))?;
+/// assert!((estimates[0] - 0.25).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one per cell")]
 pub enum Scene {
@@ -57,7 +76,7 @@ pub struct Outcome {
 }
 
 impl Scene {
-    /// What the scene estimates, in the order of the indices that [`Scene::trial`] reports.
+    /// Quantities that the scene estimates, in the order of the indices that [`Scene::trial`] reports.
     pub fn quantities(&self) -> &'static [Quantity] {
         match self {
             Self::Roll(_) => &roll::QUANTITIES,

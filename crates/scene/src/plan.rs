@@ -1,4 +1,4 @@
-//! From a config to what a scene is made of; shared by all kinds of scenes.
+//! Plans that all kinds of scenes share: from parts of a config to parts of a scene.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::legible::legible;
 pub struct PlanError {
     /// Path of the field, `scene.object.radius`.
     pub path: String,
-    /// What is wrong.
+    /// Problem in words.
     pub message: String,
     /// The part of the field's text, in bytes, that is wrong.
     pub part: Option<Range<usize>>,

@@ -27,7 +27,7 @@ use camera::Sight;
 use noise::ReadingNoise;
 use seen::CameraPress;
 
-/// What a press estimates.
+/// Quantities that every press estimates.
 const ESTIMATED: [Quantity; 6] = [
     quantity("relative_curvature", Unit::PerLength),
     quantity("effective_radius", Unit::Length),
@@ -37,8 +37,8 @@ const ESTIMATED: [Quantity; 6] = [
     quantity("r_squared", Unit::One),
 ];
 
-/// What a camera adds: errors of every marker that is tracked, what the marker under the contact shows, and how the
-/// tracking went.
+/// Quantities that a camera adds: errors of every marker that is tracked, the hue change and the shift of the marker
+/// under the contact, and how the tracking went.
 const SEEN: [Quantity; 7] = [
     quantity("normal_displacement", Unit::Length),
     quantity("tangential_displacement", Unit::Length),
@@ -49,20 +49,20 @@ const SEEN: [Quantity; 7] = [
     quantity("pixels", Unit::One),
 ];
 
-/// Of objects that have a radius, the last.
+/// Quantity that comes last, only for objects that have a radius.
 const RADIUS: Quantity = quantity("object_radius", Unit::Length);
 
 const fn quantity(name: &'static str, unit: Unit) -> Quantity {
     Quantity { name, unit }
 }
 
-/// What a press with a direct sensor estimates. The last only of objects that have a radius.
+/// Quantities that a press with a direct sensor estimates. The last only of objects that have a radius.
 const OF_DIRECT: [Quantity; 7] = {
     let [a, b, c, d, e, f] = ESTIMATED;
     [a, b, c, d, e, f, RADIUS]
 };
 
-/// The same with a camera.
+/// Quantities that a press with a camera estimates. The last only of objects that have a radius.
 const OF_CAMERA: [Quantity; 14] = {
     let ([a, b, c, d, e, f], [g, h, i, j, k, l, m]) = (ESTIMATED, SEEN);
     [a, b, c, d, e, f, g, h, i, j, k, l, m, RADIUS]
@@ -80,7 +80,7 @@ pub struct PressScene {
     indentation: f64,
     /// Chart coordinates of the contact.
     at: [f64; 2],
-    /// What the press does, or why there is none: then every trial fails.
+    /// True contact and displacements; or why there is no press, and then every trial fails.
     truth: Result<TruePress, PressError>,
     sensor: PressSensor,
     /// Whether displacements along the skin are read.
@@ -88,7 +88,7 @@ pub struct PressScene {
     noise: ReadingNoise,
     method: PressMethod,
     bounds: Option<Bounds>,
-    /// What the scene is made of, in words.
+    /// Needs of the scene: its model, sensor and noise in words.
     needs: Vec<String>,
 }
 
@@ -101,20 +101,20 @@ struct PressedObject {
     radius: Option<f64>,
 }
 
-/// What a press does.
+/// Truth of a press.
 #[derive(Clone, Debug, PartialEq)]
 struct TruePress {
     contact_radius: f64,
-    /// To the markers, midway between their discs.
+    /// Displacements of the markers, midway between their discs.
     markers: Vec<MarkerDisplacement>,
 }
 
-/// What a press is read with.
+/// Sensor that reads a press.
 #[derive(Clone, Debug)]
 enum PressSensor {
     /// Displacements, as they are.
     Direct,
-    /// What a camera sees, or why there is no press to be seen: then every trial fails.
+    /// A camera with the markers before it; or why there is no press to be seen, and then every trial fails.
     Camera(Result<Box<CameraPress>, PressError>),
 }
 
@@ -127,14 +127,14 @@ struct PressMethod {
     known_indentation: Option<f64>,
 }
 
-/// What is read of a press.
+/// Readings of a press.
 #[derive(Clone, Debug, PartialEq)]
 struct PressReadings {
-    /// The markers that are, in ascending order; `None`: all.
+    /// Indices of the tracked markers, in ascending order; `None` if all are tracked.
     tracked: Option<Vec<usize>>,
     normal: Vec<f64>,
     tangential: Vec<[f64; 2]>,
-    /// What a camera saw.
+    /// Markers as a camera saw them; `None` with a direct sensor.
     sight: Option<Sight>,
 }
 
@@ -152,7 +152,7 @@ impl PressReadings {
 }
 
 impl PressScene {
-    /// What is estimated.
+    /// Quantities that the scene estimates.
     pub fn quantities(&self) -> &'static [Quantity] {
         let all: &[Quantity] = match self.sensor {
             PressSensor::Direct => &OF_DIRECT,
@@ -201,7 +201,7 @@ impl PressScene {
         self.skin().contact(&self.body, object, self.indentation)
     }
 
-    /// What the sensor reads: without noise, or in trial number `trial`.
+    /// Readings of the sensor: without noise, or in trial number `trial`.
     fn readings(&self, trial: Option<u64>) -> Result<PressReadings, PressFailure> {
         let truth = self.truth.as_ref().map_err(|error| *error)?;
         let mut readings = PressReadings {
@@ -276,7 +276,7 @@ impl PressScene {
         }
         observe(5, plain(estimate.r_squared, 1.0));
         self.observe_sight(&readings, &mut observe);
-        // The radius of what is taken for flat is no number.
+        // An object taken for flat has no finite radius.
         let radius = estimate.most_likely_object_curvature().recip();
         if let Some(truth) = self.object.radius
             && radius.is_finite()
@@ -295,7 +295,7 @@ impl PressScene {
         Ok(())
     }
 
-    /// What a camera saw in a trial that was estimated from.
+    /// Reports the quantities that a camera adds, of a trial that was estimated from.
     fn observe_sight(&self, readings: &PressReadings, observe: &mut impl FnMut(usize, Outcome)) {
         let (Some(sight), Ok(truth)) = (&readings.sight, &self.truth) else {
             return;

@@ -1,8 +1,17 @@
-//! What a scene estimates, and in which unit.
+//! Quantities that scenes estimate, and their units.
 
 use crate::config::LengthUnit;
 
 /// A unit, made of the study's length unit.
+///
+/// ```
+/// use palpate_scene::Unit;
+/// use palpate_scene::config::LengthUnit;
+///
+/// assert_eq!(Unit::Length.of(LengthUnit::Mm), "mm");
+/// assert_eq!(Unit::PerLengthSquared.of(LengthUnit::Cm), "1/cm^2");
+/// assert_eq!(Unit::Turn.of(LengthUnit::Cm), "turn");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Length.
@@ -13,7 +22,7 @@ pub enum Unit {
     PerLengthSquared,
     /// Length².
     LengthSquared,
-    /// None: a share.
+    /// Share, without a unit.
     One,
     /// Turn, of a hue.
     Turn,

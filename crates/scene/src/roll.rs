@@ -27,7 +27,7 @@ use linear::LinearRolls;
 use noise::MotionNoise;
 use sensor::RollSensor;
 
-/// What a roll estimates.
+/// Quantities that a roll estimates.
 pub const QUANTITIES: [Quantity; 5] = [
     Quantity {
         name: "normal_curvature_u",
@@ -56,7 +56,7 @@ pub const QUANTITIES: [Quantity; 5] = [
 pub struct RollScene {
     seed: u64,
     roller: Roller,
-    /// What each probe is told to do.
+    /// Commanded motion of each probe.
     commands: Vec<Motion>,
     /// The rotations that are commanded, summed in the contact frame.
     rotations: Vec<Vector2<f64>>,
@@ -78,7 +78,7 @@ struct Truth {
     arc_length: f64,
 }
 
-/// What trials side by side say of one quantity, trial by trial.
+/// Outcomes of one quantity in [`LANES`] trials side by side, trial by trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideBySide {
     /// The estimates.
@@ -164,7 +164,7 @@ impl RollScene {
         &self.roller
     }
 
-    /// What each probe is told to do.
+    /// Commanded motion of each probe.
     pub fn commands(&self) -> &[Motion] {
         &self.commands
     }
@@ -302,7 +302,7 @@ impl RollScene {
             .map_err(|error| error.name())
     }
 
-    /// What the probes report in a trial, one after the other.
+    /// Calls `report` with the reading of each probe in a trial, one after the other.
     fn readings(
         &self,
         trial: u64,

@@ -13,6 +13,24 @@ pub use normal::{MarkerGain, NormalCalibration, NormalFrom, NormalPoint};
 use crate::Change;
 
 /// Turns changes of sight into displacements.
+///
+/// ```
+/// use palpate_tracking::{Calibration, Change, NormalCalibration, NormalFrom, NormalPoint};
+///
+/// // The hue turns back by 0.05 per unit of normal displacement.
+/// let points = [0.0, 0.5, 1.0].map(|normal| NormalPoint {
+///     marker: None,
+///     normal,
+///     hue_turns: -0.05 * normal,
+///     growth: 0.0,
+/// });
+/// let normal = NormalCalibration::fit(&points, NormalFrom::Hue)?;
+/// let calibration = Calibration::new(Some(normal), None, None)?;
+/// let change = Change { hue_turns: -0.02, ..Change::default() };
+/// let read = calibration.normal(0, &change).ok_or("not calibrated")?;
+/// assert!((read - 0.4).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     normal: Option<NormalCalibration>,

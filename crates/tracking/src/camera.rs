@@ -9,6 +9,20 @@ use crate::{CalibrationError, Change, Marker, Track};
 /// Places are directions from the centre, given as their logarithm map from the apex in radians: √(x² + y²) is the
 /// angle from the apex, (x, y) the way there. The picture's columns count along x, its rows against y. Displacements of
 /// a place count along the axes of the apex, carried to the place along the meridian.
+///
+/// ```
+/// use palpate_tracking::Equidistant;
+///
+/// let apex = [319.5, 319.5];
+/// let camera = Equidistant::new(apex, 230.0)?;
+/// // 23 columns to the right and 46 rows up, at 230 px per radian; rows count downward, y upward.
+/// let place = camera.place([342.5, 273.5]);
+/// assert!((place[0] - 0.1).abs() < 1e-12 && (place[1] - 0.2).abs() < 1e-12);
+/// // From the apex, a shift is the place that it leads to.
+/// let shift = camera.shift(apex, [342.5, 273.5]);
+/// assert!((shift[0] - 0.1).abs() < 1e-12 && (shift[1] - 0.2).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equidistant {
     centre_px: [f64; 2],
@@ -49,12 +63,12 @@ impl Equidistant {
         }
     }
 
-    /// Where the apex is seen, px.
+    /// Place in the picture at which the apex is seen, px.
     pub const fn centre_px(&self) -> [f64; 2] {
         self.centre_px
     }
 
-    /// The f of r = f θ.
+    /// Scale f of r = f θ, px per radian.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }
@@ -102,7 +116,8 @@ impl Equidistant {
     }
 }
 
-/// By how much an equidistant picture enlarges areas this far from its middle, θ/sin θ; past a right angle as there.
+/// Factor by which an equidistant picture enlarges areas this far from its middle, θ/sin θ; past a right angle that at
+/// a right angle.
 fn stretching(angle: f64) -> f64 {
     let angle = angle.min(std::f64::consts::FRAC_PI_2);
     if angle < 1e-8 {

@@ -20,11 +20,11 @@ const DARKEST_GROUND: usize = 12;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Coarse {
     pub(crate) binned: Binned,
-    /// What shows the sensor.
+    /// Squares that show the sensor.
     pub(crate) inside: Vec<bool>,
-    /// How far markers rise above the ground.
+    /// Rise of each square's brightness above the ground about it: the top-hat.
     pub(crate) top_hat: Vec<u8>,
-    /// What is neither a marker nor near one.
+    /// Squares of the ground: neither of a marker nor near one.
     pub(crate) is_ground: Vec<bool>,
     middles: Vec<bool>,
     plane: Vec<u8>,
@@ -32,7 +32,7 @@ pub(crate) struct Coarse {
 }
 
 impl Coarse {
-    /// What shows the sensor: what lies within the rim near the circle, or else the circle.
+    /// Marks the squares that show the sensor: those within the rim near the circle, or else those within the circle.
     pub(crate) fn set_inside(&mut self, mask: &Mask, rim: Option<&Rim>) {
         let circle = mask.coarse(self.binned.bin);
         let band = OUTERMOST * circle.radius_px;
@@ -49,7 +49,7 @@ impl Coarse {
         }
     }
 
-    /// What markers seem to be seen on.
+    /// Ground that markers seem to be seen on.
     pub(crate) fn told_ground(&self) -> Ground {
         let (mut dark, mut bright) = ([0; 256], [0; 256]);
         let share = share_of(self.binned.pixels());
@@ -131,7 +131,7 @@ impl Coarse {
         (apart >= LEAST_CONTRAST && apart >= STANDS_OUT * classes.ground_std).then_some(classes)
     }
 
-    /// What is neither a marker nor near one.
+    /// Marks the squares of the ground: neither of a marker nor near one.
     pub(crate) fn set_is_ground(&mut self, limit: u8, selection: &Selection) {
         self.is_ground.clear();
         self.is_ground.extend(
@@ -177,7 +177,8 @@ fn share_of(pixels: usize) -> impl Fn(u16) -> u8 {
     move |sum| ((u32::from(sum) * scale) >> 16).min(255) as u8
 }
 
-/// For each brightness of the ground what makes of a difference a share of it, in 65,536ths; of a ground too dark nothing.
+/// Factors that turn a difference into a share of the ground, in 65,536ths, for each brightness of the ground; 0 for a
+/// ground too dark.
 fn scales() -> [u32; 256] {
     std::array::from_fn(|light| {
         if light < DARKEST_GROUND {

@@ -1,4 +1,4 @@
-//! What changed between two frames, as a picture.
+//! Picture of the difference between two frames.
 
 use std::num::NonZeroU8;
 
@@ -18,6 +18,22 @@ pub struct SizesDiffer {
 /// The signed difference of the frames' green channels, which magenta takes away, on white: where the pressed frame
 /// has more green the picture is green, where it has less magenta, as in Fig. 7b of the 2020 paper. A difference of
 /// `full_levels` (of 255) and beyond has the full colour.
+///
+/// ```
+/// use std::num::NonZeroU8;
+///
+/// use image::{Rgb, RgbImage};
+/// use palpate_tracking::difference;
+///
+/// let rest = RgbImage::from_pixel(2, 1, Rgb([90, 100, 90]));
+/// let mut pressed = rest.clone();
+/// pressed.put_pixel(1, 0, Rgb([90, 50, 90]));
+/// let picture = difference(&rest, &pressed, NonZeroU8::MAX)?;
+/// // White where nothing changed; less green by 50 levels takes as many from the white.
+/// assert_eq!(picture.get_pixel(0, 0).0, [255, 255, 255]);
+/// assert_eq!(picture.get_pixel(1, 0).0, [255, 205, 255]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`SizesDiffer`].

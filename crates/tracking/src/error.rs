@@ -1,4 +1,4 @@
-//! Frames in which no markers can be found.
+//! Errors of frames in which no markers can be found.
 
 use thiserror::Error;
 
@@ -49,7 +49,7 @@ pub enum TrackingError {
     /// The markers' diameter is not a length of at least a pixel.
     #[error("a marker's diameter of {diameter_px} px: it must be at least {least} px and finite")]
     Diameter {
-        /// What was asked for.
+        /// Diameter that was asked for, px.
         diameter_px: f64,
         /// The least that is read.
         least: f64,

@@ -10,9 +10,9 @@ use crate::camera::great_circle;
 pub struct Displaced {
     /// The place at rest: its logarithm map from the apex, rad.
     pub place: [f64; 2],
-    /// Along the skin, length, along the axes of the apex carried to the place along the meridian.
+    /// Displacement along the skin, length, along the axes of the apex carried to the place along the meridian.
     pub tangential: [f64; 2],
-    /// Inward, length.
+    /// Inward displacement, length.
     pub normal: f64,
 }
 
@@ -58,6 +58,22 @@ impl FieldError {
 
 /// Displacements at the markers, and between them by natural-neighbour interpolation over the map of places, which is
 /// continuous, and smooth but at the markers; there is none outside their convex hull.
+///
+/// ```
+/// use palpate_tracking::{Displaced, Field};
+///
+/// let markers = [[0.0, 0.0], [0.2, 0.0], [0.0, 0.2], [0.2, 0.2]].map(|[x, y]| Displaced {
+///     place: [x, y],
+///     tangential: [0.0, 0.0],
+///     normal: 1.0 - x + 0.5 * y,
+/// });
+/// let field = Field::new(&markers)?;
+/// // Natural neighbours reproduce what is linear; outside the markers' convex hull there is no displacement.
+/// let found = field.at([0.05, 0.1]).ok_or("outside")?;
+/// assert!((found.normal - 1.0).abs() < 1e-9);
+/// assert_eq!(field.at([0.3, 0.1]), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Field {
     markers: Vec<Displaced>,
@@ -136,8 +152,8 @@ impl Field {
         &self.markers
     }
 
-    /// The same field with each displacement replaced by a mean over all markers, with weights that fall with the
-    /// great-circle distance as a Gaussian of standard deviation `std_rad`; 0 leaves it as it is.
+    /// Field with each displacement replaced by a mean over all markers, with weights that fall with the great-circle
+    /// distance as a Gaussian of standard deviation `std_rad`; 0 leaves it as it is.
     ///
     /// # Errors
     /// [`FieldError::BadFilter`] unless `std_rad` is finite and at least 0.
@@ -177,7 +193,7 @@ impl Field {
 
     /// The weights of markers at a point; none outside their convex hull.
     fn weights(&self, point: Point2<f64>) -> Vec<(usize, f64)> {
-        // Which has no edges to walk along.
+        // A single marker has no edges to walk along.
         if let [marker] = self.markers[..] {
             let is_there = site(marker.place) == point;
             return is_there.then_some((0, 1.0)).into_iter().collect();
@@ -187,7 +203,7 @@ impl Field {
         natural.get_weights(point, &mut weights);
         let is_mean = |(_, weight): &(_, f64)| (-1e-6..=1.0 + 1e-6).contains(weight);
         if !weights.iter().all(is_mean) {
-            // In slivers, whose circumcircles are beyond reckoning, those of the corners.
+            // In slivers, whose circumcircles overflow, the weights are those of the triangle's corners.
             let corners = self.triangulation.barycentric();
             corners.get_weights(point, &mut weights);
         }

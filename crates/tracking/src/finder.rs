@@ -12,7 +12,7 @@ use crate::shapes::{Shape, shapes};
 use crate::sight::{self, HueWindow};
 use crate::{Marker, Mask, TrackingError};
 
-/// What markers are seen on.
+/// Background that markers are seen on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Ground {
     /// Dark markers on a bright ground: they take light from it.
@@ -27,7 +27,7 @@ pub struct FinderSettings {
     /// The image circle. `None`: where the colour of the frame's corners ends, if that is a circle, even a roughly cut out
     /// one; else the whole frame.
     pub mask: Option<Mask>,
-    /// What the markers are seen on. `None`: bright if the darkest of green and blue lie further from their median than
+    /// Background of the markers. `None`: bright if the darkest of green and blue lie further from their median than
     /// the brightest colours from theirs.
     pub ground: Option<Ground>,
     /// Which hues markers have.
@@ -43,11 +43,12 @@ pub struct FinderSettings {
 pub struct Found {
     /// The image circle; if none was given or found, one that holds the whole frame.
     pub mask: Mask,
-    /// What the markers are seen on.
+    /// Background of the markers.
     pub ground: Ground,
     /// The markers that are seen whole, from the middle of the circle outward.
     pub markers: Vec<Marker>,
-    /// Those cut off by the circle or by the frame's border, in the same order; what is left of them is measured.
+    /// Markers that are cut off by the circle or by the frame's border, in the same order; what is left of them is
+    /// measured.
     pub cut: Vec<Marker>,
 }
 
@@ -67,6 +68,22 @@ const LEAST_CIRCLE: f64 = 1.5;
 const MOST_SHAPES: usize = 16_384;
 
 /// Finds markers in one frame after another; frames of the same size reuse its memory.
+///
+/// ```
+/// use image::{Rgb, RgbImage};
+/// use palpate_tracking::{Finder, Ground};
+///
+/// // Nine magenta discs of radius 10 px on a light ground, 60 px apart, the middle one at (120, 120).
+/// let near = |at: u32| [60, 120, 180].map(|middle| at.abs_diff(middle).pow(2)).into_iter().min().unwrap_or(0);
+/// let frame = RgbImage::from_fn(240, 240, |x, y| {
+///     if near(x) + near(y) <= 100 { Rgb([223, 59, 200]) } else { Rgb([235, 235, 235]) }
+/// });
+/// let found = Finder::default().find(&frame)?;
+/// assert_eq!((found.ground, found.markers.len()), (Ground::Bright, 9));
+/// // They are told from the middle of the frame outward.
+/// assert!(found.markers[0].centroid_px.iter().all(|place| (*place - 120.0).abs() < 0.01));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Finder {
     settings: FinderSettings,

@@ -78,7 +78,8 @@ impl Mask {
         }
     }
 
-    /// For each pixel of a frame of `size` columns and rows whether it lies in the circle made smaller by `less` px.
+    /// Marks, for each pixel of a frame of `size` columns and rows, whether it lies in the circle made smaller by
+    /// `less` px.
     pub(crate) fn fill(&self, less: f64, size: [usize; 2], inside: &mut Vec<bool>) {
         inside.clear();
         inside.resize(size[0] * size[1], false);

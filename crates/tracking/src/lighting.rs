@@ -37,7 +37,7 @@ type Terms = SVector<f64, 15>;
 pub(crate) struct Lighting {
     centre: [f64; 2],
     radius: f64,
-    /// Of each colour, in the order of [`POWERS`].
+    /// Coefficients of the polynomial of each colour (red, green, blue), in the order of [`POWERS`].
     terms: [Terms; 3],
     /// Standard deviation of a pixel's colour, 0 to 255, from one pixel to the next.
     pub(crate) noise: f64,
@@ -48,7 +48,7 @@ pub(crate) struct Lighting {
 pub(crate) struct Local {
     value: f64,
     slope: [f64; 2],
-    /// By xx, xy and yy, the first and last halved.
+    /// Second derivatives by xx, xy and yy, the first and last halved.
     bend: [f64; 3],
 }
 

@@ -17,7 +17,7 @@ pub struct Marker {
     pub pixels: u32,
 }
 
-/// What became of a marker of the rest frame.
+/// Fate of a marker between the rest frame and the pressed one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
     /// Found again.
@@ -48,28 +48,42 @@ impl Status {
 /// A marker in a rest frame and in a pressed one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
-    /// At rest; `None` for one that is new.
+    /// Marker at rest; `None` for one that is new.
     pub rest: Option<Marker>,
-    /// Pressed; `None` for one that is lost.
+    /// Marker pressed; `None` for one that is lost.
     pub pressed: Option<Marker>,
-    /// What became of it.
+    /// Fate of the marker.
     pub status: Status,
 }
 
-/// How the sight of a marker changed.
+/// Change of a marker's picture between rest and press.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Change {
-    /// Of the centroid, px.
+    /// Shift of the centroid, px.
     pub shift_px: [f64; 2],
-    /// Of the mean hue, turns, from -0.5 to below 0.5.
+    /// Change of the mean hue, turns, from -0.5 to below 0.5.
     pub hue_turns: f64,
-    /// Of the logarithm of its diameter: half that of its size.
+    /// Change of the logarithm of the marker's diameter: half the change of that of its size.
     pub growth: f64,
 }
 
 impl Track {
     /// The change of a marker that was found again as it was: not of one that merged or split, nor of one whose numbers
     /// are none, as without a size.
+    ///
+    /// ```
+    /// use palpate_tracking::{Marker, Status, Track};
+    ///
+    /// let rest = Marker { centroid_px: [10.0, 10.0], hue_turns: 0.95, size_px2: 100.0, pixels: 100 };
+    /// let pressed = Marker { centroid_px: [13.0, 6.0], hue_turns: 0.05, ..rest };
+    /// let track = Track { rest: Some(rest), pressed: Some(pressed), status: Status::Tracked };
+    /// let change = track.change().ok_or("not tracked")?;
+    /// assert_eq!(change.shift_px, [3.0, -4.0]);
+    /// // Hues go round: from 0.95 to 0.05 it is a tenth of a turn forward.
+    /// assert!((change.hue_turns - 0.1).abs() < 1e-12);
+    /// assert_eq!(change.growth, 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn change(&self) -> Option<Change> {
         let (rest, pressed) = match self {
             Self {

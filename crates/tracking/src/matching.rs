@@ -10,9 +10,9 @@ use crate::{Marker, Status, Track};
 const FIRST_GATE: f64 = 0.5;
 /// How far from where its neighbours say that it went a marker may lie, in the same distances.
 const GATE: f64 = 0.3;
-/// Neighbours that say where a marker went.
+/// Number of neighbours that say where a marker went.
 const WITNESSES: usize = 6;
-/// How often all is looked through again at most.
+/// Largest number of rounds in which all is looked through again.
 const ROUNDS: usize = 8;
 /// How far the size of a merged marker may lie from the sum of two, as a share of it.
 const SIZE_GATE: f64 = 0.3;
@@ -26,6 +26,19 @@ const REACH: f64 = 1.5;
 /// them move alike. A merged one is the pressed marker of both tracks that it belongs to; the pieces of a split one are
 /// put together in its track: their common centroid, sizes added up. Markers that are not finite match nothing. The time
 /// grows with the product of the two numbers.
+///
+/// ```
+/// use palpate_tracking::{Marker, Status, match_markers};
+///
+/// let marker = |x: f64| Marker { centroid_px: [x, 50.0], hue_turns: 0.05, size_px2: 300.0, pixels: 300 };
+/// let rest = [20.0, 60.0, 100.0].map(marker);
+/// // Two move by 3 px; the third is not seen again.
+/// let pressed = [23.0, 63.0].map(marker);
+/// let tracks = match_markers(&rest, &pressed);
+/// let fates: Vec<Status> = tracks.iter().map(|track| track.status).collect();
+/// assert_eq!(fates, [Status::Tracked, Status::Tracked, Status::Lost]);
+/// assert_eq!(tracks[1].change().map(|change| change.shift_px), Some([3.0, 0.0]));
+/// ```
 pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
     let mut matching = Matching::new(rest, pressed);
     matching.first();
@@ -42,11 +55,11 @@ pub fn match_markers(rest: &[Marker], pressed: &[Marker]) -> Vec<Track> {
 struct Matching<'a> {
     rest: &'a [Marker],
     pressed: &'a [Marker],
-    /// For each marker at rest the distance to the next one, px.
+    /// Distance from each marker at rest to the next one, px.
     spacing: Vec<f64>,
-    /// For each marker at rest its nearest others, the nearest first.
+    /// Nearest other markers of each marker at rest, the nearest first.
     around: Vec<Vec<usize>>,
-    /// For each marker at rest its pressed one.
+    /// Pressed marker of each marker at rest.
     pairs: Vec<Option<usize>>,
 }
 
@@ -64,7 +77,7 @@ impl<'a> Matching<'a> {
                 next.fold(f64::INFINITY, f64::min)
             })
             .collect();
-        // A marker that stands alone: as far as markers of its size might stand.
+        // A marker without a neighbour takes the distance at which markers of its size might stand.
         for (spacing, marker) in spacing.iter_mut().zip(rest) {
             *spacing = spacing.min(8.0 * marker.size_px2.max(0.0).sqrt());
         }
@@ -139,7 +152,7 @@ impl<'a> Matching<'a> {
             .then(|| [0, 1].map(|axis| middle(moves.iter().map(|moved| moved[axis]).collect())))
     }
 
-    /// Where a marker is expected in the pressed frame.
+    /// Place at which a marker is expected in the pressed frame.
     fn place(&self, at: usize) -> [f64; 2] {
         let moved = self
             .expected_move(at)

@@ -1,5 +1,5 @@
-//! What a marker is in light: sums over its window, linear in the pixels, so that blur, noise, partly covered pixels and
-//! uneven light leave them unbiased.
+//! Measurement of a marker in light: sums over its window, linear in the pixels, so that blur, noise, partly covered
+//! pixels and uneven light leave them unbiased.
 
 use image::RgbImage;
 
@@ -22,18 +22,19 @@ const STRANGE: f64 = 0.15;
 /// Sums over a window, of shares of light that a marker takes from a bright ground or adds to a dark one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    /// Pixels.
+    /// Number of pixels.
     pub(crate) count: f64,
-    /// Of the offsets of the pixels from `middle`.
+    /// Sum of the offsets of the pixels from `middle`, px.
     pub(crate) place: [f64; 2],
-    /// Of red, green and blue.
+    /// Sums of the pixels' shares of red, green and blue: of the ground's light that they take, or of full scale that
+    /// they add.
     pub(crate) light: [f64; 3],
-    /// Of each colour times the offset.
+    /// First moment of each colour channel about `middle`, px: the sum of shares times offsets.
     pub(crate) moment: [[f64; 2]; 3],
-    /// Of red, green and blue over the pixels that tell the hue: on a bright ground all; on a dark one, where the ground
-    /// adds nothing but noise to the chroma, the shape's own.
+    /// Sums of red, green and blue over the pixels that tell the hue: on a bright ground all; on a dark one, where the
+    /// ground adds nothing but noise to the chroma, the shape's own.
     pub(crate) hue_light: [f64; 3],
-    /// What the offsets are from, px.
+    /// Place that offsets are counted from, px.
     pub(crate) middle: [f64; 2],
 }
 
@@ -60,12 +61,12 @@ struct Patch {
     local: [Local; 3],
 }
 
-/// Whose the pixels of a neighbour's window are.
+/// Owner of the pixels that lie in a neighbour's window too.
 #[derive(Clone, Copy, PartialEq)]
 enum Contested {
-    /// The nearer one's.
+    /// Pixels in two windows belong to the nearer marker.
     Nearest,
-    /// Not this one's.
+    /// Pixels in two windows count for neither marker.
     Nobody,
 }
 
@@ -239,7 +240,7 @@ impl Scene<'_> {
         }
     }
 
-    /// What a pixel takes of the ground's light, or adds to it as a share of full scale.
+    /// Shares of the ground's red, green and blue light that a pixel takes, or shares of full scale that it adds to it.
     fn shares(&self, value: [u8; 3], light: &[[f32; 3]; 3], dx: f32) -> [f32; 3] {
         let ground = light.map(|[constant, linear, square]| constant + dx * (linear + dx * square));
         match self.ground {

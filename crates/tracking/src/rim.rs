@@ -2,7 +2,7 @@
 
 use crate::binned::Binned;
 
-/// For each row and each column of squares the first and the last that do not have the colour of the corners.
+/// First and last square in each row and in each column of squares that does not have the colour of the corners.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rim {
     rows: Vec<Option<[usize; 2]>>,

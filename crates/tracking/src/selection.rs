@@ -6,29 +6,29 @@ use crate::split::{split, steep};
 /// Shapes that may be markers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Selection {
-    /// Those seen whole.
+    /// Shapes that are seen whole.
     pub(crate) whole: Vec<Shape>,
-    /// Those cut off by the circle or the frame.
+    /// Shapes that are cut off by the circle or the frame.
     pub(crate) cut: Vec<Shape>,
-    /// A typical one's diameter, in squares.
+    /// Diameter of a typical marker, in squares.
     pub(crate) diameter: f64,
 }
 
 /// The least area of a shape, squares.
 const LEAST_AREA: usize = 9;
-/// Areas of whole markers, in typical ones.
+/// Least and largest area of a whole marker, as multiples of a typical one's.
 const AREAS: [f64; 2] = [0.3, 3.0];
 /// The least area of what is left of a cut one, in typical ones.
 const LEAST_CUT: f64 = 0.1;
 /// Larger ones, in typical ones, are cut in pieces where they can be.
 const OVERSIZED: f64 = 1.6;
-/// The longest, in breadths.
+/// Largest length of a marker, in breadths.
 const LONGEST: f64 = 3.0;
 /// The least share of its ellipse that a marker fills.
 const LEAST_FILL: f64 = 0.7;
 
 impl Selection {
-    /// All, the whole ones first.
+    /// All shapes, the whole ones first.
     pub(crate) fn shapes(&self) -> impl Iterator<Item = &Shape> {
         self.whole.iter().chain(&self.cut)
     }

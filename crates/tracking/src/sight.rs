@@ -1,4 +1,4 @@
-//! What the sums over a marker's window say: centroid, hue and size.
+//! Centroid, hue and size of a marker, from the sums over its window.
 
 use crate::measure::Sums;
 use crate::{Ground, Marker};
@@ -6,12 +6,12 @@ use crate::{Ground, Marker};
 /// Which hues markers have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum HueWindow {
-    /// On a bright ground [`Self::MagentaToYellow`], on a dark one [`Self::Any`].
+    /// [`Self::MagentaToYellow`] on a bright ground, [`Self::Any`] on a dark one.
     #[default]
     ByGround,
-    /// All, and grey too.
+    /// All hues, and grey too.
     Any,
-    /// From magenta over red to yellow (0.75 to 0.22 turns), and of a colour: not grey dust.
+    /// Hues from magenta over red to yellow (0.75 to 0.22 turns), and of a colour: not grey dust.
     MagentaToYellow,
 }
 
@@ -29,7 +29,7 @@ pub(crate) fn marker(
 ) -> Option<Marker> {
     let weights = match ground {
         Ground::Bright => [0.0, 1.0, 1.0],
-        // Each colour with the light it brings: what makes the most of pixels that are all equally noisy.
+        // Weights in proportion to the light make the most of pixels that are all equally noisy.
         Ground::Dark => sums.light.map(|light| light.max(0.0)),
     };
     let light = dot(weights, sums.light);

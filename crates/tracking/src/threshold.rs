@@ -1,4 +1,4 @@
-//! Where the ground ends and markers begin in a plane of top-hats.
+//! Threshold between the ground and markers in a plane of top-hats.
 
 /// Two classes of pixels and the limit between them.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use crate::shapes::Shape;
 
-/// For rows from `top` on, the first and last column; none where the first is greater.
+/// First and last column of each row from `top` on; a row has none where the first is greater.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Window {
     pub(crate) top: i32,

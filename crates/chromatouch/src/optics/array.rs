@@ -19,13 +19,13 @@ const NARROWEST: f64 = 1e-9;
 /// Depths of the two discs of each marker under the skin, length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscDepths {
-    /// Of the inner one, nearer the camera; at least that of the other.
+    /// Depth of the inner disc, nearer the camera; at least that of the yellow one.
     pub magenta: f64,
-    /// Of the outer one, at least 0.
+    /// Depth of the outer disc, at least 0.
     pub yellow: f64,
 }
 
-/// What a press does to one disc; at rest by default.
+/// Displacement of one disc in a press; 0 by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DiscMotion {
     /// Displacement toward the sensor's centre, length.
@@ -35,12 +35,12 @@ pub struct DiscMotion {
     pub tangential: [f64; 2],
 }
 
-/// What a press does to a marker; at rest by default.
+/// Displacements of the two discs of a marker in a press; 0 by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MarkerMotion {
-    /// To its inner disc.
+    /// Displacement of the inner disc.
     pub magenta: DiscMotion,
-    /// To its outer disc.
+    /// Displacement of the outer disc.
     pub yellow: DiscMotion,
 }
 
@@ -58,19 +58,20 @@ pub struct MarkerArray {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Layer {
     name: &'static str,
-    /// From the sensor's centre at rest, length.
+    /// Distance of the discs from the sensor's centre at rest, length.
     distance: f64,
     /// Radius of a disc over that distance.
     half_width: f64,
 }
 
-/// Where a marker stands at rest.
+/// Place of a marker at rest as seen from the sensor's centre: its direction, and the axes of its tangents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stand {
     direction: Vector3<f64>,
     x_axis: Vector3<f64>,
     y_axis: Vector3<f64>,
-    /// Of the yellow disc against the magenta one along the skin, rad, in the axes.
+    /// Displacement of the yellow disc against the magenta one along the skin, as an angle at the centre, rad, along
+    /// the axes.
     misalignment: [f64; 2],
 }
 
@@ -161,9 +162,9 @@ impl MarkerArray {
         })
     }
 
-    /// The same markers misaligned by manufacture: the yellow disc of each is displaced along the skin against the
+    /// Misaligns the markers, as their manufacture does: displaces the yellow disc of each along the skin against the
     /// magenta one, which keeps its place, by a vector that is uniform over a disc whose radius is `most` times the
-    /// yellow diameter. Displacements that there were are replaced.
+    /// yellow diameter. An earlier misalignment is replaced.
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.
@@ -232,7 +233,7 @@ impl Layer {
     fn sight(&self, stand: &Stand, motion: &DiscMotion, offset: [f64; 2]) -> Result<Sight, f64> {
         let inward = motion.normal / self.distance;
         let [x, y] = motion.tangential.map(|along| along / self.distance);
-        // Neither holds for what is no number.
+        // NaN fails both.
         let (shorter, beside) = (inward.abs() < 1.0, x * x + y * y < 1.0);
         if !shorter {
             return Err(motion.normal);

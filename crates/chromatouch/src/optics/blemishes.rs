@@ -1,9 +1,9 @@
-//! What is not perfect about a camera's picture.
+//! Blemishes of a camera's picture: uneven light, blur, seams and pixel noise.
 
 use super::OpticsError;
 use crate::MOST_GORES;
 
-/// What is not perfect about the picture; nothing by default, and what is off costs nothing.
+/// Blemishes of the picture: none by default. One that is off takes no time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blemishes {
     /// Light at the image circle's rim, as a share of that at the apex; it falls with the square of the polar angle.

@@ -11,7 +11,7 @@ mod local;
 
 pub(super) use local::{Local, Region, cap};
 
-/// Most pixels that a frame may have along a side.
+/// Largest number of pixels along a side of a frame.
 pub const LARGEST_FRAME: u32 = 8192;
 
 /// How a lens maps the angle θ from its axis to the distance r from the image's centre, with the focal length f.
@@ -27,6 +27,21 @@ pub enum Lens {
 ///
 /// The middle of the first pixel has the coordinates (0, 0); the first counts columns to the right, which is the
 /// sensor's x, the second rows downward, which is against the sensor's y.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use palpate_chromatouch::{Camera, Lens};
+///
+/// // 70° from the apex is seen at the rim, 320 px from the image's centre; r = f θ, so 35° is seen half-way to it.
+/// let camera = Camera::new(Lens::Fisheye, 640, 70.0)?;
+/// let (sine, cosine) = libm::sincos(35.0_f64.to_radians());
+/// let place = camera.image(&Vector3::new(sine, 0.0, cosine)).ok_or("outside the image circle")?;
+/// assert!((place[0] - (319.5 + 160.0)).abs() < 1e-9);
+/// assert!((place[1] - 319.5).abs() < 1e-9);
+/// let direction = camera.direction(place).ok_or("outside the image circle")?;
+/// assert!((direction.x - sine).abs() < 1e-12 && (direction.z - cosine).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     pub(super) lens: Lens,
@@ -37,8 +52,8 @@ pub struct Camera {
     pub(super) px_per_rad: f64,
 }
 
-/// What a pixel looks at; one that is (x, y) from the image's centre, px, y up, in the direction of the unit vector
-/// (x `lateral_rad`, y `lateral_rad`, `cosine`).
+/// Direction that a pixel looks in. A pixel (x, y) from the image's centre, px, y up, looks along the unit vector (x
+/// `lateral_rad`, y `lateral_rad`, `cosine`).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ray {
     /// Angle that it spans around the axis, rad: on the sphere, not of the azimuth.
@@ -96,7 +111,8 @@ impl Camera {
         0.5 * f64::from(self.size_px)
     }
 
-    /// Where a direction from the sensor's centre, of any length, is seen; `None` outside the image circle.
+    /// Place in the image at which a direction from the sensor's centre, of any length, is seen; `None` outside the
+    /// image circle.
     pub fn image(&self, direction: &Vector3<f64>) -> Option<[f64; 2]> {
         let across = libm::hypot(direction.x, direction.y);
         let polar = libm::atan2(across, direction.z);
@@ -156,7 +172,7 @@ impl Camera {
         Some(cap(self.lens, &local, sine, cosine).area)
     }
 
-    /// From the image's centre to what is seen at a polar angle in the field, px.
+    /// Distance from the image's centre at which a polar angle in the field is seen, px.
     pub(super) fn radius(&self, polar: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => self.px_per_rad * polar,
@@ -171,7 +187,7 @@ impl Camera {
         Local::new(self, polar, libm::sincos(polar))
     }
 
-    /// Most pixels per radian, in any direction, at a polar angle in the field.
+    /// Largest number of pixels per radian, in any direction, at a polar angle in the field.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
@@ -181,14 +197,14 @@ impl Camera {
         }
     }
 
-    /// What is seen (x, y) from the image's centre, px, y up. Valid a little beyond the image circle.
+    /// Ray of the place (x, y) from the image's centre, px, y up. Valid a little beyond the image circle.
     #[inline]
     pub(super) fn ray(&self, x: f64, y: f64) -> Ray {
         let [ray] = self.rays(x, y);
         ray
     }
 
-    /// What is seen by some neighbours in a row, the first at (x, y).
+    /// Rays of `N` pixels side by side in a row, the first at (x, y).
     #[inline]
     pub(super) fn rays<const N: usize>(&self, x: f64, y: f64) -> [Ray; N] {
         let rad_per_px = 1.0 / self.px_per_rad;

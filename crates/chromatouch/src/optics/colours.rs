@@ -1,4 +1,4 @@
-//! What light becomes on its way through the discs.
+//! Colours of the sensor's parts, and how much each region of a marker counts in what is seen of it.
 
 use super::OpticsError;
 
@@ -13,12 +13,12 @@ pub struct Colours {
     pub yellow: [f64; 3],
     /// Share that a seam lets through.
     pub seam: [f64; 3],
-    /// What surrounds the image circle, shares of full scale.
+    /// Light around the image circle, shares of full scale.
     pub outside: [f64; 3],
 }
 
 impl Default for Colours {
-    /// As in the frame that the 2020 paper's camera took: pink, yellow, orange-red where they overlap, a white
+    /// Colours as in the frame that the 2020 paper's camera took: pink, yellow, orange-red where they overlap, a white
     /// surround.
     fn default() -> Self {
         Self {
@@ -31,7 +31,7 @@ impl Default for Colours {
     }
 }
 
-/// What a pixel of a region of a marker counts.
+/// Contribution of a pixel in one region of a marker to the marker's size and hue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrast {
     /// Shares of the white layer's green and blue light that are taken, summed.
@@ -40,7 +40,7 @@ pub(super) struct Contrast {
     pub(super) chroma: [f64; 2],
 }
 
-/// What the regions of a marker count.
+/// Contrasts of the three regions of a marker: covered by the magenta disc alone, by the yellow one alone, by both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Contrasts {
     pub(super) magenta: Contrast,

@@ -12,10 +12,10 @@ pub enum OpticsError {
         setting: &'static str,
         /// Its value.
         value: f64,
-        /// What would be right.
+        /// Allowed values, in words.
         expected: &'static str,
     },
-    /// A disc at or beyond the sensor's centre, or outside its skin.
+    /// A disc would lie at or beyond the sensor's centre, or outside its skin.
     #[error("the {disc} discs would lie {depth} under a skin of radius {radius}; {expected}")]
     BadDepth {
         /// Which disc of a marker.
@@ -24,10 +24,10 @@ pub enum OpticsError {
         depth: f64,
         /// Radius of the skin, length.
         radius: f64,
-        /// What would be right.
+        /// Allowed depths, in words.
         expected: &'static str,
     },
-    /// A place that is not on the skin once.
+    /// A marker would lie half a turn or more from the apex, or at no number.
     #[error(
         "marker {marker} lies at ({}, {}) from the apex; it must be less than half a turn away, {limit}",
         place[0], place[1]
@@ -57,12 +57,12 @@ pub enum OpticsError {
         first: usize,
         /// The other.
         second: usize,
-        /// Between the centres of their discs, length.
+        /// Distance between the centres of their discs, length.
         distance: f64,
         /// Diameter of those discs, length: the pair that looks larger from the centre.
         diameter: f64,
     },
-    /// Motions of another number of markers.
+    /// The number of motions is not that of the markers.
     #[error("there are motions of {motions} markers, and {markers} markers")]
     WrongCount {
         /// How many motions there are.
@@ -70,7 +70,7 @@ pub enum OpticsError {
         /// How many markers.
         markers: usize,
     },
-    /// A motion by more than the distance to the centre, or by no number.
+    /// A disc would move by its distance from the centre or more, or by no number.
     #[error(
         "the {disc} disc of marker {marker} would move by {motion} at {distance} from the centre"
     )]

@@ -1,4 +1,4 @@
-//! What two discs share, as seen from the centre.
+//! Overlap of two discs, as seen from the centre.
 //!
 //! Discs are caps of the sphere of directions. Stereographic projection from a direction keeps them circles; around
 //! what they share, areas on the sphere are those on the plane times 1 − p²/2, to second order in the distance p. What
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use super::array::Sight;
 use super::camera::{Local, Region};
 
-/// What two discs share.
+/// Overlap of the two discs of a marker.
 pub(super) enum Overlap {
     None,
     AllOfMagenta,
@@ -17,7 +17,7 @@ pub(super) enum Overlap {
     Part(Part),
 }
 
-/// What two discs share that cross each other, looked at from a direction within it.
+/// Overlap of two discs whose edges cross: its moments about a direction within it.
 pub(super) struct Part {
     /// Unit vector.
     pub(super) direction: Vector3<f64>,
@@ -92,7 +92,8 @@ fn part(magenta: &Sight, yellow: &Sight, step: &Vector3<f64>, square: f64) -> Pa
     }
 }
 
-/// What two circles (centre on the axis, radius) share that cross each other; the second centre is farther along.
+/// Moments of the overlap of two circles that cross each other, each given as (centre on the axis, radius); the second
+/// centre is farther along.
 #[inline]
 fn lens((first, first_radius): (f64, f64), (second, second_radius): (f64, f64)) -> Moments {
     let distance = second - first;
@@ -131,7 +132,7 @@ fn segment(radius: f64, to_chord: f64, half: f64) -> Moments {
 }
 
 impl Moments {
-    /// With the axis turned round.
+    /// Moments of the area mirrored, the axis turned round.
     fn mirrored(self) -> Self {
         Self {
             first: -self.first,
@@ -139,7 +140,7 @@ impl Moments {
         }
     }
 
-    /// About the origin, for moments about a point of the axis.
+    /// Moments about the origin, from those about a point of the axis.
     fn about(self, point: f64) -> Self {
         Self {
             area: self.area,

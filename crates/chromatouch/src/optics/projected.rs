@@ -51,11 +51,11 @@ impl Aim {
         Self::at(camera, direction, libm::atan2)
     }
 
-    /// Of a direction that is likely near to this one.
+    /// Aim at another direction, which is likely near to this one.
     #[inline]
     fn beside(&self, camera: &Camera, direction: &Vector3<f64>) -> Self {
         Self::at(camera, direction, |sine, cosine| {
-            // Of the difference of the polar angles, which are at most half a turn.
+            // Sine of the difference of the polar angles, which are at most half a turn.
             let step = sine * self.cosine - cosine * self.sine;
             let near = step.abs() < 0.1 && sine * self.sine + cosine * self.cosine > 0.0;
             if near {
@@ -155,7 +155,7 @@ fn seen(camera: &Camera, contrasts: &Contrasts, sight: &MarkerSight) -> Option<S
     features(camera, contrasts, caps, shared)
 }
 
-/// From the images of both discs and of what they share to what is seen.
+/// Size, centroid and hue of a marker, from the images of both discs and of their overlap.
 #[inline]
 fn features(
     camera: &Camera,

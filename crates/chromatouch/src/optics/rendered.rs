@@ -1,4 +1,4 @@
-//! Frames.
+//! Rendered frames of the markers.
 
 use image::RgbImage;
 use palpate_sensing::Stream;
@@ -18,6 +18,23 @@ impl Optics {
     /// A frame of the markers, anti-aliased: 8 bits per channel, linear in light. Markers that have no motion are not
     /// there. Pixel noise is drawn from `pixels`, row by row, three numbers for each pixel whose middle is in the image
     /// circle; nothing is drawn, and there is no noise, without it or where its standard deviation is 0.
+    ///
+    /// ```
+    /// use palpate_chromatouch::{
+    ///     Blemishes, Camera, Colours, DiscDepths, Discs, Lens, MarkerArray, Optics,
+    /// };
+    ///
+    /// let discs = Discs { magenta: 2.0, yellow: 2.0 };
+    /// let depths = DiscDepths { magenta: 3.0, yellow: 1.0 };
+    /// let array = MarkerArray::new(20.0, &[], discs, depths)?;
+    /// let camera = Camera::new(Lens::Fisheye, 64, 70.0)?;
+    /// let optics = Optics::new(array, camera, Colours::default(), Blemishes::default())?;
+    /// // Without markers a frame shows the lit white layer, 0.96 of full scale, and the white surround.
+    /// let frame = optics.rendered(&[], None)?;
+    /// assert_eq!(frame.get_pixel(32, 32).0, [245; 3]);
+    /// assert_eq!(frame.get_pixel(0, 0).0, [255; 3]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Optics::projected`].

@@ -6,7 +6,7 @@ const TERMS: usize = 9;
 /// Coefficients of the powers of x² in cos x, from the constant.
 const COSINE: [f64; TERMS] = series(0);
 
-/// Those in sin x / x.
+/// Coefficients of the powers of x² in sin x / x, from the constant.
 const SINC: [f64; TERMS] = series(1);
 
 /// (−1)^k / (2k + odd)!

@@ -1,4 +1,4 @@
-//! Patterns that cannot be.
+//! Errors of patterns.
 
 use thiserror::Error;
 
@@ -16,7 +16,7 @@ pub enum PatternError {
     TooFewGores {
         /// How many were asked for.
         gores: u32,
-        /// By how much they would stretch at most, if there are any.
+        /// Greatest strain of folding so few gores; `None` of no gore.
         strain: Option<f64>,
     },
     /// More gores than can be cut.
@@ -42,7 +42,7 @@ pub enum PatternError {
         first: usize,
         /// The other.
         second: usize,
-        /// Between their centres on the flat pattern, length.
+        /// Distance between the centres of their discs on the flat pattern, length.
         distance: f64,
         /// Diameter of the larger disc of a marker, length.
         diameter: f64,
@@ -54,7 +54,7 @@ pub enum PatternError {
     DiscAcrossEdge {
         /// Which marker of the layout, from 0.
         marker: usize,
-        /// From its centre to the nearest edge of the gore, length.
+        /// Distance from the disc's centre to the nearest edge of the gore, length.
         distance: f64,
         /// Diameter of the larger disc of a marker, length.
         diameter: f64,

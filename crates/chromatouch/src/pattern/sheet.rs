@@ -1,4 +1,4 @@
-//! What is cut, marked and printed: the assembled gores with their marks and discs.
+//! Cutting sheet of a skin: the assembled gores with their marks and discs.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -24,13 +24,25 @@ const YELLOW: &str = "YELLOW";
 /// Diameters of the two discs that each marker is made of, length. They are drawn as circles, which the fold shears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discs {
-    /// Of the inner one, nearer the camera.
+    /// Diameter of the inner disc, nearer the camera.
     pub magenta: f64,
-    /// Of the outer one.
+    /// Diameter of the outer disc.
     pub yellow: f64,
 }
 
 /// A pattern with the markers of a layout, ready to be cut.
+///
+/// ```
+/// use palpate_chromatouch::{Discs, Layout, Pattern};
+///
+/// // In millimetres: a skin of radius 20, cut in four gores.
+/// let discs = Discs { magenta: 2.0, yellow: 2.0 };
+/// let sheet = Pattern::new(4, 24, 20.0)?.sheet(&Layout::published(), discs)?;
+/// assert_eq!(sheet.cuts().len(), 4);
+/// assert_eq!(sheet.centres().len(), 77);
+/// assert!(sheet.svg(1.0)?.contains("MAGENTA"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CuttingSheet {
     radius: f64,

@@ -33,6 +33,18 @@ use crate::LayoutError;
 const NODES: usize = 16;
 
 /// Strain of a polyconic gore that is folded onto its sphere: its greatest principal stretch less 1.
+///
+/// ```
+/// use palpate_chromatouch::FoldStrain;
+///
+/// let strain = FoldStrain::of(4)?;
+/// // With the stretch σ, σ − 1/σ is the shear: π/4 where the seams of four gores meet the apex.
+/// let stretch = 1.0 + strain.greatest();
+/// assert!((stretch - 1.0 / stretch - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
+/// // The middle meridian keeps its length.
+/// assert_eq!(strain.at(0.0, 1.0)?, 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoldStrain {
     gores: u32,
@@ -41,7 +53,7 @@ pub struct FoldStrain {
 }
 
 impl FoldStrain {
-    /// Of a sphere made of this many gores per turn, of any radius.
+    /// Strain of the gores of a sphere with this many of them per turn, whatever its radius.
     ///
     /// # Errors
     /// [`PatternError::TooFewGores`] for less than three.
@@ -54,17 +66,17 @@ impl FoldStrain {
         })
     }
 
-    /// Greatest over the gore: at its edges by the apex.
+    /// Greatest strain over the gore: that at its edges by the apex.
     pub const fn greatest(&self) -> f64 {
         self.greatest
     }
 
-    /// Root of its mean square over the gore's area.
+    /// Root mean square of the strain over the gore's area.
     pub const fn rms(&self) -> f64 {
         self.rms
     }
 
-    /// At the longitude from the gore's middle meridian and the latitude above the equator, radians. The other
+    /// Strain at the longitude from the gore's middle meridian and the latitude above the equator, radians. The other
     /// principal strain is that of 1/(1 + strain).
     ///
     /// # Errors
@@ -80,7 +92,7 @@ impl FoldStrain {
     }
 }
 
-/// σ − 1 for s ≥ 0, without cancellation.
+/// Strain σ − 1 of a shear s ≥ 0, without cancellation.
 fn strain_of_shear(shear: f64) -> f64 {
     let half = 0.5 * shear;
     half + half * half / (1.0 + libm::hypot(half, 1.0))
@@ -173,8 +185,8 @@ mod tests {
         }
     }
 
-    /// By series: from σ² = sσ + 1, (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)); the mean of sᵏ over the gore is
-    /// (π/n)ᵏ/(k + 1)².
+    /// Mean square of the strain by series: from σ² = sσ + 1, (σ − 1)² = 2 + (s − 2)(s/2 + √(1 + s²/4)); the mean of sᵏ
+    /// over the gore is (π/n)ᵏ/(k + 1)².
     fn mean_square_by_series(gores: u32) -> f64 {
         let widest = PI / f64::from(gores);
         let moment = |power: i32| widest.powi(power) / f64::from((power + 1).pow(2));

@@ -28,7 +28,7 @@ fn layout() -> impl Strategy<Value = Layout> {
             rows,
             row_spacing_deg: 30.0 * spacing,
         }),
-        // As few as fit into a moment.
+        // Pitches so wide that the test is quick.
         (any_number(), any_number()).prop_map(|(pitch, cap)| Layout::Lattice {
             pitch: pitch + 0.1,
             cap_deg: 180.0 * cap,

@@ -134,7 +134,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
 
 #[test]
 fn frames_show_what_is_projected_the_better_the_larger() {
-    // What two discs share is magnified most through a pinhole, which is off by up to 2e-4 focal lengths at 60°.
+    // The overlap of two discs is magnified most by a pinhole, which is off by up to 2e-4 focal lengths at 60°.
     for (lens, bound_px) in [(Lens::Fisheye, 0.01), (Lens::Pinhole, 0.06)] {
         for (misalignment, moves) in [(0.0, false), (0.0, true), (0.5, false), (0.5, true)] {
             let differences = |size_px| differences(lens, size_px, misalignment, moves);
@@ -144,7 +144,7 @@ fn frames_show_what_is_projected_the_better_the_larger() {
                 std::iter::zip(large, bounds).all(|(one, bound)| one < bound),
                 "{large:?}"
             );
-            // As shares of the frame, the hue and the size.
+            // Errors of the centroid are compared as shares of the frame, those of the hue and the size as they are.
             assert!(
                 large[0] / 2048.0 < 0.5 * small[0] / 256.0,
                 "{small:?} {large:?}"
@@ -159,7 +159,7 @@ fn frames_show_what_is_projected_the_better_the_larger() {
 
 #[test]
 fn discs_much_smaller_than_a_pixel_take_their_share() {
-    // So many that each lies elsewhere in its pixel.
+    // Markers so many that each lies at another place within its pixel.
     let layout = Layout::Lattice {
         pitch: 0.4,
         cap_deg: 35.0,
@@ -292,7 +292,7 @@ fn seams_are_as_wide_on_the_skin_everywhere() {
             let found = 2.0 * taken(&mut (400..600).map(|row| (column, row)));
             let expected = 2.0 * libm::sin(0.025 * width) * focal * polar / libm::sin(polar);
             assert!((found / expected - 1.0).abs() < 0.03, "{found} {expected}");
-            // Those at ±120° are cut slanted by a column, opposite the first there is none.
+            // The seams at ±120° run slantwise across a column; opposite the first one there is no seam.
             let column = (500.0 - 0.5 * focal * polar).round() as u32;
             let found = taken(&mut (0..1001).filter_map(|row| {
                 let inside = libm::hypot(f64::from(row) - 500.0, f64::from(column) - 500.0) < 499.0;

@@ -54,7 +54,7 @@ fn seen(optics: &Optics, motion: Option<MarkerMotion>) -> SeenMarker {
     optics.projected(&[motion]).unwrap()[0].unwrap()
 }
 
-/// On the skin of radius 20, this far from the apex.
+/// Chart coordinates of a place on the skin of radius 20, this far from the apex.
 pub(crate) fn at(polar_deg: f64, azimuth_deg: f64) -> [f64; 2] {
     let (sine, cosine) = libm::sincos(azimuth_deg.to_radians());
     [cosine, sine].map(|share| 20.0 * polar_deg.to_radians() * share)

@@ -8,7 +8,7 @@ use palpate_chromatouch::{CuttingSheet, Discs, Layout, Pattern};
 use svg::node::element::tag::Type;
 use svg::parser::Event;
 
-/// In centimetres.
+/// Diameters of the discs, cm.
 const DISCS: Discs = Discs {
     magenta: 0.2,
     yellow: 0.15,
@@ -38,12 +38,12 @@ fn length([[x, y], [u, v]]: [[f64; 2]; 2]) -> f64 {
     libm::hypot(u - x, v - y)
 }
 
-/// What a file says, in millimetres, y up.
+/// Drawing as read from a file, in millimetres, y up.
 #[derive(Default)]
 struct Drawing {
     outlines: Vec<Vec<[f64; 2]>>,
     lines: Vec<[[f64; 2]; 2]>,
-    /// Of each layer: centres and radii.
+    /// Circles of each layer: centres and radii.
     circles: BTreeMap<String, Vec<([f64; 2], f64)>>,
 }
 

@@ -1,4 +1,4 @@
-//! What is wrong with a config, and where.
+//! Errors of a config: the problem and its place in the text.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -14,6 +14,21 @@ pub(super) type Span = Range<usize>;
 /// 9 | object = { kind = "sphere", radius = -5.0 }
 ///   |                                      ^^^^
 ///   = in cell 3: scene.object.radius = -5
+/// ```
+///
+/// ```
+/// use palpate_scene::config::parse;
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = -5.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let error = parse("study.toml", text).expect_err("a radius is positive");
+/// assert_eq!(error.path(), "scene.object.radius");
+/// assert!(error.to_string().starts_with("study.toml:5:"));
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {}{message}{details}", if path.is_empty() { String::new() } else { format!("{path}: ") })]
@@ -52,7 +67,7 @@ impl ConfigError {
         &self.path
     }
 
-    /// What is wrong, without the place and the excerpt.
+    /// Problem in words, without the place and the excerpt.
     pub fn message(&self) -> &str {
         &self.message
     }

@@ -14,7 +14,7 @@ pub struct BareFingertipConfig {
     /// The camera in its centre.
     #[serde(default)]
     pub sensor: LensConfig,
-    /// Where a marker is looked at.
+    /// Place of the marker that is looked at.
     #[serde(default)]
     pub view: ViewConfig,
 }
@@ -58,14 +58,14 @@ fn field() -> f64 {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum LensName {
-    /// The distance from the middle grows as the polar angle.
+    /// A lens with distances from the middle in proportion to the polar angle.
     #[default]
     Fisheye,
-    /// It grows as the angle's tangent.
+    /// A lens with distances from the middle in proportion to the angle's tangent.
     Pinhole,
 }
 
-/// Where a marker is looked at.
+/// Place of the marker that is looked at.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ViewConfig {

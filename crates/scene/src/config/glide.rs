@@ -14,7 +14,7 @@ pub use estimator::{CriterionName, GlideEstimatorConfig, NormalsOf};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GlideConfig {
-    /// What the fingers touch with.
+    /// The fingertip that touches.
     pub probe: FingertipConfig,
     /// The surface that is explored.
     pub object: ObjectConfig,
@@ -22,12 +22,12 @@ pub struct GlideConfig {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "length"))]
     pub object_contact: Option<[f64; 2]>,
-    /// Where the fingers slide and touch.
+    /// Paths of the fingers and contacts along them.
     pub motion: GlideMotionConfig,
     /// How contacts are found.
     #[serde(default)]
     pub model: GlideModelConfig,
-    /// What contacts are read with.
+    /// The sensor that reads the contacts.
     #[serde(default)]
     pub sensor: GlideSensorConfig,
     /// Errors of the readings.
@@ -36,7 +36,7 @@ pub struct GlideConfig {
     /// How the patch follows from the readings.
     #[serde(default)]
     pub estimator: GlideEstimatorConfig,
-    /// Where estimates are held against the truth.
+    /// Places at which estimates are held against the truth.
     pub evaluate: EvaluateConfig,
 }
 
@@ -66,11 +66,11 @@ pub enum FingertipConfig {
     },
 }
 
-/// Where the fingers slide and touch. Each goes along +x in a plane of constant y.
+/// Paths of the fingers and contacts along them. Each finger goes along +x in a plane of constant y.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GlideMotionConfig {
-    /// Where the fingers' planes lie: y from the middle of the patch.
+    /// Positions of the fingers' planes: y from the middle of the patch.
     #[schemars(extend("minItems" = 1, "x-unit" = "length"))]
     pub finger_positions: Vec<f64>,
     /// The distance between fingers in which noise is counted, and the settings of two-pass.
@@ -118,11 +118,11 @@ impl Default for GlideModelConfig {
     }
 }
 
-/// What contacts are read with.
+/// The sensor that reads the contacts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum GlideSensorConfig {
-    /// Without error.
+    /// No error.
     Ideal {
         /// Whether normals are sensed too.
         #[serde(default = "yes")]
@@ -233,7 +233,7 @@ pub enum NormalNoise {
     },
 }
 
-/// Where estimates are held against the truth: a square grid of places around the middle of the patch, and when
+/// Places at which estimates are held against the truth: a square grid around the middle of the patch, and when
 /// curvatures count as zero.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -21,7 +21,7 @@ impl Grid {
         self.axes.iter().flat_map(|axis| &axis.targets)
     }
 
-    /// What a cell puts into which field, in the order of [`Grid::targets`].
+    /// Fields that a cell sets, with its value for each, in the order of [`Grid::targets`].
     fn settings(&self, cell: usize) -> impl Iterator<Item = (&Target, &Setting)> {
         let mut faster = self.cells();
         self.axes.iter().flat_map(move |axis| {

@@ -1,4 +1,4 @@
-//! From a file or a text to a validated study.
+//! Reading of a study: from a file or a text to validated cells.
 
 use super::error::{ConfigError, Fault, Source};
 use super::grid::Grid;
@@ -69,6 +69,24 @@ pub fn load(path: &Path) -> Result<Study, ConfigError> {
 }
 
 /// Reads a study from a text; `file` is the name that errors give.
+///
+/// ```
+/// use palpate_scene::config::parse;
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     length_unit = "cm"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+///     sweep = [{ path = "scene.object.radius", values = [2.0, 4.0] }]
+/// "#;
+/// let study = parse("study.toml", text)?;
+/// assert_eq!(study.cells.len(), 2);
+/// assert_eq!(study.columns, ["scene.object.radius_cm"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// The first thing that is wrong with the config: syntax, keys, types, limits, sweeps, plots, or fields that contradict
@@ -152,7 +170,7 @@ fn cell_config(schema: &Json, grid: &Grid, cell: usize) -> Result<StudyConfig, F
 /// Validates a cell's tree, which has no sweeps and plots, and reads it.
 fn check(schema: &Json, tree: &Node) -> Result<StudyConfig, Fault> {
     validate::validate(schema, tree).map_err(|fault| match &fault.span {
-        // The root table begins nowhere in particular.
+        // A fault of the root table has no place in the text.
         Some(span) if *span == tree.span => Fault {
             span: None,
             ..fault
@@ -225,7 +243,7 @@ impl Study {
         }
     }
 
-    /// Where a part of a text stands, if the text is written without escapes.
+    /// Place of a part of a string in the config's text, if the string is written without escapes.
     fn part_of(&self, node: &Node, part: Range<usize>) -> Option<Range<usize>> {
         let written = self.source.text.get(node.span.clone())?;
         let start = node.span.start + written.find(node.as_text()?)?;

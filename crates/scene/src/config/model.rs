@@ -11,11 +11,11 @@ use super::study::SceneConfig;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum ModelConfig {
-    /// Of a roll.
+    /// Model of a roll.
     Roll(RollModelConfig),
-    /// Of a glide.
+    /// Model of a glide.
     Glide(GlideModelConfig),
-    /// Of a press.
+    /// Model of a press.
     Press(PressModelConfig),
 }
 
@@ -30,7 +30,8 @@ impl SceneConfig {
         }
     }
 
-    /// The same scene with another model, an estimator keeping what it has from this one; `None` where that is of another kind of scene.
+    /// Scene with another model, an estimator keeping the model that it has from this one; `None` where the model is of
+    /// another kind of scene.
     #[must_use]
     pub fn with_model(&self, model: &ModelConfig) -> Option<Self> {
         let mut scene = self.clone();
@@ -38,7 +39,7 @@ impl SceneConfig {
             (Self::Roll(roll), ModelConfig::Roll(model)) => roll.model = model.clone(),
             (Self::Glide(glide), ModelConfig::Glide(model)) => glide.model = model.clone(),
             (Self::Press(press), ModelConfig::Press(model)) => {
-                // What the estimator has from the model it keeps.
+                // Settings that the estimator takes from the model: it keeps them.
                 let (old_thickness, old_poisson) = (press.model.thickness(), press.model.poisson());
                 match &mut press.estimator {
                     PressEstimatorConfig::BondedLayer { thickness, .. } => {

@@ -14,11 +14,11 @@ pub enum PadLayout {
     Uniform,
 }
 
-/// Where the first contact lies on the array of pads.
+/// Place of the first contact on the array of pads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PadOffset {
-    /// At the centre of a pad.
+    /// The centre of a pad.
     #[default]
     Centred,
     /// Anywhere within a pad, drawn per trial.

@@ -42,8 +42,8 @@ pub struct PlotConfig {
     /// Title, by default that of the study.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
-    /// What is drawn. Every kind has a name, a title and, but for contacts, `where`; a profile has a component, panels,
-    /// marks and points too, and lines have all but a component.
+    /// Kind of the plot. Every kind has a name, a title and, but for contacts, `where`; a profile has a component,
+    /// panels, marks and points too, and lines have all but a component.
     #[serde(default, skip_serializing_if = "PlotKind::is_lines")]
     pub kind: PlotKind,
     /// Column along x; lines need it.
@@ -58,7 +58,7 @@ pub struct PlotConfig {
     /// Column whose values make one line each.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub series: Option<String>,
-    /// What a profile is of, by default the normal displacement.
+    /// Displacement that a profile shows, by default the normal one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub component: Option<Component>,
     /// Column whose values make one panel each.
@@ -82,7 +82,7 @@ pub struct PlotConfig {
     pub points: Vec<Points>,
 }
 
-/// What a plot draws.
+/// Kind of a plot: the result that it draws.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlotKind {
@@ -155,9 +155,9 @@ impl PlotKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Component {
-    /// Along the normal, inward.
+    /// Normal displacement, positive inward.
     Normal,
-    /// Along the skin, away from the contact.
+    /// Displacement along the skin, positive away from the contact.
     Radial,
 }
 
@@ -184,7 +184,7 @@ pub struct Mark {
     pub axis: MarkAxis,
     /// The value, in the unit of the axis.
     pub value: f64,
-    /// What the line says.
+    /// Text beside the line.
     pub label: String,
 }
 
@@ -202,12 +202,12 @@ pub enum MarkAxis {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Points {
-    /// What they are called in the legend; points of one label look alike.
+    /// Name in the legend; points of one label look alike.
     pub label: String,
-    /// Where they stand along x, in the unit of the axis.
+    /// Places along x, in the unit of the axis.
     #[schemars(extend("minItems" = 1))]
     pub x: Vec<f64>,
-    /// Where they stand along y, in the unit of the axis; as many as `x`.
+    /// Places along y, in the unit of the axis; as many as `x`.
     pub y: Vec<f64>,
     /// The series (of a profile: the line) whose colour they take.
     #[serde(default, skip_serializing_if = "Option::is_none")]

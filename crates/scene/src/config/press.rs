@@ -15,16 +15,16 @@ pub use layout::{LayoutConfig, LayoutTable, NamedLayout};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressConfig {
-    /// What presses.
+    /// The sensor that presses.
     pub probe: PressProbeConfig,
-    /// What is pressed on.
+    /// The object that is pressed on.
     pub object: PressObjectConfig,
     /// How deep, and with which part of the skin.
     pub motion: PressMotionConfig,
-    /// What the press does to the markers.
+    /// The model of the markers' displacements in the press.
     #[serde(default)]
     pub model: PressModelConfig,
-    /// What the markers' displacements are read with.
+    /// The sensor that reads the markers' displacements.
     #[serde(default)]
     pub sensor: PressSensorConfig,
     /// Errors of the readings.
@@ -132,7 +132,7 @@ impl PressConfig {
     }
 }
 
-/// What presses.
+/// The sensor that presses.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressProbeConfig {
@@ -144,13 +144,14 @@ pub enum PressProbeConfig {
         /// How far under the skin the markers lie, less than the radius; where a marker is made of two discs, the mean of their depths.
         #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
         marker_depth: f64,
-        /// Where the markers lie along the skin.
+        /// Places of the markers along the skin.
         #[serde(default)]
         layout: LayoutConfig,
         /// The two discs that each marker is made of; a camera sees nothing else.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         discs: Option<DiscsConfig>,
-        /// In how many steps a gore's outline is drawn from the apex to the equator, on the flat pattern that the skin is cut from.
+        /// Number of steps in which a gore's outline is drawn from the apex to the equator, on the flat pattern that
+        /// the skin is cut from.
         #[serde(default = "outline")]
         #[schemars(extend("minimum" = 1, "maximum" = 1000))]
         outline_samples: u32,
@@ -181,7 +182,7 @@ pub struct DiscsConfig {
     pub misalignment: f64,
 }
 
-/// What is pressed on.
+/// The object that is pressed on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressObjectConfig {
@@ -208,7 +209,7 @@ pub struct PressMotionConfig {
     /// The approach of the two bodies since first touch.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub indentation: f64,
-    /// Where on the skin the contact lies: polar angle from the apex, from 0 to 180, and azimuth from x.
+    /// Place of the contact on the skin: polar angle from the apex, from 0 to 180, and azimuth from x.
     #[serde(default)]
     pub contact_deg: [f64; 2],
     /// How far the object then moves sideways, along x, sticking to the skin; of a half-space.
@@ -217,7 +218,7 @@ pub struct PressMotionConfig {
     pub shift: f64,
 }
 
-/// What the press does to the markers.
+/// The model of the markers' displacements in the press.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressModelConfig {
@@ -292,7 +293,8 @@ impl PressModelConfig {
         }
     }
 
-    /// What `auto` is held against: the layer where there is one, else the half-space. Of others, themselves.
+    /// Model that `auto` is held against: the layer where there is one, else the half-space. A model other than `auto`
+    /// is its own.
     pub(crate) fn reference(&self) -> Self {
         match *self {
             Self::Auto {
@@ -305,7 +307,7 @@ impl PressModelConfig {
     }
 }
 
-/// What the markers' displacements are read with.
+/// The sensor that reads the markers' displacements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressSensorConfig {

@@ -14,7 +14,7 @@ pub struct RollConfig {
     pub probe: ProbeConfig,
     /// The surface that is explored.
     pub object: ObjectConfig,
-    /// Where the first contact lies: x and y of the object's frame. By default the origin or the top.
+    /// Place of the first contact: x and y of the object's frame. By default the origin or the top.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "length"))]
     pub object_contact: Option<[f64; 2]>,
@@ -23,7 +23,7 @@ pub struct RollConfig {
     /// How the true roll is computed.
     #[serde(default)]
     pub model: RollModelConfig,
-    /// What the contact's place on the probe is read with.
+    /// The sensor that reads the contact's place on the probe.
     #[serde(default)]
     pub sensor: RollSensorConfig,
     /// Errors of the rotation.
@@ -91,7 +91,7 @@ pub struct RollMotionConfig {
     #[serde(default = "four_directions_twice")]
     #[schemars(extend("minItems" = 1))]
     pub directions_deg: Vec<f64>,
-    /// What the axis of rotation keeps to while the contact moves.
+    /// Reference that the axis of rotation keeps to while the contact moves.
     #[serde(default)]
     pub axis: RollAxis,
 }
@@ -100,7 +100,7 @@ fn four_directions_twice() -> Vec<f64> {
     vec![0.0, 0.0, 90.0, 90.0, 180.0, 180.0, 270.0, 270.0]
 }
 
-/// What the axis of rotation keeps to while the contact moves.
+/// Reference that the axis of rotation keeps to while the contact moves.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RollAxis {
@@ -186,11 +186,11 @@ pub enum Chart {
     Montana,
 }
 
-/// What the contact's place on the probe is read with.
+/// The sensor that reads the contact's place on the probe.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RollSensorConfig {
-    /// Without error.
+    /// No error.
     Ideal {},
     /// A force sensor in the wrist, with an isotropic Gaussian error along the probe's surface.
     Wrist {
@@ -206,7 +206,7 @@ pub enum RollSensorConfig {
         /// How the pads are laid out.
         #[serde(default)]
         layout: PadLayout,
-        /// Where the first contact lies on the array.
+        /// Place of the first contact on the array.
         #[serde(default)]
         offset: PadOffset,
         /// Polar angle of the last pad, from the middle of the array.
@@ -246,7 +246,7 @@ pub enum AngularVelocityNoise {
         /// How often the error is drawn.
         #[serde(default)]
         when: When,
-        /// What the error belongs to.
+        /// Rotation that errs: the true motion or its measurement.
         #[serde(default)]
         side: Side,
         /// Draws per probe; only used per instant.
@@ -262,7 +262,7 @@ pub enum AngularVelocityNoise {
         /// How often the error is drawn.
         #[serde(default)]
         when: When,
-        /// What the error belongs to.
+        /// Rotation that errs: the true motion or its measurement.
         #[serde(default)]
         side: Side,
         /// Draws per probe; only used per instant.
@@ -287,7 +287,7 @@ pub enum When {
     PerInstant,
 }
 
-/// What an error of the rotation belongs to.
+/// Rotation that errs: the true motion or its measurement.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {

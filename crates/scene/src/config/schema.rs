@@ -12,6 +12,15 @@ pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 ///
 /// `x-unit` states the unit of a number that has one: `length`, `1/length` or `1/length^2`, in the config's `length_unit`;
 /// `1` where others of its name have a unit and it has none. Numbers whose key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px` carry their unit there.
+///
+/// ```
+/// use palpate_scene::config::schema;
+///
+/// let schema = schema();
+/// assert_eq!(schema["title"], "palpate study");
+/// assert_eq!(schema["properties"]["trials"]["minimum"], 1);
+/// assert_eq!(schema["properties"]["length_unit"]["default"], "unit");
+/// ```
 pub fn schema() -> Json {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings

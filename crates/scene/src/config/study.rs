@@ -20,7 +20,7 @@ pub struct StudyConfig {
     /// The question that the study answers.
     #[serde(default)]
     pub title: String,
-    /// Where the study comes from, e.g. a section and a figure of a paper.
+    /// Origin of the study, e.g. a section and a figure of a paper.
     #[serde(default)]
     pub source: String,
     /// The unit of every length in the config and in its results.
@@ -36,13 +36,13 @@ pub struct StudyConfig {
     /// Numbers of the published claims that are scored from this study's tables.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<u32>,
-    /// What the study writes.
+    /// Results that the study writes.
     #[serde(default = "cells_only")]
     pub outputs: Vec<Output>,
     /// Version of the crate that wrote a resolved config; ignored when read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crate_version: Option<String>,
-    /// What touches what, and how that is modelled, sensed and estimated.
+    /// The scene: the bodies that touch, and how that is modelled, sensed and estimated.
     pub scene: SceneConfig,
     /// Axes along which fields are varied; axes multiply, the first varies slowest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -102,7 +102,7 @@ pub enum Output {
     Map,
 }
 
-/// What touches what, by the way of touching.
+/// A scene, by the way in which its bodies touch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum SceneConfig {
@@ -132,6 +132,23 @@ impl SceneConfig {
 ///
 /// Where a sweep varies a `kind`, keys of that table that equal their default are left out, because another kind may
 /// not know them.
+///
+/// ```
+/// use palpate_scene::config::{parse, to_toml};
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let study = parse("study.toml", text)?;
+/// let resolved = to_toml(&study.config);
+/// assert!(resolved.contains("seed = 0"));
+/// assert_eq!(parse("run.toml", &resolved)?.config, study.config);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn to_toml(config: &StudyConfig) -> String {
     let text =
         toml::to_string(config).expect("strings, numbers, arrays and tables all have a TOML form");

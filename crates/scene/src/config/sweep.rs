@@ -58,7 +58,7 @@ pub enum Spacing {
     Log,
 }
 
-/// A study has at most this many cells.
+/// Largest number of cells of a study.
 const MAX_CELLS: u64 = 1_000_000;
 
 /// One axis, ready to be put into the tree.
@@ -323,7 +323,7 @@ fn range(table: &Node) -> Result<Vec<Vec<Setting>>, Fault> {
     Ok((0..=steps).map(setting).collect())
 }
 
-/// To 12 digits: 0.3 rather than 0.30000000000000004, and the same on machines whose logarithms differ.
+/// Number rounded to 12 digits: 0.3 rather than 0.30000000000000004, and the same on machines whose logarithms differ.
 fn rounded(number: f64) -> f64 {
     format!("{number:.11e}").parse().unwrap_or(number)
 }

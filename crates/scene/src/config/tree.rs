@@ -74,7 +74,7 @@ fn node(value: &toml::Spanned<DeValue<'_>>) -> Result<Node, Fault> {
                 ));
             }
         },
-        // A literal like 1e999 overflows to infinity here and is refused, as one, where a number is expected.
+        // A literal like 1e999 becomes infinity here; it is refused where a number is expected.
         DeValue::Float(float) => match float.as_str().parse() {
             Ok(float) => Value::Float(float),
             Err(_) => return Err(Fault::at(&span, format!("{float} is not a number"))),

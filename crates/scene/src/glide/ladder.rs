@@ -8,11 +8,11 @@ use crate::config::{GlideConfig, GlideModelConfig, ModelConfig};
 use crate::ladder::{Ladder, Rung};
 use crate::plan::PlanError;
 
-/// Of the rungs of Newton's method.
+/// Relative tolerances of the rungs of Newton's method.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
 
 impl GlideScene {
-    /// What finds the contacts of the scene of `config`, on the rung that it takes.
+    /// Glider that finds the contacts of the scene of `config`, on the rung that it takes.
     ///
     /// # Errors
     /// [`PlanError`] with the path of the field that makes no glider.
@@ -46,7 +46,8 @@ impl GlideScene {
         let finest = on(TouchModel::Newton {
             tolerance: Model::SMALLEST_TOLERANCE,
         });
-        // Each is held against the other; a point against itself.
+        // The closed form and the finest Newton are held against each other; where only one of them can do it, it errs
+        // by 0.
         let best = closed.as_ref().or(finest.as_ref());
         let off_closed = match (&closed, &finest) {
             (Ok(closed), Ok(finest)) => Ok(distance(closed, finest) / radius),

@@ -1,4 +1,4 @@
-//! From a glide's config to a [`GlideScene`].
+//! Plan of a glide: from its config to a [`GlideScene`].
 
 use palpate_ep2::{Contact, Ep2Error};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
@@ -57,7 +57,7 @@ pub(super) fn tip(config: &GlideConfig) -> (Fingertip, f64) {
     }
 }
 
-/// What finds the contacts.
+/// Glider that finds the contacts of the scene of `config`.
 pub(super) fn glider(config: &GlideConfig) -> Result<Glider, PlanError> {
     let model = match config.model {
         GlideModelConfig::Auto { tolerance } => TouchModel::Auto { tolerance },
@@ -272,7 +272,7 @@ fn grid(
     let of_grid = |error: GlideError| {
         PlanError::at("scene.evaluate.half_width", format!("the grid: {error}"))
     };
-    // Free of rounding where it is known: a cylinder's K is 0.
+    // A curvature that is the same everywhere is known without rounding: the K of a cylinder is 0.
     let everywhere = object.constant_curvature();
     let place = |x: f64, y: f64| -> Result<TruePlace, PlanError> {
         let touch = truth.touch(middle_x + x, middle_y + y).map_err(of_grid)?;

@@ -1,4 +1,4 @@
-//! What senses the contacts of gliding fingers.
+//! Sensors of the contacts of gliding fingers.
 
 use nalgebra::{Point3, Vector3};
 use palpate_rolling::Touch;

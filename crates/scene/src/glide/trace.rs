@@ -11,7 +11,7 @@ use crate::config::LengthUnit;
 pub struct GlideTrace {
     /// Truth: `finger,x,y,z,normal_x,normal_y,normal_z,tip_x,tip_y,tip_z`, the tip being its centre.
     pub contacts: Table,
-    /// What `estimate glide` accepts.
+    /// Readings, in the form that `estimate glide` accepts.
     pub readings: Table,
 }
 

@@ -13,26 +13,27 @@ use super::PressFailure;
 #[derive(Clone, Debug)]
 pub(super) struct CameraSensor {
     pub(super) eye: Eye,
-    /// Of each marker of the layout, where it is seen.
+    /// Picture of each marker of the layout at rest; `None` where it is not seen.
     pub(super) rest: Vec<Option<Marker>>,
     pub(super) calibration: Calibration,
-    /// What normal and tangential displacements err by near a contact, as far as the calibration tells.
+    /// Errors of normal and tangential displacements near a contact, standard deviations, as far as the calibration
+    /// tells.
     pub(super) stds: [Option<f64>; 2],
 }
 
-/// What looks at the markers.
+/// Camera before the markers: its optics, and how far its work is followed.
 #[derive(Clone, Debug)]
 pub(super) struct Eye {
     pub(super) optics: Optics,
     /// The lens, as far as tracking knows it.
     pub(super) lens: Equidistant,
     pub(super) rung: Rung,
-    /// Whether looks at the same differ.
+    /// Whether looks at the same markers differ: whether the picture has errors.
     pub(super) is_random: bool,
     pub(super) seed: u64,
 }
 
-/// How far the camera's work is followed.
+/// Rung of the camera: how far its work is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rung {
     /// The picture of each marker, without pixels.
@@ -44,11 +45,11 @@ pub(super) enum Rung {
 /// Errors of a marker's picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SightError {
-    /// Of the mean hue, turns.
+    /// Error of the mean hue, turns.
     pub(super) hue: GaussianError,
-    /// Of each coordinate of the centroid, px.
+    /// Error of each coordinate of the centroid, px.
     pub(super) centroid: GaussianError,
-    /// Of the size, a share of it.
+    /// Error of the size, as a share of it.
     pub(super) size: GaussianError,
 }
 
@@ -58,12 +59,12 @@ impl SightError {
     }
 }
 
-/// What was seen of the markers of the layout in a press.
+/// Markers of the layout as they were seen in a press.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sight {
-    /// What became of each since it was at rest; `None` for those that are not seen at rest.
+    /// Track of each marker since it was at rest; `None` for those that are not seen at rest.
     pub(super) tracks: Vec<Option<Track>>,
-    /// How many were taken for another.
+    /// Number of markers that were taken for another.
     pub(super) wrong_matches: usize,
 }
 
@@ -87,7 +88,7 @@ impl Eye {
         }
     }
 
-    /// What is seen of markers that moved so; `None` is not there. Errors are those of a trial.
+    /// Sight of markers that moved so; `None` is not there. Errors are those of a trial.
     pub(super) fn sight(
         &self,
         rest: &[Option<Marker>],
@@ -148,7 +149,7 @@ impl Eye {
         Ok(self.optics.rendered(motions, stream.as_mut())?)
     }
 
-    /// Where each marker is seen, without pixels.
+    /// Picture of each marker, without pixels; `None` where it is not seen.
     fn images(
         &self,
         motions: &[Option<MarkerMotion>],

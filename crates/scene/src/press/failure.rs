@@ -1,4 +1,4 @@
-//! Why a press told nothing.
+//! Reasons why a press told nothing.
 
 use palpate_chromatouch::OpticsError;
 use palpate_press::PressError;

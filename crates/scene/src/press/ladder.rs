@@ -12,10 +12,10 @@ use crate::plan::PlanError;
 
 /// The model that is taken, and why.
 pub(super) struct Choice {
-    /// Never `auto`.
+    /// Model in the form of a config: never `auto`.
     pub(super) model: PressModelConfig,
     pub(super) reason: String,
-    /// What `auto` is asked for.
+    /// Tolerance of `auto`; `None` where the config names a model.
     pub(super) tolerance: Option<f64>,
 }
 
@@ -128,7 +128,8 @@ fn judged(
 
 type Moved = Result<Vec<MarkerDisplacement>, PressError>;
 
-/// Where displacements count: midway between the discs of a marker, and where a camera sees discs.
+/// Depths at which displacements count: midway between the discs of a marker, and those of the discs that a camera
+/// sees.
 fn depths(config: &PressConfig) -> Result<Vec<f64>, PlanError> {
     let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
     let mut depths = vec![marker_depth];

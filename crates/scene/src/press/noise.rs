@@ -1,4 +1,4 @@
-//! Errors of what is read of a press.
+//! Errors of the readings of a press.
 
 use palpate_sensing::{Channel, GaussianError, Stream};
 
@@ -7,17 +7,17 @@ use super::PressReadings;
 /// Errors of the readings of a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ReadingNoise {
-    /// Of each normal displacement.
+    /// Error of each normal displacement.
     pub(super) normal: GaussianError,
-    /// Of each component of each tangential displacement.
+    /// Error of each component of each tangential displacement.
     pub(super) tangential: GaussianError,
-    /// Of the indentation that is given.
+    /// Error of the indentation that is given.
     pub(super) indentation: GaussianError,
-    /// Of the factor on all normal displacements.
+    /// Error of the factor on all normal displacements.
     pub(super) gain: GaussianError,
     /// How many markers err by more.
     pub(super) wrong_markers: usize,
-    /// By how much more.
+    /// Further error of those markers.
     pub(super) wrong: GaussianError,
 }
 

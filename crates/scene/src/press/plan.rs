@@ -1,4 +1,4 @@
-//! From a press's config to a [`PressScene`].
+//! Plan of a press: from its config to a [`PressScene`].
 
 mod calibrated;
 mod camera;
@@ -24,7 +24,7 @@ use crate::config::{
 use crate::plan::PlanError;
 pub(super) use camera::{Pressed, shifted};
 
-/// What displacements by a layer's tables err by, relative to the largest.
+/// Error of displacements by a layer's tables, relative to the largest.
 const OF_TABLES: f64 = 1e-7;
 /// A layer's table costs as much as a solution that is read at so many markers.
 const MANY_MARKERS: usize = 1000;
@@ -93,7 +93,7 @@ impl PressScene {
                     markers: &markers,
                     body: &body,
                 };
-                // A press that is none is not seen.
+                // If the contact failed there is nothing to image: keep the contact's error.
                 let seen = match &truth {
                     Ok(_) => planned.press(&pressed)?,
                     Err(error) => Err(*error),
@@ -109,7 +109,7 @@ impl PressScene {
             noise: &noise,
             sensed: sensed_stds(&sensor),
         };
-        // What a camera errs by is not known beforehand.
+        // The errors of a camera are not known beforehand.
         let bounds = contact
             .as_ref()
             .ok()
@@ -151,7 +151,7 @@ impl PressScene {
     }
 }
 
-/// What the press does to the markers.
+/// Truth of a press: the contact and the displacements of the markers.
 fn true_press(
     config: &PressConfig,
     markers: &Markers,
@@ -175,7 +175,7 @@ fn true_press(
     })
 }
 
-/// What a camera's displacements err by, as its calibration tells: normal, tangential.
+/// Standard deviations of a camera's normal and tangential displacements, as its calibration tells them.
 fn sensed_stds(sensor: &PressSensor) -> [Option<f64>; 2] {
     match sensor {
         PressSensor::Camera(Ok(camera)) => camera.sensor.stds,
@@ -251,7 +251,7 @@ fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], Pl
     Ok([distance * cosine, distance * sine])
 }
 
-/// What moves the markers.
+/// Body under the skin that moves the markers, by the model of the config.
 fn body(config: &PressConfig, radius: f64, marker_depth: f64) -> Result<Body, PlanError> {
     body_of(&config.model, radius, marker_depth, Body::bonded_layer)
 }
@@ -296,7 +296,7 @@ fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), PlanErro
     Err(PlanError::at(path, message))
 }
 
-/// At the setting of a body that is out of its range.
+/// Error at the setting of a body that is out of its range.
 fn of_body(table: &str, error: PressError) -> PlanError {
     match error {
         PressError::BadSetting {
@@ -340,7 +340,7 @@ fn noise(
     })
 }
 
-/// What an estimator is made of.
+/// Parts that an estimator is made of.
 struct Planned<'a> {
     config: &'a PressConfig,
     body: &'a Body,
@@ -348,15 +348,15 @@ struct Planned<'a> {
     shared: Option<f64>,
     markers: &'a Markers,
     noise: &'a ReadingNoise,
-    /// What a camera adds to the noise.
+    /// Standard deviations that a camera adds to the noise: normal, tangential.
     sensed: [Option<f64>; 2],
 }
 
-/// What all estimators have.
+/// Settings that all estimators have.
 struct Nuisances {
     known_indentation: Option<f64>,
     baseline: Prior,
-    /// `None` for the Gaussian, whose amplitude is another thing.
+    /// Prior of the factor on all displacements; `None` for the Gaussian, where the amplitude takes its place.
     gain: Option<Prior>,
     noise: NoiseKnown,
 }

@@ -91,7 +91,7 @@ impl PressScene {
             estimate.indentation.value,
         )?;
         let moves_tangentially = body.moves_tangentially();
-        // Of a body the gain is the sensor's; of a Gaussian it is the amplitude.
+        // The gain of a body is the sensor's; that of a Gaussian is its amplitude.
         let amplitude = estimate
             .gain
             .filter(|_| !moves_tangentially)

@@ -10,22 +10,22 @@ use super::{PressFailure, PressReadings};
 #[derive(Clone, Debug)]
 pub(super) struct CameraPress {
     pub(super) sensor: CameraSensor,
-    /// What the press does to the discs of each marker.
+    /// Displacements of the discs of each marker in the press.
     pub(super) motions: Vec<MarkerMotion>,
-    /// How many are not seen, others in every trial.
+    /// Number of markers that are not seen, others in every trial.
     pub(super) lost_markers: usize,
-    /// How many are seen otherwise.
+    /// Number of markers that are seen otherwise.
     pub(super) seen: usize,
     /// The marker nearest to the contact.
     pub(super) under_contact: usize,
-    /// What it shows, but for errors and pixels.
+    /// Picture of that marker, without errors and pixels.
     pub(super) shown: Option<Shows>,
 }
 
 /// Shifts below are rounding, px.
 const ROUNDING_PX: f64 = 1e-9;
 
-/// What a marker shows of a press.
+/// Change of a marker's picture in a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shows {
     /// Change of its mean hue, turns.
@@ -40,7 +40,7 @@ impl CameraPress {
         self.lost_markers > 0 || self.sensor.eye.is_random
     }
 
-    /// Puts what the camera tells in the place of what is true.
+    /// Replaces the true displacements by those that the camera tells.
     pub(super) fn read(
         &self,
         readings: &mut PressReadings,
@@ -58,7 +58,7 @@ impl CameraPress {
         Ok(())
     }
 
-    /// What the camera sees: without errors, or in trial number `trial`.
+    /// Sight of the markers: without errors, or in trial number `trial`.
     pub(super) fn sight(&self, trial: Option<u64>) -> Result<Sight, PressFailure> {
         let motions = self.motions(trial);
         let CameraSensor { eye, rest, .. } = &self.sensor;
@@ -92,7 +92,7 @@ impl CameraPress {
         motions
     }
 
-    /// What the marker under the contact shows, where it is tracked.
+    /// Picture of the marker under the contact, where it is tracked.
     pub(super) fn under_contact(&self, sight: &Sight) -> Option<Shows> {
         Shows::of(&self.sensor.eye, sight, self.under_contact)
     }

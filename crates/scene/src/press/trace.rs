@@ -6,19 +6,19 @@ use super::{PressFailure, PressReadings, PressScene, PressSensor};
 use crate::Table;
 use crate::config::LengthUnit;
 
-/// What a press does to the markers, and what the sensor says of it.
+/// Trace of a press: the true displacements of the markers, and the readings of the sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressTrace {
     /// Truth: `marker,x,y,radial_position,normal_displacement,tangential_x,tangential_y`, the radial position counted
     /// from the contact.
     pub contacts: Table,
-    /// What `estimate press` accepts.
+    /// Readings, in the form that `estimate press` accepts.
     pub readings: Table,
-    /// What a camera sees.
+    /// Pictures of a camera; `None` with a direct sensor.
     pub seen: Option<SeenPress>,
 }
 
-/// What a camera sees of a press.
+/// Pictures of a press that a camera took.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenPress {
     /// The sight of each marker: `marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status`.

@@ -1,4 +1,4 @@
-//! What a press needs, in words.
+//! Words for the needs of a press.
 
 use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
 use palpate_press::{Contact, ContactRegime, PressError, Skin};

@@ -38,7 +38,7 @@ pub struct CalibrationPoints {
 /// How to calibrate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CalibrateOptions {
-    /// What tells normal displacements.
+    /// Feature of a marker's picture that tells normal displacements.
     pub from: NormalFrom,
     /// Whether the slopes of markers that have one of their own count.
     pub per_marker: bool,
@@ -60,7 +60,7 @@ const MARKER: Column = Column::plain("marker");
 const LARGEST_TURN: f64 = 0.5;
 
 impl CalibrationPoints {
-    /// What frames showed, `source` being their name.
+    /// Points that frames showed, `source` being their name.
     pub fn shown(source: String, normal: &[NormalPoint], lateral: &[LateralPoint]) -> Self {
         fn known<P: Copy>(points: &[P]) -> Vec<Known<P>> {
             let known = |point: &P| Known {
@@ -173,7 +173,7 @@ fn columns(names: &[&str]) -> Vec<Column> {
     }
     let sights = [HUE, GROWTH].into_iter().filter(|&column| has(column));
     columns.extend(sights);
-    // The commonest is asked for where nothing is named.
+    // Where the header names no feature, the hue is asked for, which is the commonest.
     if !is_lateral && !has(HUE) && !has(GROWTH) {
         columns.push(HUE);
     }
@@ -307,7 +307,7 @@ impl<P: Copy> Pooled<P> {
         pooled
     }
 
-    /// What `fit` makes of each series, if there are several, in the order in which they appear.
+    /// Result of `fit` for each series, if there are several, in the order in which they appear.
     fn series<F>(
         &self,
         fit: impl Fn(&[P]) -> Result<F, CalibrationError>,

@@ -31,7 +31,7 @@ const HEADER: &str = "\
 #[serde(deny_unknown_fields)]
 struct CalibrationFile {
     length_unit: LengthUnit,
-    /// How many the frame at rest shows.
+    /// Number of markers that the frame at rest shows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     markers: Option<usize>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -282,7 +282,7 @@ mod tests {
         read_calibration(&path)
     }
 
-    /// With every part there is.
+    /// Calibration with every part there is.
     fn full() -> Calibration {
         let steps = || (0..8).map(|step| 0.1 * f64::from(step));
         let normal = |marker: usize| {

@@ -1,4 +1,4 @@
-//! What is told of a calibration.
+//! Report of a calibration in words: its lines and its warnings.
 
 use palpate_tracking::{Calibration, CalibrationError, Line, NormalFrom};
 
@@ -21,9 +21,9 @@ pub struct CalibrationReport {
 /// The two lines of a set of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fitted {
-    /// From which displacements are read.
+    /// Line through rest, from which displacements are read.
     pub through_rest: Line,
-    /// As the 2020 paper draws it; `None` where it is not known.
+    /// Line with an intercept, as the 2020 paper draws it; `None` where it is not known.
     pub with_intercept: Option<Line>,
 }
 
@@ -93,7 +93,7 @@ impl CalibrationReport {
         lines
     }
 
-    /// What to beware of.
+    /// Warnings about the calibration, one line each.
     pub fn warnings(&self) -> Vec<String> {
         let unit = self.length_unit.as_str();
         let normal = self.calibration.normal_part();

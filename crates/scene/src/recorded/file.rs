@@ -1,4 +1,4 @@
-//! Files as they were read, before anything is made of them.
+//! Recorded files as bytes, with the names that messages give.
 
 use std::path::Path;
 
@@ -35,7 +35,7 @@ impl RecordedFile {
         Ok(Self { name, bytes })
     }
 
-    /// Its name; the bytes are needed no more.
+    /// Name of the file; drops its bytes.
     pub(super) fn into_name(self) -> String {
         self.name
     }

@@ -11,7 +11,7 @@ use super::{Frame, RecordedError, RecordedFile};
 /// Frames with more pixels to a side are refused by their header.
 const LARGEST_SIDE: u32 = 8192;
 
-/// What every PNG file begins with.
+/// Signature that every PNG file begins with.
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
 /// Reads a frame from a file, as [`parse_frame`].

@@ -42,7 +42,7 @@ impl GlideMethod {
     }
 }
 
-/// What the readings do not say themselves.
+/// Settings of an estimate that the readings do not state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GlideOptions {
     /// The estimator.

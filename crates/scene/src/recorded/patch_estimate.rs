@@ -1,4 +1,4 @@
-//! What is told of a patch: the estimate, as JSON, and the map.
+//! Report of a patch: the estimate, as JSON, and the map.
 
 use std::collections::BTreeMap;
 
@@ -17,16 +17,16 @@ use crate::glide::MapTable;
 pub struct Thresholds {
     pub(super) gaussian: Value,
     pub(super) mean: Value,
-    /// Where they come from.
+    /// Origin of the thresholds, in words.
     pub(super) from: &'static str,
 }
 
 /// How far contacts are off, as found or as stated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PatchNoise {
-    /// Along the surface's normal.
+    /// Standard deviation of positions along the surface's normal.
     pub(super) position_std: Value,
-    /// Of a normal's tilt about each tangent; `null` without normals.
+    /// Standard deviation of a normal's tilt about each tangent; `null` without normals.
     pub(super) normal_std_deg: Option<f64>,
 }
 
@@ -46,7 +46,7 @@ pub struct PatchRegion {
     pub(super) coherence: f64,
 }
 
-/// What `estimate glide` prints. Curvature, class and directions are those of the patch's middle.
+/// Output of `estimate glide`. Curvature, class and directions are those of the patch's middle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GlideEstimate {
     pub(super) method: &'static str,
@@ -56,7 +56,7 @@ pub struct GlideEstimate {
     pub(super) length_unit: &'static str,
     /// The middle of the patch, on the fitted surface.
     pub(super) position: [f64; 3],
-    /// Out of the object.
+    /// Unit normal in the middle of the patch, out of the object.
     pub(super) normal: [f64; 3],
     pub(super) gaussian_curvature: Value,
     pub(super) mean_curvature: Value,
@@ -65,12 +65,12 @@ pub struct GlideEstimate {
     /// Unit tangents, of either sign.
     pub(super) direction_of_min: [f64; 3],
     pub(super) direction_of_max: [f64; 3],
-    /// From −1, a cup, to 1, a cap; `null` where the surface is flat.
+    /// Shape index from −1, a cup, to 1, a cap; `null` where the surface is flat.
     pub(super) shape_index: Option<f64>,
     pub(super) class: &'static str,
-    /// `null` where the method states no uncertainty.
+    /// Probability of each class; `null` where the method states no uncertainty.
     pub(super) class_probabilities: Option<BTreeMap<&'static str, f64>>,
-    /// By the signs of the curvatures alone.
+    /// Class by the signs of the curvatures alone.
     pub(super) sign_class: &'static str,
     pub(super) thresholds: Thresholds,
     /// `null` where the method does not find it.

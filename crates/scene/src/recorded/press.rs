@@ -30,7 +30,7 @@ pub struct PressReadings {
     pub(super) lines: Vec<usize>,
     /// Chart coordinates of each marker on the skin.
     pub(super) places: Vec<[f64; 2]>,
-    /// Inward displacement of each.
+    /// Inward displacement of each marker.
     pub(super) normal: Vec<f64>,
     /// Displacement of each along the skin, if it was sensed.
     pub(super) tangential: Option<Vec<[f64; 2]>>,

@@ -21,14 +21,14 @@ pub enum PressBody {
     HalfSpace {
         /// Poisson's ratio.
         poisson: f64,
-        /// Of the markers under the skin, length.
+        /// Depth of the markers under the skin, length.
         depth: f64,
     },
     /// An incompressible layer bonded to a rigid core.
     BondedLayer {
-        /// Of the layer, length.
+        /// Thickness of the layer, length.
         thickness: f64,
-        /// Of the markers under the skin, length.
+        /// Depth of the markers under the skin, length.
         depth: f64,
     },
 }
@@ -44,7 +44,7 @@ pub enum PressMethod {
         c: Option<f64>,
         /// The body that is then pressed.
         calibrated_on: PressBody,
-        /// Only markers within this distance of the contact count, length.
+        /// Distance from the contact within which markers count, length.
         window: Option<f64>,
     },
 }
@@ -60,7 +60,7 @@ impl PressMethod {
     }
 }
 
-/// What the readings do not say themselves.
+/// Settings of an estimate that the readings do not state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PressOptions {
     /// Radius of the skin, length.
@@ -76,9 +76,9 @@ pub struct PressOptions {
     pub gain_std: f64,
     /// Standard deviation of normal displacements, length; `None` finds it from the residuals.
     pub normal_std: Option<f64>,
-    /// The same of displacements along the skin.
+    /// Standard deviation of displacements along the skin, length; `None` finds it from the residuals.
     pub tangential_std: Option<f64>,
-    /// What positions are multiplied with.
+    /// Factor on the markers' positions.
     pub radial_scale: f64,
     /// Young's modulus of the soft body, force per length²; gives forces.
     pub young: Option<f64>,
@@ -87,7 +87,7 @@ pub struct PressOptions {
 }
 
 impl PressOptions {
-    /// With nothing known but the sensor and the body.
+    /// Options with nothing known but the sensor and the body.
     pub const fn new(sensor_radius: f64, method: PressMethod) -> Self {
         Self {
             sensor_radius,
@@ -265,7 +265,7 @@ fn body(body: PressBody) -> Result<Body, PressError> {
 /// Past this ratio of the residuals to the noise that is stated, the intervals are too narrow.
 const LARGE_RESIDUALS: f64 = 1.5;
 
-/// Below this share of the variance the fit explains little.
+/// Share of the variance below which the fit explains little.
 const LITTLE: f64 = 0.5;
 
 fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {

@@ -1,4 +1,4 @@
-//! What is told of a pressed object, as JSON.
+//! Report of a pressed object, as JSON.
 
 use palpate_press::Estimated;
 use serde::Serialize;
@@ -25,7 +25,7 @@ pub struct Radius {
     /// The radii that it may have if it is convex, without a sign; an end that is `null` is flat. `null` where it cannot
     /// be convex.
     convex95: Option<[Option<f64>; 2]>,
-    /// The same if it is concave.
+    /// Radii that it may have if it is concave, likewise.
     concave95: Option<[Option<f64>; 2]>,
     unit: String,
 }
@@ -33,7 +33,7 @@ pub struct Radius {
 /// A row of the readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Row {
-    /// Counted from 1, without the header.
+    /// Number of the row from 1, without the header.
     pub(super) row: usize,
     /// Its line in the file.
     pub(super) line: Option<usize>,
@@ -43,13 +43,13 @@ pub struct Row {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressNoise {
     pub(super) normal_std: Value,
-    /// `null` where none are used.
+    /// Standard deviation of tangential displacements; `null` where none are used.
     pub(super) tangential_std: Option<Value>,
-    /// About 1 where residuals are as large as the noise.
+    /// Reduced χ² of the fit: about 1 where residuals are as large as the noise.
     pub(super) reduced_chi_squared: f64,
 }
 
-/// What `estimate press` prints.
+/// Output of `estimate press`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressedObject {
     pub(super) method: &'static str,
@@ -68,13 +68,14 @@ pub struct PressedObject {
     pub(super) object_radius: Radius,
     /// How sensor and object touch, by the estimate.
     pub(super) regime: &'static str,
-    /// What of the object's shape the interval leaves open.
+    /// Shape of the object as far as the interval of its curvature tells: `convex`, `concave`, `flat-within-noise` or
+    /// `not-resolved`.
     pub(super) verdict: &'static str,
     pub(super) indentation: Told,
     pub(super) contact_radius: Told,
-    /// Between the bodies; `null` without a Young's modulus, and of a Gaussian, which knows no stress.
+    /// Force between the bodies; `null` without a Young's modulus, and of a Gaussian, which knows no stress.
     pub(super) force: Option<Value>,
-    /// In the middle of the contact; likewise.
+    /// Pressure in the middle of the contact; `null` as the force.
     pub(super) peak_pressure: Option<Value>,
     /// Place of the contact on the skin, as the markers'.
     pub(super) contact: [f64; 2],

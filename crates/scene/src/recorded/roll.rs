@@ -42,7 +42,7 @@ pub enum RollMethod {
     LeastSquares,
 }
 
-/// What the readings do not say themselves.
+/// Settings of an estimate that the readings do not state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollOptions {
     /// The probe's radius, in the readings' length unit.
@@ -72,13 +72,13 @@ pub struct RollReadings {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct UnresolvedProbe {
     probe: u64,
-    /// In the direction of that roll the object's radius of curvature is below this; `null` where
-    /// the pads' pitch is not given or too coarse to say.
+    /// Bound below which the object's radius of curvature lies in the direction of that roll; `null` where the pads'
+    /// pitch is not given or too coarse to say.
     radius_below: Option<f64>,
     unit: String,
 }
 
-/// What `estimate roll` prints.
+/// Output of `estimate roll`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RollEstimate {
     method: &'static str,
@@ -97,7 +97,7 @@ pub struct RollEstimate {
     amplification_v: Option<f64>,
     /// Root mean square of what the fit leaves of each component of a shift.
     residual_rms: Value,
-    /// Where the standard deviations come from.
+    /// Origin of the standard deviations, in words.
     std_from: &'static str,
     unresolved_probes: Vec<UnresolvedProbe>,
 }
@@ -191,6 +191,24 @@ fn last_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError
 ///
 /// Standard deviations follow from the pitch where it is given, else from the residuals, where
 /// there are more readings than unknowns.
+///
+/// ```
+/// use palpate_scene::recorded::{RecordedFile, RollMethod, RollOptions, estimate_roll, parse_roll};
+///
+/// // A probe of radius 10 that is turned by 0.3 on a ball of radius 20 rolls over 0.3 / (1/10 + 1/20) = 2.
+/// let csv = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,0,-0.3,2,0\n1,0.3,0,0,2\n";
+/// let readings = parse_roll(RecordedFile::new("readings.csv", csv.as_bytes().to_vec()))?;
+/// let options = RollOptions {
+///     probe_radius: 10.0,
+///     length_unit: None,
+///     pitch: None,
+///     method: RollMethod::LeastSquares,
+/// };
+/// let estimate = serde_json::to_value(estimate_roll(&readings, &options)?)?;
+/// let curvature = estimate["mean_curvature"]["value"].as_f64().ok_or("no number")?;
+/// assert!((curvature - 0.05).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`RecordedError::Readings`] where the options contradict the file or the readings do not tell

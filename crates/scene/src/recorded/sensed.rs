@@ -1,4 +1,4 @@
-//! What a calibrated camera sensor reads from two frames.
+//! Readings of a calibrated camera sensor from two frames.
 
 use palpate_tracking::{Calibration, CalibrationError, Displaced, Equidistant, Field, FieldError};
 use serde::Serialize;
@@ -18,7 +18,7 @@ use crate::{Table, Unit};
 pub struct SensorOptions {
     /// Radius of the skin.
     pub radius: f64,
-    /// Of the markers under the skin.
+    /// Depth of the markers under the skin.
     pub depth: f64,
     /// The camera's scale; `None` for the calibration's px per length times the markers' distance from the centre.
     pub px_per_rad: Option<f64>,
@@ -35,7 +35,7 @@ pub struct Sensed {
     field: Field,
 }
 
-/// What `sensor track` prints.
+/// Output of `sensor track`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackedPress {
     frames: Fates,

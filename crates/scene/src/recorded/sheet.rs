@@ -13,7 +13,7 @@ pub enum RecordedError {
     File {
         /// The file.
         file: String,
-        /// What is wrong.
+        /// Problem in words.
         message: String,
     },
     /// A line is wrong: the header lacks or adds a column, a row a field, or a field is no number.
@@ -23,7 +23,7 @@ pub enum RecordedError {
         file: String,
         /// The line, from 1.
         line: usize,
-        /// What is wrong, with the column and the value.
+        /// Problem in words, with the column and the value.
         message: String,
     },
     /// The numbers are readable but tell nothing.
@@ -31,7 +31,7 @@ pub enum RecordedError {
     Readings {
         /// The file.
         file: String,
-        /// What is wrong.
+        /// Problem in words.
         message: String,
     },
 }
@@ -201,7 +201,7 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Where each column stands, and the unit that the header states.
+/// Places of the columns in a row, and the unit that the header states.
 fn places(header: &[&str], columns: &[Column]) -> Result<(Vec<usize>, Option<LengthUnit>), String> {
     let wanted = || {
         columns

@@ -6,16 +6,17 @@ use super::calibration::CalibrationPoints;
 use super::sheet::RecordedError;
 use super::tracked::{Frame, track_frames};
 
-/// What is known of pressed frames, a displacement each of the marker under the contact.
+/// Known displacements of the marker under the contact, one for each pressed frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct KnownOfFrames {
-    /// Inward, length.
+    /// Inward displacements, length.
     pub normal: Option<Vec<f64>>,
-    /// Along the skin, length, in whatever direction.
+    /// Displacements along the skin, length, in whatever direction.
     pub tangential: Option<Vec<f64>>,
-    /// What tells normal displacements, and with them which marker is under the contact: the one that changes most.
+    /// Feature that tells normal displacements, and with them which marker is under the contact: the one that changes
+    /// most.
     pub from: NormalFrom,
-    /// Of the camera, where it is known; else the frames' pixels count as those of their middle.
+    /// Pixels per radian of the camera, where they are known; else the frames' pixels count as those of their middle.
     pub px_per_rad: Option<f64>,
 }
 
@@ -86,7 +87,7 @@ pub fn calibration_points_of_frames(
     Ok((CalibrationPoints::shown(source, &normal, &lateral), markers))
 }
 
-/// By what a marker under the contact stands out.
+/// Strength of a change by which a marker under the contact stands out.
 fn strength(change: &Change, known: &KnownOfFrames) -> f64 {
     match (&known.normal, known.from) {
         (None, _) => libm::hypot(change.shift_px[0], change.shift_px[1]),

@@ -21,14 +21,15 @@ pub struct Frame {
     pub image: RgbImage,
 }
 
-/// What became of the markers of a rest frame.
+/// Tracks of the markers from a rest frame to a pressed one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackedFrames {
-    /// Those of the rest frame, from its middle outward; then those that are new.
+    /// Tracks of the markers of the rest frame, from its middle outward; then of those that are new.
     pub tracks: Vec<Track>,
-    /// Those of the rest frame that are cut off by its rim, which are not tracked.
+    /// Markers of the rest frame that are cut off by its rim, which are not tracked.
     pub cut: Vec<Marker>,
-    /// Where the rest frame shows the apex if the camera looks straight at it, px: the middle of its image circle.
+    /// Place at which the rest frame shows the apex if the camera looks straight at it, px: the middle of its image
+    /// circle.
     pub centre_px: [f64; 2],
     files: [String; 2],
 }
@@ -164,7 +165,7 @@ impl TrackedFrames {
         })
     }
 
-    /// What to beware of.
+    /// Warnings about the tracks, one line each.
     pub fn warnings(&self) -> Vec<String> {
         let [rest, pressed] = &self.files;
         let moved = self.moved_together().map(|(median, spacing)| {

@@ -8,7 +8,7 @@ use crate::config::{self, ModelConfig, RollAxis, RollConfig, RollModelConfig};
 use crate::ladder::{Ladder, Rung};
 
 impl RollScene {
-    /// What each probe is told to do without noise, in as many pieces as noise would change it.
+    /// Commanded motion of each probe without noise, in as many pieces as noise would change it.
     pub fn noiseless(&self) -> Vec<Vec<Motion>> {
         let pieces = self.noise.pieces();
         let commands = self.commands.iter();

@@ -14,7 +14,7 @@ use super::noise::MotionNoise;
 pub(super) struct LinearRolls {
     radius: f64,
     probes: Vec<LinearRoll>,
-    /// Of the error of each component of the rotation, if there is one.
+    /// Distribution of the error of each component of the rotation, if there is one.
     error: Option<Distribution>,
 }
 
@@ -23,9 +23,9 @@ pub(super) struct LinearRolls {
 struct LinearRoll {
     /// Path of the contact as commanded, along u and v.
     commanded: [f64; 2],
-    /// What is added to it per unit of error of the rotation about x.
+    /// Change of that path per unit of error of the rotation about x.
     per_error_x: [f64; 2],
-    /// The same about y.
+    /// Change of that path per unit of error of the rotation about y.
     per_error_y: [f64; 2],
     reported: ProbeRotation,
 }
@@ -64,8 +64,8 @@ impl LinearRoll {
 }
 
 impl LinearRolls {
-    /// For probes that are told `commands` and report `rotations`; `None` where a roll is not
-    /// linear: on other objects, or where its motion changes on the way or is measured with errors.
+    /// Rolls of probes that are told `commands` and report `rotations`; `None` where a roll is not linear: on other
+    /// objects, or where its motion changes on the way or is measured with errors.
     pub(super) fn new(
         roller: &Roller,
         commands: &[Motion],
@@ -99,7 +99,8 @@ impl LinearRolls {
         self.all_short(|distribution| distribution.draw(&mut stream))
     }
 
-    /// The same of the trials from `first` on, side by side; `None` where any gives none.
+    /// Moments of [`LinearRolls::short`] for the trials from `first` on, side by side; `None` where any of them gives
+    /// none.
     #[inline(always)]
     pub(super) fn side_by_side(&self, seed: u64, first: u64) -> Option<Moments<Lanes>> {
         let mut streams = Streams::new(seed, first, Channel::AngularVelocity);
@@ -160,7 +161,7 @@ impl LinearRolls {
         }
     }
 
-    /// The same with a source of errors in units of their size.
+    /// Tells the contacts' paths with errors from `error`, in units of their size.
     #[inline(always)]
     fn disturbed<N: Number, E>(
         &self,

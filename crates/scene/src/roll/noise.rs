@@ -4,10 +4,10 @@ use nalgebra::Vector2;
 use palpate_rolling::{Motion, RollError, Roller, Shift};
 use palpate_sensing::{AngularVelocityError, Channel, Stream};
 
-/// Where and when an error of the angular velocity strikes.
+/// Error of the angular velocity: in the motion, or in its measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum MotionNoise {
-    /// Nowhere: nothing is drawn.
+    /// No error: nothing is drawn.
     None,
     /// The probe moves otherwise than commanded; the command is reported.
     Motion {
@@ -41,7 +41,7 @@ impl MotionNoise {
         !matches!(self, Self::None)
     }
 
-    /// Into how many motions a roll falls.
+    /// Number of motions into which a roll falls.
     pub(super) fn pieces(&self) -> u32 {
         match self {
             Self::Motion { instants, .. } => *instants,
@@ -102,7 +102,7 @@ impl MotionNoise {
 }
 
 impl NoiseTrial {
-    /// What a probe told `command` does, and the rotation it reports.
+    /// Shift of the contact of a probe that is told `command`, and the rotation that it reports.
     #[inline]
     pub(super) fn roll(
         &mut self,

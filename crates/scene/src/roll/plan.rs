@@ -1,4 +1,4 @@
-//! From a roll's config to a [`RollScene`].
+//! Plan of a roll: from its config to a [`RollScene`].
 
 use palpate_ep1::{LeastSquares, ReadingNoise};
 use palpate_geometry::{Shape, Surface};
@@ -71,7 +71,7 @@ impl RollScene {
         let truth =
             truth(&roller, &commands).map_err(|error| PlanError::at("scene.motion", error))?;
         let rotations: Vec<_> = commands.iter().map(Motion::rotation).collect();
-        // What is reported of them, where their measurement does not err.
+        // Rotations as the encoder reports them where their measurement does not err.
         let reported: Vec<_> = rotations
             .iter()
             .map(|&rotation| encoder.map_or(rotation, |encoder| encoder.read(&rotation)))

@@ -1,4 +1,4 @@
-//! What senses the contact on the probe.
+//! Sensors of the contact on the probe.
 
 use nalgebra::Vector2;
 use palpate_sensing::{BeyondPads, Channel, PadPlacement, Pads, Stream, Wrist};

@@ -19,7 +19,7 @@ const SAMPLES: usize = 100;
 pub struct RollTrace {
     /// Truth: `probe,t_s,object_x…,probe_x…,normal_x…,arc_length`.
     pub contacts: Table,
-    /// What `estimate roll` accepts.
+    /// Readings, in the form that `estimate roll` accepts.
     pub readings: Table,
 }
 
@@ -31,7 +31,7 @@ pub enum TraceError {
     Roll {
         /// Which probe, from 0.
         probe: usize,
-        /// Why, when and where.
+        /// Reason, with the time and the place.
         error: RollError,
     },
     /// The sensor cannot read a contact.
@@ -39,7 +39,7 @@ pub enum TraceError {
     Sensor {
         /// Which probe, from 0.
         probe: usize,
-        /// Why.
+        /// Reason in words.
         error: BeyondPads,
     },
 }

@@ -32,7 +32,7 @@ fn edited(from: &str, to: &str) -> String {
     BASE.replacen(from, to, 1)
 }
 
-/// What is said about a bad config.
+/// Message about a bad config.
 fn message(text: &str) -> String {
     match parse("study.toml", text) {
         Ok(_) => panic!("accepted:\n{text}"),

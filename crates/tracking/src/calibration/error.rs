@@ -1,4 +1,4 @@
-//! Points from which no calibration follows.
+//! Errors of calibrations.
 
 use thiserror::Error;
 
@@ -8,7 +8,7 @@ pub enum CalibrationError {
     /// Fewer points than a line needs.
     #[error("{count} {what}; a calibration needs at least {needed}")]
     TooFewPoints {
-        /// What is counted.
+        /// Name of the things counted: points or parts.
         what: &'static str,
         /// How many there are.
         count: usize,
@@ -33,10 +33,10 @@ pub enum CalibrationError {
         /// Which point.
         point: usize,
     },
-    /// What should follow the displacement does not change with it.
+    /// The signal does not change with the displacement.
     #[error("{what} does not change with the displacement: there is no slope to calibrate")]
     NoSlope {
-        /// What should.
+        /// Name of the signal.
         what: &'static str,
     },
     /// A number of a calibration or of a camera makes no sense, or leaves the range of doubles.
@@ -46,7 +46,7 @@ pub enum CalibrationError {
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What makes sense.
+        /// Allowed values, in words.
         needed: &'static str,
     },
     /// The calibration is of a sensor with another number of markers.

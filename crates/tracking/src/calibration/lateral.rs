@@ -17,19 +17,35 @@ pub struct LateralPoint {
 
 /// How far the centroid shifts per length of tangential displacement, as a function of the normal displacement u:
 /// p₀ + p₁ u.
+///
+/// ```
+/// use palpate_tracking::{LateralCalibration, LateralPoint};
+///
+/// // The centroid shifts by 12 px per unit of length, whatever the normal displacement.
+/// let points = [0.5, 1.0, 2.0].map(|length| LateralPoint {
+///     tangential: [length, 0.0],
+///     shift_px: [12.0 * length, 0.0],
+///     normal: None,
+/// });
+/// let lateral = LateralCalibration::fit(&points)?;
+/// assert!((lateral.px_per_length - 12.0).abs() < 1e-9);
+/// assert!((lateral.slope(0.3) - 12.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralCalibration {
     /// p₀, px per length.
     pub px_per_length: f64,
-    /// Its standard error.
+    /// Standard error of p₀.
     pub px_per_length_std: Option<f64>,
     /// p₁, px per length squared; `None` where there were fewer than two normal displacements.
     pub per_indentation: Option<f64>,
-    /// Its standard error.
+    /// Standard error of p₁.
     pub per_indentation_std: Option<f64>,
     /// Root mean square of the residuals over p₀ + p₁ u, length.
     pub residual_rms: f64,
-    /// The same with the number of points less the number of unknowns as divisor; `None` where that is 0.
+    /// Standard deviation of the residuals over p₀ + p₁ u, length: the root of the sum of their squares over the number
+    /// of points less the number of unknowns; `None` where that is 0.
     pub residual_std: Option<f64>,
     /// The line through rest, p₁ = 0.
     pub line: Line,
@@ -245,7 +261,7 @@ mod tests {
         let read = fitted.read([7.4, -3.7], 0.2).expect("finite");
         assert_relative_eq!(read[0], 1.0, max_relative = 1e-9);
         assert_relative_eq!(read[1], -0.5, max_relative = 1e-9);
-        // Beyond the range, its end counts.
+        // Beyond the fitted range the slope is that at its end.
         assert_relative_eq!(fitted.slope(10.0), 7.6, max_relative = 1e-9);
         assert!(fitted.slope(f64::NAN).is_finite());
     }

@@ -2,10 +2,21 @@
 
 use super::CalibrationError;
 
-/// Numbers up to this can be squared and summed.
+/// Largest number that can be squared and summed without overflow.
 const LARGEST: f64 = 1e100;
 
 /// A least-squares line: a signal (hue in turns, px, …) over the displacement that is known.
+///
+/// ```
+/// use palpate_tracking::Line;
+///
+/// // Points (displacement, signal): the hue turns by 0.02 per unit of length.
+/// let line = Line::through_rest(&[[0.0, 0.0], [1.0, 0.02], [2.0, 0.04]])?;
+/// assert!((line.slope - 0.02).abs() < 1e-12);
+/// assert!((line.r_squared - 1.0).abs() < 1e-12);
+/// assert_eq!((line.intercept, line.count), (None, 3));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// Signal per length.
@@ -19,18 +30,19 @@ pub struct Line {
     pub r_squared: f64,
     /// Root mean square of the signal's residuals over the slope, length.
     pub residual_rms: f64,
-    /// The same with the number of points less the number of unknowns as divisor; `None` where that is 0.
+    /// Standard deviation of the signal's residuals over the slope, length: the root of the sum of their squares over
+    /// the number of points less the number of unknowns; `None` where that is 0.
     pub residual_std: Option<f64>,
-    /// Points.
+    /// Number of points.
     pub count: usize,
 }
 
-/// What is fitted, for messages.
+/// Names of the displacement and the signal of a fit, for messages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Words {
-    /// Of the displacement: normal or tangential.
+    /// Kind of the displacement: normal or tangential.
     pub(super) displacement: &'static str,
-    /// The signal.
+    /// Name of the signal.
     pub(super) signal: &'static str,
 }
 
@@ -86,7 +98,7 @@ pub(super) fn fit(
     let freedom = points.len() - 1 - usize::from(has_intercept);
     let mean_square = (freedom > 0).then(|| residuals / freedom as f64);
     let unit = signal / length;
-    // What the mean alone explains as well is no slope.
+    // A slope so small explains no more than the mean alone: there is none.
     if slope.abs() < 1e-12 {
         return Err(CalibrationError::NoSlope { what: words.signal });
     }

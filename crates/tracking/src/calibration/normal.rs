@@ -8,7 +8,7 @@ use super::CalibrationError;
 use super::line::{Line, Words, finite, fit};
 use crate::Change;
 
-/// What of a marker tells its normal displacement.
+/// Feature of a marker's picture that tells its normal displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NormalFrom {
     /// Its mean hue: the overlap of the two discs, and so the difference between the displacements at their depths.
@@ -23,7 +23,7 @@ pub enum NormalFrom {
 }
 
 impl NormalFrom {
-    /// All, the default first.
+    /// All features, the default first.
     pub const ALL: [Self; 3] = [Self::Hue, Self::Size, Self::Both];
 
     /// The stable name.
@@ -56,7 +56,7 @@ pub struct NormalPoint {
     pub normal: f64,
     /// Change of its hue, turns.
     pub hue_turns: f64,
-    /// Change of the logarithm of its diameter.
+    /// Change of the logarithm of the marker's diameter.
     pub growth: f64,
 }
 
@@ -64,7 +64,7 @@ pub struct NormalPoint {
 /// the change of hue and the nearness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NormalCalibration {
-    /// What counts.
+    /// Feature that displacements are read from.
     pub from: NormalFrom,
     /// The weights of hue (per turn) and of nearness in the signal. From hue alone they are 1 and 0, so that the signal
     /// is in turns; from both, the signal is a length.
@@ -127,7 +127,7 @@ impl NormalCalibration {
         calibration.checked()
     }
 
-    /// The same, with the markers' own slopes where they are known.
+    /// Lets the markers' own slopes count where they are known.
     pub fn per_marker(self) -> Self {
         Self {
             uses_gains: true,
@@ -177,7 +177,7 @@ fn nearness(growth: f64) -> f64 {
 
 fn signal(weights: [f64; 2], hue_turns: f64, nearness: f64) -> f64 {
     let [per_turn, per_nearness] = weights;
-    // A part without weight may be unknown.
+    // A part without weight may be NaN.
     let part = |weight: f64, number: f64| if weight == 0.0 { 0.0 } else { weight * number };
     part(per_turn, hue_turns) + part(per_nearness, nearness)
 }

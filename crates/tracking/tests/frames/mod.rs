@@ -7,7 +7,7 @@ use image::RgbImage;
 pub(crate) struct Truth {
     pub(crate) centroid_px: [f64; 2],
     pub(crate) hue_turns: f64,
-    /// Of a bright frame; 0 in a dark one.
+    /// Size in a bright frame, px²; 0 in a dark one.
     pub(crate) size_px2: f64,
 }
 

@@ -17,7 +17,7 @@ fn field(places: impl IntoIterator<Item = [f64; 2]>) -> Field {
     Field::new(&markers.collect::<Vec<_>>()).unwrap()
 }
 
-/// Around `place`, at steps from one that is lost in rounding to one that is not.
+/// Places around `place`, at steps from one that is lost in rounding to one that is not.
 fn around([x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
     let steps = [0.0, 1e-17, 1e-13, 1e-9, 1e-4];
     steps.into_iter().flat_map(move |step| {

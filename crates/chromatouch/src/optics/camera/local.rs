@@ -40,7 +40,7 @@ pub(in crate::optics) struct Region {
 }
 
 impl Local {
-    /// At a polar angle with this sine and cosine.
+    /// Derivatives of a camera's lens at a polar angle, rad, with this sine and cosine.
     #[inline]
     pub(in crate::optics) fn new(camera: &Camera, polar: f64, (sine, cosine): (f64, f64)) -> Self {
         match camera.lens {

@@ -4,7 +4,8 @@ use super::row::Row;
 
 /// The last rows, blurred along themselves, and the weights of neighbours.
 pub(super) struct Blur {
-    /// From the pixel itself outward, to 3.5 standard deviations; both sides sum to 1.
+    /// Weights of the pixel itself and of its neighbours outward, to 3.5 standard deviations; both sides together sum
+    /// to 1.
     weights: Vec<f32>,
     rows: Vec<Row>,
     /// How many rows were taken in.
@@ -14,7 +15,7 @@ pub(super) struct Blur {
 }
 
 impl Blur {
-    /// Of this standard deviation, px; `None` without.
+    /// Blur with a standard deviation of `std_px`; `None` where that is 0.
     pub(super) fn new(std_px: f64, size: usize) -> Option<Self> {
         if std_px <= 0.0 {
             return None;

@@ -203,7 +203,7 @@ impl PaintedMarker {
     }
 }
 
-/// Of vectors whose squares are in the range of doubles.
+/// Length of a vector whose square is in the range of doubles.
 #[inline]
 fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()

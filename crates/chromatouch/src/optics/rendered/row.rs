@@ -32,7 +32,7 @@ impl Row {
         &mut self.levels[3 * column..3 * column + 3]
     }
 
-    /// Lets shares of the light through.
+    /// Multiplies the light of a pixel by the shares that pass.
     fn filter(&mut self, column: usize, shares: [f32; 3]) {
         for (level, share) in self.pixel(column).iter_mut().zip(shares) {
             *level *= share;
@@ -65,7 +65,7 @@ impl Row {
             for (level, other) in blurred.levels.iter_mut().skip(3 * step).zip(behind) {
                 *level += weight * other;
             }
-            // Beyond the ends.
+            // Beyond its ends the row goes on as it ends.
             for column in 0..step.min(last + 1) {
                 for channel in 0..3 {
                     blurred.levels[3 * column + channel] += weight * self.levels[channel];
@@ -86,7 +86,7 @@ impl Row {
     /// Rounds to whole levels.
     pub(super) fn write(&self, bytes: &mut [u8]) {
         for (byte, level) in bytes.iter_mut().zip(&self.levels) {
-            // Added to a number whose last bit is 1, the level is rounded and stands in the last bits.
+            // 2²³ plus a level rounds it to a whole number, which stands in the last bits of the sum.
             *byte = (level.clamp(0.0, 255.0) + 8_388_608.0).to_bits() as u8;
         }
     }
@@ -95,9 +95,9 @@ impl Row {
 /// Paints the rows of a frame, from the first to the last.
 pub(super) struct Rows<'a> {
     camera: &'a Camera,
-    /// In the order of their first rows.
+    /// Markers in the order of their first rows.
     markers: &'a [PaintedMarker],
-    /// Those that began and have not ended.
+    /// Indices of the markers that began at or above the row and have not ended.
     active: Vec<usize>,
     /// How many began.
     begun: usize,

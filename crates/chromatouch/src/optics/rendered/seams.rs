@@ -19,7 +19,7 @@ pub(super) struct SeamLines {
 }
 
 impl SeamLines {
-    /// `None` if there are none.
+    /// Seams of a sensor; `None` if there are none.
     pub(super) fn new(optics: &Optics) -> Option<Self> {
         let seams = optics.blemishes.seams.filter(|seams| seams.width > 0.0)?;
         let camera = &optics.camera;

@@ -10,7 +10,7 @@ struct Writer {
     text: String,
 }
 
-/// Of a sheet in millimetres.
+/// DXF text of a sheet whose lengths are in millimetres.
 pub(super) fn written(sheet: &CuttingSheet) -> String {
     let mut writer = Writer::default();
     writer.header(sheet.half_side());

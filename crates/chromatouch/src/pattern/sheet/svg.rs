@@ -5,7 +5,7 @@ use svg::node::element::{Circle, Group, Line, Polygon};
 
 use super::{CUT, CuttingSheet, FOLD, MAGENTA, YELLOW, millimetres};
 
-/// Of a sheet in millimetres. SVG's y runs down the page, the sheet's up.
+/// SVG text of a sheet whose lengths are in millimetres. SVG's y runs down the page, the sheet's up.
 pub(super) fn written(sheet: &CuttingSheet) -> String {
     let half_side = sheet.half_side();
     let corner = millimetres(-half_side);

@@ -40,7 +40,7 @@ pub enum GlideEstimatorConfig {
         #[serde(default = "three")]
         #[schemars(extend("minimum" = 1, "maximum" = 5))]
         second_degree: u32,
-        /// What residuals are multiplied with.
+        /// Factor on the residuals.
         #[serde(default = "hundred")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         weight: f64,
@@ -48,7 +48,7 @@ pub enum GlideEstimatorConfig {
         #[serde(default = "thousand")]
         #[schemars(extend("minimum" = 0))]
         smoothing: f64,
-        /// The same of the second spline.
+        /// Sum of squared weighted residuals that the second spline aims at.
         #[serde(default = "thousand")]
         #[schemars(extend("minimum" = 0))]
         second_smoothing: f64,

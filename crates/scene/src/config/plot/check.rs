@@ -1,4 +1,4 @@
-//! What no schema says of plots: which keys, tables and columns go together.
+//! Rules of plots that no schema states: which keys, tables and columns go together.
 
 use super::{PlotKind, STATISTICS, STD_BOUND};
 use crate::config::error::Fault;

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What the camera sees, and how displacements follow from it. The lens is an equidistant fisheye.
+/// The camera and the way from its pictures to displacements. The lens is an equidistant fisheye.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraConfig {
@@ -27,7 +27,7 @@ pub struct CameraConfig {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub seam_width: f64,
-    /// What of a marker's picture tells its normal displacement.
+    /// Feature of a marker's picture that tells its normal displacement.
     #[serde(default)]
     pub normal_from: NormalFrom,
     /// Presses on a plane that calibrate the sensor.
@@ -62,7 +62,7 @@ fn one() -> u32 {
     1
 }
 
-/// What of a marker's picture tells its normal displacement.
+/// Feature of a marker's picture that tells its normal displacement.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalFrom {
@@ -91,7 +91,7 @@ pub struct CalibrationConfig {
     #[serde(default = "sixteen")]
     #[schemars(extend("minimum" = 1, "maximum" = 1000))]
     pub rest_frames: u32,
-    /// Of which markers the normal displacement is known.
+    /// Markers whose normal displacement is known.
     #[serde(default)]
     pub markers: ShownMarkers,
 }

@@ -99,31 +99,31 @@ impl Default for PressEstimatorConfig {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Indentation {
-    /// Something else tells it, a robot's pose say.
+    /// A value that something else tells, a robot's pose say.
     #[default]
     Known,
-    /// It follows from the displacements.
+    /// An unknown, which follows from the displacements.
     Fitted,
 }
 
-/// What displacements are without a press.
+/// Reading of normal displacements without a press.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Baseline {
-    /// They are 0.
+    /// Zero.
     #[default]
     Known,
-    /// All normal displacements may be off by the same, which is fitted.
+    /// An offset that is the same for all normal displacements, which is fitted.
     Fitted,
 }
 
-/// Where the estimator has the noise of displacements from.
+/// Source of the noise of displacements that the estimator reckons with.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseKnown {
-    /// It is told that of the scene; found from the residuals where the scene has none.
+    /// The noise of the scene; found from the residuals where the scene has none.
     #[default]
     Stated,
-    /// From the residuals.
+    /// The residuals.
     Found,
 }

@@ -1,15 +1,15 @@
-//! Where markers lie along the skin.
+//! Layouts of the markers along the skin.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Where the markers lie along the skin: the name of a layout, or a table that makes one.
+/// Places of the markers along the skin: the name of a layout, or a table that makes one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum LayoutConfig {
     /// A layout that has a name.
     Named(NamedLayout),
-    /// One that is made.
+    /// A layout that is made from its settings.
     Table(LayoutTable),
 }
 
@@ -56,7 +56,7 @@ pub enum LayoutTable {
         /// How many.
         #[schemars(extend("minimum" = 2, "maximum" = 100_000))]
         markers: u32,
-        /// From the first to the last.
+        /// Distance from the first marker to the last along the skin.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         length: f64,
     },
@@ -65,7 +65,7 @@ pub enum LayoutTable {
         /// How many.
         #[schemars(extend("minimum" = 2, "maximum" = 100_000))]
         markers: u32,
-        /// From the first to the last.
+        /// Distance from the first marker to the last along the skin.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         length: f64,
     },

@@ -23,7 +23,7 @@ pub(super) struct Calibrated {
     pub(super) stds: [Option<f64>; 2],
 }
 
-/// What a marker showed of a displacement that is known.
+/// Marker of a calibration press: its known displacement, and how its picture changed.
 struct Shown {
     marker: usize,
     known: MarkerDisplacement,
@@ -49,7 +49,7 @@ impl Planned<'_> {
         Ok(Calibrated { calibration, stds })
     }
 
-    /// What the markers show of one of the presses.
+    /// Markers of one of the calibration presses, with the changes of their pictures.
     fn shown(
         &self,
         bodies: &DiscBodies,
@@ -122,7 +122,7 @@ impl Planned<'_> {
         Calibration::new(Some(normal), Some(lateral), None)
     }
 
-    /// Of the markers, midway between their discs.
+    /// Displacements of the markers, midway between their discs.
     fn displacements(&self, pressed: &Pressed) -> Result<Vec<MarkerDisplacement>, PressError> {
         let skin = self.markers.skin();
         let contact = skin.contact(self.body, pressed.object_curvature, pressed.indentation)?;

@@ -1,4 +1,4 @@
-//! From a config to a press before a camera: the discs, the optics, and the calibration by presses on a plane.
+//! Plan of a press before a camera: the discs, the optics, and the calibration by presses on a plane.
 
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Lens, MarkerArray, MarkerMotion,
@@ -29,18 +29,18 @@ pub(super) struct Planned<'a> {
     pub(super) seed: u64,
     pub(super) places: &'a [[f64; 2]],
     pub(super) markers: &'a Markers,
-    /// As the markers feel it, midway between their discs.
+    /// Body that moves the markers, midway between their discs.
     pub(super) body: &'a Body,
 }
 
-/// What presses do to the discs of each marker.
+/// Bodies that move the discs of the markers in a press.
 pub(super) struct DiscBodies {
     /// Depth of each disc, and the body there.
     magenta: (f64, Body),
     yellow: (f64, Body),
 }
 
-/// A press, as deep as it may be.
+/// Indentation and place of a press, with the curvature and the sideways shift of its object.
 #[derive(Clone, Copy)]
 pub(in crate::press) struct Pressed {
     pub(in crate::press) object_curvature: f64,
@@ -49,7 +49,7 @@ pub(in crate::press) struct Pressed {
     pub(in crate::press) shift: f64,
 }
 
-/// What an object that sticks to the skin and moves sideways adds to displacements at a depth.
+/// Adds to displacements at a depth those by an object that sticks to the skin and moves sideways.
 pub(in crate::press) fn shifted(
     model: &PressModelConfig,
     markers: &Markers,
@@ -134,7 +134,7 @@ impl Planned<'_> {
             .collect())
     }
 
-    /// What a marker shows without errors and pixels.
+    /// Picture of a marker without errors and pixels, as it changed in the press.
     fn exact(&self, eye: &Eye, motions: &[MarkerMotion], marker: usize) -> Option<Shows> {
         let none = GaussianError::new(0.0).ok()?;
         let exact = Eye {
@@ -389,7 +389,7 @@ fn array(
         .map_err(|error| of_optics(&error))
 }
 
-/// At the setting that is out of its range.
+/// Error at the setting that is out of its range.
 pub(crate) fn of_optics(error: &OpticsError) -> PlanError {
     let path = match error.setting() {
         Some(
