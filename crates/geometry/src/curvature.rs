@@ -197,7 +197,7 @@ impl ShapeClass {
     }
 }
 
-/// Below which K and H count as zero.
+/// Absolute values up to which Gaussian curvature K and mean curvature H count as zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeThresholds {
     gaussian: f64,
@@ -210,7 +210,7 @@ pub enum InvalidThresholds {
     /// A threshold is negative or not finite.
     #[error("{name} threshold is {value}; it must be finite and at least 0")]
     OutOfRange {
-        /// Which one.
+        /// Name of the threshold: `gaussian` or `mean`.
         name: &'static str,
         /// Its value.
         value: f64,
@@ -230,7 +230,7 @@ pub enum InvalidThresholds {
 }
 
 impl ShapeThresholds {
-    /// `|K| <= gaussian` (1/length²) and `|H| <= mean` (1/length) count as zero.
+    /// Thresholds such that `|K| <= gaussian` (1/length²) and `|H| <= mean` (1/length) count as zero.
     ///
     /// # Errors
     /// [`InvalidThresholds`] unless both are finite, at least 0, and `gaussian >= mean²`: since
@@ -248,12 +248,12 @@ impl ShapeThresholds {
         Ok(Self { gaussian, mean })
     }
 
-    /// Below which the Gaussian curvature counts as zero, 1/length².
+    /// Largest absolute Gaussian curvature that counts as zero, 1/length².
     pub const fn gaussian(&self) -> f64 {
         self.gaussian
     }
 
-    /// Below which the mean curvature counts as zero, 1/length.
+    /// Largest absolute mean curvature that counts as zero, 1/length.
     pub const fn mean(&self) -> f64 {
         self.mean
     }

@@ -58,7 +58,8 @@ impl Formula {
     ///
     /// Where the formula or a part of it is not twice differentiable, some component is infinite or NaN: `sqrt(x)` and
     /// `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also `sqrt(x^4)` at x = 0, which is smooth only as a whole.
-    /// So it is where a derivative is beyond the range of numbers. [`Jet::is_finite`] tells. The one exception is the cut of `atan2`: there the jet is finite and that of one side.
+    /// The same holds where a derivative is beyond the range of numbers. [`Jet::is_finite`] tells. The one exception is
+    /// the cut of `atan2`: there the jet is finite and that of one side.
     pub fn jet(&self, x: f64, y: f64) -> Jet {
         self.program.run(Jet::x(x), Jet::y(y))
     }

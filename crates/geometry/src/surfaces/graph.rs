@@ -68,6 +68,8 @@ pub struct HeightField {
 }
 
 impl Graph<Paraboloid> {
+    /// The graph `z = −c (x² + y²)`.
+    ///
     /// # Errors
     /// [`InvalidShape`] unless `c` (1/length) is finite.
     pub fn paraboloid(c: f64) -> Result<Self, InvalidShape> {
@@ -79,6 +81,8 @@ impl Graph<Paraboloid> {
 }
 
 impl Graph<Saddle> {
+    /// The graph `z = a (x² − y²)`.
+    ///
     /// # Errors
     /// [`InvalidShape`] unless `a` (1/length) is finite.
     pub fn saddle(a: f64) -> Result<Self, InvalidShape> {

@@ -1,4 +1,4 @@
-//! What every surface obeys, whatever it is, wherever it stands and through whichever type it is asked.
+//! Laws that every surface obeys, whatever its shape, wherever it stands and through whichever type it is asked.
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Isometry3, Matrix2, Matrix2x3, Matrix3x2, Point3, Vector2, Vector3};
