@@ -27,10 +27,10 @@ use search::Search;
 
 pub use model::{InvalidTouch, TouchModel};
 
-/// A place farther from the origin than this cannot be squared.
+/// Largest distance from the origin whose square is still a number.
 const FARTHEST: f64 = 1e150;
 
-/// What touches the object.
+/// The shape of a fingertip that glides over an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fingertip {
     /// A point.
@@ -42,7 +42,7 @@ pub enum Fingertip {
     },
 }
 
-/// Why a finger held at a place has no contact to report.
+/// Reasons for which a finger held at a place has no contact to report.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum GlideError {
     /// The contact would lie where the object is not defined; for a point, also beside a closed
@@ -53,9 +53,9 @@ pub enum GlideError {
     /// object's normal is horizontal.
     #[error("a tip of radius {radius} at x = {x}, y = {y} passes beside the object")]
     ContactLost {
-        /// Where the tip's centre is held.
+        /// Coordinate x at which the tip's centre is held.
         x: f64,
-        /// Where the tip's centre is held.
+        /// Coordinate y at which the tip's centre is held.
         y: f64,
         /// The tip's radius.
         radius: f64,
@@ -64,9 +64,9 @@ pub enum GlideError {
     /// that is as tight as the tip or tighter.
     #[error("a tip of radius {radius} at x = {x}, y = {y} touches at more than one place")]
     TwoContacts {
-        /// Where the tip's centre is held.
+        /// Coordinate x at which the tip's centre is held.
         x: f64,
-        /// Where the tip's centre is held.
+        /// Coordinate y at which the tip's centre is held.
         y: f64,
         /// The tip's radius.
         radius: f64,
@@ -75,9 +75,9 @@ pub enum GlideError {
     /// object too rough for the tip.
     #[error("no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}")]
     NoConvergence {
-        /// Where the tip's centre is held.
+        /// Coordinate x at which the tip's centre is held.
         x: f64,
-        /// Where the tip's centre is held.
+        /// Coordinate y at which the tip's centre is held.
         y: f64,
         /// The tip's radius.
         radius: f64,
@@ -136,7 +136,7 @@ pub struct Glider {
 }
 
 impl Glider {
-    /// By the default model; see [`Glider::on`] for others.
+    /// A glider whose contacts are found by the default model, [`TouchModel::default`]; [`Glider::on`] takes another.
     ///
     /// # Errors
     /// [`InvalidShape`] unless a sphere's radius is finite, positive and can be squared.

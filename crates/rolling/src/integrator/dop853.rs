@@ -14,7 +14,7 @@ use crate::RollFault;
 pub struct Dop853 {
     /// Bound on the weighted local error of a step (root mean square over the components).
     pub tolerance: f64,
-    /// Give up after this many steps, taken or rejected.
+    /// Largest number of steps, taken or rejected, after which the integration is given up.
     pub most_steps: usize,
 }
 
@@ -140,12 +140,12 @@ impl Dop853 {
     }
 }
 
-/// Not if it is no number.
+/// Whether a step is accepted whose error, squared, is `excess` times the tolerance squared; NaN is not.
 fn accepts(excess: f64) -> bool {
     excess <= 1.0
 }
 
-/// How much longer, or shorter, the next step can be.
+/// Factor from this step to the next, at most `most`, for an error as in [`accepts`].
 #[inline]
 fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)
@@ -299,7 +299,7 @@ const A12: [f64; 9] = [
     12.3605671757943030647266201528,
     0.643392746015763530355970484046,
 ];
-/// Of slopes 1 and 6 to 12: the step's slope, of order 8.
+/// Weights of slopes 1 and 6 to 12 in the slope of the whole step, which is of order 8.
 const B: [f64; 8] = [
     0.0542937341165687622380535766363,
     4.45031289275240888144113950566,
@@ -310,7 +310,7 @@ const B: [f64; 8] = [
     0.201365400804030348374776537501,
     0.0447106157277725905176885569043,
 ];
-/// Of the same slopes: its difference from a slope of order 5.
+/// Weights of slopes 1 and 6 to 12 in the difference between that slope and one of order 5.
 const E5: [f64; 8] = [
     0.01312004499419488073250102996,
     -1.225156446376204440720569753,
@@ -321,7 +321,7 @@ const E5: [f64; 8] = [
     0.08192320648511571246570742613,
     -0.02235530786388629525884427845,
 ];
-/// Of slopes 1, 9 and 12: a slope of order 3.
+/// Weights of slopes 1, 9 and 12 in a slope of order 3.
 const B3: [f64; 3] = [
     0.244094488188976377952755905512,
     0.733846688281611857341361741547,

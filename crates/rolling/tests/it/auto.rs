@@ -153,7 +153,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
     }
 }
 
-/// How many turns the probe makes in each of four directions.
+/// Number of turns of the probe in each of four directions.
 fn turns(turns: f64) -> Vec<Vec<Motion>> {
     let angle = turns * std::f64::consts::TAU;
     let directions = [0.2, 1.7, 3.3, 4.9];

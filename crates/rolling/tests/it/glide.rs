@@ -29,7 +29,7 @@ fn assert_at(touch: &Touch, point: [f64; 3], normal: Vector3<f64>, tolerance: f6
     assert!(turned <= 1e-12, "{} is not {normal}", touch.normal);
 }
 
-/// Where a function that is below 0 at `low` and above at `high` vanishes.
+/// A zero of a function that is below 0 at `low` and above at `high`.
 fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
