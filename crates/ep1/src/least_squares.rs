@@ -21,7 +21,7 @@ use crate::{
     Ep1Error, Estimate, Estimates, Lanes, Measured, Moments, Number, ProbeReading, ReadingNoise,
 };
 
-/// Rotations whose spread across their main axis is below this are taken as parallel.
+/// Spread across the main axis, over that along it, below which rotations are taken as parallel.
 const SMALLEST_SPREAD: f64 = 1e-6;
 /// A contact that moves less than this times what it would on a plane did not move.
 const SMALLEST_TRAVEL: f64 = 1e-12;
@@ -40,7 +40,7 @@ pub struct LeastSquares {
     inverse: Symmetric3,
     /// Covariance of these entries from the shifts' noise.
     from_shifts: Symmetric3,
-    /// The same from the rotations' noise, per entry of `(K₁ B)²`.
+    /// Covariance of these entries from the rotations' noise, per entry `uu`, `vv`, `uv` of `(K₁ B)²`.
     from_rotations: [Symmetric3; 3],
 }
 
@@ -50,8 +50,8 @@ impl LeastSquares {
     ///
     /// # Errors
     /// [`Ep1Error`] where there are too few probes, where they do not span the tangent plane, where a
-    /// rotation is not finite, and ([`Ep1Error::OutOfRange`]) where the radius is not finite and positive or a size of the noise
-    /// not finite and at least 0, or the rotations are below 1e-50 or above 1e50 rad.
+    /// rotation is not finite, and ([`Ep1Error::OutOfRange`]) where the radius is not finite and positive
+    /// or a size of the noise not finite and at least 0, or the rotations are below 1e-50 or above 1e50 rad.
     pub fn new(
         radius: f64,
         noise: ReadingNoise,
@@ -111,7 +111,7 @@ impl LeastSquares {
         })
     }
 
-    /// Fit and estimate in one, for recorded readings.
+    /// The estimate from recorded readings of probes of `radius`: fit and estimate in one.
     ///
     /// # Errors
     /// As [`LeastSquares::new`] and [`LeastSquares::estimate`].
@@ -174,7 +174,8 @@ impl LeastSquares {
         })
     }
 
-    /// The same from every set of readings side by side; `None` where any gives none.
+    /// Curvatures from several sets of readings side by side, as [`LeastSquares::estimate`] finds them from
+    /// each; `None` where any set gives none.
     #[inline(always)]
     pub fn estimates(&self, moments: &Moments<Lanes>) -> Option<Estimates<Lanes>> {
         let solution = self.solve(moments);
@@ -230,7 +231,7 @@ impl LeastSquares {
         }
     }
 
-    /// Why there is no estimate: in some direction the contact did not move, or moved backwards.
+    /// The error where the contact did not move, or moved backwards, in some direction.
     #[cold]
     fn not_moving(&self, travel: &Symmetric<f64>) -> Ep1Error {
         let matrix = travel.matrix();
@@ -307,7 +308,7 @@ impl LeastSquares {
     }
 }
 
-/// What the fit says, sound or not.
+/// The result of the fit, not yet checked to be that of a rolling contact.
 struct Solution<N: Number> {
     /// `K₁ B`.
     travel: Symmetric<N>,
