@@ -21,7 +21,7 @@ pub struct Sample {
     pub v: f64,
     /// Height over the plane of the patch.
     pub w: f64,
-    /// How much the contact counts.
+    /// Weight of the contact, as in [`Contact::weight`].
     pub weight: f64,
     /// ∂w/∂u and ∂w/∂v from the normal, if the contacts have normals.
     pub slopes: Option<[f64; 2]>,
@@ -39,7 +39,7 @@ pub struct Patch {
     /// Mean distance between neighbouring fingers across their travel, in the patch's unit; `None`
     /// for a single finger.
     pub finger_distance: Option<f64>,
-    /// How many fingers there are.
+    /// Number of fingers.
     pub fingers: usize,
 }
 

@@ -23,7 +23,7 @@ type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 /// a quadric.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quadric {
-    /// What is known of the noise.
+    /// Known standard deviations of the contacts' errors.
     pub noise: Noise,
 }
 
