@@ -11,6 +11,8 @@ pub struct Encoder {
 }
 
 impl Encoder {
+    /// Encoders that count in steps of `step_rad`.
+    ///
     /// # Errors
     /// [`InvalidSensor`] unless the step is finite and positive.
     pub fn new(step_rad: f64) -> Result<Self, InvalidSensor> {
@@ -19,7 +21,7 @@ impl Encoder {
         Ok(Self { step_rad })
     }
 
-    /// What the encoders report for a rotation.
+    /// The rotation that the encoders report, rad: each component to the nearest step.
     pub fn read(&self, rotation: &Vector2<f64>) -> Vector2<f64> {
         rotation.map(|angle| {
             let steps = (angle / self.step_rad).round() * self.step_rad;

@@ -24,7 +24,7 @@ impl GaussianError {
         self.std
     }
 
-    /// Of the mean of so many readings.
+    /// The error of the mean of so many readings; 0 counts as 1.
     #[must_use]
     pub fn averaged(&self, readings: u32) -> Self {
         Self {

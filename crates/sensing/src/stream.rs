@@ -13,7 +13,7 @@ use crate::StandardNormal;
 pub enum Channel {
     /// Error of the angular velocity.
     AngularVelocity = 1,
-    /// Where the pads lie under the first contact.
+    /// Place of the pads under the first contact.
     PadOffset = 2,
     /// Error of the contact that a wrist sensor infers.
     WristContact = 3,
@@ -25,13 +25,13 @@ pub enum Channel {
     NormalDisplacement = 6,
     /// Error of a marker's displacement along the skin.
     TangentialDisplacement = 7,
-    /// Error of an indentation that something else tells.
+    /// Error of an indentation that is measured by other means than the skin.
     Indentation = 8,
     /// Error of the factor on all normal displacements of a press.
     Gain = 9,
-    /// Which markers are wrong, and how far.
+    /// Choice of the markers that are wrong, and their errors.
     WrongMarkers = 10,
-    /// How the discs of a marker are misaligned by manufacture.
+    /// Misalignment of a marker's discs by manufacture.
     Misalignment = 11,
     /// Error of a pixel.
     Pixel = 12,
@@ -41,7 +41,7 @@ pub enum Channel {
     Centroid = 14,
     /// Error of a marker's size in the image.
     Size = 15,
-    /// Which markers are not seen.
+    /// Choice of the markers that are not seen.
     LostMarkers = 16,
 }
 
@@ -90,8 +90,8 @@ impl Stream {
         between_minus_1_and_1(self.next_word())
     }
 
-    /// So many different numbers of `0..of` (all of which are held in memory), each equally likely; all of them, shuffled, where there are no more. Draws
-    /// one number each.
+    /// Chooses `count` different numbers of `0..of`, each equally likely; all of them, shuffled, where there are no
+    /// more. Holds all of `0..of` in memory, and draws one random number for each number chosen.
     pub fn choose(&mut self, count: usize, of: usize) -> Vec<usize> {
         let mut items: Vec<usize> = (0..of).collect();
         let count = count.min(of);

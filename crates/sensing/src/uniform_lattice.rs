@@ -23,7 +23,7 @@ const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 const MOST_PADS: f64 = 1e15;
 
 impl UniformLattice {
-    /// One pad per square of the angular pitch (radians).
+    /// A lattice with one pad per square of the angular pitch (radians).
     ///
     /// # Errors
     /// [`InvalidSensor`] unless the pitch leaves between 2 and 10¹⁵ pads.
@@ -39,7 +39,7 @@ impl UniformLattice {
         Ok(Self { pads: pads as u64 })
     }
 
-    /// How many pads the whole sphere would hold.
+    /// Number of pads on the whole sphere.
     pub const fn pads(&self) -> u64 {
         self.pads
     }
@@ -139,7 +139,7 @@ fn azimuth(index: u64) -> f64 {
     std::f64::consts::TAU * turns
 }
 
-/// The same in [−π, π).
+/// Azimuth of pad `index` in [−π, π).
 fn signed_azimuth(index: u64) -> f64 {
     let turns = index.wrapping_mul(GOLDEN_TURN) as i64 as f64 / 2.0_f64.powi(64);
     std::f64::consts::TAU * turns
