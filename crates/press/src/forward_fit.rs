@@ -15,10 +15,10 @@ use outcome::Stds;
 use problem::{Problem, State};
 use search::Search;
 
-/// What was read of one press.
+/// The readings of one press.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading<'a> {
-    /// Where the markers lie.
+    /// Markers, with their places under the skin.
     pub markers: &'a Markers,
     /// Inward displacement of each, length.
     pub normal: &'a [f64],
@@ -37,42 +37,43 @@ pub struct Measured {
     pub std: f64,
 }
 
-/// What is known of a nuisance.
+/// Knowledge of a nuisance parameter of the readings: of the baseline or the gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prior {
-    /// It is as it should be.
+    /// It has its ideal value: 0 for a baseline, 1 for a gain.
     Exact,
-    /// It is so within a standard deviation.
+    /// It has its ideal value within this standard deviation (> 0, in its own unit), and is fitted.
     Within(f64),
-    /// Nothing is known: it is fitted.
+    /// It is unknown, and fitted.
     Free,
 }
 
-/// Least squares over relative curvature, place of the contact, indentation and what else is not known.
+/// The least-squares fit of one press: over relative curvature, place of the contact, indentation, and the baseline and
+/// gain where they are not exact.
 #[derive(Clone, Debug)]
 pub struct ForwardFit {
     /// The forward law.
     pub body: Body,
-    /// What all normal displacements are off by; should be 0. Length.
+    /// Offset common to all normal displacements, length; ideally 0.
     pub baseline: Prior,
-    /// Factor on all normal displacements; should be 1.
+    /// Factor on all normal displacements; ideally 1.
     pub gain: Prior,
     /// Standard deviation of normal displacements, length; found from the residuals if `None` or 0.
     pub normal_std: Option<f64>,
-    /// The same of either tangential component.
+    /// Standard deviation of either tangential component, length; found from the residuals if `None` or 0.
     pub tangential_std: Option<f64>,
-    /// Only markers within this distance of the contact count, length.
+    /// Largest distance from the contact at which a marker counts, length; `None` for all markers.
     pub window: Option<f64>,
 }
 
 /// Cramér–Rao bounds on standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Of the relative (and the object's) curvature, 1/length.
+    /// Bound for the relative curvature, and so for the object's curvature, 1/length.
     pub relative_curvature: f64,
-    /// Of the indentation, length.
+    /// Bound for the indentation, length.
     pub indentation: f64,
-    /// Of the contact's radius, length.
+    /// Bound for the contact's radius, length.
     pub contact_radius: f64,
 }
 
@@ -89,8 +90,8 @@ impl ForwardFit {
         }
     }
 
-    /// The press behind a reading. Of a reading without error the likeliest curvature is that of the press within 1e-9,
-    /// where the markers determine it.
+    /// The press behind a reading. For a reading without error the likeliest curvature is that of the press within
+    /// 1e-9, where the markers determine it.
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for what is given;
@@ -104,7 +105,8 @@ impl ForwardFit {
     }
 
     /// The least standard deviations that an unbiased estimate can have (Cramér and Rao), for a true contact at chart
-    /// coordinates. `tangential`: whether tangential displacements are sensed; `indentation_std`: of a known indentation.
+    /// coordinates `at`. `tangential` tells whether tangential displacements are sensed; `indentation_std` is the
+    /// standard deviation of an indentation that is measured too, length.
     ///
     /// `None` without a stated noise, or where the readings do not determine the press.
     pub fn bounds(

@@ -1,12 +1,12 @@
-//! Relations at the surface beside Hertz's own: what the 2020 paper has, and what holds for large contacts.
+//! Relations at the surface beside Hertz's own: that of the 2020 paper, and one that holds for large contacts.
 
 use crate::PressError;
 
-/// Past this ratio of the contact's radius to the sensor's, small-strain theory errs noticeably.
+/// Ratio of the contact's radius to the sensor's past which small-strain theory errs noticeably.
 pub const LARGE_CONTACT: f64 = 0.3;
 
 /// The 2020 paper's equation 2, δ (1 − r²/a²) within the contact and 0 outside. It falls to 0 at the contact's edge,
-/// where Hertz theory has δ/2: its r² lacks a factor ½. 0, too, where that is no finite number.
+/// where Hertz theory has δ/2: its r² lacks a factor ½. Also 0 where the formula gives no finite number.
 pub fn published_parabola(indentation: f64, a: f64, r: f64) -> f64 {
     let ratio = r / a;
     let displacement = indentation * (1.0 - ratio * ratio);

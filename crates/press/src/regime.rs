@@ -1,4 +1,4 @@
-//! How a round sensor touches an object, by their relative curvature.
+//! Regimes of contact between a round sensor and an object, by their relative curvature.
 
 /// The ways in which a sphere touches an object of some curvature (2020 paper, Fig. 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

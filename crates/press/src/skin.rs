@@ -19,7 +19,7 @@ pub struct Skin {
 /// A place on the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// From the sensor's centre.
+    /// Direction from the sensor's centre.
     pub direction: UnitVector3<f64>,
     /// The apex's x axis, carried here.
     pub x_axis: Vector3<f64>,
@@ -48,8 +48,8 @@ impl Skin {
         self.radius.recip()
     }
 
-    /// The place at chart coordinates (x, y); places more than half a turn away wrap around, and coordinates that are no
-    /// place at all, for no double holds their angle, count as the apex.
+    /// The place at chart coordinates (x, y); places more than half a turn away wrap around, and coordinates whose
+    /// angle is not finite count as the apex.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
         let [x, y] = [x / self.radius, y / self.radius];
         let angle = libm::hypot(x, y);
