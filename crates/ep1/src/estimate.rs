@@ -13,6 +13,22 @@ pub struct Measured {
 }
 
 /// The object's curvature at the contact, in the probe's first contact frame (u, v).
+///
+/// ```
+/// use nalgebra::Vector2;
+/// use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
+///
+/// // Probes of radius 2 on a plane: the contact moves by 2 per radian.
+/// let readings = [
+///     ProbeReading { rotation: Vector2::new(0.0, -0.1), shift: Vector2::new(0.2, 0.0) },
+///     ProbeReading { rotation: Vector2::new(0.1, 0.0), shift: Vector2::new(0.0, 0.2) },
+/// ];
+/// let estimate = LeastSquares::of(2.0, ReadingNoise::default(), &readings)?;
+/// assert_eq!(estimate.gaussian_curvature.value, 0.0);
+/// assert_eq!(estimate.mobility()[(0, 0)], 2.0);
+/// assert_eq!(estimate.amplification(0.0), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The object's curvature form, 1/length, convex positive.

@@ -29,6 +29,21 @@ const SMALLEST_TRAVEL: f64 = 1e-12;
 /// The least squares for a set of rotations: all of it that does not depend on the shifts.
 ///
 /// Many sets of shifts can be fitted for one set of rotations; see [`Moments`].
+///
+/// ```
+/// use nalgebra::Vector2;
+/// use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
+///
+/// // Probes of radius 1 on a ball of radius 3: the contact moves by 1/(1/1 + 1/3) per radian.
+/// let readings = [
+///     ProbeReading { rotation: Vector2::new(0.0, -0.1), shift: Vector2::new(0.075, 0.0) },
+///     ProbeReading { rotation: Vector2::new(0.1, 0.0), shift: Vector2::new(0.0, 0.075) },
+/// ];
+/// let estimate = LeastSquares::of(1.0, ReadingNoise::default(), &readings)?;
+/// assert!((estimate.mean_curvature.value - 1.0 / 3.0).abs() < 1e-13);
+/// assert!(estimate.amplification(0.0).is_some_and(|growth| (growth - 4.0).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct LeastSquares {
     radius: f64,

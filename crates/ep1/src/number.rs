@@ -74,6 +74,14 @@ impl Number for f64 {
 pub const LANES: usize = 4;
 
 /// A number of each of [`LANES`] sets of readings.
+///
+/// ```
+/// use palpate_ep1::{Lanes, Number};
+///
+/// let areas = Lanes([1.0, 4.0, 9.0, 16.0]);
+/// assert_eq!(areas.sqrt(), Lanes([1.0, 2.0, 3.0, 4.0]));
+/// assert_eq!(areas + Lanes::of(1.0), Lanes([2.0, 5.0, 10.0, 17.0]));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lanes(pub [f64; LANES]);
 

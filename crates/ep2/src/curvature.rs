@@ -14,6 +14,17 @@ pub(crate) const DERIVATIVES: usize = 5;
 pub(crate) type JetCovariance = [[Lanes; DERIVATIVES]; DERIVATIVES];
 
 /// Gaussian and mean curvature at a place, convex positive.
+///
+/// ```
+/// use palpate_ep2::{Curvature, SignClass};
+/// use palpate_geometry::{ShapeClass, ShapeThresholds};
+///
+/// // A place on a ball of radius 5.
+/// let ball = Curvature { gaussian: 0.04, mean: 0.2, uncertainty: None };
+/// assert_eq!(ball.class(&ShapeThresholds::new(0.01, 0.1)?), ShapeClass::Peak);
+/// assert_eq!(ball.sign_class(), SignClass::Convex);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curvature {
     /// Gaussian curvature, 1/length².

@@ -28,6 +28,22 @@ pub struct Sample {
 }
 
 /// The contacts of a patch, in its frame.
+///
+/// ```
+/// use nalgebra::{Point3, Vector3};
+/// use palpate_ep2::{Contact, Patch};
+///
+/// // Three fingers, 1 apart, slide by 4 over a plane.
+/// let places = (0..15).map(|i| (i / 5, f64::from(i % 5), f64::from(i / 5)));
+/// let contacts: Vec<Contact> = places
+///     .map(|(finger, x, y)| Contact::new(finger as usize, Point3::new(x, y, 0.0), None))
+///     .collect();
+/// let patch = Patch::new(&contacts, &Vector3::z())?;
+/// assert_eq!((patch.fingers, patch.equations()), (3, 15));
+/// assert!((patch.frame.scale() - 2.0).abs() < 1e-14);
+/// assert!(patch.finger_distance.is_some_and(|distance| (distance - 0.5).abs() < 1e-14));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Patch {
     /// The frame.

@@ -46,6 +46,20 @@ pub struct WeightedPoint {
 }
 
 /// The settings by which a smoothing spline is made.
+///
+/// ```
+/// use palpate_ep2::{SmoothingSpline, Status, WeightedPoint};
+///
+/// // The plane w = 1 + 2 u − v is a polynomial: no knots are needed.
+/// let places = (0..16).map(|i| (f64::from(i % 4), f64::from(i / 4)));
+/// let points: Vec<WeightedPoint> = places
+///     .map(|(u, v)| WeightedPoint { u, v, w: 1.0 + 2.0 * u - v, weight: 1.0 })
+///     .collect();
+/// let smoothed = SmoothingSpline::new(2, 1e-6).fit(&points)?;
+/// assert_eq!(smoothed.status, Status::Polynomial);
+/// assert!((smoothed.spline.value(0.5, 0.25) - 1.75).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothingSpline {
     /// Degrees in u and v, 1 to [`MAX_DEGREE`].

@@ -9,6 +9,18 @@ use thiserror::Error;
 ///
 /// Symmetric; positive where the solid is convex. A sphere of radius `R` has `I/R`, a dish `−I/R`.
 /// What is derived from it is finite for components up to 1e150 that are finite themselves.
+///
+/// ```
+/// use palpate_geometry::CurvatureForm;
+///
+/// // A cylinder of radius 2 whose axis lies along v.
+/// let form = CurvatureForm { k_uu: 0.5, k_uv: 0.0, k_vv: 0.0 };
+/// assert_eq!(form.gaussian_curvature(), 0.0);
+/// assert_eq!(form.mean_curvature(), 0.25);
+/// assert_eq!((form.principal().k_min, form.principal().k_max), (0.0, 0.5));
+/// // The shape index of a ridge.
+/// assert!(form.shape_index().is_some_and(|index| (index - 0.5).abs() < 1e-15));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CurvatureForm {
     /// Normal curvature along `u`.
@@ -260,6 +272,17 @@ impl ShapeThresholds {
 
     /// The class of a point, whose curvatures must be finite. `K` is clamped to `H²`, which it
     /// cannot exceed but for noise.
+    ///
+    /// ```
+    /// use palpate_geometry::{ShapeClass, ShapeThresholds};
+    ///
+    /// let thresholds = ShapeThresholds::new(0.01, 0.1)?;
+    /// // Outside of a sphere of radius 2, inside of a cylinder of radius 2, a sphere of radius 100.
+    /// assert_eq!(thresholds.classify(0.25, 0.5), ShapeClass::Peak);
+    /// assert_eq!(thresholds.classify(0.0, -0.25), ShapeClass::Valley);
+    /// assert_eq!(thresholds.classify(1e-4, 0.01), ShapeClass::Flat);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn classify(&self, gaussian_curvature: f64, mean_curvature: f64) -> ShapeClass {
         let gaussian = gaussian_curvature.min(mean_curvature * mean_curvature);
         let sign =

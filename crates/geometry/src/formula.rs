@@ -27,6 +27,18 @@ use program::Program;
 /// A function z = f(x, y) read from text, its parameters folded in as constants.
 ///
 /// Evaluation neither fails nor allocates. Outside the formula's domain the value is not finite (`ln(x)` at x ≤ 0).
+///
+/// ```
+/// use std::collections::BTreeMap;
+/// use palpate_geometry::formula::Formula;
+///
+/// let parameters = BTreeMap::from([("a".to_owned(), 0.5)]);
+/// let bowl = Formula::parse("a*(x^2 + y^2)", &parameters)?;
+/// assert_eq!(bowl.value(1.0, 2.0), 2.5);
+/// assert_eq!(bowl.jet(1.0, 2.0).gradient, [1.0, 2.0]);
+/// assert_eq!(bowl.jet(1.0, 2.0).hessian, [1.0, 0.0, 1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
     program: Program,

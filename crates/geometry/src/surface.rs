@@ -117,6 +117,19 @@ impl InvalidShape {
 /// the object's size. Worse conditioned are heights near a rim (where `R² − x²` is what counts), the
 /// Gaussian curvature where it is far below H², a closest point from within a hollow, and what is
 /// asked of a place that its coordinates hardly resolve.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use palpate_geometry::{Surface, surfaces::Sphere};
+///
+/// let sphere = Sphere::new(3.0)?;
+/// let top = sphere.contact_at(0.0, 0.0)?;
+/// let (normal, form) = sphere.curvature_along(&top, &Vector3::x())?;
+/// assert!((normal - Vector3::z()).norm() < 1e-15);
+/// assert!((form.k_uu - 1.0 / 3.0).abs() < 1e-15);
+/// assert!((form.gaussian_curvature() - 1.0 / 9.0).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Surface {
     /// The chart's point and derivatives at `at`.
     ///

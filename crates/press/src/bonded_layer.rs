@@ -28,6 +28,18 @@ const LIMIT: f64 = 50.0;
 const STEPS: usize = 30;
 
 /// An incompressible layer on a rigid base, read at a depth.
+///
+/// ```
+/// use palpate_press::BondedLayer;
+///
+/// // A contact that is small against the thickness is one with a half-space: D = a².
+/// let layer = BondedLayer::new(1.0, 0.5)?;
+/// let [indentation, _] = layer.indentation_of(1e-3)?;
+/// assert!((indentation / 1e-6 - 1.0).abs() < 2e-3);
+/// let radius = layer.contact_radius(indentation)?;
+/// assert!((radius / 1e-3 - 1.0).abs() < 1e-10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct BondedLayer {
     thickness: f64,

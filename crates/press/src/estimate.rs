@@ -12,6 +12,15 @@ pub struct Estimated {
 }
 
 /// A 95 % interval. An end is `None` where the readings set no bound.
+///
+/// ```
+/// use palpate_press::Interval;
+///
+/// let bounded = Interval { low: Some(1.0), high: Some(2.0) };
+/// let hull = bounded.hull(Interval { low: Some(1.5), high: None });
+/// assert_eq!(hull, Interval { low: Some(1.0), high: None });
+/// assert!(hull.holds(1e9) && !hull.holds(0.5));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end.

@@ -50,6 +50,22 @@ pub enum Prior {
 
 /// The least-squares fit of one press: over relative curvature, place of the contact, indentation, and the baseline and
 /// gain where they are not exact.
+///
+/// ```
+/// use palpate_press::{Body, ForwardFit, Markers, Reading, Skin};
+///
+/// // 81 markers, 2 apart and 2 under a skin of radius 20, that an object of radius 80 moves.
+/// let positions: Vec<[f64; 2]> =
+///     (0..81).map(|i| [2.0 * f64::from(i % 9 - 4), 2.0 * f64::from(i / 9 - 4)]).collect();
+/// let (skin, body) = (Skin::new(20.0)?, Body::half_space(0.5, 2.0)?);
+/// let markers = Markers::new(skin, &positions)?;
+/// let moved = markers.displacements(&skin.contact(&body, 1.0 / 80.0, 1.0)?, [0.0; 2]);
+/// let normal: Vec<f64> = moved.iter().map(|moved| moved.normal).collect();
+/// let reading = Reading { markers: &markers, normal: &normal, tangential: None, indentation: None };
+/// let estimate = ForwardFit::new(body).estimate(&reading)?;
+/// assert!((estimate.most_likely_object_curvature() - 1.0 / 80.0).abs() < 1e-7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ForwardFit {
     /// The forward law.

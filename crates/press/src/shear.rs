@@ -72,6 +72,15 @@ pub fn stuck_shift(
 /// less below, and the more the wider the contact, so that it rises with the indentation. A lateral calibration at one
 /// indentation is therefore off at another, as the 2020 paper found.
 ///
+/// ```
+/// use palpate_press::shear::followed;
+///
+/// assert!((followed(0.3, 0.0, 2.0)? - 1.0).abs() < 1e-14);
+/// // Below the surface the less, the narrower the contact.
+/// assert!(followed(0.3, 1.0, 1.0)? < followed(0.3, 1.0, 2.0)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As [`stuck_shift`].
 pub fn followed(poisson: f64, depth: f64, contact_radius: f64) -> Result<f64, PressError> {

@@ -128,6 +128,20 @@ pub struct Touch {
 }
 
 /// An object and a fingertip that touches it.
+///
+/// ```
+/// use palpate_geometry::{Shape, surfaces::Sphere};
+/// use palpate_rolling::{Fingertip, Glider};
+///
+/// // A tip of radius 1 beside the top of a ball of radius 3: its centre lies on a sphere of radius 4.
+/// let ball = Shape::Sphere(Sphere::new(3.0)?);
+/// let glider = Glider::new(ball, Fingertip::Sphere { radius: 1.0 })?;
+/// let touch = glider.touch(2.0, 0.0)?;
+/// assert!((touch.point.x - 1.5).abs() < 1e-13);
+/// assert!((touch.tip_centre.z - 12.0_f64.sqrt()).abs() < 1e-13);
+/// assert!((touch.curvature.mean_curvature() - 1.0 / 3.0).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Glider {
     object: Shape,

@@ -20,6 +20,15 @@ impl Motion {
     ///
     /// The rotation axis is the object's normal crossed with that direction. Multiples of a quarter turn
     /// are exact, up to a thousand of them.
+    ///
+    /// ```
+    /// use nalgebra::Vector2;
+    /// use palpate_rolling::Motion;
+    ///
+    /// // Half a radian per second for two seconds, towards +x.
+    /// let motion = Motion::rolling(0.0, 0.5, 2.0);
+    /// assert_eq!(motion.rotation(), Vector2::new(0.0, -1.0));
+    /// ```
     pub fn rolling(direction_rad: f64, rate_rad_per_s: f64, duration_s: f64) -> Self {
         let (sin, cos) = sin_cos_exact(direction_rad);
         Self {

@@ -34,6 +34,21 @@ impl Probe {
 }
 
 /// A probe on an object, with a first contact and the rung by which its noiseless rolls are computed.
+///
+/// ```
+/// use palpate_geometry::{Shape, surfaces::Sphere};
+/// use palpate_rolling::{Model, Motion, Probe, Roller, Rolls};
+///
+/// // A probe of radius 1 rolls by 0.1 rad along x on a ball of radius 3.
+/// let rolls = [vec![Motion::rolling(0.0, 0.1, 1.0)]];
+/// let (probe, ball) = (Probe::new(1.0)?, Shape::Sphere(Sphere::new(3.0)?));
+/// let roller = Roller::new(probe, ball, (0.0, 0.0), Model::ClosedForm, Rolls { rolls: &rolls })?;
+/// // The contact moves by the angle over the relative curvature, 1/1 + 1/3.
+/// let shift = roller.shift(&rolls[0])?;
+/// assert!((shift.displacement.x - 0.075).abs() < 1e-15);
+/// assert!(shift.displacement.y.abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Roller {
     probe: Probe,

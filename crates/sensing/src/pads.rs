@@ -30,6 +30,20 @@ pub enum PadOffset {
 }
 
 /// An array of pads on a spherical cap of a fingertip, around the first contact.
+///
+/// ```
+/// use std::f64::consts::FRAC_PI_2;
+/// use nalgebra::Vector2;
+/// use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
+///
+/// // Pads 1 apart on a fingertip of radius 10 round a shift to whole pads.
+/// let pads = Pads::new(10.0, 1.0, PadLayout::Square, PadOffset::Centred, FRAC_PI_2)?;
+/// let placement = pads.place(|| Stream::new(1, 0, Channel::PadOffset));
+/// let shift = pads.read(&placement, &Vector2::new(2.3, -0.6))?;
+/// assert_eq!(shift, Vector2::new(2.0, -1.0));
+/// assert_eq!(pads.resolution(), 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Pads {
     radius: f64,

@@ -51,6 +51,16 @@ pub enum Channel {
 /// that words do not wait for each other. Streams are stretches of one cycle of 2^64 words: those
 /// of one seed and channel begin at different words, and the chance that any two of n streams of w
 /// words overlap is about `n² w / 2^64`, 1e-4 for ten million trials of 16 words.
+///
+/// ```
+/// use palpate_sensing::{Channel, Stream};
+///
+/// let draw = |trial| Stream::new(1996, trial, Channel::Position).symmetric_uniform();
+/// // A trial can be replayed alone, and differs from its neighbour.
+/// assert_eq!(draw(7), draw(7));
+/// assert_ne!(draw(7), draw(8));
+/// assert!((-1.0..1.0).contains(&draw(7)));
+/// ```
 #[derive(Clone, Debug)]
 pub struct Stream {
     state: u64,

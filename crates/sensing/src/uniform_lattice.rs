@@ -12,6 +12,18 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use crate::InvalidSensor;
 
 /// `n` pads over the whole sphere.
+///
+/// ```
+/// use palpate_sensing::UniformLattice;
+///
+/// // One pad per 0.01 steradian: 4π/0.01 = 1256.6.
+/// let lattice = UniformLattice::with_pitch(0.1)?;
+/// assert_eq!(lattice.pads(), 1257);
+/// let pad = lattice.direction(500);
+/// assert!((pad.norm() - 1.0).abs() < 1e-14);
+/// assert_eq!(lattice.nearest(&pad), 500);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UniformLattice {
     pads: u64,
