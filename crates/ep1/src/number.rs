@@ -175,7 +175,7 @@ impl Number for Lanes {
 
     #[inline(always)]
     fn all(holds: LanesHold) -> bool {
-        // Without a way out in between, which would be a branch for every lane.
+        // Not `&&`, which would take a branch for every lane.
         let [a, b, c, d] = holds.0;
         a & b & c & d
     }

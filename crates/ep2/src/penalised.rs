@@ -79,7 +79,7 @@ impl Penalised {
         let mut spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         let mut told = quadric.tells_noise();
         if patch.has_normals() && !is_known {
-            // How heights and slopes compare, from a fit that follows the surface.
+            // The variances of heights and slopes are compared at a fit that follows the surface.
             let rough = Search::new(&spectrum, self.criterion, is_known, expected).best();
             let kept = spectrum.kept(rough.log_weight);
             let residuals = equations.residuals(&spectrum.coefficients(&kept));

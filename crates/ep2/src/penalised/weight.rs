@@ -105,7 +105,8 @@ impl Sums {
             penalised: spectrum.square,
             ..Self::default()
         };
-        // One logarithm of a product whose powers of two are counted apart, lest it vanish.
+        // The sum of logarithms is that of a product, whose powers of two are counted apart so that it does not
+        // underflow.
         let (mut product, mut halvings) = (1.0, 0);
         for mode in 0..spectrum.right.len() {
             let (fidelity, right) = (spectrum.fidelity[mode], spectrum.right[mode]);

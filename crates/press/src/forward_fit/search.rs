@@ -45,7 +45,7 @@ impl<'a> Problem<'a> {
     /// All that is not known is sought; every marker counts, and all with a standard deviation of 1.
     pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Self {
         let mut sought = [true; super::problem::UNKNOWNS];
-        // What is known to rounding is known exactly.
+        // A prior narrower than rounding counts as exact.
         let largest = reading
             .normal
             .iter()
@@ -204,7 +204,7 @@ impl<'a> Search<'a> {
             };
             hull = match covariance.as_ref().map(around) {
                 Some(Profile::Interval(interval)) => hull.hull(interval),
-                // Where nothing bounds a rival, it may be anything.
+                // A rival that nothing bounds leaves the curvature unbounded.
                 Some(Profile::Better(_)) | None => Interval::UNBOUNDED,
             };
         }

@@ -70,8 +70,8 @@ impl<S: Surface> Search<'_, S> {
     /// The contact that the tip meets first.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_tally::searched(1);
-        // Which contact comes first is no question of accuracy: what rivals are held against is known
-        // as well as they are told from it.
+        // The order of rivals must not depend on the tolerance: the contact that they are compared with
+        // is found at least as accurately as rivals are told apart.
         let tolerance = if self.rugged {
             self.tolerance.min(TOUCHING)
         } else {
@@ -129,7 +129,7 @@ impl<S: Surface> Search<'_, S> {
                 return Ok(foot);
             }
             if close {
-                // One more step is all that rounding allows.
+                // Rounding allows one more step at most.
                 let next = self.descend(&foot, &miss, &step, 1);
                 return Ok(next.map_or(foot, |(next, _)| next));
             }

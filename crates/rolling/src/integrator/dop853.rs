@@ -230,7 +230,7 @@ fn end_of_step<const N: usize>(
     }
     let (fifth, third) = (square(&fifth, weights, h), square(&third, weights, h));
     let blend = fifth + 0.01 * third;
-    // Without any error, or where it is not a number.
+    // The blend is 0 where there is no error, and NaN where a slope is not finite.
     let share = if blend > 0.0 { fifth / blend } else { blend };
     (end, fifth * share / N as f64)
 }
