@@ -1,14 +1,14 @@
-//! Readings that do not tell the curvature.
+//! Errors of readings that do not determine the curvature.
 
 use thiserror::Error;
 
-/// Why a set of probes gives no curvature.
+/// Reasons for which a set of probes gives no curvature.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum Ep1Error {
     /// Fewer than two probes: a curvature form has three components, a probe gives two.
     #[error("{probes} probe(s); at least 2 in different directions are needed")]
     TooFewProbes {
-        /// How many there were.
+        /// Number of probes given.
         probes: usize,
     },
     /// The rotations do not span the tangent plane.
@@ -17,28 +17,28 @@ pub enum Ep1Error {
          {spread:.1e} times as far as along it; add a probe across it"
     )]
     Unresolvable {
-        /// How many probes there were.
+        /// Number of probes given.
         probes: usize,
         /// Root-mean-square rotation across the main axis over that along it.
         spread: f64,
     },
-    /// In some direction the contact did not move: the object is too sharp to resolve.
+    /// The contact did not move in some direction: the object is too sharp to resolve.
     #[error("{}", unresolved(*direction_rad, *radius_below))]
     Unresolved {
-        /// The direction, from u towards v.
+        /// Direction, from u towards v, rad.
         direction_rad: f64,
-        /// The radius of curvature in that direction is below this, length; unknown without a
+        /// Upper bound on the radius of curvature in that direction, length; `None` without a
         /// stated resolution, or where even a flat object would not have moved the contact.
         radius_below: Option<f64>,
     },
-    /// In some direction the contact moved against the roll: no rolling contact does.
+    /// The contact moved against the roll in some direction, which no rolling contact does.
     #[error(
         "at {:.1} degrees from u the contact moved {travel_per_radian:e} per radian, against the \
          roll: not a rolling contact",
         direction_rad.to_degrees()
     )]
     NotRolling {
-        /// The direction, from u towards v.
+        /// Direction, from u towards v, rad.
         direction_rad: f64,
         /// Travel of the contact per radian, length; negative.
         travel_per_radian: f64,
@@ -46,7 +46,7 @@ pub enum Ep1Error {
     /// A reading, or what follows from it, is not a finite number.
     #[error("probe {probe} (counting from 0): the reading is not finite")]
     NotFinite {
-        /// Which probe.
+        /// Number of the probe, counted from 0.
         probe: usize,
     },
     /// The numbers leave the range of doubles.

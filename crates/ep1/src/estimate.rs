@@ -1,4 +1,4 @@
-//! What the probes say of the object.
+//! Estimates of the object's curvature at the contact.
 
 use nalgebra::Matrix2;
 use palpate_geometry::CurvatureForm;
@@ -13,6 +13,22 @@ pub struct Measured {
 }
 
 /// The object's curvature at the contact, in the probe's first contact frame (u, v).
+///
+/// ```
+/// use nalgebra::Vector2;
+/// use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
+///
+/// // Probes of radius 2 on a plane: the contact moves by 2 per radian.
+/// let readings = [
+///     ProbeReading { rotation: Vector2::new(0.0, -0.1), shift: Vector2::new(0.2, 0.0) },
+///     ProbeReading { rotation: Vector2::new(0.1, 0.0), shift: Vector2::new(0.0, 0.2) },
+/// ];
+/// let estimate = LeastSquares::of(2.0, ReadingNoise::default(), &readings)?;
+/// assert_eq!(estimate.gaussian_curvature.value, 0.0);
+/// assert_eq!(estimate.mobility()[(0, 0)], 2.0);
+/// assert_eq!(estimate.amplification(0.0), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The object's curvature form, 1/length, convex positive.
@@ -32,7 +48,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// How a small relative error of the readings grows in the object's normal curvature at
+    /// Factor by which a small relative error of the readings grows in the object's normal curvature at
     /// `angle_rad` from u: `1 + 1/RCR` (1996 paper, equation 7). `None` where the object is flat:
     /// the growth has no bound.
     pub fn amplification(&self, angle_rad: f64) -> Option<f64> {
@@ -40,13 +56,14 @@ impl Estimate {
         growth.is_finite().then_some(growth)
     }
 
-    /// `(K₁ + K₂)⁻¹`, length: how far the contact moves per radian.
+    /// Mobility `(K₁ + K₂)⁻¹`, length: the distance that the contact moves on the probe per radian.
     pub const fn mobility(&self) -> &Matrix2<f64> {
         &self.mobility
     }
 }
 
-/// What a set of readings says, or several side by side.
+/// Curvatures estimated from one set of readings (`N` = `f64`), or from several side by side (`N` =
+/// [`Lanes`](crate::Lanes)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimates<N> {
     /// Normal curvature along u and along v, Gaussian curvature and mean curvature, as in

@@ -21,7 +21,7 @@ use crate::{
     Ep1Error, Estimate, Estimates, Lanes, Measured, Moments, Number, ProbeReading, ReadingNoise,
 };
 
-/// Rotations whose spread across their main axis is below this are taken as parallel.
+/// Spread across the main axis, over that along it, below which rotations are taken as parallel.
 const SMALLEST_SPREAD: f64 = 1e-6;
 /// A contact that moves less than this times what it would on a plane did not move.
 const SMALLEST_TRAVEL: f64 = 1e-12;
@@ -29,6 +29,21 @@ const SMALLEST_TRAVEL: f64 = 1e-12;
 /// The least squares for a set of rotations: all of it that does not depend on the shifts.
 ///
 /// Many sets of shifts can be fitted for one set of rotations; see [`Moments`].
+///
+/// ```
+/// use nalgebra::Vector2;
+/// use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
+///
+/// // Probes of radius 1 on a ball of radius 3: the contact moves by 1/(1/1 + 1/3) per radian.
+/// let readings = [
+///     ProbeReading { rotation: Vector2::new(0.0, -0.1), shift: Vector2::new(0.075, 0.0) },
+///     ProbeReading { rotation: Vector2::new(0.1, 0.0), shift: Vector2::new(0.0, 0.075) },
+/// ];
+/// let estimate = LeastSquares::of(1.0, ReadingNoise::default(), &readings)?;
+/// assert!((estimate.mean_curvature.value - 1.0 / 3.0).abs() < 1e-13);
+/// assert!(estimate.amplification(0.0).is_some_and(|growth| (growth - 4.0).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct LeastSquares {
     radius: f64,
@@ -40,7 +55,7 @@ pub struct LeastSquares {
     inverse: Symmetric3,
     /// Covariance of these entries from the shifts' noise.
     from_shifts: Symmetric3,
-    /// The same from the rotations' noise, per entry of `(K₁ B)²`.
+    /// Covariance of these entries from the rotations' noise, per entry `uu`, `vv`, `uv` of `(K₁ B)²`.
     from_rotations: [Symmetric3; 3],
 }
 
@@ -50,8 +65,8 @@ impl LeastSquares {
     ///
     /// # Errors
     /// [`Ep1Error`] where there are too few probes, where they do not span the tangent plane, where a
-    /// rotation is not finite, and ([`Ep1Error::OutOfRange`]) where the radius is not finite and positive or a size of the noise
-    /// not finite and at least 0, or the rotations are below 1e-50 or above 1e50 rad.
+    /// rotation is not finite, and ([`Ep1Error::OutOfRange`]) where the radius is not finite and positive
+    /// or a size of the noise not finite and at least 0, or the rotations are below 1e-50 or above 1e50 rad.
     pub fn new(
         radius: f64,
         noise: ReadingNoise,
@@ -111,7 +126,7 @@ impl LeastSquares {
         })
     }
 
-    /// Fit and estimate in one, for recorded readings.
+    /// The estimate from recorded readings of probes of `radius`: fit and estimate in one.
     ///
     /// # Errors
     /// As [`LeastSquares::new`] and [`LeastSquares::estimate`].
@@ -174,7 +189,8 @@ impl LeastSquares {
         })
     }
 
-    /// The same from every set of readings side by side; `None` where any gives none.
+    /// Curvatures from several sets of readings side by side, as [`LeastSquares::estimate`] finds them from
+    /// each; `None` where any set gives none.
     #[inline(always)]
     pub fn estimates(&self, moments: &Moments<Lanes>) -> Option<Estimates<Lanes>> {
         let solution = self.solve(moments);
@@ -230,7 +246,7 @@ impl LeastSquares {
         }
     }
 
-    /// Why there is no estimate: in some direction the contact did not move, or moved backwards.
+    /// The error where the contact did not move, or moved backwards, in some direction.
     #[cold]
     fn not_moving(&self, travel: &Symmetric<f64>) -> Ep1Error {
         let matrix = travel.matrix();
@@ -307,7 +323,7 @@ impl LeastSquares {
     }
 }
 
-/// What the fit says, sound or not.
+/// The result of the fit, not yet checked to be that of a rolling contact.
 struct Solution<N: Number> {
     /// `K₁ B`.
     travel: Symmetric<N>,

@@ -4,7 +4,24 @@ use nalgebra::Vector2;
 
 use crate::{Number, ProbeReading};
 
-/// What the fit needs of the shifts, summed over the probes; of one set of readings, or of several side by side.
+/// Sums over the probes from which [`LeastSquares`](crate::LeastSquares) estimates: of one set of readings, or of
+/// several side by side.
+///
+/// ```
+/// use nalgebra::Vector2;
+/// use palpate_ep1::{LeastSquares, Moments, ProbeRotation, ReadingNoise};
+///
+/// let rotations = [Vector2::new(0.0, -0.1), Vector2::new(0.1, 0.0)];
+/// let fit = LeastSquares::new(1.0, ReadingNoise::default(), &rotations)?;
+/// let mut moments: Moments = Moments::default();
+/// for (rotation, shift) in rotations.iter().zip([[0.075, 0.0], [0.0, 0.075]]) {
+///     moments.add_shifts(&ProbeRotation::new(1.0, rotation), shift);
+/// }
+/// // A ball of radius 3.
+/// let gaussian = fit.estimate(&moments)?.gaussian_curvature.value;
+/// assert!((gaussian - 1.0 / 9.0).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments<N = f64> {
     /// Sums of `g₁ d₁`, `g₂ d₂`, `g₂ d₁ + g₁ d₂` with the deviations `d = Δp − R₁ g`.
@@ -13,17 +30,18 @@ pub struct Moments<N = f64> {
     pub(crate) lengths: N,
 }
 
-/// What the fit needs of a probe's rotation.
+/// The rotation of one probe, in the form in which [`Moments`] need it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbeRotation {
-    /// `(g₁, g₂)`.
+    /// Drive `g = (−Δθ_y, Δθ_x)`, rad.
     drive: [f64; 2],
     /// `R₁ g`, the shift on a plane.
     flat: [f64; 2],
 }
 
 impl ProbeRotation {
-    /// Of a probe of `radius` that turned by `rotation` in every set of readings.
+    /// The rotation of a probe of `radius` that turned by `rotation`, `(Δθ_x, Δθ_y)` in rad, in every set of
+    /// readings.
     #[inline]
     pub fn new(radius: f64, rotation: &Vector2<f64>) -> Self {
         let drive = [-rotation.y, rotation.x];

@@ -2,8 +2,8 @@
 
 use std::ops::{Add, AddAssign, BitAnd, Div, Mul, Neg, Sub};
 
-/// What the fit computes with: a number, or [`Lanes`] of them. Whatever the processor, what happens in a lane is to the
-/// last bit what happens to a number.
+/// A type that the fit computes with: one number, or [`Lanes`] of them. On every processor a lane gives, to the last
+/// bit, the result that a single number gives.
 pub trait Number:
     Copy
     + Default
@@ -14,7 +14,7 @@ pub trait Number:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Whether something holds: of the number, or of each in its lane.
+    /// A truth value: one for the number, or one for each lane.
     type Holds: Copy + BitAnd<Output = Self::Holds>;
 
     /// This number, in every lane.
@@ -70,10 +70,18 @@ impl Number for f64 {
     }
 }
 
-/// Sets of readings that are worked on side by side, with vector instructions.
+/// Number of sets of readings that are worked on side by side, with vector instructions.
 pub const LANES: usize = 4;
 
 /// A number of each of [`LANES`] sets of readings.
+///
+/// ```
+/// use palpate_ep1::{Lanes, Number};
+///
+/// let areas = Lanes([1.0, 4.0, 9.0, 16.0]);
+/// assert_eq!(areas.sqrt(), Lanes([1.0, 2.0, 3.0, 4.0]));
+/// assert_eq!(areas + Lanes::of(1.0), Lanes([2.0, 5.0, 10.0, 17.0]));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lanes(pub [f64; LANES]);
 
@@ -167,7 +175,7 @@ impl Number for Lanes {
 
     #[inline(always)]
     fn all(holds: LanesHold) -> bool {
-        // Without a way out in between, which would be a branch for every lane.
+        // Not `&&`, which would take a branch for every lane.
         let [a, b, c, d] = holds.0;
         a & b & c & d
     }

@@ -1,4 +1,4 @@
-//! What one rolling probe tells.
+//! The reading of one rolling probe, and its noise.
 
 use nalgebra::Vector2;
 
@@ -12,7 +12,7 @@ pub struct ProbeReading {
     pub shift: Vector2<f64>,
 }
 
-/// How far readings may be off, for the covariance and for bounds.
+/// Noise and resolution of readings, from which covariances and bounds follow.
 ///
 /// The errors are taken as independent between probes and components, each of the stated standard
 /// deviation.
@@ -24,7 +24,7 @@ pub struct ReadingNoise {
     pub rotation_std_rad: f64,
     /// Standard deviation of each component of a shift, length.
     pub shift_std: f64,
-    /// A shift shorter than this may read as zero, length; 0 if the sensor resolves any.
+    /// Resolution of shifts, length: a shorter one may read as zero; 0 if the sensor resolves any.
     pub shift_resolution: f64,
 }
 

@@ -64,7 +64,7 @@ impl Symmetric3 {
         }
     }
 
-    /// The same matrix in every lane.
+    /// This matrix, in every lane.
     #[inline(always)]
     pub(crate) fn spread<N: Number>(&self) -> Symmetric3<N> {
         Symmetric3 {

@@ -1,4 +1,4 @@
-//! What the penalised spline costs: at the 30 contacts of the 1996 paper with the map of
+//! Time of the penalised spline: at the 30 contacts of the 1996 paper with the map of
 //! curvatures and their standard deviations, and at many contacts on a detailed surface. Each
 //! result is checked before it is timed.
 

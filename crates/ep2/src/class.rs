@@ -1,4 +1,4 @@
-//! How probable each shape class is.
+//! Probabilities of the shape classes.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 

@@ -1,17 +1,17 @@
-//! What gliding fingers report.
+//! Contacts that gliding fingers report.
 
 use nalgebra::{Point3, Vector3};
 
 /// One contact of a finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Which finger; the contacts of a finger stand in the order in which it made them.
+    /// Number of the finger; the contacts of a finger stand in the order in which it made them.
     pub finger: usize,
-    /// Where it touched, length.
+    /// Place where it touched, length.
     pub position: Point3<f64>,
     /// The sensed normal, out of the object, of any length; all contacts have one, or none has.
     pub normal: Option<Vector3<f64>>,
-    /// How much the contact counts, relative to the others: an inverse variance. Usually 1.
+    /// Weight of the contact relative to the others, an inverse variance; finite and > 0, usually 1.
     pub weight: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The curvature of a graph, and how far it may be off.
+//! The curvature of a graph, and its uncertainty.
 
 use palpate_geometry::{CurvatureForm, ShapeClass, ShapeThresholds};
 
@@ -14,17 +14,28 @@ pub(crate) const DERIVATIVES: usize = 5;
 pub(crate) type JetCovariance = [[Lanes; DERIVATIVES]; DERIVATIVES];
 
 /// Gaussian and mean curvature at a place, convex positive.
+///
+/// ```
+/// use palpate_ep2::{Curvature, SignClass};
+/// use palpate_geometry::{ShapeClass, ShapeThresholds};
+///
+/// // A place on a ball of radius 5.
+/// let ball = Curvature { gaussian: 0.04, mean: 0.2, uncertainty: None };
+/// assert_eq!(ball.class(&ShapeThresholds::new(0.01, 0.1)?), ShapeClass::Peak);
+/// assert_eq!(ball.sign_class(), SignClass::Convex);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curvature {
     /// Gaussian curvature, 1/length².
     pub gaussian: f64,
     /// Mean curvature, 1/length.
     pub mean: f64,
-    /// How far they may be off, if the method states it.
+    /// Uncertainty of the two, if the method states one.
     pub uncertainty: Option<Uncertainty>,
 }
 
-/// The same at places side by side.
+/// Gaussian and mean curvature at [`LANES`](crate::spline::LANES) places side by side, convex positive.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curvatures {
     gaussian: Lanes,
@@ -34,7 +45,7 @@ pub(crate) struct Curvatures {
 }
 
 impl Curvatures {
-    /// Of a graph with these jets, whose lengths count `scale`.
+    /// Curvatures of a graph with these jets, whose unit of length is `scale` in that of the result.
     ///
     /// With D = 1 + p² + q² and the normal upwards:
     /// K = (rt − s²)/D², H = −((1 + q²) r − 2pqs + (1 + p²) t)/(2 D^{3/2}).
@@ -68,7 +79,7 @@ impl Curvatures {
         }
     }
 
-    /// At one of the places.
+    /// The curvature at one of the places.
     #[inline(always)]
     pub(crate) fn at(&self, lane: usize) -> Curvature {
         let at = |lanes: Lanes| lanes.to_array()[lane];
@@ -86,7 +97,7 @@ impl Curvatures {
     }
 }
 
-/// How far Gaussian and mean curvature may be off.
+/// The uncertainty of Gaussian and mean curvature at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uncertainty {
     /// Standard deviation of the Gaussian curvature, to second order in the errors of the second
@@ -98,8 +109,8 @@ pub struct Uncertainty {
     pub correlation: f64,
 }
 
-/// Standard deviations of Gaussian and mean curvature, and their correlation, at places side by side: from the covariance
-/// of the jet's derivatives and the curvatures in the jet's unit.
+/// Standard deviations of Gaussian and mean curvature, and their correlation, at places side by side: from the
+/// covariance of the jet's derivatives and the curvatures in the jet's unit.
 #[inline(always)]
 fn uncertainty(
     jet: &Jet<Lanes>,
@@ -146,13 +157,13 @@ fn uncertainty(
     ]
 }
 
-/// p, q, r, s, t.
+/// The derivatives p, q, r, s, t of a jet.
 #[inline(always)]
 const fn derivatives<T: Copy>(jet: &Jet<T>) -> [T; DERIVATIVES] {
     [jet.u, jet.v, jet.uu, jet.uv, jet.vv]
 }
 
-/// 1/D.
+/// The factor 1/D, with D = 1 + p² + q².
 #[inline(always)]
 fn per_d(p: Lanes, q: Lanes) -> Lanes {
     Lanes::ONE / (p * p + q * q + 1.0)
@@ -188,7 +199,7 @@ impl SignClass {
 }
 
 impl Curvature {
-    /// One of the eight classes.
+    /// The shape class of the place, one of eight, by thresholds below which curvatures count as zero.
     pub fn class(&self, thresholds: &ShapeThresholds) -> ShapeClass {
         thresholds.classify(self.gaussian, self.mean)
     }

@@ -1,8 +1,8 @@
-//! Contacts that do not tell the shape of a patch.
+//! Errors of contacts that do not determine the shape of a patch.
 
 use thiserror::Error;
 
-/// Why a set of contacts gives no surface.
+/// Reasons for which a set of contacts gives no surface.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum Ep2Error {
     /// Fewer contacts than the method has unknowns to find.
@@ -10,23 +10,23 @@ pub enum Ep2Error {
         "{contacts} contact(s) give {equations} equation(s); the method needs at least {needed}"
     )]
     TooFewContacts {
-        /// How many contacts there were.
+        /// Number of contacts given.
         contacts: usize,
-        /// One per contact, three where it has a normal.
+        /// Number of equations: one for each contact, three where it has a normal.
         equations: usize,
-        /// How many equations are needed.
+        /// Number of equations needed.
         needed: usize,
     },
     /// A coordinate, a normal or a weight is not a finite number, or too large to be squared.
     #[error("contact {contact} (counting from 0): a number is not finite, or beyond 1e150")]
     NotFinite {
-        /// Which contact.
+        /// Number of the contact, counted from 0.
         contact: usize,
     },
     /// A weight that weighs nothing.
     #[error("contact {contact} (counting from 0): the weight is {weight}; it must be > 0")]
     BadWeight {
-        /// Which contact.
+        /// Number of the contact, counted from 0.
         contact: usize,
         /// Its weight.
         weight: f64,
@@ -36,7 +36,7 @@ pub enum Ep2Error {
         "contact {contact} (counting from 0): the largest component of the normal is {length:e}"
     )]
     BadNormal {
-        /// Which contact.
+        /// Number of the contact, counted from 0.
         contact: usize,
         /// Its largest component.
         length: f64,
@@ -50,9 +50,9 @@ pub enum Ep2Error {
     /// All contacts lie on one point.
     #[error("all {contacts} contacts lie on one point, within {extent:e}")]
     Coincident {
-        /// How many contacts there were.
+        /// Number of contacts given.
         contacts: usize,
-        /// How far they spread, length.
+        /// Largest distance of a coordinate from the mean contact, length.
         extent: f64,
     },
     /// All contacts lie on one line: nothing tells the shape across it.
@@ -61,12 +61,12 @@ pub enum Ep2Error {
          as along it"
     )]
     Collinear {
-        /// How many contacts there were.
+        /// Number of contacts given.
         contacts: usize,
         /// Root-mean-square spread across the line over that along it.
         spread: f64,
     },
-    /// Over the plane of the mean normal (or through the points) the patch is not a graph.
+    /// The patch is not a graph over the plane of its mean normal (or, without normals, through its points).
     #[error(
         "the patch is not a graph over its mean plane: at contact {contact} (counting from 0) the \
          normal stands {angle_deg:.1} degrees from the mean normal, more than 85; split the patch"
@@ -102,11 +102,11 @@ pub enum Ep2Error {
          are fixed"
     )]
     Undetermined {
-        /// How many contacts there were.
+        /// Number of contacts given.
         contacts: usize,
-        /// How many independent combinations are fixed.
+        /// Number of independent combinations of unknowns that are determined.
         rank: usize,
-        /// How many there are.
+        /// Number of unknowns.
         unknowns: usize,
     },
     /// A setting of a method is out of its range.
@@ -116,7 +116,7 @@ pub enum Ep2Error {
         setting: &'static str,
         /// Its value.
         value: f64,
-        /// What would be right.
+        /// Values that the setting may have, in words that follow "must be".
         expected: &'static str,
     },
     /// The numbers leave the range of doubles.

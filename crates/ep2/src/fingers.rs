@@ -1,4 +1,4 @@
-//! Something for each finger.
+//! A value for each finger.
 
 use std::collections::BTreeMap;
 

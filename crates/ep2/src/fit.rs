@@ -1,4 +1,4 @@
-//! What a method makes of a patch.
+//! The surface that a method fits to a patch.
 
 use nalgebra::DMatrix;
 
@@ -24,10 +24,10 @@ pub struct Fit {
     pub spline: TensorSpline,
     /// Covariance of the spline's coefficients, if the method states one.
     pub covariance: Option<DMatrix<f64>>,
-    /// How far the contacts are off, if the method finds it.
+    /// Noise of the contacts, if the method finds it.
     pub noise: Option<NoiseEstimate>,
-    /// How many unknowns the fit has taken up: the trace of the map from the observations to the
-    /// fit.
+    /// Effective number of unknowns that the fit has taken up: the trace of the map from the
+    /// observations to the fit.
     pub effective_unknowns: f64,
     /// Whether the method's smoothing splines met their sums of squares, if it has such: of the
     /// first one that did not, else of the last. The curvature is of no use where one did not.

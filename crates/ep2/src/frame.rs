@@ -55,7 +55,7 @@ impl PatchFrame {
         })
     }
 
-    /// The same frame with another length that counts as 1.
+    /// This frame, with `scale` as the length that counts as 1.
     pub(crate) const fn with_scale(self, scale: f64) -> Self {
         Self { scale, ..self }
     }

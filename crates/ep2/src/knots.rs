@@ -51,7 +51,7 @@ impl Knots {
         &self.knots[self.degree + 1..self.knots.len() - self.degree - 1]
     }
 
-    /// How many B-splines there are.
+    /// Number of B-splines.
     pub fn functions(&self) -> usize {
         self.knots.len() - self.degree - 1
     }
@@ -125,7 +125,7 @@ impl Knots {
     }
 }
 
-/// From values of degree `lower` the derivatives, of order `degree − lower`, of the B-splines of full degree.
+/// Derivatives, of order `degree − lower`, of the B-splines of full degree, from the values of those of degree `lower`.
 #[inline(always)]
 fn differences(
     knots: &[f64],

@@ -88,7 +88,7 @@ impl Line {
 }
 
 impl SumCovariances {
-    /// For splines with `SUPPORT` B-splines along both sides.
+    /// The sums for splines with `SUPPORT` B-splines along both sides.
     #[inline]
     fn of<const SUPPORT: usize>(
         covariance: &DMatrix<f64>,

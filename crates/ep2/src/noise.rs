@@ -1,9 +1,9 @@
-//! How far contacts are off.
+//! Noise of the contacts, as known and as found.
 
 use crate::square::Kinds;
 use crate::{Ep2Error, Patch, PatchFrame};
 
-/// What is known of the errors of the contacts. What is `None` is found from the contacts.
+/// Known standard deviations of the contacts' errors; one that is `None` is found from the contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     /// Standard deviation of a position along each axis, length.
@@ -12,7 +12,7 @@ pub struct Noise {
     pub normal_std_rad: Option<f64>,
 }
 
-/// How far the contacts are off, as found from their distance to the fit, or as known.
+/// Standard deviations of the contacts' errors, as known or as found from the distances to the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseEstimate {
     /// Standard deviation of a position along the surface's normal, length.
@@ -29,7 +29,7 @@ const ROUNDING: f64 = 1e-12;
 const LARGEST_RATIO: f64 = 1e8;
 
 impl Noise {
-    /// The same in the unit of a patch.
+    /// This noise in the unit of a patch.
     ///
     /// # Errors
     /// [`Ep2Error::BadSetting`] unless each is finite and > 0.
@@ -60,7 +60,7 @@ impl Noise {
 pub(crate) type Variances = Kinds<f64>;
 
 impl Variances {
-    /// Before anything is known.
+    /// Variances to start from, before anything is known.
     pub(crate) const START: Self = Self {
         heights: 1.0,
         slopes: 1.0,
@@ -117,7 +117,7 @@ impl Variances {
         ROUNDING * ROUNDING / self.heights
     }
 
-    /// As standard deviations, in the unit of the world.
+    /// Standard deviations in the unit of the world, from these variances.
     pub(crate) fn estimate(&self, patch: &Patch) -> NoiseEstimate {
         NoiseEstimate {
             position_std: self.heights.sqrt() * patch.frame.scale(),

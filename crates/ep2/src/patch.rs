@@ -21,13 +21,29 @@ pub struct Sample {
     pub v: f64,
     /// Height over the plane of the patch.
     pub w: f64,
-    /// How much the contact counts.
+    /// Weight of the contact, as in [`Contact::weight`].
     pub weight: f64,
     /// ∂w/∂u and ∂w/∂v from the normal, if the contacts have normals.
     pub slopes: Option<[f64; 2]>,
 }
 
 /// The contacts of a patch, in its frame.
+///
+/// ```
+/// use nalgebra::{Point3, Vector3};
+/// use palpate_ep2::{Contact, Patch};
+///
+/// // Three fingers, 1 apart, slide by 4 over a plane.
+/// let places = (0..15).map(|i| (i / 5, f64::from(i % 5), f64::from(i / 5)));
+/// let contacts: Vec<Contact> = places
+///     .map(|(finger, x, y)| Contact::new(finger as usize, Point3::new(x, y, 0.0), None))
+///     .collect();
+/// let patch = Patch::new(&contacts, &Vector3::z())?;
+/// assert_eq!((patch.fingers, patch.equations()), (3, 15));
+/// assert!((patch.frame.scale() - 2.0).abs() < 1e-14);
+/// assert!(patch.finger_distance.is_some_and(|distance| (distance - 0.5).abs() < 1e-14));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Patch {
     /// The frame.
@@ -39,7 +55,7 @@ pub struct Patch {
     /// Mean distance between neighbouring fingers across their travel, in the patch's unit; `None`
     /// for a single finger.
     pub finger_distance: Option<f64>,
-    /// How many fingers there are.
+    /// Number of fingers.
     pub fingers: usize,
 }
 

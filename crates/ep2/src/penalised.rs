@@ -18,9 +18,9 @@ use weight::{Expected, Search};
 
 /// Degree of the spline.
 const DEGREE: usize = 3;
-/// Most intervals per side: beyond, the dense algebra of the coefficients takes seconds.
+/// Largest number of intervals per side: beyond, the dense algebra of the coefficients takes seconds.
 const MOST_INTERVALS: usize = 24;
-/// Most intervals per side unless told otherwise.
+/// Largest number of intervals per side unless one is given.
 const MOST_BY_DEFAULT: usize = 12;
 /// Unless told otherwise, a spline has at most so many coefficients per equation.
 const BEARABLE: f64 = 0.3;
@@ -41,9 +41,9 @@ pub struct Penalised {
     /// Intervals of the spline along each side, 1 to 24; `None` takes as many as the contacts
     /// and their fingers bear.
     pub intervals: Option<usize>,
-    /// How the smoothing weight is chosen.
+    /// Criterion by which the smoothing weight is chosen.
     pub criterion: Criterion,
-    /// What is known of the noise.
+    /// Known standard deviations of the contacts' errors.
     pub noise: Noise,
 }
 
@@ -79,7 +79,7 @@ impl Penalised {
         let mut spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         let mut told = quadric.tells_noise();
         if patch.has_normals() && !is_known {
-            // How heights and slopes compare, from a fit that follows the surface.
+            // The variances of heights and slopes are compared at a fit that follows the surface.
             let rough = Search::new(&spectrum, self.criterion, is_known, expected).best();
             let kept = spectrum.kept(rough.log_weight);
             let residuals = equations.residuals(&spectrum.coefficients(&kept));
@@ -135,9 +135,9 @@ impl Penalised {
     }
 }
 
-/// As many intervals along u and v, equal if they may be, as the contacts bear: a limited number of
-/// coefficients per equation, and across the travel no more intervals than gaps between fingers,
-/// for all contacts of a finger err about one line.
+/// Largest numbers of intervals along u and v, equal if they may be, that the contacts bear: a limited
+/// number of coefficients per equation, and across the travel no more intervals than gaps between
+/// fingers, since the contacts of a finger lie about one line.
 fn bearable_intervals(patch: &Patch) -> [usize; 2] {
     let gaps = match patch.fingers {
         1 => MOST_BY_DEFAULT,

@@ -21,9 +21,25 @@ type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 ///
 /// Its stated covariance is that of the noise alone: it knows nothing of how far the patch is from
 /// a quadric.
+///
+/// ```
+/// use nalgebra::{Point3, Vector3};
+/// use palpate_ep2::{Contact, Method, Patch, Quadric};
+///
+/// // Three fingers in the bowl z = (x² + 2 y²)/8, whose curvatures at the bottom are −1/4 and −1/2.
+/// let places = (0..15).map(|i| (i / 5, f64::from(i % 5 - 2), f64::from(i / 5 - 1)));
+/// let contacts: Vec<Contact> = places
+///     .map(|(finger, x, y)| (finger as usize, Point3::new(x, y, (x * x + 2.0 * y * y) / 8.0)))
+///     .map(|(finger, position)| Contact::new(finger, position, None))
+///     .collect();
+/// let fit = Quadric::default().fit(&Patch::new(&contacts, &Vector3::z())?)?;
+/// let bottom = fit.curvature_at(&Point3::origin())?;
+/// assert!((bottom.gaussian - 0.125).abs() < 1e-9 && (bottom.mean + 0.375).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quadric {
-    /// What is known of the noise.
+    /// Known standard deviations of the contacts' errors.
     pub noise: Noise,
 }
 

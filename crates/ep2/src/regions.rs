@@ -11,7 +11,7 @@ const LEAST_COHERENCE: f64 = 0.1;
 /// A map cut into regions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regions {
-    /// For each point of the map, the index of its region.
+    /// Index of the region of each point of the map.
     pub of_point: Vec<usize>,
     /// The regions, the largest first.
     pub regions: Vec<Region>,
@@ -22,7 +22,7 @@ pub struct Regions {
 pub struct Region {
     /// Its class.
     pub class: ShapeClass,
-    /// How many points of the map it holds.
+    /// Number of points of the map that it holds.
     pub points: usize,
     /// Area of the surface that they stand for, length².
     pub area: f64,
@@ -30,10 +30,10 @@ pub struct Region {
     pub gaussian_curvature: f64,
     /// Mean of the mean curvature over the area, 1/length.
     pub mean_curvature: f64,
-    /// How the region lies: the unit direction of largest curvature that its points share, of
-    /// either sign. `None` where they share none, as on a sphere.
+    /// Unit direction of largest curvature that its points share, of either sign. `None` where they
+    /// share none, as on a sphere.
     pub direction_of_max: Option<Vector3<f64>>,
-    /// How well its points agree on that direction, in [0, 1].
+    /// Degree to which its points agree on that direction, in [0, 1].
     pub coherence: f64,
 }
 

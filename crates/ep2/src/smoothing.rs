@@ -40,12 +40,26 @@ pub struct WeightedPoint {
     pub v: f64,
     /// Height.
     pub w: f64,
-    /// What the residual is multiplied with: an inverse standard deviation. A point that outweighs another by a factor
+    /// Factor on the residual, an inverse standard deviation. A point that outweighs another by a factor
     /// of f costs it the digits of f: from 1e15 on none are left.
     pub weight: f64,
 }
 
-/// How a smoothing spline is made.
+/// The settings by which a smoothing spline is made.
+///
+/// ```
+/// use palpate_ep2::{SmoothingSpline, Status, WeightedPoint};
+///
+/// // The plane w = 1 + 2 u − v is a polynomial: no knots are needed.
+/// let places = (0..16).map(|i| (f64::from(i % 4), f64::from(i / 4)));
+/// let points: Vec<WeightedPoint> = places
+///     .map(|(u, v)| WeightedPoint { u, v, w: 1.0 + 2.0 * u - v, weight: 1.0 })
+///     .collect();
+/// let smoothed = SmoothingSpline::new(2, 1e-6).fit(&points)?;
+/// assert_eq!(smoothed.status, Status::Polynomial);
+/// assert!((smoothed.spline.value(0.5, 0.25) - 1.75).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothingSpline {
     /// Degrees in u and v, 1 to [`MAX_DEGREE`].
@@ -54,9 +68,9 @@ pub struct SmoothingSpline {
     pub smoothing: f64,
     /// The rectangle of the knots, smallest and largest u, then v; `None` for that of the points.
     pub domain: Option<[[f64; 2]; 2]>,
-    /// How many interior knots there may be along u and along v.
+    /// Largest numbers of interior knots along u and along v.
     pub most_knots: [usize; 2],
-    /// By how much, relative to `smoothing`, the sum may miss it.
+    /// Largest deviation of the sum from `smoothing`, relative to it.
     pub tolerance: f64,
     /// A diagonal entry of the triangularised equations whose square is at most this, relative to
     /// the largest, counts as zero; between 0 and 1.
@@ -64,8 +78,8 @@ pub struct SmoothingSpline {
 }
 
 impl SmoothingSpline {
-    /// The same degree in both directions, as many knots as the points bear, and the tolerances of
-    /// FITPACK's `surfit` in SciPy: a thousandth, and 1e-16 for the rank.
+    /// Settings with the same degree in both directions, as many knots as the points bear, and the
+    /// tolerances of FITPACK's `surfit` in SciPy: a thousandth, and 1e-16 for the rank.
     pub const fn new(degree: usize, smoothing: f64) -> Self {
         Self {
             degrees: [degree; 2],
@@ -78,19 +92,19 @@ impl SmoothingSpline {
     }
 }
 
-/// What became of the sum of squared residuals.
+/// The way in which a fit ended: whether its sum of squared residuals is the one aimed at, and why not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// The polynomial without knots meets it.
+    /// The polynomial without knots meets the sum.
     Polynomial,
     /// All residuals are rounding.
     Interpolating,
-    /// It is met within the tolerance.
+    /// The sum is met within the tolerance.
     Smoothing,
-    /// It is exceeded: there are more coefficients than points, as many knots as are allowed, or
+    /// The sum is exceeded: there are more coefficients than points, as many knots as are allowed, or
     /// no interval left that may be split. The spline is the least-squares one on these knots.
     KnotsExhausted,
-    /// The parameter that balances it against the jumps was not found.
+    /// The parameter that balances the sum against the jumps was not found.
     Unsettled,
 }
 
@@ -121,10 +135,10 @@ pub struct Smoothed {
     pub residual_sum: f64,
     /// Whether that is what was aimed at.
     pub status: Status,
-    /// How many of the coefficients are determined; of the others the choice is that of least
-    /// norm.
+    /// Number of coefficients that the points determine; the others are chosen such that the norm is
+    /// least.
     pub rank: usize,
-    /// How many unknowns the spline has taken up: the trace of the map from heights to spline.
+    /// Effective number of unknowns that the spline has taken up: the trace of the map from heights to spline.
     pub effective_unknowns: f64,
 }
 

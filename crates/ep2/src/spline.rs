@@ -6,7 +6,7 @@ use crate::knots::{Knots, MAX_DEGREE};
 
 /// Places whose curvatures are computed side by side, one in each lane.
 pub(crate) type Lanes = wide::f64x2;
-/// How many they are.
+/// Number of places side by side.
 pub(crate) const LANES: usize = 2;
 
 /// Height, slopes and second derivatives of a graph, at a place unless the type says more.
@@ -36,7 +36,7 @@ pub(crate) struct Local<T = f64> {
 }
 
 impl Local<Lanes> {
-    /// Of places on the same interval of the knots.
+    /// B-splines at several places on the same interval of the knots.
     #[inline]
     pub(crate) fn side_by_side(places: [&Local; LANES]) -> Self {
         let jets = std::array::from_fn(|order| {
@@ -61,7 +61,7 @@ impl Local {
 }
 
 impl Jet<Lanes> {
-    /// Of each place.
+    /// The jet of each place alone.
     #[inline(always)]
     pub(crate) fn apart(&self) -> [Jet; LANES] {
         let [w, u, v, uu, uv, vv] =
@@ -78,8 +78,8 @@ impl Jet<Lanes> {
 }
 
 impl<T: Copy + Default + AddAssign + Mul<f64, Output = T>> Jet<T> {
-    /// From the B-splines in u, and for each the sums over those in v of coefficient times value, first and second
-    /// derivative.
+    /// The jet from the B-splines in u, with, for each, the sums over those in v of coefficient times value, first and
+    /// second derivative.
     #[inline(always)]
     pub(crate) fn of_sums(u: &Local<T>, sums: &[[f64; 3]]) -> Self {
         let mut jet = Self::default();

@@ -11,7 +11,7 @@ pub(crate) struct Square {
     half: [f64; 2],
 }
 
-/// What a contact says of the surface over the square: its height and, if it has a normal, its
+/// The equations of a contact for the surface over the square: its height and, if it has a normal, its
 /// slopes along a and b. Each equation has a weight, relative to the inverse variance of its kind.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observation {
@@ -23,7 +23,7 @@ pub(crate) struct Observation {
     pub(crate) slope_weights: [f64; 2],
 }
 
-/// One thing for the heights and one for the slopes, whose errors differ.
+/// A pair of values, one for the heights and one for the slopes, whose errors differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Kinds<T> {
     pub(crate) heights: T,

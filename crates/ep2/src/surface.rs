@@ -7,7 +7,7 @@ use crate::line::Line;
 use crate::spline::{LANES, Lanes, Local};
 use crate::{Curvature, Ep2Error, Fit, Jet};
 
-/// A map may have at most this many places along each side.
+/// Largest number of places along each side of a map.
 pub const MOST_PLACES: usize = 2048;
 
 /// A place on the fitted surface, in the frame of the readings.
@@ -27,7 +27,7 @@ pub struct MapPoint {
     pub direction_of_min: Vector3<f64>,
     /// Unit tangent along `k_max`, of either sign; any at an umbilic.
     pub direction_of_max: Vector3<f64>,
-    /// In [−1, 1]: +1 for a convex cap, −1 for a cup; `None` where the surface is flat.
+    /// Shape index, in [−1, 1]: +1 for a convex cap, −1 for a cup; `None` where the surface is flat.
     pub shape_index: Option<f64>,
 }
 
@@ -50,8 +50,8 @@ fn few_enough(side: usize) -> Result<(), Ep2Error> {
 
 impl Fit {
     /// Gaussian and mean curvature where the line through `world` along the patch's normal meets
-    /// the surface. Of contacts without error on a paraboloid, whose apex it is, a quadric and a penalised spline err by at
-    /// most 1e-11 of the sharper curvature.
+    /// the surface. For contacts without error on a paraboloid, and a place at its apex, the error of a
+    /// quadric and of a penalised spline is at most 1e-11 of the sharper curvature.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] where the curvature leaves the range of doubles.
@@ -219,7 +219,7 @@ impl Fit {
 
 /// Neighbouring columns of a grid, on the same interval of the knots.
 struct Columns {
-    /// Where they are, along u; the last is repeated where there are fewer than [`LANES`].
+    /// Places of the columns along u; the last is repeated where there are fewer than [`LANES`].
     places: [f64; LANES],
     count: usize,
     locals: Local<Lanes>,
@@ -237,7 +237,7 @@ impl Columns {
     }
 }
 
-/// So many places from end to end, or the middle.
+/// Places at equal distances, `side` of them, from end to end; the middle where there is one.
 fn places([low, high]: [f64; 2], side: usize) -> impl Iterator<Item = f64> {
     let share = move |index: usize| match side {
         1 => 0.5,

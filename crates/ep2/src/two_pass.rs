@@ -10,7 +10,7 @@ use crate::{
 /// Numbers whose squares neither overflow nor vanish.
 const LARGEST: f64 = 1e150;
 
-/// Whose normals the tangents of the second pass are of.
+/// The normals to which the tangents of the second pass are perpendicular.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TangentNormals {
     /// The contacts' own; the first fit's where they have none.
@@ -20,12 +20,12 @@ pub enum TangentNormals {
     FirstFit,
 }
 
-/// How often a spline is fitted.
+/// The number of splines that are fitted, one after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Passes {
-    /// Once, to the contacts.
+    /// One, to the contacts.
     One,
-    /// A second time, to the first fit and its tangents.
+    /// Two: one to the contacts, and one to that fit and its tangents.
     #[default]
     Two,
 }
@@ -49,22 +49,22 @@ pub struct TwoPass {
     pub first_degree: usize,
     /// Degree of the second spline.
     pub second_degree: usize,
-    /// What residuals are multiplied with, per unit of length.
+    /// Factor on residuals, an inverse standard deviation, per unit of length (see `unit_length`).
     pub weight: f64,
     /// Sum of squared weighted residuals that the first spline aims at.
     pub smoothing: f64,
-    /// The same of the second spline.
+    /// Sum of squared weighted residuals that the second spline aims at.
     pub second_smoothing: f64,
     /// Step along the tangent, in units of length.
     pub tangent_step: f64,
-    /// Whose normals the tangents are of.
+    /// Normals to which the tangents are perpendicular.
     pub normals: TangentNormals,
     /// The unit, a length as those of the contacts; `None` for the mean distance between
     /// neighbouring fingers.
     pub unit_length: Option<f64>,
-    /// How often a spline is fitted.
+    /// Number of splines that are fitted, one after the other.
     pub passes: Passes,
-    /// How many interior knots a spline may have in either direction.
+    /// Largest number of interior knots of a spline in either direction.
     pub most_knots: usize,
 }
 
@@ -86,16 +86,16 @@ impl Default for TwoPass {
     }
 }
 
-/// What became of one of the splines.
+/// The result of one of the splines: its sum of squares and its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pass {
     /// Whether it met its sum of squares.
     pub status: Status,
     /// Its sum of squared weighted residuals, in the unit of the settings.
     pub residual_sum: f64,
-    /// How many coefficients it has.
+    /// Number of its coefficients.
     pub coefficients: usize,
-    /// How many of them are determined.
+    /// Number of coefficients that the points determine.
     pub rank: usize,
 }
 
@@ -117,7 +117,7 @@ impl Method for TwoPass {
 }
 
 impl TwoPass {
-    /// The fit, and what became of either spline.
+    /// The fit, and the result of either spline.
     ///
     /// # Errors
     /// [`Ep2Error`]: `bad-setting`, also where the contacts are of one finger and no unit is set;

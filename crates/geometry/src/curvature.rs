@@ -9,6 +9,18 @@ use thiserror::Error;
 ///
 /// Symmetric; positive where the solid is convex. A sphere of radius `R` has `I/R`, a dish `−I/R`.
 /// What is derived from it is finite for components up to 1e150 that are finite themselves.
+///
+/// ```
+/// use palpate_geometry::CurvatureForm;
+///
+/// // A cylinder of radius 2 whose axis lies along v.
+/// let form = CurvatureForm { k_uu: 0.5, k_uv: 0.0, k_vv: 0.0 };
+/// assert_eq!(form.gaussian_curvature(), 0.0);
+/// assert_eq!(form.mean_curvature(), 0.25);
+/// assert_eq!((form.principal().k_min, form.principal().k_max), (0.0, 0.5));
+/// // The shape index of a ridge.
+/// assert!(form.shape_index().is_some_and(|index| (index - 0.5).abs() < 1e-15));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CurvatureForm {
     /// Normal curvature along `u`.
@@ -197,7 +209,7 @@ impl ShapeClass {
     }
 }
 
-/// Below which K and H count as zero.
+/// Absolute values up to which Gaussian curvature K and mean curvature H count as zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeThresholds {
     gaussian: f64,
@@ -210,7 +222,7 @@ pub enum InvalidThresholds {
     /// A threshold is negative or not finite.
     #[error("{name} threshold is {value}; it must be finite and at least 0")]
     OutOfRange {
-        /// Which one.
+        /// Name of the threshold: `gaussian` or `mean`.
         name: &'static str,
         /// Its value.
         value: f64,
@@ -230,7 +242,7 @@ pub enum InvalidThresholds {
 }
 
 impl ShapeThresholds {
-    /// `|K| <= gaussian` (1/length²) and `|H| <= mean` (1/length) count as zero.
+    /// Thresholds such that `|K| <= gaussian` (1/length²) and `|H| <= mean` (1/length) count as zero.
     ///
     /// # Errors
     /// [`InvalidThresholds`] unless both are finite, at least 0, and `gaussian >= mean²`: since
@@ -248,18 +260,29 @@ impl ShapeThresholds {
         Ok(Self { gaussian, mean })
     }
 
-    /// Below which the Gaussian curvature counts as zero, 1/length².
+    /// Largest absolute Gaussian curvature that counts as zero, 1/length².
     pub const fn gaussian(&self) -> f64 {
         self.gaussian
     }
 
-    /// Below which the mean curvature counts as zero, 1/length.
+    /// Largest absolute mean curvature that counts as zero, 1/length.
     pub const fn mean(&self) -> f64 {
         self.mean
     }
 
     /// The class of a point, whose curvatures must be finite. `K` is clamped to `H²`, which it
     /// cannot exceed but for noise.
+    ///
+    /// ```
+    /// use palpate_geometry::{ShapeClass, ShapeThresholds};
+    ///
+    /// let thresholds = ShapeThresholds::new(0.01, 0.1)?;
+    /// // Outside of a sphere of radius 2, inside of a cylinder of radius 2, a sphere of radius 100.
+    /// assert_eq!(thresholds.classify(0.25, 0.5), ShapeClass::Peak);
+    /// assert_eq!(thresholds.classify(0.0, -0.25), ShapeClass::Valley);
+    /// assert_eq!(thresholds.classify(1e-4, 0.01), ShapeClass::Flat);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn classify(&self, gaussian_curvature: f64, mean_curvature: f64) -> ShapeClass {
         let gaussian = gaussian_curvature.min(mean_curvature * mean_curvature);
         let sign =

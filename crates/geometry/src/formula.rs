@@ -27,6 +27,18 @@ use program::Program;
 /// A function z = f(x, y) read from text, its parameters folded in as constants.
 ///
 /// Evaluation neither fails nor allocates. Outside the formula's domain the value is not finite (`ln(x)` at x ≤ 0).
+///
+/// ```
+/// use std::collections::BTreeMap;
+/// use palpate_geometry::formula::Formula;
+///
+/// let parameters = BTreeMap::from([("a".to_owned(), 0.5)]);
+/// let bowl = Formula::parse("a*(x^2 + y^2)", &parameters)?;
+/// assert_eq!(bowl.value(1.0, 2.0), 2.5);
+/// assert_eq!(bowl.jet(1.0, 2.0).gradient, [1.0, 2.0]);
+/// assert_eq!(bowl.jet(1.0, 2.0).hessian, [1.0, 0.0, 1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
     program: Program,
@@ -58,7 +70,8 @@ impl Formula {
     ///
     /// Where the formula or a part of it is not twice differentiable, some component is infinite or NaN: `sqrt(x)` and
     /// `abs(x)` at x = 0, `hypot(x, y)` at the origin, and also `sqrt(x^4)` at x = 0, which is smooth only as a whole.
-    /// So it is where a derivative is beyond the range of numbers. [`Jet::is_finite`] tells. The one exception is the cut of `atan2`: there the jet is finite and that of one side.
+    /// The same holds where a derivative is beyond the range of numbers. [`Jet::is_finite`] tells. The one exception is
+    /// the cut of `atan2`: there the jet is finite and that of one side.
     pub fn jet(&self, x: f64, y: f64) -> Jet {
         self.program.run(Jet::x(x), Jet::y(y))
     }

@@ -43,7 +43,7 @@ impl Parameters {
         }
     }
 
-    /// No chart reaches parameters that are not finite, or absurdly large.
+    /// Refuses parameters that no chart reaches: those that are not finite, or beyond 1e150.
     pub(crate) fn unless_out_of_reach(self) -> Result<Self, SurfaceError> {
         let Self { u, v } = self;
         if is_within_reach(u, v) {

@@ -18,7 +18,7 @@ pub struct LevelSet {
 }
 
 impl LevelSet {
-    /// From the gradient and Hessian of `F`.
+    /// The level set of a function `F` through a point, from the gradient and Hessian of `F` there.
     ///
     /// Returns `None` where the gradient vanishes, overflows when squared, or anything is not
     /// finite: no normal is defined there.
@@ -77,7 +77,7 @@ pub struct TangentForm {
 }
 
 impl TangentForm {
-    /// From a unit normal and the curvature form in the basis `(x, x × normal)`.
+    /// The tangent form of a known unit normal and curvature form, the latter in the basis `(x, x × normal)`.
     #[inline]
     pub const fn of_unit_normal(normal: Vector3<f64>, curvature: CurvatureForm) -> Self {
         Self {

@@ -6,6 +6,17 @@ use std::f64::consts::TAU;
 ///
 /// A parameter `t`, 0 at the apex and growing along the meridian, gives the point, the normal, the slope
 /// angle and the arc-length element, each within 1e-15 of itself.
+///
+/// ```
+/// use palpate_geometry::Meridian;
+///
+/// let spheroid = Meridian::Spheroid { a: 2.0, c: 1.0 };
+/// assert_eq!(spheroid.apex_curvature(), 0.25);
+/// // A quarter of the ellipse leads from the pole to the equator.
+/// let equator = spheroid.at(std::f64::consts::FRAC_PI_2);
+/// assert!((equator.r - 2.0).abs() < 1e-15);
+/// assert!((equator.height + 1.0).abs() < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Meridian {
     /// `z = −c r²`; the parameter is `r`.

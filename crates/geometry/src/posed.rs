@@ -11,6 +11,17 @@ use crate::{
 /// A surface moved rigidly; its curvature does not change.
 ///
 /// `contact_at` keeps its meaning in the surface's own frame.
+///
+/// ```
+/// use nalgebra::{Isometry3, Point3};
+/// use palpate_geometry::{Posed, Surface, surfaces::Sphere};
+///
+/// let sphere = Posed::new(Sphere::new(3.0)?, Isometry3::translation(10.0, 0.0, 0.0))?;
+/// let closest = sphere.closest_point(&Point3::new(20.0, 0.0, 0.0))?;
+/// assert!((closest - Point3::new(13.0, 0.0, 0.0)).norm() < 1e-14);
+/// assert!(sphere.is_homogeneous());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Posed<S> {
     surface: S,

@@ -1,4 +1,4 @@
-//! What every surface can be asked.
+//! The interface of all surfaces, and their errors.
 
 use std::ops::RangeInclusive;
 
@@ -15,7 +15,7 @@ pub(crate) fn is_within_reach(x: f64, y: f64) -> bool {
     x.abs() + y.abs() <= *SQUARABLE.end()
 }
 
-/// Why a surface has no answer at a place.
+/// Reasons for which a surface has no answer at a place.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum SurfaceError {
     /// The surface does not reach there, or its formula is undefined there.
@@ -73,7 +73,7 @@ pub struct InvalidShape {
     pub parameter: &'static str,
     /// Its value.
     pub value: f64,
-    /// What would be right.
+    /// Values that the parameter may have, in words that follow "must be".
     pub expected: &'static str,
 }
 
@@ -117,6 +117,19 @@ impl InvalidShape {
 /// the object's size. Worse conditioned are heights near a rim (where `R² − x²` is what counts), the
 /// Gaussian curvature where it is far below H², a closest point from within a hollow, and what is
 /// asked of a place that its coordinates hardly resolve.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use palpate_geometry::{Surface, surfaces::Sphere};
+///
+/// let sphere = Sphere::new(3.0)?;
+/// let top = sphere.contact_at(0.0, 0.0)?;
+/// let (normal, form) = sphere.curvature_along(&top, &Vector3::x())?;
+/// assert!((normal - Vector3::z()).norm() < 1e-15);
+/// assert!((form.k_uu - 1.0 / 3.0).abs() < 1e-15);
+/// assert!((form.gaussian_curvature() - 1.0 / 9.0).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Surface {
     /// The chart's point and derivatives at `at`.
     ///
@@ -133,8 +146,8 @@ pub trait Surface {
     fn level_set(&self, point: &Point3<f64>) -> Result<LevelSet, SurfaceError>;
 
     /// Normal and second form along `x`, which must be a unit tangent, at a point on the surface.
-    /// What an integrator asks for at every stage: surfaces override it where that is cheaper than
-    /// the whole level set. Off the surface it means nothing.
+    /// Integrators need these at every stage: a surface overrides this function where that is cheaper
+    /// than computing the whole level set. Off the surface the result means nothing.
     ///
     /// # Errors
     /// As [`Surface::level_set`].
@@ -194,7 +207,7 @@ pub trait Surface {
     /// [`SurfaceError::OffDomain`] where there is none, or `x` or `y` is not finite.
     fn contact_at(&self, x: f64, y: f64) -> Result<Point3<f64>, SurfaceError>;
 
-    /// Where a probe touches first unless told otherwise: `(x, y)` of the origin or the top.
+    /// Default place of the first contact, `(x, y)` in the surface's frame: the origin or the top.
     fn default_contact(&self) -> (f64, f64) {
         (0.0, 0.0)
     }

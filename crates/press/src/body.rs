@@ -6,13 +6,27 @@ use std::sync::Arc;
 use crate::bonded_layer::{BondedLayer, LayerContact};
 use crate::{Field, PressError, half_space};
 
-/// Farther from a contact nothing moves.
+/// Distance from a contact beyond which displacements are taken as 0, length.
 const FARTHEST: f64 = 1e50;
 
-/// What a press does to the skin at the markers' depth.
+/// A model of the soft body: the displacement of the skin, at the markers' depth, under a press.
 ///
 /// Every body scales alike: with the contact's radius a and the relative curvature C_r, the displacement is
 /// C_r F(a, r) and the indentation is C_r D(a).
+///
+/// ```
+/// use palpate_press::Body;
+///
+/// // Hertz: a² = δ/C_r, and the surface moves by δ − C_r r²/2 within the contact.
+/// let body = Body::hertz(0.5)?;
+/// let contact = body.press(0.25, 1.0)?;
+/// assert_eq!(contact.radius, 2.0);
+/// assert!((contact.displacement(0.0).normal - 1.0).abs() < 1e-11);
+/// assert!((contact.displacement(1.0).normal - 0.875).abs() < 1e-11);
+/// // The force is 4/3 E/(1 − ν²) C_r a³.
+/// assert!(contact.force(9.0).is_some_and(|force| (force - 32.0).abs() < 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Body(Rung);
 
@@ -31,12 +45,12 @@ enum Rung {
     },
 }
 
-/// How contacts with a layer are computed.
+/// The way in which contacts with a layer are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layers {
-    /// From tables: for many contacts.
+    /// Interpolation in tables: for many contacts.
     Tables,
-    /// Each for itself: for few.
+    /// A solution of each contact for itself: for few.
     Solved,
 }
 
@@ -44,7 +58,7 @@ enum Layers {
 #[derive(Clone, Debug)]
 pub struct Contact<'b> {
     body: &'b Body,
-    /// With a layer, its contact.
+    /// The contact with the layer, if the body is one.
     layer: Option<LayerContact>,
     /// 1/R_s + 1/R_o, 1/length.
     pub relative_curvature: f64,
@@ -54,7 +68,7 @@ pub struct Contact<'b> {
     pub radius: f64,
 }
 
-/// How far a place on the skin moves.
+/// The displacement of a place on the skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Displacement {
     /// Inward, length.
@@ -92,7 +106,8 @@ impl Body {
         BondedLayer::new(thickness, depth).map(|layer| Self::layer(layer, Layers::Tables))
     }
 
-    /// The same for few contacts, each of which is solved for itself, as [`BondedLayer::solved`] does.
+    /// An incompressible layer bonded to a rigid core, as [`Body::bonded_layer`] but for few contacts: each is solved
+    /// for itself, as [`BondedLayer::solved`] does, without tables.
     ///
     /// # Errors
     /// As [`Body::bonded_layer`].
@@ -100,7 +115,7 @@ impl Body {
         BondedLayer::new(thickness, depth).map(Self::solved)
     }
 
-    /// This layer, for few contacts: as [`Body::solved_layer`], at the layer's own resolution.
+    /// A body of this layer for few contacts: as [`Body::solved_layer`], at the layer's own resolution.
     pub fn solved(layer: BondedLayer) -> Self {
         Self::layer(layer, Layers::Solved)
     }
@@ -225,10 +240,11 @@ impl Body {
 }
 
 impl Contact<'_> {
-    /// How far the skin moves at arc distance `r` (of either sign) from the contact; not at all where that is no number or beyond
-    /// 1e50.
+    /// Displacement of the skin at arc distance `r` (length, of either sign) from the contact; 0 where `r` is NaN or
+    /// beyond 1e50.
     ///
-    /// Of a half-space it errs by at most 1e-11 of the displacement, of a layer as [`BondedLayer::contact`] does.
+    /// The error is at most 1e-11 of the displacement for a half-space, and as stated at [`BondedLayer::contact`] for a
+    /// layer.
     pub fn displacement(&self, r: f64) -> Displacement {
         let field = self.field(r);
         Displacement {

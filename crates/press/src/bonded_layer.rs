@@ -24,17 +24,29 @@ use crate::{Field, PressError};
 
 /// The widest contact that is solved, in thicknesses.
 const LIMIT: f64 = 50.0;
-/// Newton's method takes four steps or so.
+/// Largest number of steps of Newton's method, which takes about four.
 const STEPS: usize = 30;
 
 /// An incompressible layer on a rigid base, read at a depth.
+///
+/// ```
+/// use palpate_press::BondedLayer;
+///
+/// // A contact that is small against the thickness is one with a half-space: D = a².
+/// let layer = BondedLayer::new(1.0, 0.5)?;
+/// let [indentation, _] = layer.indentation_of(1e-3)?;
+/// assert!((indentation / 1e-6 - 1.0).abs() < 2e-3);
+/// let radius = layer.contact_radius(indentation)?;
+/// assert!((radius / 1e-3 - 1.0).abs() < 1e-10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct BondedLayer {
     thickness: f64,
     depth: f64,
-    /// Of contacts that are solved for themselves: so many times the nodes that they need.
+    /// Number of nodes for contacts that are solved for themselves, over the number that they need.
     resolution: f64,
-    /// Each made when first asked for.
+    /// Tables of the ranges of radii, each made when first asked for.
     tables: [OnceLock<Table>; ENDS.len() - 1],
 }
 
@@ -42,7 +54,7 @@ pub struct BondedLayer {
 #[derive(Clone, Debug)]
 pub struct LayerContact {
     thickness: f64,
-    /// In thicknesses, as all that follows.
+    /// Depth, in thicknesses; all fields that follow are in units of the thickness too.
     depth: f64,
     contact: f64,
     /// Indentation, its derivative by the radius, ∫ φ dt, −∫ φ'/t dt.
@@ -51,7 +63,7 @@ pub struct LayerContact {
     base: Base,
 }
 
-/// What the base takes from the displacement.
+/// The part of the displacement that the rigid base takes away, as a sum or as a table.
 #[derive(Clone, Debug)]
 enum Base {
     Waves(Waves),
@@ -77,8 +89,8 @@ impl BondedLayer {
         })
     }
 
-    /// The same that solves contacts for themselves at so many times the nodes: below 1 quicker and coarser, above 1 to
-    /// see that nothing changes. Tables stay as they are.
+    /// This layer, with `resolution` times the nodes for contacts that are solved for themselves: below 1 quicker and
+    /// coarser, above 1 to see that nothing changes. Tables stay as they are.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] for a `resolution` that is not from 1/16 to 16.
@@ -123,7 +135,8 @@ impl BondedLayer {
         })
     }
 
-    /// The same without a table: each of Newton's few steps solves a contact.
+    /// The contact's radius from the indentation over the relative curvature, as [`Self::contact_radius`] but without a
+    /// table: each of Newton's few steps solves a contact.
     ///
     /// # Errors
     /// As [`Self::contact_radius`].
@@ -191,7 +204,8 @@ impl BondedLayer {
     /// A contact of radius `a`, solved for itself: within 1e-9 of the peak displacement at the surface.
     ///
     /// # Errors
-    /// As [`Self::indentation_of`]; [`PressError::OutOfRange`] also where the resolution is too coarse for any solution.
+    /// As [`Self::indentation_of`]; [`PressError::OutOfRange`] also where the resolution is too coarse for any
+    /// solution.
     pub fn solved(&self, a: f64) -> Result<LayerContact, PressError> {
         let contact = self.scaled(a)?;
         let depth = self.depth / self.thickness;
@@ -263,8 +277,8 @@ impl LayerContact {
         0.5 * self.numbers[3] * self.thickness
     }
 
-    /// Displacements at distance `r` (of either sign) from the contact, and their derivatives. Nothing moves at the base, and
-    /// nothing worth a number 30 thicknesses beyond the contact.
+    /// Displacements at distance `r` (of either sign) from the contact, and their derivatives. They are 0 at the base,
+    /// and taken as 0 from 30 thicknesses beyond the contact on.
     pub fn field(&self, r: f64) -> Field {
         let r = r.abs() / self.thickness;
         if r.is_nan() || r > self.contact + waves::BEYOND || self.depth == 1.0 {

@@ -1,8 +1,8 @@
-//! Presses that do not happen, and readings that do not tell a curvature.
+//! Errors of presses that are impossible, and of readings that do not determine a curvature.
 
 use thiserror::Error;
 
-/// Why there is no press, or no curvature from it.
+/// Reasons for which there is no press, or no curvature from it.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum PressError {
     /// A setting is out of its range.
@@ -12,13 +12,13 @@ pub enum PressError {
         setting: &'static str,
         /// Its value.
         value: f64,
-        /// What would be right.
+        /// Values that the setting may have, in words that follow "must be".
         expected: &'static str,
     },
     /// A reading, or what follows from it, is not a finite number.
     #[error("marker {marker} (counting from 0): a number is not finite, or beyond 1e50")]
     NotFinite {
-        /// Which marker.
+        /// Number of the marker, counted from 0.
         marker: usize,
     },
     /// A marker's place is further along the skin than the skin goes.
@@ -26,7 +26,7 @@ pub enum PressError {
         "marker {marker} (counting from 0) lies {distance} from the apex along the skin, whose other pole is at {limit}"
     )]
     OffSkin {
-        /// Which marker.
+        /// Number of the marker, counted from 0.
         marker: usize,
         /// Distance from the apex, length.
         distance: f64,
@@ -56,9 +56,9 @@ pub enum PressError {
     TooDeep {
         /// The indentation, length.
         indentation: f64,
-        /// What it must stay below, length.
+        /// Limit that the indentation must stay below, length.
         limit: f64,
-        /// What that is.
+        /// Name of that limit, such as "the layer's thickness".
         what: &'static str,
     },
     /// The contact would be wider than the sensor.
@@ -85,11 +85,11 @@ pub enum PressError {
     /// Fewer readings than unknowns.
     #[error("{markers} marker(s) give {equations} equation(s); {needed} are needed")]
     TooFewMarkers {
-        /// How many markers there were.
+        /// Number of markers given.
         markers: usize,
-        /// One each, three where the tangential displacement is known too.
+        /// Number of equations: one for each marker, three where its tangential displacement is known too.
         equations: usize,
-        /// How many are needed.
+        /// Number of equations needed.
         needed: usize,
     },
     /// All markers moved alike, or not beyond their noise.
@@ -100,7 +100,7 @@ pub enum PressError {
     NoContact {
         /// Chi-squared without a contact minus that with one.
         improvement: f64,
-        /// How much that must be.
+        /// Smallest improvement that counts as a contact.
         needed: f64,
     },
     /// One marker moved and the others did not: it is wrong, or the object is a needle under it.
@@ -109,11 +109,11 @@ pub enum PressError {
          {improvement:.1} better than none does (chi-squared; {needed} are needed)"
     )]
     OneMarker {
-        /// Which marker.
+        /// Number of the marker, counted from 0.
         marker: usize,
         /// Chi-squared of the others without a contact minus that with one.
         improvement: f64,
-        /// How much that must be.
+        /// Smallest improvement that counts as a contact.
         needed: f64,
     },
     /// The contact that would explain the readings lies away from all markers.
@@ -125,7 +125,7 @@ pub enum PressError {
     /// The readings do not determine the unknowns.
     #[error("the readings do not determine the press: {what}")]
     Undetermined {
-        /// What is missing.
+        /// Description of what is missing.
         what: &'static str,
     },
     /// The numbers leave the range of doubles.

@@ -1,4 +1,4 @@
-//! What a press tells: the estimate, its intervals and its verdict.
+//! The estimate from one press: its values, their intervals and the verdict.
 
 /// A value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +12,15 @@ pub struct Estimated {
 }
 
 /// A 95 % interval. An end is `None` where the readings set no bound.
+///
+/// ```
+/// use palpate_press::Interval;
+///
+/// let bounded = Interval { low: Some(1.0), high: Some(2.0) };
+/// let hull = bounded.hull(Interval { low: Some(1.5), high: None });
+/// assert_eq!(hull, Interval { low: Some(1.0), high: None });
+/// assert!(hull.holds(1e9) && !hull.holds(0.5));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end.
@@ -44,16 +53,16 @@ impl Interval {
     }
 }
 
-/// What the readings can tell of the object's shape.
+/// The sign of the object's curvature, as far as the readings tell it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// The interval of the object's curvature lies above 0.
     Convex,
-    /// It lies below 0.
+    /// The interval lies below 0.
     Concave,
-    /// It holds 0, and is narrower than the sensor's own curvature.
+    /// The interval holds 0, and is narrower than the sensor's own curvature.
     FlatWithinNoise,
-    /// It holds 0 and more than that.
+    /// The interval holds 0, and is at least as wide as the sensor's own curvature.
     NotResolved,
 }
 
@@ -84,9 +93,10 @@ pub struct PressEstimate {
     pub contact_radius: Estimated,
     /// Chart coordinates of the contact on the skin, length.
     pub contact: [f64; 2],
-    /// Standard deviations along the axes there, length; across a row of markers, on which the contact is then sought, 0.
+    /// Standard deviations of the contact along the axes there, length; 0 across a row of markers, on which the contact
+    /// is then sought.
     pub contact_std: [f64; 2],
-    /// What all normal displacements are off by, length, if fitted.
+    /// Offset common to all normal displacements, length, if fitted.
     pub baseline: Option<Estimated>,
     /// The factor on all normal displacements, if fitted.
     pub gain: Option<Estimated>,
@@ -94,13 +104,13 @@ pub struct PressEstimate {
     pub wrong_markers: Vec<usize>,
     /// Standard deviation of the normal displacements: as given, or as found. Length.
     pub normal_std: f64,
-    /// The same of the tangential displacements, if they were used.
+    /// Standard deviation of the tangential displacements: as given, or as found. Length; `None` if they were not used.
     pub tangential_std: Option<f64>,
     /// The share of the normal displacements' variance that the fit explains.
     pub r_squared: f64,
     /// Chi-squared of the residuals per degree of freedom; about 1 where the noise is as stated.
     pub reduced_chi_squared: f64,
-    /// What the readings tell of the object.
+    /// Sign of the object's curvature, as far as the readings tell it.
     pub verdict: Verdict,
 }
 

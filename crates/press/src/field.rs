@@ -1,4 +1,4 @@
-//! How far the skin moves under a contact, per unit of relative curvature.
+//! Displacement of the skin under a contact, per unit of relative curvature.
 
 /// Displacement at some distance from the middle of a contact, with its derivatives by that distance and by the
 /// contact's radius, all divided by the relative curvature: F(a, r) in u = C_r F. Units: length² and length.

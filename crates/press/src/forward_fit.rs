@@ -15,10 +15,10 @@ use outcome::Stds;
 use problem::{Problem, State};
 use search::Search;
 
-/// What was read of one press.
+/// The readings of one press.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading<'a> {
-    /// Where the markers lie.
+    /// Markers, with their places under the skin.
     pub markers: &'a Markers,
     /// Inward displacement of each, length.
     pub normal: &'a [f64],
@@ -37,42 +37,59 @@ pub struct Measured {
     pub std: f64,
 }
 
-/// What is known of a nuisance.
+/// Knowledge of a nuisance parameter of the readings: of the baseline or the gain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prior {
-    /// It is as it should be.
+    /// It has its ideal value: 0 for a baseline, 1 for a gain.
     Exact,
-    /// It is so within a standard deviation.
+    /// It has its ideal value within this standard deviation (> 0, in its own unit), and is fitted.
     Within(f64),
-    /// Nothing is known: it is fitted.
+    /// It is unknown, and fitted.
     Free,
 }
 
-/// Least squares over relative curvature, place of the contact, indentation and what else is not known.
+/// The least-squares fit of one press: over relative curvature, place of the contact, indentation, and the baseline and
+/// gain where they are not exact.
+///
+/// ```
+/// use palpate_press::{Body, ForwardFit, Markers, Reading, Skin};
+///
+/// // 81 markers, 2 apart and 2 under a skin of radius 20, that an object of radius 80 moves.
+/// let positions: Vec<[f64; 2]> =
+///     (0..81).map(|i| [2.0 * f64::from(i % 9 - 4), 2.0 * f64::from(i / 9 - 4)]).collect();
+/// let (skin, body) = (Skin::new(20.0)?, Body::half_space(0.5, 2.0)?);
+/// let markers = Markers::new(skin, &positions)?;
+/// let moved = markers.displacements(&skin.contact(&body, 1.0 / 80.0, 1.0)?, [0.0; 2]);
+/// let normal: Vec<f64> = moved.iter().map(|moved| moved.normal).collect();
+/// let reading = Reading { markers: &markers, normal: &normal, tangential: None, indentation: None };
+/// let estimate = ForwardFit::new(body).estimate(&reading)?;
+/// assert!((estimate.most_likely_object_curvature() - 1.0 / 80.0).abs() < 1e-7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ForwardFit {
     /// The forward law.
     pub body: Body,
-    /// What all normal displacements are off by; should be 0. Length.
+    /// Offset common to all normal displacements, length; ideally 0.
     pub baseline: Prior,
-    /// Factor on all normal displacements; should be 1.
+    /// Factor on all normal displacements; ideally 1.
     pub gain: Prior,
     /// Standard deviation of normal displacements, length; found from the residuals if `None` or 0.
     pub normal_std: Option<f64>,
-    /// The same of either tangential component.
+    /// Standard deviation of either tangential component, length; found from the residuals if `None` or 0.
     pub tangential_std: Option<f64>,
-    /// Only markers within this distance of the contact count, length.
+    /// Largest distance from the contact at which a marker counts, length; `None` for all markers.
     pub window: Option<f64>,
 }
 
 /// Cramér–Rao bounds on standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Of the relative (and the object's) curvature, 1/length.
+    /// Bound for the relative curvature, and so for the object's curvature, 1/length.
     pub relative_curvature: f64,
-    /// Of the indentation, length.
+    /// Bound for the indentation, length.
     pub indentation: f64,
-    /// Of the contact's radius, length.
+    /// Bound for the contact's radius, length.
     pub contact_radius: f64,
 }
 
@@ -89,8 +106,8 @@ impl ForwardFit {
         }
     }
 
-    /// The press behind a reading. Of a reading without error the likeliest curvature is that of the press within 1e-9,
-    /// where the markers determine it.
+    /// The press behind a reading. For a reading without error the likeliest curvature is that of the press within
+    /// 1e-9, where the markers determine it.
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for what is given;
@@ -104,7 +121,8 @@ impl ForwardFit {
     }
 
     /// The least standard deviations that an unbiased estimate can have (Cramér and Rao), for a true contact at chart
-    /// coordinates. `tangential`: whether tangential displacements are sensed; `indentation_std`: of a known indentation.
+    /// coordinates `at`. `tangential` tells whether tangential displacements are sensed; `indentation_std` is the
+    /// standard deviation of an indentation that is measured too, length.
     ///
     /// `None` without a stated noise, or where the readings do not determine the press.
     pub fn bounds(

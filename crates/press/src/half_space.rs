@@ -23,10 +23,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::Field;
 
-/// Below this share of the distance the series in the contact's radius is exact to rounding.
+/// Contact radius, as a share of the distance, below which the series in it is exact to rounding.
 const FAR: f64 = 1.0 / 12.0;
 
-/// No nearer to the edge at the surface, in squares of the contact's radius, do derivatives grow.
+/// Square of the distance from the edge at the surface within which derivatives no longer grow, in squared contact
+/// radii.
 const EDGE: f64 = 1e-20;
 
 /// The field at distance `r >= 0` from the axis and depth `z >= 0` under a contact of radius `a > 0`.
@@ -49,7 +50,7 @@ struct Moments {
     odd: [f64; 3],
     /// ∫ sin(ka) k^{−j} e^{−kz} J₀(kr) dk for j = 1, 0.
     ring_even: [f64; 2],
-    /// The same with J₁, divided by r.
+    /// ∫ sin(ka) k^{−j} e^{−kz} J₁(kr) dk for j = 1, 0, divided by r.
     ring_odd: [f64; 2],
     r: f64,
 }

@@ -1,12 +1,20 @@
-//! Relations at the surface beside Hertz's own: what the 2020 paper has, and what holds for large contacts.
+//! Relations at the surface beside Hertz's own: that of the 2020 paper, and one that holds for large contacts.
 
 use crate::PressError;
 
-/// Past this ratio of the contact's radius to the sensor's, small-strain theory errs noticeably.
+/// Ratio of the contact's radius to the sensor's past which small-strain theory errs noticeably.
 pub const LARGE_CONTACT: f64 = 0.3;
 
 /// The 2020 paper's equation 2, δ (1 − r²/a²) within the contact and 0 outside. It falls to 0 at the contact's edge,
-/// where Hertz theory has δ/2: its r² lacks a factor ½. 0, too, where that is no finite number.
+/// where Hertz theory has δ/2: its r² lacks a factor ½. Also 0 where the formula gives no finite number.
+///
+/// ```
+/// use palpate_press::hertz::published_parabola;
+///
+/// assert_eq!(published_parabola(1.0, 2.0, 1.0), 0.75);
+/// assert_eq!(published_parabola(1.0, 2.0, 2.0), 0.0);
+/// assert_eq!(published_parabola(1.0, 2.0, 3.0), 0.0);
+/// ```
 pub fn published_parabola(indentation: f64, a: f64, r: f64) -> f64 {
     let ratio = r / a;
     let displacement = indentation * (1.0 - ratio * ratio);
@@ -20,6 +28,16 @@ pub fn published_parabola(indentation: f64, a: f64, r: f64) -> f64 {
 /// Sneddon's relation for a rigid sphere of radius R and any contact radius a < R: δ = (a/2) ln((R + a)/(R − a)).
 ///
 /// Hertz theory has δ = a²/R, which is its limit for a ≪ R. Within 1e-15 of it.
+///
+/// ```
+/// use palpate_press::hertz::sneddon_indentation;
+///
+/// let indentation = sneddon_indentation(2.0, 1.0)?;
+/// assert!((indentation - 0.5 * libm::log(3.0)).abs() < 1e-15);
+/// // Near Hertz's a²/R where the contact is small.
+/// assert!((sneddon_indentation(2.0, 1e-3)? / 5e-7 - 1.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`PressError::BadSetting`] unless 0 <= a < R, both finite.

@@ -1,9 +1,9 @@
 //! Elastic contact of a soft spherical fingertip: what one press does to its skin, and what the skin's displacements
 //! tell of the object.
 //!
-//! Forward, from a relative curvature and an indentation to displacements at the markers: [`Body`] (Hertz contact at the
-//! surface, half-space at depth, layer bonded to a rigid core), [`Skin`] and [`Markers`]. Back, from displacements to
-//! the curvature: [`ForwardFit`].
+//! Forward, from a relative curvature and an indentation to displacements at the markers: [`Body`] (Hertz contact at
+//! the surface, half-space at depth, layer bonded to a rigid core), [`Skin`] and [`Markers`]. Back, from displacements
+//! to the curvature: [`ForwardFit`].
 
 mod body;
 mod bonded_layer;

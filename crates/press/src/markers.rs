@@ -12,21 +12,21 @@ pub struct Markers {
     places: Vec<Place>,
 }
 
-/// How far a marker moves.
+/// The displacement of a marker.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MarkerDisplacement {
     /// Inward, length.
     pub normal: f64,
-    /// Along the axes that the apex's are carried to, length.
+    /// Along the apex's x and y axes, carried to the marker along the meridian, length.
     pub tangential: [f64; 2],
 }
 
-/// Where a marker lies, seen from the contact.
+/// A marker's place as seen from the contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
     /// Distance along the skin.
     pub(crate) distance: f64,
-    /// How far a marker at this distance moves across the view per unit of turn of the bearing: R_s sin(distance/R_s).
+    /// Distance across the view per radian of bearing at this distance, R_s sin(distance/R_s).
     pub(crate) reach: f64,
     /// The way there, in the contact's axes; unit.
     pub(crate) bearing: Vector2<f64>,
@@ -63,7 +63,7 @@ impl Markers {
         Ok(Self { skin, places })
     }
 
-    /// Those with these numbers, counted from 0; numbers that no marker has are passed over.
+    /// The markers with these numbers, counted from 0; numbers that no marker has are passed over.
     #[must_use]
     pub fn subset(&self, chosen: &[usize]) -> Self {
         let places = chosen.iter().filter_map(|&marker| self.places.get(marker));
@@ -78,7 +78,7 @@ impl Markers {
         &self.skin
     }
 
-    /// Where they lie.
+    /// Places of the markers.
     pub fn places(&self) -> &[Place] {
         &self.places
     }
@@ -92,7 +92,7 @@ impl Markers {
             .collect()
     }
 
-    /// What a contact at chart coordinates `at` does to each marker.
+    /// Displacement of each marker by a contact at chart coordinates `at`.
     pub fn displacements(&self, contact: &Contact<'_>, at: [f64; 2]) -> Vec<MarkerDisplacement> {
         let middle = self.skin.place(at);
         self.places
@@ -109,8 +109,9 @@ impl Markers {
             .collect()
     }
 
-    /// What it does to each marker, `depth` under the skin of a half-space, that an object in contact with radius
-    /// `contact_radius` at chart coordinates `at` then moves by `shift` along the x axis there, sticking to the skin.
+    /// Displacement of each marker, at `depth` under the skin of a half-space, by a sideways move of the object: it
+    /// touches with radius `contact_radius` at chart coordinates `at`, sticks to the skin and moves by `shift` along
+    /// the x axis there. All are lengths, but for the ratio `poisson`.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] as [`stuck_shift`], and for a `shift` beyond 1e50.

@@ -1,6 +1,16 @@
-//! How a round sensor touches an object, by their relative curvature.
+//! Regimes of contact between a round sensor and an object, by their relative curvature.
 
 /// The ways in which a sphere touches an object of some curvature (2020 paper, Fig. 2).
+///
+/// ```
+/// use palpate_press::ContactRegime;
+///
+/// // A sensor of radius 20 on a bulge and in two hollows.
+/// let on = |object_radius: f64| ContactRegime::of(1.0 / 20.0, 1.0 / object_radius);
+/// assert_eq!(on(80.0), ContactRegime::Convex);
+/// assert_eq!(on(-80.0), ContactRegime::Concave);
+/// assert_eq!(on(-10.0), ContactRegime::Edge);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ContactRegime {
     /// The object bulges towards the sensor.

@@ -1,8 +1,8 @@
 //! Tangential motion of the skin under an object that sticks to it and moves sideways.
 //!
 //! A small shift without slip moves the contact, a disc of radius a, as one. On an elastic half-space the traction is
-//! then q₀/√(1 − r²/a²) (Mindlin 1949), whose Hankel transform is q₀ a sin(ka)/k. Waves of traction move the depth z, as
-//! multiples of q̄ e^{−kz}/(2Gk), by 2(1−ν) − kz along their direction, by 2 across it, and by (1−2ν) + kz inward, a
+//! then q₀/√(1 − r²/a²) (Mindlin 1949), whose Hankel transform is q₀ a sin(ka)/k. Waves of traction move the depth z,
+//! as multiples of q̄ e^{−kz}/(2Gk), by 2(1−ν) − kz along their direction, by 2 across it, and by (1−2ν) + kz inward, a
 //! quarter of a wave behind. Per unit shift, which is π(2−ν) q₀ a/(4G), with φ the azimuth from the shift:
 //!
 //! ```text
@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 use crate::PressError;
 use crate::spheroidal::Spheroidal;
 
-/// How far a place moves, per unit shift of the contact.
+/// The displacement of a place per unit shift of a contact that sticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StuckShift {
     /// Along the shift.
@@ -30,9 +30,9 @@ pub struct StuckShift {
     pub normal: f64,
 }
 
-/// How far the skin moves at depth `depth >= 0`, distance `r >= 0` from the middle of the contact and `azimuth`
-/// (radians, from the direction of the shift), when a contact of this radius moves by 1 and nothing slips: at the surface
-/// all of it moves by 1, far away the skin moves as under a force at a point (Cerruti).
+/// Displacement of the skin at depth `depth >= 0`, distance `r >= 0` from the middle of the contact and `azimuth`
+/// (radians, from the direction of the shift), when a contact of this radius moves by 1 and nothing slips: at the
+/// surface all of it moves by 1, far away the skin moves as under a force at a point (Cerruti).
 ///
 /// # Errors
 /// [`PressError::BadSetting`] for `poisson` outside [0, 0.5], a `depth` or `distance` that is not from 0 to 1e50, a
@@ -68,9 +68,18 @@ pub fn stuck_shift(
     })
 }
 
-/// What part of the object's shift a marker under the middle of the contact follows: 1 at the surface, less below, and
-/// the more the wider the contact, so that it rises with the indentation. A lateral calibration at one indentation is
-/// therefore off at another, as the 2020 paper found.
+/// Share of the object's shift that a marker under the middle of the contact follows, from 0 to 1: 1 at the surface,
+/// less below, and the more the wider the contact, so that it rises with the indentation. A lateral calibration at one
+/// indentation is therefore off at another, as the 2020 paper found.
+///
+/// ```
+/// use palpate_press::shear::followed;
+///
+/// assert!((followed(0.3, 0.0, 2.0)? - 1.0).abs() < 1e-14);
+/// // Below the surface the less, the narrower the contact.
+/// assert!(followed(0.3, 1.0, 1.0)? < followed(0.3, 1.0, 2.0)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`stuck_shift`].

@@ -11,6 +11,18 @@ const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 ///
 /// A place has chart coordinates (x, y), its logarithm map from the apex: it lies √(x² + y²) along the skin in the
 /// direction (x, y). Tangential displacements are counted along the axes of the apex, carried along the meridian.
+///
+/// ```
+/// use palpate_press::{Body, Skin};
+///
+/// // A sensor of radius 20 pressed by 1 on a ball of radius 80: C_r = 1/20 + 1/80 = 1/16.
+/// let skin = Skin::new(20.0)?;
+/// let body = Body::hertz(0.5)?;
+/// let contact = skin.contact(&body, 1.0 / 80.0, 1.0)?;
+/// assert!((contact.relative_curvature - 1.0 / 16.0).abs() < 1e-15);
+/// assert!((contact.radius - 4.0).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Skin {
     radius: f64,
@@ -19,7 +31,7 @@ pub struct Skin {
 /// A place on the skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// From the sensor's centre.
+    /// Direction from the sensor's centre.
     pub direction: UnitVector3<f64>,
     /// The apex's x axis, carried here.
     pub x_axis: Vector3<f64>,
@@ -48,8 +60,8 @@ impl Skin {
         self.radius.recip()
     }
 
-    /// The place at chart coordinates (x, y); places more than half a turn away wrap around, and coordinates that are no
-    /// place at all, for no double holds their angle, count as the apex.
+    /// The place at chart coordinates (x, y); places more than half a turn away wrap around, and coordinates whose
+    /// angle is not finite count as the apex.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
         let [x, y] = [x / self.radius, y / self.radius];
         let angle = libm::hypot(x, y);

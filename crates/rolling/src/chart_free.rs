@@ -22,9 +22,9 @@ use crate::{Contact, Motion};
 /// Components: x and y of the contact on the object and of `x₁`, the body-from-contact quaternion
 /// `w, i, j, k`, then z of `x₁` and of the contact, arc length, and a spare one: pairs are cheaper.
 const STATE: usize = 12;
-/// How many of them the derivative reads in general.
+/// Number of components that the derivative reads in general.
 pub(crate) const OF_SPACE: usize = 10;
-/// And on a graph, where nothing depends on the height.
+/// Number of components that it reads on a graph, where nothing depends on the height.
 pub(crate) const OF_GRAPHS: usize = 9;
 
 pub(crate) struct ChartFree<'a, S, const READ: usize> {

@@ -95,7 +95,7 @@ impl Screw {
         vector + across * sine + self.axis.cross(&across) * versine
     }
 
-    /// Where a point gets that starts with velocity `displacement` (per unit time) while the velocity turns.
+    /// Displacement in unit time of a point that starts with velocity `displacement` while the velocity turns.
     fn translation(&self, displacement: &Vector3<f64>) -> Vector3<f64> {
         let [.., sine, versine] = self.numbers;
         let along = self.axis * self.axis.dot(displacement);

@@ -4,6 +4,19 @@ use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::{Surface, SurfaceError};
 
 /// A contact: where it is on both bodies, and the contact frame in which the motion is steady.
+///
+/// ```
+/// use nalgebra::Point3;
+/// use palpate_geometry::surfaces::Sphere;
+/// use palpate_rolling::Contact;
+///
+/// let contact = Contact::first(&Sphere::new(2.0)?, 0.0, 0.0)?;
+/// assert_eq!(contact.on_object, Point3::new(0.0, 0.0, 2.0));
+/// // A probe of radius 1 rests on it with its lowest point.
+/// let lowest = Point3::new(0.0, 0.0, -1.0);
+/// assert!((contact.on_probe(1.0) - lowest).norm() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The contact on the object, in the object's frame.
@@ -115,6 +128,17 @@ fn logarithm(direction: &Vector3<f64>) -> Vector2<f64> {
 
 impl Shift {
     /// The shift after rolling along a great circle by `path` on a probe of `radius`.
+    ///
+    /// ```
+    /// use std::f64::consts::PI;
+    /// use nalgebra::Vector2;
+    /// use palpate_rolling::Shift;
+    ///
+    /// // Three quarters of the way round is seen as a quarter the other way.
+    /// let shift = Shift::along_great_circle(Vector2::new(1.5 * PI, 0.0), 1.0);
+    /// assert!((shift.displacement.x + 0.5 * PI).abs() < 1e-14);
+    /// assert_eq!(shift.arc_length, 1.5 * PI);
+    /// ```
     #[inline]
     pub fn along_great_circle(path: Vector2<f64>, radius: f64) -> Self {
         let arc_length = path.norm();

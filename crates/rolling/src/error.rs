@@ -1,10 +1,10 @@
-//! How a roll can end early.
+//! Errors that end a roll early.
 
 use nalgebra::Point3;
 use palpate_geometry::SurfaceError;
 use thiserror::Error;
 
-/// What ended a roll.
+/// Reasons for which a roll ends early.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum RollFault {
     /// The relative curvature is singular or indefinite: the object is as hollow as the probe is
@@ -35,7 +35,7 @@ pub enum RollFault {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error("{fault}, {time_s} s into the motion at ({}, {}, {})", on_object.x, on_object.y, on_object.z)]
 pub struct RollError {
-    /// What happened.
+    /// Reason for which the roll ended.
     pub fault: RollFault,
     /// Time since the motion began.
     pub time_s: f64,

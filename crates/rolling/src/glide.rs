@@ -27,10 +27,10 @@ use search::Search;
 
 pub use model::{InvalidTouch, TouchModel};
 
-/// A place farther from the origin than this cannot be squared.
+/// Largest distance from the origin whose square is still a number.
 const FARTHEST: f64 = 1e150;
 
-/// What touches the object.
+/// The shape of a fingertip that glides over an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fingertip {
     /// A point.
@@ -42,7 +42,7 @@ pub enum Fingertip {
     },
 }
 
-/// Why a finger held at a place has no contact to report.
+/// Reasons for which a finger held at a place has no contact to report.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum GlideError {
     /// The contact would lie where the object is not defined; for a point, also beside a closed
@@ -53,9 +53,9 @@ pub enum GlideError {
     /// object's normal is horizontal.
     #[error("a tip of radius {radius} at x = {x}, y = {y} passes beside the object")]
     ContactLost {
-        /// Where the tip's centre is held.
+        /// Coordinate x at which the tip's centre is held.
         x: f64,
-        /// Where the tip's centre is held.
+        /// Coordinate y at which the tip's centre is held.
         y: f64,
         /// The tip's radius.
         radius: f64,
@@ -64,9 +64,9 @@ pub enum GlideError {
     /// that is as tight as the tip or tighter.
     #[error("a tip of radius {radius} at x = {x}, y = {y} touches at more than one place")]
     TwoContacts {
-        /// Where the tip's centre is held.
+        /// Coordinate x at which the tip's centre is held.
         x: f64,
-        /// Where the tip's centre is held.
+        /// Coordinate y at which the tip's centre is held.
         y: f64,
         /// The tip's radius.
         radius: f64,
@@ -75,9 +75,9 @@ pub enum GlideError {
     /// object too rough for the tip.
     #[error("no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}")]
     NoConvergence {
-        /// Where the tip's centre is held.
+        /// Coordinate x at which the tip's centre is held.
         x: f64,
-        /// Where the tip's centre is held.
+        /// Coordinate y at which the tip's centre is held.
         y: f64,
         /// The tip's radius.
         radius: f64,
@@ -128,6 +128,20 @@ pub struct Touch {
 }
 
 /// An object and a fingertip that touches it.
+///
+/// ```
+/// use palpate_geometry::{Shape, surfaces::Sphere};
+/// use palpate_rolling::{Fingertip, Glider};
+///
+/// // A tip of radius 1 beside the top of a ball of radius 3: its centre lies on a sphere of radius 4.
+/// let ball = Shape::Sphere(Sphere::new(3.0)?);
+/// let glider = Glider::new(ball, Fingertip::Sphere { radius: 1.0 })?;
+/// let touch = glider.touch(2.0, 0.0)?;
+/// assert!((touch.point.x - 1.5).abs() < 1e-13);
+/// assert!((touch.tip_centre.z - 12.0_f64.sqrt()).abs() < 1e-13);
+/// assert!((touch.curvature.mean_curvature() - 1.0 / 3.0).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Glider {
     object: Shape,
@@ -136,7 +150,7 @@ pub struct Glider {
 }
 
 impl Glider {
-    /// By the default model; see [`Glider::on`] for others.
+    /// A glider whose contacts are found by the default model, [`TouchModel::default`]; [`Glider::on`] takes another.
     ///
     /// # Errors
     /// [`InvalidShape`] unless a sphere's radius is finite, positive and can be squared.

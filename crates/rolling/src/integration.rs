@@ -9,7 +9,7 @@ use crate::error::{RollError, RollFault};
 use crate::integrator::{Dop853, Integrated, Rk4, Stopped, System};
 use crate::{Chart, Contact, Motion, Probe};
 
-/// Below this, in units of the probe's curvature, a singular motion is put down to conforming.
+/// Relative curvature, in units of the probe's, below which a singular motion is put down to conforming.
 const NEARLY_CONFORMING: f64 = 1e-3;
 
 /// An integrator.
@@ -26,7 +26,7 @@ pub(crate) struct Integration {
     pub(crate) chart: Chart,
 }
 
-/// What rolls on what.
+/// The two bodies of a roll: the probe, and the object on which it rolls.
 #[derive(Debug)]
 pub(crate) struct Bodies<'a, S> {
     pub(crate) probe: Probe,

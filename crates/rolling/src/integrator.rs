@@ -10,7 +10,7 @@ use crate::error::RollFault;
 
 /// An autonomous system of `N` ordinary differential equations.
 pub trait System<const N: usize> {
-    /// How many of the leading components the derivative reads. The others are integrals along the
+    /// Number of leading components that the derivative reads. The others are integrals along the
     /// way, which are not combined at every stage: there they mean nothing.
     const READ: usize = N;
 
@@ -20,25 +20,25 @@ pub trait System<const N: usize> {
     /// Where the state has left the domain of the equations; `rate` then means nothing.
     fn derivative(&self, state: &[f64; N], rate: &mut [f64; N]) -> Result<(), RollFault>;
 
-    /// What an error in each component is multiplied by before it is compared with the tolerance.
+    /// Factors by which the errors of the components are multiplied before they are compared with the tolerance.
     fn error_weights(&self) -> [f64; N] {
         [1.0; N]
     }
 }
 
-/// What an integration reached.
+/// The result of an integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Integrated<const N: usize> {
     /// The state at the end.
     pub state: [f64; N],
-    /// How often the derivative was asked for.
+    /// Number of evaluations of the derivative.
     pub evaluations: usize,
 }
 
 /// An integration that could not go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stopped<const N: usize> {
-    /// Why.
+    /// Reason for which it stopped.
     pub fault: RollFault,
     /// Time since the start.
     pub time_s: f64,

@@ -20,7 +20,7 @@ const MERIDIAN_ERROR: f64 = 1e-13;
 /// The contact's error may grow over a roll; a step is held to this part of the tolerance.
 const LOCAL_SHARE: f64 = 0.1;
 const SMALLEST_LOCAL: f64 = 1e-15;
-/// DOP853 gives up after this many steps, and RK4 takes no more.
+/// Largest number of steps of an integration: DOP853 gives up after so many, and RK4 takes no more.
 const MOST_STEPS: usize = 100_000;
 
 /// A rung of the ladder, ready to roll.
@@ -31,7 +31,7 @@ pub(crate) enum Rung {
     Integrated(Integration),
 }
 
-/// What the choice of a rung looks at.
+/// The setting from which a rung is chosen: the bodies and their first contact.
 pub(crate) struct Setting<'a> {
     pub(crate) bodies: Bodies<'a, Shape>,
     pub(crate) first: Contact,
@@ -200,8 +200,8 @@ const fn dop853_method(tolerance: f64) -> Method {
     })
 }
 
-/// For motions that a closed form or a meridian does not cover, though the noiseless rolls asked
-/// for no such motion.
+/// The integration that rolls motions which a chosen closed form or meridian does not cover; the
+/// noiseless rolls had none such when the rung was chosen.
 pub(crate) const RESERVE: Integration = Integration {
     method: dop853_method(MERIDIAN_ERROR),
     chart: Chart::Free,

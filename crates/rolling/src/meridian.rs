@@ -13,7 +13,7 @@ use crate::closed_form::roll_on_probe;
 use crate::error::RollFault;
 use crate::{Contact, Motion, Shift};
 
-/// Of Newton's or Halley's method; 3 are usual, and bisection in between needs no more.
+/// Largest number of iterations of Newton's or Halley's method with bisection in between; 3 are usual.
 const MOST_ITERATIONS: usize = 200;
 
 #[derive(Clone, Copy, Debug)]
@@ -132,7 +132,7 @@ fn along_parabola(c: f64, radius: f64, theta: f64) -> Option<(f64, f64)> {
     None
 }
 
-/// Where to look first for the slope at which the probe has turned by `theta`.
+/// First guess of the slope at which the probe has turned by `theta`.
 fn first_slope(sign: f64, a: f64, theta: f64) -> f64 {
     // θ = (a + σ) q + (a/6 − σ/3) q³ + (σ/5 − a/40) q⁵ + …, of which this is the inverse.
     let rate = a + sign;
@@ -186,7 +186,7 @@ impl Bracket {
 mod tests {
     use super::*;
 
-    /// How far θ is off, relative to its terms, or the arc length from its closed form.
+    /// The larger of two relative errors: that of θ, relative to its terms, and that of the arc length.
     fn error(c: f64, theta: f64) -> f64 {
         let (r, arc) = along_parabola(c, 1.0, theta).unwrap();
         let slope = 2.0 * c * r;

@@ -1,11 +1,11 @@
-//! How a roll is to be computed, and what can be wrong with that.
+//! Models by which a roll is computed, and their errors.
 
 use palpate_geometry::SurfaceError;
 use thiserror::Error;
 
 use crate::{HeldAxis, Motion, RollFault};
 
-/// Which equations an integrator works on.
+/// The form of the contact equations that an integrator works on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Chart {
     /// Chart-free: no poles.
@@ -15,41 +15,41 @@ pub enum Chart {
     Montana(HeldAxis),
 }
 
-/// How to obtain the truth of a roll.
+/// A model by which rolls are computed: a rung of the ladder, or the choice among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Model {
     /// The cheapest rung whose error, relative to the contact's length scale, is within
     /// `tolerance`.
     Auto {
-        /// At least [`Model::SMALLEST_TOLERANCE`].
+        /// Tolerance, from [`Model::SMALLEST_TOLERANCE`] to [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
-        /// For the integrators, if one is taken.
+        /// Form of the equations for the integrators, if one is taken.
         chart: Chart,
     },
-    /// Closed form or nothing.
+    /// The closed form alone; an error where there is none.
     ClosedForm,
-    /// Meridian or nothing.
+    /// The meridian rung alone; an error where it does not apply.
     Meridian,
     /// RK4 with this many steps per motion.
     Rk4 {
-        /// At least 1.
+        /// Number of steps per motion, at least 1.
         steps: usize,
-        /// The equations.
+        /// Form of the equations.
         chart: Chart,
     },
     /// DOP853 with this tolerance.
     Dop853 {
-        /// At least [`Model::SMALLEST_TOLERANCE`].
+        /// Tolerance, from [`Model::SMALLEST_TOLERANCE`] to [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
-        /// The equations.
+        /// Form of the equations.
         chart: Chart,
     },
 }
 
 impl Model {
-    /// Below this, rounding rules.
+    /// Smallest tolerance that can be asked for; rounding errors are about as large.
     pub const SMALLEST_TOLERANCE: f64 = 1e-14;
-    /// Above this, a tolerance promises nothing.
+    /// Largest tolerance that can be asked for; a larger one promises nothing.
     pub const LARGEST_TOLERANCE: f64 = 0.1;
 
     /// The rung with its setting, in words.
@@ -85,17 +85,17 @@ pub struct Choice<M = Model> {
     pub rung: String,
     /// The model that names this rung: never `Auto`.
     pub model: M,
-    /// Why this one, in words.
+    /// Reason for the choice, in words.
     pub reason: String,
     /// Bound on the error of the contact without noise, relative to its length scale (of a glide, the
     /// tip's radius), on top of the rounding of its coordinates; `None` for RK4 on demand.
     pub error_bound: Option<f64>,
 }
 
-/// What will be rolled: one or more motions in a row for each roll, without noise.
+/// The noiseless rolls for which a rung is chosen: for each roll, one or more motions in a row.
 #[derive(Clone, Copy, Debug)]
 pub struct Rolls<'a> {
-    /// The rolls.
+    /// Motions of each roll, in their order.
     pub rolls: &'a [Vec<Motion>],
 }
 
@@ -111,9 +111,9 @@ pub enum InvalidRoll {
     /// A rung was asked for that cannot do this.
     #[error("the {rung} rung cannot do this: {reason}")]
     Unsupported {
-        /// Which.
+        /// Name of the rung.
         rung: &'static str,
-        /// Why not.
+        /// Reason for which the rung cannot, in words.
         reason: String,
     },
     /// A tolerance that means nothing.
@@ -139,7 +139,7 @@ impl Rolls<'_> {
             .all(|motion| motion.is_finite() && motion.duration_s >= 0.0)
     }
 
-    /// How often the probe turns in the longest roll.
+    /// Number of turns of the probe in the longest roll.
     pub(crate) fn turns(&self) -> f64 {
         let turns = |motion: &Motion| {
             let angle = motion.in_unit_time().angular_velocity.norm();

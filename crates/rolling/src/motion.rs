@@ -1,4 +1,4 @@
-//! What the probe is told to do.
+//! Motions that the probe is told to make.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -10,7 +10,7 @@ pub struct Motion {
     pub angular_velocity: Vector3<f64>,
     /// `(v_x, v_y)`: sliding velocity of the probe in its contact frame, length/s.
     pub sliding: Vector2<f64>,
-    /// How long, s.
+    /// Duration, s.
     pub duration_s: f64,
 }
 
@@ -20,6 +20,15 @@ impl Motion {
     ///
     /// The rotation axis is the object's normal crossed with that direction. Multiples of a quarter turn
     /// are exact, up to a thousand of them.
+    ///
+    /// ```
+    /// use nalgebra::Vector2;
+    /// use palpate_rolling::Motion;
+    ///
+    /// // Half a radian per second for two seconds, towards +x.
+    /// let motion = Motion::rolling(0.0, 0.5, 2.0);
+    /// assert_eq!(motion.rotation(), Vector2::new(0.0, -1.0));
+    /// ```
     pub fn rolling(direction_rad: f64, rate_rad_per_s: f64, duration_s: f64) -> Self {
         let (sin, cos) = sin_cos_exact(direction_rad);
         Self {
@@ -35,18 +44,19 @@ impl Motion {
         self.angular_velocity.xy() * self.duration_s
     }
 
-    /// `[−ω_y, ω_x]`, which drives the contact.
+    /// Rate of rolling `[−ω_y, ω_x]`, rad/s, which drives the contact over the probe.
     pub(crate) fn drive(&self) -> Vector2<f64> {
         Vector2::new(-self.angular_velocity.y, self.angular_velocity.x)
     }
 
-    /// What drives the contact over the object, for a probe of `radius`: sliding carries it along.
+    /// Rate that drives the contact over the object, rad/s, for a probe of `radius`: that of rolling, and the
+    /// sliding velocity over the radius.
     pub(crate) fn drive_on_object(&self, radius: f64) -> Vector2<f64> {
         self.drive() + self.sliding / radius
     }
 
-    /// The same displacement in unit time: no rate or duration is then too small or too large to
-    /// be squared.
+    /// The motion with the same displacements that lasts 1 s: no rate or duration is then too small
+    /// or too large to be squared.
     pub(crate) fn in_unit_time(&self) -> Self {
         Self {
             angular_velocity: self.angular_velocity * self.duration_s,
@@ -72,7 +82,7 @@ impl Motion {
 
 /// Sine and cosine, exact at multiples of a quarter turn, so that a roll "along u" is along u.
 fn sin_cos_exact(angle_rad: f64) -> (f64, f64) {
-    /// Of so many quarters rounding leaves less than 1e-12.
+    /// Largest number of quarter turns of which rounding leaves an error below 1e-12.
     const COUNTABLE: f64 = 1000.0;
     let quarters = angle_rad / std::f64::consts::FRAC_PI_2;
     let (sin, cos) = libm::sincos(angle_rad);

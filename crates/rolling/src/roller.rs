@@ -17,6 +17,8 @@ pub struct Probe {
 }
 
 impl Probe {
+    /// A probe of `radius`.
+    ///
     /// # Errors
     /// [`InvalidShape`] unless the radius is finite and positive.
     pub fn new(radius: f64) -> Result<Self, InvalidShape> {
@@ -31,13 +33,29 @@ impl Probe {
     }
 }
 
-/// A probe, an object, a first contact and a rung: rolls on demand, from truth.
+/// A probe on an object, with a first contact and the rung by which its noiseless rolls are computed.
+///
+/// ```
+/// use palpate_geometry::{Shape, surfaces::Sphere};
+/// use palpate_rolling::{Model, Motion, Probe, Roller, Rolls};
+///
+/// // A probe of radius 1 rolls by 0.1 rad along x on a ball of radius 3.
+/// let rolls = [vec![Motion::rolling(0.0, 0.1, 1.0)]];
+/// let (probe, ball) = (Probe::new(1.0)?, Shape::Sphere(Sphere::new(3.0)?));
+/// let roller = Roller::new(probe, ball, (0.0, 0.0), Model::ClosedForm, Rolls { rolls: &rolls })?;
+/// // The contact moves by the angle over the relative curvature, 1/1 + 1/3.
+/// let shift = roller.shift(&rolls[0])?;
+/// assert!((shift.displacement.x - 0.075).abs() < 1e-15);
+/// assert!(shift.displacement.y.abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Roller {
     probe: Probe,
     object: Shape,
     first: Contact,
-    /// How far the contact moves per radian at first, at least: the scale of errors.
+    /// Smallest distance that the contact moves per radian at first, length: the scale on which errors of the contact
+    /// are counted.
     length_scale: f64,
     closed_form: ClosedForm,
     rung: Rung,
@@ -85,7 +103,7 @@ impl Roller {
         })
     }
 
-    /// The same probe, object and first contact on another rung.
+    /// A roller with this probe, object and first contact on the rung of `model`.
     ///
     /// # Errors
     /// [`InvalidRoll`] where the tolerance is out of range, or the rung cannot do it.
@@ -99,7 +117,7 @@ impl Roller {
         })
     }
 
-    /// The rung that was taken, and why.
+    /// The rung that was taken, and the reason for it.
     pub const fn choice(&self) -> &Choice {
         &self.choice
     }
@@ -144,8 +162,8 @@ impl Roller {
         Ok((contact, evaluations))
     }
 
-    /// Where `motions` bring the contact on the probe: all that EP1 needs of a roll. Cheaper than
-    /// [`Roller::roll`] in closed form and along meridians.
+    /// Displacement of the contact on the probe by `motions`, which is all that EP1 needs of a roll. Cheaper
+    /// than [`Roller::roll`] in closed form and along meridians.
     ///
     /// # Errors
     /// As [`Roller::roll`].
@@ -178,8 +196,8 @@ impl Roller {
             .shift_from(&self.first, self.probe.radius()))
     }
 
-    /// Where rolls are linear, in closed form and without spin or sliding: the matrix that takes
-    /// `[−Δθ_y, Δθ_x]` of a steady roll to the contact's path on the probe.
+    /// The matrix that takes `[−Δθ_y, Δθ_x]` (rad) of a steady roll without spin or sliding to the
+    /// contact's path on the probe (length), if the rung is the closed form, where that is linear.
     pub const fn linear(&self) -> Option<&Matrix2<f64>> {
         match &self.rung {
             Rung::ClosedForm(closed_form) => Some(&closed_form.mobility),
@@ -187,8 +205,8 @@ impl Roller {
         }
     }
 
-    /// How long `motion` (its own duration is ignored) must last for the contact's path on the
-    /// probe to be `arc_length` long, within 1e-14 of itself where rolls are exact.
+    /// Duration (s) for which `motion`, whose own duration is ignored, must last for the contact's path on
+    /// the probe to be `arc_length` long, within 1e-14 of itself where rolls are exact.
     ///
     /// # Errors
     /// The [`RollError`] that ends the roll before it is that long.

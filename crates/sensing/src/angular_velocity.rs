@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use crate::{InvalidSensor, Stream, Streams};
 
-/// How an error is distributed.
+/// The distribution of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distribution {
     /// Uniform; the stated size is the bound.
@@ -23,7 +23,7 @@ impl Distribution {
         }
     }
 
-    /// The same from streams side by side.
+    /// Errors of size 1, one from each of several streams side by side.
     #[inline(always)]
     pub fn draw_each<const N: usize>(self, streams: &mut Streams<N>) -> [f64; N] {
         match self {
@@ -55,7 +55,7 @@ impl AngularVelocityError {
         })
     }
 
-    /// How it is distributed.
+    /// Distribution of the error.
     pub const fn distribution(&self) -> Distribution {
         self.distribution
     }

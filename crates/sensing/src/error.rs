@@ -1,4 +1,4 @@
-//! Sensors that cannot be, and readings that cannot be taken.
+//! Errors of impossible sensors, and of readings that cannot be taken.
 
 use thiserror::Error;
 
@@ -10,7 +10,7 @@ pub struct InvalidSensor {
     pub parameter: &'static str,
     /// Its value.
     pub value: f64,
-    /// What would be right.
+    /// Values that the parameter may have, in words that follow "must be".
     pub expected: String,
 }
 

@@ -3,6 +3,17 @@
 use crate::{InvalidSensor, Stream};
 
 /// An independent Gaussian error with mean 0 on a sensed number: a displacement, a gain.
+///
+/// ```
+/// use palpate_sensing::{Channel, GaussianError, Stream};
+///
+/// let error = GaussianError::new(0.3)?;
+/// // The mean of nine readings errs a third as much.
+/// assert!((error.averaged(9).std() - 0.1).abs() < 1e-15);
+/// let exact = GaussianError::new(0.0)?;
+/// assert_eq!(exact.draw(&mut Stream::new(1, 0, Channel::Gain)), 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussianError {
     std: f64,
@@ -24,7 +35,7 @@ impl GaussianError {
         self.std
     }
 
-    /// Of the mean of so many readings.
+    /// The error of the mean of so many readings; 0 counts as 1.
     #[must_use]
     pub fn averaged(&self, readings: u32) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! What a sensor really delivers: noise and resolution as channels over rotations and points.
+//! Sensors as they are: noise and resolution as channels over rotations and points.
 //!
 //! Randomness is keyed: a [`Stream`] is a function of seed, trial and [`Channel`], so that any
 //! trial can be replayed alone, and adding a channel changes no other number.

@@ -33,8 +33,9 @@ impl NormalError {
         self.std_rad > 0.0
     }
 
-    /// What is sensed of a unit `normal`: a unit vector, along the great circle that the two tilts
-    /// set out on (exponential map), so that tilts of any size mean something. Draws two numbers.
+    /// The normal that is sensed in place of a unit `normal`: a unit vector, along the great circle that
+    /// the two tilts set out on (exponential map), so that tilts of any size mean something. Draws two
+    /// numbers.
     #[inline]
     pub fn read(&self, stream: &mut Stream, normal: &Vector3<f64>) -> Vector3<f64> {
         if !self.is_random() {

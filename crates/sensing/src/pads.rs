@@ -7,10 +7,10 @@ use crate::{
     BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
 };
 
-/// Pads narrower than this, of the radius, are finer than doubles tell places apart.
+/// Narrowest pad, as a share of the radius: doubles do not tell places on narrower ones apart.
 const FINEST: f64 = 1e-15;
 
-/// How the pads tile the fingertip.
+/// The pattern in which pads tile the fingertip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadLayout {
     /// A square grid in the fingertip's own arc lengths, as in the paper. It crowds away from the
@@ -20,16 +20,30 @@ pub enum PadLayout {
     Uniform,
 }
 
-/// Where the first contact lies on the pads.
+/// The place of the first contact on the pads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PadOffset {
-    /// On a pad's centre.
+    /// A pad's centre.
     Centred,
-    /// Anywhere, drawn for each trial.
+    /// Any place, drawn for each trial.
     Random,
 }
 
 /// An array of pads on a spherical cap of a fingertip, around the first contact.
+///
+/// ```
+/// use std::f64::consts::FRAC_PI_2;
+/// use nalgebra::Vector2;
+/// use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
+///
+/// // Pads 1 apart on a fingertip of radius 10 round a shift to whole pads.
+/// let pads = Pads::new(10.0, 1.0, PadLayout::Square, PadOffset::Centred, FRAC_PI_2)?;
+/// let placement = pads.place(|| Stream::new(1, 0, Channel::PadOffset));
+/// let shift = pads.read(&placement, &Vector2::new(2.3, -0.6))?;
+/// assert_eq!(shift, Vector2::new(2.0, -1.0));
+/// assert_eq!(pads.resolution(), 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Pads {
     radius: f64,
@@ -45,7 +59,7 @@ enum Tiling {
     Uniform(UniformLattice),
 }
 
-/// Where the pads lie in one trial.
+/// The placement of the pads in one trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PadPlacement(Placement);
 
@@ -109,7 +123,7 @@ impl Pads {
         self.offset == PadOffset::Random
     }
 
-    /// The same pads with the first contact on a pad's centre.
+    /// These pads, with the first contact on a pad's centre.
     pub fn centred(&self) -> Self {
         Self {
             offset: PadOffset::Centred,
@@ -117,7 +131,7 @@ impl Pads {
         }
     }
 
-    /// A shift shorter than this may report no change of pad.
+    /// Resolution, length: a shorter shift may report no change of pad.
     pub fn resolution(&self) -> f64 {
         match self.offset {
             PadOffset::Centred => 0.5 * self.pitch,

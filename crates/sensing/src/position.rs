@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::{Distribution, InvalidSensor, Stream};
 
-/// Along which axes a position errs.
+/// The axes along which a position errs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PositionAxes {
     /// Along x, y and z, independently and alike.
@@ -41,12 +41,12 @@ impl PositionError {
         })
     }
 
-    /// How it is distributed.
+    /// Distribution of the error.
     pub const fn distribution(&self) -> Distribution {
         self.distribution
     }
 
-    /// Along which axes it errs.
+    /// Axes along which it errs.
     pub const fn axes(&self) -> PositionAxes {
         self.axes
     }
@@ -64,7 +64,7 @@ impl PositionError {
         self.size > 0.0
     }
 
-    /// What is sensed of `point`. Draws one number per axis.
+    /// The position that is sensed in place of `point`. Draws one number per axis that errs.
     #[inline]
     pub fn read(&self, stream: &mut Stream, point: &Point3<f64>) -> Point3<f64> {
         if !self.is_random() {

@@ -20,6 +20,17 @@ pub fn direction_at(displacement: &Vector2<f64>) -> Vector3<f64> {
 ///
 /// Both are unit vectors. It errs by at most 1e-15 of itself from +z, and by 1e-15 radians from elsewhere.
 /// Between opposite directions, where every great circle is shortest, it is along x.
+///
+/// ```
+/// use std::f64::consts::FRAC_PI_2;
+/// use nalgebra::{Vector2, Vector3};
+/// use palpate_sensing::{direction_at, displacement_between};
+///
+/// // A quarter turn from +z along x leads to +x, and back.
+/// let quarter = Vector2::new(FRAC_PI_2, 0.0);
+/// assert!((direction_at(&quarter) - Vector3::x()).norm() < 1e-15);
+/// assert!((displacement_between(&Vector3::z(), &Vector3::x()) - quarter).norm() < 1e-15);
+/// ```
 pub fn displacement_between(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector2<f64> {
     let level = UnitQuaternion::rotation_between(from, &Vector3::z()).unwrap_or_else(|| {
         UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)

@@ -11,8 +11,8 @@ use edges::EDGES;
 /// Normal distribution of mean 0 and standard deviation 1, by a ziggurat of 256 layers (Doornik, *An Improved Ziggurat
 /// Method to Generate Normal Random Samples*, 2005).
 ///
-/// It takes the words that [`rand_distr::StandardNormal`] takes and means the same numbers, but its functions round alike
-/// on every host. 98.8 % of the draws take one word.
+/// It takes the words that [`rand_distr::StandardNormal`] takes and means the same numbers, but its functions round
+/// alike on every host. 98.8 % of the draws take one word.
 #[derive(Clone, Copy, Debug)]
 pub struct StandardNormal;
 
@@ -47,8 +47,8 @@ fn is_under_curve<R: Rng + ?Sized>(x: f64, layer: usize, rng: &mut R) -> bool {
     high + (low - high) * share < height(x)
 }
 
-/// A number beyond the lowest layer's edge (Marsaglia, *Generating a variable from the tail of the normal distribution*,
-/// 1964).
+/// A number beyond the lowest layer's edge (Marsaglia, *Generating a variable from the tail of the normal
+/// distribution*, 1964).
 #[cold]
 fn tail<R: Rng + ?Sized>(rng: &mut R) -> f64 {
     let edge = EDGES[1];

@@ -13,7 +13,7 @@ use crate::StandardNormal;
 pub enum Channel {
     /// Error of the angular velocity.
     AngularVelocity = 1,
-    /// Where the pads lie under the first contact.
+    /// Place of the pads under the first contact.
     PadOffset = 2,
     /// Error of the contact that a wrist sensor infers.
     WristContact = 3,
@@ -25,13 +25,13 @@ pub enum Channel {
     NormalDisplacement = 6,
     /// Error of a marker's displacement along the skin.
     TangentialDisplacement = 7,
-    /// Error of an indentation that something else tells.
+    /// Error of an indentation that is measured by other means than the skin.
     Indentation = 8,
     /// Error of the factor on all normal displacements of a press.
     Gain = 9,
-    /// Which markers are wrong, and how far.
+    /// Choice of the markers that are wrong, and their errors.
     WrongMarkers = 10,
-    /// How the discs of a marker are misaligned by manufacture.
+    /// Misalignment of a marker's discs by manufacture.
     Misalignment = 11,
     /// Error of a pixel.
     Pixel = 12,
@@ -41,7 +41,7 @@ pub enum Channel {
     Centroid = 14,
     /// Error of a marker's size in the image.
     Size = 15,
-    /// Which markers are not seen.
+    /// Choice of the markers that are not seen.
     LostMarkers = 16,
 }
 
@@ -51,6 +51,16 @@ pub enum Channel {
 /// that words do not wait for each other. Streams are stretches of one cycle of 2^64 words: those
 /// of one seed and channel begin at different words, and the chance that any two of n streams of w
 /// words overlap is about `n² w / 2^64`, 1e-4 for ten million trials of 16 words.
+///
+/// ```
+/// use palpate_sensing::{Channel, Stream};
+///
+/// let draw = |trial| Stream::new(1996, trial, Channel::Position).symmetric_uniform();
+/// // A trial can be replayed alone, and differs from its neighbour.
+/// assert_eq!(draw(7), draw(7));
+/// assert_ne!(draw(7), draw(8));
+/// assert!((-1.0..1.0).contains(&draw(7)));
+/// ```
 #[derive(Clone, Debug)]
 pub struct Stream {
     state: u64,
@@ -90,8 +100,8 @@ impl Stream {
         between_minus_1_and_1(self.next_word())
     }
 
-    /// So many different numbers of `0..of` (all of which are held in memory), each equally likely; all of them, shuffled, where there are no more. Draws
-    /// one number each.
+    /// Chooses `count` different numbers of `0..of`, each equally likely; all of them, shuffled, where there are no
+    /// more. Holds all of `0..of` in memory, and draws one random number for each number chosen.
     pub fn choose(&mut self, count: usize, of: usize) -> Vec<usize> {
         let mut items: Vec<usize> = (0..of).collect();
         let count = count.min(of);

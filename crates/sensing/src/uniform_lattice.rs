@@ -12,6 +12,18 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use crate::InvalidSensor;
 
 /// `n` pads over the whole sphere.
+///
+/// ```
+/// use palpate_sensing::UniformLattice;
+///
+/// // One pad per 0.01 steradian: 4π/0.01 = 1256.6.
+/// let lattice = UniformLattice::with_pitch(0.1)?;
+/// assert_eq!(lattice.pads(), 1257);
+/// let pad = lattice.direction(500);
+/// assert!((pad.norm() - 1.0).abs() < 1e-14);
+/// assert_eq!(lattice.nearest(&pad), 500);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UniformLattice {
     pads: u64,
@@ -23,7 +35,7 @@ const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 const MOST_PADS: f64 = 1e15;
 
 impl UniformLattice {
-    /// One pad per square of the angular pitch (radians).
+    /// A lattice with one pad per square of the angular pitch (radians).
     ///
     /// # Errors
     /// [`InvalidSensor`] unless the pitch leaves between 2 and 10¹⁵ pads.
@@ -39,7 +51,7 @@ impl UniformLattice {
         Ok(Self { pads: pads as u64 })
     }
 
-    /// How many pads the whole sphere would hold.
+    /// Number of pads on the whole sphere.
     pub const fn pads(&self) -> u64 {
         self.pads
     }
@@ -139,7 +151,7 @@ fn azimuth(index: u64) -> f64 {
     std::f64::consts::TAU * turns
 }
 
-/// The same in [−π, π).
+/// Azimuth of pad `index` in [−π, π).
 fn signed_azimuth(index: u64) -> f64 {
     let turns = index.wrapping_mul(GOLDEN_TURN) as i64 as f64 / 2.0_f64.powi(64);
     std::f64::consts::TAU * turns

@@ -37,8 +37,9 @@ impl Wrist {
         std::f64::consts::SQRT_2 * self.std
     }
 
-    /// What the sensor says of a `displacement` (length, finite) from the first contact: at most half a
-    /// turn of the fingertip, however large the error. Without one it errs by 1e-15 of the radius.
+    /// The displacement (length) that the sensor infers for a true `displacement` (length, finite) from the
+    /// first contact: at most half a turn of the fingertip, however large the error. Without an error it is
+    /// exact within 1e-15 of the radius.
     pub fn read(&self, stream: &mut Stream, displacement: &Vector2<f64>) -> Vector2<f64> {
         let error = self.std / self.radius;
         let mut infer = |contact: Vector3<f64>| {

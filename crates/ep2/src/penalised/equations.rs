@@ -18,11 +18,11 @@ pub(super) struct Equations {
     pub(super) right_sides: Kinds<DVector<f64>>,
     /// Weighted sums of squares of the deviations.
     pub(super) squares: Kinds<f64>,
-    /// How many equations there are.
+    /// Numbers of equations.
     pub(super) count: Kinds<usize>,
 }
 
-/// What the contacts over one interval of both sides add.
+/// Contribution of the contacts over one interval of both sides to the normal equations.
 #[derive(Clone)]
 struct Cell {
     gram: [[f64; LOCAL]; LOCAL],
@@ -128,7 +128,7 @@ impl Equations {
         }
     }
 
-    /// How many unknowns a fit has taken up from heights and from slopes, from its (A + λP)⁻¹.
+    /// Effective numbers of unknowns that a fit takes from heights and from slopes, by its (A + λP)⁻¹.
     pub(super) fn taken(&self, inverse: &DMatrix<f64>, variances: &Kinds<f64>) -> Kinds<f64> {
         Kinds {
             heights: inverse.dot(&self.grams.heights) / variances.heights,

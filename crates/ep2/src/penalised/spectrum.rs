@@ -8,8 +8,8 @@ use crate::Ep2Error;
 use crate::quadric::UNKNOWNS;
 use crate::square::Kinds;
 
-/// How much of the penalty joins the fidelity, relative to their traces, so that the sum determines
-/// all coefficients.
+/// Share of the penalty that is added to the fidelity, relative to their traces, so that the sum
+/// determines all coefficients.
 const SHIFT: f64 = 1e-7;
 
 /// Modes U with UᵀAU = diag(fidelity) and UᵀPU = diag(roughness), where A are the weighted normal
@@ -18,19 +18,20 @@ const SHIFT: f64 = 1e-7;
 /// modes.
 pub(super) struct Spectrum {
     modes: DMatrix<f64>,
-    /// In [0, 1]; 1 for the quadrics, which stand first.
+    /// Fidelity of each mode, in [0, 1]; 1 for the quadrics, which stand first.
     pub(super) fidelity: Vec<f64>,
-    /// 0 for the quadrics; ascending.
+    /// Roughness of each mode, ascending; 0 for the quadrics.
     pub(super) roughness: Vec<f64>,
     /// The right side in the modes.
     pub(super) right: Vec<f64>,
     /// Weighted sum of squares of all observations.
     pub(super) square: f64,
-    /// How many observations there are.
+    /// Number of observations.
     pub(super) equations: f64,
 }
 
-/// Covariance of the modes: variances of their own, and distances that those with a penalty have together, one column each.
+/// Covariance of the modes: variances of their own, and distances that those with a penalty have together, one column
+/// each.
 pub(super) struct Spread {
     pub(super) variances: Vec<f64>,
     pub(super) distances: DMatrix<f64>,

@@ -28,13 +28,13 @@ const FARTHEST: f64 = 16.0;
 /// Logarithm of the smallest probability of a weight that counts, relative to the most probable.
 const NEGLIGIBLE: f64 = -4.0 * LN_10;
 
-/// How the smoothing weight is chosen.
+/// A criterion by which the smoothing weight is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
     /// Generalised cross validation in which each unknown taken up counts `gamma` times (Kim and
     /// Gu, 2004, advise 1.4), which seldom smooths too little.
     RobustGcv {
-        /// How much an unknown counts, at least 1.
+        /// Number of times that each unknown counts, at least 1.
         gamma: f64,
     },
     /// Generalised cross validation (Craven and Wahba, 1979).
@@ -81,7 +81,7 @@ pub(super) struct Choice {
     pub(super) effective_unknowns: f64,
 }
 
-/// What the sums over modes are at a smoothing weight λ. The prime is a derivative by ln λ.
+/// Sums over the modes at a smoothing weight λ. The prime is a derivative by ln λ.
 #[derive(Clone, Copy, Debug)]
 struct Sums<T = f64> {
     /// Weighted sum of squared residuals.
@@ -299,7 +299,7 @@ impl<'a> Search<'a> {
         misfit - sums.log_determinants
     }
 
-    /// What is to be smallest; infinite where too many unknowns would be taken up.
+    /// Score that the chosen weight makes smallest; infinite where too many unknowns would be taken up.
     fn score(&self, sums: &Sums) -> f64 {
         if let Criterion::Reml = self.criterion {
             return self.deviance(sums);
@@ -352,7 +352,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// How rough a surface is expected to be before its third derivatives are seen: about as rough as a
+/// The roughness that is expected of a surface before its third derivatives are seen: about that of a
 /// sphere of the same curvature.
 ///
 /// The penalty of a sphere of curvature κ over the square is 32 κ⁶, in units of the square. With
@@ -364,7 +364,7 @@ pub(super) struct Expected {
 }
 
 impl Expected {
-    /// From the mean square of the curvature, in units of the square.
+    /// The expectation for a mean square of the curvature, in units of the square.
     pub(super) fn of(square_curvature: f64) -> Self {
         Self {
             log_weight: -2.0 * libm::log(0.75_f64) - 3.0 * libm::log(square_curvature),

@@ -1,4 +1,4 @@
-//! By how much the highest derivative of a spline jumps at its knots.
+//! Jumps of the highest derivative of a spline at its knots.
 
 use crate::Knots;
 use crate::knots::MAX_DEGREE;

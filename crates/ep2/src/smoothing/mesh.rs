@@ -36,12 +36,12 @@ impl Mesh {
         1 - self.slow
     }
 
-    /// How many coefficients there are.
+    /// Number of coefficients.
     pub(super) fn coefficients(&self) -> usize {
         self.knots[0].functions() * self.knots[1].functions()
     }
 
-    /// From the first to the last coefficient that a place depends on.
+    /// Number of coefficients from the first to the last that a place depends on.
     pub(super) fn band(&self) -> usize {
         self.knots[self.slow].degree() * self.fast_functions() + self.fast_degree() + 1
     }

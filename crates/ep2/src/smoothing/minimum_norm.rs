@@ -42,8 +42,8 @@ impl Trapezoid {
         Self { reduced, pivots }
     }
 
-    /// With the trapezoid `B` and its right-hand side `g`: of all `x` with `B x = g` that without a
-    /// part in the null space of `B`.
+    /// The solution of least norm of `B x = g`, with the trapezoid `B` and its right-hand side `g`: the one
+    /// without a part in the null space of `B`.
     ///
     /// The columns of `B`, from the last to the first, are rotated into a triangle: `Bᵀ = Q G`, the
     /// rows of `B` taken from the last to the first as well. Then `x = Q G⁻ᵀ g`.
@@ -78,7 +78,7 @@ impl Trapezoid {
 /// Rotations, in their order, of the rows of a triangle with further rows.
 struct Rotations {
     band: usize,
-    /// Which row it was, and where it starts.
+    /// Index of each further row, and the column at which it starts.
     rows: Vec<(usize, usize)>,
     /// Cosine and sine, `band` per row.
     planes: Vec<[f64; 2]>,
@@ -116,8 +116,8 @@ impl Rotations {
         }
     }
 
-    /// What becomes of values at the triangle's rows, and zeros at the others, when all rotations
-    /// are undone: `count` values by the names of the rows.
+    /// Undoes all rotations on `values` at the triangle's rows and zeros at the others: gives `count`
+    /// values by the names of the rows.
     fn undo(&self, mut values: Vec<f64>, count: usize) -> Vec<f64> {
         let mut result = vec![0.0; count];
         let planes = self.planes.chunks_exact(self.band);

@@ -9,9 +9,9 @@ use crate::knots::Basis;
 /// Points with the B-splines there.
 pub(super) struct Observations<'a> {
     points: &'a [WeightedPoint],
-    /// Heights and weights are counted in these.
+    /// Units in which heights and weights are counted.
     units: [f64; 2],
-    /// Per point and variable.
+    /// B-splines at each point, along either variable.
     bases: Vec<[LocalBasis; 2]>,
     /// Indices of the points, one panel after the other.
     order: Vec<usize>,
@@ -38,7 +38,7 @@ impl LocalBasis {
 pub(super) struct IntervalSums {
     /// Sum of the squared residuals.
     pub(super) squares: f64,
-    /// The same, each times its place.
+    /// Sum of the squared residuals, each times its place.
     pub(super) moments: f64,
 }
 
@@ -64,12 +64,12 @@ impl<'a> Observations<'a> {
         }
     }
 
-    /// What a sum of squared residuals is counted in, as a root.
+    /// Root of the unit in which sums of squared residuals are counted.
     pub(super) fn residual_unit(&self) -> f64 {
         self.units[0] * self.units[1]
     }
 
-    /// How many points there are.
+    /// Number of points.
     pub(super) fn len(&self) -> usize {
         self.points.len()
     }

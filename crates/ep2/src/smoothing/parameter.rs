@@ -2,9 +2,9 @@
 
 /// Trials before the search is given up.
 const MOST_TRIALS: usize = 20;
-/// By what a guess is multiplied, or divided, that is off by far.
+/// Factor by which a guess that is off by far is multiplied or divided.
 const FAR: f64 = 0.04;
-/// How near a guess moves to a bound that it may not pass.
+/// Distance from a bound to the next guess, which may not pass it, as a share of that to the last trial.
 const NEAR: f64 = 0.1;
 
 /// A parameter, and by how much the residual sum exceeds the one that is asked for.
@@ -14,7 +14,7 @@ pub(super) struct Trial {
     pub(super) excess: f64,
 }
 
-/// Goes through parameters until `excess` says that one is within `tolerance`; whether it was so.
+/// Tries parameters until `excess` of one is within `tolerance`; returns whether one was found.
 ///
 /// F falls from the polynomial's sum at p = 0, whose excess is `below`, to the least-squares
 /// spline's at infinity, whose excess is `above`. Once a parameter is known on either side of the

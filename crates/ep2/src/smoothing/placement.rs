@@ -1,4 +1,4 @@
-//! Where the next knot goes.
+//! Placement of the next knot.
 
 use super::mesh::Mesh;
 use super::observations::IntervalSums;

@@ -90,7 +90,7 @@ impl Triangle {
         }
     }
 
-    /// How many unknowns there are.
+    /// Number of unknowns.
     pub(super) const fn order(&self) -> usize {
         self.order
     }
@@ -105,7 +105,7 @@ impl Triangle {
         &self.rows[row * (self.band + 1)..][..self.band]
     }
 
-    /// The same, to be changed.
+    /// The entries of a row from its diagonal on, to be changed.
     pub(super) fn row_mut(&mut self, row: usize) -> &mut [f64] {
         &mut self.rows[row * (self.band + 1)..][..self.band]
     }
@@ -165,8 +165,8 @@ impl Triangle {
         block.is_stale = true;
     }
 
-    /// With this triangle `R` and that of more equations `J`: the trace of `J⁻ᵀ RᵀR J⁻¹`, the
-    /// share of these equations in the solution of `J`.
+    /// Share of these equations in the solution of more equations that include them: the trace of
+    /// `J⁻ᵀ RᵀR J⁻¹` with this triangle `R` and the triangle `J` of all.
     pub(super) fn share_of(&self, joined: &Self) -> f64 {
         let mut trace = 0.0;
         let mut row = vec![0.0; self.order];

@@ -77,8 +77,8 @@ macro_rules! golden {
     };
 }
 
-/// The same knots and a sum within a thousandth of the one asked for; and, at FITPACK's own sum,
-/// its values.
+/// Asserts that a fit has FITPACK's knots and a sum within a thousandth of the one asked for; and, at
+/// FITPACK's own sum, its values.
 fn agrees(name: &str, golden: &Golden, expected: Status) {
     let spline = SmoothingSpline::new(golden.degree, golden.smoothing);
     let smoothed = spline.fit(&golden.points).unwrap();

@@ -238,7 +238,7 @@ fn the_noise_is_found() {
         let normal = noise.normal_std_rad.unwrap().to_degrees();
         assert!((normal - 2.0).abs() < 0.2, "{noise:?}");
     }
-    // What is known is not sought.
+    // Noise that is known is not estimated.
     let known = Penalised {
         noise: Noise {
             position_std: Some(0.5),

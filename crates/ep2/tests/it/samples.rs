@@ -98,7 +98,7 @@ pub(crate) const DETAILED: [Surface; 2] = [
     },
 ];
 
-/// How contacts are made and how far they are off.
+/// Settings by which contacts are made, with their noise.
 #[derive(Clone, Copy)]
 pub(crate) struct Sweep {
     pub(crate) fingers: usize,

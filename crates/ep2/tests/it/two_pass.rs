@@ -37,7 +37,7 @@ fn contacts(surface: Surface, normals: bool) -> Vec<Contact> {
         .collect()
 }
 
-/// With Gaussian errors of the heights; the unit is 1.
+/// Contacts with Gaussian errors of the heights; the unit is 1.
 fn noisy(surface: Surface, std: f64, trial: u64) -> TwoPassFit {
     let mut contacts = contacts(surface, true);
     let mut noise = Stream::new(1, trial, Channel::Position);

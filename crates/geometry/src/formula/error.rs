@@ -1,11 +1,11 @@
-//! What can be wrong with a formula, and how it is shown.
+//! Errors of formulas, and the display that marks the place in the text.
 
 use std::fmt;
 use std::ops::Range;
 
 use super::Formula;
 
-/// Why a text is no formula, and where.
+/// Error of a text that is no formula: the reason and the place.
 ///
 /// Displays as the reason; where a place in the formula is to blame, also the formula and a line that marks the place:
 ///
@@ -16,14 +16,14 @@ use super::Formula;
 /// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct FormulaError {
-    /// What is wrong.
+    /// Kind of error, with the names and numbers concerned.
     pub kind: FormulaErrorKind,
     /// The bytes of the text to blame, empty at its end; none if it is not a matter of one place.
     pub span: Option<Range<usize>>,
     text: String,
 }
 
-/// What can be wrong with a formula or its parameters.
+/// Kinds of errors in a formula or its parameters.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FormulaErrorKind {
     /// No text, or only white space.
@@ -49,7 +49,7 @@ pub enum FormulaErrorKind {
     UnknownName {
         /// The name.
         name: String,
-        /// What may have been meant.
+        /// Known name of the most similar spelling, if one is similar enough.
         suggestion: Option<String>,
     },
     /// A call of something that is no function.
@@ -57,7 +57,7 @@ pub enum FormulaErrorKind {
     UnknownFunction {
         /// The name.
         name: String,
-        /// What may have been meant.
+        /// Known name of the most similar spelling, if one is similar enough.
         suggestion: Option<String>,
     },
     /// A function's name without parentheses.
@@ -68,9 +68,9 @@ pub enum FormulaErrorKind {
     WrongArity {
         /// The function called.
         function: String,
-        /// How many arguments it takes.
+        /// Number of arguments that the function takes.
         expected: usize,
-        /// How many it was given.
+        /// Number of arguments in the call.
         found: usize,
     },
     /// Two operands side by side, as in `2x`.

@@ -5,11 +5,11 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// A function's value at a point (x, y) with its first and second partial derivatives there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet {
-    /// f
+    /// Value f.
     pub value: f64,
-    /// f_x, f_y
+    /// First derivatives f_x, f_y.
     pub gradient: [f64; 2],
-    /// f_xx, f_xy, f_yy
+    /// Second derivatives f_xx, f_xy, f_yy.
     pub hessian: [f64; 3],
 }
 
@@ -58,7 +58,7 @@ impl Jet {
     }
 }
 
-/// What a formula is evaluated on: `f64` for its value, [`Jet`] for its derivatives too.
+/// A type of number that formulas are evaluated on: `f64` gives the value alone, [`Jet`] the derivatives too.
 pub(super) trait Number:
     Copy
     + Neg<Output = Self>

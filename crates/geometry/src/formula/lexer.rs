@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::error::FormulaErrorKind;
 
-/// Where something lies in the text, in bytes.
+/// A stretch of the text, as a range of bytes.
 pub(super) type Span = Range<usize>;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

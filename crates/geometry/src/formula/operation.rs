@@ -47,7 +47,7 @@ pub(super) enum Binary {
     Hypot,
 }
 
-/// What a formula may call.
+/// A function that a formula may call, of one or of two arguments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Function {
     Unary(Unary),

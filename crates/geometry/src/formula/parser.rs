@@ -12,7 +12,7 @@ const X: &str = "x";
 const Y: &str = "y";
 const PI: &str = "pi";
 
-/// How tightly a sign holds its operand: tighter than `*`, looser than `^`.
+/// Binding strength of a sign: above that of `*`, below that of `^`.
 const SIGN: u8 = 5;
 
 type Result<T> = std::result::Result<T, (Kind, Span)>;
@@ -229,7 +229,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// What was just read, from `start` on, if it is not a constant that is infinite or undefined.
+    /// Refuses the expression just read, from byte `start` on, if it is a constant that is infinite or undefined.
     fn finite(&self, expression: Expression, start: usize) -> Result<Expression> {
         match expression {
             Expression::Constant(value) if !value.is_finite() => {

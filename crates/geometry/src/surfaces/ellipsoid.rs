@@ -95,7 +95,7 @@ impl Surface for Ellipsoid {
         let mut sigma = (weights.abs() - beyond).max().max(0.0);
         let mut unit = scaled(sigma);
         if unit.norm_squared() < 1.0 - 8.0 * f64::EPSILON {
-            // In the plane of symmetry across the smallest axis, as near to one side as the other.
+            // The point lies in the plane of symmetry across the smallest axis, as near to one side as to the other.
             return Err(none);
         }
         for _ in 0..64 {

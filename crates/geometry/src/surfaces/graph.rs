@@ -44,6 +44,18 @@ pub trait Height {
 }
 
 /// The graph of a height, solid below, in the Monge chart `(x, y, f(x, y))`.
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use palpate_geometry::{Surface, surfaces::Graph};
+///
+/// // At the apex of z = −c (x² + y²) every normal curvature is 2 c.
+/// let bump = Graph::paraboloid(0.25)?;
+/// let apex = bump.contact_at(0.0, 0.0)?;
+/// let form = bump.level_set(&apex)?.curvature(&Vector3::x(), &Vector3::y());
+/// assert_eq!((form.k_uu, form.k_uv, form.k_vv), (0.5, 0.0, 0.5));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Graph<H> {
     height: H,
@@ -68,6 +80,8 @@ pub struct HeightField {
 }
 
 impl Graph<Paraboloid> {
+    /// The graph `z = −c (x² + y²)`.
+    ///
     /// # Errors
     /// [`InvalidShape`] unless `c` (1/length) is finite.
     pub fn paraboloid(c: f64) -> Result<Self, InvalidShape> {
@@ -79,6 +93,8 @@ impl Graph<Paraboloid> {
 }
 
 impl Graph<Saddle> {
+    /// The graph `z = a (x² − y²)`.
+    ///
     /// # Errors
     /// [`InvalidShape`] unless `a` (1/length) is finite.
     pub fn saddle(a: f64) -> Result<Self, InvalidShape> {

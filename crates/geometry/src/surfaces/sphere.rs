@@ -27,6 +27,8 @@ pub struct Dish {
 }
 
 impl Sphere {
+    /// A sphere of `radius`.
+    ///
     /// # Errors
     /// [`InvalidShape`] unless the radius is finite, positive and can be squared.
     pub fn new(radius: f64) -> Result<Self, InvalidShape> {
@@ -41,6 +43,8 @@ impl Sphere {
 }
 
 impl Dish {
+    /// A dish of `radius`.
+    ///
     /// # Errors
     /// [`InvalidShape`] unless the radius is finite, positive and can be squared.
     pub fn new(radius: f64) -> Result<Self, InvalidShape> {

@@ -9,6 +9,19 @@ use crate::{ChartJet, InvalidShape, LevelSet, Parameters, Surface, SurfaceError}
 ///
 /// With `ρ = R + r sin u` the chart is `(ρ cos v, ρ sin v, r cos u)`: `u = 0` is the top circle,
 /// growing outwards. `M = diag(r, ρ)`, `K = diag(1/r, sin(u)/ρ)`.
+///
+/// ```
+/// use std::f64::consts::FRAC_PI_2;
+/// use palpate_geometry::{Parameters, Surface, surfaces::Torus};
+///
+/// let torus = Torus::new(3.0, 1.0)?;
+/// // The Gaussian curvature is 1/(r (R + r)) on the outer equator and −1/(r (R − r)) on the inner one.
+/// let outside = torus.chart_geometry(Parameters::new(FRAC_PI_2, 0.0))?.curvature;
+/// let inside = torus.chart_geometry(Parameters::new(-FRAC_PI_2, 0.0))?.curvature;
+/// assert!((outside.gaussian_curvature() - 0.25).abs() < 1e-14);
+/// assert!((inside.gaussian_curvature() + 0.5).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Torus {
     major_radius: f64,

@@ -68,7 +68,7 @@ fn a_bowl_seen_from_beyond_its_centre_of_curvature_has_no_closest_point() {
     assert!(inside.x > 1.0 && inside.y == 0.0);
 }
 
-/// That `found` is the closest point of an ellipsoid to `from`: the one place where both
+/// Asserts that `found` is the closest point of an ellipsoid to `from`: the one place where both
 /// `from = found + t ∇F/2` and `t >= −(smallest axis)²`, which also bounds every other place.
 fn assert_closest(semi_axes: [f64; 3], from: Point3<f64>, found: Point3<f64>) {
     let axes = Vector3::from(semi_axes);

@@ -21,7 +21,7 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Whatever surfaces these numbers make.
+/// The surfaces that these numbers make.
 fn surfaces(a: f64, b: f64, c: f64) -> Vec<Shape> {
     let parameters = [("a".to_owned(), a), ("b".to_owned(), b)];
     let wavy = Formula::parse("a*sin(b*x)*exp(y)", &parameters.into());

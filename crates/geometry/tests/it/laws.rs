@@ -1,4 +1,4 @@
-//! What every surface obeys, whatever it is, wherever it stands and through whichever type it is asked.
+//! Laws that every surface obeys, whatever its shape, wherever it stands and through whichever type it is asked.
 
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use nalgebra::{Isometry3, Matrix2, Matrix2x3, Matrix3x2, Point3, Vector2, Vector3};
@@ -187,7 +187,7 @@ impl<'a, S: Surface> Place<'a, S> {
             .inverse_transform_vector(&self.geometry.frame.normal)
             .z;
         let touched = self.surface.contact_at(local.x, local.y).unwrap();
-        // What faces down is covered by what faces up.
+        // A place that faces down is covered by one that faces up, which is touched instead.
         let same = (touched - self.geometry.point).norm() < self.tiny / up.abs().min(1.0);
         assert_eq!(same, up > 0.0, "{touched} is not {}", self.geometry.point);
     }

@@ -16,7 +16,7 @@ pub(crate) struct Specimen {
     pub(crate) shape: Shape,
     /// Places away from the poles of the chart.
     pub(crate) at: Vec<Parameters>,
-    /// What changes a parameter by its natural unit: 1 for an angle, a length for a length.
+    /// Natural unit of each parameter, by which steps are scaled: 1 for an angle, a length for a length.
     pub(crate) unit: [f64; 2],
     /// A length of the order of the surface.
     pub(crate) size: f64,

@@ -83,7 +83,7 @@ impl Pressure {
     fn assemble(contact: f64, shares: &[[f64; 2]], ones: &[f64], squares: &[f64]) -> Self {
         let (one, square) = (legendre(shares, ones), legendre(shares, squares));
         let edge: f64 = one.iter().sum();
-        // In units of α².
+        // The indentation in units of α², the square of the contact's radius in thicknesses.
         let indentation = square.iter().sum::<f64>() / edge;
         let unit = contact * contact;
         let values: Vec<f64> = ones

@@ -1,4 +1,4 @@
-//! What the rigid base takes from a half-space's displacement, wavenumber by wavenumber.
+//! The rigid base's effect: the difference from a half-space's displacement, wavenumber by wavenumber.
 //!
 //! In units of the thickness, with H the wavenumber, ζ the depth and x = H(1 − ζ), a pressure of Hankel transform Q
 //! moves the layer by ∫ Q N J₀ dk inward and ∫ Q R J₁ dk outward,
@@ -10,7 +10,7 @@
 //! and the half-space by N = (1 + Hζ) e^{−Hζ}, R = Hζ e^{−Hζ}. Their difference decays as e^{−(2−ζ)H}; it is
 //! formed below from its own terms in e^{−2H} and e^{−2x}, so that nothing cancels where it is small.
 
-/// Terms of e to minus this power do not count.
+/// Exponent beyond which a term e^{−x} is neglected.
 const NEGLIGIBLE: f64 = 36.0;
 
 /// Half-space less layer at the surface, as a share of the half-space: 1 − (sinh 2H − 2H)/(cosh 2H + 2H² + 1).

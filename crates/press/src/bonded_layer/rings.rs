@@ -1,4 +1,4 @@
-//! What the pressure of a contact does to an incompressible half-space.
+//! Displacements of an incompressible half-space under the pressure of a contact.
 //!
 //! With Φ = ∫₀^a φ(t) Re[r² + (z + it)²]^{−1/2} dt the displacements are Φ − z ∂Φ/∂z inward and −z ∂Φ/∂r outward.
 //! Legendre polynomials of t/a give oblate spheroidal harmonics (Hobson 1931, §251): with z = aξη and
@@ -16,13 +16,13 @@ use crate::{Field, half_space};
 
 /// Contacts below this share of the distance press as a point does.
 const POINT: f64 = 1e-10;
-/// Up to e to this power the upward recurrence may multiply rounding.
+/// Largest exponent x such that the upward recurrence may multiply rounding errors by e^x.
 const UPWARD: f64 = 9.0;
 /// Terms below e to minus this power do not count.
 const NEGLIGIBLE: f64 = 32.0;
 /// The downward recurrence starts so far up that its start is forgotten to this power, twice.
 const FORGOTTEN: f64 = 15.0;
-/// Orders up to this need no memory of their own.
+/// Highest order that is computed without allocating memory.
 const FEW: usize = 64;
 /// ξ² + η² is taken to be at least this, where it divides what would cancel.
 const EDGE: f64 = 1e-7;

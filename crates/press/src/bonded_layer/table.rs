@@ -16,7 +16,7 @@ pub(super) const ENDS: [f64; 10] = [0.0, 0.75, 1.5, 3.0, 4.5, 6.0, 7.5, 9.0, 10.
 const NODES: usize = 16;
 /// Width of a panel of distances within and near the contact.
 const PANEL: f64 = 1.0;
-/// Panels far away grow so.
+/// Ratio of the widths of neighbouring panels far from the contact.
 const GROWTH: f64 = 1.5;
 /// Terms of the pressure below this share of the largest are left out.
 const SMALL: f64 = 1e-12;
@@ -32,7 +32,7 @@ pub(super) struct Table {
     rows: Vec<Vec<f64>>,
 }
 
-/// What a table says of one contact.
+/// A contact interpolated in a table.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     /// Indentation, slope, force and peak, as of [`Pressure`].
@@ -49,7 +49,7 @@ pub(super) struct Panels {
 }
 
 impl Table {
-    /// Which table has this radius.
+    /// Index of the table that has this radius, if one has.
     pub(super) fn place(contact: f64) -> Option<usize> {
         ENDS[1..].iter().position(|end| contact <= *end)
     }
@@ -126,7 +126,7 @@ impl Table {
         }
     }
 
-    /// Only its [`Entry::numbers`].
+    /// The numbers of an entry alone, as [`Entry::numbers`].
     pub(super) fn numbers(&self, contact: f64) -> [f64; 4] {
         let mut row = [0.0; 4];
         self.interpolate(contact, &mut row);
@@ -210,7 +210,7 @@ fn row(pressure: &Pressure, terms: usize, waves: &[Wave], bessels: &[Vec<[f64; 3
     row
 }
 
-/// How many terms of a pressure count.
+/// Number of terms of a pressure that are not negligible.
 fn terms(pressure: &Pressure) -> usize {
     let largest = |column: usize| {
         let sizes = pressure.terms.iter().map(|term| term[column].abs());
@@ -238,7 +238,7 @@ fn panels(contact: f64) -> Vec<f64> {
     ends
 }
 
-/// Where a value stands between two, from −1 to 1.
+/// Position of a value between two ends, −1 at the first and 1 at the second.
 fn position([from, to]: [f64; 2], value: f64) -> f64 {
     (2.0 * value - from - to) / (to - from)
 }

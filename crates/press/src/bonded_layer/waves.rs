@@ -6,8 +6,8 @@ use super::pressure::{Pressure, wavenumbers};
 use super::reflection;
 use crate::Field;
 
-/// So many thicknesses beyond the contact's edge the layer moves by less than 1e-9 of its most: it falls off as
-/// e^{−0.739 r}, where cos 0.739 = 0.739.
+/// Distance beyond the contact's edge, in thicknesses, from which on the layer moves by less than 1e-9 of its most: it
+/// falls off as e^{−0.739 r}, where cos 0.739 = 0.739.
 pub(super) const BEYOND: f64 = 30.0;
 
 /// Distances up to which the sums are good, the shortest; each following one reaches twice as far.
@@ -27,14 +27,15 @@ pub(super) struct Waves {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wave {
     pub(super) wavenumber: f64,
-    /// Inward under J₀ and outward under J₁.
+    /// Strengths of the displacement: inward, which multiplies J₀, and outward, which multiplies J₁.
     pub(super) strength: [f64; 2],
-    /// The same for ∂φ/∂a.
+    /// Strengths of the waves of ∂φ/∂a, likewise.
     pub(super) per_contact: [f64; 2],
 }
 
 impl Wave {
-    /// Every wavenumber that the base reflects from this pressure, close enough for distances up to `reach` at resolution 1.
+    /// Every wavenumber that the base reflects from this pressure, spaced closely enough for distances up to `reach` at
+    /// resolution 1.
     pub(super) fn all(pressure: &Pressure, depth: f64, reach: f64, resolution: f64) -> Vec<Self> {
         let distance = pressure.contact + reach;
         let nodes = wavenumbers(reflection::reach(depth), distance, resolution);

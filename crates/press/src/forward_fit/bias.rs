@@ -6,12 +6,12 @@ use crate::PressError;
 /// Steps for second differences, in standard deviations.
 const STEP: f64 = 0.3;
 
-/// By which share the relative curvature is overestimated on average, to first order: the bias of its logarithm
-/// (Box 1971) and half its variance.
+/// Relative bias of the estimated relative curvature, to first order: the bias of its logarithm (Box 1971) plus half
+/// its variance. Positive where it is overestimated on average.
 ///
 /// The readings are nearly linear in the radius and not in the curvature, whose estimate therefore has a long tail
-/// towards sharp objects. Where the variance is large, or second differences leave the domain of presses, the bias is that of 1/x for a
-/// normally distributed x.
+/// towards sharp objects. Where the variance is large, or second differences leave the domain of presses, the bias is
+/// that of 1/x for a normally distributed x.
 pub(super) fn relative_bias(problem: &Problem<'_>, state: &State, covariance: &Square) -> f64 {
     let variance = covariance[(CURVATURE, CURVATURE)];
     match bias(problem, state, covariance) {

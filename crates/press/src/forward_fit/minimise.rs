@@ -4,7 +4,7 @@ use super::problem::{Problem, Square, State, Sums, UNKNOWNS, Unknowns};
 use crate::PressError;
 
 const MOST_STEPS: usize = 200;
-/// Nor is a step worth taking that moves the unknowns by less than this share of what they are.
+/// Smallest step that is worth taking, as a share of the unknowns.
 const SMALLEST_STEP: f64 = 1e-13;
 const MOST_DAMPING: f64 = 1e12;
 

@@ -1,4 +1,4 @@
-//! What is told of a press once it is found.
+//! The estimate that is reported of a press, from the state that fits best.
 
 use nalgebra::Vector3;
 
@@ -138,8 +138,8 @@ impl Stds {
     }
 }
 
-/// A curvature without its bias (a share of it), within its interval. The radius is nearly Gaussian; where it may as well
-/// be 0, its inverse is taken at the radius of two standard deviations.
+/// A curvature without its bias (a share of it), within its interval. The radius is nearly Gaussian; where it may as
+/// well be 0, its inverse is taken at the radius of two standard deviations.
 fn without_bias(curvature: f64, bias: f64, interval: Interval) -> f64 {
     let corrected = if bias > 1.0 {
         curvature / (2.0 * bias.sqrt())
@@ -162,7 +162,7 @@ fn positive(estimated: Estimated) -> Estimated {
     }
 }
 
-/// What an interval of the relative curvature tells of the object, for a sensor of this curvature.
+/// The verdict on the object from an interval of the relative curvature, for a sensor of this curvature.
 fn verdict(interval: Interval, sensor: f64) -> Verdict {
     let Interval { low, high } = interval;
     match (low, high) {

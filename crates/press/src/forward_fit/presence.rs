@@ -7,9 +7,9 @@ use super::problem::{Problem, State};
 use crate::PressError;
 use crate::markers::Sight;
 
-/// By how much (in chi-squared) a contact must explain the readings better than none does.
+/// Least improvement of chi-squared by a contact, against none, that counts as one.
 const SEEN: f64 = 16.0;
-/// The same without the marker that gains most: one marker alone may as well be wrong.
+/// Least improvement without the marker that gains most, since one marker alone may as well be wrong.
 const SEEN_BY_OTHERS: f64 = 9.0;
 
 /// The refusal where even the start explains nothing.
@@ -18,7 +18,7 @@ pub(super) const NOTHING: PressError = PressError::NoContact {
     needed: SEEN,
 };
 
-/// That a contact explains the readings better than none.
+/// Refuses a state whose contact does not explain the readings clearly better than none.
 ///
 /// # Errors
 /// [`PressError::NoContact`], and [`PressError::OneMarker`] where all but one marker stay where they were.
@@ -51,7 +51,8 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<(), PressErro
     Ok(())
 }
 
-/// What normal displacements are without a contact.
+/// Normal displacement of all markers where nothing touches: the mean reading, or 0 if the baseline is known to be
+/// exact.
 fn resting(problem: &Problem<'_>) -> f64 {
     if problem.fit.baseline == Prior::Exact {
         return 0.0;
@@ -65,7 +66,7 @@ fn resting(problem: &Problem<'_>) -> f64 {
     sum / count
 }
 
-/// That some marker is near the contact, or that markers surround it.
+/// Refuses a state whose contact has no marker near it and is not surrounded by markers.
 ///
 /// # Errors
 /// [`PressError::OffMarkers`].

@@ -29,17 +29,17 @@ pub(super) struct State {
     pub(super) gain: f64,
 }
 
-/// What the readings say, how much each counts, and which unknowns are sought.
+/// The least-squares problem: the readings, the weight of each, and the unknowns that are sought.
 #[derive(Clone, Debug)]
 pub(super) struct Problem<'a> {
     pub(super) fit: &'a ForwardFit,
     pub(super) reading: &'a Reading<'a>,
-    /// Which unknowns are sought.
+    /// Whether each unknown is sought.
     pub(super) sought: [bool; UNKNOWNS],
     /// Standard deviation of a normal displacement, and of a tangential component.
     pub(super) normal_std: f64,
     pub(super) tangential_std: f64,
-    /// Which markers count.
+    /// Whether each marker counts.
     pub(super) kept: Vec<bool>,
     /// The great circle on which the contact must lie, by its pole: that of the markers, where they lie on one and
     /// only their normal displacements are known.
@@ -59,7 +59,8 @@ pub(super) struct Sums {
     pub(super) hessian: Square,
 }
 
-/// What the model says of one marker: its normal displacement and the tangential ones, and their slopes.
+/// The model's reading of one marker, its normal displacement and the tangential ones, with the derivatives by the
+/// unknowns.
 struct Predicted {
     moved: (f64, Vector2<f64>),
     normal_slopes: Unknowns,
@@ -101,7 +102,7 @@ impl<'a> Problem<'a> {
         self.tangential().is_some()
     }
 
-    /// How many equations the markers give that count.
+    /// Number of equations from the markers that count.
     pub(super) fn equations(&self) -> usize {
         let each = if self.uses_tangential() { 3 } else { 1 };
         each * self.kept.iter().filter(|&&kept| kept).count()
@@ -111,7 +112,7 @@ impl<'a> Problem<'a> {
         self.sought.iter().filter(|&&sought| sought).count()
     }
 
-    /// Where all markers lie, seen from a place.
+    /// The markers as seen from a place.
     pub(super) fn sights(&self, place: &Place) -> Vec<Sight> {
         let markers = self.reading.markers;
         let places = markers.places().iter();
@@ -177,7 +178,7 @@ impl<'a> Problem<'a> {
         self.residuals(marker, (baseline, Vector2::zeros()))
     }
 
-    /// What the model says of all markers.
+    /// Displacements of all markers by the model.
     pub(super) fn displacements(
         &self,
         contact: &Contact<'_>,
@@ -245,8 +246,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// What a marker's residuals add to chi-squared, and the weight of its slopes: c² ln(1 + s/c²) after Cauchy, which
-    /// is s within the tolerance c.
+    /// Share of a marker's residuals in chi-squared, and the weight of its slopes: with the sum of squares s the share
+    /// is c² ln(1 + s/c²) after Cauchy, which is about s within the tolerance c.
     pub(super) fn squared(&self, residuals: [f64; 3]) -> (f64, f64) {
         let squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
         if self.tolerance == f64::INFINITY {
@@ -310,7 +311,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// What is known beforehand, as a sum of squares.
+    /// Sum of squares of the deviations from prior knowledge, with half its gradient and half its Hessian.
     fn priors(&self, state: &State) -> (f64, Unknowns, Square) {
         let (mut squared, mut gradient, mut hessian) = (0.0, Unknowns::zeros(), Square::zeros());
         let mut add = |index: usize, off: f64, std: f64| {
@@ -400,7 +401,8 @@ impl Sums {
     }
 }
 
-/// What a contact does to a marker, as it is read: the normal displacement with gain and baseline, the tangential ones.
+/// Displacement of a marker by a contact as it is read: the normal one with gain and baseline, and the tangential
+/// ones.
 fn moved(contact: &Contact<'_>, state: &State, sight: &Sight) -> (f64, Vector2<f64>) {
     let moved = contact.displacement(sight.distance);
     let normal = state.gain * moved.normal + state.baseline;

@@ -4,9 +4,9 @@ use super::minimise::minimise;
 use super::problem::{CURVATURE, Problem, Square, State, Sums};
 use crate::Interval;
 
-/// How near chi-squared's rise must come to the limit, as a share of its root.
+/// Relative accuracy to which the root of chi-squared's rise meets the limit's at the ends of the interval.
 const TOLERANCE: f64 = 3e-3;
-/// What a further step must promise to lower chi-squared by.
+/// Least decrease of chi-squared that a further step must promise.
 const ENOUGH: f64 = 1e-4;
 const MOST_TRIES: usize = 40;
 /// The curvature is sought up to this many times its estimate, and down to one over that.
@@ -18,7 +18,7 @@ pub(super) enum Profile {
     Better(State),
 }
 
-/// Where chi-squared, made least over all other unknowns, has risen by `limit`.
+/// The interval in which chi-squared, made least over all other unknowns, lies less than `limit` above its least value.
 pub(super) fn profile(
     problem: &Problem<'_>,
     best: &State,

@@ -1,4 +1,4 @@
-//! From readings to an estimate: start, robust fit, wrong markers, noise, intervals.
+//! The search for an estimate from readings: start, robust fit, wrong markers, noise, intervals.
 
 use nalgebra::Vector3;
 
@@ -13,16 +13,17 @@ use crate::{Contact, Interval, PressError, PressEstimate};
 
 /// A residual beyond this many standard deviations is wrong, not noisy: chance brings one in two million.
 const WRONG: f64 = 5.0;
-/// At most this share of the markers can be wrong; if more seem so, the model is.
+/// Largest share of the markers that can be wrong; if more seem so, the model is.
 const MOST_WRONG: f64 = 1.0 / 8.0;
 /// Markers are in a row where they spread (squared) less across it than this share of what they do along it.
 const ROW: f64 = 1e-5;
-/// Residuals count less and less beyond this while it is not known which are wrong.
+/// Residual, in standard deviations, beyond which the weight falls while it is not known which markers are wrong.
 const ROBUST: f64 = 3.0;
-/// What a further step must promise to lower chi-squared by, before and after it is known which are wrong.
+/// Least decrease of chi-squared that a further step must promise, before it is known which markers are wrong
+/// (`ROUGHLY`) and after (`EXACTLY`).
 const ROUGHLY: f64 = 1e-2;
 const EXACTLY: f64 = 1e-8;
-/// No displacement is taken to be more exact than this share of the largest.
+/// Smallest standard deviation of a displacement, as a share of the largest displacement.
 const EXACT: f64 = 1e-10;
 /// The normal quantile of a two-sided interval of 95 %.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -44,7 +45,7 @@ impl<'a> Problem<'a> {
     /// All that is not known is sought; every marker counts, and all with a standard deviation of 1.
     pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Self {
         let mut sought = [true; super::problem::UNKNOWNS];
-        // What is known to rounding is known exactly.
+        // A prior narrower than rounding counts as exact.
         let largest = reading
             .normal
             .iter()
@@ -203,7 +204,7 @@ impl<'a> Search<'a> {
             };
             hull = match covariance.as_ref().map(around) {
                 Some(Profile::Interval(interval)) => hull.hull(interval),
-                // Where nothing bounds a rival, it may be anything.
+                // A rival that nothing bounds leaves the curvature unbounded.
                 Some(Profile::Better(_)) | None => Interval::UNBOUNDED,
             };
         }
@@ -307,7 +308,8 @@ impl<'a> Search<'a> {
         is_new
     }
 
-    /// Standard deviations from the residuals of the markers that count: from their median (`robustly`) or their squares.
+    /// Finds standard deviations from the residuals of the markers that count: from their median (`robustly`) or their
+    /// squares.
     fn find_noise(&mut self, state: &State, robustly: bool) -> Result<(), PressError> {
         if !(self.find_normal || self.find_tangential) {
             return Ok(());
@@ -344,7 +346,7 @@ impl<'a> Search<'a> {
         Ok(())
     }
 
-    /// Which markers count: those within the window that are not wrong.
+    /// Whether each marker counts: it lies within the window and is not wrong.
     fn choose(&mut self, state: &State) -> Result<(), PressError> {
         let problem = &mut self.problem;
         problem.kept.fill(true);

@@ -1,4 +1,4 @@
-//! Where a fit begins.
+//! States from which a fit begins.
 
 use nalgebra::Vector3;
 
@@ -15,7 +15,7 @@ const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
 const MUCH: f64 = 50.0;
 /// Radii of the contact that are tried, in radii of the sensor, a middling one first.
 const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
-/// In how many directions all radii are tried.
+/// Number of directions in which all radii are tried.
 const VIEWS: usize = 3;
 
 /// States from which to begin: the `few` likeliest, and the likeliest with a contact beyond the markers if that is not

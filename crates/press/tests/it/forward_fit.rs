@@ -98,8 +98,8 @@ fn the_bound_is_that_of_an_independent_calculation() {
     assert_relative_eq!(share, 0.067, max_relative = 0.01);
 }
 
-/// The error over 400 presses is that of the bound within what 400 presses can tell, and their intervals hold the truth:
-/// with the indentation known, and fitted with tangential readings.
+/// The error over 400 presses is that of the bound within what 400 presses can tell, and their intervals hold the
+/// truth: with the indentation known, and fitted with tangential readings.
 #[test]
 fn noisy_readings_are_used_to_the_bound() {
     const PRESSES: u64 = 400;
@@ -141,8 +141,8 @@ fn noisy_readings_are_used_to_the_bound() {
     }
 }
 
-/// Over 600 presses the curvature is right on average, to a fraction of its scatter of about 20 %; that of the best fit is
-/// too large.
+/// The curvature is right on average over 600 presses, to a fraction of its scatter of about 20 %; that of the best fit
+/// is too large.
 #[test]
 fn curvatures_are_without_bias() {
     const PRESSES: u64 = 600;

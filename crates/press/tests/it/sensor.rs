@@ -7,7 +7,7 @@ use palpate_sensing::{Channel, Stream};
 
 /// Radius of the skin, mm.
 pub(crate) const RADIUS: f64 = 20.0;
-/// How far under it the markers lie, mm.
+/// Depth of the markers under the skin, mm.
 pub(crate) const DEPTH: f64 = 2.0;
 
 /// 77 markers: one at the apex; rows of 1, 3, 3, 5 and 7 in each of four gores, 11.9 degrees apart.
@@ -44,7 +44,7 @@ pub(crate) fn half_space() -> Body {
     Body::half_space(0.5, DEPTH).unwrap()
 }
 
-/// What the markers read.
+/// Readings of the markers.
 #[derive(Clone)]
 pub(crate) struct Readings {
     pub(crate) normal: Vec<f64>,
@@ -52,7 +52,7 @@ pub(crate) struct Readings {
 }
 
 impl Readings {
-    /// Without error.
+    /// Readings without error.
     pub(crate) fn of(markers: &Markers, contact: &Contact<'_>, at: [f64; 2]) -> Self {
         let moved = markers.displacements(contact, at);
         Self {
@@ -61,7 +61,7 @@ impl Readings {
         }
     }
 
-    /// With errors of the normal displacements.
+    /// These readings with errors of the normal displacements.
     pub(crate) fn noisy(&self, std: f64, trial: u64) -> Self {
         let mut stream = Stream::new(2020, trial, Channel::Position);
         let mut readings = self.clone();
@@ -71,7 +71,7 @@ impl Readings {
         readings
     }
 
-    /// With errors of the tangential displacements too.
+    /// These readings with errors of the tangential displacements too.
     pub(crate) fn noisy_along(&self, std: f64, tangential_std: f64, trial: u64) -> Self {
         let mut stream = Stream::new(2020, trial, Channel::Normal);
         let mut readings = self.noisy(std, trial);

@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use palpate_press::shear::{followed, stuck_shift};
 use palpate_press::{Markers, Skin};
 
-/// Poisson ratio, depth, contact radius, distance, azimuth; along, across, inward. Made by summing the waves of traction
-/// over 4,000 wavenumbers (Gauss) and 256 directions.
+/// Poisson ratio, depth, contact radius, distance, azimuth; along, across, inward. Made by summing the waves of
+/// traction over 4,000 wavenumbers (Gauss) and 256 directions.
 #[rustfmt::skip]
 const QUADRATURE: [[f64; 8]; 18] = [
     [0.0, 0.5, 2.0, 0.0, 0.0, 0.806593517359, 0.0, 0.0],

@@ -16,18 +16,18 @@ use super::search::ACCEPTED_MISS;
 pub(super) struct Offset {
     kind: Kind,
     pub(super) tip_radius: f64,
-    /// Of the object; 1 for a plane.
+    /// Radius of the object, length; 1 for a plane.
     radius: f64,
-    /// Of the offset surface; 1 for a plane.
+    /// Radius of the offset surface, length; 1 for a plane.
     offset_radius: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Plane,
-    /// Out from a point.
+    /// Offset of a sphere or dish, whose normals point away from or to a centre.
     Round,
-    /// Out from an axis.
+    /// Offset of a cylinder, whose normals point away from an axis.
     Cylinder(Vector2<f64>),
 }
 

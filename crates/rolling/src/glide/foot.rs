@@ -46,7 +46,7 @@ impl Foot {
         1.0 + radius * self.curvature.principal().k_min
     }
 
-    /// How far the contact moves, as seen from above, to carry the tip's centre by `miss`:
+    /// Displacement of the contact, as seen from above, that carries the tip's centre by `miss`:
     /// the inverse of `P (I + r S) P⁻¹`, with `P` the view from above. `None` where that is
     /// singular.
     pub(super) fn step(&self, radius: f64, miss: &Vector2<f64>) -> Option<Vector2<f64>> {

@@ -1,4 +1,4 @@
-//! How the contact of a gliding fingertip is found.
+//! Models by which the contact of a gliding fingertip is found.
 
 use palpate_geometry::{InvalidShape, Shape};
 use thiserror::Error;
@@ -10,7 +10,7 @@ use crate::{Choice, Model};
 /// Error of a closed form, away from the object's rim.
 const CLOSED_FORM_ERROR: f64 = 1e-14;
 
-/// How the contact of a fingertip is found.
+/// A model by which the contact of a fingertip is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TouchModel {
     /// The closed form where there is one, else Newton's method at this tolerance.
@@ -19,12 +19,13 @@ pub enum TouchModel {
         /// [`Model::SMALLEST_TOLERANCE`] to [`Model::LARGEST_TOLERANCE`].
         tolerance: f64,
     },
-    /// The closed form or nothing: of points, and of round tips on planes, spheres, dishes and
-    /// cylinders.
+    /// The closed form alone, which points have everywhere, and round tips on planes, spheres, dishes
+    /// and cylinders.
     ClosedForm,
     /// Newton's method on the offset surface of a round tip.
     Newton {
-        /// As of [`TouchModel::Auto`].
+        /// Largest error of the contact's place, relative to the tip's radius, in the same range as that of
+        /// [`TouchModel::Auto`].
         tolerance: f64,
     },
 }
@@ -38,7 +39,7 @@ impl Default for TouchModel {
 }
 
 impl TouchModel {
-    /// Where nothing else is said.
+    /// Default tolerance, relative to the tip's radius.
     pub const DEFAULT_TOLERANCE: f64 = 1e-12;
 }
 
@@ -51,9 +52,9 @@ pub enum InvalidTouch {
     /// A rung was asked for that cannot do this.
     #[error("the {rung} rung cannot do this: {reason}")]
     Unsupported {
-        /// Which.
+        /// Name of the rung.
         rung: &'static str,
-        /// Why not.
+        /// Reason for which the rung cannot, in words.
         reason: String,
     },
     /// A tolerance that means nothing.
@@ -122,7 +123,7 @@ impl TouchRung {
 }
 
 impl Glider {
-    /// The same fingertip on the same object, by another model.
+    /// A glider with this fingertip and object whose contacts are found by `model`.
     ///
     /// # Errors
     /// [`InvalidTouch`] where the tolerance is out of range, or the rung cannot do it.
@@ -135,7 +136,7 @@ impl Glider {
         })
     }
 
-    /// How contacts are found, and why so.
+    /// The way in which contacts are found, and the reason for it.
     pub fn choice(&self) -> Choice<TouchModel> {
         let name = self.object.name();
         let (rung, model, reason, bound) = match self.rung {

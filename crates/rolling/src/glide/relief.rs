@@ -1,4 +1,4 @@
-//! How high each place under a tip would hold it.
+//! Relief of the object under a tip: the height at which each place would hold the tip.
 
 use nalgebra::Vector2;
 use palpate_geometry::Surface;

@@ -20,13 +20,13 @@ const HALVINGS: i32 = 40;
 pub(super) const ACCEPTED_MISS: f64 = 1e-12;
 /// The next step tells the error of a contact, within a factor of 2 where it is small.
 const STEP_SHARE: f64 = 0.5;
-/// In radii: a longer step tells nothing.
+/// Longest last step that tells the error of a contact, in radii of the tip; a longer one tells nothing.
 const LONGEST_LAST_STEP: f64 = 1e-3;
-/// What counts as touching, of the tip's radius.
+/// Largest distance that counts as touching, as a share of the tip's radius.
 const TOUCHING: f64 = 1e-9;
-/// Where the clearance is below this, a search that is stuck is stuck at a fold.
+/// Clearance below which a search that makes no progress is taken to be at a fold of the offset surface.
 const FOLD: f64 = 1e-3;
-/// Where the object's normal has less upright part than this, its edge is a silhouette.
+/// Vertical component of the object's unit normal below which the contact lies on its silhouette.
 const SILHOUETTE: f64 = 1e-3;
 
 /// Places across a tip, in radii: eight on a ring of 0.85, and between them eight on one of 0.45.
@@ -58,11 +58,11 @@ const PLACES: [[f64; 2]; 16] = {
 pub(super) struct Search<'a, S> {
     pub(super) object: &'a S,
     pub(super) radius: f64,
-    /// What a contact may err by, in radii.
+    /// Largest error of a contact that is accepted, in radii of the tip.
     pub(super) tolerance: f64,
     /// Whether a contact that fits may not be the only one.
     pub(super) rugged: bool,
-    /// Where the tip's centre is held, seen from above.
+    /// Place at which the tip's centre is held, seen from above.
     pub(super) centre: Vector2<f64>,
 }
 
@@ -70,8 +70,8 @@ impl<S: Surface> Search<'_, S> {
     /// The contact that the tip meets first.
     pub(super) fn contact(&self) -> Result<Foot, GlideError> {
         palpate_tally::searched(1);
-        // Which contact comes first is no question of accuracy: what rivals are held against is known
-        // as well as they are told from it.
+        // The order of rivals must not depend on the tolerance: the contact that they are compared with
+        // is found at least as accurately as rivals are told apart.
         let tolerance = if self.rugged {
             self.tolerance.min(TOUCHING)
         } else {
@@ -106,7 +106,7 @@ impl<S: Surface> Search<'_, S> {
         Foot::at(self.object, self.object.contact_at(at.x, at.y)?)
     }
 
-    /// Where the tip's centre should be, less where a contact at `foot` would put it.
+    /// Horizontal displacement to the tip's centre from the place where a contact at `foot` would put it.
     fn miss(&self, foot: &Foot) -> Vector2<f64> {
         self.centre - foot.point.coords.xy() - foot.normal.xy() * self.radius
     }
@@ -129,7 +129,7 @@ impl<S: Surface> Search<'_, S> {
                 return Ok(foot);
             }
             if close {
-                // One more step is all that rounding allows.
+                // Rounding allows one more step at most.
                 let next = self.descend(&foot, &miss, &step, 1);
                 return Ok(next.map_or(foot, |(next, _)| next));
             }

@@ -10,11 +10,28 @@ use super::{Integrated, Stopped, System, stage, weighted};
 use crate::RollFault;
 
 /// DOP853 with adaptive steps.
+///
+/// ```
+/// use palpate_rolling::RollFault;
+/// use palpate_rolling::integrator::{Dop853, System};
+///
+/// struct Decay;
+/// impl System<1> for Decay {
+///     fn derivative(&self, state: &[f64; 1], rate: &mut [f64; 1]) -> Result<(), RollFault> {
+///         rate[0] = -state[0];
+///         Ok(())
+///     }
+/// }
+/// let method = Dop853 { tolerance: 1e-12, most_steps: 1000 };
+/// let end = method.integrate(&Decay, [1.0], 2.0).map_err(|stopped| stopped.fault)?;
+/// assert!((end.state[0] - libm::exp(-2.0)).abs() < 1e-10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dop853 {
     /// Bound on the weighted local error of a step (root mean square over the components).
     pub tolerance: f64,
-    /// Give up after this many steps, taken or rejected.
+    /// Largest number of steps, taken or rejected, after which the integration is given up.
     pub most_steps: usize,
 }
 
@@ -140,12 +157,12 @@ impl Dop853 {
     }
 }
 
-/// Not if it is no number.
+/// Whether a step is accepted whose error, squared, is `excess` times the tolerance squared; NaN is not.
 fn accepts(excess: f64) -> bool {
     excess <= 1.0
 }
 
-/// How much longer, or shorter, the next step can be.
+/// Factor from this step to the next, at most `most`, for an error as in [`accepts`].
 #[inline]
 fn factor(excess: f64, most: f64) -> f64 {
     (SAFETY * inverse_sixteenth_root(excess)).clamp(SHRINK, most)
@@ -213,7 +230,7 @@ fn end_of_step<const N: usize>(
     }
     let (fifth, third) = (square(&fifth, weights, h), square(&third, weights, h));
     let blend = fifth + 0.01 * third;
-    // Without any error, or where it is not a number.
+    // The blend is 0 where there is no error, and NaN where a slope is not finite.
     let share = if blend > 0.0 { fifth / blend } else { blend };
     (end, fifth * share / N as f64)
 }
@@ -299,7 +316,7 @@ const A12: [f64; 9] = [
     12.3605671757943030647266201528,
     0.643392746015763530355970484046,
 ];
-/// Of slopes 1 and 6 to 12: the step's slope, of order 8.
+/// Weights of slopes 1 and 6 to 12 in the slope of the whole step, which is of order 8.
 const B: [f64; 8] = [
     0.0542937341165687622380535766363,
     4.45031289275240888144113950566,
@@ -310,7 +327,7 @@ const B: [f64; 8] = [
     0.201365400804030348374776537501,
     0.0447106157277725905176885569043,
 ];
-/// Of the same slopes: its difference from a slope of order 5.
+/// Weights of slopes 1 and 6 to 12 in the difference between that slope and one of order 5.
 const E5: [f64; 8] = [
     0.01312004499419488073250102996,
     -1.225156446376204440720569753,
@@ -321,7 +338,7 @@ const E5: [f64; 8] = [
     0.08192320648511571246570742613,
     -0.02235530786388629525884427845,
 ];
-/// Of slopes 1, 9 and 12: a slope of order 3.
+/// Weights of slopes 1, 9 and 12 in a slope of order 3.
 const B3: [f64; 3] = [
     0.244094488188976377952755905512,
     0.733846688281611857341361741547,

@@ -5,7 +5,7 @@ use super::{Integrated, Stopped, System, stage, weighted};
 /// RK4 with a fixed number of equal steps; its global error is `O(h⁴)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rk4 {
-    /// How many steps; at least one is taken.
+    /// Number of steps; 0 counts as 1.
     pub steps: usize,
 }
 

@@ -1,18 +1,18 @@
-//! What the rungs err by, and what they cost, on the noiseless rolls.
+//! Errors and costs of the rungs, measured on the noiseless rolls.
 
 use super::{Rung, Setting, dop853, dop853_method, rk4, rk4_method};
 use crate::integration::{Integration, Method};
 use crate::integrator::Dop853;
 use crate::{Chart, Choice, Contact, InvalidRoll, Model, RollFault, Roller, Rolls};
 
-/// What is measured is trusted with this margin.
+/// Factor by which a measured error is enlarged before it is held against a tolerance.
 const MARGIN: f64 = 1.25;
-/// How much finer than the tolerance the integration is that others are judged against.
+/// Tolerance of the integration that others are judged against, as a share of the tolerance asked for.
 const FINER: f64 = 1e-3;
 /// Evaluations of a step of DOP853.
 const STAGES: usize = 12;
-/// An evaluation by DOP853, with its share of what holds the step to its tolerance, costs so many by RK4: by instructions 2.1
-/// on a saddle, 1.5 on an ellipsoid, less on a formula.
+/// Cost of an evaluation by DOP853, with its share of the control of the step, in evaluations by RK4: counted in
+/// instructions it is 2.1 on a saddle, 1.5 on an ellipsoid, less on a formula.
 const DEARER: f64 = 1.5;
 /// Settings that are tried, cheapest first.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
@@ -38,11 +38,11 @@ pub struct MeasuredRung {
     /// The largest error of a contact at the end of a roll, relative to its length scale, as held
     /// against DOP853 at the smallest tolerance; or why the rung cannot do these rolls.
     pub outcome: Result<f64, String>,
-    /// How often all rolls together evaluate the contact equations; a closed form does not.
+    /// Number of evaluations of the contact equations by all rolls together; 0 for a closed form.
     pub evaluations: usize,
 }
 
-/// Why no rung is measured on the noiseless rolls.
+/// Reasons for which no rung is measured on the noiseless rolls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unmeasured {
     /// A roll ends before its motions do, or never begins.
@@ -63,7 +63,8 @@ pub(super) fn finer(tolerance: f64) -> f64 {
 }
 
 impl Method {
-    /// The same, giving up where it would take more evaluations than these; RK4 takes as many as it is told.
+    /// This method, made to give up beyond so many evaluations of the derivative; RK4 stays as it is, since its
+    /// number is fixed.
     fn within(self, evaluations: usize) -> Self {
         match self {
             Self::Rk4(_) => self,
@@ -186,8 +187,8 @@ impl Roller {
         rungs
     }
 
-    /// What each of these models errs by and costs on these rolls. `chart` is for the integrator
-    /// that they are held against.
+    /// Measured error and cost of each of these models on these rolls. `chart` is that of the
+    /// integrator that they are held against.
     pub fn measured(&self, models: &[Model], chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
         let reference = self.ends_on(
             Model::Dop853 {

@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Each duplication brings the arguments four times closer; the series leave out sixth powers.
 const CLOSE: f64 = 1.5e-3;
-/// Of arguments a factor of 1e300 apart there are some 260.
+/// Largest number of duplications; arguments a factor of 1e300 apart take some 260.
 const MOST_DUPLICATIONS: usize = 300;
 
 /// The arc from the pole of an ellipse with half-axes `a` across and `c` along its axis, both

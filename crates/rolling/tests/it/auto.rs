@@ -137,7 +137,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
         judged += 1;
         let what = format!("{:?} {} {:e}", scene.object, taken.name, scene.tolerance);
         assert!(err <= scene.tolerance, "{what} errs by {err:e}");
-        // What it is held against rounds too.
+        // The reference that it is compared with has rounding errors too.
         let bound = roller.choice().error_bound.unwrap() + 1e-13;
         assert!(err <= bound, "{what} errs by {err:e} > {bound:e}");
 
@@ -153,7 +153,7 @@ fn the_rung_that_auto_takes_is_good_and_cheap() {
     }
 }
 
-/// How many turns the probe makes in each of four directions.
+/// Number of turns of the probe in each of four directions.
 fn turns(turns: f64) -> Vec<Vec<Motion>> {
     let angle = turns * std::f64::consts::TAU;
     let directions = [0.2, 1.7, 3.3, 4.9];
@@ -186,7 +186,7 @@ fn long_rolls_are_not_rolled_to_choose_how() {
             assert!(choice.reason.contains("too long"), "{choice:?}");
         }
     }
-    // What is taken untried keeps the tolerance all the same.
+    // A rung that is taken without being measured keeps the tolerance too.
     let rolls = turns(100.0);
     let rolls = Rolls { rolls: &rolls };
     let roller = start(100.0, 1e-6);

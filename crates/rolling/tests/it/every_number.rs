@@ -22,7 +22,7 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Whatever these numbers make.
+/// The objects that these numbers make.
 fn objects(a: f64, b: f64, c: f64) -> Vec<Shape> {
     [
         Sphere::new(a).map(Shape::Sphere).ok(),

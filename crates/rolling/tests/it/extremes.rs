@@ -103,7 +103,7 @@ fn assert_sound(result: &Result<Contact, RollError>, what: &str) {
     }
 }
 
-/// One of every kind, of about this size, with places on it to start from.
+/// An object of every kind, of about this size, with places on it to start from.
 fn objects(size: f64) -> Vec<(Shape, Vec<(f64, f64)>)> {
     let inside = vec![(0.0, 0.0), (0.3 * size, -0.4 * size)];
     let rim = [(size, 0.0), (0.0, -size)];

@@ -29,7 +29,7 @@ fn assert_at(touch: &Touch, point: [f64; 3], normal: Vector3<f64>, tolerance: f6
     assert!(turned <= 1e-12, "{} is not {normal}", touch.normal);
 }
 
-/// Where a function that is below 0 at `low` and above at `high` vanishes.
+/// A zero of a function that is below 0 at `low` and above at `high`.
 fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -273,7 +273,7 @@ fn the_contact_met_first_counts() {
         assert!(excess > -1e-12 && excess < 1e-4, "{x} {y}: {excess}");
         assert_eq!(found.point.x > 0.0, x > 0.0);
     }
-    // One too large for a bump's skirt stays on the bump.
+    // A tip too large for a bump's skirt stays on the bump.
     let bump = height_field("0.3*exp(-(x^2+y^2))", &[]);
     let found = touch(&bump, 10.0, 1.0, 0.0).unwrap();
     let expected = first_met(|x, y| 0.3 * libm::exp(-(x * x + y * y)), 10.0, 1.0, 0.0);
@@ -377,7 +377,7 @@ fn extremes_end_in_a_contact_or_an_error() {
             }
         }
     }
-    // What must not fail: tips a billion times smaller and larger than a round object.
+    // Tips a billion times smaller and larger than a round object must find their contact.
     for radius in [2e-9, 2e9] {
         for object in [sphere(2.0), cylinder(2.0, 90.0), ellipsoid(2.0, 3.0, 1.0)] {
             for x in [0.0, 0.5, 0.99, -0.999_999] {

@@ -1,4 +1,4 @@
-//! What pad arrays report.
+//! Readings of pad arrays.
 
 use nalgebra::{Vector2, Vector3};
 use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream, displacement_between};

@@ -30,7 +30,7 @@ impl Tree {
         }
     }
 
-    /// With parentheses around everything.
+    /// The expression as text with parentheses around everything.
     fn explicit(&self) -> String {
         match self {
             Self::Leaf(text) => (*text).into(),
@@ -41,7 +41,7 @@ impl Tree {
         }
     }
 
-    /// With only the parentheses it needs.
+    /// The expression as text with only the parentheses that it needs.
     fn sparse(&self) -> String {
         let at = |tree: &Self, level| match tree.sparse() {
             text if tree.level() < level => format!("({text})"),
@@ -58,7 +58,7 @@ impl Tree {
         }
     }
 
-    /// How tightly its loosest operator binds.
+    /// Binding strength of the operator that binds loosest.
     fn level(&self) -> u8 {
         match self {
             Self::Operator('+' | '-', ..) => 1,
