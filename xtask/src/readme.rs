@@ -11,7 +11,7 @@ use xshell::{Shell, cmd};
 
 use crate::{Cli, palpate};
 
-/// What a reader of the README has at hand; commands may write beside it.
+/// Inputs that a reader of the README has at hand; commands may write beside them.
 const COPIED: [&str; 3] = ["sim-configs", "examples", "results"];
 /// Where commands write, which git ignores.
 const OUTPUT: &str = "out";
@@ -47,7 +47,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     }
 }
 
-/// What lies beside the inputs and the ignored directory of outputs.
+/// Names that lie beside the inputs and the ignored directory of outputs.
 fn strays(directory: &Path) -> Result<Vec<OsString>> {
     let names = fs::read_dir(directory)?.map(|entry| Ok(entry?.file_name()));
     let mut names: Vec<OsString> = names.collect::<Result<_>>()?;

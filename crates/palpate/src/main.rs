@@ -6,8 +6,8 @@
 )]
 
 mod allowance;
-mod check;
 mod c_library;
+mod check;
 mod cli;
 mod duration;
 mod estimate;

@@ -8,9 +8,9 @@ use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
 
-/// What a run's config is called beside its tables.
+/// Name of a run's config, beside its tables.
 pub(crate) const CONFIG: &str = "run.toml";
-/// What it is called while there are tables of another config.
+/// Name of a run's config while tables of another config stand there.
 pub(crate) const NEXT_CONFIG: &str = "next-run.toml";
 /// The table without which there are no results.
 const TABLE: &str = "cells.csv";

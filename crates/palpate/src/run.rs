@@ -12,7 +12,7 @@ use crate::cli::RunArgs;
 use crate::failure::Failure;
 use crate::{foreign, output, progress};
 
-/// What is written.
+/// Names of the files that a run writes.
 const CELLS: &str = "cells.csv";
 const FAILURES: &str = "failures.csv";
 const TRACE: &str = "trace.csv";

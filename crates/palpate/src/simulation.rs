@@ -114,7 +114,7 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// What the trials of a [`Simulation`] gave.
+/// Results of the trials of a [`Simulation`].
 #[derive(Debug)]
 pub struct Ran<'a> {
     simulation: &'a Simulation<'a>,
@@ -127,7 +127,7 @@ pub struct Ran<'a> {
 pub struct Map {
     /// CSV text of all of them.
     pub csv: String,
-    /// What lacks in it: "cells" or "estimates of cells".
+    /// Name of what may be missing in it: "cells" or "estimates of cells".
     pub lacks: &'static str,
     /// Numbers of the cells whose trial 0 failed, and the stable name of how.
     pub failed: Vec<(usize, &'static str)>,

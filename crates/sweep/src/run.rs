@@ -22,7 +22,7 @@ const MAX_JOB: usize = 32;
 /// Jobs per thread, where there are few blocks.
 const JOBS_PER_THREAD: usize = 8;
 
-/// What is repeated in a cell.
+/// An experiment that is repeated in a cell.
 pub trait Trial: Sync {
     /// How many quantities it observes.
     fn quantities(&self) -> usize;
@@ -48,7 +48,7 @@ pub trait Trial: Sync {
 pub struct Cell<'a> {
     /// How many trials; may be 0.
     pub trials: u64,
-    /// What to run.
+    /// The experiment.
     pub trial: &'a dyn Trial,
 }
 
@@ -59,7 +59,7 @@ impl Cell<'_> {
     }
 }
 
-/// What must not change results.
+/// Settings that must not change results.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RunOptions {
     /// Worker threads; by default one per processor.
@@ -74,7 +74,7 @@ pub enum SweepError {
     Threads {
         /// The number asked for.
         threads: Option<NonZeroUsize>,
-        /// What the thread pool says.
+        /// Cause, from the thread pool.
         source: rayon::ThreadPoolBuildError,
     },
     /// The trials of all cells cannot be counted in 64 bits.
@@ -126,7 +126,7 @@ impl Runner {
         }
     }
 
-    /// As [`run`], on these threads.
+    /// Runs all trials of all cells on these threads, as [`run`] does.
     ///
     /// # Errors
     /// [`SweepError::TooManyTrials`], before any trial is run.
