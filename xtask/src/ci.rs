@@ -5,17 +5,19 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-use crate::{bench_check, readme, reproduce};
+use crate::{bench_check, palpate, readme, reproduce, same_bytes, tools};
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 8] = [
+const STEPS: [Step; 10] = [
+    ("tools", tools::prepare),
     ("format", format),
     ("clippy", clippy),
     ("tests", tests),
     ("docs", docs),
     ("licences", licences),
     ("results", results),
+    ("same bytes", same_bytes),
     ("instructions and accuracy", bench),
     ("README", readme::check),
 ];
@@ -64,11 +66,17 @@ fn bench(shell: &Shell) -> Result<()> {
     bench_check::run(shell, &bench_check::Options { accept: false })
 }
 
+fn same_bytes(shell: &Shell) -> Result<()> {
+    same_bytes::refuse_imports(shell, &palpate::build(shell)?)?;
+    same_bytes::run(shell, &same_bytes::Options { quick: true })
+}
+
 fn results(shell: &Shell) -> Result<()> {
     let options = reproduce::Options {
         studies: Vec::new(),
         quick: true,
         check: true,
+        tolerance: None,
     };
     reproduce::run(shell, &options)
 }

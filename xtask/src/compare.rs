@@ -1,164 +1,159 @@
-//! Tables of a study against the committed ones.
+//! Files of a study against the committed ones.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
+use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-/// The tables that are compared.
-pub(crate) const TABLES: [&str; 2] = ["cells.csv", "failures.csv"];
-/// First column that is no key, of either table.
-const FIRST_VALUES: [&str; 2] = ["truth", "count"];
-/// The key that both tables share.
+/// Column by which a partial run's rows are found among the committed ones.
 const CELL: &str = "cell";
-/// The mathematical functions of two machines differ by less.
-const RELATIVE: f64 = 1e-9;
-const ABSOLUTE: f64 = 1e-12;
-/// Stands for a row or column that is not there.
+/// Numbers smaller than this are held to the tolerance of this one.
+const SMALL: f64 = 1e-3;
+/// Text of a row that is not there.
 const ABSENT: &str = "–";
 
-/// One number or row that is not as it was.
+/// A number, text or row that is not as committed.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Difference {
-    study: String,
+    file: String,
+    /// Fields of the row before the one that differs.
     row: String,
     column: String,
     committed: String,
     now: String,
 }
 
-/// A table by its rows' keys.
-#[derive(Debug)]
-struct Table {
-    keys: Vec<String>,
-    values: Vec<String>,
-    rows: BTreeMap<Vec<String>, Vec<String>>,
+impl Difference {
+    /// Difference of two numbers relative to the larger; none where one of them is no number.
+    fn relative(&self) -> Option<f64> {
+        let (old, new): (f64, f64) = (self.committed.parse().ok()?, self.now.parse().ok()?);
+        Some((old - new).abs() / old.abs().max(new.abs()))
+    }
+
+    fn is_within(&self, tolerance: f64) -> bool {
+        let numbers = (self.committed.parse::<f64>(), self.now.parse::<f64>());
+        let (Ok(old), Ok(new)) = numbers else {
+            return false;
+        };
+        (old - new).abs() <= tolerance * old.abs().max(new.abs()).max(SMALL)
+    }
 }
 
-/// What differs in a study's tables; of a partial run only the cells that were run are compared.
+/// Differences beyond a tolerance between the tables and configs that a study has now and the committed ones. Without a
+/// tolerance every byte counts. Of a partial run only the cells that were run are compared.
 pub(crate) fn study(
     name: &str,
     committed: &Path,
     now: &Path,
     partial: bool,
+    tolerance: Option<f64>,
 ) -> Result<Vec<Difference>> {
     let mut differences = Vec::new();
-    let mut cells_run = None;
-    for table in TABLES {
-        let mut old = Table::read(&committed.join(table))?;
-        let new = Table::read(&now.join(table))?;
-        if partial {
-            let cells = cells_run.get_or_insert_with(|| new.cells());
-            old.keep_cells(cells);
-        }
-        differences.extend(compare(&format!("{name}/{table}"), &old, &new));
+    for file in texts(now)? {
+        let path = committed.join(&file);
+        let old = fs::read_to_string(&path).with_context(|| {
+            let path = path.display();
+            format!("cannot read {path}; make it with `cargo xtask reproduce {name}` and commit it")
+        })?;
+        let new = fs::read_to_string(now.join(&file))?;
+        let label = format!("{name}/{file}");
+        differences.extend(compare(&label, &old, &new, partial).context(label.clone())?);
     }
-    if cells_run.is_some_and(|cells| cells.is_empty()) {
-        bail!("{name}: no cell was run");
+    if let Some(tolerance) = tolerance {
+        differences.retain(|difference| !difference.is_within(tolerance));
     }
     Ok(differences)
 }
 
-fn compare(study: &str, committed: &Table, now: &Table) -> Vec<Difference> {
+/// Names of the tables and configs in a folder.
+fn texts(folder: &Path) -> Result<BTreeSet<String>> {
+    let names = fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().into_string().ok()));
+    let names: Vec<Option<String>> = names.collect::<Result<_>>()?;
+    let is_text = |name: &String| name.ends_with(".csv") || name.ends_with(".toml");
+    Ok(names.into_iter().flatten().filter(is_text).collect())
+}
+
+fn compare(file: &str, committed: &str, now: &str, partial: bool) -> Result<Vec<Difference>> {
     let difference = |row: &[String], column: &str, committed: &str, now: &str| Difference {
-        study: study.to_owned(),
+        file: file.to_owned(),
         row: row.join(" "),
         column: column.to_owned(),
         committed: committed.to_owned(),
         now: now.to_owned(),
     };
-    let (old_header, new_header) = (committed.header(), now.header());
-    if old_header != new_header {
-        return vec![difference(&[], "header", &old_header, &new_header)];
+    if committed == now {
+        return Ok(Vec::new());
+    }
+    if !file.ends_with(".csv") {
+        return Ok(vec![difference(&[], "text", "as it was", "another")]);
+    }
+    let (header, mut old) = table(committed)?;
+    let (new_header, new) = table(now)?;
+    if header != new_header {
+        let (old, new) = (header.join(","), new_header.join(","));
+        return Ok(vec![difference(&[], "header", &old, &new)]);
+    }
+    if let Some(place) = header
+        .iter()
+        .position(|name| name == CELL)
+        .filter(|_| partial)
+    {
+        let cells: BTreeSet<&String> = new.iter().map(|row| &row[place]).collect();
+        old.retain(|row| cells.contains(&row[place]));
     }
     let mut differences = Vec::new();
-    for (key, old) in &committed.rows {
-        let Some(new) = now.rows.get(key) else {
-            differences.push(difference(key, "row", "present", ABSENT));
-            continue;
-        };
-        for ((column, old), new) in committed.values.iter().zip(old).zip(new) {
-            if !same(old, new) {
-                differences.push(difference(key, column, old, new));
+    for row in 0..old.len().max(new.len()) {
+        match (old.get(row), new.get(row)) {
+            (Some(old), Some(new)) => {
+                let fields = old.iter().zip(new).enumerate();
+                let unlike = fields.filter(|(_, (old, new))| old != new);
+                differences.extend(unlike.map(|(place, (then, now))| {
+                    difference(&old[..place.min(4)], &header[place], then, now)
+                }));
             }
+            (Some(old), None) => differences.push(difference(old, "row", "present", ABSENT)),
+            (None, Some(new)) => differences.push(difference(new, "row", ABSENT, "present")),
+            (None, None) => {}
         }
     }
-    let added = now
-        .rows
-        .keys()
-        .filter(|&key| !committed.rows.contains_key(key));
-    differences.extend(added.map(|key| difference(key, "row", ABSENT, "present")));
-    differences
+    if differences.is_empty() && !partial {
+        differences.push(difference(&[], "text", "as it was", "another"));
+    }
+    Ok(differences)
 }
 
-/// Equal as texts, or near enough as numbers.
-fn same(old: &str, new: &str) -> bool {
-    let near = |a: f64, b: f64| (a - b).abs() <= ABSOLUTE.max(RELATIVE * a.abs().max(b.abs()));
-    old == new || matches!((old.parse(), new.parse()), (Ok(old), Ok(new)) if near(old, new))
+type Row = Vec<String>;
+
+/// Header and rows, all of one length.
+fn table(text: &str) -> Result<(Row, Vec<Row>)> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let owned = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect::<Row>();
+    let header = owned(reader.headers()?);
+    if header.is_empty() {
+        bail!("has no header");
+    }
+    let rows = reader.records().map(|record| Ok(owned(&record?)));
+    Ok((header, rows.collect::<Result<_>>()?))
 }
 
-impl Table {
-    fn read(path: &Path) -> Result<Table> {
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("cannot read {}", path.display()))?;
-        Table::parse(&text).with_context(|| format!("{}", path.display()))
-    }
-
-    fn parse(text: &str) -> Result<Table> {
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let mut keys: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
-        let first_value = keys
-            .iter()
-            .position(|name| FIRST_VALUES.contains(&name.as_str()));
-        let Some(first_value) = first_value.filter(|_| keys.iter().any(|name| name == CELL)) else {
-            bail!(
-                "the header needs a column `{CELL}` and one of `{}`",
-                FIRST_VALUES.join("`, `")
-            );
-        };
-        let values = keys.split_off(first_value);
-        let mut rows = BTreeMap::new();
-        for record in reader.records() {
-            let mut key: Vec<String> = record?.iter().map(str::to_owned).collect();
-            let row = key.split_off(first_value);
-            if rows.insert(key.clone(), row).is_some() {
-                bail!("two rows `{}`", key.join(" "));
-            }
-        }
-        Ok(Table { keys, values, rows })
-    }
-
-    fn header(&self) -> String {
-        [&self.keys[..], &self.values].concat().join(",")
-    }
-
-    fn cell<'a>(&self, key: &'a [String]) -> Option<&'a String> {
-        let column = self.keys.iter().position(|name| name == CELL)?;
-        key.get(column)
-    }
-
-    fn cells(&self) -> BTreeSet<String> {
-        self.rows
-            .keys()
-            .filter_map(|key| self.cell(key))
-            .cloned()
-            .collect()
-    }
-
-    fn keep_cells(&mut self, cells: &BTreeSet<String>) {
-        let mut rows = std::mem::take(&mut self.rows);
-        rows.retain(|key, _| self.cell(key).is_some_and(|cell| cells.contains(cell)));
-        self.rows = rows;
-    }
-}
-
-/// A table of at most `shown` differences.
+/// Number of the differences and the largest, then a table of at most `shown` of them.
 pub(crate) fn render(differences: &[Difference], shown: usize) -> String {
-    let header = ["study", "row", "column", "committed", "now"];
+    let relative: Vec<f64> = differences
+        .iter()
+        .filter_map(Difference::relative)
+        .collect();
+    let largest = relative.iter().copied().fold(0.0, f64::max);
+    let others = differences.len() - relative.len();
+    let mut text = format!(
+        "{} numbers differ, the most by {largest:.1e} of the larger; {others} texts or rows differ\n",
+        relative.len()
+    );
+    let header = ["file", "row", "column", "committed", "now"];
     let rows = differences
         .iter()
         .take(shown)
-        .map(|d| [&d.study, &d.row, &d.column, &d.committed, &d.now]);
+        .map(|d| [&d.file, &d.row, &d.column, &d.committed, &d.now]);
     let rows = rows.map(|row| row.map(String::as_str));
     let rows: Vec<[&str; 5]> = [header].into_iter().chain(rows).collect();
     let width = |column: usize| {
@@ -168,7 +163,6 @@ pub(crate) fn render(differences: &[Difference], shown: usize) -> String {
             .unwrap_or(0)
     };
     let widths = [0, 1, 2, 3, 4].map(width);
-    let mut text = String::new();
     for row in &rows {
         let cells = row
             .iter()
@@ -188,15 +182,16 @@ mod tests {
     use super::*;
 
     const CELLS: &str = "\
-cell,radius_cm,quantity,unit,truth,trials,mean,q05
-0,5,curvature,1/cm,0.2,100,0.2001,0.19
-0,5,arc_length,cm,,100,1e-13,
-7,50,curvature,1/cm,0.02,100,0.021,0.01
+cell,radius,quantity,truth,mean
+0,5,curvature,0.2,0.2001
+0,5,length,1,1e-13
+7,50,curvature,0.02,0.021
 ";
 
-    fn differences(old: &str, new: &str) -> Vec<(String, String)> {
-        let (old, new) = (Table::parse(old).unwrap(), Table::parse(new).unwrap());
-        let found = compare("s", &old, &new).into_iter();
+    fn found(old: &str, new: &str, partial: bool) -> Vec<(String, String)> {
+        let found = compare("s/cells.csv", old, new, partial)
+            .unwrap()
+            .into_iter();
         found
             .map(|difference| (difference.row, difference.column))
             .collect()
@@ -207,105 +202,67 @@ cell,radius_cm,quantity,unit,truth,trials,mean,q05
     }
 
     #[test]
-    fn the_order_of_rows_and_the_last_digits_do_not_matter() {
-        let mut lines: Vec<&str> = CELLS.lines().collect();
-        lines[1..].reverse();
-        let other = lines
-            .join("\n")
-            .replace("0.2001,", "0.20010000000001,")
-            .replace("1e-13", "-5e-13");
-        assert_eq!(differences(CELLS, &other), []);
-    }
-
-    #[test]
-    fn numbers_beyond_the_tolerance_differ_and_so_does_an_empty_one() {
-        let other = CELLS
-            .replace("0.2001,", "0.200100001,")
-            .replace("1e-13,", "1e-13,0")
-            .replace("0.021", "NaN");
+    fn every_byte_counts() {
+        assert_eq!(found(CELLS, CELLS, false), []);
         assert_eq!(
-            differences(CELLS, &other),
-            [
-                pair("0 5 arc_length cm", "q05"),
-                pair("0 5 curvature 1/cm", "mean"),
-                pair("7 50 curvature 1/cm", "mean"),
-            ]
+            found(
+                CELLS,
+                &CELLS.replace("0.2001", "0.20010000000000001"),
+                false
+            ),
+            [pair("0 5 curvature 0.2", "mean")]
         );
-    }
-
-    #[test]
-    fn keys_are_texts() {
-        let other = CELLS.replace("7,50,", "7,50.0,");
-        assert_eq!(
-            differences(CELLS, &other),
-            [
-                pair("7 50 curvature 1/cm", "row"),
-                pair("7 50.0 curvature 1/cm", "row")
-            ]
-        );
-    }
-
-    #[test]
-    fn a_changed_header_is_one_difference() {
-        assert_eq!(
-            differences(CELLS, &CELLS.replace("q05", "q5")),
-            [pair("", "header")]
-        );
-    }
-
-    #[test]
-    fn tables_that_cannot_be_compared_are_refused() {
-        for (table, message) in [
-            ("cell,mean\n0,1\n", "needs a column"),
-            ("quantity,truth\nx,1\n", "needs a column"),
-            ("", "needs a column"),
-            ("cell,truth\n0,1\n0,2\n", "two rows `0`"),
-        ] {
-            let error = Table::parse(table).unwrap_err().to_string();
-            assert!(error.contains(message), "{error}");
-        }
+        assert_eq!(found(CELLS, CELLS.trim_end(), false), [pair("", "text")]);
+        let renamed = CELLS.replace("mean", "median");
+        assert_eq!(found(CELLS, &renamed, false), [pair("", "header")]);
+        let fewer = CELLS.replace("7,50,curvature,0.02,0.021\n", "");
+        let row = pair("7 50 curvature 0.02 0.021", "row");
+        assert_eq!(found(CELLS, &fewer, false), std::slice::from_ref(&row));
+        assert_eq!(found(&fewer, CELLS, false), [row]);
+        assert_eq!(compare("s/run.toml", "a", "b", true).unwrap().len(), 1);
     }
 
     #[test]
     fn of_a_partial_run_only_its_cells_are_compared() {
-        let directory = tempfile::tempdir().unwrap();
-        let write = |side: &str, cells: &str, failures: &str| {
-            let side = directory.path().join(side);
-            std::fs::create_dir_all(&side).unwrap();
-            std::fs::write(side.join("cells.csv"), cells).unwrap();
-            std::fs::write(side.join("failures.csv"), failures).unwrap();
-            side
-        };
-        let failures = "cell,kind,count,first_trial\n0,rank,2,5\n7,rank,1,9\n";
-        let committed = write("committed", CELLS, failures);
-        let keep = |text: &str| {
-            let lines = text.lines().filter(|line| !line.starts_with('0'));
-            lines.collect::<Vec<_>>().join("\n")
-        };
-        let now = write("now", &keep(CELLS), &keep(failures));
-        assert_eq!(study("s", &committed, &now, true).unwrap(), []);
-        assert_eq!(study("s", &committed, &now, false).unwrap().len(), 3);
+        let ran = "cell,radius,quantity,truth,mean\n7,50,curvature,0.02,0.021\n";
+        assert_eq!(found(CELLS, ran, true), []);
+        assert_eq!(found(CELLS, &ran.replace("0.021", "0.022"), true).len(), 1);
+        assert_ne!(found(CELLS, ran, false), []);
+    }
 
-        let worse = write("worse", &keep(CELLS), &keep(failures).replace("1,9", "2,9"));
-        let found = study("s", &committed, &worse, true).unwrap();
-        assert_eq!((found.len(), found[0].column.as_str()), (1, "count"));
-
-        let empty = write("empty", CELLS.lines().next().unwrap(), failures);
-        assert!(study("s", &committed, &empty, true).is_err());
+    #[test]
+    fn a_tolerance_is_relative_and_of_numbers_alone() {
+        let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let [old, new] = folders.each_ref().map(|folder| folder.path());
+        let now = CELLS
+            .replace("0.2001", "0.20010000000001")
+            .replace("1e-13", "-5e-13")
+            .replace("0.021", "NaN");
+        fs::write(old.join("cells.csv"), CELLS).unwrap();
+        fs::write(new.join("cells.csv"), now).unwrap();
+        fs::write(new.join("figure.svg"), "not compared").unwrap();
+        let count = |tolerance| study("s", old, new, false, tolerance).unwrap().len();
+        assert_eq!([None, Some(1e-9)].map(count), [3, 1]);
+        fs::remove_file(old.join("cells.csv")).unwrap();
+        let error = study("s", old, new, false, None).unwrap_err().to_string();
+        assert!(error.contains("cargo xtask reproduce s"), "{error}");
     }
 
     #[test]
     fn the_rendered_table_is_aligned_and_cut() {
         let difference = |row: &str| Difference {
-            study: "s/cells.csv".to_owned(),
+            file: "s/cells.csv".to_owned(),
             row: row.to_owned(),
             column: "mean".to_owned(),
             committed: "1".to_owned(),
             now: "2".to_owned(),
         };
+        let mut differences = ["7 50", "8", "9"].map(difference);
+        differences[2].now = ABSENT.to_owned();
         assert_eq!(
-            render(&[difference("7 50"), difference("8"), difference("9")], 2),
-            "study        row   column  committed  now\n\
+            render(&differences, 2),
+            "2 numbers differ, the most by 5.0e-1 of the larger; 1 texts or rows differ\n\
+             file         row   column  committed  now\n\
              s/cells.csv  7 50  mean    1          2\n\
              s/cells.csv  8     mean    1          2\n\
              … and 1 more\n"

@@ -10,6 +10,8 @@ mod palpate;
 mod peers;
 mod readme;
 mod reproduce;
+mod same_bytes;
+mod tools;
 mod tradeoff;
 
 use std::path::Path;
@@ -33,6 +35,8 @@ enum Task {
     Ci,
     /// Run the studies in sim-configs/, draw their figures and score the papers' claims.
     Reproduce(reproduce::Options),
+    /// Run shortened studies on every host that this machine can be, and compare their tables' SHA-256.
+    SameBytes(same_bytes::Options),
     /// Measure every ladder of models: error against cost, into results/tradeoff/.
     Tradeoff(tradeoff::Options),
     /// Try every public entry point at its extremes, into results/extremes.csv.
@@ -67,6 +71,7 @@ fn run(cli: Cli) -> Result<()> {
     match cli.task {
         Task::Ci => ci::run(&shell),
         Task::Reproduce(options) => reproduce::run(&shell, &options),
+        Task::SameBytes(options) => same_bytes::run(&shell, &options),
         Task::Tradeoff(options) => tradeoff::run(&shell, &options),
         Task::Extremes(options) => extremes::run(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),

@@ -14,7 +14,7 @@
 //! probe = { kind = "sphere", radius = 10.0 }
 //! object = { kind = "sphere", radius = 30.0 }
 //! motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
-//! noise = { angular_velocity = { fraction = 0.05 } }
+//! noise = { angular_velocity = { kind = "uniform", fraction = 0.05 } }
 //! "#;
 //! let study = palpate::config::parse("a-ball.toml", text)?;
 //! let simulation = palpate::Simulation::new(&study, 0..study.cells.len())?;

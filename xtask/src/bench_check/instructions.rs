@@ -6,17 +6,14 @@ use xshell::{Shell, cmd};
 
 use super::baseline::Figures;
 use super::gungraun_home;
+use crate::tools::has;
 
 /// Counts every hot path, or says what is missing on this machine.
 pub(crate) fn count(shell: &Shell) -> Result<Result<Figures, &'static str>> {
-    let there = |program: &str| {
-        let version = cmd!(shell, "{program} --version").quiet().ignore_stdout();
-        version.ignore_stderr().run().is_ok()
-    };
-    if !there("valgrind") {
+    if !has(shell, "valgrind") {
         return Ok(Err("valgrind is missing"));
     }
-    if !there("gungraun-runner") {
+    if !has(shell, "gungraun-runner") {
         return Ok(Err(
             "gungraun-runner is missing: `cargo install gungraun-runner --version 0.20.0 --locked`",
         ));

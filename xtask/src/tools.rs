@@ -1,0 +1,107 @@
+//! Tools that tasks call: installed by cargo or rustup where they are missing, named where only the system can.
+
+use anyhow::{Context, Result};
+use xshell::{Shell, cmd};
+
+/// Target whose arithmetic has no vectors, no threads and no C library.
+pub(crate) const WASM: &str = "wasm32-unknown-unknown";
+
+/// Commands that show a tool, what they print where it is there, and the command that installs it.
+const INSTALLED: [[&str; 3]; 5] = [
+    [
+        "cargo fmt --version",
+        "rustfmt",
+        "rustup component add rustfmt",
+    ],
+    [
+        "cargo clippy --version",
+        "clippy",
+        "rustup component add clippy",
+    ],
+    [
+        "rustup target list --installed",
+        WASM,
+        "rustup target add wasm32-unknown-unknown",
+    ],
+    [
+        "cargo deny --version",
+        "cargo-deny",
+        "cargo install cargo-deny --locked",
+    ],
+    // The runner must be of gungraun's own version.
+    [
+        "gungraun-runner --version",
+        "0.20.0",
+        "cargo install gungraun-runner --version 0.20.0 --locked",
+    ],
+];
+
+/// Programs of the system, what is left out without them, and the package of Debian that holds them.
+const OPTIONAL: [[&str; 3]; 3] = [
+    ["valgrind", "instructions are not counted", "valgrind"],
+    [
+        "qemu-x86_64",
+        "bytes are not compared with those of an old processor",
+        "qemu-user",
+    ],
+    [
+        "node",
+        "bytes are not compared with those of WebAssembly",
+        "nodejs",
+    ],
+];
+
+/// Installs what is missing and says what is left out for want of a program of the system.
+///
+/// # Errors
+/// Where an installation fails, with the command that was tried.
+pub(crate) fn prepare(shell: &Shell) -> Result<()> {
+    for [probe, shows, install] in INSTALLED {
+        if output(shell, probe).is_some_and(|text| text.contains(shows)) {
+            continue;
+        }
+        println!("missing, so now: {install}");
+        let (program, arguments) = words(install);
+        cmd!(shell, "{program} {arguments...}")
+            .run()
+            .with_context(|| format!("`{probe}` does not show {shows}; try `{install}`"))?;
+    }
+    for [program, without, package] in OPTIONAL {
+        if !has(shell, program) {
+            println!("{without}: {program} is missing (Debian: apt-get install {package})");
+        }
+    }
+    // For every platform, so that licences are checked without a network.
+    cmd!(shell, "cargo fetch --quiet --locked").run()?;
+    Ok(())
+}
+
+/// Whether a program is on the path.
+pub(crate) fn has(shell: &Shell, program: &str) -> bool {
+    output(shell, &format!("{program} --version")).is_some()
+}
+
+/// Standard output of a command; none where it fails.
+fn output(shell: &Shell, command: &str) -> Option<String> {
+    let (program, arguments) = words(command);
+    let run = cmd!(shell, "{program} {arguments...}").quiet();
+    run.ignore_stderr().read().ok()
+}
+
+fn words(command: &str) -> (&str, Vec<&str>) {
+    let mut words = command.split(' ');
+    (words.next().unwrap_or_default(), words.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_is_there_or_not() {
+        let shell = Shell::new().unwrap();
+        assert!(has(&shell, "cargo"));
+        assert!(!has(&shell, "no-such-program-of-palpate"));
+        assert!(output(&shell, "cargo no-such-command").is_none());
+    }
+}
