@@ -67,6 +67,7 @@ fn bench(shell: &Shell) -> Result<()> {
 }
 
 fn same_bytes(shell: &Shell) -> Result<()> {
+    same_bytes::refuse_powers(shell)?;
     same_bytes::refuse_imports(shell, &palpate::build(shell)?)?;
     same_bytes::run(shell, &same_bytes::Options { quick: true })
 }

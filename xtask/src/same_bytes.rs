@@ -89,6 +89,41 @@ pub(crate) fn refuse_imports(shell: &Shell, program: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Refuses powers of exponents that are known only when the program runs: the order of their products is the compiler's.
+///
+/// Tests are left out, and the harnesses.
+pub(crate) fn refuse_powers(shell: &Shell) -> Result<()> {
+    let mut found = Vec::new();
+    for source in cmd!(shell, "git ls-files crates/*/src/*.rs")
+        .quiet()
+        .read()?
+        .lines()
+    {
+        if source.contains("/assay/") || source.contains("/tests/") {
+            continue;
+        }
+        let text = shell.read_file(source)?;
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        found.extend(powers(code).map(|line| format!("{source}:{line}")));
+    }
+    match &found[..] {
+        [] => Ok(()),
+        found => bail!(
+            "powi takes constant exponents only, else libm::pow or a loop: {}",
+            found.join(", ")
+        ),
+    }
+}
+
+/// Lines of the calls of `powi` whose exponent is no number.
+fn powers(code: &str) -> impl Iterator<Item = usize> {
+    let calls = code.match_indices(".powi(").filter(|(place, call)| {
+        let exponent = code[place + call.len()..].split(')').next();
+        exponent.is_none_or(|exponent| exponent.trim().parse::<i32>().is_err())
+    });
+    calls.map(|(place, _)| code[..place].matches('\n').count() + 1)
+}
+
 /// Configs of all studies and examples, or of the quick ones.
 fn configs(shell: &Shell, quick: bool) -> Result<Vec<PathBuf>> {
     let mut configs = shell.read_dir("examples")?;
@@ -245,6 +280,12 @@ mod tests {
             empty["c"],
             "edeaaff3f1774ad2888673770c6d64097e391bc362d7d6fb34982ddf0efd18cb"
         );
+    }
+
+    #[test]
+    fn exponents_are_constants() {
+        let code = "x.powi(2)\n  .powi(-3)\ny.powi(n)\nz.powi(2 * n) + x.powi(4)";
+        assert_eq!(powers(code).collect::<Vec<_>>(), [3, 4]);
     }
 
     #[test]

@@ -17,3 +17,7 @@ pub use pattern::{
     CuttingSheet, Discs, FEWEST_GORES, FlatPlace, FoldStrain, MOST_GORES, MOST_SAMPLES, Pattern,
     PatternError,
 };
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

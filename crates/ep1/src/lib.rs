@@ -24,3 +24,7 @@ pub use least_squares::LeastSquares;
 pub use moments::{Moments, ProbeRotation};
 pub use number::{LANES, Lanes, LanesHold, Number};
 pub use reading::{ProbeReading, ReadingNoise};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

@@ -69,3 +69,7 @@ pub use smoothing::{Smoothed, SmoothingSpline, Status, WeightedPoint};
 pub use spline::{Jet, TensorSpline};
 pub use surface::{MOST_PLACES, MapPoint};
 pub use two_pass::{Pass, Passes, TangentNormals, TwoPass, TwoPassFit};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

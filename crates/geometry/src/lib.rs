@@ -27,3 +27,7 @@ pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
 pub use posed::Posed;
 pub use shape::Shape;
 pub use surface::{InvalidShape, Surface, SurfaceError};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

@@ -27,7 +27,7 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
         },
     };
     let estimate = estimate_roll(&readings, &options).map_err(Failure::work)?;
-    output::print(&serde_json::to_string_pretty(&estimate).map_err(Failure::work)?)
+    output::print(&output::json(&estimate)?)
 }
 
 pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
@@ -35,7 +35,7 @@ pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
     let map_file = args.map.as_deref().map(place_of_map).transpose()?;
     let readings = read_glide(&args.readings).map_err(Failure::work)?;
     let (estimate, map) = estimate_glide(&readings, &options).map_err(Failure::work)?;
-    let json = serde_json::to_string_pretty(&estimate).map_err(Failure::work)?;
+    let json = output::json(&estimate)?;
     if let Some((dir, name)) = map_file {
         output::write_files(dir, &[(name, map.to_csv())])?;
     }

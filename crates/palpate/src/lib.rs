@@ -31,3 +31,7 @@ pub use palpate_scene::{Arch, Scene, Table, config};
 pub use palpate_sweep::{CellStatistics, RunOptions, SweepError};
 pub use simulation::{Map, Ran, Simulation};
 pub use trial::SceneTrial;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

@@ -4,6 +4,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use anyhow::{Context, Error, anyhow};
+use serde::Serialize;
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
@@ -109,6 +110,23 @@ fn set_readable(file: &NamedTempFile) -> std::io::Result<()> {
     Ok(())
 }
 
+/// An estimate as JSON, one value per line; zero has no sign.
+pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
+    let text = serde_json::to_string_pretty(estimate).map_err(Failure::work)?;
+    let lines = text.lines().map(|line| {
+        let (value, comma) = match line.strip_suffix(',') {
+            Some(value) => (value, ","),
+            None => (line, ""),
+        };
+        // A string would end in a quotation mark.
+        match value.strip_suffix("-0.0") {
+            Some(key) if key.ends_with(' ') => format!("{key}0.0{comma}"),
+            _ => line.to_owned(),
+        }
+    });
+    Ok(lines.collect::<Vec<_>>().join("\n"))
+}
+
 /// A picture as a PNG file.
 pub(crate) fn png(picture: &image::RgbImage) -> Result<Vec<u8>, Failure> {
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -117,4 +135,26 @@ pub(crate) fn png(picture: &image::RgbImage) -> Result<Vec<u8>, Failure> {
         .context("cannot write a picture as PNG")
         .map_err(Failure::work)?;
     Ok(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    #[test]
+    fn zero_has_no_sign() {
+        let estimate = BTreeMap::from([("a", vec![-0.0, 1.0, -0.0]), ("b", vec![-0.5])]);
+        assert_eq!(
+            json(&estimate).unwrap(),
+            "{\n  \"a\": [\n    0.0,\n    1.0,\n    0.0\n  ],\n  \"b\": [\n    -0.5\n  ]\n}"
+        );
+        assert_eq!(
+            json(&BTreeMap::from([("a", -0.0)])).unwrap(),
+            "{\n  \"a\": 0.0\n}"
+        );
+        let words = "{\n  \"a\": \"of -0.0\"\n}";
+        assert_eq!(json(&BTreeMap::from([("a", "of -0.0")])).unwrap(), words);
+    }
 }

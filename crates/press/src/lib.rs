@@ -28,3 +28,7 @@ pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c
 pub use markers::{MarkerDisplacement, Markers};
 pub use regime::ContactRegime;
 pub use skin::{Place, Skin};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

@@ -34,3 +34,7 @@ pub use plot::{draw_press_trace, draw_tradeoff, plot};
 pub use scorecard::scorecard_text;
 pub use study::{Failure, Study};
 pub use table::{Axis, Table};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

@@ -47,3 +47,7 @@ pub use ladder::MeasuredRung;
 pub use model::{Chart, Choice, InvalidRoll, Model, Rolls};
 pub use motion::Motion;
 pub use roller::{Probe, Roller};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

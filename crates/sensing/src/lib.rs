@@ -31,3 +31,7 @@ pub use standard_normal::StandardNormal;
 pub use stream::{Channel, Stream, Streams};
 pub use uniform_lattice::UniformLattice;
 pub use wrist::Wrist;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

@@ -54,3 +54,7 @@ pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 pub use record::{Observation, Observations, Record};
 pub use run::{BLOCK, Cell, RunOptions, Runner, SweepError, Trial, run};
 pub use summary::{CellStatistics, Summary};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

@@ -103,3 +103,7 @@ mod tests {
         assert_eq!(counted(|| ()).0, Tally::default());
     }
 }
+
+#[cfg(all(doctest, feature = "count"))]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

@@ -35,3 +35,7 @@ pub use image_circle::Mask;
 pub use marker::{Change, Marker, Status, Track};
 pub use matching::match_markers;
 pub use sight::HueWindow;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

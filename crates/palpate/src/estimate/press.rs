@@ -14,7 +14,7 @@ pub(crate) fn press(args: &EstimatePressArgs) -> Result<(), Failure> {
     let readings = read_press(&args.readings).map_err(Failure::work)?;
     fits_readings(args, &readings)?;
     let estimate = estimate_press(&readings, &options).map_err(Failure::work)?;
-    output::print(&serde_json::to_string_pretty(&estimate).map_err(Failure::work)?)
+    output::print(&output::json(&estimate)?)
 }
 
 fn refuse(message: impl std::fmt::Display) -> Result<(), Failure> {

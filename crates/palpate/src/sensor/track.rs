@@ -137,6 +137,6 @@ impl<'a> Calibrated<'a> {
     fn estimate(&self, read: &Read) -> Result<(), Failure> {
         let options = press_options(&self.estimate)?;
         let estimate = read.sensed.estimate(&options).map_err(Failure::work)?;
-        output::print(&serde_json::to_string_pretty(&estimate).map_err(Failure::work)?)
+        output::print(&output::json(&estimate)?)
     }
 }
