@@ -15,11 +15,12 @@ mod rivals;
 mod scenes;
 mod verdict;
 
+use palpate_scene::Scenes;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use palpate_scene::Rung;
-use palpate_scene::config::{self, Study};
+use palpate_study::config::{self, Study};
 
 use crate::measured::{self, Evaluation};
 pub use rivals::Rival;

@@ -9,11 +9,11 @@ use std::collections::BTreeMap;
 use std::fmt::Debug;
 
 use palpate_geometry::formula::Formula;
-use palpate_scene::config;
 use palpate_scene::recorded::{
     self, CalibrateOptions, GlideMethod, GlideOptions, PressBody, PressMethod, PressOptions,
     RecordedError, RecordedFile, RollOptions,
 };
+use palpate_study::config;
 use palpate_tracking::{Finder, FinderSettings};
 
 /// A reader under test.

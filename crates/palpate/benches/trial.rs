@@ -1,6 +1,7 @@
 //! A whole trial: draws, rolls, least squares, covariance, and the statistics of the runner.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+use palpate_scene::Scenes;
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

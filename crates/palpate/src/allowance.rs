@@ -1,12 +1,13 @@
 //! Choice of the number of trials and of a model's rung before the first trial, from a budget of time or a target
 //! error.
 
+use palpate_scene::Scenes;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use palpate_scene::Scene;
-use palpate_scene::config::{self, Study};
+use palpate_study::config::{self, Study};
 use palpate_sweep::Cell;
 
 use crate::cli::RunArgs;

@@ -1,9 +1,10 @@
 //! `palpate check`.
 
+use palpate_scene::Scenes;
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
-use palpate_scene::config::{self, PressSensorConfig, SceneConfig, Study};
+use palpate_study::config::{self, PressSensorConfig, SceneConfig, Study};
 use palpate_sweep::Cell;
 
 use crate::cli::CheckArgs;

@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use palpate_scene::config::LengthUnit;
 use palpate_scene::recorded::GlideMethod;
+use palpate_study::config::LengthUnit;
 
 use crate::duration;
 

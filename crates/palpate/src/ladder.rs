@@ -1,9 +1,10 @@
 //! The ladder of a cell in words: the rung that is taken, and what its neighbours would cost and err.
 
+use palpate_scene::Scenes;
 use std::time::{Duration, Instant};
 
-use palpate_scene::config::{ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study};
 use palpate_scene::{Ladder, RollScene, Rung, Scene};
+use palpate_study::config::{ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study};
 
 use crate::duration;
 use palpate::{Arch, SceneTrial};

@@ -27,7 +27,8 @@ mod simulation;
 mod tables;
 mod trial;
 
-pub use palpate_scene::{Arch, Scene, Table, config};
+pub use palpate_scene::{Arch, Scene};
+pub use palpate_study::{Table, config};
 pub use palpate_sweep::{CellStatistics, RunOptions, SweepError};
 pub use simulation::{Map, Ran, Simulation};
 pub use trial::SceneTrial;

@@ -55,6 +55,6 @@ fn main() -> ExitCode {
 
 fn schema() -> Result<(), Failure> {
     let schema =
-        serde_json::to_string_pretty(&palpate_scene::config::schema()).map_err(Failure::work)?;
+        serde_json::to_string_pretty(&palpate_study::config::schema()).map_err(Failure::work)?;
     output::print(&schema)
 }

@@ -1,10 +1,12 @@
 //! Choice of the tolerance of `auto` from the shift of the estimates that a model's error causes.
 
-use palpate_scene::config::{
+use palpate_scene::Scenes;
+use palpate_scene::{GlideScene, PressScene, RollScene, Scene};
+use palpate_study::Quantity;
+use palpate_study::config::{
     self, ConfigError, GlideSensorConfig, PressSensorConfig, RollSensorConfig, SceneConfig, Study,
     StudyConfig,
 };
-use palpate_scene::{GlideScene, PressScene, Quantity, RollScene, Scene};
 
 /// Tolerances of `auto` that are tried, largest first. The smallest that a scene of its kind accepts gives the
 /// reference.

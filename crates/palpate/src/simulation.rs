@@ -1,9 +1,11 @@
 //! The trials of a study's cells, and the tables that they give.
 
-use palpate_scene::config::{ConfigError, Output, Study};
+use palpate_scene::Scenes;
 use palpate_scene::glide::MapTable;
 use palpate_scene::press::ProfileTable;
-use palpate_scene::{Arch, Scene, Table};
+use palpate_scene::{Arch, Scene};
+use palpate_study::Table;
+use palpate_study::config::{ConfigError, Output, Study};
 use palpate_sweep::{Cell, CellStatistics, RunOptions, SweepError};
 
 use crate::SceneTrial;

@@ -1,7 +1,8 @@
 //! `cells.csv` and `failures.csv`.
 
-use palpate_scene::config::{STATISTICS, STD_BOUND, Study};
-use palpate_scene::{Scene, Table};
+use palpate_scene::Scene;
+use palpate_study::Table;
+use palpate_study::config::{STATISTICS, STD_BOUND, Study};
 use palpate_sweep::{CellStatistics, Summary};
 
 /// A cell that was run: its number in the study, its scene and what came out.

@@ -1,7 +1,9 @@
 //! `palpate trace`.
 
 use anyhow::anyhow;
-use palpate_scene::{Scene, config};
+use palpate_scene::Scene;
+use palpate_scene::Scenes;
+use palpate_study::config;
 
 use crate::cli::TraceArgs;
 use crate::failure::Failure;

@@ -1,9 +1,10 @@
 //! Time from the text of a config to its scenes.
 
+use palpate_scene::Scenes;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use palpate_scene::config;
+use palpate_study::config;
 
 const TEXT: &str = include_str!("../../../examples/press-a-ball.toml");
 

@@ -6,13 +6,14 @@ use palpate_chromatouch::{
     Camera, Discs, FoldStrain, Layout, Lens, MarkerArray, Pattern, PatternError,
 };
 
-use crate::config::{
+use crate::Outcome;
+use crate::plan::PlanError;
+use crate::press::{disc_depths, discs, layout_of, of_layout, of_optics};
+use palpate_study::config::{
     BareFingertipConfig, ConfigError, LengthUnit, LensConfig, LensName, PressConfig,
     PressProbeConfig, SceneConfig, Study,
 };
-use crate::plan::PlanError;
-use crate::press::{disc_depths, discs, layout_of, of_layout, of_optics};
-use crate::{Outcome, Quantity, Unit};
+use palpate_study::{Quantity, Unit};
 
 const GREATEST: Quantity = Quantity {
     name: "greatest_fold_strain",
@@ -148,7 +149,7 @@ fn area(config: &BareFingertipConfig, camera: &LensConfig) -> Result<Option<f64>
 /// The flat pattern of a study's sensor, ready to be cut.
 ///
 /// ```
-/// use palpate_scene::config::parse;
+/// use palpate_study::config::parse;
 /// use palpate_scene::fingertip::CutPattern;
 ///
 /// let text = r#"

@@ -17,7 +17,8 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_rolling::Touch;
 use palpate_sensing::{Channel, NormalError, PositionError, Stream};
 
-use crate::{Outcome, PlanError, Quantity, Unit};
+use crate::{Outcome, PlanError};
+use palpate_study::{Quantity, Unit};
 
 /// Quantities that a glide estimates, at every place of its grid.
 pub const QUANTITIES: [Quantity; 3] = [

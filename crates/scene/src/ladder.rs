@@ -1,12 +1,11 @@
 //! The ladder of a scene: the models by which its truth can be computed, and which of them is taken.
 
-use crate::config::{ConfigError, ModelConfig, SceneConfig, Study};
-use crate::{GlideScene, Scene};
+use palpate_study::config::ModelConfig;
 
 /// The rungs on which the truth of a cell's scene can be computed, cheapest first.
 ///
 /// ```
-/// use palpate_scene::config::{ModelConfig, RollModelConfig, parse};
+/// use palpate_study::config::{ModelConfig, RollModelConfig, parse};
 ///
 /// let text = r#"
 ///     name = "roll-on-a-ball"
@@ -52,59 +51,5 @@ impl Ladder {
     /// The rung that is taken.
     pub fn taken(&self) -> &Rung {
         &self.rungs[self.taken]
-    }
-}
-
-impl Study {
-    /// The ladder of a cell's scene; `None` of one that touches nothing.
-    ///
-    /// # Errors
-    /// As [`Study::estimable_scene`].
-    ///
-    /// # Panics
-    /// If `cell` is not the index of a cell.
-    pub fn ladder(&self, cell: usize) -> Result<Option<Ladder>, ConfigError> {
-        self.ladder_of(cell, &self.estimable_scene(cell)?)
-    }
-
-    /// Ladder of a cell whose scene has been made.
-    ///
-    /// # Errors
-    /// Where the model of another scene than the cell's cannot do what the cell asks for.
-    ///
-    /// # Panics
-    /// If `cell` is not the index of a cell.
-    pub fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError> {
-        let config = &self.cells[cell].config.scene;
-        Ok(match (scene, config) {
-            (Scene::Roll(scene), SceneConfig::Roll(config)) => Some(scene.ladder(config)),
-            (Scene::Glide(_), SceneConfig::Glide(config)) => {
-                let ladder = GlideScene::ladder(config);
-                Some(ladder.map_err(|error| self.plan_error(cell, error))?)
-            }
-            (Scene::Press(scene), SceneConfig::Press(config)) => {
-                let ladder = scene.ladder(config);
-                Some(ladder.map_err(|error| self.plan_error(cell, error))?)
-            }
-            _ => None,
-        })
-    }
-
-    /// The scene of a cell on another rung of its ladder.
-    ///
-    /// # Errors
-    /// As [`Study::scene`]: where the rung cannot do the scene, at `scene.model`.
-    ///
-    /// # Panics
-    /// If `cell` is not the index of a cell.
-    pub fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError> {
-        let config = &self.cells[cell].config;
-        match config.scene.with_model(&rung.model) {
-            Some(scene) => self.scene_of(cell, &scene, config.seed),
-            None => {
-                let message = format!("{} is no model of this kind of scene", rung.name);
-                Err(self.error_at(cell, "scene.model", message))
-            }
-        }
     }
 }

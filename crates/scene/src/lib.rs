@@ -1,37 +1,34 @@
-//! Scene configs, the models they need, and one trial from truth to estimate.
+//! Trials: the models that a scene needs, and the way from its truth over a reading to an estimate.
 //!
-//! This is the only place where the truth of a trial and its estimate meet. [`config`] turns a TOML
-//! text into a validated [`config::Study`]; [`config::Study::scene`] builds the [`Scene`] of one of
-//! its cells, whose [`Scene::trial`] simulates a contact, reads it with a sensor and estimates from
-//! the reading. [`recorded`] estimates from readings that somebody measured.
+//! This is the only place where the truth of a trial and its estimate meet. [`Scenes`] builds the [`Scene`] of a cell of a
+//! study, whose [`Scene::trial`] simulates a contact, reads it with a sensor and estimates from the reading. [`recorded`]
+//! estimates from readings that somebody measured.
 
-pub mod config;
 pub mod fingertip;
 pub mod glide;
 mod ladder;
 mod legible;
 mod plan;
 pub mod press;
-mod quantity;
 pub mod recorded;
 pub mod roll;
-mod table;
+mod tracks;
 
 pub use fingertip::FingertipScene;
 pub use glide::GlideScene;
 pub use ladder::{Ladder, Rung};
 pub use plan::PlanError;
 pub use press::PressScene;
-pub use quantity::{Quantity, Unit};
 pub use roll::{Arch, LANES, RollScene, SideBySide};
-pub use table::Table;
 
-use config::{ConfigError, SceneConfig, Study};
+use palpate_study::Quantity;
+use palpate_study::config::{ConfigError, SceneConfig, Study};
 
 /// A scene that is ready to run.
 ///
 /// ```
-/// use palpate_scene::config::parse;
+/// use palpate_scene::Scenes;
+/// use palpate_study::config::parse;
 ///
 /// let text = r#"
 ///     name = "roll-on-a-ball"
@@ -146,8 +143,9 @@ impl Scene {
     }
 }
 
-impl Study {
-    /// The scene of a cell.
+/// Scenes of a study's cells.
+pub trait Scenes {
+    /// Builds the scene of a cell.
     ///
     /// # Errors
     /// A [`ConfigError`] at the field that makes no scene: a pitch larger than the probe, a formula
@@ -155,33 +153,55 @@ impl Study {
     ///
     /// # Panics
     /// If `cell` is not the index of a cell.
-    pub fn scene(&self, cell: usize) -> Result<Scene, ConfigError> {
-        let config = &self.cells[cell].config;
-        self.scene_of(cell, &config.scene, config.seed)
-    }
+    fn scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
-    /// The scene that stands for that of a cell.
-    fn scene_of(&self, cell: usize, config: &SceneConfig, seed: u64) -> Result<Scene, ConfigError> {
-        match config {
-            SceneConfig::Roll(roll) => RollScene::new(roll, seed).map(Scene::Roll),
-            SceneConfig::Glide(glide) => GlideScene::new(glide, seed).map(Scene::Glide),
-            SceneConfig::Press(press) => PressScene::new(press, seed).map(Scene::Press),
-            SceneConfig::Fingertip(fingertip) => {
-                FingertipScene::new(fingertip).map(Scene::Fingertip)
-            }
-        }
-        .map_err(|error| self.plan_error(cell, error))
-    }
-
-    /// The scene of a cell, if it can be estimated from. A trace needs no such scene.
+    /// Builds the scene of a cell, if it can be estimated from. A trace needs no such scene.
     ///
     /// # Errors
-    /// As [`Study::scene`], and where the readings cannot tell the curvature: fewer than two probes,
+    /// As [`Scenes::scene`], and where the readings cannot tell the curvature: fewer than two probes,
     /// or all parallel; too few contacts, or all on a line; too few markers.
     ///
     /// # Panics
     /// If `cell` is not the index of a cell.
-    pub fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError> {
+    fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError>;
+
+    /// Builds the scene of a cell on another rung of its ladder.
+    ///
+    /// # Errors
+    /// As [`Scenes::scene`]: where the rung cannot do the scene, at `scene.model`.
+    ///
+    /// # Panics
+    /// If `cell` is not the index of a cell.
+    fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError>;
+
+    /// Measures the ladder of a cell's scene; there is none of one that touches nothing.
+    ///
+    /// # Errors
+    /// As [`Scenes::estimable_scene`].
+    ///
+    /// # Panics
+    /// If `cell` is not the index of a cell.
+    fn ladder(&self, cell: usize) -> Result<Option<Ladder>, ConfigError> {
+        self.ladder_of(cell, &self.estimable_scene(cell)?)
+    }
+
+    /// Measures the ladder of a cell whose scene has been made.
+    ///
+    /// # Errors
+    /// Where the model of another scene than the cell's cannot do what the cell asks for.
+    ///
+    /// # Panics
+    /// If `cell` is not the index of a cell.
+    fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError>;
+}
+
+impl Scenes for Study {
+    fn scene(&self, cell: usize) -> Result<Scene, ConfigError> {
+        let config = &self.cells[cell].config;
+        built(self, cell, &config.scene, config.seed)
+    }
+
+    fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError> {
         let scene = self.scene(cell)?;
         match &scene {
             Scene::Roll(roll) => roll.estimable(),
@@ -189,15 +209,59 @@ impl Study {
             Scene::Press(press) => press.estimable(),
             Scene::Fingertip(_) => Ok(()),
         }
-        .map_err(|error| self.plan_error(cell, error))?;
+        .map_err(|error| located(self, cell, error))?;
         Ok(scene)
     }
 
-    fn plan_error(&self, cell: usize, error: PlanError) -> ConfigError {
-        match error.part {
-            Some(part) => self.error_in_text(cell, &error.path, part, error.message),
-            None => self.error_at(cell, &error.path, error.message),
+    fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError> {
+        let config = &self.cells[cell].config;
+        match config.scene.with_model(&rung.model) {
+            Some(scene) => built(self, cell, &scene, config.seed),
+            None => {
+                let message = format!("{} is no model of this kind of scene", rung.name);
+                Err(self.error_at(cell, "scene.model", message))
+            }
         }
+    }
+
+    fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError> {
+        let config = &self.cells[cell].config.scene;
+        Ok(match (scene, config) {
+            (Scene::Roll(scene), SceneConfig::Roll(config)) => Some(scene.ladder(config)),
+            (Scene::Glide(_), SceneConfig::Glide(config)) => {
+                let ladder = GlideScene::ladder(config);
+                Some(ladder.map_err(|error| located(self, cell, error))?)
+            }
+            (Scene::Press(scene), SceneConfig::Press(config)) => {
+                let ladder = scene.ladder(config);
+                Some(ladder.map_err(|error| located(self, cell, error))?)
+            }
+            _ => None,
+        })
+    }
+}
+
+/// Builds the scene that stands for that of a cell.
+fn built(
+    study: &Study,
+    cell: usize,
+    config: &SceneConfig,
+    seed: u64,
+) -> Result<Scene, ConfigError> {
+    match config {
+        SceneConfig::Roll(roll) => RollScene::new(roll, seed).map(Scene::Roll),
+        SceneConfig::Glide(glide) => GlideScene::new(glide, seed).map(Scene::Glide),
+        SceneConfig::Press(press) => PressScene::new(press, seed).map(Scene::Press),
+        SceneConfig::Fingertip(fingertip) => FingertipScene::new(fingertip).map(Scene::Fingertip),
+    }
+    .map_err(|error| located(study, cell, error))
+}
+
+/// Error of a plan with its place in the config's text.
+fn located(study: &Study, cell: usize, error: PlanError) -> ConfigError {
+    match error.part {
+        Some(part) => study.error_in_text(cell, &error.path, part, error.message),
+        None => study.error_at(cell, &error.path, error.message),
     }
 }
 

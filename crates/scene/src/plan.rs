@@ -7,8 +7,8 @@ use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere
 use palpate_geometry::{InvalidShape, Shape};
 use palpate_sensing::{InvalidSensor, PadLayout};
 
-use crate::config::{self, ObjectConfig};
 use crate::legible::legible;
+use palpate_study::config::{self, ObjectConfig};
 
 /// A config that makes no scene: which field, and what is wrong with it.
 #[derive(Clone, Debug, PartialEq)]

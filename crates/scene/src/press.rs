@@ -22,9 +22,10 @@ use palpate_press::{
     PressError, PressEstimate, Reading, Skin,
 };
 
-use crate::{Outcome, PlanError, Quantity, Unit};
+use crate::{Outcome, PlanError};
 use camera::Sight;
 use noise::ReadingNoise;
+use palpate_study::{Quantity, Unit};
 use seen::CameraPress;
 
 /// Quantities that every press estimates.

@@ -44,8 +44,8 @@ pub use tracked::{Fates, Frame, TrackedFrames, difference_image, track_frames};
 
 use serde::Serialize;
 
-use crate::Unit;
-use crate::config::LengthUnit;
+use palpate_study::Unit;
+use palpate_study::config::LengthUnit;
 
 /// A value with its standard deviation and unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -22,9 +22,10 @@ use palpate_rolling::{Motion, Roller};
 pub use pulp::Arch;
 use pulp::{Simd, WithSimd};
 
-use crate::{Outcome, PlanError, Quantity, Unit};
+use crate::{Outcome, PlanError};
 use linear::LinearRolls;
 use noise::MotionNoise;
+use palpate_study::{Quantity, Unit};
 use sensor::RollSensor;
 
 /// Quantities that a roll estimates.

@@ -8,7 +8,7 @@ mod trials;
 
 use std::fmt::{self, Debug};
 
-use palpate_scene::config::ConfigError;
+use palpate_study::config::ConfigError;
 
 use super::Case;
 

@@ -1,5 +1,6 @@
 //! Rolls of a unit sphere, and trials of EP1.
 
+use palpate_scene::Scenes;
 use std::hint::black_box;
 use std::num::NonZeroUsize;
 
@@ -9,8 +10,9 @@ use palpate::SceneTrial;
 use palpate_geometry::Shape;
 use palpate_geometry::surfaces::{Graph, Sphere};
 use palpate_rolling::{Fingertip, Glider, Motion, Probe, Roller, Rolls};
-use palpate_scene::{RollScene, Scene, config};
+use palpate_scene::{RollScene, Scene};
 use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
+use palpate_study::config;
 use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Trial};
 
 pub use palpate_rolling::{Chart, Model};

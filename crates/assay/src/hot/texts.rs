@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use anyhow::Result;
 use palpate_geometry::formula::Formula;
-use palpate_scene::config;
+use palpate_study::config;
 
 use super::{Hot, warm};
 

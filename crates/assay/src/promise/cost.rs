@@ -3,11 +3,12 @@
 use anyhow::{Result, bail};
 use palpate_chromatouch::Layout;
 use palpate_press::{Body, Markers, Skin};
-use palpate_scene::config::{
+use palpate_scene::Scenes;
+use palpate_scene::{GlideScene, Rung, Scene};
+use palpate_study::config::{
     ModelConfig, PressConfig, PressModelConfig, PressObjectConfig, PressProbeConfig, SceneConfig,
     Study,
 };
-use palpate_scene::{GlideScene, Rung, Scene};
 
 /// Repeatable computation that returns its number of contacts or markers.
 pub(super) type Computation = Box<dyn FnMut() -> Result<usize>>;

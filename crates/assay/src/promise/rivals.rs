@@ -6,11 +6,12 @@ use nalgebra::Point3;
 use palpate_geometry::Surface;
 use palpate_press::Skin;
 use palpate_rolling::{Chart, HeldAxis, Model, Roller, Rolls};
-use palpate_scene::config::{
+use palpate_scene::Scenes;
+use palpate_scene::{GlideScene, Ladder, Rung, Scene};
+use palpate_study::config::{
     self, FingertipConfig, GlideConfig, GlideModelConfig, ModelConfig, ObjectConfig, PressConfig,
     PressModelConfig, PressProbeConfig, RollModelConfig, SceneConfig, Study,
 };
-use palpate_scene::{GlideScene, Ladder, Rung, Scene};
 
 use super::cost;
 use crate::pressed::{Body, Pressed};

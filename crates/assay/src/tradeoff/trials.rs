@@ -1,9 +1,11 @@
 //! Rungs that are scenes of a config: what a trial costs, and how far trials err.
 
+use palpate_scene::Scenes;
 use std::cell::OnceCell;
 
 use anyhow::{Context, Result, anyhow};
-use palpate_scene::{Outcome, Scene, config};
+use palpate_scene::{Outcome, Scene};
+use palpate_study::config;
 
 use super::ladder::{Ease, Rung, SceneRungs};
 

@@ -2,7 +2,8 @@
 //! here what stands for it is how often a roll asks for derivatives, and the order of the other ladders.
 
 use palpate_assay::promise::{Kind, Promise, SCENES};
-use palpate_scene::config;
+use palpate_scene::Scenes;
+use palpate_study::config;
 use palpate_tally::counted;
 
 #[track_caller]

@@ -1,6 +1,7 @@
 //! Counts of the work of scenes: no scene does work that it does not require.
 
-use palpate_scene::config;
+use palpate_scene::Scenes;
+use palpate_study::config;
 use palpate_tally::{Tally, counted};
 
 const ROLL: &str = r#"

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use palpate_scene::config::LengthUnit;
+use palpate_study::config::LengthUnit;
 
 use super::{length_unit, not_negative, positive};
 

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
-use palpate_scene::config::LengthUnit;
 use palpate_scene::recorded::NormalFrom;
+use palpate_study::config::LengthUnit;
 
 use super::press::poisson;
 use super::{PressMethodName, length_unit, not_negative, positive};

@@ -1,7 +1,7 @@
 //! `palpate sensor pattern`.
 
-use palpate_scene::config;
 use palpate_scene::fingertip::CutPattern;
+use palpate_study::config;
 
 use crate::cli::PatternArgs;
 use crate::failure::Failure;

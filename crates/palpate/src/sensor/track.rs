@@ -74,7 +74,7 @@ struct Calibrated<'a> {
     sensor: SensorOptions,
     estimate: EstimatePressArgs,
     calibration: palpate_scene::recorded::Calibration,
-    unit: palpate_scene::config::LengthUnit,
+    unit: palpate_study::config::LengthUnit,
 }
 
 /// Readings of a calibrated sensor.

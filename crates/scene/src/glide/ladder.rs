@@ -4,9 +4,9 @@ use palpate_rolling::{Glider, InvalidTouch, Model, Touch, TouchModel};
 
 use super::plan::{glider, middle, tip, touches};
 use super::{FingerTouch, GlideScene};
-use crate::config::{GlideConfig, GlideModelConfig, ModelConfig};
 use crate::ladder::{Ladder, Rung};
 use crate::plan::PlanError;
+use palpate_study::config::{GlideConfig, GlideModelConfig, ModelConfig};
 
 /// Relative tolerances of the rungs of Newton's method.
 const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];

@@ -6,7 +6,7 @@ use palpate_ep2::{Ep2Error, MapPoint, Regions, regions};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use super::GlideScene;
-use crate::config::LengthUnit;
+use palpate_study::config::LengthUnit;
 
 /// A map as CSV: places, curvatures with their standard deviations, principal curvatures and
 /// directions, class, region, and the probability of each class. What a method does not state is

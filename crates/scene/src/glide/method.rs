@@ -5,7 +5,7 @@ use palpate_ep2::{
     TwoPass,
 };
 
-use crate::config::{CriterionName, GlideEstimatorConfig, NormalsOf};
+use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf};
 
 /// Any of the methods, with its settings.
 #[derive(Clone, Debug)]

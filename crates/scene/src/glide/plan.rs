@@ -11,11 +11,11 @@ use palpate_sensing::{
 use super::method::AnyMethod;
 use super::sensor::{GlideSensor, SensorKind};
 use super::{FingerTouch, GlideScene, ReadingNoise, TrueGrid, TruePlace};
-use crate::config::{
+use crate::plan::{PlanError, pad_layout, shape};
+use palpate_study::config::{
     EvaluateConfig, FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig,
     GlideNoiseConfig, GlideSensorConfig, NoiseAxis, NormalNoise, ObjectConfig, PositionNoise,
 };
-use crate::plan::{PlanError, pad_layout, shape};
 
 impl GlideScene {
     /// The scene that a config describes, with the random numbers of `seed`.

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 use palpate_rolling::Touch;
 use palpate_sensing::{BeyondPads, PadPlacement, Pads, direction_at, displacement_between};
 
-use crate::config::Reports;
+use palpate_study::config::Reports;
 
 #[derive(Clone, Debug)]
 pub(super) struct GlideSensor {

@@ -3,8 +3,8 @@
 use palpate_ep2::Contact;
 
 use super::GlideScene;
-use crate::Table;
-use crate::config::LengthUnit;
+use palpate_study::Table;
+use palpate_study::config::LengthUnit;
 
 /// The contacts of one pass, and what the sensor says of them.
 #[derive(Clone, Debug, PartialEq)]

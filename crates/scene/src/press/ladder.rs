@@ -4,11 +4,11 @@ use palpate_press::{Body, MarkerDisplacement, Markers, PressError};
 
 use super::PressScene;
 use super::plan::{Pressed, body_of, disc_depths, shifted};
-use crate::config::{
-    ModelConfig, PressConfig, PressModelConfig, PressProbeConfig, PressSensorConfig,
-};
 use crate::ladder::{Ladder, Rung};
 use crate::plan::PlanError;
+use palpate_study::config::{
+    ModelConfig, PressConfig, PressModelConfig, PressProbeConfig, PressSensorConfig,
+};
 
 /// The model that is taken, and why.
 pub(super) struct Choice {

@@ -16,13 +16,13 @@ use super::ladder;
 use super::noise::ReadingNoise;
 use super::words;
 use super::{PressMethod, PressScene, PressSensor, PressedObject, TruePress};
-use crate::config::{
+use crate::plan::PlanError;
+pub(super) use camera::{Pressed, shifted};
+use palpate_study::config::{
     Baseline, GainNoise, Indentation, LayoutConfig, LayoutTable, LengthNoise, NamedLayout,
     NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
     PressObjectConfig, PressProbeConfig, PressSensorConfig,
 };
-use crate::plan::PlanError;
-pub(super) use camera::{Pressed, shifted};
 
 /// Error of displacements by a layer's tables, relative to the largest.
 const OF_TABLES: f64 = 1e-7;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use palpate_press::Displacement;
 
 use super::{PressFailure, PressScene};
-use crate::config::LengthUnit;
+use palpate_study::config::LengthUnit;
 
 /// Profiles as CSV: displacements against the distance from the contact, of the model and of an estimate. What an
 /// estimate does not know is empty.

@@ -3,8 +3,9 @@
 use image::RgbImage;
 
 use super::{PressFailure, PressReadings, PressScene, PressSensor};
-use crate::Table;
-use crate::config::LengthUnit;
+use crate::tracks::of_tracks;
+use palpate_study::Table;
+use palpate_study::config::LengthUnit;
 
 /// Trace of a press: the true displacements of the markers, and the readings of the sensor.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,7 +91,7 @@ impl PressScene {
     ) -> Result<Option<SeenPress>, PressFailure> {
         match (&self.sensor, &read.sight) {
             (PressSensor::Camera(Ok(camera)), Some(sight)) => Ok(Some(SeenPress {
-                markers: Table::of_tracks(sight.tracks.iter().map(Option::as_ref)),
+                markers: of_tracks(sight.tracks.iter().map(Option::as_ref)),
                 frames: camera.frames(trial)?,
             })),
             _ => Ok(None),

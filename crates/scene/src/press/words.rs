@@ -4,12 +4,12 @@ use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
 use palpate_press::{Contact, ContactRegime, PressError, Skin};
 
 use super::{PressMethod, PressSensor, PressedObject};
-use crate::config::{
+use crate::legible::legible;
+use palpate_study::config::{
     Baseline, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown, NormalFrom,
     PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
     PressProbeConfig, PressSensorConfig, SizeNoise,
 };
-use crate::legible::legible;
 
 /// The model, the regime of the contact, and what is doubtful about either.
 pub(super) fn of_model(

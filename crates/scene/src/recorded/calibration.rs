@@ -10,8 +10,8 @@ use palpate_tracking::{
 use super::RecordedFile;
 use super::calibration_report::{CalibrationReport, Fitted};
 use super::sheet::{Column, RecordedError, Sheet, header};
-use crate::config::LengthUnit;
 use crate::legible::legible;
+use palpate_study::config::LengthUnit;
 
 /// A point of a calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]

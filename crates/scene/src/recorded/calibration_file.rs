@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::RecordedFile;
 use super::sheet::RecordedError;
-use crate::config::LengthUnit;
 use crate::legible::legible;
+use palpate_study::config::LengthUnit;
 
 const HEADER: &str = "\
 # Calibration of a camera sensor: how the sight of a marker follows its displacement. Written by

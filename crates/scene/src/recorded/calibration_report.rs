@@ -3,7 +3,7 @@
 use palpate_tracking::{Calibration, CalibrationError, Line, NormalFrom};
 
 use super::calibration_file::calibration_toml;
-use crate::config::LengthUnit;
+use palpate_study::config::LengthUnit;
 
 /// A calibration, with what its series say by themselves.
 #[derive(Clone, Debug, PartialEq)]

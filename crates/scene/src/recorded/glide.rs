@@ -8,7 +8,7 @@ use palpate_ep2::Contact;
 
 use super::RecordedFile;
 use super::sheet::{Column, RecordedError, Sheet, header};
-use crate::config::LengthUnit;
+use palpate_study::config::LengthUnit;
 
 /// One row per contact; the normals may be missing.
 const COLUMNS: [Column; 7] = [

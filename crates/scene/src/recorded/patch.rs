@@ -11,10 +11,10 @@ use super::Value;
 use super::glide::GlideReadings;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::sheet::{RecordedError, agreed_unit};
-use crate::Unit;
-use crate::config::LengthUnit;
 use crate::glide::AnyMethod;
 use crate::legible::legible;
+use palpate_study::Unit;
+use palpate_study::config::LengthUnit;
 
 /// How to estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

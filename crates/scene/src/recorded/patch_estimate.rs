@@ -8,9 +8,9 @@ use palpate_geometry::ShapeThresholds;
 use serde::Serialize;
 
 use super::Value;
-use crate::Unit;
-use crate::config::LengthUnit;
 use crate::glide::MapTable;
+use palpate_study::Unit;
+use palpate_study::config::LengthUnit;
 
 /// When curvatures count as zero.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::RecordedFile;
 use super::sheet::{Column, RecordedError, Sheet, header};
-use crate::config::LengthUnit;
+use palpate_study::config::LengthUnit;
 
 /// One row per marker; the last two may be missing.
 const COLUMNS: [Column; 5] = [

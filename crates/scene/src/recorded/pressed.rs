@@ -9,10 +9,10 @@ use super::Value;
 use super::press::PressReadings;
 use super::pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
 use super::sheet::{RecordedError, agreed_unit};
-use crate::Unit;
-use crate::config::LengthUnit;
 use crate::legible::legible;
 use crate::press::large_contact;
+use palpate_study::Unit;
+use palpate_study::config::LengthUnit;
 
 /// A body that is pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,8 @@ use palpate_press::Estimated;
 use serde::Serialize;
 
 use super::Value;
-use crate::Unit;
-use crate::config::LengthUnit;
+use palpate_study::Unit;
+use palpate_study::config::LengthUnit;
 
 /// A value with its uncertainty; an end of the interval is `null` where the readings set no bound.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -11,9 +11,9 @@ use serde::Serialize;
 use super::RecordedFile;
 use super::Value;
 use super::sheet::{Column, RecordedError, Sheet, agreed_unit, header};
-use crate::config::LengthUnit;
 use crate::legible::legible;
-use crate::{Table, Unit};
+use palpate_study::config::LengthUnit;
+use palpate_study::{Table, Unit};
 
 /// One row per probe.
 const SUMMARY: [Column; 5] = [

@@ -9,9 +9,9 @@ use super::pressed::{PressOptions, estimate_press};
 use super::pressed_object::PressedObject;
 use super::sheet::RecordedError;
 use super::tracked::{Fates, TrackedFrames};
-use crate::config::LengthUnit;
 use crate::legible::legible;
-use crate::{Table, Unit};
+use palpate_study::config::LengthUnit;
+use palpate_study::{Table, Unit};
 
 /// The sensor, as far as a calibration does not tell it; lengths in the calibration's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]

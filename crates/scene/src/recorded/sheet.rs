@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-use crate::config::LengthUnit;
 use crate::legible::legible;
+use palpate_study::config::LengthUnit;
 
 /// Readings that cannot be read.
 #[derive(Debug, Error)]

@@ -10,7 +10,8 @@ use palpate_tracking::{
 use serde::Serialize;
 
 use super::sheet::RecordedError;
-use crate::Table;
+use crate::tracks::of_tracks;
+use palpate_study::Table;
 
 /// A camera's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +143,7 @@ impl TrackedFrames {
 
     /// One row per marker: place and hue at rest (pressed, of one that is new) and how they changed, as far as they did.
     pub fn table(&self) -> Table {
-        Table::of_tracks(self.tracks.iter().map(Some))
+        of_tracks(self.tracks.iter().map(Some))
     }
 
     /// Refuses frames that do not show the same sensor.

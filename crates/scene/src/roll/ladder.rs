@@ -4,8 +4,8 @@ use palpate_rolling::{Chart, MeasuredRung, Model, Motion, Rolls};
 
 use super::RollScene;
 use super::plan::{chart, cut};
-use crate::config::{self, ModelConfig, RollAxis, RollConfig, RollModelConfig};
 use crate::ladder::{Ladder, Rung};
+use palpate_study::config::{self, ModelConfig, RollAxis, RollConfig, RollModelConfig};
 
 impl RollScene {
     /// Commanded motion of each probe without noise, in as many pieces as noise would change it.

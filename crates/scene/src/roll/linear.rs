@@ -178,7 +178,9 @@ impl LinearRolls {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Arch, LANES, RollScene, Scene, config};
+    use crate::Scenes;
+    use crate::{Arch, LANES, RollScene, Scene};
+    use palpate_study::config;
 
     fn scene(duration_s: f64, noise: &str) -> RollScene {
         let text = format!(

@@ -9,11 +9,11 @@ use super::linear::LinearRolls;
 use super::noise::MotionNoise;
 use super::sensor::RollSensor;
 use super::{RollScene, Truth};
-use crate::config::{
+use crate::plan::{PlanError, pad_layout, shape};
+use palpate_study::config::{
     self, AngularVelocityNoise, ObjectConfig, ProbeConfig, RollAxis, RollConfig,
     RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollSensorConfig, Side, When,
 };
-use crate::plan::{PlanError, pad_layout, shape};
 
 impl PlanError {
     fn of_roll(object: &ObjectConfig, error: InvalidRoll) -> Self {

@@ -7,9 +7,9 @@ use thiserror::Error;
 
 use super::noise::{MotionNoise, NoiseTrial};
 use super::{RollScene, sensor::RollSensor};
-use crate::Table;
-use crate::config::LengthUnit;
 use crate::recorded::roll_readings_table;
+use palpate_study::Table;
+use palpate_study::config::LengthUnit;
 
 /// How many samples of each roll are written, besides the first contact.
 const SAMPLES: usize = 100;

@@ -1,8 +1,9 @@
 //! Presses before a camera: what each rung sees, what it draws, and which settings make no sensor.
 
 use palpate_press::shear::followed;
-use palpate_scene::config::{LengthUnit, Study, parse};
+use palpate_scene::Scenes;
 use palpate_scene::{Outcome, Scene};
+use palpate_study::config::{LengthUnit, Study, parse};
 
 /// The 2020 paper's sensor: a layer of 5 on a core, pressed 1 deep onto a plane.
 fn text(sensor: &str, noise: &str) -> String {

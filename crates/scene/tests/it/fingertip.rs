@@ -1,8 +1,9 @@
 //! Fingertips that touch nothing: strain of folding, image areas, and the patterns they are cut from.
 
 use palpate_scene::Scene;
-use palpate_scene::config::{Study, parse};
+use palpate_scene::Scenes;
 use palpate_scene::fingertip::CutPattern;
+use palpate_study::config::{Study, parse};
 
 const GORES: &str =
     r#"layout = { kind = "gores", gores = 4, rows = [1, 3, 3, 5, 7], row_spacing_deg = 11.9 }"#;

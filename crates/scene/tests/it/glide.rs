@@ -1,7 +1,8 @@
 //! Scenes of a glide: what they estimate, and what does not change it.
 
 use palpate_scene::Scene;
-use palpate_scene::config::{LengthUnit, parse};
+use palpate_scene::Scenes;
+use palpate_study::config::{LengthUnit, parse};
 
 /// The scene of three fingers on the paper's patch; lines without an equal of theirs replace the defaults.
 fn text(probe: &str, object: &str, lines: &str) -> String {

@@ -1,7 +1,9 @@
 //! The ladders of models, and what `auto` takes of them.
 
-use palpate_scene::config::{GlideModelConfig, ModelConfig, RollModelConfig, to_toml};
-use palpate_scene::{Ladder, Rung, Scene, config};
+use palpate_scene::Scenes;
+use palpate_scene::{Ladder, Rung, Scene};
+use palpate_study::config;
+use palpate_study::config::{GlideModelConfig, ModelConfig, RollModelConfig, to_toml};
 
 fn ladder(text: &str) -> Ladder {
     let study = config::parse("study.toml", text).unwrap();

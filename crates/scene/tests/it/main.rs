@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod camera;
-mod config;
 mod fingertip;
 mod glide;
 mod ladder;

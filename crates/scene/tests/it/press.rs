@@ -1,7 +1,9 @@
 //! Scenes of a press: what they do to markers, what they estimate, and what does not change it.
 
-use palpate_scene::config::{LengthUnit, parse};
-use palpate_scene::{Outcome, PressScene, Scene, Table};
+use palpate_scene::Scenes;
+use palpate_scene::{Outcome, PressScene, Scene};
+use palpate_study::Table;
+use palpate_study::config::{LengthUnit, parse};
 
 /// A sensor of 20 on a plane, pressed 1 deep; lines replace the defaults.
 fn text(object: &str, lines: &str) -> String {

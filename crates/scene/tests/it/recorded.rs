@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_scene::config::LengthUnit;
 use palpate_scene::recorded::{
     RecordedError, RollEstimate, RollMethod, RollOptions, estimate_roll, read_roll,
 };
+use palpate_study::config::LengthUnit;
 use tempfile::TempDir;
 
 const OPTIONS: RollOptions = RollOptions {

@@ -1,8 +1,9 @@
 //! Scenes of a roll: what they estimate, and what does not change it.
 
 use palpate_scene::Scene;
-use palpate_scene::config::{LengthUnit, parse};
+use palpate_scene::Scenes;
 use palpate_scene::recorded::{RollMethod, RollOptions, estimate_roll, read_roll};
+use palpate_study::config::{LengthUnit, parse};
 
 /// The scene of a probe of radius 1 that rolls for 0.1 rad; more lines continue it.
 fn scene(object: &str, lines: &str) -> Scene {

@@ -1,8 +1,9 @@
 //! Fingertips by themselves: strains of folding and areas of markers, in closed form.
 
+use palpate_scene::Scenes;
 use std::f64::consts::PI;
 
-use palpate_scene::config::parse;
+use palpate_study::config::parse;
 
 use super::Refused;
 use crate::extremes::precise::Precise;

@@ -1,6 +1,7 @@
 //! Ladders of scenes: errors of the rungs, at tolerances and sizes that are extreme.
 
-use palpate_scene::config::parse;
+use palpate_scene::Scenes;
+use palpate_study::config::parse;
 
 use super::Refused;
 use crate::extremes::{Answer, Case};

@@ -1,6 +1,7 @@
 //! Trials of whole scenes: the truth again without noise, a number or a named error with it.
 
-use palpate_scene::config::parse;
+use palpate_scene::Scenes;
+use palpate_study::config::parse;
 
 use super::Refused;
 use crate::extremes::{Answer, Case, Outcome};

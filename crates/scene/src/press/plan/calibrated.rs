@@ -8,8 +8,8 @@ use palpate_tracking::{
 
 use super::super::camera::Eye;
 use super::camera::{AT_REST, DiscBodies, Planned, Pressed};
-use crate::config::{self, ShownMarkers};
 use crate::plan::PlanError;
+use palpate_study::config::{self, ShownMarkers};
 
 const PATH: &str = "scene.sensor.calibration";
 

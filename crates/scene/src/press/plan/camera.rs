@@ -12,12 +12,12 @@ use super::super::PressFailure;
 use super::super::camera::{CameraSensor, Eye, Rung, SightError};
 use super::super::seen::{CameraPress, Shows};
 use super::calibrated::Calibrated;
-use crate::config::{
+use crate::plan::PlanError;
+use palpate_study::config::{
     CameraConfig, CentroidNoise, DiscsConfig, HueNoise, LayoutConfig, LayoutTable, PixelNoise,
     PressConfig, PressModelConfig, PressNoiseConfig, PressProbeConfig, PressSensorConfig,
     SizeNoise,
 };
-use crate::plan::PlanError;
 
 /// The number of the trial whose errors the first frame at rest has; further ones count down from here.
 pub(in crate::press) const AT_REST: u64 = u64::MAX;

@@ -8,7 +8,7 @@ mod round_trip;
 mod schema;
 mod text;
 
-use palpate_scene::config::{Study, parse};
+use palpate_study::config::{Study, parse};
 
 /// A valid study without a sweep, eight lines long.
 const BASE: &str = r#"name = "a-study"

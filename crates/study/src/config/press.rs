@@ -275,7 +275,7 @@ impl Default for PressModelConfig {
 
 impl PressModelConfig {
     /// Thickness of the layer, if there is one.
-    pub(crate) fn thickness(&self) -> Option<f64> {
+    pub fn thickness(&self) -> Option<f64> {
         match *self {
             Self::BondedLayer { thickness } => Some(thickness),
             Self::Auto { thickness, .. } => thickness,
@@ -284,7 +284,7 @@ impl PressModelConfig {
     }
 
     /// Poisson's ratio of the soft body.
-    pub(crate) fn poisson(&self) -> f64 {
+    pub fn poisson(&self) -> f64 {
         match *self {
             Self::Auto { poisson, .. } | Self::Hertz { poisson } | Self::HalfSpace { poisson } => {
                 poisson
@@ -295,7 +295,7 @@ impl PressModelConfig {
 
     /// Model that `auto` is held against: the layer where there is one, else the half-space. A model other than `auto`
     /// is its own.
-    pub(crate) fn reference(&self) -> Self {
+    pub fn reference(&self) -> Self {
         match *self {
             Self::Auto {
                 thickness: Some(thickness),

@@ -14,7 +14,7 @@ pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 /// `1` where others of its name have a unit and it has none. Numbers whose key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px` carry their unit there.
 ///
 /// ```
-/// use palpate_scene::config::schema;
+/// use palpate_study::config::schema;
 ///
 /// let schema = schema();
 /// assert_eq!(schema["title"], "palpate study");

@@ -71,7 +71,7 @@ pub fn load(path: &Path) -> Result<Study, ConfigError> {
 /// Reads a study from a text; `file` is the name that errors give.
 ///
 /// ```
-/// use palpate_scene::config::parse;
+/// use palpate_study::config::parse;
 ///
 /// let text = r#"
 ///     name = "roll-on-a-ball"

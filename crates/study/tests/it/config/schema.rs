@@ -1,6 +1,6 @@
 //! The schema states every unit, once.
 
-use palpate_scene::config::schema;
+use palpate_study::config::schema;
 use serde_json::Value;
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! The cells that sweeps make, and errors that point into them.
 
 use super::{BASE, edited, study};
-use palpate_scene::config::{ObjectConfig, SceneConfig, Study, parse};
+use palpate_study::config::{ObjectConfig, SceneConfig, Study, parse};
 
 fn coordinates(study: &Study) -> Vec<Vec<&str>> {
     study

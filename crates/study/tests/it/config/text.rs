@@ -1,7 +1,7 @@
 //! Files and texts: encodings, line ends, and excerpts of odd lines.
 
 use super::{BASE, edited, message};
-use palpate_scene::config::{load, parse};
+use palpate_study::config::{load, parse};
 
 #[test]
 fn a_byte_order_mark_and_crlf_change_nothing() {

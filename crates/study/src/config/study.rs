@@ -134,7 +134,7 @@ impl SceneConfig {
 /// not know them.
 ///
 /// ```
-/// use palpate_scene::config::{parse, to_toml};
+/// use palpate_study::config::{parse, to_toml};
 ///
 /// let text = r#"
 ///     name = "roll-on-a-ball"

@@ -17,7 +17,7 @@ pub(super) type Span = Range<usize>;
 /// ```
 ///
 /// ```
-/// use palpate_scene::config::parse;
+/// use palpate_study::config::parse;
 ///
 /// let text = r#"
 ///     name = "roll-on-a-ball"

@@ -5,8 +5,8 @@ use crate::config::LengthUnit;
 /// A unit, made of the study's length unit.
 ///
 /// ```
-/// use palpate_scene::Unit;
-/// use palpate_scene::config::LengthUnit;
+/// use palpate_study::Unit;
+/// use palpate_study::config::LengthUnit;
 ///
 /// assert_eq!(Unit::Length.of(LengthUnit::Mm), "mm");
 /// assert_eq!(Unit::PerLengthSquared.of(LengthUnit::Cm), "1/cm^2");

@@ -165,7 +165,7 @@ impl Default for RollModelConfig {
 
 impl RollModelConfig {
     /// Coordinates of the integration, where there may be one.
-    pub(crate) fn chart(&self) -> Option<Chart> {
+    pub fn chart(&self) -> Option<Chart> {
         match *self {
             Self::Auto { chart, .. } | Self::Rk4 { chart, .. } | Self::Dop853 { chart, .. } => {
                 Some(chart)

@@ -1,7 +1,7 @@
 //! A resolved config, written as TOML, makes the same study again.
 
 use super::{BASE, edited, study};
-use palpate_scene::config::{Study, parse, to_toml};
+use palpate_study::config::{Study, parse, to_toml};
 
 fn returns(study: &Study) -> String {
     let text = to_toml(&study.config);
