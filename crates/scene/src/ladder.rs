@@ -5,6 +5,7 @@ use palpate_study::config::ModelConfig;
 /// The rungs on which the truth of a cell's scene can be computed, cheapest first.
 ///
 /// ```
+/// use palpate_scene::Scenes;
 /// use palpate_study::config::{ModelConfig, RollModelConfig, parse};
 ///
 /// let text = r#"
