@@ -6,6 +6,7 @@ mod ci;
 mod compare;
 mod extremes;
 mod fuzz;
+mod house;
 mod palpate;
 mod peers;
 mod readme;
@@ -47,6 +48,8 @@ enum Task {
     Peers(peers::Options),
     /// Feed the readers of files what nobody would write.
     Fuzz(fuzz::Options),
+    /// Check which file imports which, and which crate which: no circles.
+    House,
 }
 
 fn main() -> ExitCode {
@@ -77,5 +80,6 @@ fn run(cli: Cli) -> Result<()> {
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),
         Task::Fuzz(options) => fuzz::run(&shell, &options),
+        Task::House => house::check(&shell),
     }
 }

@@ -1,0 +1,91 @@
+//! Crates, and which of the others each may import.
+
+use super::packages::Package;
+
+/// Permission of a crate to import others.
+enum May {
+    /// Crates that it may import beside that which everybody may.
+    Import(&'static [&'static str]),
+    Anything,
+    Nothing,
+}
+
+use May::{Anything, Import, Nothing};
+
+/// The table of README, "The crates".
+const CRATES: [(&str, May); 17] = [
+    ("geometry", Import(&[])),
+    ("rolling", Import(&["geometry"])),
+    ("sensing", Import(&[])),
+    ("ep1", Import(&["geometry"])),
+    ("ep2", Import(&["geometry"])),
+    ("press", Import(&[])),
+    ("chromatouch", Import(&["sensing"])),
+    ("tracking", Import(&[])),
+    (
+        "scene",
+        Import(&[
+            "geometry",
+            "rolling",
+            "sensing",
+            "ep1",
+            "ep2",
+            "press",
+            "chromatouch",
+            "tracking",
+        ]),
+    ),
+    ("sweep", Import(&[])),
+    ("report", Import(&[])),
+    ("palpate", Import(&["scene", "sweep", "report"])),
+    ("replica", Import(&["palpate"])),
+    (EVERYBODYS, Import(&[])),
+    ("assay", Anything),
+    ("fuzz", Anything),
+    ("xtask", Nothing),
+];
+/// The crate that each of the others may import.
+const EVERYBODYS: &str = "tally";
+
+/// Finds imports that the table forbids, each told as a sentence.
+pub(super) fn faults(packages: &[Package]) -> Vec<String> {
+    let mut faults = Vec::new();
+    for package in packages {
+        let name = short(&package.name);
+        let Some((_, may)) = CRATES.iter().find(|(known, _)| *known == name) else {
+            faults.push(format!("crate {name} is not in the table of crates"));
+            continue;
+        };
+        for import in package.imports.iter().map(|import| short(import)) {
+            if !may.import(import) {
+                faults.push(format!(
+                    "crate {name} imports {import}; it may import {}",
+                    may.text()
+                ));
+            }
+        }
+    }
+    faults
+}
+
+impl May {
+    fn import(&self, name: &str) -> bool {
+        match self {
+            Import(allowed) => name == EVERYBODYS || allowed.contains(&name),
+            Anything => true,
+            Nothing => false,
+        }
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Import(allowed) => [allowed, &[EVERYBODYS][..]].concat().join(", "),
+            Anything => "anything".to_string(),
+            Nothing => "nothing".to_string(),
+        }
+    }
+}
+
+fn short(package: &str) -> &str {
+    package.strip_prefix("palpate-").unwrap_or(package)
+}
