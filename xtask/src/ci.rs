@@ -5,13 +5,14 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-use crate::{bench_check, palpate, readme, reproduce, same_bytes, tools};
+use crate::{bench_check, house, palpate, readme, reproduce, same_bytes, tools};
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     ("tools", tools::prepare),
     ("format", format),
+    ("house", house::check),
     ("clippy", clippy),
     ("tests", tests),
     ("docs", docs),

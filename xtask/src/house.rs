@@ -20,14 +20,23 @@ use tree::Tree;
 /// Circles among files that there are today; to be lowered with each that is cut.
 const MOST_CIRCLES: usize = 37;
 
+/// Prints every circle among files, then checks as [`check`] does.
+pub(crate) fn run(shell: &Shell) -> Result<()> {
+    check_telling(shell, |circle| println!("{circle}"))
+}
+
 /// Checks that files import each other in no more circles than today, and crates only what they may.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
+    check_telling(shell, |_| ())
+}
+
+fn check_telling(shell: &Shell, tell: impl Fn(&str)) -> Result<()> {
     let packages = packages::read(shell)?;
     let mut number = 0;
     for package in &packages {
         for circle in circles(&tree(package)?) {
-            println!("circle in {}:", package.name);
-            println!("{}", circle.text(&shell.current_dir()));
+            let files = circle.text(&shell.current_dir());
+            tell(&format!("circle in {}:\n{files}", package.name));
             number += 1;
         }
     }
@@ -36,7 +45,7 @@ pub(crate) fn check(shell: &Shell) -> Result<()> {
     let mut faults = crates::faults(&packages);
     if number > MOST_CIRCLES {
         faults.push(format!(
-            "files import each other in {number} circles, at most {MOST_CIRCLES} may be: cut the new one"
+            "files import each other in {number} circles, at most {MOST_CIRCLES} may be: `cargo xtask house` lists them, cut the new one"
         ));
     }
     match faults.is_empty() {

@@ -13,8 +13,9 @@ enum May {
 use May::{Anything, Import, Nothing};
 
 /// The table of README, "The crates".
-const CRATES: [(&str, May); 17] = [
+const CRATES: [(&str, May); 18] = [
     ("geometry", Import(&[])),
+    ("study", Import(&[])),
     ("rolling", Import(&["geometry"])),
     ("sensing", Import(&[])),
     ("ep1", Import(&["geometry"])),
@@ -25,6 +26,7 @@ const CRATES: [(&str, May); 17] = [
     (
         "scene",
         Import(&[
+            "study",
             "geometry",
             "rolling",
             "sensing",
@@ -37,7 +39,7 @@ const CRATES: [(&str, May); 17] = [
     ),
     ("sweep", Import(&[])),
     ("report", Import(&[])),
-    ("palpate", Import(&["scene", "sweep", "report"])),
+    ("palpate", Import(&["study", "scene", "sweep", "report"])),
     ("replica", Import(&["palpate"])),
     (EVERYBODYS, Import(&[])),
     ("assay", Anything),
