@@ -6,11 +6,15 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
+/// Table that has a row for every cell that was run.
+const CELLS: &str = "cells.csv";
+/// Table that a report writes, not a run.
+const SCORED: &str = "claims.csv";
 /// Column by which a partial run's rows are found among the committed ones.
 const CELL: &str = "cell";
 /// Numbers smaller than this are held to the tolerance of this one.
 const SMALL: f64 = 1e-3;
-/// Text of a row that is not there.
+/// Text of a file that is not there.
 const ABSENT: &str = "–";
 
 /// A number, text or row that is not as committed.
@@ -49,16 +53,30 @@ pub(crate) fn study(
     partial: bool,
     tolerance: Option<f64>,
 ) -> Result<Vec<Difference>> {
+    let cells = match partial {
+        true => Some(cells_run(now).with_context(|| name.to_owned())?),
+        false => None,
+    };
     let mut differences = Vec::new();
-    for file in texts(now)? {
-        let path = committed.join(&file);
+    for file in texts(committed)?.union(&texts(now)?) {
+        let path = committed.join(file);
         let old = fs::read_to_string(&path).with_context(|| {
             let path = path.display();
             format!("cannot read {path}; make it with `cargo xtask reproduce {name}` and commit it")
         })?;
-        let new = fs::read_to_string(now.join(&file))?;
         let label = format!("{name}/{file}");
-        differences.extend(compare(&label, &old, &new, partial).context(label.clone())?);
+        match fs::read_to_string(now.join(file)) {
+            Ok(new) => differences.extend(
+                compare(&label, &old, &new, cells.as_ref()).with_context(|| label.clone())?,
+            ),
+            Err(_) => differences.push(Difference {
+                file: label,
+                row: String::new(),
+                column: "file".to_owned(),
+                committed: "present".to_owned(),
+                now: ABSENT.to_owned(),
+            }),
+        }
     }
     if let Some(tolerance) = tolerance {
         differences.retain(|difference| !difference.is_within(tolerance));
@@ -66,15 +84,37 @@ pub(crate) fn study(
     Ok(differences)
 }
 
-/// Names of the tables and configs in a folder.
+/// Numbers of the cells that a run had.
+fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
+    let (header, rows) = table(&fs::read_to_string(folder.join(CELLS))?)?;
+    let place = header.iter().position(|name| name == CELL);
+    let place = place.with_context(|| format!("{CELLS} has no column {CELL}"))?;
+    let cells: BTreeSet<String> = rows
+        .into_iter()
+        .map(|mut row| row.swap_remove(place))
+        .collect();
+    match cells.is_empty() {
+        true => bail!("no cell was run"),
+        false => Ok(cells),
+    }
+}
+
+/// Names of the tables and configs in a folder, but of what a report adds.
 fn texts(folder: &Path) -> Result<BTreeSet<String>> {
     let names = fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().into_string().ok()));
     let names: Vec<Option<String>> = names.collect::<Result<_>>()?;
-    let is_text = |name: &String| name.ends_with(".csv") || name.ends_with(".toml");
+    let is_text =
+        |name: &String| (name.ends_with(".csv") || name.ends_with(".toml")) && name != SCORED;
     Ok(names.into_iter().flatten().filter(is_text).collect())
 }
 
-fn compare(file: &str, committed: &str, now: &str, partial: bool) -> Result<Vec<Difference>> {
+/// Differences of a file; of a table only in the rows of some cells, where these are given.
+fn compare(
+    file: &str,
+    committed: &str,
+    now: &str,
+    cells: Option<&BTreeSet<String>>,
+) -> Result<Vec<Difference>> {
     let difference = |row: &[String], column: &str, committed: &str, now: &str| Difference {
         file: file.to_owned(),
         row: row.join(" "),
@@ -94,30 +134,22 @@ fn compare(file: &str, committed: &str, now: &str, partial: bool) -> Result<Vec<
         let (old, new) = (header.join(","), new_header.join(","));
         return Ok(vec![difference(&[], "header", &old, &new)]);
     }
-    if let Some(place) = header
-        .iter()
-        .position(|name| name == CELL)
-        .filter(|_| partial)
-    {
-        let cells: BTreeSet<&String> = new.iter().map(|row| &row[place]).collect();
+    if let (Some(cells), Some(place)) = (cells, header.iter().position(|name| name == CELL)) {
         old.retain(|row| cells.contains(&row[place]));
     }
-    let mut differences = Vec::new();
-    for row in 0..old.len().max(new.len()) {
-        match (old.get(row), new.get(row)) {
-            (Some(old), Some(new)) => {
-                let fields = old.iter().zip(new).enumerate();
-                let unlike = fields.filter(|(_, (old, new))| old != new);
-                differences.extend(unlike.map(|(place, (then, now))| {
-                    difference(&old[..place.min(4)], &header[place], then, now)
-                }));
-            }
-            (Some(old), None) => differences.push(difference(old, "row", "present", ABSENT)),
-            (None, Some(new)) => differences.push(difference(new, "row", ABSENT, "present")),
-            (None, None) => {}
-        }
+    if old.len() != new.len() {
+        let lengths = [&old, &new].map(|rows| format!("{} rows", rows.len()));
+        return Ok(vec![difference(&[], "rows", &lengths[0], &lengths[1])]);
     }
-    if differences.is_empty() && !partial {
+    let mut differences = Vec::new();
+    for (old, new) in old.iter().zip(&new) {
+        let fields = old.iter().zip(new).enumerate();
+        let unlike = fields.filter(|(_, (old, new))| old != new);
+        differences.extend(unlike.map(|(place, (then, now))| {
+            difference(&old[..place.min(4)], &header[place], then, now)
+        }));
+    }
+    if differences.is_empty() && cells.is_none() {
         differences.push(difference(&[], "text", "as it was", "another"));
     }
     Ok(differences)
@@ -188,10 +220,10 @@ cell,radius,quantity,truth,mean
 7,50,curvature,0.02,0.021
 ";
 
-    fn found(old: &str, new: &str, partial: bool) -> Vec<(String, String)> {
-        let found = compare("s/cells.csv", old, new, partial)
-            .unwrap()
-            .into_iter();
+    fn found(old: &str, new: &str, cells: &[&str]) -> Vec<(String, String)> {
+        let cells: BTreeSet<String> = cells.iter().map(ToString::to_string).collect();
+        let cells = (!cells.is_empty()).then_some(&cells);
+        let found = compare("s/cells.csv", old, new, cells).unwrap().into_iter();
         found
             .map(|difference| (difference.row, difference.column))
             .collect()
@@ -203,31 +235,53 @@ cell,radius,quantity,truth,mean
 
     #[test]
     fn every_byte_counts() {
-        assert_eq!(found(CELLS, CELLS, false), []);
+        assert_eq!(found(CELLS, CELLS, &[]), []);
         assert_eq!(
-            found(
-                CELLS,
-                &CELLS.replace("0.2001", "0.20010000000000001"),
-                false
-            ),
+            found(CELLS, &CELLS.replace("0.2001", "0.20010000000000001"), &[]),
             [pair("0 5 curvature 0.2", "mean")]
         );
-        assert_eq!(found(CELLS, CELLS.trim_end(), false), [pair("", "text")]);
+        assert_eq!(found(CELLS, CELLS.trim_end(), &[]), [pair("", "text")]);
         let renamed = CELLS.replace("mean", "median");
-        assert_eq!(found(CELLS, &renamed, false), [pair("", "header")]);
+        assert_eq!(found(CELLS, &renamed, &[]), [pair("", "header")]);
         let fewer = CELLS.replace("7,50,curvature,0.02,0.021\n", "");
-        let row = pair("7 50 curvature 0.02 0.021", "row");
-        assert_eq!(found(CELLS, &fewer, false), std::slice::from_ref(&row));
-        assert_eq!(found(&fewer, CELLS, false), [row]);
-        assert_eq!(compare("s/run.toml", "a", "b", true).unwrap().len(), 1);
+        assert_eq!(found(CELLS, &fewer, &[]), [pair("", "rows")]);
+        assert_eq!(found(&fewer, CELLS, &[]), [pair("", "rows")]);
+        assert_eq!(compare("s/run.toml", "a", "b", None).unwrap().len(), 1);
     }
 
     #[test]
     fn of_a_partial_run_only_its_cells_are_compared() {
         let ran = "cell,radius,quantity,truth,mean\n7,50,curvature,0.02,0.021\n";
-        assert_eq!(found(CELLS, ran, true), []);
-        assert_eq!(found(CELLS, &ran.replace("0.021", "0.022"), true).len(), 1);
-        assert_ne!(found(CELLS, ran, false), []);
+        assert_eq!(found(CELLS, ran, &["7"]), []);
+        assert_eq!(
+            found(CELLS, &ran.replace("0.021", "0.022"), &["7"]).len(),
+            1
+        );
+        assert_ne!(found(CELLS, ran, &[]), []);
+        // Rows that a cell has lost.
+        assert_eq!(found(CELLS, ran, &["0", "7"]), [pair("", "rows")]);
+    }
+
+    #[test]
+    fn files_that_are_gone_and_runs_without_cells_are_noticed() {
+        let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let [old, new] = folders.each_ref().map(|folder| folder.path());
+        for name in ["cells.csv", "map.csv", "claims.csv"] {
+            fs::write(old.join(name), CELLS).unwrap();
+        }
+        fs::write(new.join("cells.csv"), CELLS).unwrap();
+        let gone = study("s", old, new, true, None).unwrap();
+        assert_eq!(gone.len(), 1);
+        assert_eq!(
+            (gone[0].file.as_str(), gone[0].column.as_str()),
+            ("s/map.csv", "file")
+        );
+        fs::write(new.join("cells.csv"), "cell,mean\n").unwrap();
+        let error = study("s", old, new, true, None).unwrap_err();
+        assert!(
+            format!("{error:#}").contains("no cell was run"),
+            "{error:#}"
+        );
     }
 
     #[test]

@@ -26,7 +26,8 @@ pub(crate) struct Options {
     /// Compare with the committed results, byte for byte, instead of replacing them.
     #[arg(long)]
     pub(crate) check: bool,
-    /// Relative difference of numbers that --check allows, for hosts on which bytes are not promised; 1e-9 is ample.
+    /// Relative difference of numbers that --check allows, for hosts on which bytes are not promised, such as 1e-9; below
+    /// 0.001 that share of 0.001.
     #[arg(long, value_name = "SHARE", requires = "check", value_parser = share)]
     pub(crate) tolerance: Option<f64>,
 }

@@ -1,7 +1,8 @@
 //! Elementary functions that dependencies take from the C library, which would round as the host does.
 #![allow(unsafe_code, reason = "an exported name is all that is unsafe here")]
 
-/// Power x^y, for the progress bar and the page's templates.
+/// Power x^y, for the progress bar and the page's templates. No table needs it: `palpate-replica` has the simulation
+/// without them, and imports no elementary function either.
 #[unsafe(no_mangle)]
 extern "C" fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)

@@ -1,12 +1,14 @@
 //! The trials of a study's cells, and the tables that they give.
 
+use std::sync::atomic::AtomicBool;
+
 use palpate_scene::Scenes;
 use palpate_scene::glide::MapTable;
 use palpate_scene::press::ProfileTable;
 use palpate_scene::{Arch, Scene};
 use palpate_study::Table;
 use palpate_study::config::{ConfigError, Output, Study};
-use palpate_sweep::{Cell, CellStatistics, RunOptions, SweepError};
+use palpate_sweep::{Cell, CellStatistics, RunOptions, Runner, SweepError};
 
 use crate::SceneTrial;
 use crate::tables::{self, Row};
@@ -61,9 +63,10 @@ impl<'a> Simulation<'a> {
         self.trials.iter().map(|trial| &trial.scene)
     }
 
-    /// Number of trials of all cells together.
+    /// Number of trials of all cells together; at most the largest number of 64 bits.
     pub fn trials(&self) -> u64 {
-        self.cells().iter().map(|cell| cell.trials).sum()
+        let trials = self.cells().into_iter().map(|cell| cell.trials);
+        trials.fold(0, u64::saturating_add)
     }
 
     /// Runs all trials; `progress` is told by any thread how many it has done since it last told.
@@ -78,7 +81,23 @@ impl<'a> Simulation<'a> {
         options: &RunOptions,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Ran<'_>, SweepError> {
-        let statistics = palpate_sweep::run(&self.cells(), options, progress)?;
+        self.run_until(&AtomicBool::new(false), options, progress)
+    }
+
+    /// Runs all trials as [`Simulation::run`] does, until another thread sets `cancelled`: then no trial begins.
+    ///
+    /// # Errors
+    /// [`SweepError`], before any trial is run; [`SweepError::Cancelled`].
+    ///
+    /// # Panics
+    /// Where `progress` does.
+    pub fn run_until(
+        &self,
+        cancelled: &AtomicBool,
+        options: &RunOptions,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Ran<'_>, SweepError> {
+        let statistics = Runner::new(options)?.run_until(cancelled, &self.cells(), progress)?;
         Ok(Ran {
             simulation: self,
             statistics,

@@ -1,5 +1,7 @@
 //! A run of consecutive blocks of one cell, and the joining of neighbouring runs.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use crate::failures::{Failure, Failures};
 use crate::histogram::Histogram;
 use crate::record::Record;
@@ -44,7 +46,8 @@ impl Part {
         }
     }
 
-    fn run_next_block(&mut self, cell: &Cell, workspace: &mut Workspace) {
+    /// Runs the block that follows; cut short where the run is cancelled, which drops all of it.
+    fn run_next_block(&mut self, cell: &Cell, workspace: &mut Workspace, cancelled: &AtomicBool) {
         let Workspace { record, scratch } = workspace;
         let quantities = self.histograms.len();
         record.set_quantities(quantities);
@@ -60,7 +63,7 @@ impl Part {
         let start = (self.first_block + self.blocks) * BLOCK;
         let end = cell.trials.min(start.saturating_add(BLOCK));
         let mut trial = start;
-        while trial < end {
+        while trial < end && !cancelled.load(Ordering::Relaxed) {
             trial += cell.trial.run_together(trial..end, record);
             if trial == end {
                 break;
@@ -137,6 +140,7 @@ impl Segment {
         cell: usize,
         block: u64,
         workspace: &mut Workspace,
+        cancelled: &AtomicBool,
     ) {
         let mut part = match self
             .pieces
@@ -145,7 +149,7 @@ impl Segment {
             Some(Piece::Open(part)) => part,
             _ => Part::new(cell, block, cells[cell].trial.quantities()),
         };
-        part.run_next_block(&cells[cell], workspace);
+        part.run_next_block(&cells[cell], workspace, cancelled);
         self.push(part, cells);
     }
 

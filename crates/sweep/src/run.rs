@@ -4,6 +4,7 @@ use std::error::Error as _;
 use std::io;
 use std::num::NonZeroUsize;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use thiserror::Error;
@@ -77,6 +78,9 @@ pub enum SweepError {
         /// Cause, from the thread pool.
         source: rayon::ThreadPoolBuildError,
     },
+    /// Somebody cancelled the run; what it had found is dropped.
+    #[error("the run was cancelled")]
+    Cancelled,
     /// The trials of all cells cannot be counted in 64 bits.
     #[error("{cells} cells have more than {} trials together", u64::MAX)]
     TooManyTrials {
@@ -138,11 +142,31 @@ impl Runner {
         cells: &[Cell],
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Vec<CellStatistics>, SweepError> {
-        let study = Study::new(cells)?;
-        Ok(match &self.pool {
+        self.run_until(&AtomicBool::new(false), cells, progress)
+    }
+
+    /// Runs all trials of all cells as [`Runner::run`] does, until another thread sets `cancelled`: then no trial begins.
+    ///
+    /// # Errors
+    /// [`SweepError::TooManyTrials`], before any trial is run; [`SweepError::Cancelled`].
+    ///
+    /// # Panics
+    /// Where a trial or `progress` does.
+    pub fn run_until(
+        &self,
+        cancelled: &AtomicBool,
+        cells: &[Cell],
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Vec<CellStatistics>, SweepError> {
+        let study = Study::new(cells, cancelled)?;
+        let statistics = match &self.pool {
             Some(pool) => pool.install(|| study.run(progress)),
             None => study.run(progress),
-        })
+        };
+        match cancelled.load(Ordering::Relaxed) {
+            true => Err(SweepError::Cancelled),
+            false => Ok(statistics),
+        }
     }
 }
 
@@ -160,10 +184,11 @@ struct Study<'a> {
     /// First block of each cell.
     starts: Vec<u64>,
     blocks: u64,
+    cancelled: &'a AtomicBool,
 }
 
 impl<'a> Study<'a> {
-    fn new(cells: &'a [Cell<'a>]) -> Result<Study<'a>, SweepError> {
+    fn new(cells: &'a [Cell<'a>], cancelled: &'a AtomicBool) -> Result<Study<'a>, SweepError> {
         let mut starts = Vec::with_capacity(cells.len());
         let (mut blocks, mut trials) = (0u64, 0u64);
         for cell in cells {
@@ -177,6 +202,7 @@ impl<'a> Study<'a> {
             cells,
             starts,
             blocks,
+            cancelled,
         })
     }
 
@@ -195,10 +221,13 @@ impl<'a> Study<'a> {
     fn run_wave(&self, start: u64, blocks: usize, progress: &(dyn Fn(u64) + Sync)) -> Segment {
         let jobs = JOBS_PER_THREAD * rayon::current_num_threads();
         let run = |(mut segment, mut workspace): (Segment, Workspace), index: usize| {
+            if self.cancelled.load(Ordering::Relaxed) {
+                return (segment, workspace);
+            }
             let index = start + index as u64;
             let cell = self.starts.partition_point(|&first| first <= index) - 1;
             let block = index - self.starts[cell];
-            segment.run_block(self.cells, cell, block, &mut workspace);
+            segment.run_block(self.cells, cell, block, &mut workspace, self.cancelled);
             progress((self.cells[cell].trials - block * BLOCK).min(BLOCK));
             (segment, workspace)
         };

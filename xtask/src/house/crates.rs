@@ -43,7 +43,7 @@ const CRATES: [(&str, May); 18] = [
     ("replica", Import(&["palpate"])),
     (EVERYBODYS, Import(&[])),
     ("assay", Anything),
-    ("fuzz", Anything),
+    ("fuzz", Import(&["geometry", "study", "scene", "tracking"])),
     ("xtask", Nothing),
 ];
 /// The crate that each of the others may import.

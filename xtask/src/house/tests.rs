@@ -267,7 +267,7 @@ fn a_forbidden_import_of_a_crate_is_named() {
         crates::faults(&packages),
         [
             "crate press imports sensing; it may import tally",
-            "crate palpate imports assay; it may import scene, sweep, report, tally",
+            "crate palpate imports assay; it may import study, scene, sweep, report, tally",
             "crate xtask imports tally; it may import nothing",
             "crate new is not in the table of crates",
         ]

@@ -113,7 +113,7 @@ impl Sums<Lanes> {
             log_determinants: Lanes::ZERO,
             log_determinants_prime: Lanes::ZERO,
         };
-        // One logarithm of a product of which powers of two are counted apart, lest it vanish: no factor is below 1e-12.
+        // One logarithm of a product of which powers of two are counted apart after every four factors, lest it vanish.
         let (mut product, mut halvings) = (Lanes::ONE, Lanes::ZERO);
         let modes = spectrum.fidelity.iter().zip(&spectrum.roughness);
         for (mode, ((fidelity, roughness), right)) in modes.zip(&spectrum.right).enumerate() {
@@ -133,9 +133,14 @@ impl Sums<Lanes> {
                 sums.log_determinants_prime += is_rough.select(fitted, Lanes::ZERO);
             }
             if mode % 4 == 3 {
-                let is_small = product.simd_lt(Lanes::splat(SMALL));
-                product = is_small.select(product * (1.0 / SMALL), product);
-                halvings += is_small.select(Lanes::splat(SMALL_HALVINGS), Lanes::ZERO);
+                let is_small = |product: Lanes| {
+                    product.simd_lt(Lanes::splat(SMALL)) & product.simd_gt(Lanes::ZERO)
+                };
+                while is_small(product).any() {
+                    let is_small = is_small(product);
+                    product = is_small.select(product * (1.0 / SMALL), product);
+                    halvings += is_small.select(Lanes::splat(SMALL_HALVINGS), Lanes::ZERO);
+                }
             }
         }
         sums.log_determinants = Lanes::from(product.to_array().map(libm::log)) - halvings * LN_2;

@@ -116,7 +116,8 @@ pub fn calibration_toml(calibration: &Calibration, length_unit: LengthUnit) -> S
         lateral: calibration.lateral_part().map(LateralPart::of),
     };
     let body = toml::to_string(&file).expect("numbers, words and tables of them have a TOML form");
-    format!("{HEADER}{body}")
+    // Zero has no sign.
+    format!("{HEADER}{}", body.replace("= -0.0\n", "= 0.0\n"))
 }
 
 /// Reads a calibration, and the unit of its lengths.

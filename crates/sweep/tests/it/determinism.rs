@@ -1,9 +1,12 @@
 //! Threads, blocks and waves leave no trace in the results.
 
+use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use palpate_sweep::{BLOCK, Cell, Observations, Record, RunOptions, SweepError, Trial, run};
+use palpate_sweep::{
+    BLOCK, Cell, Observations, Record, RunOptions, Runner, SweepError, Trial, run,
+};
 
 use crate::{Function, normal, observation, observing, run_cell, run_with};
 
@@ -130,6 +133,44 @@ fn progress_adds_up_to_all_trials() {
     };
     run(&cells, &RunOptions::default(), &progress).unwrap();
     assert_eq!(finished.into_inner(), 11_026);
+}
+
+#[test]
+fn a_cancelled_run_begins_no_more_trials_and_gives_nothing() {
+    let cancelled = AtomicBool::new(false);
+    let begun = AtomicU64::new(0);
+    let trial = observing(|_| {
+        if begun.fetch_add(1, Ordering::Relaxed) == 99 {
+            cancelled.store(true, Ordering::Relaxed);
+        }
+        observation(0.0, 0.0, None)
+    });
+    let cells = [Cell {
+        trials: 1000 * BLOCK,
+        trial: &trial,
+    }; 2];
+    for threads in [1, 2] {
+        begun.store(0, Ordering::Relaxed);
+        cancelled.store(false, Ordering::Relaxed);
+        let threads = NonZeroUsize::new(threads);
+        let runner = Runner::new(&RunOptions { threads }).unwrap();
+        let error = runner.run_until(&cancelled, &cells, &|_| ()).unwrap_err();
+        assert!(matches!(error, SweepError::Cancelled), "{error}");
+        let begun = begun.load(Ordering::Relaxed);
+        match threads.map(NonZeroUsize::get) {
+            // Between trials, not blocks.
+            Some(1) => assert_eq!(begun, 100),
+            // The other thread goes on until it sees the flag.
+            _ => assert!(begun < 1000 * BLOCK, "{begun}"),
+        }
+    }
+    cancelled.store(false, Ordering::Relaxed);
+    begun.store(100, Ordering::Relaxed);
+    let runner = Runner::new(&RunOptions::default()).unwrap();
+    assert_eq!(
+        runner.run_until(&cancelled, &cells, &|_| ()).unwrap().len(),
+        2
+    );
 }
 
 #[test]
