@@ -120,8 +120,8 @@ pub(crate) fn json(estimate: &impl Serialize) -> Result<String, Failure> {
         };
         // A string would end in a quotation mark.
         match value.strip_suffix("-0.0") {
-            Some(key) if key.ends_with(' ') => format!("{key}0.0{comma}"),
-            _ => line.to_owned(),
+            Some(key) => format!("{key}0.0{comma}"),
+            None => line.to_owned(),
         }
     });
     Ok(lines.collect::<Vec<_>>().join("\n"))

@@ -20,9 +20,16 @@ fn main() -> ExitCode {
         eprintln!("error: CELLS and TRIALS are whole numbers, not {cells} and {trials}");
         return ExitCode::from(2);
     };
-    let Some(arch) = arch_named(arch) else {
-        eprintln!("this processor has no instructions {arch}");
-        return ExitCode::from(LACKING);
+    let arch = match arch_named(arch) {
+        Ok(Some(arch)) => arch,
+        Ok(None) => {
+            eprintln!("this processor has no instructions {arch}");
+            return ExitCode::from(LACKING);
+        }
+        Err(known) => {
+            eprintln!("error: ARCH is one of {known}, not {arch}");
+            return ExitCode::from(2);
+        }
     };
     for config in configs {
         if let Err(message) = print(Path::new(config), Extent { cells, trials }, arch) {
@@ -41,22 +48,19 @@ fn print(config: &Path, extent: Extent, arch: Arch) -> Result<(), String> {
     Ok(())
 }
 
-#[cfg(target_arch = "x86_64")]
-fn arch_named(name: &str) -> Option<Arch> {
+/// Instructions of a name, where the processor has them.
+///
+/// # Errors
+/// The names that there are on this kind of processor.
+fn arch_named(name: &str) -> Result<Option<Arch>, &'static str> {
     match name {
-        "widest" => Some(Arch::new()),
-        "scalar" => Some(Arch::Scalar),
-        "v3" => pulp::x86::V3::try_new().map(Arch::V3),
-        "v4" => pulp::x86::V4::try_new().map(Arch::V4),
-        _ => None,
-    }
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-fn arch_named(name: &str) -> Option<Arch> {
-    match name {
-        "widest" => Some(Arch::new()),
-        "scalar" => Some(Arch::Scalar),
-        _ => None,
+        "widest" => Ok(Some(Arch::new())),
+        "scalar" => Ok(Some(Arch::Scalar)),
+        #[cfg(target_arch = "x86_64")]
+        "v3" => Ok(pulp::x86::V3::try_new().map(Arch::V3)),
+        #[cfg(target_arch = "x86_64")]
+        "v4" => Ok(pulp::x86::V4::try_new().map(Arch::V4)),
+        _ if cfg!(target_arch = "x86_64") => Err("widest, scalar, v3, v4"),
+        _ => Err("widest, scalar"),
     }
 }

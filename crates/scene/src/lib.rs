@@ -158,7 +158,7 @@ pub trait Scenes {
     /// Builds the scene of a cell, if it can be estimated from. A trace needs no such scene.
     ///
     /// # Errors
-    /// As [`Scenes::scene`], and where the readings cannot tell the curvature: fewer than two probes,
+    /// Errors of [`Scenes::scene`], and where the readings cannot tell the curvature: fewer than two probes,
     /// or all parallel; too few contacts, or all on a line; too few markers.
     ///
     /// # Panics
@@ -168,7 +168,7 @@ pub trait Scenes {
     /// Builds the scene of a cell on another rung of its ladder.
     ///
     /// # Errors
-    /// As [`Scenes::scene`]: where the rung cannot do the scene, at `scene.model`.
+    /// Errors of [`Scenes::scene`]: where the rung cannot do the scene, at `scene.model`.
     ///
     /// # Panics
     /// If `cell` is not the index of a cell.
@@ -177,7 +177,7 @@ pub trait Scenes {
     /// Measures the ladder of a cell's scene; there is none of one that touches nothing.
     ///
     /// # Errors
-    /// As [`Scenes::estimable_scene`].
+    /// Errors of [`Scenes::estimable_scene`].
     ///
     /// # Panics
     /// If `cell` is not the index of a cell.

@@ -60,3 +60,33 @@ fn push_field(text: &mut String, field: &str) {
 pub fn number(value: f64) -> String {
     (value + 0.0).to_string()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_text_reads_back_the_same() {
+        let fields = [
+            "plain",
+            "",
+            "a, b",
+            "say \"x\"",
+            "two\nlines",
+            "cr\r",
+            "\"",
+            "µ",
+        ];
+        let mut table = Table::new(fields.map(str::to_owned));
+        table.rows.push(fields.map(str::to_owned).to_vec());
+        table.push(3, [-0.0, 1e-300, 0.1, 5.0, 6.0, 7.0, 8.0]);
+        let csv = table.to_csv();
+        let mut reader = csv::Reader::from_reader(csv.as_bytes());
+        assert_eq!(reader.headers().unwrap(), fields.as_slice());
+        let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+        assert_eq!(rows.len(), 2);
+        assert_eq!(&rows[0], fields.as_slice());
+        assert_eq!((&rows[1][0], &rows[1][1], &rows[1][3]), ("3", "0", "0.1"));
+        assert_eq!(rows[1][2].parse(), Ok(1e-300));
+    }
+}

@@ -122,7 +122,7 @@ fn imports(tree: &Tree) -> Imports {
     imports
 }
 
-/// Whether it is what a module only passes on of a module below it.
+/// Test for an import that a module only passes on of a module below it.
 fn hands_on(module: &Module, named: &Named) -> bool {
     let own = named.path.iter().find(|name| *name != "self");
     named.public && own.is_some_and(|name| module.children.contains_key(name))

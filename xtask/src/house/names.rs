@@ -17,7 +17,7 @@ use super::uses::{Names, attributes, defined, test_only, text, uses};
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Named {
     pub(super) path: Names,
-    /// Whether it is named in order to hand it on.
+    /// Mark of a name that is only handed on.
     pub(super) public: bool,
 }
 
@@ -265,7 +265,7 @@ fn arguments(called: &Macro) -> Option<Punctuated<Expr, Token![,]>> {
     parser.parse2(called.tokens.clone()).ok()
 }
 
-/// Whether a pattern is a constant's or a variant's name, going by its first letter.
+/// Test for a pattern that is a constant's or a variant's name, going by its first letter.
 fn is_constant(pattern: &PatIdent) -> bool {
     text(&pattern.ident).starts_with(char::is_uppercase)
 }
@@ -283,7 +283,7 @@ fn path_at(tokens: &[TokenTree], mut at: usize) -> Names {
     path
 }
 
-/// Whether a name stands for itself after these tokens: no field, lifetime or variable of a macro.
+/// Test for a name that stands for itself after these tokens: no field, lifetime or variable of a macro.
 fn begins_path(before: &[TokenTree], head: &str) -> bool {
     let last = before.last();
     let first = before.len().checked_sub(2).and_then(|at| before.get(at));
@@ -293,7 +293,7 @@ fn begins_path(before: &[TokenTree], head: &str) -> bool {
     !(field || variable || outer || is(last, '\''))
 }
 
-/// Whether the tokens show that a name before them is a field's or an argument's.
+/// Test for tokens that show that a name before them is a field's or an argument's.
 fn is_key(after: &[TokenTree]) -> bool {
     let (first, second) = (after.first(), after.get(1));
     is(first, ':') || is(first, '=') && !is(second, '=') && !is(second, '>')

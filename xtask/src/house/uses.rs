@@ -13,7 +13,7 @@ pub(super) struct Use {
     pub(super) path: Names,
     /// The name under which it is brought in; none where all are.
     pub(super) name: Option<String>,
-    /// Whether it is handed on to others.
+    /// Mark of an import that is handed on to others.
     pub(super) public: bool,
 }
 
@@ -59,7 +59,7 @@ pub(super) fn text(ident: &Ident) -> String {
     ident.unraw().to_string()
 }
 
-/// Whether an item with these attributes is only there in tests.
+/// Test for attributes of an item that is only there in tests.
 pub(super) fn test_only(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| match &attribute.meta {
         Meta::Path(path) => path.is_ident("test"),
