@@ -44,7 +44,7 @@ pub use contact::{Contact, Shift};
 pub use error::{RollError, RollFault};
 pub use glide::{Fingertip, GlideError, Glider, InvalidTouch, Touch, TouchModel};
 pub use ladder::MeasuredRung;
-pub use model::{Chart, Choice, InvalidRoll, Model, Rolls};
+pub use model::{Chart, Choice, InvalidRoll, Model, Rolls, TOLERANCES};
 pub use motion::Motion;
 pub use roller::{Probe, Roller};
 

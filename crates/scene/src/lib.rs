@@ -19,6 +19,7 @@ pub use glide::GlideScene;
 pub use ladder::{Ladder, Rung};
 pub use plan::PlanError;
 pub use press::PressScene;
+pub use palpate_rolling::TOLERANCES;
 pub use roll::{Arch, LANES, RollScene, SideBySide};
 
 use palpate_study::Quantity;
