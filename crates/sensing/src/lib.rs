@@ -16,6 +16,7 @@ mod position;
 mod sphere_map;
 mod standard_normal;
 mod stream;
+mod uniform;
 mod uniform_lattice;
 mod wrist;
 
