@@ -20,6 +20,9 @@ mod parameter;
 mod placement;
 mod triangle;
 
+pub use observations::WeightedPoint;
+
+use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
 use crate::{Ep2Error, TensorSpline};
 use mesh::{Mesh, Roughness};
@@ -28,22 +31,6 @@ use triangle::Triangle;
 
 /// Relative residuals of this size are rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Numbers whose squares neither overflow nor vanish.
-const LARGEST: f64 = 1e150;
-
-/// A height over a place in the plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WeightedPoint {
-    /// Place along the first variable.
-    pub u: f64,
-    /// Place along the second one.
-    pub v: f64,
-    /// Height.
-    pub w: f64,
-    /// Factor on the residual, an inverse standard deviation. A point that outweighs another by a factor
-    /// of f costs it the digits of f: from 1e15 on none are left.
-    pub weight: f64,
-}
 
 /// The settings by which a smoothing spline is made.
 ///
