@@ -74,10 +74,7 @@ impl Roller {
             InvalidRoll::Unsupported { reason, .. } => reason,
             error => error.to_string(),
         })?;
-        let mut ends = Ends {
-            contacts: Vec::new(),
-            evaluations: 0,
-        };
+        let mut ends = Ends::default();
         for roll in rolls.rolls {
             let (contact, evaluations) = roller.follow(roll).map_err(|error| error.to_string())?;
             ends.contacts.push(contact);

@@ -40,15 +40,12 @@ pub(crate) fn rk4(
     reason: String,
     error_bound: Option<f64>,
 ) -> (Rung, Choice) {
-    let model = Model::Rk4 { steps, chart };
-    let choice = Choice {
-        rung: model.name(),
-        model,
-        reason,
-        error_bound,
-    };
     let method = rk4_method(steps);
-    (Rung::Integrated(Integration { method, chart }), choice)
+    let rung = Rung::Integrated(Integration { method, chart });
+    (
+        rung,
+        choice(Model::Rk4 { steps, chart }, reason, error_bound),
+    )
 }
 
 /// DOP853 on a form of the equations, and the choice that states it.
@@ -58,15 +55,19 @@ pub(crate) fn dop853(
     reason: String,
     error_bound: Option<f64>,
 ) -> (Rung, Choice) {
+    let method = dop853_method(tolerance);
+    let rung = Rung::Integrated(Integration { method, chart });
     let model = Model::Dop853 { tolerance, chart };
-    let choice = Choice {
+    (rung, choice(model, reason, error_bound))
+}
+
+fn choice(model: Model, reason: String, error_bound: Option<f64>) -> Choice {
+    Choice {
         rung: model.name(),
         model,
         reason,
         error_bound,
-    };
-    let method = dop853_method(tolerance);
-    (Rung::Integrated(Integration { method, chart }), choice)
+    }
 }
 
 /// RK4 with so many steps per motion.

@@ -35,6 +35,7 @@ pub(super) enum Unmeasured {
 }
 
 /// Contacts at the ends of all rolls, and how often the contact equations were evaluated on the way.
+#[derive(Default)]
 pub(crate) struct Ends {
     pub(crate) contacts: Vec<Contact>,
     pub(crate) evaluations: usize,
@@ -114,10 +115,7 @@ impl Setting<'_> {
 
     /// Ends of all rolls by one integrator.
     fn ends(&self, rolls: Rolls<'_>, method: Method, chart: Chart) -> Result<Ends, Unmeasured> {
-        let mut ends = Ends {
-            contacts: Vec::new(),
-            evaluations: 0,
-        };
+        let mut ends = Ends::default();
         let motions: usize = rolls.rolls.iter().map(Vec::len).sum();
         let affordable = AFFORDABLE.max(AFFORDABLE_PER_MOTION.saturating_mul(motions));
         for roll in rolls.rolls {
