@@ -38,11 +38,13 @@
 //! # Ok::<(), palpate_sweep::SweepError>(())
 //! ```
 
+mod cell;
 mod column;
 mod failures;
 mod histogram;
 mod magnitude;
 mod moments;
+mod observation;
 mod part;
 mod record;
 mod run;
@@ -50,9 +52,11 @@ mod scale;
 mod summary;
 mod sums;
 
+pub use cell::{BLOCK, Cell, Trial};
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
-pub use record::{Observation, Observations, Record};
-pub use run::{BLOCK, Cell, RunOptions, Runner, SweepError, Trial, run};
+pub use observation::{Observation, Observations};
+pub use record::Record;
+pub use run::{RunOptions, Runner, SweepError, run};
 pub use summary::{CellStatistics, Summary};
 
 #[cfg(doctest)]

@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::cell::{BLOCK, Cell};
 use crate::failures::{Failure, Failures};
 use crate::histogram::Histogram;
 use crate::record::Record;
-use crate::run::{BLOCK, Cell};
 use crate::summary::{CellStatistics, Summary};
 use crate::sums::{Scratch, Sums};
 
