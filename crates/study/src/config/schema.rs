@@ -1,12 +1,9 @@
 //! The JSON Schema of a config: what editors complete from, what configs are validated against, and where units stand.
 
-use super::study::{LengthUnit, StudyConfig};
-use super::validate::kind_of;
+use super::length_unit::LengthUnit;
+use super::study::StudyConfig;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value as Json, json};
-
-/// The pattern of a name that is fit for a file.
-pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
@@ -108,37 +105,4 @@ fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     variants
         .iter()
         .find_map(|variant| unit_of(variant["properties"].get(key)?, rest))
-}
-
-/// Leaves out those keys of the tagged table at a path that equal their default.
-pub(super) fn drop_defaults(schema: &Json, table: &mut toml::Table, path: &str) {
-    let (mut schema, mut table) = (schema, table);
-    for key in path.split('.') {
-        let variants = schema["oneOf"]
-            .as_array()
-            .map_or(std::slice::from_ref(schema), Vec::as_slice);
-        let kind = table.get("kind").and_then(toml::Value::as_str);
-        let Some(variant) = variants.iter().find(|variant| kind_of(variant) == kind) else {
-            return;
-        };
-        let Some(toml::Value::Table(inner)) = table.get_mut(key) else {
-            return;
-        };
-        (schema, table) = (&variant["properties"][key], inner);
-    }
-    let kind = table
-        .get("kind")
-        .and_then(toml::Value::as_str)
-        .map(String::from);
-    let variants = schema["oneOf"].as_array().into_iter().flatten();
-    let Some(variant) = variants
-        .into_iter()
-        .find(|variant| kind_of(variant) == kind.as_deref())
-    else {
-        return;
-    };
-    table.retain(|key, value| {
-        let default = variant["properties"][key].get("default");
-        default.is_none() || serde_json::to_value(&*value).ok().as_ref() != default
-    });
 }
