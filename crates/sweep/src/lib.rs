@@ -38,7 +38,6 @@
 //! # Ok::<(), palpate_sweep::SweepError>(())
 //! ```
 
-mod cell;
 mod column;
 mod failures;
 mod histogram;
@@ -51,13 +50,14 @@ mod run;
 mod scale;
 mod summary;
 mod sums;
+mod trial;
 
-pub use cell::{BLOCK, Cell, Trial};
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 pub use observation::{Observation, Observations};
 pub use record::Record;
 pub use run::{RunOptions, Runner, SweepError, run};
 pub use summary::{CellStatistics, Summary};
+pub use trial::{BLOCK, Cell, Trial};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

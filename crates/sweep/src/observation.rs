@@ -1,4 +1,4 @@
-//! Observations of trials.
+//! Estimates of trials beside their truths.
 
 /// Estimate of one quantity by one trial beside its true value, both in the quantity's unit.
 ///

@@ -2,12 +2,12 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::cell::{BLOCK, Cell};
 use crate::failures::{Failure, Failures};
 use crate::histogram::Histogram;
 use crate::record::Record;
 use crate::summary::{CellStatistics, Summary};
 use crate::sums::{Scratch, Sums};
+use crate::trial::{BLOCK, Cell};
 
 /// Observations of one quantity from which on they are summed up before the end of the block, which bounds the memory
 /// of trials with many observations.

@@ -8,9 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::cell::{BLOCK, Cell};
 use crate::part::{Segment, Workspace};
 use crate::summary::CellStatistics;
+use crate::trial::{BLOCK, Cell};
 
 /// Blocks per thread after which sums are folded. Large against the blocks of one job, so that threads rarely wait.
 const WAVE: usize = 1024;

@@ -1,4 +1,4 @@
-//! Cells of a study, and the trials that they repeat.
+//! Experiments that are repeated, and the cells of a study that repeat them.
 
 use std::ops::Range;
 
