@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use palpate_geometry::{ShapeClass, ShapeThresholds};
+use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};
 
@@ -12,7 +13,8 @@ const REACH: f64 = 8.0;
 const INTERVALS: usize = 64;
 
 /// Shape by the signs of the curvatures alone, without thresholds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
 pub enum SignClass {
     /// Gaussian and mean curvature above 0: both principal curvatures are positive.
     Convex,
@@ -24,12 +26,8 @@ pub enum SignClass {
 
 impl SignClass {
     /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Convex => "convex",
-            Self::Concave => "concave",
-            Self::Saddle => "saddle",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 

@@ -22,6 +22,8 @@ mod triangle;
 
 pub use observations::WeightedPoint;
 
+use strum::IntoStaticStr;
+
 use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
 use crate::{Ep2Error, TensorSpline};
@@ -80,7 +82,8 @@ impl SmoothingSpline {
 }
 
 /// The way in which a fit ended: whether its sum of squared residuals is the one aimed at, and why not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Eq, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Status {
     /// The polynomial without knots meets the sum.
     Polynomial,
@@ -102,14 +105,8 @@ impl Status {
     }
 
     /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Polynomial => "polynomial",
-            Self::Interpolating => "interpolating",
-            Self::Smoothing => "smoothing",
-            Self::KnotsExhausted => "knots-exhausted",
-            Self::Unsettled => "unsettled",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
