@@ -7,6 +7,7 @@
 //! contact, in the tangent basis there; see [`displacement_between`].
 
 mod angular_velocity;
+mod distribution;
 mod encoder;
 mod error;
 mod gaussian;
@@ -20,7 +21,8 @@ mod uniform;
 mod uniform_lattice;
 mod wrist;
 
-pub use angular_velocity::{AngularVelocityError, Distribution};
+pub use angular_velocity::AngularVelocityError;
+pub use distribution::Distribution;
 pub use encoder::Encoder;
 pub use error::{BeyondPads, InvalidSensor};
 pub use gaussian::GaussianError;
