@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use palpate::config::{self, Output, Study, StudyConfig};
 use palpate::{CellStatistics, Map, RunOptions, Scene, Simulation};
+use palpate_scene::TraceError;
 
 use crate::allowance;
 use crate::cli::RunArgs;
@@ -129,10 +130,8 @@ fn resolved(study: &Study) -> String {
 pub(crate) struct Traced {
     /// Their names and contents.
     pub(crate) files: Vec<(&'static str, Vec<u8>)>,
-    /// How many contacts the truth has, or markers.
-    pub(crate) contacts: usize,
-    /// How many rows the readings have.
-    pub(crate) readings: usize,
+    /// Words for what was followed.
+    pub(crate) what: String,
     /// Whether a camera saw it.
     pub(crate) is_seen: bool,
 }
@@ -143,31 +142,17 @@ pub(crate) fn trace_files(
     scene: &Scene,
     trial: Option<u64>,
 ) -> Result<Traced, Failure> {
-    let unit = study.config.length_unit;
-    let (contacts, readings, seen) = match scene {
-        Scene::Roll(roll) => {
-            let trace = roll.trace(trial, unit).map_err(Failure::work)?;
-            (trace.contacts, trace.readings, None)
-        }
-        Scene::Glide(glide) => {
-            let trace = glide.trace(trial, unit);
-            (trace.contacts, trace.readings, None)
-        }
-        Scene::Press(press) => {
-            let trace = press.trace(trial, unit).map_err(Failure::work)?;
-            (trace.contacts, trace.readings, trace.seen)
-        }
-        Scene::Fingertip(_) => {
-            let message = "a fingertip touches nothing: there is no pass to follow";
-            return Err(Failure::usage(study.error_at(0, "scene.kind", message)));
-        }
-    };
+    let trace = scene.trace(trial, study.config.length_unit);
+    let trace = trace.map_err(|error| match error {
+        TraceError::Untouched => Failure::usage(study.error_at(0, "scene.kind", error.to_string())),
+        error => Failure::work(error),
+    })?;
     let mut files = vec![
-        (TRACE, contacts.to_csv().into_bytes()),
-        (READINGS, readings.to_csv().into_bytes()),
+        (TRACE, trace.contacts.to_csv().into_bytes()),
+        (READINGS, trace.readings.to_csv().into_bytes()),
     ];
-    let is_seen = seen.is_some();
-    if let Some(seen) = seen {
+    let is_seen = trace.seen.is_some();
+    if let Some(seen) = trace.seen {
         files.push((MARKERS, seen.markers.to_csv().into_bytes()));
         for (name, frame) in FRAMES.into_iter().zip(seen.frames.iter().flatten()) {
             files.push((name, output::png(frame)?));
@@ -175,8 +160,7 @@ pub(crate) fn trace_files(
     }
     Ok(Traced {
         files,
-        contacts: contacts.rows.len(),
-        readings: readings.rows.len(),
+        what: trace.what,
         is_seen,
     })
 }

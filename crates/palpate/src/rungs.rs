@@ -1,7 +1,6 @@
 //! Choice of the tolerance of `auto` from the shift of the estimates that a model's error causes.
 
-use palpate_scene::Scenes;
-use palpate_scene::{GlideScene, PressScene, RollScene, Scene};
+use palpate_scene::{Scene, Scenes};
 use palpate_study::Quantity;
 use palpate_study::config::{
     self, ConfigError, GlideSensorConfig, PressSensorConfig, RollSensorConfig, SceneConfig, Study,
@@ -162,7 +161,7 @@ struct PassValue {
 /// Noiseless pass of a cell with this tolerance; `None` where the scene cannot be set up or its trial fails.
 fn pass(config: &StudyConfig, tolerance: f64) -> Option<Pass> {
     let scene = with_tolerance(&config.scene, tolerance)?;
-    let scene = scene_of(&bare(&scene), config.seed)?;
+    let scene = Scene::new(&bare(&scene), config.seed).ok()?;
     let mut values = Vec::new();
     let quantities = scene.quantities();
     let mut scales = vec![0.0_f64; quantities.len()];
@@ -219,15 +218,6 @@ pub(crate) fn bare(scene: &SceneConfig) -> SceneConfig {
         SceneConfig::Fingertip(_) => {}
     }
     scene
-}
-
-fn scene_of(config: &SceneConfig, seed: u64) -> Option<Scene> {
-    match config {
-        SceneConfig::Roll(roll) => RollScene::new(roll, seed).ok().map(Scene::Roll),
-        SceneConfig::Glide(glide) => GlideScene::new(glide, seed).ok().map(Scene::Glide),
-        SceneConfig::Press(press) => PressScene::new(press, seed).ok().map(Scene::Press),
-        SceneConfig::Fingertip(_) => None,
-    }
 }
 
 /// Copy of a scene with this tolerance of `auto`; `None` where the scene's model is another than `auto`, or there is

@@ -2,10 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use palpate_scene::Scenes;
-use palpate_scene::glide::MapTable;
-use palpate_scene::press::ProfileTable;
-use palpate_scene::{Arch, Scene};
+use palpate_scene::{Arch, MapTable, Scene, Scenes};
 use palpate_study::Table;
 use palpate_study::config::{ConfigError, Output, Study};
 use palpate_sweep::{Cell, CellStatistics, RunOptions, Runner, SweepError};
@@ -118,18 +115,15 @@ impl<'a> Simulation<'a> {
         if !self.study.config.outputs.contains(&Output::Map) {
             return Ok(());
         }
-        let is_press = |scene: &Scene| matches!(scene, Scene::Press(_));
-        let message = if self.scenes().any(|scene| matches!(scene, Scene::Roll(_))) {
-            "a roll has no map; \"cells\" and \"trace\" are possible"
-        } else if self
-            .scenes()
-            .any(|scene| matches!(scene, Scene::Fingertip(_)))
-        {
-            "a fingertip that touches nothing has no map; \"cells\" is possible"
-        } else if self.scenes().any(is_press) && !self.scenes().all(is_press) {
-            "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
-        } else {
-            return Ok(());
+        let unit = self.study.config.length_unit;
+        let tables: Result<Vec<MapTable>, &str> =
+            self.scenes().map(|scene| scene.map_table(unit)).collect();
+        let message = match tables {
+            Ok(tables) if tables.windows(2).all(|pair| pair[0] == pair[1]) => return Ok(()),
+            Ok(_) => {
+                "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
+            }
+            Err(message) => message,
         };
         Err(self.study.error_at(0, "outputs", message))
     }
@@ -185,27 +179,19 @@ impl Ran<'_> {
         if !study.config.outputs.contains(&Output::Map) {
             return None;
         }
-        let unit = study.config.length_unit;
-        let mut maps = MapTable::of_cells(unit);
-        let mut profiles = ProfileTable::of_cells(unit);
-        let mut is_press = false;
+        let rows = self.rows();
+        let first = rows.first()?.scene;
+        let mut table = first.map_table(study.config.length_unit).ok()?;
         let mut failed = Vec::new();
-        for Row { cell, scene, .. } in self.rows() {
-            let error = match scene {
-                Scene::Roll(_) | Scene::Fingertip(_) => None,
-                Scene::Glide(glide) => glide.map(cell, 0, &mut maps).err().map(|e| e.name()),
-                Scene::Press(press) => {
-                    is_press = true;
-                    let profile = press.profile(cell, 0, &mut profiles);
-                    profile.err().map(|e| e.name())
-                }
-            };
-            failed.extend(error.map(|name| (cell, name)));
+        for Row { cell, scene, .. } in rows {
+            if let Err(name) = scene.map(cell, 0, &mut table) {
+                failed.push((cell, name));
+            }
         }
-        let (csv, lacks) = match is_press {
-            true => (profiles.into_csv(), "estimates of cells"),
-            false => (maps.into_csv(), "cells"),
-        };
-        Some(Map { csv, lacks, failed })
+        Some(Map {
+            lacks: table.lacks,
+            csv: table.into_csv(),
+            failed,
+        })
     }
 }

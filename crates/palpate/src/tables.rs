@@ -12,7 +12,7 @@ pub(crate) struct Row<'a> {
     pub(crate) statistics: &'a CellStatistics,
 }
 
-/// One row per cell and quantity. Presses have a bound on the standard deviation behind the
+/// One row per cell and quantity. Scenes that state bounds on standard deviations have them behind the
 /// statistics.
 ///
 /// Where the number of trials is swept, the statistic of that name is its column.
@@ -21,13 +21,13 @@ pub(crate) fn cells(study: &Study, ran: &[Row<'_>]) -> Table {
         .filter(|&place| !STATISTICS.contains(&study.paths[place].as_str()))
         .collect();
     let columns = swept.iter().map(|&place| study.columns[place].as_str());
-    let of_presses = ran.iter().any(|ran| matches!(ran.scene, Scene::Press(_)));
+    let has_bounds = ran.iter().any(|ran| ran.scene.states_bounds());
     let header = ["cell"]
         .into_iter()
         .chain(columns)
         .chain(["quantity", "unit"])
         .chain(STATISTICS)
-        .chain(of_presses.then_some(STD_BOUND));
+        .chain(has_bounds.then_some(STD_BOUND));
     let mut table = Table::new(header.map(str::to_owned));
     for Row {
         cell,
@@ -46,7 +46,7 @@ pub(crate) fn cells(study: &Study, ran: &[Row<'_>]) -> Table {
             let unit = quantity.unit.of(study.config.length_unit);
             row.extend([quantity.name.to_owned(), unit.to_string()]);
             row.extend(statistics);
-            row.extend(of_presses.then(|| number(scene.std_bound(place))));
+            row.extend(has_bounds.then(|| number(scene.std_bound(place))));
             table.rows.push(row);
         }
     }

@@ -3,7 +3,7 @@
 use palpate_rolling::{Glider, InvalidTouch, Model, Touch, TouchModel};
 
 use super::plan::{glider, middle, tip, touches};
-use super::{FingerTouch, GlideScene};
+use super::scene::{FingerTouch, GlideScene};
 use crate::ladder::{Ladder, Rung};
 use crate::plan::PlanError;
 use palpate_study::config::{GlideConfig, GlideModelConfig, ModelConfig};
@@ -30,8 +30,9 @@ impl GlideScene {
         Ok(touches.into_iter().map(|one| one.touch).collect())
     }
 
-    /// The rungs of the scene of `config`.
-    pub(crate) fn ladder(config: &GlideConfig) -> Result<Ladder, PlanError> {
+    /// The rungs of the scene.
+    pub(super) fn measured_ladder(&self) -> Result<Ladder, PlanError> {
+        let config = &self.config;
         let glider = glider(config)?;
         let middle = middle(config, glider.object())?;
         let (_, radius) = tip(config);

@@ -1,12 +1,14 @@
 //! Errors of the readings of a press.
 
-use palpate_sensing::{Channel, GaussianError, Stream};
+use palpate_sensing::{Channel, GaussianError, InvalidSensor, Stream};
+use palpate_study::config::{GainNoise, LengthNoise, PressNoiseConfig};
 
-use super::PressReadings;
+use super::readings::PressReadings;
+use crate::plan::PlanError;
 
 /// Errors of the readings of a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ReadingNoise {
+pub(super) struct PressNoise {
     /// Error of each normal displacement.
     pub(super) normal: GaussianError,
     /// Error of each component of each tangential displacement.
@@ -21,7 +23,32 @@ pub(super) struct ReadingNoise {
     pub(super) wrong: GaussianError,
 }
 
-impl ReadingNoise {
+impl PressNoise {
+    /// Errors of this many markers, averaged over `frames`.
+    pub(super) fn of(
+        config: &PressNoiseConfig,
+        frames: u32,
+        markers: usize,
+    ) -> Result<Self, PlanError> {
+        let length = |noise: &Option<LengthNoise>, key: &str| {
+            gaussian(
+                noise.as_ref().map(|LengthNoise::Gaussian { std }| *std),
+                key,
+            )
+        };
+        let gain = config.gain.as_ref().map(|GainNoise::Gaussian { std }| *std);
+        let wrong = config.wrong_markers.as_ref();
+        Ok(Self {
+            wrong_markers: count_of(wrong.map(|wrong| wrong.count), "wrong_markers", markers)?,
+            normal: length(&config.normal_displacement, "normal_displacement")?.averaged(frames),
+            tangential: length(&config.tangential_displacement, "tangential_displacement")?
+                .averaged(frames),
+            indentation: length(&config.indentation, "indentation")?,
+            gain: gaussian(gain, "gain")?,
+            wrong: gaussian(wrong.map(|wrong| wrong.std), "wrong_markers")?,
+        })
+    }
+
     /// Whether trials differ, where these are what is read.
     pub(super) fn is_random(&self, tangential: bool, indentation: bool) -> bool {
         self.normal.is_random()
@@ -85,4 +112,24 @@ impl ReadingNoise {
         add(self.errs_wildly(), "some markers, which are wrong");
         (!errors.is_empty()).then(|| format!("noise: Gaussian errors of {}", errors.join("; of ")))
     }
+}
+
+/// Gaussian error of a noise, none by default.
+pub(super) fn gaussian(std: Option<f64>, noise: &str) -> Result<GaussianError, PlanError> {
+    GaussianError::new(std.unwrap_or(0.0))
+        .map_err(|error: InvalidSensor| PlanError::at(format!("scene.noise.{noise}.std"), error))
+}
+
+/// Number of markers that a noise befalls, at most all.
+pub(super) fn count_of(
+    count: Option<u32>,
+    noise: &str,
+    markers: usize,
+) -> Result<usize, PlanError> {
+    let count = count.unwrap_or(0) as usize;
+    if count <= markers {
+        return Ok(count);
+    }
+    let message = format!("must be at most the number of markers {markers}, is {count}");
+    Err(PlanError::at(format!("scene.noise.{noise}.count"), message))
 }
