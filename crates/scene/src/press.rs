@@ -4,6 +4,7 @@
 mod camera;
 mod failure;
 mod ladder;
+mod method;
 mod noise;
 mod plan;
 mod pressed;
@@ -16,5 +17,6 @@ mod trace;
 mod words;
 
 pub use failure::PressFailure;
+pub(crate) use method::{Assumed, body_of};
 pub use scene::PressScene;
 pub(crate) use words::large_contact;

@@ -3,12 +3,12 @@
 use palpate_sensing::{Channel, GaussianError, InvalidSensor, Stream};
 use palpate_study::config::{GainNoise, LengthNoise, PressNoiseConfig};
 
-use super::readings::PressReadings;
+use super::readings::MarkerReadings;
 use crate::plan::PlanError;
 
 /// Errors of the readings of a press.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct PressNoise {
+pub(super) struct MarkerNoise {
     /// Error of each normal displacement.
     pub(super) normal: GaussianError,
     /// Error of each component of each tangential displacement.
@@ -23,7 +23,7 @@ pub(super) struct PressNoise {
     pub(super) wrong: GaussianError,
 }
 
-impl PressNoise {
+impl MarkerNoise {
     /// Errors of this many markers, averaged over `frames`.
     pub(super) fn of(
         config: &PressNoiseConfig,
@@ -63,7 +63,7 @@ impl PressNoise {
     }
 
     /// Adds the errors of a trial. What is not read draws too, so that scenes share their draws.
-    pub(super) fn add_to(&self, readings: &mut PressReadings, seed: u64, trial: u64) {
+    pub(super) fn add_to(&self, readings: &mut MarkerReadings, seed: u64, trial: u64) {
         let stream = |channel| Stream::new(seed, trial, channel);
         let gain = 1.0 + self.gain.draw(&mut stream(Channel::Gain));
         let mut of_normal = stream(Channel::NormalDisplacement);

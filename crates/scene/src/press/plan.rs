@@ -3,26 +3,23 @@
 mod calibrated;
 mod camera;
 mod discs;
+mod estimator;
 
-use palpate_press::{
-    Body, Bounds, Contact, ForwardFit, Markers, PressError, Prior, Skin, calibrated_c,
-};
-use palpate_sensing::GaussianError;
+use palpate_press::{Body, Markers, Skin};
 
 use self::camera::CameraPlan;
 use self::discs::DiscMarkers;
+use self::estimator::EstimatorPlan;
 use super::ladder::{Choice, PressRungs};
-use super::noise::PressNoise;
+use super::method;
+use super::noise::MarkerNoise;
 use super::pressed::Pressed;
-use super::scene::{PressMethod, PressScene, PressSensor, TruePress};
-use super::soft_body::{SoftBody, of_body, within_sensor};
+use super::scene::{PressScene, PressSensor, TruePress};
+use super::soft_body::SoftBody;
 use super::words;
 use crate::marker_sphere::{LAYOUT, MarkerSphere};
 use crate::plan::PlanError;
-use palpate_study::config::{
-    Baseline, CameraConfig, Indentation, NoiseKnown, PressConfig, PressEstimatorConfig,
-    PressSensorConfig,
-};
+use palpate_study::config::{CameraConfig, PressConfig, PressEstimatorConfig, PressSensorConfig};
 
 /// Error of displacements by a layer's tables, relative to the largest.
 const OF_TABLES: f64 = 1e-7;
@@ -47,7 +44,7 @@ impl PressScene {
             None => Body::solved_layer,
         };
         let body = SoftBody::of(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
-        let noise = PressNoise::of(&config.noise, look.frames, places.len())?;
+        let noise = MarkerNoise::of(&config.noise, look.frames, places.len())?;
         let contact = body.contact(&markers, &pressed);
         let truth = contact
             .as_ref()
@@ -76,11 +73,14 @@ impl PressScene {
                 Err(error) => Err(*error),
             }),
         };
-        let method = Planned {
-            config,
-            body: &body.body,
+        let estimator = EstimatorPlan {
+            estimator: &config.estimator,
+            model: &config.model,
+            sphere: &sphere,
+            body: &body,
             shared,
             markers: &markers,
+            pressed: &pressed,
             noise: &noise,
             sensed: sensed_stds(&sensor),
         };
@@ -89,8 +89,8 @@ impl PressScene {
             .as_ref()
             .ok()
             .filter(|_| matches!(sensor, PressSensor::Direct))
-            .and_then(|contact| method.bounds(contact, pressed.at, look.tangential));
-        let method = method.method(sphere.radius, sphere.marker_depth)?;
+            .and_then(|contact| estimator.bounds(contact, look.tangential));
+        let method = estimator.method()?;
         let resolved = &PressConfig {
             model: choice.model.clone(),
             ..config.clone()
@@ -172,12 +172,8 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), PlanEr
 /// many markers, unless more is asked than they hold.
 fn tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
     let of_model = config.model.thickness();
-    let is_shared = match config.estimator {
-        PressEstimatorConfig::BondedLayer { thickness, .. } => {
-            thickness.is_none_or(|thickness| Some(thickness) == of_model)
-        }
-        PressEstimatorConfig::HalfSpace { .. } | PressEstimatorConfig::Gaussian { .. } => false,
-    };
+    let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
+        && method::thickness(&config.estimator, &config.model) == of_model;
     let is_good = choice
         .tolerance
         .is_none_or(|tolerance| tolerance >= OF_TABLES);
@@ -190,165 +186,5 @@ fn sensed_stds(sensor: &PressSensor) -> [Option<f64>; 2] {
     match sensor {
         PressSensor::Camera(Ok(camera)) => camera.sensor.stds,
         PressSensor::Camera(Err(_)) | PressSensor::Direct => [None; 2],
-    }
-}
-
-/// Parts that an estimator is made of.
-struct Planned<'a> {
-    config: &'a PressConfig,
-    body: &'a Body,
-    /// Thickness of its layer, where that has tables for fits to share.
-    shared: Option<f64>,
-    markers: &'a Markers,
-    noise: &'a PressNoise,
-    /// Standard deviations that a camera adds to the noise: normal, tangential.
-    sensed: [Option<f64>; 2],
-}
-
-/// Settings that all estimators have.
-struct Nuisances {
-    known_indentation: Option<f64>,
-    baseline: Prior,
-    /// Prior of the factor on all displacements; `None` for the Gaussian, where the amplitude takes its place.
-    gain: Option<Prior>,
-    noise: NoiseKnown,
-}
-
-impl Nuisances {
-    fn of(config: &PressEstimatorConfig) -> Self {
-        let (indentation, indentation_std, baseline, gain_std, noise) = match *config {
-            PressEstimatorConfig::HalfSpace {
-                indentation,
-                indentation_std,
-                baseline,
-                gain_std,
-                noise,
-                ..
-            }
-            | PressEstimatorConfig::BondedLayer {
-                indentation,
-                indentation_std,
-                baseline,
-                gain_std,
-                noise,
-                ..
-            } => (
-                indentation,
-                indentation_std,
-                baseline,
-                Some(gain_std),
-                noise,
-            ),
-            PressEstimatorConfig::Gaussian {
-                indentation,
-                indentation_std,
-                baseline,
-                noise,
-                ..
-            } => (indentation, indentation_std, baseline, None, noise),
-        };
-        Self {
-            known_indentation: match indentation {
-                Indentation::Known => Some(indentation_std),
-                Indentation::Fitted => None,
-            },
-            baseline: match baseline {
-                Baseline::Known => Prior::Exact,
-                Baseline::Fitted => Prior::Free,
-            },
-            gain: gain_std.map(within),
-            noise,
-        }
-    }
-}
-
-fn within(std: f64) -> Prior {
-    if std > 0.0 {
-        Prior::Within(std)
-    } else {
-        Prior::Exact
-    }
-}
-
-impl Planned<'_> {
-    fn method(&self, radius: f64, marker_depth: f64) -> Result<PressMethod, PlanError> {
-        let nuisances = Nuisances::of(&self.config.estimator);
-        let stated = |error: GaussianError, sensed: Option<f64>| {
-            let std = libm::hypot(error.std(), sensed.unwrap_or(0.0));
-            Some(std).filter(|&std| nuisances.noise == NoiseKnown::Stated && std > 0.0)
-        };
-        let fit = self
-            .assumed_body(radius, marker_depth)?
-            .map(|body| ForwardFit {
-                // The amplitude of a Gaussian is fitted, unless it is the indentation.
-                gain: nuisances.gain.unwrap_or(match nuisances.known_indentation {
-                    Some(_) => Prior::Free,
-                    None => Prior::Exact,
-                }),
-                baseline: nuisances.baseline,
-                normal_std: stated(self.noise.normal, self.sensed[0]),
-                tangential_std: stated(self.noise.tangential, self.sensed[1]),
-                window: match self.config.estimator {
-                    PressEstimatorConfig::Gaussian { window, .. } => window,
-                    _ => None,
-                },
-                ..ForwardFit::new(body)
-            });
-        Ok(PressMethod {
-            fit,
-            known_indentation: nuisances.known_indentation,
-        })
-    }
-
-    /// The body that the estimator assumes; the inner error where a Gaussian cannot be calibrated.
-    fn assumed_body(
-        &self,
-        radius: f64,
-        marker_depth: f64,
-    ) -> Result<Result<Body, PressError>, PlanError> {
-        let model = &self.config.model;
-        match self.config.estimator {
-            PressEstimatorConfig::HalfSpace { poisson, .. } => {
-                Body::half_space(poisson.unwrap_or(model.poisson()), marker_depth)
-            }
-            PressEstimatorConfig::BondedLayer { thickness, .. } => {
-                let of_model = model.thickness();
-                let Some(thickness) = thickness.or(of_model) else {
-                    let message = "`thickness` is missing";
-                    return Err(PlanError::at("scene.estimator", message));
-                };
-                within_sensor("scene.estimator.thickness", thickness, radius)?;
-                if self.shared == Some(thickness) {
-                    Ok(self.body.clone())
-                } else {
-                    Body::bonded_layer(thickness, marker_depth)
-                }
-            }
-            PressEstimatorConfig::Gaussian { c: Some(c), .. } => Body::gaussian(c),
-            PressEstimatorConfig::Gaussian { window, .. } => {
-                let indentation = self.config.motion.indentation;
-                return Ok(calibrated_c(self.markers, self.body, indentation, window)
-                    .and_then(Body::gaussian));
-            }
-        }
-        .map(Ok)
-        .map_err(|error| of_body("scene.estimator", error))
-    }
-
-    /// The bounds on what the readings can tell by the model's own body.
-    fn bounds(&self, contact: &Contact<'_>, at: [f64; 2], tangential: bool) -> Option<Bounds> {
-        let nuisances = Nuisances::of(&self.config.estimator);
-        let drawn = |error: GaussianError| error.is_random().then(|| error.std());
-        let fit = ForwardFit {
-            baseline: nuisances.baseline,
-            gain: drawn(self.noise.gain).map_or(nuisances.gain?, within),
-            normal_std: drawn(self.noise.normal),
-            tangential_std: drawn(self.noise.tangential),
-            ..ForwardFit::new(self.body.clone())
-        };
-        let indentation_std = nuisances
-            .known_indentation
-            .map(|told| drawn(self.noise.indentation).unwrap_or(told));
-        fit.bounds(self.markers, contact, at, tangential, indentation_std)
     }
 }

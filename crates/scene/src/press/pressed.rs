@@ -6,14 +6,14 @@ use crate::plan::PlanError;
 
 /// The object, as far as a press feels it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct PressedObject {
+pub(super) struct TouchedObject {
     /// 1/R_o, positive where convex.
     pub(super) curvature: f64,
     /// R_o, negative for a dish; `None` for a plane.
     pub(super) radius: Option<f64>,
 }
 
-impl PressedObject {
+impl TouchedObject {
     const PLANE: Self = Self {
         curvature: 0.0,
         radius: None,
@@ -35,7 +35,7 @@ impl PressedObject {
 /// One press, as it truly is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pressed {
-    pub(super) object: PressedObject,
+    pub(super) object: TouchedObject,
     pub(super) indentation: f64,
     /// Chart coordinates of the contact.
     pub(super) at: [f64; 2],
@@ -51,7 +51,7 @@ impl Pressed {
         radius: f64,
     ) -> Result<Self, PlanError> {
         Ok(Self {
-            object: PressedObject::of(object),
+            object: TouchedObject::of(object),
             indentation: motion.indentation,
             at: contact_place(motion.contact_deg, radius)?,
             shift: motion.shift,
@@ -61,7 +61,7 @@ impl Pressed {
     /// A press of the apex on a plane.
     pub(super) const fn on_plane(indentation: f64) -> Self {
         Self {
-            object: PressedObject::PLANE,
+            object: TouchedObject::PLANE,
             indentation,
             at: [0.0; 2],
             shift: 0.0,

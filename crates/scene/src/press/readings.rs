@@ -4,7 +4,7 @@ use super::camera::Sight;
 
 /// What a sensor tells of one press, and what the estimator is told with it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct PressReadings {
+pub(super) struct MarkerReadings {
     /// Indices of the tracked markers, in ascending order; `None` if all are tracked.
     pub(super) tracked: Option<Vec<usize>>,
     pub(super) normal: Vec<f64>,
@@ -15,7 +15,7 @@ pub(super) struct PressReadings {
     pub(super) sight: Option<Sight>,
 }
 
-impl PressReadings {
+impl MarkerReadings {
     /// Leaves out the markers that were not tracked.
     pub(super) fn keep_tracked(&mut self) {
         if let Some(tracked) = &self.tracked {

@@ -7,9 +7,9 @@ use palpate_press::{
 
 use super::failure::PressFailure;
 use super::ladder::PressRungs;
-use super::noise::PressNoise;
+use super::noise::MarkerNoise;
 use super::pressed::Pressed;
-use super::readings::PressReadings;
+use super::readings::MarkerReadings;
 use super::seen::CameraPress;
 use super::soft_body::SoftBody;
 use crate::ladder::Ladder;
@@ -64,7 +64,7 @@ pub struct PressScene {
     pub(super) sensor: PressSensor,
     /// Whether displacements along the skin are read.
     pub(super) tangential: bool,
-    pub(super) noise: PressNoise,
+    pub(super) noise: MarkerNoise,
     pub(super) method: PressMethod,
     pub(super) bounds: Option<Bounds>,
     pub(super) rungs: PressRungs,
@@ -105,10 +105,17 @@ impl PressScene {
         self.pressed.indentation + error
     }
 
+    /// Standard deviations of normal and tangential displacements that the estimator is told, length; `None` where it finds
+    /// them from the residuals.
+    pub(crate) fn told_stds(&self) -> [Option<f64>; 2] {
+        let fit = self.method.fit.as_ref();
+        fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
+    }
+
     /// Readings of the sensor: without noise, or in trial number `trial`.
-    pub(super) fn readings(&self, trial: Option<u64>) -> Result<PressReadings, PressFailure> {
+    pub(super) fn readings(&self, trial: Option<u64>) -> Result<MarkerReadings, PressFailure> {
         let truth = self.truth.as_ref().map_err(|error| *error)?;
-        let mut readings = PressReadings {
+        let mut readings = MarkerReadings {
             tracked: None,
             normal: truth.markers.iter().map(|marker| marker.normal).collect(),
             tangential: truth.markers.iter().map(|one| one.tangential).collect(),
@@ -130,7 +137,7 @@ impl PressScene {
         self.estimate_from(&self.readings(trial)?)
     }
 
-    fn estimate_from(&self, readings: &PressReadings) -> Result<PressEstimate, PressFailure> {
+    fn estimate_from(&self, readings: &MarkerReadings) -> Result<PressEstimate, PressFailure> {
         let fit = self.method.fit.as_ref().map_err(|error| *error)?;
         let tracked = readings
             .tracked
@@ -173,7 +180,7 @@ impl PressScene {
     }
 
     /// Tells the quantities that a camera adds, of a trial that was estimated from.
-    fn observe_sight(&self, readings: &PressReadings, observe: &mut dyn FnMut(usize, Outcome)) {
+    fn observe_sight(&self, readings: &MarkerReadings, observe: &mut dyn FnMut(usize, Outcome)) {
         let (Some(sight), Ok(truth), PressSensor::Camera(Ok(camera))) =
             (&readings.sight, &self.truth, &self.sensor)
         else {

@@ -5,7 +5,7 @@ use palpate_sensing::{Channel, Stream};
 
 use super::camera::{AT_REST, CameraModel, CameraSensor, Eye, Sight};
 use super::failure::PressFailure;
-use super::readings::PressReadings;
+use super::readings::MarkerReadings;
 
 /// A press before a camera.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ impl CameraPress {
     /// Replaces the true displacements by those that the camera tells.
     pub(super) fn read(
         &self,
-        readings: &mut PressReadings,
+        readings: &mut MarkerReadings,
         trial: Option<u64>,
     ) -> Result<(), PressFailure> {
         let sight = self.sight(trial)?;

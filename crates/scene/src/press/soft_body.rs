@@ -3,6 +3,7 @@
 use palpate_press::{Body, Contact, MarkerDisplacement, Markers, PressError};
 use palpate_study::config::PressModelConfig;
 
+use super::method::body_of;
 use super::pressed::Pressed;
 use crate::plan::PlanError;
 
@@ -25,15 +26,12 @@ impl SoftBody {
         if let Some(thickness) = model.thickness() {
             within_sensor("scene.model.thickness", thickness, radius)?;
         }
-        let (body, sideways) = match model.reference() {
-            PressModelConfig::Hertz { poisson } => (Body::hertz(poisson), Some((poisson, 0.0))),
-            PressModelConfig::BondedLayer { thickness } => (layer(thickness, depth), None),
-            half_space => {
-                let poisson = half_space.poisson();
-                (Body::half_space(poisson, depth), Some((poisson, depth)))
-            }
+        let sideways = match model.reference() {
+            PressModelConfig::HalfSpace { poisson } => Some((poisson, depth)),
+            PressModelConfig::Hertz { poisson } => Some((poisson, 0.0)),
+            PressModelConfig::BondedLayer { .. } | PressModelConfig::Auto { .. } => None,
         };
-        let body = body.map_err(|error| of_body("scene.model", error))?;
+        let body = body_of(model, depth, layer).map_err(|error| of_body("scene.model", error))?;
         Ok(Self { body, sideways })
     }
 

@@ -1,7 +1,7 @@
 //! One press, written down.
 
 use super::failure::PressFailure;
-use super::readings::PressReadings;
+use super::readings::MarkerReadings;
 use super::scene::{PressScene, PressSensor};
 use crate::trace::{SeenPress, Trace, counted};
 use crate::tracks::of_tracks;
@@ -70,7 +70,7 @@ impl PressScene {
 
     fn seen(
         &self,
-        read: &PressReadings,
+        read: &MarkerReadings,
         trial: Option<u64>,
     ) -> Result<Option<SeenPress>, PressFailure> {
         match (&self.sensor, &read.sight) {

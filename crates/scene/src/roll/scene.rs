@@ -128,6 +128,11 @@ fn side_by_side(
 }
 
 impl RollScene {
+    /// Noise of the readings, as the estimator is told it.
+    pub(crate) const fn reading_noise(&self) -> ReadingNoise {
+        self.reading_noise
+    }
+
     /// The forward law, on the rung that was taken.
     pub const fn roller(&self) -> &Roller {
         &self.roller
