@@ -5,7 +5,6 @@ mod camera;
 mod failure;
 mod ladder;
 mod method;
-mod noise;
 mod plan;
 mod pressed;
 mod profile;

@@ -76,23 +76,12 @@ impl GlideScene {
             });
             rung(model, outcome)
         }));
+        let (reason, tolerance) = match config.model {
+            GlideModelConfig::Auto { tolerance } => (choice.reason, Some(tolerance)),
+            _ => ("named in the config".to_owned(), None),
+        };
         let taken = ModelConfig::Glide(named(choice.model).1);
-        Ok(Ladder {
-            taken: rungs
-                .iter()
-                .position(|rung| rung.model == taken)
-                .expect("what is named or chosen is among the rungs"),
-            reference: None,
-            reason: match config.model {
-                GlideModelConfig::Auto { .. } => choice.reason,
-                _ => "named in the config".to_owned(),
-            },
-            tolerance: match config.model {
-                GlideModelConfig::Auto { tolerance } => Some(tolerance),
-                _ => None,
-            },
-            rungs,
-        })
+        Ok(Ladder::new(rungs, &taken, reason, tolerance))
     }
 }
 

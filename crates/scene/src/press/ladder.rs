@@ -147,16 +147,14 @@ impl PressRungs {
                 outcome,
             })
             .collect();
-        let taken = ModelConfig::Press(choice.model);
         Ok(Ladder {
-            taken: rungs
-                .iter()
-                .position(|rung| rung.model == taken)
-                .expect("what is named or chosen is among the rungs"),
             reference: Some(rungs.len() - 1),
-            reason: choice.reason,
-            tolerance: choice.tolerance,
-            rungs,
+            ..Ladder::new(
+                rungs,
+                &ModelConfig::Press(choice.model),
+                choice.reason,
+                choice.tolerance,
+            )
         })
     }
 

@@ -7,9 +7,8 @@ use palpate_press::{
 
 use super::failure::PressFailure;
 use super::ladder::PressRungs;
-use super::noise::MarkerNoise;
 use super::pressed::Pressed;
-use super::readings::MarkerReadings;
+use super::readings::{MarkerNoise, MarkerReadings};
 use super::seen::CameraPress;
 use super::soft_body::SoftBody;
 use crate::ladder::Ladder;

@@ -4,8 +4,8 @@ use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
 use palpate_press::{Contact, ContactRegime, PressError, Skin};
 
 use super::ladder::Choice;
-use super::noise::MarkerNoise;
 use super::pressed::TouchedObject;
+use super::readings::MarkerNoise;
 use super::scene::{PressMethod, PressSensor};
 use crate::legible::legible;
 use palpate_study::config::{

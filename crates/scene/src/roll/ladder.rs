@@ -1,6 +1,6 @@
 //! The ladder of a roll.
 
-use palpate_rolling::{Chart, MeasuredRung, Model, Motion, Rolls};
+use palpate_rolling::{Chart, Model, Motion, Rolls};
 
 use super::plan::cut;
 use super::scene::RollScene;
@@ -20,24 +20,18 @@ impl RollScene {
         let rolls = self.noiseless();
         let measured = self.roller.ladder(self.chart, Rolls { rolls: &rolls });
         let choice = self.roller.choice();
-        let taken = |rung: &MeasuredRung| rung.model == choice.model;
-        Ladder {
-            taken: measured
-                .iter()
-                .position(taken)
-                .expect("what is named or chosen is among the rungs"),
-            reference: None,
-            reason: choice.reason.clone(),
-            tolerance: self.tolerance,
-            rungs: measured
-                .into_iter()
-                .map(|rung| Rung {
-                    name: rung.name,
-                    model: ModelConfig::Roll(named(rung.model)),
-                    outcome: rung.outcome,
-                })
-                .collect(),
-        }
+        let rungs = measured.into_iter().map(|rung| Rung {
+            name: rung.name,
+            model: ModelConfig::Roll(named(rung.model)),
+            outcome: rung.outcome,
+        });
+        let taken = ModelConfig::Roll(named(choice.model));
+        Ladder::new(
+            rungs.collect(),
+            &taken,
+            choice.reason.clone(),
+            self.tolerance,
+        )
     }
 }
 

@@ -102,20 +102,22 @@ fn motion_noise(config: &RollConfig) -> Result<MotionNoise, PlanError> {
     let Some(noise) = &config.noise.angular_velocity else {
         return Ok(MotionNoise::None);
     };
-    let (distribution, fraction, when, side, instants) = match *noise {
-        AngularVelocityNoise::Uniform {
-            fraction,
-            when,
-            side,
-            instants,
-        } => (Distribution::Uniform, fraction, when, side, instants),
-        AngularVelocityNoise::Gaussian {
-            fraction,
-            when,
-            side,
-            instants,
-        } => (Distribution::Gaussian, fraction, when, side, instants),
+    let distribution = match noise {
+        AngularVelocityNoise::Uniform { .. } => Distribution::Uniform,
+        AngularVelocityNoise::Gaussian { .. } => Distribution::Gaussian,
     };
+    let (AngularVelocityNoise::Uniform {
+        fraction,
+        when,
+        side,
+        instants,
+    }
+    | AngularVelocityNoise::Gaussian {
+        fraction,
+        when,
+        side,
+        instants,
+    }) = *noise;
     let error = AngularVelocityError::new(distribution, fraction)
         .map_err(|error| PlanError::of_sensor("scene.noise.angular_velocity", error))?;
     if fraction == 0.0 {

@@ -18,7 +18,7 @@ const PATH: &str = "scene.sensor.calibration";
 const FIRST: u64 = AT_REST - 1000;
 
 /// A calibration, and what displacements err by with it.
-pub(super) struct Calibrated {
+pub(super) struct CalibratedCamera {
     pub(super) calibration: Calibration,
     /// Standard deviations of normal and tangential displacements near a contact.
     pub(super) stds: [Option<f64>; 2],
@@ -44,7 +44,7 @@ pub(super) struct CalibrationPresses<'a> {
 
 impl CalibrationPresses<'_> {
     /// Presses on a plane, apex down, whose displacements are known, calibrate the sensor.
-    pub(super) fn calibrated(&self) -> Result<Calibrated, PlanError> {
+    pub(super) fn calibrated(&self) -> Result<CalibratedCamera, PlanError> {
         let presses = self.camera.calibration.presses;
         let shown: Vec<Vec<Shown>> = (1..=presses)
             .map(|press| self.shown(press))
@@ -53,7 +53,7 @@ impl CalibrationPresses<'_> {
             .fit(&shown)
             .map_err(|error| PlanError::at(PATH, error))?;
         let stds = residuals(&calibration, &shown);
-        Ok(Calibrated { calibration, stds })
+        Ok(CalibratedCamera { calibration, stds })
     }
 
     /// Markers of one of the calibration presses, with the changes of their pictures.

@@ -10,10 +10,10 @@ use palpate_tracking::{Equidistant, Marker};
 
 use super::super::camera::{AT_REST, CameraModel, CameraSensor, Eye, SightError};
 use super::super::failure::PressFailure;
-use super::super::noise::{count_of, gaussian};
 use super::super::pressed::Pressed;
+use super::super::readings::{count_of, gaussian};
 use super::super::seen::{CameraPress, Shows};
-use super::calibrated::{Calibrated, CalibrationPresses};
+use super::calibrated::{CalibratedCamera, CalibrationPresses};
 use super::discs::DiscMarkers;
 use crate::marker_sphere::{MarkerSphere, of_optics};
 use crate::plan::PlanError;
@@ -58,7 +58,7 @@ impl CameraPlan<'_> {
             rest: &rest,
             indentation: pressed.indentation,
         };
-        let Calibrated { calibration, stds } = presses.calibrated()?;
+        let CalibratedCamera { calibration, stds } = presses.calibrated()?;
         let under_contact = self.discs.nearest(pressed.at).unwrap_or(0);
         Ok(Ok(CameraPress {
             shown: exact(&eye, &motions, under_contact),

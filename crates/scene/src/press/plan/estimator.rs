@@ -5,8 +5,8 @@ use palpate_sensing::GaussianError;
 use palpate_study::config::{Indentation, NoiseKnown, PressEstimatorConfig, PressModelConfig};
 
 use super::super::method::{self, Assumed};
-use super::super::noise::MarkerNoise;
 use super::super::pressed::Pressed;
+use super::super::readings::MarkerNoise;
 use super::super::scene::PressMethod;
 use super::super::soft_body::{SoftBody, of_body, within_sensor};
 use crate::marker_sphere::MarkerSphere;
