@@ -27,7 +27,7 @@ impl Facts {
             quantities,
             truths: places.clone().map(|place| scene.truth(place)).collect(),
             std_bounds: places.map(|place| scene.std_bound(place)).collect(),
-            states_bounds: matches!(scene, Scene::Press(_)),
+            states_bounds: scene.states_bounds(),
         }
     }
 }

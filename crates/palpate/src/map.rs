@@ -1,10 +1,7 @@
 //! Maps of the first trial of cells.
 
-use palpate_scene::Scene;
-use palpate_scene::glide::MapTable;
-use palpate_scene::press::ProfileTable;
+use palpate_scene::{MapTable, Scene};
 use palpate_study::Table;
-use palpate_study::config::LengthUnit;
 
 /// Maps, or profiles, of the first trial of every cell.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,31 +18,17 @@ pub struct Map {
 #[derive(Debug)]
 pub(crate) struct CellMap {
     cell: usize,
-    csv: String,
-    lacks: &'static str,
+    table: MapTable,
     failed: Option<&'static str>,
 }
 
 impl CellMap {
-    pub(crate) fn of(scene: &Scene, cell: usize, unit: LengthUnit) -> Self {
-        let (csv, lacks, failed) = match scene {
-            Scene::Roll(_) | Scene::Fingertip(_) => (String::new(), "cells", None),
-            Scene::Glide(glide) => {
-                let mut map = MapTable::of_cells(unit);
-                let failed = glide.map(cell, 0, &mut map).err().map(|error| error.name());
-                (map.into_csv(), "cells", failed)
-            }
-            Scene::Press(press) => {
-                let mut profile = ProfileTable::of_cells(unit);
-                let failed = press.profile(cell, 0, &mut profile).err();
-                let failed = failed.map(|error| error.name());
-                (profile.into_csv(), "estimates of cells", failed)
-            }
-        };
+    /// Map of a scene, in an empty table for scenes of its kind.
+    pub(crate) fn of(scene: &Scene, cell: usize, mut table: MapTable) -> Self {
+        let failed = scene.map(cell, 0, &mut table).err();
         Self {
             cell,
-            csv,
-            lacks,
+            table,
             failed,
         }
     }
@@ -58,10 +41,11 @@ impl Map {
         let mut map = Self::default();
         for cell in cells {
             // No field of a map is quoted.
-            let mut lines = cell.csv.lines();
+            map.lacks = cell.table.lacks;
+            let csv = cell.table.into_csv();
+            let mut lines = csv.lines();
             map.table.header = lines.next().map(fields).unwrap_or_default();
             map.table.rows.extend(lines.map(fields));
-            map.lacks = cell.lacks;
             map.failed.extend(cell.failed.map(|name| (cell.cell, name)));
         }
         map

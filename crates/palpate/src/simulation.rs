@@ -3,9 +3,9 @@
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use palpate_scene::{Arch, Scene, Scenes};
+use palpate_scene::{Arch, MapTable, Scene, Scenes};
 use palpate_study::Table;
-use palpate_study::config::{ConfigError, Output, SceneConfig, Study};
+use palpate_study::config::{ConfigError, Output, Study};
 use palpate_sweep::{CellStatistics, RunOptions, Runner, SweepError};
 
 use crate::error::{CellError, RunError, known_cell};
@@ -59,6 +59,8 @@ pub struct Simulation<'a> {
 struct Ready {
     number: usize,
     facts: Facts,
+    /// Empty table for maps of scenes of its kind, or why there are none; `None` where the config asks for no maps.
+    maps: Option<Result<MapTable, &'static str>>,
     /// Its scene, if it has been kept, until the first run takes it.
     kept: Mutex<Option<Scene>>,
 }
@@ -78,6 +80,8 @@ impl<'a> Simulation<'a> {
         for &number in &numbers {
             known_cell(study, number)?;
         }
+        let unit = study.config.length_unit;
+        let has_maps = study.config.outputs.contains(&Output::Map);
         let checked: Vec<OnceLock<Ready>> = numbers.iter().map(|_| OnceLock::new()).collect();
         runner.check(numbers.len(), |place| {
             let number = numbers[place];
@@ -85,6 +89,7 @@ impl<'a> Simulation<'a> {
             checked[place].get_or_init(|| Ready {
                 number,
                 facts: Facts::of(&scene, study.cells[number].config.trials),
+                maps: has_maps.then(|| scene.map_table(unit)),
                 kept: Mutex::new(Some(scene).filter(|_| place < KEPT)),
             });
             Ok::<(), ConfigError>(())
@@ -141,9 +146,8 @@ impl<'a> Simulation<'a> {
                 Some(scene) => scene,
                 None => self.study.estimable_scene(cell.number)?,
             };
-            if self.has_maps() {
-                let unit = self.study.config.length_unit;
-                maps[place].get_or_init(|| CellMap::of(&scene, cell.number, unit));
+            if let Some(Ok(table)) = &cell.maps {
+                maps[place].get_or_init(|| CellMap::of(&scene, cell.number, table.clone()));
             }
             Ok(SceneTrial {
                 scene,
@@ -157,7 +161,7 @@ impl<'a> Simulation<'a> {
         Ok(Ran {
             cells: tables::cells(self.study, &rows),
             failures: tables::failures(&rows),
-            map: self.has_maps().then(|| {
+            map: self.study.config.outputs.contains(&Output::Map).then(|| {
                 let maps = maps.into_iter().filter_map(OnceLock::into_inner);
                 Map::of_cells(maps)
             }),
@@ -165,26 +169,16 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    fn has_maps(&self) -> bool {
-        self.study.config.outputs.contains(&Output::Map)
-    }
-
     fn refuse_maps(&self) -> Result<(), ConfigError> {
-        let scenes = || {
-            let cells = self.cells.iter();
-            cells.map(|cell| &self.study.cells[cell.number].config.scene)
-        };
-        let is_press = |scene: &SceneConfig| matches!(scene, SceneConfig::Press(_));
-        let message = if !self.has_maps() {
-            return Ok(());
-        } else if scenes().any(|scene| matches!(scene, SceneConfig::Roll(_))) {
-            "a roll has no map; \"cells\" and \"trace\" are possible"
-        } else if scenes().any(|scene| matches!(scene, SceneConfig::Fingertip(_))) {
-            "a fingertip that touches nothing has no map; \"cells\" is possible"
-        } else if scenes().any(is_press) && !scenes().all(is_press) {
-            "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
-        } else {
-            return Ok(());
+        let maps = self.cells.iter().filter_map(|cell| cell.maps.as_ref());
+        let tables: Result<Vec<&MapTable>, &str> =
+            maps.map(|maps| maps.as_ref().map_err(|why| *why)).collect();
+        let message = match tables {
+            Ok(tables) if tables.windows(2).all(|pair| pair[0] == pair[1]) => return Ok(()),
+            Ok(_) => {
+                "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
+            }
+            Err(message) => message,
         };
         Err(self.study.error_at(0, "outputs", message))
     }
