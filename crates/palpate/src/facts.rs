@@ -3,7 +3,7 @@
 use palpate_scene::Scene;
 use palpate_study::Quantity;
 
-/// What tables say of a scene, whatever its trials give.
+/// Facts about a scene that its trials do not change.
 #[derive(Debug)]
 pub(crate) struct Facts {
     /// Number of trials that are run.

@@ -169,7 +169,7 @@ impl<C> Plan<C> {
         fewer.filter(|_| self.is_random)
     }
 
-    /// The same choice for other cells.
+    /// Plan of the same choice for other cells.
     pub fn with_cells<D>(self, cells: D) -> Plan<D> {
         let Self {
             cells: _,
