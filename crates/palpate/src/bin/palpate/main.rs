@@ -5,7 +5,7 @@
     reason = "results go to stdout, errors to stderr"
 )]
 
-mod allowance;
+mod budget;
 mod c_library;
 mod check;
 mod cli;
@@ -13,14 +13,10 @@ mod duration;
 mod estimate;
 mod failure;
 mod foreign;
-mod ladder;
 mod output;
-mod pace;
-mod pilot;
 mod progress;
 mod results;
 mod run;
-mod rungs;
 mod sensor;
 mod trace;
 

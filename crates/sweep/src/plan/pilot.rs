@@ -6,17 +6,15 @@
 //!
 //! The result of a pilot depends on nothing but the numbers of its trials.
 
-use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
-use palpate_scene::{Outcome, Scene};
+use rayon::prelude::*;
 
-mod spread;
-
-use spread::{Part, Spread};
+use super::alone::alone;
+use super::spread::{Part, Spread};
+use crate::record::Record;
+use crate::run::Runner;
+use crate::trial::Trial;
 
 /// Number of parts of a pilot; each is left out in turn to find the standard error of v.
 const PARTS: usize = 16;
@@ -32,60 +30,60 @@ const FIRST: u64 = 1024;
 
 /// Results of a pilot, cell by cell.
 #[derive(Debug)]
-pub(crate) struct Pilot {
-    pub(crate) cells: Vec<CellPilot>,
+pub(super) struct Pilot {
+    pub(super) cells: Vec<CellPilot>,
 }
 
 /// Results of a pilot for one cell.
 #[derive(Debug)]
-pub(crate) struct CellPilot {
+pub(super) struct CellPilot {
     /// Share of the trials that succeeded.
-    pub(crate) success: f64,
+    pub(super) success: f64,
     /// Trials run.
-    pub(crate) trials: u64,
+    pub(super) trials: u64,
     /// Error figures of each quantity; `None` where none was observed.
-    pub(crate) figures: Vec<Option<Figure>>,
+    pub(super) figures: Vec<Option<Figure>>,
 }
 
 /// The error figures of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Figure {
+pub(super) struct Figure {
     /// Root mean square of the errors, in the quantity's unit.
-    pub(crate) rms_error: f64,
+    pub(super) rms_error: f64,
     /// The relative variance v of a trial's squared error, increased by [`MARGIN`] of its own standard errors.
     variance: f64,
     /// Whether a few trials decide v, as with errors of heavy tails.
-    pub(crate) is_doubtful: bool,
+    pub(super) is_doubtful: bool,
 }
 
 /// Error figure that needs the most trials, and how many.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Need {
+pub(super) struct Need {
     /// Index of the cell among those of the pilot.
-    pub(crate) cell: usize,
-    pub(crate) quantity: usize,
+    pub(super) cell: usize,
+    pub(super) quantity: usize,
     /// Trials needed, those included that will fail.
-    pub(crate) trials: f64,
-    pub(crate) is_doubtful: bool,
+    pub(super) trials: f64,
+    pub(super) is_doubtful: bool,
 }
 
 impl Pilot {
     /// Runs a pilot for error figures with a relative standard error of `target`. At first each cell has twice the
     /// trials that Gaussian errors need, between 64 and 1,024. A cell that turns out to need many trials gets more, up
     /// to one in sixteen of its need; but at most `most`, and none where the need is above `hopeless`.
-    pub(crate) fn for_error(
-        scenes: &[&Scene],
+    pub(super) fn for_error(
+        runner: &Runner,
+        cells: &[&dyn Trial],
         target: f64,
-        threads: NonZeroUsize,
         most: u64,
         hopeless: f64,
     ) -> Self {
         let first = (1.0 / (target * target)).ceil();
         let first = (first as u64).clamp(FEWEST, FIRST).min(most);
-        let mut parts = vec![CellParts::default(); scenes.len()];
-        let mut until = vec![first; scenes.len()];
+        let mut parts = vec![CellParts::default(); cells.len()];
+        let mut until = vec![first; cells.len()];
         loop {
-            run(scenes, &mut parts, &until, threads);
+            runner.install(|| run(cells, &mut parts, &until));
             let pilot = Self {
                 cells: parts.iter().map(CellParts::pilot).collect(),
             };
@@ -106,7 +104,7 @@ impl Pilot {
 
     /// Figure that needs the most trials for all figures to have a relative standard error of at most `target`; `None`
     /// where no estimate errs.
-    pub(crate) fn need(&self, target: f64) -> Option<Need> {
+    pub(super) fn need(&self, target: f64) -> Option<Need> {
         let needs = self.cells.iter().enumerate().filter_map(|(cell, pilot)| {
             let (quantity, trials) = pilot.need(target)?;
             let figure = pilot.figures[quantity]?;
@@ -122,7 +120,7 @@ impl Pilot {
 
     /// Largest relative standard error of an error figure to be expected after `trials` trials; `None` where no
     /// estimate errs.
-    pub(crate) fn expected_error(&self, trials: u64) -> Option<f64> {
+    pub(super) fn expected_error(&self, trials: u64) -> Option<f64> {
         // Needs go as 1/target².
         self.need(1.0)
             .map(|need| (need.trials / trials as f64).sqrt())
@@ -202,79 +200,69 @@ impl CellParts {
 
 /// Trials of one part of a cell, run in the order of their numbers.
 struct Job<'a> {
-    scene: &'a Scene,
+    trial: &'a dyn Trial,
     scales: &'a [f64],
     trials: Range<u64>,
     part: u64,
-    sums: Mutex<&'a mut Part>,
+    sums: &'a mut Part,
 }
 
 impl Job<'_> {
-    fn run(&self) {
-        let mut sums = self
-            .sums
-            .lock()
-            .expect("each job is taken once, so that no other thread has panicked with it");
-        let of_part = |trial: &u64| trial % PARTS as u64 == self.part;
-        for trial in self.trials.clone().filter(of_part) {
-            sums.add_trial(self.scene, trial, self.scales);
+    fn run(self) {
+        let mut record = Record::default();
+        let of_part = |number: &u64| number % PARTS as u64 == self.part;
+        for number in self.trials.filter(of_part) {
+            let sums = &mut *self.sums;
+            sums.add_trial(self.trial, number, self.scales, &mut record);
         }
     }
 }
 
 /// Runs the trials of each cell that have not been run and whose number is below its entry in `until`.
-fn run(scenes: &[&Scene], cells: &mut [CellParts], until: &[u64], threads: NonZeroUsize) {
-    for ((scene, cell), &until) in scenes.iter().zip(cells.iter_mut()).zip(until) {
+fn run(cells: &[&dyn Trial], parts: &mut [CellParts], until: &[u64]) {
+    for ((trial, cell), &until) in cells.iter().zip(parts.iter_mut()).zip(until) {
         if cell.scales.is_empty() {
-            cell.scales = scales(scene, until);
+            cell.scales = scales(*trial, until);
             cell.parts = vec![Part::of(cell.scales.len()); PARTS];
         }
     }
-    let jobs: Vec<Job<'_>> = scenes
+    let jobs: Vec<Job<'_>> = cells
         .iter()
-        .zip(cells.iter_mut().zip(until))
-        .flat_map(|(scene, (cell, &until))| {
+        .zip(parts.iter_mut().zip(until))
+        .flat_map(|(&trial, (cell, &until))| {
             let trials = cell.trials..until.max(cell.trials);
             cell.trials = trials.end;
             let scales = cell.scales.as_slice();
             let parts = cell.parts.iter_mut().enumerate();
             parts.map(move |(part, sums)| Job {
-                scene,
+                trial,
                 scales,
                 trials: trials.clone(),
                 part: part as u64,
-                sums: Mutex::new(sums),
+                sums,
             })
         })
         .collect();
-    let next = AtomicUsize::new(0);
-    let work = || {
-        while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
-            job.run();
-        }
-    };
-    thread::scope(|scope| {
-        for _ in 1..threads.get() {
-            scope.spawn(work);
-        }
-        work();
-    });
+    jobs.into_par_iter().with_max_len(1).for_each(Job::run);
 }
 
 /// Units for the errors of each quantity: the largest magnitude of truth or estimate in the first trial that succeeds,
-/// among the first 64; 1 where that is 0.
-fn scales(scene: &Scene, until: u64) -> Vec<f64> {
-    let mut scales = vec![0.0_f64; scene.quantities().len()];
-    for trial in 0..until.min(FEWEST) {
-        scales.fill(0.0);
-        let see = |quantity: usize, outcome: Outcome| {
-            let magnitude = outcome.truth.abs().max(outcome.estimate.abs());
-            scales[quantity] = scales[quantity].max(magnitude);
-        };
-        if scene.trial(trial, see).is_ok() {
-            break;
-        }
-    }
+/// among the first 64; 1 where that is 0, or none succeeds.
+fn scales(trial: &dyn Trial, until: u64) -> Vec<f64> {
+    let mut record = Record::default();
+    let mut scales_of = |number| {
+        alone(&mut record, trial, number, |columns| {
+            let magnitudes = columns.iter().map(|column| {
+                let pairs = column.pairs();
+                pairs.fold(0.0, |largest: f64, (estimate, truth)| {
+                    largest.max(truth.abs()).max(estimate.abs())
+                })
+            });
+            magnitudes.collect::<Vec<f64>>()
+        })
+    };
+    let scales = (0..until.min(FEWEST)).find_map(|number| scales_of(number).ok());
+    let mut scales = scales.unwrap_or_else(|| vec![0.0; trial.quantities()]);
     for scale in &mut scales {
         if !(*scale > 0.0 && scale.is_finite()) {
             *scale = 1.0;

@@ -1,9 +1,12 @@
 //! Time that trials take, and from it that of a run.
 
 use std::num::{NonZeroU64, NonZeroUsize};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use palpate_sweep::{BLOCK, Cell, RunOptions, Runner, SweepError};
+use super::clock::Clock;
+use crate::jobs::blocks_of_job;
+use crate::run::{Runner, SweepError};
+use crate::trial::{BLOCK, Cell, Trial, blocks};
 
 /// Longest and shortest time for which trials of a cell are repeated; a single trial always runs to its end.
 const LONGEST: Duration = Duration::from_millis(10);
@@ -12,34 +15,52 @@ const SHORTEST: Duration = Duration::from_millis(1);
 const SLOW: Duration = Duration::from_millis(100);
 /// Most trials of a cell that are timed together.
 const MOST_TIMED: u64 = 1 << 20;
-/// Jobs per thread into which the runner divides its blocks, and most blocks of a job.
-const JOBS_PER_THREAD: u64 = 8;
-const LARGEST_JOB: u64 = 32;
-
 /// Time per trial of each of some cells, s, on one thread while the others are busy too.
-pub(crate) struct Pace {
+///
+/// ```
+/// use std::time::{Duration, Instant};
+/// use palpate_sweep::{Pace, Record, RunOptions, Runner, Trial};
+///
+/// struct Sleeping;
+/// impl Trial for Sleeping {
+///     fn quantities(&self) -> usize { 0 }
+///     fn run(&self, _trial: u64, _record: &mut Record) -> Result<(), &'static str> {
+///         std::thread::sleep(Duration::from_millis(2));
+///         Ok(())
+///     }
+/// }
+/// let runner = Runner::new(&RunOptions::default())?;
+/// let start = Instant::now();
+/// let pace = Pace::of(&runner, &[&Sleeping], Duration::from_millis(5), &|| start.elapsed())?;
+/// assert!(pace.seconds_per_trial(0) >= 0.002);
+/// assert!(pace.run_seconds(&[100], runner.threads()) >= 0.2 / runner.threads().get() as f64);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Pace {
     seconds: Vec<f64>,
 }
 
 impl Pace {
     /// Times a few trials of as many cells as fit into about `limit`, spread evenly over all; at least one cell. A cell
     /// that is not timed gets the largest time measured.
-    pub(crate) fn of(
-        cells: &[Cell<'_>],
-        threads: NonZeroUsize,
+    ///
+    /// # Errors
+    /// [`SweepError::TooManyTrials`] on more threads than trials can be counted on.
+    pub fn of<T: Trial>(
+        runner: &Runner,
+        cells: &[T],
         limit: Duration,
+        clock: &Clock<'_>,
     ) -> Result<Self, SweepError> {
         let each = (limit / cells.len().max(1) as u32).clamp(SHORTEST, LONGEST);
-        let runner = Runner::new(&RunOptions {
-            threads: Some(threads),
-        })?;
-        let start = Instant::now();
+        let start = clock();
         let mut seconds = vec![None; cells.len()];
         for cell in spread(cells.len()) {
-            if start.elapsed() >= limit && seconds.iter().any(Option::is_some) {
+            if clock().saturating_sub(start) >= limit && seconds.iter().any(Option::is_some) {
                 break;
             }
-            seconds[cell] = Some(seconds_per_trial(&runner, &cells[cell], threads, each)?);
+            seconds[cell] = Some(seconds_per_trial(runner, &cells[cell], each, clock)?);
         }
         let dearest = seconds.iter().flatten().copied().fold(0.0, f64::max);
         Ok(Self {
@@ -51,28 +72,27 @@ impl Pace {
     }
 
     /// Seconds per trial of a cell, on one thread.
-    pub(crate) fn seconds_per_trial(&self, cell: usize) -> f64 {
+    pub fn seconds_per_trial(&self, cell: usize) -> f64 {
         self.seconds[cell]
     }
 
     /// Bound on the seconds that a run with these trials of each cell takes on `threads` (Graham's bound on list
     /// scheduling, 1966): no thread is idle before the last job has been handed out.
-    pub(crate) fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
-        let threads = threads.get() as u64;
-        let blocks: u64 = trials.iter().map(|trials| trials.div_ceil(BLOCK)).sum();
-        let job = (blocks / (JOBS_PER_THREAD * threads)).clamp(1, LARGEST_JOB);
+    pub fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
+        let blocks = trials.iter().map(|&trials| blocks(trials)).sum();
+        let job = blocks_of_job(blocks, threads.get());
         let (mut sum, mut longest) = (0.0, 0.0_f64);
         for (&trials, &seconds) in trials.iter().zip(&self.seconds) {
             sum += trials as f64 * seconds;
             longest = longest.max(trials.min(job * BLOCK) as f64 * seconds);
         }
-        let threads = threads as f64;
+        let threads = threads.get() as f64;
         sum / threads + longest * (1.0 - 1.0 / threads)
     }
 
     /// Largest number of trials of each random cell, up to `most`, with which a run takes at most `seconds`; cells that
     /// are not random run once. `None` where even one trial takes longer.
-    pub(crate) fn most_trials(
+    pub(super) fn most_trials(
         &self,
         is_random: &[bool],
         threads: NonZeroUsize,
@@ -105,15 +125,9 @@ impl Pace {
     }
 }
 
-/// Number of threads that really run at the same time: those asked for, but no more than there are processors.
-pub(crate) fn threads(asked: Option<NonZeroUsize>) -> NonZeroUsize {
-    let processors = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    asked.map_or(processors, |asked| asked.min(processors))
-}
-
 /// Numbers below `count` in the order of their reversed bits, so that the first few of them are spread over the whole
 /// range.
-pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
+pub fn spread(count: usize) -> impl Iterator<Item = usize> {
     let bits = count.next_power_of_two().trailing_zeros();
     (0..count.next_power_of_two())
         .map(move |number| match bits {
@@ -130,15 +144,15 @@ pub(crate) fn spread(count: usize) -> impl Iterator<Item = usize> {
 /// the shorter time counts, unless it takes longer than [`SLOW`].
 fn seconds_per_trial(
     runner: &Runner,
-    cell: &Cell<'_>,
-    threads: NonZeroUsize,
+    trial: &dyn Trial,
     long_enough: Duration,
+    clock: &Clock<'_>,
 ) -> Result<f64, SweepError> {
     let time = |trials: u64| -> Result<Duration, SweepError> {
-        let start = Instant::now();
-        let timed = vec![Cell { trials, ..*cell }; threads.get()];
+        let start = clock();
+        let timed = vec![Cell { trials, trial }; runner.threads().get()];
         std::hint::black_box(runner.run(&timed, &|_| ())?);
-        Ok(start.elapsed())
+        Ok(clock().saturating_sub(start))
     };
     let mut trials = 1;
     loop {
@@ -156,10 +170,11 @@ fn seconds_per_trial(
 #[cfg(test)]
 mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
-
-    use palpate_sweep::{Record, Trial};
+    use std::time::Instant;
 
     use super::*;
+    use crate::record::Record;
+    use crate::run::RunOptions;
 
     const ONE: NonZeroUsize = NonZeroUsize::MIN;
 
@@ -178,16 +193,14 @@ mod tests {
     }
 
     #[test]
-    fn a_quick_cell_is_timed_by_many_trials_even_if_it_has_one() {
+    fn a_quick_cell_is_timed_by_many_trials() {
         let counted = Counted(AtomicU64::new(0));
-        let cell = Cell {
-            trials: 1,
-            trial: &counted,
-        };
         let options = RunOptions { threads: Some(ONE) };
         let runner = Runner::new(&options).unwrap();
         let long_enough = Duration::from_millis(50);
-        let seconds = seconds_per_trial(&runner, &cell, ONE, long_enough).unwrap();
+        let start = Instant::now();
+        let seconds = seconds_per_trial(&runner, &counted, long_enough, &|| start.elapsed());
+        let seconds = seconds.unwrap();
         assert!(seconds > 0.0);
         assert!(counted.0.into_inner() > 1000);
     }

@@ -1,6 +1,8 @@
 //! Sums over trials, from which the spread of squared errors follows.
 
-use palpate_scene::{Outcome, Scene};
+use super::alone::alone;
+use crate::record::Record;
+use crate::trial::Trial;
 
 /// Sums over the successful trials of one part of a pilot.
 #[derive(Clone, Debug, Default)]
@@ -29,24 +31,31 @@ impl Part {
         Self {
             successes: 0,
             quantities: vec![Spread::default(); quantities],
-            trial: vec![(0.0, 0.0); quantities],
+            trial: Vec::with_capacity(quantities),
         }
     }
 
-    /// Runs a trial and adds its observations, unless it fails.
-    pub(super) fn add_trial(&mut self, scene: &Scene, trial: u64, scales: &[f64]) {
-        self.trial.fill((0.0, 0.0));
+    /// Runs a trial and adds its observations, errors in units of `scales`, unless it fails.
+    pub(super) fn add_trial(
+        &mut self,
+        trial: &dyn Trial,
+        number: u64,
+        scales: &[f64],
+        record: &mut Record,
+    ) {
         let sums = &mut self.trial;
-        let done = scene.trial(trial, |quantity, outcome| {
-            let Outcome {
-                estimate, truth, ..
-            } = outcome;
-            let error = (estimate - truth) / scales[quantity];
-            sums[quantity].0 += 1.0;
-            sums[quantity].1 += error * error;
+        let done = alone(record, trial, number, |columns| {
+            sums.clear();
+            sums.extend(columns.iter().zip(scales).map(|(column, scale)| {
+                column
+                    .pairs()
+                    .fold((0.0, 0.0), |(n, s), (estimate, truth)| {
+                        let error = (estimate - truth) / scale;
+                        (n + 1.0, s + error * error)
+                    })
+            }));
         });
-        // The runner counts a trial that is not finite as failed, too.
-        if done.is_err() || self.trial.iter().any(|(_, s)| !(s * s).is_finite()) {
+        if done.is_err() || sums.iter().any(|(_, s)| !(s * s).is_finite()) {
             return;
         }
         self.successes += 1;

@@ -1,31 +1,28 @@
 //! `palpate run`.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use palpate::config::{self, Output, Study, StudyConfig};
-use palpate::{CellStatistics, Map, RunOptions, Scene, Simulation};
+use palpate::config::{self, Output, StudyConfig};
+use palpate::{CellStatistics, Map, RunOptions, Runner, Simulation, Study, load};
 
-use crate::allowance;
 use crate::cli::RunArgs;
 use crate::failure::Failure;
-use crate::{foreign, output, progress};
+use crate::trace::{self, FRAMES, MARKERS, READINGS, TRACE};
+use crate::{budget, foreign, output, progress};
 
 /// Names of the files that a run writes.
 const CELLS: &str = "cells.csv";
 const FAILURES: &str = "failures.csv";
-const TRACE: &str = "trace.csv";
-const READINGS: &str = "readings.csv";
-const MARKERS: &str = "markers.csv";
-const FRAMES: [&str; 2] = ["rest.png", "pressed.png"];
 const MAP: &str = "map.csv";
 /// More threads than this only cost their setting up.
 const MOST_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let start = Instant::now();
-    let mut study = config::load(&args.config).map_err(Failure::usage)?;
+    let mut study = load(&args.config).map_err(Failure::usage)?;
     if let Some(seed) = args.seed {
         study.override_seed(seed).map_err(Failure::usage)?;
     }
@@ -42,20 +39,26 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let numbers: Vec<usize> = (0..study.cells.len())
         .step_by(args.every_nth_cell.get())
         .collect();
-    let allowed = allowance::choose(&study, &numbers, args, start)?;
+    let allowed = budget::choose(&study, &numbers, args, start)?;
     let said = allowed.map(|allowed| {
         study = allowed.study;
         (allowed.lines, allowed.warnings)
     });
-    let simulation = Simulation::new(&study, numbers).map_err(Failure::usage)?;
+    let runner = Runner::new(&RunOptions {
+        threads: args.threads.map(|threads| threads.min(MOST_THREADS)),
+    })
+    .map_err(Failure::work)?;
+    let first = numbers[0];
+    let simulation = Simulation::new(&study, numbers, &runner).map_err(Failure::of_cell)?;
 
     output::make_directory(&out)?;
     // Before the work, which would be lost where there is no pass to follow.
     let traced = study.config.outputs.contains(&Output::Trace);
     let traced = traced
-        .then(|| simulation.scenes().next())
-        .flatten()
-        .map(|scene| trace_files(&study, scene, None))
+        .then(|| {
+            let trace = palpate::trace(&study, first, None).map_err(trace::refused)?;
+            trace::files(&trace)
+        })
         .transpose()?;
     let config = resolved(&study);
     output::begin(&out, &config)?;
@@ -66,23 +69,20 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         output::print(&lines.join("\n"))?;
     }
     let bar = progress::bar(simulation.trials());
-    let options = RunOptions {
-        threads: args.threads.map(|threads| threads.min(MOST_THREADS)),
-    };
     let ran = simulation
-        .run(&options, &|finished| bar.inc(finished))
-        .map_err(Failure::work)?;
+        .run(&AtomicBool::new(false), &|finished| bar.inc(finished))
+        .map_err(Failure::of_sweep)?;
     bar.finish_and_clear();
 
     let mut files: Vec<(&str, Vec<u8>)> = vec![
-        (CELLS, ran.cells().to_csv().into()),
-        (FAILURES, ran.failures().to_csv().into()),
+        (CELLS, ran.cells.to_csv().into()),
+        (FAILURES, ran.failures.to_csv().into()),
         (output::CONFIG, config.into()),
     ];
-    files.extend(traced.into_iter().flat_map(|traced| traced.files));
-    if let Some(map) = ran.map() {
-        warn_of_missing(&map);
-        files.push((MAP, map.csv.into()));
+    files.extend(traced.into_iter().flatten());
+    if let Some(map) = &ran.map {
+        warn_of_missing(map);
+        files.push((MAP, map.table.to_csv().into()));
     }
     let written = output::write_files(&out, &files);
     let ended = output::end(&out);
@@ -125,63 +125,7 @@ fn resolved(study: &Study) -> String {
     })
 }
 
-/// One pass, as files.
-pub(crate) struct Traced {
-    /// Their names and contents.
-    pub(crate) files: Vec<(&'static str, Vec<u8>)>,
-    /// How many contacts the truth has, or markers.
-    pub(crate) contacts: usize,
-    /// How many rows the readings have.
-    pub(crate) readings: usize,
-    /// Whether a camera saw it.
-    pub(crate) is_seen: bool,
-}
-
-/// Truth and readings of one pass, and what a camera saw of it.
-pub(crate) fn trace_files(
-    study: &Study,
-    scene: &Scene,
-    trial: Option<u64>,
-) -> Result<Traced, Failure> {
-    let unit = study.config.length_unit;
-    let (contacts, readings, seen) = match scene {
-        Scene::Roll(roll) => {
-            let trace = roll.trace(trial, unit).map_err(Failure::work)?;
-            (trace.contacts, trace.readings, None)
-        }
-        Scene::Glide(glide) => {
-            let trace = glide.trace(trial, unit);
-            (trace.contacts, trace.readings, None)
-        }
-        Scene::Press(press) => {
-            let trace = press.trace(trial, unit).map_err(Failure::work)?;
-            (trace.contacts, trace.readings, trace.seen)
-        }
-        Scene::Fingertip(_) => {
-            let message = "a fingertip touches nothing: there is no pass to follow";
-            return Err(Failure::usage(study.error_at(0, "scene.kind", message)));
-        }
-    };
-    let mut files = vec![
-        (TRACE, contacts.to_csv().into_bytes()),
-        (READINGS, readings.to_csv().into_bytes()),
-    ];
-    let is_seen = seen.is_some();
-    if let Some(seen) = seen {
-        files.push((MARKERS, seen.markers.to_csv().into_bytes()));
-        for (name, frame) in FRAMES.into_iter().zip(seen.frames.iter().flatten()) {
-            files.push((name, output::png(frame)?));
-        }
-    }
-    Ok(Traced {
-        files,
-        contacts: contacts.rows.len(),
-        readings: readings.rows.len(),
-        is_seen,
-    })
-}
-
-fn summary(study: &Study, ran: &[CellStatistics], out: &std::path::Path) -> String {
+fn summary(study: &Study, ran: &[CellStatistics], out: &Path) -> String {
     let trials: u64 = ran.iter().map(|cell| cell.trials).sum();
     let mut kinds = std::collections::BTreeMap::new();
     for failure in ran.iter().flat_map(|cell| &cell.failures) {

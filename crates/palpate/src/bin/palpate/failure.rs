@@ -3,7 +3,8 @@
 use std::fmt;
 use std::process::ExitCode;
 
-use anyhow::Error;
+use anyhow::{Error, anyhow};
+use palpate::{CellError, ConfigError, SweepError};
 
 /// Why a command failed, and so with which status.
 #[derive(Debug)]
@@ -21,6 +22,24 @@ impl Failure {
 
     pub(crate) fn work(error: impl Into<Error>) -> Self {
         Self::Work(error.into())
+    }
+
+    /// Failure of a cell, the number of which is an argument.
+    pub(crate) fn of_cell(error: CellError) -> Self {
+        match error {
+            CellError::NoCell { cell, last } => {
+                Self::Usage(anyhow!("--cell is {cell}; the study has cells 0 to {last}"))
+            }
+            CellError::Config(error) => Self::usage(error),
+        }
+    }
+
+    /// Failure of trials: bad usage where a config makes no scene.
+    pub(crate) fn of_sweep(error: SweepError<ConfigError>) -> Self {
+        match error {
+            SweepError::SetUp(error) => Self::usage(error),
+            error => Self::work(error),
+        }
     }
 
     pub(crate) fn exit_code(&self) -> ExitCode {

@@ -1,0 +1,26 @@
+//! Frames of a camera, from their pixels.
+
+use image::RgbImage;
+use palpate_scene::recorded::Frame;
+
+/// Frame of a camera from its pixels, three bytes of red, green and blue each, row by row from the top left; `file` is the
+/// name that messages give. `None` where there are not `width` times `height` pixels.
+///
+/// ```
+/// use palpate::{frame, recorded};
+///
+/// // Two frames without a marker.
+/// let [rest, pressed] = ["rest", "pressed"].map(|name| frame(name, 64, 48, vec![90; 3 * 64 * 48]));
+/// let [rest, pressed] = [rest, pressed].map(|frame| frame.ok_or("too few pixels"));
+/// let error = recorded::track_frames(&rest?, &pressed?).expect_err("nothing to track");
+/// assert!(error.to_string().starts_with("rest: "));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn frame(file: &str, width: u32, height: u32, rgb: Vec<u8>) -> Option<Frame> {
+    let pixels = u64::from(width) * u64::from(height);
+    let image = RgbImage::from_raw(width, height, rgb)?;
+    (image.as_raw().len() as u64 == 3 * pixels).then(|| Frame {
+        file: file.to_owned(),
+        image,
+    })
+}
