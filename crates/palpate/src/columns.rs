@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn a_word_makes_a_column_of_texts() {
-        let fields = |fields: &[&'static str]| values(fields.to_vec().into_iter());
+        let fields = |fields: &[&'static str]| values(fields.iter().copied());
         assert_eq!(
             fields(&["1", "", "2e-3"]),
             Values::Numbers(vec![Some(1.0), None, Some(2e-3)])

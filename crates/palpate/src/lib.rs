@@ -8,7 +8,7 @@
 //! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
 //! | follow one pass of a cell | [`trace`] |
 //! | take tables apart | [`columns`] |
-//! | estimate from recorded readings, track camera images | [`recorded`], with [`frame`] for pixels |
+//! | estimate from recorded readings, track camera images | [`recorded`], with [`readings`] for numbers and [`frame`] for pixels |
 //!
 //! Nothing here prints, exits, reads a clock or writes a file; only files that the caller names are read. It runs where
 //! there are no threads (WebAssembly). The program of this name (feature `cli`) adds arguments, files and a terminal.
@@ -37,9 +37,9 @@ mod columns;
 mod costs;
 mod error;
 mod facts;
-mod frame;
 mod map;
 mod plan;
+mod readings;
 mod simulation;
 mod tables;
 mod trace;
@@ -49,7 +49,6 @@ pub use check::{CellGroup, Check, Rungs, check};
 pub use columns::{Column, Values, columns};
 pub use costs::Cost;
 pub use error::{CellError, RunError};
-pub use frame::frame;
 pub use map::Map;
 pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, recorded};
 pub use palpate_study::Table;
@@ -59,6 +58,7 @@ pub use palpate_sweep::{
     Summary, SweepError,
 };
 pub use plan::plan;
+pub use readings::{frame, readings};
 pub use simulation::{Ran, Simulation, run};
 pub use trace::{SeenPress, Trace, TraceError, trace};
 pub use trial::SceneTrial;

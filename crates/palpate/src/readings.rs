@@ -1,7 +1,29 @@
-//! Frames of a camera, from their pixels.
+//! Readings and frames that are numbers in memory, not files.
 
 use image::RgbImage;
-use palpate_scene::recorded::Frame;
+use palpate_scene::recorded::{Frame, RecordedFile};
+use palpate_study::Table;
+
+/// Readings with these columns, as a file of them would be read by [`recorded`](crate::recorded); `file` is the name that
+/// messages give.
+///
+/// ```
+/// use palpate::recorded::parse_press;
+///
+/// // Three markers of a sensor that is pressed by 1 mm.
+/// let header = ["x_mm", "y_mm", "normal_displacement_mm"];
+/// let markers = [[0.0, 0.0, 1.0], [2.0, 0.0, 0.8], [0.0, 2.0, 0.8]];
+/// let readings = parse_press(palpate::readings("a press", header, &markers))?;
+/// assert!(!readings.has_tangential());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn readings<const N: usize>(file: &str, header: [&str; N], rows: &[[f64; N]]) -> RecordedFile {
+    let mut table = Table::new(header.map(str::to_owned));
+    for row in rows {
+        table.push_numbers(*row);
+    }
+    RecordedFile::new(file, table.to_csv().into_bytes())
+}
 
 /// Frame of a camera from its pixels, three bytes of red, green and blue each, row by row from the top left; `file` is the
 /// name that messages give. `None` where there are not `width` times `height` pixels.

@@ -1,18 +1,29 @@
-//! Frames with known markers, drawn for tests and benches.
+//! Frames with known markers, drawn for tests, benches and measurements of tracking. What a frame shows is drawn by other
+//! means than those by which `palpate-chromatouch` renders frames, so that tracking is held against a truth of its own.
+//!
+//! ```
+//! let (frame, truth) = palpate_frames::dark(200, 1);
+//! assert_eq!((frame.width(), truth.len()), (200, 77));
+//! let [x, y] = truth[38].centroid_px;
+//! assert!((x - 100.0).abs() < 5.0 && (y - 100.0).abs() < 5.0);
+//! ```
 
 use image::RgbImage;
 
-/// A disc pair or a single disc as it is drawn, and what a perfect reading of it gives.
+/// Perfect reading of a disc pair, or of a single disc.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Truth {
-    pub(crate) centroid_px: [f64; 2],
-    pub(crate) hue_turns: f64,
+pub struct Truth {
+    /// Centroid, px.
+    pub centroid_px: [f64; 2],
+    /// Hue, turns.
+    pub hue_turns: f64,
     /// Size in a bright frame, px²; 0 in a dark one.
-    pub(crate) size_px2: f64,
+    pub size_px2: f64,
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
-pub(crate) struct Random(pub(crate) u64);
+/// Random numbers by SplitMix64 (Steele, Lea and Flood 2014), from a seed.
+#[derive(Clone, Debug)]
+pub struct Random(pub u64);
 
 impl Random {
     fn bits(&mut self) -> u64 {
@@ -23,19 +34,19 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Uniform from `low` to `high`.
-    pub(crate) fn uniform(&mut self, low: f64, high: f64) -> f64 {
+    /// Number from `low` to `high`, all equally likely.
+    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Standard normal, by the sum of twelve uniforms.
-    pub(crate) fn normal(&mut self) -> f64 {
+    /// Number of standard deviation 1 about 0, nearly normal: the sum of twelve uniform ones.
+    pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform(-0.5, 0.5)).sum()
     }
 }
 
-/// The hue of a colour, turns: which two of its light are the greatest, and how far the second is up.
-pub(crate) fn hue(light: [f64; 3]) -> f64 {
+/// Hue of a colour, turns: which two of its light are the greatest, and how far the second is up.
+pub fn hue(light: [f64; 3]) -> f64 {
     let least = light.into_iter().fold(f64::INFINITY, f64::min);
     let [red, green, blue] = light.map(|one| one - least);
     let sixths = if blue == 0.0 {
@@ -97,9 +108,9 @@ fn bytes(plane: &[[f64; 3]], size: usize, noise: f64, random: &mut Random) -> Rg
     frame
 }
 
-/// 77 discs of random hues on a dark ground under an uneven lamp, noise of 3 in 255, clutter outside the circle of radius
-/// 0.48 sides about the middle.
-pub(crate) fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
+/// Frame of 77 discs of random hues on a dark ground under an uneven lamp, noise of 3 in 255, clutter outside the circle of
+/// radius 0.48 sides about the middle.
+pub fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     let mut random = Random(seed);
     let n = size as f64;
     let lamp = |x: f64, y: f64| {
@@ -137,27 +148,31 @@ pub(crate) fn dark(size: usize, seed: u64) -> (RgbImage, Vec<Truth>) {
     (bytes(&plane, size, 3.0, &mut random), truth)
 }
 
-/// How a bright frame is drawn.
+/// Settings by which a bright frame is drawn.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Bright {
-    pub(crate) size: usize,
-    pub(crate) disc_px: f64,
-    /// How far the two discs of a marker stand apart, in diameters.
-    pub(crate) apart: f64,
-    pub(crate) blur_px: f64,
+pub struct Bright {
+    /// Side of the frame, px.
+    pub size: usize,
+    /// Diameter of a disc, px.
+    pub disc_px: f64,
+    /// Distance of the two discs of a marker, in diameters.
+    pub apart: f64,
+    /// Standard deviation of the blur, px.
+    pub blur_px: f64,
     /// Share of light that is lost at the rim.
-    pub(crate) falloff: f64,
-    /// Standard deviation, of 255.
-    pub(crate) noise: f64,
+    pub falloff: f64,
+    /// Standard deviation of the noise, of 255 levels.
+    pub noise: f64,
 }
 
-/// Light that passes a magenta and a yellow disc.
-pub(crate) const MAGENTA: [f64; 3] = [0.95, 0.25, 0.85];
-pub(crate) const YELLOW: [f64; 3] = [0.98, 0.9, 0.1];
+/// Light that passes a magenta disc.
+pub const MAGENTA: [f64; 3] = [0.95, 0.25, 0.85];
+/// Light that passes a yellow disc.
+pub const YELLOW: [f64; 3] = [0.98, 0.9, 0.1];
 
-/// Markers, each a magenta and a yellow disc that stand apart in a direction of their own, at these places on a white
-/// ground in a circle that holds the frame.
-pub(crate) fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Truth>) {
+/// Frame of markers, each a magenta and a yellow disc that stand apart in a direction of their own, at these places on a
+/// white ground in a circle that holds the frame.
+pub fn bright(how: Bright, places: &[[f64; 2]], seed: u64) -> (RgbImage, Vec<Truth>) {
     let Bright { size, disc_px, .. } = how;
     let mut random = Random(seed);
     let mut plane = vec![[1.0; 3]; size * size];
@@ -239,7 +254,7 @@ fn blur(plane: &[[f64; 3]], size: usize, std: f64) -> Vec<[f64; 3]> {
 }
 
 /// Places of a sensor's markers: one in the middle and rings about it, `spacing` apart, in a frame of a side.
-pub(crate) fn rings(size: usize, spacing: f64, rings: usize) -> Vec<[f64; 2]> {
+pub fn rings(size: usize, spacing: f64, rings: usize) -> Vec<[f64; 2]> {
     let middle = 0.5 * (size as f64 - 1.0);
     let mut places = vec![[middle + 0.3, middle - 0.2]];
     for ring in 1..=rings {
