@@ -36,7 +36,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(&study.config.name));
     foreign::refuse(&out, &tables_of(&study))?;
-    let numbers: Vec<usize> = (0..study.cells.len())
+    let numbers: Vec<usize> = (0..study.cell_count())
         .step_by(args.every_nth_cell.get())
         .collect();
     let allowed = budget::choose(&study, &numbers, args, start)?;
@@ -49,7 +49,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     })
     .map_err(Failure::work)?;
     let first = numbers[0];
-    let simulation = Simulation::new(&study, numbers, &runner).map_err(Failure::of_cell)?;
+    let simulation = Simulation::new(&study, numbers, &runner).map_err(Failure::usage)?;
 
     output::make_directory(&out)?;
     // Before the work, which would be lost where there is no pass to follow.

@@ -14,6 +14,9 @@ pub(crate) const FRAMES: [&str; 2] = ["rest.png", "pressed.png"];
 
 pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let study = load(&args.config).map_err(Failure::usage)?;
+    if args.cell >= study.cell_count() {
+        return Err(Failure::no_cell(args.cell, &study));
+    }
     let trace = palpate::trace(&study, args.cell, args.trial).map_err(refused)?;
     output::write_files(&args.out, &files(&trace)?)?;
     if trace.seen.is_some() {
@@ -45,7 +48,7 @@ pub(crate) fn files(trace: &Trace) -> Result<Vec<(&'static str, Vec<u8>)>, Failu
 /// A config that has no such pass is bad usage; a pass that ends early is not.
 pub(crate) fn refused(error: TraceError) -> Failure {
     match error {
-        TraceError::Cell(error) => Failure::of_cell(error),
+        TraceError::Config(error) => Failure::usage(error),
         error => Failure::work(error),
     }
 }
