@@ -105,8 +105,8 @@ fn ranges_keep_their_ends_and_round_between() {
         count = 5"#,
     );
     let all = coordinates(&study);
-    let slow: Vec<_> = all.iter().step_by(5).map(|pair| pair[0]).collect();
-    let fast: Vec<_> = all[..5].iter().map(|pair| pair[1]).collect();
+    let slow: Vec<_> = all.iter().step_by(5).map(|pair| pair[0].as_str()).collect();
+    let fast: Vec<_> = all[..5].iter().map(|pair| pair[1].as_str()).collect();
     assert_eq!(slow, ["0.01", "0.1", "1", "10", "100"]);
     assert_eq!(fast, ["0", "0.1", "0.2", "0.3", "0.4"]);
 }
