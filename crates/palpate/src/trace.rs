@@ -1,12 +1,14 @@
 //! `palpate trace`.
 
 use anyhow::anyhow;
+use palpate_report::{Files, press_figures};
 use palpate_scene::Scene;
 use palpate_scene::Scenes;
 use palpate_study::config;
 
 use crate::cli::TraceArgs;
 use crate::failure::Failure;
+use crate::results::write_figures;
 use crate::{output, run};
 
 pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
@@ -48,7 +50,8 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     };
     output::write_files(&args.out, &traced.files)?;
     if traced.is_seen {
-        palpate_report::draw_press_trace(&args.out).map_err(Failure::work)?;
+        let figures = press_figures(&Files::in_folder(&args.out)).map_err(Failure::work)?;
+        write_figures(&args.out, &figures)?;
     }
     output::print(&format!(
         "{}: {what} -> {}",

@@ -1,7 +1,7 @@
 //! Claims 1 and 2: noise in the angular velocity (1996 paper, section 4.1.1).
 
-use super::Finding;
 use super::evidence::{convex_rows, groups, near, numbers, percent, range, roll, short, span};
+use super::finding::Finding;
 use crate::Study;
 
 const NOISE: &str = "scene.noise.angular_velocity.fraction";

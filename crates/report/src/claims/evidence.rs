@@ -1,6 +1,7 @@
 //! Finding the rows and numbers that a claim is about.
 
-use crate::{Study, words};
+use crate::Study;
+use palpate_study::number;
 
 /// Rows of `quantity` whose true value is defined and positive: convex along the direction in question.
 pub(super) fn convex_rows(study: &Study, quantity: &str) -> Result<Vec<usize>, String> {
@@ -72,7 +73,7 @@ pub(super) fn percent(share: f64) -> String {
 
 /// A number in three digits.
 pub(super) fn short(value: f64) -> String {
-    words::significant(value, 3)
+    number::significant(value, 3)
 }
 
 /// The smallest and largest of some numbers.

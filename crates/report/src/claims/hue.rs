@@ -1,7 +1,7 @@
 //! Claim 14: how a marker's picture follows its displacement (2020 paper, section IV.A, Fig. 6).
 
-use super::Finding;
 use super::evidence::{groups, near, range, short, span};
+use super::finding::Finding;
 use super::presses::{label, number, rows_of};
 use super::straight_line::{Reading, StraightLine};
 use crate::Study;

@@ -1,8 +1,8 @@
 //! Claims 5 to 8: the resolution of the contact sensor (1996 paper, section 4.1.3). Lengths are in
 //! probe radii, as the paper's probe has R₁ = 1 cm.
 
-use super::Finding;
 use super::evidence::{convex_rows, groups, near, numbers, percent, range, roll, short, span};
+use super::finding::Finding;
 use crate::Study;
 
 const QUANTITY: &str = "normal_curvature_u";

@@ -1,7 +1,7 @@
 //! Claims 10 to 12: how well the classes of shape are found (1996 paper, section 4.3).
 
-use super::Finding;
 use super::evidence::{near, percent, short};
+use super::finding::Finding;
 use super::patches::{GAUSSIAN, MEAN, Patches, TWO_PASS};
 use crate::{Study, study};
 

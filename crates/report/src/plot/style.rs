@@ -1,6 +1,18 @@
-//! Colours and markers: the Okabe–Ito palette, told apart by shape as well.
+//! Colours, and markers of series: the Okabe–Ito palette, told apart by shape as well.
 
 use plotters::style::RGBColor;
+
+pub(crate) const INK: RGBColor = RGBColor(34, 34, 34);
+pub(crate) const QUIET: RGBColor = RGBColor(90, 90, 90);
+pub(crate) const FRAME: RGBColor = RGBColor(120, 120, 120);
+pub(crate) const GRID: RGBColor = RGBColor(210, 210, 210);
+pub(crate) const FAINT: RGBColor = RGBColor(238, 238, 238);
+pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
+
+/// Width of a line of numbers, and radius of its markers.
+pub(crate) const STROKE: f64 = 2.5;
+pub(crate) const MARKER: f64 = 6.0;
+pub(crate) const OPEN_MARKER: f64 = 7.0;
 
 /// Okabe and Ito's colours that carry a line on white (their yellow does not).
 const COLOURS: [RGBColor; 7] = [

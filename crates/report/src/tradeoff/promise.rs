@@ -1,9 +1,7 @@
 //! `promise.csv`: whether `auto` takes a rung that errs within the tolerance and costs little more than the cheapest.
 
-use crate::ReportError;
-use crate::records::Columns;
-use crate::table::finite;
-use std::path::Path;
+use crate::records::Records;
+use crate::{Files, ReportError};
 
 /// Verdict on `auto` over random scenes of one kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +20,13 @@ pub(crate) struct Promise {
 ///
 /// # Errors
 /// The table is malformed.
-pub(super) fn read(path: &Path) -> Result<Vec<Promise>, ReportError> {
-    let table = Columns::read(path, &["kind", "competitors", "ratio", "kept"])?;
+pub(super) fn read(files: &Files) -> Result<Vec<Promise>, ReportError> {
+    let table = Records::read(
+        files,
+        "promise.csv",
+        &["kind", "competitors", "ratio", "kept"],
+    )?
+    .filled()?;
     let mut promises: Vec<Promise> = Vec::new();
     for row in 0..table.rows() {
         let kind = table.text(row, 0);
@@ -46,10 +49,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Promise>, ReportError> {
             "no" => 0,
             _ => return Err(table.bad(row, 3, "yes or no")),
         };
-        let ratio = match table.text(row, 2) {
-            "" => None,
-            text => Some(finite(text).ok_or_else(|| table.bad(row, 2, "a number or nothing"))?),
-        };
+        let ratio = table.number_or_none(row, 2)?;
         promise.dearest = promise.dearest.into_iter().chain(ratio).reduce(f64::max);
     }
     Ok(promises)

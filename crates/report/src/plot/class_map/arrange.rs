@@ -1,9 +1,8 @@
 //! Which panels stand where: the true map first, then the cells it is true of, row by row.
 
-use super::super::captions::full_value;
-use super::super::select::present;
 use super::table::CellMap;
 use crate::Table;
+use crate::plot::captions::full_value;
 use crate::table::Axis;
 
 /// At most this many cells in a row of panels.
@@ -40,7 +39,7 @@ pub(crate) fn rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<Row<'a>> {
     let varying: Vec<&Axis> = table
         .axes()
         .iter()
-        .filter(|axis| present(axis, &rows).len() > 1)
+        .filter(|axis| axis.among(&rows).len() > 1)
         .collect();
     let across = across(&varying, &rows);
     let down: Vec<&Axis> = varying
@@ -49,7 +48,7 @@ pub(crate) fn rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<Row<'a>> {
         .copied()
         .collect();
     let per_row = across
-        .map(|axis| present(axis, &rows).len())
+        .map(|axis| axis.among(&rows).len())
         .filter(|count| *count <= PER_ROW)
         .unwrap_or(OTHERWISE);
     let words = |axes: &[&Axis], row: usize| {
@@ -103,7 +102,7 @@ fn of_one_object(table: &Table, a: &Shown<'_>, b: &Shown<'_>) -> bool {
 /// The axis whose values stand side by side: of those that fit into a row the one with the most values, the
 /// last of several; else the last.
 fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
-    let count = |axis: &&&Axis| present(axis, rows).len();
+    let count = |axis: &&&Axis| axis.among(rows).len();
     let fitting = varying.iter().filter(|axis| count(axis) <= PER_ROW);
     fitting.max_by_key(count).or(varying.last()).copied()
 }

@@ -1,8 +1,7 @@
 //! `trace.csv` and `readings.csv` of a glide: where the fingers touched, and what they said of it.
 
-use crate::ReportError;
-use crate::records::Columns;
-use std::path::Path;
+use crate::records::Records;
+use crate::{Files, ReportError};
 
 /// Columns of `trace.csv`, in the order read.
 const TRACE: [&str; 10] = [
@@ -50,9 +49,17 @@ pub(crate) struct Contacts {
     pub(crate) tips_apart: bool,
 }
 
-/// Reads `trace.csv` and, if there is one, `readings.csv` in `dir`.
-pub(crate) fn read(dir: &Path) -> Result<Contacts, ReportError> {
-    let table = Columns::read(&dir.join("trace.csv"), &TRACE)?;
+impl Touch {
+    /// End of a stroke of this length along the normal.
+    pub(crate) fn along_normal(&self, length: f64) -> Option<Vector> {
+        let normal = self.normal?;
+        Some([0, 1, 2].map(|k| self.place[k] + length * normal[k]))
+    }
+}
+
+/// Reads `trace.csv` and, if there is one, `readings.csv`.
+pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
+    let table = Records::read(files, "trace.csv", &TRACE)?.filled()?;
     let mut fingers: Vec<Finger> = Vec::new();
     for row in 0..table.rows() {
         let at = finger(&mut fingers, table.text(row, 0));
@@ -65,11 +72,9 @@ pub(crate) fn read(dir: &Path) -> Result<Contacts, ReportError> {
     let size = size(&fingers);
     let touches = || fingers.iter().flat_map(|finger| &finger.touches);
     let tips_apart = touches().any(|touch| distance(touch.place, touch.tip) > SAME * size);
-    let path = dir.join("readings.csv");
-    let off = if path.exists() {
-        add_readings(&path, &mut fingers, size)?
-    } else {
-        None
+    let off = match files.contain("readings.csv") {
+        true => add_readings(files, &mut fingers, size)?,
+        false => None,
     };
     Ok(Contacts {
         unit: table.unit(1).to_owned(),
@@ -81,11 +86,11 @@ pub(crate) fn read(dir: &Path) -> Result<Contacts, ReportError> {
 
 /// Adds the readings to their fingers, unless they are the contacts.
 fn add_readings(
-    path: &Path,
+    files: &Files,
     fingers: &mut [Finger],
     size: f64,
 ) -> Result<Option<f64>, ReportError> {
-    let table = Columns::read(path, &READINGS)?;
+    let table = Records::read(files, "readings.csv", &READINGS)?.filled()?;
     let mut readings: Vec<Vec<Vector>> = vec![Vec::new(); fingers.len()];
     for row in 0..table.rows() {
         let at = fingers
@@ -128,7 +133,7 @@ fn finger(fingers: &mut Vec<Finger>, name: &str) -> usize {
     }
 }
 
-fn vector(table: &Columns, row: usize, first: usize) -> Result<Vector, ReportError> {
+fn vector(table: &Records, row: usize, first: usize) -> Result<Vector, ReportError> {
     Ok([
         table.number(row, first)?,
         table.number(row, first + 1)?,
