@@ -25,7 +25,7 @@ use finding::Finding;
 use palpate_study::Table;
 use std::fmt;
 
-/// How a claim fared against the tables.
+/// Verdict on a claim by the tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// The tables show what the paper says, within the stated thresholds.

@@ -51,7 +51,7 @@ impl Files {
         }
     }
 
-    /// These files, and those of `others` that are not among them; of a folder, all that it holds.
+    /// Files in memory with `others` as far as none of these has their names; a folder stays as it is.
     pub(crate) fn or<const N: usize>(mut self, others: [(&str, &str); N]) -> Self {
         for (name, text) in others {
             if let Some(texts) = &mut self.texts {

@@ -19,6 +19,7 @@
 mod claims;
 mod error;
 mod files;
+mod group;
 mod page;
 mod plot;
 mod records;

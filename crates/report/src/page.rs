@@ -1,4 +1,4 @@
-//! One self-contained HTML page of several studies.
+//! Self-contained HTML page of several studies.
 
 mod measurements;
 

@@ -1,5 +1,6 @@
 //! CSV files with their headers checked, and some named columns of them.
 
+use crate::group::by_key;
 use crate::{Files, ReportError};
 use palpate_study::label::split_unit;
 use palpate_study::number::finite;
@@ -62,7 +63,7 @@ impl Records {
         Ok(records)
     }
 
-    /// Likewise, where the first `ordered` columns stand in this order: sweep columns lie between `cell` and `quantity`,
+    /// Columns as by [`Self::read`], where the first `ordered` columns stand in this order: sweep columns lie between `cell` and `quantity`,
     /// statistics after `unit`.
     pub(crate) fn read_in_order(
         files: &Files,
@@ -78,7 +79,7 @@ impl Records {
         }
     }
 
-    /// The same, with at least one row.
+    /// Table with at least one row, or the error that it is empty.
     pub(crate) fn filled(self) -> Result<Self, ReportError> {
         match self.rows.is_empty() {
             true => Err(ReportError::EmptyTable { path: self.path }),
@@ -91,7 +92,7 @@ impl Records {
         self.rows.len()
     }
 
-    /// All columns.
+    /// Names of all columns.
     pub(crate) fn header(&self) -> &[String] {
         &self.header
     }
@@ -152,16 +153,11 @@ impl Records {
 
     /// The rows of each cell, whose numbers a column holds, in order of appearance.
     pub(crate) fn by_cell(&self, column: usize) -> Result<Vec<(u64, Vec<usize>)>, ReportError> {
-        let mut cells: Vec<(u64, Vec<usize>)> = Vec::new();
-        for row in 0..self.rows() {
-            let cell = self.parsed(row, column, "the number of a cell")?;
-            // Rows of a cell mostly follow each other.
-            match cells.iter_mut().rev().find(|(known, _)| *known == cell) {
-                Some((_, rows)) => rows.push(row),
-                None => cells.push((cell, vec![row])),
-            }
-        }
-        Ok(cells)
+        let of_row = |row| -> Result<(u64, usize), ReportError> {
+            Ok((self.parsed(row, column, "the number of a cell")?, row))
+        };
+        let rows: Vec<(u64, usize)> = (0..self.rows()).map(of_row).collect::<Result<_, _>>()?;
+        Ok(by_key(rows))
     }
 
     /// The error that this cell is not what was `expected`.
@@ -169,7 +165,7 @@ impl Records {
         self.bad_at(row, self.places[column], expected)
     }
 
-    /// Likewise of the column at a place in the header.
+    /// The error that a cell in the column at a place in the header is not what was `expected`.
     pub(crate) fn bad_at(&self, row: usize, place: usize, expected: &'static str) -> ReportError {
         ReportError::BadCell {
             path: self.path.clone(),

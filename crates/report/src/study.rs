@@ -1,11 +1,11 @@
-//! One study: the files that `palpate run` has written.
+//! A study: the files that `palpate run` has written.
 
 use crate::records::Records;
 use crate::{Files, ReportError, Table};
 use palpate_study::config::{self, PlotConfig};
 use std::path::{Path, PathBuf};
 
-/// One line of `failures.csv`: how many trials of a cell failed, and why.
+/// Line of `failures.csv`: number of trials of a cell that failed, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
     /// The cell.

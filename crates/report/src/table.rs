@@ -1,15 +1,18 @@
 //! `cells.csv`: one row per cell and quantity.
 
+use crate::group::distinct;
 use crate::records::Records;
 use crate::{Files, ReportError};
 use palpate_study::number::finite;
-use palpate_study::{Statistic, label};
+use palpate_study::{Statistic, config};
 
-/// One swept path: a column of the table, between `cell` and `quantity`.
+/// Swept path: a column of the table, between `cell` and `quantity`.
 #[derive(Debug, Clone)]
 pub struct Axis {
     /// The header of the column: the path, with its unit appended where it has one.
     pub header: String,
+    /// The path without its unit.
+    stem: String,
     cells: Vec<String>,
     numbers: Vec<Option<f64>>,
     /// The distinct texts in order of appearance, which is the order of the study's sweep.
@@ -19,7 +22,7 @@ pub struct Axis {
 impl Axis {
     /// Whether `path` names this axis, with or without the unit.
     pub fn is(&self, path: &str) -> bool {
-        self.header == path || label::field(&self.header).0 == path
+        self.header == path || self.stem == path
     }
 
     /// The text in `row`.
@@ -174,18 +177,13 @@ impl Table {
 
 impl Axis {
     fn new(header: String, cells: Vec<String>) -> Self {
-        let mut values: Vec<String> = Vec::new();
-        for cell in &cells {
-            if !values.contains(cell) {
-                values.push(cell.clone());
-            }
-        }
         let numbers = cells.iter().map(|cell| finite(cell)).collect();
         Self {
+            stem: config::field(&header).0.to_owned(),
+            values: distinct(&cells).into_iter().cloned().collect(),
             header,
             cells,
             numbers,
-            values,
         }
     }
 }

@@ -54,7 +54,7 @@ pub(crate) struct Rung {
     pub(crate) on_front: bool,
 }
 
-/// Which rung to take for a target.
+/// Rung to take for a target.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Answer {
     pub(crate) target: String,
@@ -126,7 +126,7 @@ impl Tradeoff {
 /// Ladder and scene.
 type Key = (String, String);
 
-/// Those of `all` that belong to a key.
+/// Items of `all` that belong to a key.
 fn of<T: Clone>(key: &Key, all: &[(Key, T)]) -> Vec<T> {
     let mine = all.iter().filter(|one| one.0 == *key);
     mine.map(|one| one.1.clone()).collect()

@@ -22,7 +22,7 @@ pub(crate) fn short_statistic(name: &str) -> String {
     known.map_or_else(|| name.replace('_', " "), str::to_owned)
 }
 
-/// How many trials stand behind each point or cell, from their counts.
+/// Words for the trials behind each point or cell, from their counts.
 pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     let mut trials: Vec<u64> = trials.map(|n| n as u64).collect();
     trials.sort_unstable();

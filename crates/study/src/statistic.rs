@@ -49,7 +49,7 @@ pub enum Statistic {
 }
 
 impl Statistic {
-    /// Those that every `cells.csv` has, in the order of its columns.
+    /// Statistics that every `cells.csv` has, in the order of its columns.
     pub const ALL: [Self; 15] = [
         Self::Truth,
         Self::Trials,

@@ -22,7 +22,7 @@ const AMPLIFICATION_AGREES: f64 = 0.05;
 /// A length that "does not matter" changes the mean error by at most this share.
 const UNAFFECTED: f64 = 0.05;
 
-/// One row: 1/RCR, noise and errors.
+/// Row of the table: 1/RCR, noise and errors.
 struct Sample {
     flatness: f64,
     noise: f64,

@@ -1,4 +1,4 @@
-//! What a claim's tables show.
+//! Finding of a claim in its tables.
 
 /// Finding of a claim.
 pub(super) struct Finding {

@@ -25,7 +25,7 @@ const REASONABLE: f64 = 0.25;
 /// An error this close to that limit, as a share of it, sits on it.
 const ON_THE_LIMIT: f64 = 0.01;
 
-/// One row of a pad study.
+/// Row of a pad study.
 #[derive(Clone, Copy)]
 struct Sample {
     row: usize,

@@ -87,7 +87,7 @@ enum Sign {
     Negative,
 }
 
-/// One cell.
+/// Cell of the table.
 struct Press {
     sensor_radius: f64,
     sign: Sign,
@@ -164,7 +164,7 @@ fn press(study: &Study, row: usize) -> Result<Press, String> {
     })
 }
 
-/// How many of the same number of objects sensors of rising radius sense.
+/// Numbers of objects, out of equally many, that sensors of rising radius sense.
 struct Versatility {
     objects: usize,
     radii: Vec<f64>,

@@ -17,7 +17,7 @@ const SATURATED: f64 = 0.5;
 const HOPELESS: f64 = 5.0;
 const KEPT: (f64, f64) = (0.01, 1.0);
 
-/// One row: the paraboloid, the arc length, the noise and the mean relative error.
+/// Row of the table: the paraboloid, the arc length, the noise and the mean relative error.
 struct Sample {
     c: f64,
     length: f64,

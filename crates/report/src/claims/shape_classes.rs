@@ -115,7 +115,7 @@ pub(super) fn only_the_sphere_at_10_percent(study: &Study) -> Result<Finding, St
     })
 }
 
-/// One surface at strong noise.
+/// Surface at strong noise.
 struct Surface<'a> {
     object: &'a str,
     is_sphere: bool,

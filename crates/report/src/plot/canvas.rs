@@ -1,9 +1,15 @@
 //! Lines, shapes and text in pixels of the finished picture, and the SVG made of them.
 
-use super::style::{Marker, WHITE};
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use super::lettering;
+use super::style::{Colour, Marker, WHITE};
+use plotters_backend::text_anchor::{HPos, Pos, VPos};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
+    FontFamily,
+};
+use plotters_svg::SVGBackend;
+use std::convert::Infallible;
+use std::io;
 
 /// Backends count in whole units; a pixel of the picture has this many, so that curves and text keep their shape.
 const DETAIL: u32 = 3;
@@ -26,7 +32,7 @@ pub(crate) enum Anchor {
 /// Shape of one colour.
 struct Shape {
     form: Form,
-    colour: RGBColor,
+    colour: Colour,
     /// Words that a viewer shows when pointed at it; may be empty.
     title: String,
 }
@@ -41,14 +47,14 @@ enum Form {
     Text(String, Point, f64, Anchor),
 }
 
-/// What is drawn, from the lowest to the topmost.
+/// Shapes, from the lowest to the topmost.
 #[derive(Default)]
 pub(crate) struct Canvas {
     shapes: Vec<Shape>,
 }
 
 impl Canvas {
-    fn push(&mut self, form: Form, colour: RGBColor) {
+    fn push(&mut self, form: Form, colour: Colour) {
         let title = String::new();
         self.shapes.push(Shape {
             form,
@@ -57,7 +63,7 @@ impl Canvas {
         });
     }
 
-    /// Gives the topmost shape words that a viewer shows when pointed at it.
+    /// Adds to the topmost shape words that a viewer shows when pointed at it.
     pub(crate) fn title(&mut self, words: &str) {
         if let Some(shape) = self.shapes.last_mut() {
             words.clone_into(&mut shape.title);
@@ -65,12 +71,12 @@ impl Canvas {
     }
 
     /// A line through `points`, `width` pixels wide.
-    pub(crate) fn line(&mut self, points: &[Point], colour: RGBColor, width: f64) {
+    pub(crate) fn line(&mut self, points: &[Point], colour: Colour, width: f64) {
         self.push(Form::Line(points.to_vec(), width), colour);
     }
 
     /// A dashed line through `points`.
-    pub(crate) fn dashes(&mut self, points: &[Point], colour: RGBColor, width: f64) {
+    pub(crate) fn dashes(&mut self, points: &[Point], colour: Colour, width: f64) {
         const ON: f64 = 8.0;
         const PERIOD: f64 = 13.0;
         let mut done = 0.0;
@@ -91,29 +97,29 @@ impl Canvas {
     }
 
     /// A filled polygon.
-    pub(crate) fn polygon(&mut self, points: &[Point], colour: RGBColor) {
+    pub(crate) fn polygon(&mut self, points: &[Point], colour: Colour) {
         self.push(Form::Polygon(points.to_vec()), colour);
     }
 
     /// A filled circle.
-    pub(crate) fn disc(&mut self, centre: Point, radius: f64, colour: RGBColor) {
+    pub(crate) fn disc(&mut self, centre: Point, radius: f64, colour: Colour) {
         self.push(Form::Disc(centre, radius), colour);
     }
 
-    /// One line of text whose middle height is at `place`.
+    /// A line of text whose middle height is at `place`.
     pub(crate) fn text(
         &mut self,
         text: &str,
         place: Point,
         size: f64,
         anchor: Anchor,
-        colour: RGBColor,
+        colour: Colour,
     ) {
         self.push(Form::Text(text.to_owned(), place, size, anchor), colour);
     }
 
     /// A marker of about `size` pixels in radius on a white rim.
-    pub(crate) fn marker(&mut self, marker: Marker, place: Point, size: f64, colour: RGBColor) {
+    pub(crate) fn marker(&mut self, marker: Marker, place: Point, size: f64, colour: Colour) {
         self.marker_shape(marker, place, size, 1.5, WHITE);
         self.marker_shape(marker, place, size, 0.0, colour);
         if marker == Marker::Ring {
@@ -122,13 +128,7 @@ impl Canvas {
     }
 
     /// The outline of such a marker, white within unless it is never open.
-    pub(crate) fn open_marker(
-        &mut self,
-        marker: Marker,
-        place: Point,
-        size: f64,
-        colour: RGBColor,
-    ) {
+    pub(crate) fn open_marker(&mut self, marker: Marker, place: Point, size: f64, colour: Colour) {
         self.marker(marker, place, size, colour);
         if !matches!(marker, Marker::Dot | Marker::Dash) {
             self.marker_shape(marker, place, 0.55 * size, 0.0, WHITE);
@@ -142,7 +142,7 @@ impl Canvas {
         (x, y): Point,
         size: f64,
         grow: f64,
-        colour: RGBColor,
+        colour: Colour,
     ) {
         let r = size + grow;
         let scaled = |corner: &Point| (x + r * corner.0, y + r * corner.1);
@@ -169,7 +169,7 @@ impl Canvas {
     }
 
     /// Two bars across each other, turned by an angle.
-    fn bars(&mut self, (x, y): Point, size: f64, grow: f64, turn: f64, colour: RGBColor) {
+    fn bars(&mut self, (x, y): Point, size: f64, grow: f64, turn: f64, colour: Colour) {
         let (r, half) = (1.15 * (size + grow), 0.35 * size + grow);
         let (sine, cosine) = libm::sincos(turn);
         for (c, s) in [(cosine, sine), (-sine, cosine)] {
@@ -185,11 +185,17 @@ impl Canvas {
         let units = (width * DETAIL, height * DETAIL);
         let mut text = String::new();
         {
-            let area = SVGBackend::with_string(&mut text, units).into_drawing_area();
-            area.fill(&WHITE).map_err(|error| error.to_string())?;
-            let mut shapes = self.shapes.iter();
-            shapes.try_for_each(|shape| shape.draw(&area))?;
-            area.present().map_err(|error| error.to_string())?;
+            let mut backend = SVGBackend::with_string(&mut text, units);
+            let corner = (units.0 as i32, units.1 as i32);
+            let drawn = backend
+                .draw_rect((0, 0), corner, &Pen::filling(WHITE), true)
+                .and_then(|()| {
+                    self.shapes
+                        .iter()
+                        .try_for_each(|shape| shape.draw(&mut backend))
+                })
+                .and_then(|()| backend.present());
+            drawn.map_err(|error| error.to_string())?;
         }
         // The backend knows one size only: give the picture its own, keep the units of its content, and name it.
         let backend = format!("width=\"{}\" height=\"{}\" viewBox", units.0, units.1);
@@ -223,35 +229,110 @@ impl Canvas {
     }
 }
 
+type Drawn = Result<(), DrawingErrorKind<io::Error>>;
+
 impl Shape {
-    fn draw(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), String> {
-        let unit = |value: f64| (value * f64::from(DETAIL)).round() as i32;
-        let at = |place: &Point| (unit(place.0), unit(place.1));
+    fn draw(&self, backend: &mut SVGBackend<'_>) -> Drawn {
+        let pen = Pen::filling(self.colour);
         let path = |points: &[Point]| points.iter().map(at).collect::<Vec<_>>();
-        let colour = self.colour;
-        let drawn = match &self.form {
+        match &self.form {
             Form::Line(points, width) => {
-                let style = colour.stroke_width(unit(*width).max(1) as u32);
-                area.draw(&PathElement::new(path(points), style))
+                let width = units(*width).max(1) as u32;
+                backend.draw_path(path(points), &Pen { width, ..pen })
             }
-            Form::Polygon(points) => area.draw(&Polygon::new(path(points), colour.filled())),
+            Form::Polygon(points) => backend.fill_polygon(path(points), &pen),
             Form::Disc(centre, radius) => {
-                area.draw(&Circle::new(at(centre), unit(*radius), colour.filled()))
+                backend.draw_circle(at(centre), units(*radius).max(0) as u32, &pen, true)
             }
             Form::Text(text, (x, y), size, anchor) => {
-                let horizontal = match anchor {
-                    Anchor::Left => HPos::Left,
-                    Anchor::Middle => HPos::Center,
-                    Anchor::Right => HPos::Right,
-                };
-                let font = ("sans-serif", size * EM * f64::from(DETAIL)).into_font();
-                let style = TextStyle::from(font)
-                    .color(&colour)
-                    .pos(Pos::new(horizontal, VPos::Center));
-                area.draw_text(text, &style, at(&(*x, y + SINK * size)))
+                let place = at(&(*x, y + SINK * size));
+                let (size, anchor) = (*size, *anchor);
+                backend.draw_text(text, &Letters { pen, size, anchor }, place)
             }
+        }
+    }
+}
+
+/// Units of the backend for a length in pixels.
+fn units(length: f64) -> i32 {
+    (length * f64::from(DETAIL)).round() as i32
+}
+
+fn at((x, y): &Point) -> BackendCoord {
+    (units(*x), units(*y))
+}
+
+/// Colour and width of what is drawn, in units of the backend.
+#[derive(Clone, Copy)]
+struct Pen {
+    colour: Colour,
+    width: u32,
+}
+
+impl Pen {
+    fn filling(colour: Colour) -> Self {
+        Self { colour, width: 1 }
+    }
+}
+
+impl BackendStyle for Pen {
+    fn color(&self) -> BackendColor {
+        let Colour(red, green, blue) = self.colour;
+        BackendColor {
+            alpha: 1.0,
+            rgb: (red, green, blue),
+        }
+    }
+
+    fn stroke_width(&self) -> u32 {
+        self.width
+    }
+}
+
+/// Style of a line of text.
+struct Letters {
+    pen: Pen,
+    /// Size in pixels.
+    size: f64,
+    anchor: Anchor,
+}
+
+impl BackendTextStyle for Letters {
+    type FontError = Infallible;
+
+    fn color(&self) -> BackendColor {
+        self.pen.color()
+    }
+
+    fn size(&self) -> f64 {
+        self.size * EM * f64::from(DETAIL)
+    }
+
+    fn anchor(&self) -> Pos {
+        let horizontal = match self.anchor {
+            Anchor::Left => HPos::Left,
+            Anchor::Middle => HPos::Center,
+            Anchor::Right => HPos::Right,
         };
-        drawn.map_err(|error| error.to_string())
+        Pos::new(horizontal, VPos::Center)
+    }
+
+    fn family(&self) -> FontFamily<'_> {
+        FontFamily::SansSerif
+    }
+
+    fn layout_box(&self, text: &str) -> Result<(BackendCoord, BackendCoord), Infallible> {
+        Ok(((0, 0), at(&(lettering::width(text, self.size), self.size))))
+    }
+
+    /// The backend writes text as text, so that there are no pixels to draw.
+    fn draw<E, F: FnMut(i32, i32, BackendColor) -> Result<(), E>>(
+        &self,
+        _: &str,
+        _: BackendCoord,
+        _: F,
+    ) -> Result<Result<(), E>, Infallible> {
+        Ok(Ok(()))
     }
 }
 

@@ -76,7 +76,7 @@ pub(crate) fn absent(absent: &[String]) -> Option<String> {
     (!none).then(|| format!("Not in the table: {}.", absent.join(", ")))
 }
 
-/// The same values as the end of an error.
+/// End of an error on values asked for by `where` that the table does not have.
 pub(crate) fn lost(absent: &[String]) -> String {
     let lost = absent
         .iter()

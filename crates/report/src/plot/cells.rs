@@ -2,6 +2,7 @@
 
 use super::captions::{self, full_value};
 use super::request::Request;
+use crate::group::by_key;
 use crate::table::same;
 use crate::{ReportError, Study};
 
@@ -14,13 +15,8 @@ pub(crate) struct Chosen {
 /// The cells that pass the filters and are among the `mapped`.
 pub(crate) fn choose(of: Request<'_>, mapped: &[u64]) -> Result<Chosen, ReportError> {
     let table = of.study.cells();
-    let mut cells: Vec<usize> = Vec::new();
-    for row in 0..table.rows() {
-        let is_known = |known: &usize| table.cell(*known) == table.cell(row);
-        if !cells.iter().any(is_known) {
-            cells.push(row);
-        }
-    }
+    let cells = by_key((0..table.rows()).map(|row| (table.cell(row), row)));
+    let mut cells: Vec<usize> = cells.into_iter().map(|(_, rows)| rows[0]).collect();
     let mut absent = Vec::new();
     for (path, values) in of.plot.filters() {
         let axis = of.axis("where", path)?;

@@ -11,11 +11,10 @@ use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, outline, wide
 use super::lettering::{width, wrap};
 use super::request::Request;
 use super::scale::{Scale, Tick};
-use super::style::{CLASSES, FRAME, INK, QUIET, WHITE};
+use super::style::{CLASSES, Colour, FRAME, INK, QUIET, WHITE};
 use crate::ReportError;
 use arrange::{Row, Shown};
 use palpate_study::{label, number};
-use plotters::style::RGBColor;
 use squares::{Band, bands, boundaries};
 use table::{CellMap, Class};
 
@@ -80,7 +79,7 @@ struct Line<'a> {
     panels: Vec<Panel<'a>>,
 }
 
-/// One map, and where it stands.
+/// Map, and where it stands.
 struct Panel<'a> {
     column: usize,
     title: &'a str,
@@ -150,7 +149,7 @@ fn sample(canvas: &mut Canvas, (x, y): Point, sample: &Sample) {
     }
 }
 
-fn colour(class: Class) -> RGBColor {
+fn colour(class: Class) -> Colour {
     let known = class.and_then(|at| CLASSES.get(at));
     known.map_or(WHITE, |(_, colour)| *colour)
 }
@@ -245,7 +244,7 @@ impl Sheet {
     }
 }
 
-/// One panel in its place.
+/// Panel in its place.
 struct Placed<'a> {
     sheet: &'a Sheet,
     panel: &'a Panel<'a>,

@@ -9,11 +9,10 @@ use super::figure::Figure;
 use super::frame::{EDGE, Frame, TEXT, WIDTH};
 use super::request::Request;
 use super::scale::{Scale, Spacing, Tick};
-use super::style::{FAINT, FRAME, GRID, INK, QUIET, Style};
+use super::style::{Colour, FAINT, FRAME, GRID, INK, QUIET, Style};
 use crate::ReportError;
 use palpate_study::label::{spoken_unit, with_unit};
 use palpate_study::number;
-use plotters::style::RGBColor;
 use table::{Contacts, Finger, Touch, Vector};
 use view::View;
 
@@ -30,7 +29,7 @@ const PATH: f64 = 2.5;
 const DOT: f64 = 5.0;
 /// Pixels per tick.
 const APART: f64 = 64.0;
-const FLOOR: RGBColor = RGBColor(248, 248, 246);
+const FLOOR: Colour = Colour(248, 248, 246);
 
 /// The figure that a plot asks for.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
@@ -137,7 +136,7 @@ fn sample(canvas: &mut Canvas, (x, y): Point, sample: &Sample) {
     }
 }
 
-fn reading(canvas: &mut Canvas, place: Point, rim: RGBColor, fill: RGBColor) {
+fn reading(canvas: &mut Canvas, place: Point, rim: Colour, fill: Colour) {
     canvas.disc(place, DOT, rim);
     canvas.disc(place, DOT - 1.4, fill);
 }
@@ -202,7 +201,7 @@ impl Scene<'_> {
                 canvas.line(&ends, FAINT, 1.0);
             }
         }
-        let edges: [(&[Vector], RGBColor); 5] = [
+        let edges: [(&[Vector], Colour); 5] = [
             (&[o, x, xy], FRAME),
             (&[o, y, xy], GRID),
             (&[o, z, yz, xyz, xy], GRID),

@@ -46,6 +46,10 @@ impl Figure {
         };
         let options = usvg::Options {
             fontdb: LETTERING.clone(),
+            font_resolver: usvg::FontResolver {
+                select_font: usvg::FontResolver::default_font_selector(),
+                select_fallback: Box::new(|_, _, _| None),
+            },
             ..usvg::Options::default()
         };
         let svg = self.with_fonts();
@@ -61,7 +65,7 @@ impl Figure {
         pixels.encode_png().map_err(|e| failed(e.to_string()))
     }
 
-    /// The SVG with the font of each letter that the first lacks: left to itself, the rasteriser would set all the letters
+    /// The SVG with the font of each letter that the first lacks: left to find it, the rasteriser would set all the letters
     /// around it in that font too.
     fn with_fonts(&self) -> String {
         let families: Vec<&str> = LETTERING

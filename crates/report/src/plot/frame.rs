@@ -4,9 +4,8 @@ use super::canvas::{Anchor, Canvas, Point};
 use super::figure::Figure;
 use super::lettering::{width, wrap};
 use super::scale::{Scale, Tick};
-use super::style::{FRAME, INK, QUIET};
+use super::style::{Colour, FRAME, INK, QUIET};
 use crate::ReportError;
-use plotters::style::RGBColor;
 
 /// Size of the title.
 const TITLE: f64 = 25.0;
@@ -66,7 +65,7 @@ impl Frame {
     }
 
     /// Text in as many lines as it needs.
-    fn paragraph(&mut self, text: &str, size: f64, colour: RGBColor) {
+    fn paragraph(&mut self, text: &str, size: f64, colour: Colour) {
         for line in wrap(text, size, self.width - 2.0 * EDGE) {
             let place = (EDGE, self.top + size / 2.0);
             self.canvas.text(&line, place, size, Anchor::Left, colour);
@@ -168,7 +167,7 @@ impl Axes<'_> {
         canvas: &mut Canvas,
         xs: impl IntoIterator<Item = f64>,
         ys: impl IntoIterator<Item = f64>,
-        colour: RGBColor,
+        colour: Colour,
     ) {
         let (left, right, top, bottom) = self.edges();
         for x in xs.into_iter().map(|x| self.across(x)) {

@@ -6,12 +6,11 @@ use super::canvas::{Anchor, Canvas, Point};
 use super::figure::Figure;
 use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, Words, widest};
 use super::scale::{Scale, Spacing};
-use super::style::{FAINT, FRAME, GRID, INK, Marker, Style};
+use super::style::{Colour, FAINT, FRAME, GRID, INK, Marker, Style};
 use crate::tradeoff::{Ladder, LadderScene, Rung, Tradeoff};
 use crate::{Files, ReportError};
 use names::NAME;
 use palpate_study::number;
-use plotters::style::RGBColor;
 
 const PANEL_HEIGHT: f64 = 235.0;
 const MARKER: f64 = 5.0;
@@ -21,7 +20,7 @@ const STROKE: f64 = 2.0;
 /// as off the scale.
 const WORST: f64 = 10.0;
 /// Rungs that another beats.
-const BEATEN: RGBColor = RGBColor(178, 178, 178);
+const BEATEN: Colour = Colour(178, 178, 178);
 
 /// Draws the Pareto fronts of every ladder that `cargo xtask tradeoff` has measured into a folder.
 ///

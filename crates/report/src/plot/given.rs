@@ -3,10 +3,11 @@
 use super::chart::{Mark, PointSet};
 use super::scale::Spacing;
 use super::style::Style;
+use crate::group::distinct;
 use crate::table::same;
 use palpate_study::{config, number};
 
-/// One axis of a plot, on which numbers of the table are shown.
+/// Axis of a plot, on which numbers of the table are shown.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Along {
     pub(crate) name: char,
@@ -61,13 +62,10 @@ impl Points {
         panels: &[&str],
         series: impl Fn(&str) -> Result<Style, String>,
     ) -> Result<Self, String> {
-        let mut labels: Vec<&str> = Vec::new();
+        let labels = distinct(points.iter().map(|set| &set.label));
         let mut sets = Vec::new();
         for set in points {
             let label = &set.label;
-            if !labels.contains(&label.as_str()) {
-                labels.push(label);
-            }
             if let Some(panel) = &set.panel
                 && !panels.iter().any(|shown| same(shown, panel))
             {
@@ -76,7 +74,7 @@ impl Points {
                     "the points {label:?} are of the panel {panel:?}; shown: {shown}"
                 ));
             }
-            let shape = labels.iter().position(|known| known == label);
+            let shape = labels.iter().position(|known| *known == label);
             let look = Style::open(shape.unwrap_or(0));
             let of_series = set.series.as_deref().map(&series).transpose();
             let of_series = of_series.map_err(|why| format!("the points {label:?}: {why}"))?;

@@ -9,6 +9,7 @@ use super::request::{Request, nearest};
 use super::scale::{Scale, Spacing};
 use super::style::{PLAIN, Style};
 use crate::ReportError;
+use crate::group::distinct;
 use crate::records::Records;
 use crate::table::Axis;
 use palpate_study::Label;
@@ -189,13 +190,8 @@ impl<'a> Axes<'a> {
         match (self.names.as_slice(), name) {
             ([axis], [value]) => short_value(axis, value),
             (axes, values) => {
-                let mut parts: Vec<String> = Vec::new();
-                for (axis, value) in axes.iter().zip(values) {
-                    let part = full_value(axis, value);
-                    if !parts.contains(&part) {
-                        parts.push(part);
-                    }
-                }
+                let parts = axes.iter().zip(values);
+                let parts = distinct(parts.map(|(axis, value)| full_value(axis, value)));
                 parts.join(", ")
             }
         }
@@ -212,14 +208,14 @@ fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
     })
 }
 
-/// One component of every cell's displacement, cells in order of appearance.
+/// Component of every cell's displacement, cells in order of appearance.
 struct Profiles {
     /// Units of the radial position and of the displacement, as in the table; may be empty.
     units: [String; 2],
     cells: Vec<Profile>,
 }
 
-/// One cell's displacement against the radial position.
+/// Displacement in one cell against the radial position.
 struct Profile {
     cell: u64,
     truth: Runs,

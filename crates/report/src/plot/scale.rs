@@ -29,7 +29,7 @@ pub(crate) struct Scale {
 pub(crate) const LARGEST: f64 = 1e300;
 
 impl Spacing {
-    /// Why `value` has no place on such an axis, if it has none.
+    /// Reason for which `value` has no place on such an axis, if it has none.
     pub(crate) fn refusal(self, value: f64) -> Option<&'static str> {
         match self {
             _ if !value.is_finite() || value.abs() > LARGEST => Some("beyond 1 × 10³⁰⁰"),

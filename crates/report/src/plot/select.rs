@@ -1,4 +1,4 @@
-//! Which rows of the table a plot shows, and by which columns.
+//! Rows of the table that a plot shows, and the columns by which it shows them.
 
 use super::captions;
 use super::request::Request;
@@ -119,7 +119,7 @@ impl<'a> Selection<'a> {
         Ok(selection)
     }
 
-    /// One row per panel, series and x; else the error names the axes in which the rows of a point differ.
+    /// Checks that there is one row per panel, series and x; else the error names the axes in which the rows of a point differ.
     fn check_unique(&self) -> Result<(), ReportError> {
         let (table, plot) = (self.table, self.of.plot);
         let mut points: BTreeMap<[String; 3], Vec<usize>> = BTreeMap::new();

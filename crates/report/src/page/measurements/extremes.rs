@@ -1,5 +1,6 @@
 //! `extremes.csv`: how many cases of each entry point ended how, and the worst error.
 
+use crate::group::distinct;
 use crate::records::Records;
 use crate::{Files, ReportError};
 use minijinja::context;
@@ -73,14 +74,4 @@ fn worst<'a>(cases: impl Iterator<Item = &'a Case<'a>>) -> Option<(f64, f64)> {
             worst
         }
     })
-}
-
-fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut known = Vec::new();
-    for name in names {
-        if !known.contains(&name) {
-            known.push(name);
-        }
-    }
-    known
 }

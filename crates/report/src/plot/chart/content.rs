@@ -1,4 +1,4 @@
-//! What a chart shows, in the units shown, before it is drawn.
+//! Content of a chart, in the units shown, before it is drawn.
 
 use crate::plot::scale::Scale;
 use crate::plot::style::Style;
@@ -49,7 +49,7 @@ pub(crate) struct PointSet {
 /// Runs of places, broken where there is none.
 pub(crate) type Runs = Vec<Vec<(f64, f64)>>;
 
-/// One series in one panel.
+/// Series in one panel.
 #[derive(Debug, Clone)]
 pub(crate) struct Line {
     pub(crate) style: Style,

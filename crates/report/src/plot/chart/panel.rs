@@ -10,7 +10,7 @@ use crate::plot::style::{FAINT, FRAME, GRID, INK, MARKER, OPEN_MARKER, QUIET, ST
 /// Lines of more points than this get small markers.
 const MANY_POINTS: usize = 25;
 
-/// One panel in its place.
+/// Panel in its place.
 pub(super) struct Placed<'a> {
     pub(super) chart: &'a Chart,
     pub(super) room: &'a Room,
@@ -143,7 +143,7 @@ impl Placed<'_> {
         canvas.text(&mark.label, (x, y), TEXT, Anchor::Left, QUIET);
     }
 
-    /// How much of the panel's lines and points lies within a box: places along the lines, twenty to a segment.
+    /// Share of the panel's lines and points within a box, as a count: places along the lines, twenty to a segment.
     fn crossings(&self, x: (f64, f64), y: (f64, f64)) -> usize {
         let within = |&(px, py): &Point| px >= x.0 && px <= x.1 && py >= y.0 && py <= y.1;
         let points = self

@@ -1,7 +1,8 @@
-//! Which panels stand where: the true map first, then the cells it is true of, row by row.
+//! Order of the panels: the true map first, then the cells it is true of, row by row.
 
 use super::table::CellMap;
 use crate::Table;
+use crate::group::by_key;
 use crate::plot::captions::full_value;
 use crate::table::Axis;
 
@@ -27,12 +28,6 @@ pub(crate) struct Row<'a> {
     pub(crate) cells: Vec<(String, &'a CellMap)>,
 }
 
-/// Cells of one true map, by what runs down.
-struct Group<'a> {
-    first: Shown<'a>,
-    lines: Vec<(String, Vec<Shown<'a>>)>,
-}
-
 /// Rows of panels for `shown` (at least one).
 pub(crate) fn rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<Row<'a>> {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
@@ -56,29 +51,14 @@ pub(crate) fn rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<Row<'a>> {
         values.collect::<Vec<_>>().join(" · ")
     };
 
-    let mut groups: Vec<Group<'a>> = Vec::new();
-    for &cell in shown {
-        let at = groups
-            .iter()
-            .position(|group| of_one_object(table, &group.first, &cell))
-            .unwrap_or_else(|| {
-                groups.push(Group {
-                    first: cell,
-                    lines: Vec::new(),
-                });
-                groups.len() - 1
-            });
-        let lines = &mut groups[at].lines;
-        let heading = words(&down, cell.row);
-        match lines.iter_mut().find(|(known, _)| *known == heading) {
-            Some((_, cells)) => cells.push(cell),
-            None => lines.push((heading, vec![cell])),
-        }
-    }
+    // One true map stands for all cells of an object.
+    let mut axes = table.axes().iter();
+    let object = axes.find(|axis| axis.header.starts_with("scene.object"));
+    let truth = |cell: &Shown<'a>| (&cell.map.truth, object.map(|axis| axis.text(cell.row)));
     let mut arranged = Vec::new();
-    for Group { first, lines } in groups {
-        let mut truth = Some(first.map);
-        for (heading, cells) in lines {
+    for (_, cells) in by_key(shown.iter().map(|cell| (truth(cell), *cell))) {
+        let mut truth = Some(cells[0].map);
+        for (heading, cells) in by_key(cells.iter().map(|cell| (words(&down, cell.row), *cell))) {
             for chunk in cells.chunks(per_row) {
                 let title = |cell: &Shown<'a>| (words(across.as_slice(), cell.row), cell.map);
                 arranged.push(Row {
@@ -90,13 +70,6 @@ pub(crate) fn rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<Row<'a>> {
         }
     }
     arranged
-}
-
-/// Whether one true map stands for both cells.
-fn of_one_object(table: &Table, a: &Shown<'_>, b: &Shown<'_>) -> bool {
-    let mut axes = table.axes().iter();
-    let object = axes.find(|axis| axis.header.starts_with("scene.object"));
-    a.map.truth == b.map.truth && object.is_none_or(|axis| axis.text(a.row) == axis.text(b.row))
 }
 
 /// The axis whose values stand side by side: of those that fit into a row the one with the most values, the

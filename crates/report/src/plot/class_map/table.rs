@@ -19,7 +19,7 @@ pub(crate) struct Maps {
     pub(crate) cells: Vec<CellMap>,
 }
 
-/// One cell's map: `side` × `side` points, x slowest.
+/// Map of one cell: `side` × `side` points, x slowest.
 #[derive(Debug)]
 pub(crate) struct CellMap {
     pub(crate) cell: u64,

@@ -16,7 +16,7 @@ const SAME: f64 = 1e-6;
 /// A place or a direction.
 pub(crate) type Vector = [f64; 3];
 
-/// One true contact.
+/// True contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
     pub(crate) place: Vector,

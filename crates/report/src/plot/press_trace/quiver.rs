@@ -8,9 +8,8 @@ use crate::plot::frame::{
     Axes, EDGE, Frame, LINE, SAMPLE_GAP, TEXT, TICK_GAP, WIDTH, Words, outline, widest,
 };
 use crate::plot::scale::{Scale, Spacing, round_step};
-use crate::plot::style::{FRAME, GRID, INK, Marker as Shape, Style, WHITE};
+use crate::plot::style::{Colour, FRAME, GRID, INK, Marker as Shape, Style, WHITE};
 use palpate_study::label::{spoken_unit, with_unit};
-use plotters::style::RGBColor;
 
 /// Room for the key, and between it and the box.
 const KEY: f64 = 240.0;
@@ -159,7 +158,7 @@ impl Quiver<'_> {
     fn key(&self, frame: &mut Frame) {
         let (_, right, top, _) = self.axes.edges();
         let left = right + GAP;
-        let line = |frame: &mut Frame, along: f64, colour: RGBColor, wide: f64, words: &str| {
+        let line = |frame: &mut Frame, along: f64, colour: Colour, wide: f64, words: &str| {
             let y = frame.top + TEXT / 2.0;
             arrow((left, y), (along, 0.0), colour, wide, &mut frame.canvas);
             beside(frame, left + along.max(SAMPLE), words);
@@ -223,18 +222,18 @@ fn beside(frame: &mut Frame, from: f64, words: &str) {
     frame.top += LINE;
 }
 
-fn true_colour() -> RGBColor {
+fn true_colour() -> Colour {
     Style::of(0).colour
 }
 
-fn read_colour() -> RGBColor {
+fn read_colour() -> Colour {
     Style::of(1).colour
 }
 
 /// Nearly white at 0, a grey on which the arrows are still seen at 1.
-fn shade(share: f64) -> RGBColor {
+fn shade(share: f64) -> Colour {
     let grey = (252.0 - 122.0 * share.clamp(0.0, 1.0)).round() as u8;
-    RGBColor(grey, grey, grey)
+    Colour(grey, grey, grey)
 }
 
 /// The mark of a marker without a reading.
@@ -243,7 +242,7 @@ fn crossed(place: Point, size: f64, canvas: &mut Canvas) {
 }
 
 /// An arrow; one too short to be seen is not drawn.
-fn arrow((x, y): Point, (along, down): Point, colour: RGBColor, wide: f64, canvas: &mut Canvas) {
+fn arrow((x, y): Point, (along, down): Point, colour: Colour, wide: f64, canvas: &mut Canvas) {
     let length = libm::hypot(along, down);
     if length < 1.0 {
         return;

@@ -25,7 +25,7 @@ const READINGS: [&str; 5] = [
 /// Places that differ by less than this share of the largest coordinate are one.
 const SAME: f64 = 1e-6;
 
-/// How a marker moves.
+/// Displacement of a marker.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Displacement {
     /// Inward.
@@ -34,7 +34,7 @@ pub(super) struct Displacement {
     pub(super) tangential: Option<[f64; 2]>,
 }
 
-/// One marker.
+/// Marker on the skin.
 #[derive(Debug, Clone)]
 pub(super) struct Marker {
     /// Place of the marker on the skin at rest.
@@ -92,7 +92,7 @@ pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
     })
 }
 
-/// All of the first `columns` are in this unit.
+/// Checks that all of the first `columns` are in this unit.
 fn one_unit(table: &Records, unit: &str, columns: usize) -> Result<(), ReportError> {
     match (0..columns).find(|column| table.unit(*column) != unit) {
         None => Ok(()),
@@ -136,7 +136,7 @@ fn add_readings(
 }
 
 impl Trace {
-    /// How many markers have no reading.
+    /// Number of markers without a reading.
     pub(super) fn lost(&self) -> usize {
         let lost = |marker: &&Marker| marker.reading.is_none();
         self.markers.iter().filter(lost).count()
@@ -159,7 +159,7 @@ impl Trace {
 }
 
 impl Trace {
-    /// How many markers there are, how many are lost, and how well the others are read.
+    /// Numbers of markers and of lost ones, and the error of the others, in words.
     pub(super) fn subtitle(&self) -> String {
         let count = self.markers.len();
         let mut markers = format!("{count} marker{}", if count == 1 { "" } else { "s" });
