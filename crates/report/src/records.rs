@@ -151,13 +151,18 @@ impl Records {
         parsed.map_err(|_| self.bad(row, column, expected))
     }
 
-    /// The rows of each cell, whose numbers a column holds, in order of appearance.
+    /// The rows of each text in a column.
+    pub(crate) fn by_text(&self, column: usize) -> Vec<(&str, Vec<usize>)> {
+        by_key((0..self.rows()).map(|row| (self.text(row, column), row)))
+    }
+
+    /// The rows of each cell, whose numbers a column holds.
     pub(crate) fn by_cell(&self, column: usize) -> Result<Vec<(u64, Vec<usize>)>, ReportError> {
-        let of_row = |row| -> Result<(u64, usize), ReportError> {
-            Ok((self.parsed(row, column, "the number of a cell")?, row))
+        let groups = self.by_text(column).into_iter();
+        let numbered = |(_, rows): (&str, Vec<usize>)| {
+            Ok((self.parsed(rows[0], column, "the number of a cell")?, rows))
         };
-        let rows: Vec<(u64, usize)> = (0..self.rows()).map(of_row).collect::<Result<_, _>>()?;
-        Ok(by_key(rows))
+        groups.map(numbered).collect()
     }
 
     /// The error that this cell is not what was `expected`.

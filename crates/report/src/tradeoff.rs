@@ -87,33 +87,29 @@ impl Tradeoff {
             "machine",
         ];
         let table = Records::read(files, "ladders.csv", &names)?.filled()?;
-        let mut ladders: Vec<Ladder> = Vec::new();
-        for row in 0..table.rows() {
-            let [name, title, error_of, evaluation, ease, what] =
-                [0, 1, 2, 3, 4, 5].map(|column| table.text(row, column).to_owned());
-            let key = (name.clone(), ease.clone());
-            let scene = LadderScene {
-                ease,
-                what,
+        let text = |row: usize, column: usize| table.text(row, column).to_owned();
+        let scene = |row: usize| {
+            let key = (text(row, 0), text(row, 4));
+            LadderScene {
+                ease: text(row, 4),
+                what: text(row, 5),
                 rungs: of(&key, &rungs),
                 answers: of(&key, &answers),
-            };
-            match ladders.iter_mut().find(|ladder| ladder.name == name) {
-                Some(ladder) => ladder.scenes.push(scene),
-                None => ladders.push(Ladder {
-                    name,
-                    title,
-                    error_of,
-                    evaluation,
-                    scenes: vec![scene],
-                }),
             }
-        }
+        };
+        let ladder = |(name, rows): (&str, Vec<usize>)| Ladder {
+            name: name.to_owned(),
+            title: text(rows[0], 1),
+            error_of: text(rows[0], 2),
+            evaluation: text(rows[0], 3),
+            scenes: rows.into_iter().map(scene).collect(),
+        };
+        let ladders = table.by_text(0).into_iter().map(ladder).collect();
         Ok(Self {
             ladders,
             promises,
             counted,
-            machine: table.text(0, 6).to_owned(),
+            machine: text(0, 6),
         })
     }
 

@@ -1,14 +1,14 @@
 //! Samples, costs and columns in words.
 
-use palpate_study::label::spoken_unit;
-use palpate_study::{Label, Statistic, number, quantity};
+use palpate_study::label::{self, spoken_unit};
+use palpate_study::{Label, Statistic, number};
 
 /// Label of a column of statistics of quantities, which are all like the first and in `unit`.
 pub(crate) fn statistic(name: &str, quantities: &[&str], unit: &str) -> Label {
     let other = || {
         let quantities: Vec<String> = quantities
             .iter()
-            .map(|name| quantity::words(name))
+            .map(|name| label::quantity(name))
             .collect();
         let words = format!("{} of {}", name.replace('_', " "), quantities.join(", "));
         Label::in_unit(words, &spoken_unit(unit))

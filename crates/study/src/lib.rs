@@ -7,7 +7,7 @@
 pub mod config;
 pub mod label;
 pub mod number;
-pub mod quantity;
+mod quantity;
 mod statistic;
 mod table;
 

@@ -1,7 +1,6 @@
 //! Statistics over the trials of a cell, as columns of `cells.csv` and in words.
 
-use crate::label::{Label, spoken_unit};
-use crate::quantity;
+use crate::label::{self, Label, spoken_unit};
 
 /// Statistic of a quantity over the trials of a cell; in the order of the columns of `cells.csv`.
 ///
@@ -147,7 +146,7 @@ impl Statistic {
         let quantity = in_common(quantities);
         let words = match self {
             // A mean of what was seen is no mean estimate.
-            Self::Mean if quantity::is_measured(first) => quantity,
+            Self::Mean if label::is_measured(first) => quantity,
             _ => self.words().replace("{}", &quantity),
         };
         match self {
@@ -155,7 +154,7 @@ impl Statistic {
             Self::RelativeRmsError | Self::RelativeMeanAbsError | Self::Coverage95 => {
                 Label::in_percent(words, "%")
             }
-            _ if quantity::is_share(first) => Label::in_percent(words, "%"),
+            _ if label::is_share(first) => Label::in_percent(words, "%"),
             _ => Label::in_unit(words, &spoken_unit(unit)),
         }
     }
@@ -165,7 +164,7 @@ impl Statistic {
 fn in_common(quantities: &[&str]) -> String {
     let words: Vec<String> = quantities
         .iter()
-        .map(|name| quantity::words(name))
+        .map(|name| label::quantity(name))
         .collect();
     let Some((first, others)) = words.split_first() else {
         return String::new();

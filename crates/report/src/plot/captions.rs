@@ -2,27 +2,27 @@
 
 use crate::table::Axis;
 use crate::{Study, study};
-use palpate_study::{Label, number, quantity};
+use palpate_study::{Label, label, number};
 use std::collections::BTreeMap;
 
 /// A value below a heading that names its axis and unit.
 pub(crate) fn short_value(axis: &Axis, value: &str) -> String {
     match axis.header.as_str() {
-        "quantity" => quantity::words(value),
+        "quantity" => label::quantity(value),
         header => Label::of_field(header).bare_value(value),
     }
 }
 
 /// A value that stands alone: with the name of its axis and its unit, unless it is a label.
 pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
-    let label = Label::of_field(&axis.header);
+    let field = Label::of_field(&axis.header);
     match (axis.header.as_str(), number::finite(value)) {
-        ("quantity", _) => quantity::words(value),
-        (_, Some(_)) => format!("{} {}", label.words, label.value(value)),
+        ("quantity", _) => label::quantity(value),
+        (_, Some(_)) => format!("{} {}", field.words, field.value(value)),
         // A shape or a method is called by its name; another keyword needs its key; a label of several words
         // speaks for itself.
         ("scene.object" | "scene.estimator", None) => value.to_owned(),
-        (_, None) if !value.contains(' ') => format!("{} {value}", label.words),
+        (_, None) if !value.contains(' ') => format!("{} {value}", field.words),
         (_, None) => value.to_owned(),
     }
 }

@@ -21,36 +21,28 @@ pub(crate) struct Promise {
 /// # Errors
 /// The table is malformed.
 pub(super) fn read(files: &Files) -> Result<Vec<Promise>, ReportError> {
-    let table = Records::read(
-        files,
-        "promise.csv",
-        &["kind", "competitors", "ratio", "kept"],
-    )?
-    .filled()?;
-    let mut promises: Vec<Promise> = Vec::new();
-    for row in 0..table.rows() {
-        let kind = table.text(row, 0);
-        let known = promises.iter().position(|promise| promise.kind == kind);
-        let place = known.unwrap_or(promises.len());
-        if known.is_none() {
-            promises.push(Promise {
-                kind: kind.to_owned(),
-                scenes: 0,
-                kept: 0,
-                with_rivals: 0,
-                dearest: None,
-            });
-        }
-        let promise = &mut promises[place];
-        promise.scenes += 1;
-        promise.with_rivals += usize::from(table.number(row, 1)? > 0.0);
-        promise.kept += match table.text(row, 3) {
-            "yes" => 1,
-            "no" => 0,
-            _ => return Err(table.bad(row, 3, "yes or no")),
+    let columns = ["kind", "competitors", "ratio", "kept"];
+    let table = Records::read(files, "promise.csv", &columns)?.filled()?;
+    let is_kept = |row: usize| match table.text(row, 3) {
+        "yes" => Ok(true),
+        "no" => Ok(false),
+        _ => Err(table.bad(row, 3, "yes or no")),
+    };
+    let promise = |(kind, rows): (&str, Vec<usize>)| {
+        let mut promise = Promise {
+            kind: kind.to_owned(),
+            scenes: rows.len(),
+            kept: 0,
+            with_rivals: 0,
+            dearest: None,
         };
-        let ratio = table.number_or_none(row, 2)?;
-        promise.dearest = promise.dearest.into_iter().chain(ratio).reduce(f64::max);
-    }
-    Ok(promises)
+        for row in rows {
+            promise.with_rivals += usize::from(table.number(row, 1)? > 0.0);
+            promise.kept += usize::from(is_kept(row)?);
+            let ratio = table.number_or_none(row, 2)?;
+            promise.dearest = promise.dearest.into_iter().chain(ratio).reduce(f64::max);
+        }
+        Ok(promise)
+    };
+    table.by_text(0).into_iter().map(promise).collect()
 }

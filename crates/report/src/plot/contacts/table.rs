@@ -27,7 +27,7 @@ pub(crate) struct Touch {
 }
 
 /// Contacts of one finger, and its readings where they differ from the contacts.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Finger {
     /// Name of the finger in the table.
     pub(crate) name: String,
@@ -60,15 +60,22 @@ impl Touch {
 /// Reads `trace.csv` and, if there is one, `readings.csv`.
 pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
     let table = Records::read(files, "trace.csv", &TRACE)?.filled()?;
-    let mut fingers: Vec<Finger> = Vec::new();
-    for row in 0..table.rows() {
-        let at = finger(&mut fingers, table.text(row, 0));
-        fingers[at].touches.push(Touch {
+    let touch = |row: usize| {
+        Ok(Touch {
             place: vector(&table, row, 1)?,
             normal: unit(vector(&table, row, 4)?),
             tip: vector(&table, row, 7)?,
-        });
-    }
+        })
+    };
+    let finger = |(name, rows): (&str, Vec<usize>)| {
+        Ok(Finger {
+            name: name.to_owned(),
+            touches: rows.into_iter().map(touch).collect::<Result<_, _>>()?,
+            readings: Vec::new(),
+        })
+    };
+    let fingers = table.by_text(0).into_iter().map(finger);
+    let mut fingers = fingers.collect::<Result<Vec<Finger>, ReportError>>()?;
     let size = size(&fingers);
     let touches = || fingers.iter().flat_map(|finger| &finger.touches);
     let tips_apart = touches().any(|touch| distance(touch.place, touch.tip) > SAME * size);
@@ -117,20 +124,6 @@ fn add_readings(
     }
     let mean = distances.iter().map(|d| d * d).sum::<f64>() / distances.len().max(1) as f64;
     Ok(paired.then(|| mean.sqrt()))
-}
-
-/// The place of the finger of that name, which is added if it is not yet there.
-fn finger(fingers: &mut Vec<Finger>, name: &str) -> usize {
-    match fingers.iter().position(|known| known.name == name) {
-        Some(at) => at,
-        None => {
-            fingers.push(Finger {
-                name: name.to_owned(),
-                ..Finger::default()
-            });
-            fingers.len() - 1
-        }
-    }
 }
 
 fn vector(table: &Records, row: usize, first: usize) -> Result<Vector, ReportError> {
