@@ -2,6 +2,9 @@
 
 use thiserror::Error;
 
+/// Largest number whose square does not overflow; the square of its inverse does not vanish.
+pub(crate) const LARGEST: f64 = 1e150;
+
 /// Reasons for which a set of contacts gives no surface.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum Ep2Error {

@@ -32,7 +32,10 @@ pub(crate) fn write_figures(dir: &Path, figures: &[Figure]) -> Result<Vec<PathBu
     let mut files = Vec::new();
     for figure in figures {
         let png = figure.png().map_err(Failure::work)?;
-        files.push((format!("{}.svg", figure.name), figure.svg.clone().into_bytes()));
+        files.push((
+            format!("{}.svg", figure.name),
+            figure.svg.clone().into_bytes(),
+        ));
         files.push((format!("{}.png", figure.name), png));
     }
     let named: Vec<(&str, &[u8])> = files

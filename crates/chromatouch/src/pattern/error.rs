@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::{FEWEST_GORES, MOST_GORES};
+use super::gores::{FEWEST_GORES, MOST_GORES};
 use crate::LayoutError;
 
 /// Why there is no such flat pattern.

@@ -2,7 +2,8 @@
 
 mod check;
 
-use super::study::Output;
+use super::output::Output;
+use super::validate::NAME;
 use crate::{Statistic, number};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -30,7 +31,7 @@ pub const STD_BOUND: &str = Statistic::StdBound.name();
 pub struct PlotConfig {
     /// Name of the plot's file, by default made from its columns.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("pattern" = super::schema::NAME, "maxLength" = 100))]
+    #[schemars(extend("pattern" = NAME, "maxLength" = 100))]
     pub name: Option<String>,
     /// Title, by default that of the study.
     #[serde(default, skip_serializing_if = "Option::is_none")]
