@@ -38,7 +38,7 @@ const CRATES: &[(&str, May)] = &[
         ]),
     ),
     ("sweep", Import(&[])),
-    ("report", Import(&[])),
+    ("report", Import(&["study"])),
     ("palpate", Import(&["study", "scene", "sweep", "report"])),
     ("replica", Import(&["palpate"])),
     (EVERYBODYS, Import(&[])),
