@@ -50,7 +50,7 @@ pub use columns::{Column, Values, columns};
 pub use costs::Cost;
 pub use error::{CellError, RunError};
 pub use map::Map;
-pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, recorded};
+pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, SeenPress, Trace, Trials, recorded};
 pub use palpate_study::Table;
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_sweep::{
@@ -60,7 +60,7 @@ pub use palpate_sweep::{
 pub use plan::plan;
 pub use readings::{frame, readings};
 pub use simulation::{Ran, Simulation, run};
-pub use trace::{SeenPress, Trace, TraceError, trace};
+pub use trace::{TraceError, trace};
 pub use trial::SceneTrial;
 
 #[cfg(doctest)]

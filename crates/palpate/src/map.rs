@@ -1,10 +1,7 @@
 //! Maps of the first trial of cells.
 
-use palpate_scene::Scene;
-use palpate_scene::glide::MapTable;
-use palpate_scene::press::ProfileTable;
+use palpate_scene::{MapTable, Scene};
 use palpate_study::Table;
-use palpate_study::config::LengthUnit;
 
 /// Maps, or profiles, of the first trial of every cell.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,7 +15,7 @@ pub struct Map {
 }
 
 /// Map of the first trial of a cell.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct CellMap {
     cell: usize,
     csv: String,
@@ -27,25 +24,16 @@ pub(crate) struct CellMap {
 }
 
 impl CellMap {
-    pub(crate) fn of(scene: &Scene, cell: usize, unit: LengthUnit) -> Self {
-        let (csv, lacks, failed) = match scene {
-            Scene::Roll(_) | Scene::Fingertip(_) => (String::new(), "cells", None),
-            Scene::Glide(glide) => {
-                let mut map = MapTable::of_cells(unit);
-                let failed = glide.map(cell, 0, &mut map).err().map(|error| error.name());
-                (map.into_csv(), "cells", failed)
-            }
-            Scene::Press(press) => {
-                let mut profile = ProfileTable::of_cells(unit);
-                let failed = press.profile(cell, 0, &mut profile).err();
-                let failed = failed.map(|error| error.name());
-                (profile.into_csv(), "estimates of cells", failed)
-            }
+    /// Map of a scene, from an empty table if it has one.
+    pub(crate) fn of(scene: &Scene, cell: usize, table: &Result<MapTable, &str>) -> Self {
+        let Ok(mut table) = table.clone() else {
+            return Self::default();
         };
+        let failed = scene.map(cell, 0, &mut table).err();
         Self {
             cell,
-            csv,
-            lacks,
+            lacks: table.lacks,
+            csv: table.into_csv(),
             failed,
         }
     }

@@ -1,6 +1,6 @@
 //! Choice of trials and of a model's rung for cells of a study.
 
-use palpate_scene::{GlideScene, PressScene, RollScene, Scene, Scenes, TOLERANCES};
+use palpate_scene::{Scene, Scenes, TOLERANCES};
 use palpate_study::Quantity;
 use palpate_study::config::{
     self, ConfigError, GlideModelConfig, GlideSensorConfig, ModelConfig, PressModelConfig,
@@ -148,7 +148,7 @@ fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
 /// set up or its trial fails.
 fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pass> {
     let scene = with_tolerance(&config.scene, tolerance)?;
-    let scene = scene_of(&bare(&scene), config.seed)?;
+    let scene = Scene::new(&bare(&scene), config.seed).ok()?;
     let quantities = scene.quantities();
     let mut values = Vec::new();
     let mut truths = vec![0.0_f64; quantities.len()];
@@ -208,15 +208,6 @@ pub(crate) fn bare(scene: &SceneConfig) -> SceneConfig {
         SceneConfig::Fingertip(_) => {}
     }
     scene
-}
-
-fn scene_of(config: &SceneConfig, seed: u64) -> Option<Scene> {
-    match config {
-        SceneConfig::Roll(roll) => RollScene::new(roll, seed).ok().map(Scene::Roll),
-        SceneConfig::Glide(glide) => GlideScene::new(glide, seed).ok().map(Scene::Glide),
-        SceneConfig::Press(press) => PressScene::new(press, seed).ok().map(Scene::Press),
-        SceneConfig::Fingertip(_) => None,
-    }
 }
 
 /// Copy of a scene with this tolerance of `auto`; `None` where the scene's model is another than `auto`, or there is

@@ -3,9 +3,9 @@
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use palpate_scene::{Arch, Scene, Scenes};
+use palpate_scene::{Arch, MapTable, Scene, Scenes};
 use palpate_study::Table;
-use palpate_study::config::{ConfigError, Output, SceneConfig, Study};
+use palpate_study::config::{ConfigError, Output, Study};
 use palpate_sweep::{CellStatistics, RunOptions, Runner, SweepError};
 
 use crate::error::{CellError, RunError, known_cell};
@@ -84,7 +84,7 @@ impl<'a> Simulation<'a> {
             let scene = study.estimable_scene(number)?;
             checked[place].get_or_init(|| Ready {
                 number,
-                facts: Facts::of(&scene, study.cells[number].config.trials),
+                facts: Facts::of(&scene, &study.cells[number].config),
                 kept: Mutex::new(Some(scene).filter(|_| place < KEPT)),
             });
             Ok::<(), ConfigError>(())
@@ -142,8 +142,7 @@ impl<'a> Simulation<'a> {
                 None => self.study.estimable_scene(cell.number)?,
             };
             if self.has_maps() {
-                let unit = self.study.config.length_unit;
-                maps[place].get_or_init(|| CellMap::of(&scene, cell.number, unit));
+                maps[place].get_or_init(|| CellMap::of(&scene, cell.number, &cell.facts.map_table));
             }
             Ok(SceneTrial {
                 scene,
@@ -170,21 +169,17 @@ impl<'a> Simulation<'a> {
     }
 
     fn refuse_maps(&self) -> Result<(), ConfigError> {
-        let scenes = || {
-            let cells = self.cells.iter();
-            cells.map(|cell| &self.study.cells[cell.number].config.scene)
-        };
-        let is_press = |scene: &SceneConfig| matches!(scene, SceneConfig::Press(_));
-        let message = if !self.has_maps() {
+        if !self.has_maps() {
             return Ok(());
-        } else if scenes().any(|scene| matches!(scene, SceneConfig::Roll(_))) {
-            "a roll has no map; \"cells\" and \"trace\" are possible"
-        } else if scenes().any(|scene| matches!(scene, SceneConfig::Fingertip(_))) {
-            "a fingertip that touches nothing has no map; \"cells\" is possible"
-        } else if scenes().any(is_press) && !scenes().all(is_press) {
-            "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
-        } else {
-            return Ok(());
+        }
+        let tables = self.cells.iter().map(|cell| cell.facts.map_table.as_ref());
+        let tables: Result<Vec<&MapTable>, &&str> = tables.collect();
+        let message = match tables {
+            Ok(tables) if tables.windows(2).all(|pair| pair[0] == pair[1]) => return Ok(()),
+            Ok(_) => {
+                "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
+            }
+            Err(message) => message,
         };
         Err(self.study.error_at(0, "outputs", message))
     }

@@ -31,14 +31,9 @@ impl Trial for SceneTrial {
 
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
         match &self.scene {
+            // So quick that calls one by one would show.
             Scene::Roll(roll) => record.observe_each(roll.outcomes(trial)?.map(observation)),
-            Scene::Glide(glide) => glide.trial(trial, |quantity, outcome| {
-                record.observe(quantity, observation(outcome));
-            })?,
-            Scene::Press(press) => press.trial(trial, |quantity, outcome| {
-                record.observe(quantity, observation(outcome));
-            })?,
-            Scene::Fingertip(fingertip) => fingertip.trial(|quantity, outcome| {
+            scene => scene.trial(trial, |quantity, outcome| {
                 record.observe(quantity, observation(outcome));
             })?,
         }
@@ -50,7 +45,7 @@ impl Trial for SceneTrial {
             Scene::Roll(roll) => roll.side_by_side(self.arch, trials, |observed| {
                 record.observe_together(&observed.map(observations))
             }),
-            Scene::Glide(_) | Scene::Press(_) | Scene::Fingertip(_) => 0,
+            _ => 0,
         }
     }
 

@@ -1,6 +1,6 @@
 //! `palpate sensor pattern`.
 
-use palpate_scene::fingertip::CutPattern;
+use palpate_scene::CutPattern;
 use palpate_study::config;
 
 use crate::cli::PatternArgs;
