@@ -20,7 +20,9 @@ mod shape;
 mod surface;
 pub mod surfaces;
 
-pub use curvature::{CurvatureForm, PrincipalCurvatures, ShapeClass, ShapeThresholds};
+pub use curvature::{
+    CurvatureForm, InvalidThresholds, PrincipalCurvatures, ShapeClass, ShapeThresholds,
+};
 pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};

@@ -7,7 +7,6 @@
 pub mod fingertip;
 pub mod glide;
 mod ladder;
-mod legible;
 mod plan;
 pub mod press;
 pub mod recorded;

@@ -17,6 +17,7 @@ pub use profile::ProfileTable;
 pub use trace::PressTrace;
 pub(crate) use words::large_contact;
 
+use palpate_number::BadSetting;
 use palpate_press::{
     Body, Bounds, Contact, Estimated, ForwardFit, MarkerDisplacement, Markers, Measured,
     PressError, PressEstimate, Reading, Skin,
@@ -185,9 +186,9 @@ impl PressScene {
             Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {
                 Err(PlanError::at("scene.probe.layout", error))
             }
-            Err(PressFailure::Press(error @ PressError::BadSetting { setting, .. })) => {
-                Err(PlanError::at(format!("scene.estimator.{setting}"), error))
-            }
+            Err(PressFailure::Press(
+                error @ PressError::BadSetting(BadSetting { setting, .. }),
+            )) => Err(PlanError::at(format!("scene.estimator.{setting}"), error)),
             Ok(_) | Err(_) => Ok(()),
         }
     }

@@ -2,6 +2,7 @@
 
 use palpate_ep2::{Contact, Ep2Error};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
+use palpate_number::{BadSetting, Number};
 use palpate_rolling::{Fingertip, GlideError, Glider, InvalidTouch, TouchModel};
 use palpate_sensing::{
     BeyondPads, Channel, Distribution, InvalidSensor, NormalError, PadOffset, Pads, PositionAxes,
@@ -85,14 +86,14 @@ fn need(glider: &Glider) -> String {
 }
 
 fn of_tip(error: InvalidShape) -> PlanError {
-    let message = format!("must be {}, is {}", error.expected, error.value);
+    let message = format!("must be {}, is {}", error.expected, Number(error.value));
     PlanError::at("scene.probe.radius", message)
 }
 
 /// The field that keeps noiseless contacts from telling a patch.
 pub(super) fn of_fit(error: &Ep2Error) -> PlanError {
     let path = match error {
-        Ep2Error::BadSetting { setting, .. } => match *setting {
+        Ep2Error::BadSetting(BadSetting { setting, .. }) => match *setting {
             "normal_std" => "scene.estimator.normal_std_deg".to_owned(),
             "unit_length" => "scene.motion.inter_finger_distance".to_owned(),
             setting => format!("scene.estimator.{setting}"),

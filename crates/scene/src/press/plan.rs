@@ -7,6 +7,7 @@ pub(super) use camera::AT_REST;
 pub(crate) use camera::{disc_depths, discs, of_optics};
 
 use palpate_chromatouch::{Layout, LayoutError};
+use palpate_number::{BadSetting, Number};
 use palpate_press::{
     Body, Bounds, Contact, ForwardFit, Markers, PressError, Prior, Skin, calibrated_c,
 };
@@ -187,7 +188,11 @@ fn below_radius(path: &str, depth: f64, radius: f64) -> Result<(), PlanError> {
     if depth < radius {
         return Ok(());
     }
-    let message = format!("must be less than the sensor's radius {radius}, is {depth}");
+    let message = format!(
+        "must be less than the sensor's radius {}, is {}",
+        Number(radius),
+        Number(depth)
+    );
     Err(PlanError::at(path, message))
 }
 
@@ -243,7 +248,10 @@ fn object(config: &PressObjectConfig) -> PressedObject {
 /// Chart coordinates of a polar angle and an azimuth.
 fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], PlanError> {
     if !(0.0..=180.0).contains(&polar) {
-        let message = format!("the polar angle must be from 0 to 180, is {polar}");
+        let message = format!(
+            "the polar angle must be from 0 to 180, is {}",
+            Number(polar)
+        );
         return Err(PlanError::at("scene.motion.contact_deg", message));
     }
     let distance = radius * polar.to_radians();
@@ -292,17 +300,21 @@ fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), PlanErro
     if thickness <= radius {
         return Ok(());
     }
-    let message = format!("must be at most the sensor's radius {radius}, is {thickness}");
+    let message = format!(
+        "must be at most the sensor's radius {}, is {}",
+        Number(radius),
+        Number(thickness)
+    );
     Err(PlanError::at(path, message))
 }
 
 /// Error at the setting of a body that is out of its range.
 fn of_body(table: &str, error: PressError) -> PlanError {
     match error {
-        PressError::BadSetting {
+        PressError::BadSetting(BadSetting {
             setting: "depth", ..
-        } => PlanError::at("scene.probe.marker_depth", error),
-        PressError::BadSetting { setting, .. } => {
+        }) => PlanError::at("scene.probe.marker_depth", error),
+        PressError::BadSetting(BadSetting { setting, .. }) => {
             PlanError::at(format!("{table}.{setting}"), error)
         }
         _ => PlanError::at(table, error),

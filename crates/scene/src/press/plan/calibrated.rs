@@ -1,5 +1,6 @@
 //! The calibration of a camera sensor, by presses on a plane.
 
+use palpate_number::Number;
 use palpate_press::{MarkerDisplacement, PressError};
 use palpate_tracking::{
     Calibration, Change, LateralCalibration, LateralPoint, Marker, NormalCalibration, NormalFrom,
@@ -69,7 +70,10 @@ impl Planned<'_> {
             shift: 0.0,
         };
         let refused = |error: PressError| {
-            let message = format!("a press on a plane, {indentation} deep, fails: {error}");
+            let message = format!(
+                "a press on a plane, {} deep, fails: {error}",
+                Number(indentation)
+            );
             PlanError::at(PATH, message)
         };
         let motions = bodies.motions(self, &plane).map_err(refused)?;

@@ -4,6 +4,7 @@ use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Lens, MarkerArray, MarkerMotion,
     Optics, OpticsError, Seams,
 };
+use palpate_number::Number;
 use palpate_press::{Body, MarkerDisplacement, Markers, PressError};
 use palpate_sensing::{GaussianError, InvalidSensor};
 use palpate_tracking::{Equidistant, Marker};
@@ -292,7 +293,7 @@ impl DiscBodies {
             let mut moved = markers.displacements(&contact, pressed.at);
             let model = &planned.config.model;
             shifted(model, markers, *depth, contact.radius, pressed, &mut moved)?;
-            Ok(moved)
+            Ok::<_, PressError>(moved)
         };
         let (magenta, yellow) = (of_disc(&self.magenta)?, of_disc(&self.yellow)?);
         let motion = |moved: MarkerDisplacement| DiscMotion {
@@ -358,8 +359,8 @@ pub(crate) fn disc_depths(probe: &PressProbeConfig) -> Result<DiscDepths, PlanEr
     if half > marker_depth {
         let message = format!(
             "the yellow discs would lie {} above the skin: must be at most twice `scene.probe.marker_depth`, {}",
-            half - marker_depth,
-            2.0 * marker_depth
+            Number(half - marker_depth),
+            Number(2.0 * marker_depth)
         );
         return Err(PlanError::at("scene.probe.discs.separation", message));
     }
