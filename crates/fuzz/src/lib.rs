@@ -11,10 +11,9 @@ use std::fmt::{Debug, Display};
 
 use palpate_geometry::formula::Formula;
 use palpate_scene::recorded::{
-    self, CalibrateOptions, GlideMethod, GlideOptions, PressBody, PressMethod, PressOptions,
-    RecordedError, RecordedFile, RollOptions,
+    self, CalibrateOptions, GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions,
 };
-use palpate_study::config;
+use palpate_study::config::{self, GlideEstimatorConfig, PressEstimatorConfig};
 use palpate_tracking::{Finder, FinderSettings};
 
 /// A reader under test.
@@ -116,17 +115,14 @@ pub fn readings(bytes: &[u8]) -> Verdict {
     let file = || RecordedFile::new("fuzz.csv", bytes.to_vec());
     let is_short = bytes.iter().filter(|&&byte| byte == b'\n').count() <= MOST_ROWS;
     let roll = whole(recorded::parse_roll(file())).map(|readings| {
-        let options = RollOptions {
-            probe_radius: 1.0,
-            length_unit: None,
-            pitch: None,
-            method: recorded::RollMethod::LeastSquares,
-        };
-        let _ = whole(recorded::estimate_roll(&readings, &options));
+        let _ = whole(recorded::estimate_roll(&readings, &RollOptions::new(1.0)));
     });
     let glide = whole(recorded::parse_glide(file())).map(|readings| {
         let options = GlideOptions {
-            method: GlideMethod::Quadric,
+            estimator: GlideEstimatorConfig::Quadric {
+                position_std: None,
+                normal_std_deg: None,
+            },
             grid: 3,
             ..GlideOptions::default()
         };
@@ -135,16 +131,19 @@ pub fn readings(bytes: &[u8]) -> Verdict {
         }
     });
     let press = whole(recorded::parse_press(file())).map(|readings| {
-        let body = PressBody::HalfSpace {
-            poisson: 0.5,
-            depth: 2.0,
-        };
-        let options = PressOptions {
-            indentation: Some((1.0, 0.02)),
+        let mut options = PressOptions {
+            marker_depth: 2.0,
+            indentation: Some(1.0),
             normal_std: Some(0.05),
             tangential_std: Some(0.02),
-            ..PressOptions::new(20.0, PressMethod::Body(body))
+            ..PressOptions::new(20.0)
         };
+        if let PressEstimatorConfig::HalfSpace {
+            indentation_std, ..
+        } = &mut options.estimator
+        {
+            *indentation_std = 0.02;
+        }
         if is_short {
             let _ = whole(recorded::estimate_press(&readings, &options));
         }

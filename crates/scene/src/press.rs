@@ -4,6 +4,7 @@
 mod camera;
 mod failure;
 mod ladder;
+mod method;
 mod noise;
 mod plan;
 mod profile;
@@ -12,6 +13,7 @@ mod trace;
 mod words;
 
 pub use failure::PressFailure;
+pub(crate) use method::{Assumed, body_of};
 pub(crate) use plan::{disc_depths, discs, layout_of, of_layout, of_optics};
 pub use profile::ProfileTable;
 pub use trace::PressTrace;
@@ -191,6 +193,13 @@ impl PressScene {
             )) => Err(PlanError::at(format!("scene.estimator.{setting}"), error)),
             Ok(_) | Err(_) => Ok(()),
         }
+    }
+
+    /// Standard deviations of normal and tangential displacements that the estimator is told, length; `None` where it finds
+    /// them from the residuals.
+    pub(crate) fn told_stds(&self) -> [Option<f64>; 2] {
+        let fit = self.method.fit.as_ref();
+        fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
     }
 
     fn skin(&self) -> &Skin {

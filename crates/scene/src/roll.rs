@@ -144,6 +144,11 @@ fn side_by_side(
 }
 
 impl RollScene {
+    /// Noise of the readings, as the estimator is told it.
+    pub(crate) const fn reading_noise(&self) -> ReadingNoise {
+        self.reading_noise
+    }
+
     /// Whether trials differ.
     pub fn is_random(&self) -> bool {
         self.noise.is_random() || self.sensor.is_random()

@@ -22,6 +22,7 @@ mod plot;
 mod press;
 mod roll;
 mod schema;
+mod settings;
 mod study;
 mod sweep;
 mod tree;
@@ -45,8 +46,8 @@ pub use press::{
     Baseline, CalibrationConfig, CameraConfig, CentroidNoise, DiscsConfig, GainNoise, HueNoise,
     Indentation, LayoutConfig, LayoutTable, LengthNoise, LostMarkers, NamedLayout, NoiseKnown,
     NormalFrom, PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressMotionConfig,
-    PressNoiseConfig, PressObjectConfig, PressProbeConfig, PressSensorConfig, ShownMarkers,
-    SizeNoise, WrongMarkers,
+    PressNoiseConfig, PressObjectConfig, PressPriors, PressProbeConfig, PressSensorConfig,
+    ShownMarkers, SizeNoise, WrongMarkers,
 };
 pub use roll::{
     AngularVelocityNoise, Chart, EncoderConfig, ProbeConfig, RollAxis, RollConfig,
@@ -54,5 +55,6 @@ pub use roll::{
     Side, When,
 };
 pub use schema::schema;
+pub use settings::{Accepts, Range, Setting, SettingError, in_unit, settings, with_settings};
 pub use study::{LengthUnit, Output, SceneConfig, StudyConfig, to_toml};
 pub use sweep::{Spacing, SweepConfig};

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use palpate_scene::recorded::NormalFrom;
-use palpate_study::config::LengthUnit;
+use palpate_study::config::{LengthUnit, PressEstimatorConfig};
 
-use super::press::poisson;
-use super::{PressMethodName, length_unit, not_negative, positive};
+use super::estimate::SensorArgs;
+use super::number::{length_unit, not_negative, positive};
+use super::settings::Flagged;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SensorCommand {
@@ -29,6 +30,8 @@ Example:
     Calibrate(CalibrateArgs),
     /// Match the markers of a pressed frame with those of a frame at rest, and estimate what pressed them.
     #[command(after_help = TRACK_HELP)]
+    #[command(mut_group("LikeArgs", |group| group.requires("calibration")))]
+    #[command(mut_group(PressEstimatorConfig::GROUP, |group| group.requires("calibration")))]
     Track(TrackArgs),
 }
 
@@ -62,7 +65,8 @@ and with a calibration
   field.csv       the same on a regular grid, by natural-neighbour interpolation
 and prints the estimate of `palpate estimate press` as JSON, with counts of the markers and the mean
 displacement outward from the contact. A soft layer on a rigid core is no half-space: give it as --method
-bonded-layer --thickness H. Where there is no estimate, the tables are written all the same, and the status
+bonded-layer --thickness H. With --like STUDY.toml sensor and estimator are those of a study of kind press;
+flags override them. Where there is no estimate, the tables are written all the same, and the status
 is 1.
 
 The camera is taken to look at the apex from the sensor's centre, through a fisheye with r = f angle, columns
@@ -120,19 +124,10 @@ pub(crate) struct TrackArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// A calibration that `palpate sensor calibrate` wrote; lengths below are in its unit.
-    #[arg(
-        long,
-        value_name = "FILE",
-        requires = "sensor_radius",
-        requires = "depth"
-    )]
+    #[arg(long, value_name = "FILE")]
     pub(crate) calibration: Option<PathBuf>,
-    /// Radius of the sensor's skin.
-    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
-    pub(crate) sensor_radius: Option<f64>,
-    /// Depth of the markers under the skin.
-    #[arg(long, value_name = "Z", value_parser = not_negative, allow_negative_numbers = true, requires = "calibration")]
-    pub(crate) depth: Option<f64>,
+    #[command(flatten)]
+    pub(crate) sensor: SensorArgs,
     /// Focal length of the fisheye, px per rad [default: the calibration's px per length, times R - Z].
     #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) px_per_rad: Option<f64>,
@@ -142,25 +137,6 @@ pub(crate) struct TrackArgs {
     /// Smooth the field with a Gaussian of this standard deviation, a length along the skin.
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) filter: f64,
-    /// The estimator.
-    #[arg(long, default_value = "half-space", requires = "calibration")]
-    pub(crate) method: PressMethodName,
-    /// Thickness of the soft layer; bonded-layer needs it, and gaussian is calibrated on it.
-    #[arg(long, value_name = "H", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
-    pub(crate) thickness: Option<f64>,
-    /// Poisson's ratio of the half-space, from 0 to 0.5 [default: 0.5].
-    #[arg(long, value_name = "NU", value_parser = poisson, allow_negative_numbers = true, requires = "calibration")]
-    pub(crate) poisson: Option<f64>,
-    /// Factor c of the Gaussian method [default: the value that gives the sensor's own radius on a plane
-    /// pressed equally deep].
-    #[arg(long, value_name = "C", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
-    pub(crate) c: Option<f64>,
-    /// Indentation, where it is known from elsewhere, such as a robot's pose [default: fitted].
-    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
-    pub(crate) indentation: Option<f64>,
-    /// Standard deviation of the given indentation.
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true, requires = "indentation")]
-    pub(crate) indentation_std: f64,
 }
 
 fn normal_from() -> impl TypedValueParser<Value = NormalFrom> {

@@ -4,17 +4,20 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_scene::recorded::{
-    Fates, RecordedError, Sensed, SensorOptions, TrackedFrames, difference_image, read_calibration,
-    read_frame, track_frames,
+    Fates, PressOptions, RecordedError, Sensed, SensorOptions, TrackedFrames, difference_image,
+    read_calibration, read_frame, track_frames,
 };
 
 use super::overlay::overlay;
-use crate::cli::{BaselineIs, EstimatePressArgs, TrackArgs};
+use crate::cli::TrackArgs;
 use crate::estimate::press_options;
 use crate::failure::Failure;
 use crate::output;
 
 pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
+    if let (None, Some(flag)) = (&args.calibration, args.sensor.given()) {
+        return Err(Failure::Usage(anyhow!("{flag} needs --calibration FILE")));
+    }
     let calibrated = args
         .calibration
         .as_deref()
@@ -72,7 +75,7 @@ fn summary(fates: &Fates, out: &Path) -> String {
 struct Calibrated<'a> {
     args: &'a TrackArgs,
     sensor: SensorOptions,
-    estimate: EstimatePressArgs,
+    estimate: PressOptions,
     calibration: palpate_scene::recorded::Calibration,
     unit: palpate_study::config::LengthUnit,
 }
@@ -86,39 +89,25 @@ struct Read {
 
 impl<'a> Calibrated<'a> {
     fn new(args: &'a TrackArgs, file: &Path) -> Result<Self, Failure> {
+        let given = &args.sensor;
         let missing = |option| Failure::Usage(anyhow!("--calibration needs {option}"));
-        let sensor = SensorOptions {
-            radius: args
+        if given.like.like.is_none() {
+            given
                 .sensor_radius
-                .ok_or_else(|| missing("--sensor-radius"))?,
-            depth: args.depth.ok_or_else(|| missing("--depth"))?,
-            px_per_rad: args.px_per_rad,
-        };
-        let estimate = EstimatePressArgs {
-            readings: args.out.join("readings.csv"),
-            sensor_radius: sensor.radius,
-            method: args.method,
-            depth: sensor.depth,
-            thickness: args.thickness,
-            poisson: args.poisson,
-            indentation: args.indentation,
-            indentation_std: args.indentation_std,
-            baseline: BaselineIs::Known,
-            gain_std: 0.0,
-            normal_std: None,
-            tangential_std: None,
-            c: args.c,
-            window: None,
-            radial_scale: 1.0,
-            young: None,
-            length_unit: None,
-        };
-        // Bad arguments are refused before the work begins.
-        press_options(&estimate)?;
+                .ok_or_else(|| missing("--sensor-radius"))?;
+            given.depth.ok_or_else(|| missing("--depth"))?;
+            // Bad arguments are refused before any file is read.
+            press_options(given, None)?;
+        }
         let (calibration, unit) = read_calibration(file).map_err(Failure::work)?;
+        let estimate = press_options(given, Some(unit))?;
         Ok(Self {
             args,
-            sensor,
+            sensor: SensorOptions {
+                radius: estimate.sensor_radius,
+                depth: estimate.marker_depth,
+                px_per_rad: args.px_per_rad,
+            },
             estimate,
             calibration,
             unit,
@@ -126,7 +115,7 @@ impl<'a> Calibrated<'a> {
     }
 
     fn read(&self, frames: &TrackedFrames) -> Result<Read, RecordedError> {
-        let file = self.estimate.readings.display().to_string();
+        let file = self.args.out.join("readings.csv").display().to_string();
         let calibration = (&self.calibration, self.unit);
         let sensed = Sensed::read(frames, calibration, &self.sensor, file)?;
         let field = sensed.field(self.args.grid as usize, self.args.filter)?;
@@ -135,8 +124,10 @@ impl<'a> Calibrated<'a> {
     }
 
     fn estimate(&self, read: &Read) -> Result<(), Failure> {
-        let options = press_options(&self.estimate)?;
-        let estimate = read.sensed.estimate(&options).map_err(Failure::work)?;
+        let estimate = read
+            .sensed
+            .estimate(&self.estimate)
+            .map_err(Failure::work)?;
         output::print(&output::json(&estimate)?)
     }
 }

@@ -248,7 +248,7 @@ fn arguments() {
         ("--position-std 0", "must be finite and > 0, is 0"),
         (
             "--method two-pass --position-std 1",
-            "is of no use to two-pass",
+            "is of use only to --method penalised or quadric",
         ),
         ("--method spline", "spline"),
         (

@@ -31,7 +31,7 @@ impl GlideScene {
         let sensor = sensor(&config.sensor, radius)?;
         let sensed = sensed(&sensor, &touches, radius)?;
         let noise = noise(&config.noise, config.motion.inter_finger_distance)?;
-        let method = AnyMethod::of(&config.estimator, config.motion.inter_finger_distance);
+        let method = AnyMethod::of(&config.estimator, Some(config.motion.inter_finger_distance));
         let grid = grid(&config.evaluate, glider.object(), middle)?;
         let mut needs = vec![need(&glider)];
         needs.extend(noise.need());

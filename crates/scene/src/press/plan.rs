@@ -8,21 +8,20 @@ pub(crate) use camera::{disc_depths, discs, of_optics};
 
 use palpate_chromatouch::{Layout, LayoutError};
 use palpate_number::{BadSetting, Number};
-use palpate_press::{
-    Body, Bounds, Contact, ForwardFit, Markers, PressError, Prior, Skin, calibrated_c,
-};
+use palpate_press::{Body, Bounds, Contact, ForwardFit, Markers, PressError, Skin};
 use palpate_sensing::{GaussianError, InvalidSensor};
 
 use super::ladder;
+use super::method::{self, Assumed};
 use super::noise::ReadingNoise;
 use super::words;
 use super::{PressMethod, PressScene, PressSensor, PressedObject, TruePress};
 use crate::plan::PlanError;
 pub(super) use camera::{Pressed, shifted};
 use palpate_study::config::{
-    Baseline, GainNoise, Indentation, LayoutConfig, LayoutTable, LengthNoise, NamedLayout,
-    NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
-    PressObjectConfig, PressProbeConfig, PressSensorConfig,
+    GainNoise, Indentation, LayoutConfig, LayoutTable, LengthNoise, NamedLayout, NoiseKnown,
+    PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig, PressObjectConfig,
+    PressProbeConfig, PressSensorConfig,
 };
 
 /// Error of displacements by a layer's tables, relative to the largest.
@@ -274,24 +273,15 @@ pub(super) fn body_of(
     if let Some(thickness) = model.thickness() {
         within_sensor("scene.model.thickness", thickness, radius)?;
     }
-    match (model, model.thickness()) {
-        (PressModelConfig::Hertz { poisson }, _) => Body::hertz(*poisson),
-        (_, Some(thickness)) => layer(thickness, depth),
-        (_, None) => Body::half_space(model.poisson(), depth),
-    }
-    .map_err(|error| of_body("scene.model", error))
+    method::body_of(model, depth, layer).map_err(|error| of_body("scene.model", error))
 }
 
 /// Whether the truth of a layer is read off tables: where the fit is of the same layer and shares them, or there are many
 /// markers, unless more is asked than they hold.
 fn takes_tables(config: &PressConfig, tolerance: Option<f64>, markers: usize) -> bool {
     let of_model = config.model.thickness();
-    let is_shared = match config.estimator {
-        PressEstimatorConfig::BondedLayer { thickness, .. } => {
-            thickness.is_none_or(|thickness| Some(thickness) == of_model)
-        }
-        PressEstimatorConfig::HalfSpace { .. } | PressEstimatorConfig::Gaussian { .. } => false,
-    };
+    let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
+        && method::thickness(&config.estimator, &config.model) == of_model;
     let is_good = tolerance.is_none_or(|tolerance| tolerance >= OF_TABLES);
     is_good && (is_shared || markers > MANY_MARKERS)
 }
@@ -364,150 +354,57 @@ struct Planned<'a> {
     sensed: [Option<f64>; 2],
 }
 
-/// Settings that all estimators have.
-struct Nuisances {
-    known_indentation: Option<f64>,
-    baseline: Prior,
-    /// Prior of the factor on all displacements; `None` for the Gaussian, where the amplitude takes its place.
-    gain: Option<Prior>,
-    noise: NoiseKnown,
-}
-
-impl Nuisances {
-    fn of(config: &PressEstimatorConfig) -> Self {
-        let (indentation, indentation_std, baseline, gain_std, noise) = match *config {
-            PressEstimatorConfig::HalfSpace {
-                indentation,
-                indentation_std,
-                baseline,
-                gain_std,
-                noise,
-                ..
-            }
-            | PressEstimatorConfig::BondedLayer {
-                indentation,
-                indentation_std,
-                baseline,
-                gain_std,
-                noise,
-                ..
-            } => (
-                indentation,
-                indentation_std,
-                baseline,
-                Some(gain_std),
-                noise,
-            ),
-            PressEstimatorConfig::Gaussian {
-                indentation,
-                indentation_std,
-                baseline,
-                noise,
-                ..
-            } => (indentation, indentation_std, baseline, None, noise),
-        };
-        Self {
-            known_indentation: match indentation {
-                Indentation::Known => Some(indentation_std),
-                Indentation::Fitted => None,
-            },
-            baseline: match baseline {
-                Baseline::Known => Prior::Exact,
-                Baseline::Fitted => Prior::Free,
-            },
-            gain: gain_std.map(within),
-            noise,
-        }
-    }
-}
-
-fn within(std: f64) -> Prior {
-    if std > 0.0 {
-        Prior::Within(std)
-    } else {
-        Prior::Exact
-    }
-}
-
 impl Planned<'_> {
     fn method(&self, radius: f64, marker_depth: f64) -> Result<PressMethod, PlanError> {
-        let nuisances = Nuisances::of(&self.config.estimator);
+        let (estimator, model) = (&self.config.estimator, &self.config.model);
+        let priors = estimator.priors();
         let stated = |error: GaussianError, sensed: Option<f64>| {
             let std = libm::hypot(error.std(), sensed.unwrap_or(0.0));
-            Some(std).filter(|&std| nuisances.noise == NoiseKnown::Stated && std > 0.0)
+            Some(std).filter(|&std| priors.noise == NoiseKnown::Stated && std > 0.0)
         };
-        let fit = self
-            .assumed_body(radius, marker_depth)?
-            .map(|body| ForwardFit {
-                // The amplitude of a Gaussian is fitted, unless it is the indentation.
-                gain: nuisances.gain.unwrap_or(match nuisances.known_indentation {
-                    Some(_) => Prior::Free,
-                    None => Prior::Exact,
-                }),
-                baseline: nuisances.baseline,
-                normal_std: stated(self.noise.normal, self.sensed[0]),
-                tangential_std: stated(self.noise.tangential, self.sensed[1]),
-                window: match self.config.estimator {
-                    PressEstimatorConfig::Gaussian { window, .. } => window,
-                    _ => None,
-                },
-                ..ForwardFit::new(body)
-            });
-        Ok(PressMethod {
-            fit,
-            known_indentation: nuisances.known_indentation,
-        })
-    }
-
-    /// The body that the estimator assumes; the inner error where a Gaussian cannot be calibrated.
-    fn assumed_body(
-        &self,
-        radius: f64,
-        marker_depth: f64,
-    ) -> Result<Result<Body, PressError>, PlanError> {
-        let model = &self.config.model;
-        match self.config.estimator {
-            PressEstimatorConfig::HalfSpace { poisson, .. } => {
-                Body::half_space(poisson.unwrap_or(model.poisson()), marker_depth)
+        match method::thickness(estimator, model) {
+            Some(thickness) => within_sensor("scene.estimator.thickness", thickness, radius)?,
+            None if matches!(estimator, PressEstimatorConfig::BondedLayer { .. }) => {
+                return Err(PlanError::at("scene.estimator", "`thickness` is missing"));
             }
-            PressEstimatorConfig::BondedLayer { thickness, .. } => {
-                let of_model = model.thickness();
-                let Some(thickness) = thickness.or(of_model) else {
-                    let message = "`thickness` is missing";
-                    return Err(PlanError::at("scene.estimator", message));
-                };
-                within_sensor("scene.estimator.thickness", thickness, radius)?;
-                if self.shared == Some(thickness) {
-                    Ok(self.body.clone())
-                } else {
-                    Body::bonded_layer(thickness, marker_depth)
-                }
-            }
-            PressEstimatorConfig::Gaussian { c: Some(c), .. } => Body::gaussian(c),
-            PressEstimatorConfig::Gaussian { window, .. } => {
-                let indentation = self.config.motion.indentation;
-                return Ok(calibrated_c(self.markers, self.body, indentation, window)
-                    .and_then(Body::gaussian));
-            }
+            None => {}
         }
-        .map(Ok)
-        .map_err(|error| of_body("scene.estimator", error))
+        let knows_indentation = priors.indentation == Indentation::Known;
+        let assumed = Assumed {
+            estimator,
+            model,
+            body: self.body,
+            shared: self.shared,
+            markers: self.markers,
+            marker_depth,
+            calibrated_at: Some(self.config.motion.indentation),
+            knows_indentation,
+            stds: [
+                stated(self.noise.normal, self.sensed[0]),
+                stated(self.noise.tangential, self.sensed[1]),
+            ],
+        };
+        Ok(PressMethod {
+            fit: assumed
+                .fit()
+                .map_err(|error| of_body("scene.estimator", error))?,
+            known_indentation: knows_indentation.then_some(priors.indentation_std),
+        })
     }
 
     /// The bounds on what the readings can tell by the model's own body.
     fn bounds(&self, contact: &Contact<'_>, at: [f64; 2], tangential: bool) -> Option<Bounds> {
-        let nuisances = Nuisances::of(&self.config.estimator);
+        let priors = self.config.estimator.priors();
         let drawn = |error: GaussianError| error.is_random().then(|| error.std());
         let fit = ForwardFit {
-            baseline: nuisances.baseline,
-            gain: drawn(self.noise.gain).map_or(nuisances.gain?, within),
+            baseline: method::baseline(priors.baseline),
+            gain: method::within(drawn(self.noise.gain).unwrap_or(priors.gain_std?)),
             normal_std: drawn(self.noise.normal),
             tangential_std: drawn(self.noise.tangential),
             ..ForwardFit::new(self.body.clone())
         };
-        let indentation_std = nuisances
-            .known_indentation
-            .map(|told| drawn(self.noise.indentation).unwrap_or(told));
+        let indentation_std = (priors.indentation == Indentation::Known)
+            .then(|| drawn(self.noise.indentation).unwrap_or(priors.indentation_std));
         fit.bounds(self.markers, contact, at, tangential, indentation_std)
     }
 }

@@ -164,44 +164,22 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
 
 /// The estimator, and what is doubtful about it.
 pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<String> {
-    let (what, indentation, baseline, noise) = match &config.estimator {
-        PressEstimatorConfig::HalfSpace {
-            indentation,
-            baseline,
-            noise,
-            ..
-        } => ("a half-space", indentation, baseline, noise),
-        PressEstimatorConfig::BondedLayer {
-            indentation,
-            baseline,
-            noise,
-            ..
-        } => ("a bonded layer", indentation, baseline, noise),
-        PressEstimatorConfig::Gaussian {
-            c,
-            indentation,
-            baseline,
-            noise,
-            ..
-        } => match c {
-            Some(_) => ("a Gaussian with a given c", indentation, baseline, noise),
-            None => (
-                "a Gaussian calibrated on a plane",
-                indentation,
-                baseline,
-                noise,
-            ),
-        },
+    let what = match config.estimator {
+        PressEstimatorConfig::HalfSpace { .. } => "a half-space",
+        PressEstimatorConfig::BondedLayer { .. } => "a bonded layer",
+        PressEstimatorConfig::Gaussian { c: Some(_), .. } => "a Gaussian with a given c",
+        PressEstimatorConfig::Gaussian { c: None, .. } => "a Gaussian calibrated on a plane",
     };
-    let indentation = match indentation {
+    let priors = config.estimator.priors();
+    let indentation = match priors.indentation {
         Indentation::Known => "indentation given",
         Indentation::Fitted => "indentation fitted",
     };
-    let baseline = match baseline {
+    let baseline = match priors.baseline {
         Baseline::Known => "",
         Baseline::Fitted => ", baseline fitted",
     };
-    let noise = match noise {
+    let noise = match priors.noise {
         NoiseKnown::Stated => "noise as stated",
         NoiseKnown::Found => "noise found from the residuals",
     };

@@ -2,7 +2,7 @@
 
 use palpate_scene::Scene;
 use palpate_scene::Scenes;
-use palpate_scene::recorded::{RollMethod, RollOptions, estimate_roll, read_roll};
+use palpate_scene::recorded::{RollOptions, estimate_roll, read_roll};
 use palpate_study::config::{LengthUnit, parse};
 
 /// The scene of a probe of radius 1 that rolls for 0.1 rad; more lines continue it.
@@ -145,10 +145,8 @@ sensor = { kind = "wrist", std = 0.001 }"#;
         let trace = roll.trace(Some(number), LengthUnit::Cm).unwrap();
         std::fs::write(&path, trace.readings.to_csv()).unwrap();
         let options = RollOptions {
-            probe_radius: 1.0,
             length_unit: Some(LengthUnit::Cm),
-            pitch: None,
-            method: RollMethod::LeastSquares,
+            ..RollOptions::new(1.0)
         };
         let estimate = estimate_roll(&read_roll(&path).unwrap(), &options).unwrap();
         let json = serde_json::to_value(estimate).unwrap();

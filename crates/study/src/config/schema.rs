@@ -2,6 +2,7 @@
 
 use super::study::{LengthUnit, StudyConfig};
 use super::validate::kind_of;
+use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value as Json, json};
 
@@ -22,14 +23,27 @@ pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 /// assert_eq!(schema["properties"]["length_unit"]["default"], "unit");
 /// ```
 pub fn schema() -> Json {
+    let mut schema = resolved::<StudyConfig>();
+    schema["title"] = json!("palpate study");
+    schema
+}
+
+/// The JSON Schema of a part of a config, without references.
+pub(super) fn resolved<T: JsonSchema>() -> Json {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings
         .into_generator()
-        .into_root_schema_for::<StudyConfig>()
+        .into_root_schema_for::<T>()
         .to_value();
     tidy(&mut schema);
-    schema["title"] = json!("palpate study");
     schema
+}
+
+/// The schemas of a value's kinds or words; the schema itself where there are none.
+pub(super) fn variants(schema: &Json) -> &[Json] {
+    schema["oneOf"]
+        .as_array()
+        .map_or(std::slice::from_ref(schema), Vec::as_slice)
 }
 
 /// Leaves out what TOML cannot write (null) and writes the range of 32 bits as a limit.
@@ -102,10 +116,7 @@ fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     if schema["type"] == "array" {
         return schema["x-unit"].as_str();
     }
-    let variants = schema["oneOf"]
-        .as_array()
-        .map_or(std::slice::from_ref(schema), Vec::as_slice);
-    variants
+    variants(schema)
         .iter()
         .find_map(|variant| unit_of(variant["properties"].get(key)?, rest))
 }
@@ -114,11 +125,11 @@ fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
 pub(super) fn drop_defaults(schema: &Json, table: &mut toml::Table, path: &str) {
     let (mut schema, mut table) = (schema, table);
     for key in path.split('.') {
-        let variants = schema["oneOf"]
-            .as_array()
-            .map_or(std::slice::from_ref(schema), Vec::as_slice);
         let kind = table.get("kind").and_then(toml::Value::as_str);
-        let Some(variant) = variants.iter().find(|variant| kind_of(variant) == kind) else {
+        let Some(variant) = variants(schema)
+            .iter()
+            .find(|variant| kind_of(variant) == kind)
+        else {
             return;
         };
         let Some(toml::Value::Table(inner)) = table.get_mut(key) else {
@@ -130,9 +141,8 @@ pub(super) fn drop_defaults(schema: &Json, table: &mut toml::Table, path: &str) 
         .get("kind")
         .and_then(toml::Value::as_str)
         .map(String::from);
-    let variants = schema["oneOf"].as_array().into_iter().flatten();
-    let Some(variant) = variants
-        .into_iter()
+    let Some(variant) = variants(schema)
+        .iter()
         .find(|variant| kind_of(variant) == kind.as_deref())
     else {
         return;

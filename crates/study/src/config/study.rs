@@ -88,6 +88,23 @@ impl LengthUnit {
             Self::Unit => "unit",
         }
     }
+
+    /// Number of these in another unit: 1000 for metres in millimetres. `None` where only one of them is of the metric
+    /// system.
+    pub fn to(self, other: Self) -> Option<f64> {
+        let per_metre = |unit| match unit {
+            Self::M => Some(1.0),
+            Self::Cm => Some(1e2),
+            Self::Mm => Some(1e3),
+            Self::Um => Some(1e6),
+            Self::Unit => None,
+        };
+        match (per_metre(self), per_metre(other)) {
+            (Some(these), Some(others)) => Some(others / these),
+            (None, None) => Some(1.0),
+            _ => None,
+        }
+    }
 }
 
 /// A kind of result.
@@ -117,6 +134,16 @@ pub enum SceneConfig {
 }
 
 impl SceneConfig {
+    /// Name of the kind, as configs have it.
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::Roll(_) => "roll",
+            Self::Glide(_) => "glide",
+            Self::Press(_) => "press",
+            Self::Fingertip(_) => "fingertip",
+        }
+    }
+
     /// Rules that join several fields; the error names the field and says what is wrong.
     pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
         match self {
