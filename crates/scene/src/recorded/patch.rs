@@ -166,21 +166,14 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
 /// The error in the words of the command line, with the option that helps where there is one.
 fn remedied(error: &Ep2Error) -> String {
     match error {
-        Ep2Error::BadSetting(BadSetting {
-            setting: "unit_length",
-            value: 0.0,
-            ..
-        }) => "the contacts are of one finger, which has no distance to another: two-pass needs \
-              --inter-finger-distance"
-            .to_owned(),
-        Ep2Error::BadSetting(
-            error @ BadSetting {
-                setting: "unit_length",
-                ..
-            },
-        ) => BadSetting {
+        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
+            "the contacts are of one finger, which has no distance to another: two-pass needs \
+             --inter-finger-distance"
+                .to_owned()
+        }
+        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" => BadSetting {
             setting: "--inter-finger-distance",
-            ..*error
+            ..*bad
         }
         .to_string(),
         Ep2Error::NoSide { .. } => format!("{error}; give another with --outward X,Y,Z"),
