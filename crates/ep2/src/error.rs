@@ -4,6 +4,9 @@ use palpate_number::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
+/// Largest number whose square does not overflow; the square of its inverse does not vanish.
+pub(crate) const LARGEST: f64 = 1e150;
+
 /// Reasons for which a set of contacts gives no surface.
 #[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]

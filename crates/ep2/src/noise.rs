@@ -1,6 +1,5 @@
 //! Noise of the contacts, as known and as found.
 
-use crate::square::Kinds;
 use crate::{Ep2Error, Patch, PatchFrame};
 
 /// Known standard deviations of the contacts' errors; one that is `None` is found from the contacts.
@@ -48,6 +47,13 @@ impl Noise {
             normal_std_rad: self.normal_std_rad,
         })
     }
+}
+
+/// A pair of values, one for the heights and one for the slopes, whose errors differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Kinds<T> {
+    pub(crate) heights: T,
+    pub(crate) slopes: T,
 }
 
 /// Variances of a height and of a slope on level ground, in the patch's unit.

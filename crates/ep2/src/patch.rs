@@ -2,11 +2,10 @@
 
 use nalgebra::Vector3;
 
+use crate::error::LARGEST;
 use crate::fingers::ByFinger;
 use crate::{Contact, Ep2Error, PatchFrame};
 
-/// Numbers whose squares neither overflow nor vanish.
-const LARGEST: f64 = 1e150;
 /// Across a patch this much narrower than long, rounding of the heights passes for curvature.
 const NARROWEST: f64 = 1e-6;
 /// A normal that stands farther than this from the mean normal is not that of a graph, degrees.

@@ -12,12 +12,10 @@ use crate::noise::Noise;
 use crate::quadric::SquareQuadric;
 use crate::square::Square;
 use crate::{Ep2Error, Fit, Knots, Method, Patch, TensorSpline};
-use equations::Equations;
+use equations::{DEGREE, Equations};
 use spectrum::Spectrum;
 use weight::{Expected, Search};
 
-/// Degree of the spline.
-const DEGREE: usize = 3;
 /// Largest number of intervals per side: beyond, the dense algebra of the coefficients takes seconds.
 const MOST_INTERVALS: usize = 24;
 /// Largest number of intervals per side unless one is given.

@@ -3,14 +3,12 @@
 
 use palpate_number::BadSetting;
 
+use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
 use crate::{
     Ep2Error, Fit, Method, Patch, Sample, Smoothed, SmoothingSpline, Status, TensorSpline,
     WeightedPoint,
 };
-
-/// Numbers whose squares neither overflow nor vanish.
-const LARGEST: f64 = 1e150;
 
 /// The normals to which the tangents of the second pass are perpendicular.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

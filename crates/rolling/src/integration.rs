@@ -1,16 +1,14 @@
 //! One motion by an integrator, in either form of the equations.
 
-use nalgebra::Point3;
 use palpate_geometry::{Shape, Surface};
 
+use crate::bodies::Bodies;
 use crate::chart::ChartForm;
 use crate::chart_free::{ChartFree, OF_GRAPHS, OF_SPACE};
-use crate::error::{RollError, RollFault};
+use crate::error::RollError;
+use crate::form::Form;
 use crate::integrator::{Dop853, Integrated, Rk4, Stopped, System};
-use crate::{Chart, Contact, Motion, Probe};
-
-/// Relative curvature, in units of the probe's, below which a singular motion is put down to conforming.
-const NEARLY_CONFORMING: f64 = 1e-3;
+use crate::{Chart, Contact, Motion};
 
 /// An integrator.
 #[derive(Clone, Copy, Debug)]
@@ -24,23 +22,6 @@ pub(crate) enum Method {
 pub(crate) struct Integration {
     pub(crate) method: Method,
     pub(crate) chart: Chart,
-}
-
-/// The two bodies of a roll: the probe, and the object on which it rolls.
-#[derive(Debug)]
-pub(crate) struct Bodies<'a, S> {
-    pub(crate) probe: Probe,
-    pub(crate) object: &'a S,
-    /// The scale on which errors of position count.
-    pub(crate) length_scale: f64,
-}
-
-/// A form of the contact equations.
-pub(crate) trait Form<const N: usize>: System<N> {
-    fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
-
-    /// The contact on the object, also where there is no contact any more.
-    fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
 }
 
 impl Integration {
@@ -133,35 +114,5 @@ impl Method {
             Self::Rk4(method) => method.integrate(system, state, duration_s),
             Self::Dop853(method) => method.integrate(system, state, duration_s),
         }
-    }
-}
-
-impl<'a, S> Bodies<'a, S> {
-    fn with<T>(&self, object: &'a T) -> Bodies<'a, T> {
-        Bodies {
-            probe: self.probe,
-            object,
-            length_scale: self.length_scale,
-        }
-    }
-}
-
-impl<S: Surface> Bodies<'_, S> {
-    /// A singular motion is named by its cause: the contact speeds up without bound as the bodies
-    /// come to conform.
-    fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
-        if fault == RollFault::Singular
-            && let Ok(contact) = last
-            && let Ok((_, curvature)) = self
-                .object
-                .curvature_along(&contact.on_object, &contact.x_axis)
-        {
-            let radius = self.probe.radius();
-            let relative_curvature = 1.0 / radius + curvature.principal().k_min;
-            if relative_curvature * radius < NEARLY_CONFORMING {
-                return RollFault::Conforming { relative_curvature };
-            }
-        }
-        fault
     }
 }

@@ -4,17 +4,7 @@ use palpate_geometry::SurfaceError;
 use palpate_number::Number;
 use thiserror::Error;
 
-use crate::{HeldAxis, Motion, RollFault};
-
-/// The form of the contact equations that an integrator works on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Chart {
-    /// Chart-free: no poles.
-    #[default]
-    Free,
-    /// Montana's chart form, with the motion steady in the given frame.
-    Montana(HeldAxis),
-}
+use crate::{Chart, Motion, RollFault};
 
 /// A model by which rolls are computed: a rung of the ladder, or the choice among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,15 +56,6 @@ impl Model {
             Self::Dop853 { tolerance, chart } => {
                 format!("DOP853, tolerance {tolerance:e}, {}", chart.name())
             }
-        }
-    }
-}
-
-impl Chart {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Free => "chart-free",
-            Self::Montana(_) => "in charts",
         }
     }
 }

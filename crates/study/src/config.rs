@@ -14,12 +14,15 @@ mod error;
 mod fingertip;
 mod glide;
 mod grid;
+mod length_unit;
 mod load;
 mod model;
 mod object;
+mod output;
 mod pads;
 mod plot;
 mod press;
+mod resolved;
 mod roll;
 mod schema;
 mod settings;
@@ -35,9 +38,11 @@ pub use glide::{
     GlideModelConfig, GlideMotionConfig, GlideNoiseConfig, GlideSensorConfig, NoiseAxis,
     NormalNoise, NormalsOf, PositionNoise, Reports,
 };
+pub use length_unit::LengthUnit;
 pub use load::{Cell, Study, load, parse};
 pub use model::ModelConfig;
 pub use object::ObjectConfig;
+pub use output::Output;
 pub use pads::{PadLayout, PadOffset};
 pub use plot::{
     Component, Mark, MarkAxis, PlotConfig, PlotKind, Points, STATISTICS, STD_BOUND, Scale,
@@ -49,6 +54,7 @@ pub use press::{
     PressNoiseConfig, PressObjectConfig, PressPriors, PressProbeConfig, PressSensorConfig,
     ShownMarkers, SizeNoise, WrongMarkers,
 };
+pub use resolved::to_toml;
 pub use roll::{
     AngularVelocityNoise, Chart, EncoderConfig, ProbeConfig, RollAxis, RollConfig,
     RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollNoiseConfig, RollSensorConfig,
@@ -56,5 +62,5 @@ pub use roll::{
 };
 pub use schema::schema;
 pub use settings::{Accepts, Range, Setting, SettingError, in_unit, settings, with_settings};
-pub use study::{LengthUnit, Output, SceneConfig, StudyConfig, to_toml};
+pub use study::{SceneConfig, StudyConfig};
 pub use sweep::{Spacing, SweepConfig};

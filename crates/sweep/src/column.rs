@@ -1,6 +1,6 @@
 //! The observations of one quantity until they are summed up.
 
-use crate::record::Observations;
+use crate::observation::Observations;
 
 /// Placeholder for a standard deviation that was not reported; lower than any that can be reported, for those are at
 /// least 0.

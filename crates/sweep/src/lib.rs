@@ -43,17 +43,21 @@ mod failures;
 mod histogram;
 mod magnitude;
 mod moments;
+mod observation;
 mod part;
 mod record;
 mod run;
 mod scale;
 mod summary;
 mod sums;
+mod trial;
 
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
-pub use record::{Observation, Observations, Record};
-pub use run::{BLOCK, Cell, RunOptions, Runner, SweepError, Trial, run};
+pub use observation::{Observation, Observations};
+pub use record::Record;
+pub use run::{RunOptions, Runner, SweepError, run};
 pub use summary::{CellStatistics, Summary};
+pub use trial::{BLOCK, Cell, Trial};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

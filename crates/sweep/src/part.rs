@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::failures::{Failure, Failures};
 use crate::histogram::Histogram;
 use crate::record::Record;
-use crate::run::{BLOCK, Cell};
 use crate::summary::{CellStatistics, Summary};
 use crate::sums::{Scratch, Sums};
+use crate::trial::{BLOCK, Cell};
 
 /// Observations of one quantity from which on they are summed up before the end of the block, which bounds the memory
 /// of trials with many observations.

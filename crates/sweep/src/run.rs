@@ -3,18 +3,14 @@
 use std::error::Error as _;
 use std::io;
 use std::num::NonZeroUsize;
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::part::{Segment, Workspace};
-use crate::record::Record;
 use crate::summary::CellStatistics;
-
-/// Trials in a block, the unit of work.
-pub const BLOCK: u64 = 1024;
+use crate::trial::{BLOCK, Cell};
 
 /// Blocks per thread after which sums are folded. Large against the blocks of one job, so that threads rarely wait.
 const WAVE: usize = 1024;
@@ -22,43 +18,6 @@ const WAVE: usize = 1024;
 const MAX_JOB: usize = 32;
 /// Jobs per thread, where there are few blocks.
 const JOBS_PER_THREAD: usize = 8;
-
-/// An experiment that is repeated in a cell.
-pub trait Trial: Sync {
-    /// How many quantities it observes.
-    fn quantities(&self) -> usize;
-
-    /// Runs one trial, which must depend on nothing but its number, and records what it says of the quantities.
-    ///
-    /// # Errors
-    /// The stable kebab-case name of the kind of failure. Nothing that the trial recorded is kept.
-    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str>;
-
-    /// Runs some of the first of `trials` together, records what they say as [`Trial::run`] would, to the last bit, and
-    /// tells how many they were. All of them succeeded: what is left is run one by one until this goes on.
-    ///
-    /// For trials that are quicker side by side; by default there are none.
-    fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
-        let _ = (trials, record);
-        0
-    }
-}
-
-/// One setting of a study: a trial and how often to run it, with the numbers `0..trials`.
-#[derive(Clone, Copy)]
-pub struct Cell<'a> {
-    /// How many trials; may be 0.
-    pub trials: u64,
-    /// The experiment.
-    pub trial: &'a dyn Trial,
-}
-
-impl Cell<'_> {
-    /// Blocks of the cell; an empty one where it has no trials.
-    pub(crate) fn blocks(&self) -> u64 {
-        self.trials.div_ceil(BLOCK).max(1)
-    }
-}
 
 /// Settings that must not change results.
 #[derive(Clone, Copy, Debug, Default)]

@@ -4,7 +4,7 @@ use palpate_number::Number;
 use strum::IntoStaticStr;
 use thiserror::Error;
 
-use super::{FEWEST_GORES, MOST_GORES};
+use super::gores::{FEWEST_GORES, MOST_GORES};
 use crate::LayoutError;
 
 /// Why there is no such flat pattern.

@@ -26,7 +26,8 @@ use std::num::NonZeroUsize;
 
 use gauss_quad::GaussLegendre;
 
-use super::{FEWEST_GORES, PatternError};
+use super::PatternError;
+use super::gores::FEWEST_GORES;
 use crate::LayoutError;
 
 /// Nodes per direction: from three gores on, the nearest singularity (s = 2i) makes the error less than 1e-20.

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
 use crate::formula::Formula;
-use crate::surface::{SQUARABLE, is_within_reach};
+use crate::reach::{SQUARABLE, is_within_reach};
 use crate::{
     ChartJet, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm,
 };

@@ -2,7 +2,8 @@
 
 mod check;
 
-use super::study::Output;
+use super::output::Output;
+use super::validate::NAME;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -37,7 +38,7 @@ pub const STD_BOUND: &str = "std_bound";
 pub struct PlotConfig {
     /// Name of the plot's file, by default made from its columns.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("pattern" = super::schema::NAME, "maxLength" = 100))]
+    #[schemars(extend("pattern" = NAME, "maxLength" = 100))]
     pub name: Option<String>,
     /// Title, by default that of the study.
     #[serde(default, skip_serializing_if = "Option::is_none")]

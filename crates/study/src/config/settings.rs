@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value as Json};
 
-use super::schema::{resolved, variants};
+use super::schema::{schema_of, variant, variants};
 use super::validate::kind_of;
 
 /// Setting of a table that has kinds.
@@ -125,7 +125,7 @@ impl fmt::Display for Range {
 
 /// All settings of a table that has kinds, in the order in which its kinds state them.
 pub fn settings<T: JsonSchema>() -> Vec<Setting> {
-    let schema = resolved::<T>();
+    let schema = schema_of::<T>();
     let mut settings: Vec<Setting> = vec![Setting {
         key: "kind".to_owned(),
         kinds: Vec::new(),
@@ -229,7 +229,7 @@ pub fn with_settings<T>(base: &T, given: &Map<String, Json>) -> Result<T, Settin
 where
     T: Serialize + DeserializeOwned + JsonSchema,
 {
-    let schema = resolved::<T>();
+    let schema = schema_of::<T>();
     let bad = |key: &str, message: String| SettingError::Bad {
         key: key.to_owned(),
         message,
@@ -243,9 +243,7 @@ where
         table.insert("kind".to_owned(), kind.clone());
     }
     let kind = table.get("kind").and_then(Json::as_str);
-    let variant = variants(&schema)
-        .iter()
-        .find(|variant| kind_of(variant) == kind);
+    let variant = variant(&schema, kind);
     let properties = variant.and_then(|variant| variant["properties"].as_object());
     let knows = |key: &str| properties.is_some_and(|properties| properties.contains_key(key));
     table.retain(|key, _| knows(key));
@@ -277,7 +275,7 @@ where
     T: Clone + Serialize + DeserializeOwned + JsonSchema,
 {
     let scaled = serde_json::to_value(table).ok().and_then(|mut json| {
-        scale(&resolved::<T>(), &mut json, factor);
+        scale(&schema_of::<T>(), &mut json, factor);
         serde_json::from_value(json).ok()
     });
     scaled.unwrap_or_else(|| table.clone())
@@ -311,10 +309,7 @@ fn scale(schema: &Json, json: &mut Json, factor: f64) {
         }
         Json::Object(table) => {
             let kind = table.get("kind").and_then(Json::as_str);
-            let variant = variants(schema)
-                .iter()
-                .find(|variant| kind_of(variant) == kind);
-            if let Some(variant) = variant {
+            if let Some(variant) = variant(schema, kind) {
                 for (key, value) in table.iter_mut() {
                     scale(&variant["properties"][key], value, factor);
                 }

@@ -3,7 +3,7 @@
 use super::{PlotKind, STATISTICS, STD_BOUND};
 use crate::config::error::Fault;
 use crate::config::grid::Grid;
-use crate::config::study::Output;
+use crate::config::output::Output;
 use crate::config::tree::{Entry, Node, Value, suggest};
 
 /// Checks that the plots of a `plot` section, which has been validated against the schema, have the keys of their kind,

@@ -1,6 +1,7 @@
 //! The drawing as DXF R12: pairs of lines, a group code and its value.
 
-use super::{CUT, CuttingSheet, FOLD, MAGENTA, YELLOW, millimetres};
+use super::layers::{CUT, FOLD, MAGENTA, YELLOW, millimetres};
+use crate::CuttingSheet;
 
 /// Layers with AutoCAD's numbers of their colours: white (black on paper), blue, magenta, yellow.
 const LAYERS: [(&str, u8); 4] = [(CUT, 7), (FOLD, 5), (MAGENTA, 6), (YELLOW, 2)];
@@ -82,16 +83,19 @@ impl Writer {
 
     fn entities(&mut self, sheet: &CuttingSheet) {
         self.section("ENTITIES");
-        for outline in &sheet.cuts {
+        for outline in sheet.cuts() {
             self.closed_line(outline);
         }
-        for [start, end] in &sheet.marks {
+        for [start, end] in sheet.marks() {
             self.entity("LINE", FOLD);
             self.place(10, *start);
             self.place(11, *end);
         }
-        for (layer, diameter) in [(MAGENTA, sheet.discs.magenta), (YELLOW, sheet.discs.yellow)] {
-            for centre in &sheet.centres {
+        for (layer, diameter) in [
+            (MAGENTA, sheet.discs().magenta),
+            (YELLOW, sheet.discs().yellow),
+        ] {
+            for centre in sheet.centres() {
                 self.entity("CIRCLE", layer);
                 self.place(10, *centre);
                 self.pair(40, &millimetres(0.5 * diameter));

@@ -1,9 +1,9 @@
-//! Errors and costs of the rungs, measured on the noiseless rolls.
+//! The choice of an integrator, by errors and costs measured on the noiseless rolls.
 
-use super::{Rung, Setting, dop853, dop853_method, rk4, rk4_method};
 use crate::integration::{Integration, Method};
 use crate::integrator::Dop853;
-use crate::{Chart, Choice, Contact, InvalidRoll, Model, RollFault, Roller, Rolls};
+use crate::rung::{Rung, Setting, dop853, dop853_method, rk4, rk4_method};
+use crate::{Chart, Choice, Contact, Model, RollFault, Rolls};
 
 /// Factor by which a measured error is enlarged before it is held against a tolerance.
 const MARGIN: f64 = 1.25;
@@ -25,23 +25,6 @@ const DOP853_TOLERANCES: [f64; 14] = [
 const AFFORDABLE: usize = 20_000;
 const AFFORDABLE_PER_MOTION: usize = 60;
 
-/// DOP853's on a ladder that is shown.
-const LADDER_TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
-
-/// A rung of the ladder, with what it errs by and costs on the noiseless rolls.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MeasuredRung {
-    /// The model that names the rung: never [`Model::Auto`].
-    pub model: Model,
-    /// The rung with its setting, in words.
-    pub name: String,
-    /// The largest error of a contact at the end of a roll, relative to its length scale, as held
-    /// against DOP853 at the smallest tolerance; or why the rung cannot do these rolls.
-    pub outcome: Result<f64, String>,
-    /// Number of evaluations of the contact equations by all rolls together; 0 for a closed form.
-    pub evaluations: usize,
-}
-
 /// Reasons for which no rung is measured on the noiseless rolls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unmeasured {
@@ -51,10 +34,11 @@ pub(super) enum Unmeasured {
     TooLong,
 }
 
-/// One integrator on all rolls.
-struct Ends {
-    contacts: Vec<Contact>,
-    evaluations: usize,
+/// Contacts at the ends of all rolls, and how often the contact equations were evaluated on the way.
+#[derive(Default)]
+pub(crate) struct Ends {
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) evaluations: usize,
 }
 
 /// The tolerance of the integration that others are judged against.
@@ -131,10 +115,7 @@ impl Setting<'_> {
 
     /// Ends of all rolls by one integrator.
     fn ends(&self, rolls: Rolls<'_>, method: Method, chart: Chart) -> Result<Ends, Unmeasured> {
-        let mut ends = Ends {
-            contacts: Vec::new(),
-            evaluations: 0,
-        };
+        let mut ends = Ends::default();
         let motions: usize = rolls.rolls.iter().map(Vec::len).sum();
         let affordable = AFFORDABLE.max(AFFORDABLE_PER_MOTION.saturating_mul(motions));
         for roll in rolls.rolls {
@@ -155,7 +136,8 @@ impl Setting<'_> {
         Ok(ends)
     }
 
-    fn distance(&self, one: &Ends, other: &Ends) -> f64 {
+    /// Largest distance between contacts on either body, relative to the length scale.
+    pub(crate) fn distance(&self, one: &Ends, other: &Ends) -> f64 {
         let radius = self.bodies.probe.radius();
         let distance = |(a, b): (&Contact, &Contact)| {
             let on_object = (a.on_object - b.on_object).norm();
@@ -164,72 +146,5 @@ impl Setting<'_> {
         };
         let pairs = one.contacts.iter().zip(&other.contacts);
         pairs.map(distance).fold(0.0, f64::max)
-    }
-}
-
-impl Roller {
-    /// The rungs on which these rolls, without noise, can be computed, cheapest first; the one that
-    /// is taken is among them. `chart` is for the integrators.
-    pub fn ladder(&self, chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
-        let rk4 = (0..=6).map(|power| Model::Rk4 {
-            steps: 1 << power,
-            chart,
-        });
-        let dop853 = LADDER_TOLERANCES.map(|tolerance| Model::Dop853 { tolerance, chart });
-        let mut models = vec![Model::ClosedForm, Model::Meridian];
-        models.extend(rk4.chain(dop853));
-        let taken = self.choice().model;
-        if !models.contains(&taken) {
-            models.push(taken);
-        }
-        let mut rungs = self.measured(&models, chart, rolls);
-        rungs.sort_by_key(|rung| rung.evaluations);
-        rungs
-    }
-
-    /// Measured error and cost of each of these models on these rolls. `chart` is that of the
-    /// integrator that they are held against.
-    pub fn measured(&self, models: &[Model], chart: Chart, rolls: Rolls<'_>) -> Vec<MeasuredRung> {
-        let reference = self.ends_on(
-            Model::Dop853 {
-                tolerance: Model::SMALLEST_TOLERANCE,
-                chart,
-            },
-            rolls,
-        );
-        let setting = self.setting();
-        models
-            .iter()
-            .map(|model| {
-                let ends = self.ends_on(*model, rolls);
-                let evaluations = ends.as_ref().map_or(0, |ends| ends.evaluations);
-                MeasuredRung {
-                    model: *model,
-                    name: model.name(),
-                    outcome: ends.and_then(|ends| {
-                        let reference = reference.as_ref().map_err(Clone::clone)?;
-                        Ok(setting.distance(&ends, reference))
-                    }),
-                    evaluations,
-                }
-            })
-            .collect()
-    }
-
-    fn ends_on(&self, model: Model, rolls: Rolls<'_>) -> Result<Ends, String> {
-        let roller = self.on(model, rolls).map_err(|error| match error {
-            InvalidRoll::Unsupported { reason, .. } => reason,
-            error => error.to_string(),
-        })?;
-        let mut ends = Ends {
-            contacts: Vec::new(),
-            evaluations: 0,
-        };
-        for roll in rolls.rolls {
-            let (contact, evaluations) = roller.follow(roll).map_err(|error| error.to_string())?;
-            ends.contacts.push(contact);
-            ends.evaluations += evaluations;
-        }
-        Ok(ends)
     }
 }

@@ -1,51 +1,58 @@
-//! A lens around one direction, to second order.
+//! A lens, and its map around one direction to second order.
 
 use std::f64::consts::TAU;
 
-use super::{Camera, Lens};
+/// How a lens maps the angle θ from its axis to the distance r from the image's centre, with the focal length f.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lens {
+    /// Equidistant: r = f θ.
+    Fisheye,
+    /// r = f tan θ.
+    Pinhole,
+}
 
 /// The derivatives of a lens at a polar angle θ: a place θ from the axis is seen r(θ) from the image's centre.
 ///
 /// With g = r / sin θ, the scale around the axis, a solid angle dΩ has the image area J dΩ, J = r′ g.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::optics) struct Local {
+pub(super) struct Local {
     /// r, px.
-    pub(in crate::optics) radius: f64,
+    pub(super) radius: f64,
     /// r′.
-    pub(in crate::optics) radial: f64,
+    pub(super) radial: f64,
     /// r″.
-    pub(in crate::optics) radial_slope: f64,
+    pub(super) radial_slope: f64,
     /// g.
-    pub(in crate::optics) lateral: f64,
+    pub(super) lateral: f64,
     /// g′.
-    pub(in crate::optics) lateral_slope: f64,
+    pub(super) lateral_slope: f64,
     /// r′ cot θ − r / sin² θ: how the radial coordinate bends around the axis.
-    pub(in crate::optics) bend: f64,
+    pub(super) bend: f64,
     /// J.
-    pub(in crate::optics) area: f64,
+    pub(super) area: f64,
     /// J′.
-    pub(in crate::optics) area_slope: f64,
+    pub(super) area_slope: f64,
     /// J″.
-    pub(in crate::optics) area_curve: f64,
+    pub(super) area_curve: f64,
     /// J′ cot θ, the second derivative around the axis.
-    pub(in crate::optics) area_bend: f64,
+    pub(super) area_bend: f64,
 }
 
 /// A region of the image: its area, px², and the first moment of the area about the image of the direction that the
 /// region was looked at from, px³, away from the image's centre and around it (toward growing azimuth).
 #[derive(Clone, Copy, Debug)]
-pub(in crate::optics) struct Region {
-    pub(in crate::optics) area: f64,
-    pub(in crate::optics) moment: [f64; 2],
+pub(super) struct Region {
+    pub(super) area: f64,
+    pub(super) moment: [f64; 2],
 }
 
 impl Local {
-    /// Derivatives of a camera's lens at a polar angle, rad, with this sine and cosine.
+    /// Derivatives of a lens of this focal length, px, at a polar angle, rad, with this sine and cosine.
     #[inline]
-    pub(in crate::optics) fn new(camera: &Camera, polar: f64, (sine, cosine): (f64, f64)) -> Self {
-        match camera.lens {
-            Lens::Fisheye => Self::fisheye(camera.px_per_rad, polar, sine, cosine),
-            Lens::Pinhole => Self::pinhole(camera.px_per_rad, sine, cosine),
+    pub(super) fn new(lens: Lens, focal: f64, polar: f64, (sine, cosine): (f64, f64)) -> Self {
+        match lens {
+            Lens::Fisheye => Self::fisheye(focal, polar, sine, cosine),
+            Lens::Pinhole => Self::pinhole(focal, sine, cosine),
         }
     }
 
@@ -108,7 +115,7 @@ impl Local {
 /// The image of all directions within an angle α of the direction that a lens was looked at in; of the angle, sine and
 /// cosine.
 #[inline]
-pub(in crate::optics) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
+pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
     match lens {
         Lens::Fisheye => fisheye_cap(local, sine, cosine),
         Lens::Pinhole => pinhole_cap(local, sine, cosine),

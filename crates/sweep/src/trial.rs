@@ -1,0 +1,45 @@
+//! Experiments that are repeated, and the cells of a study that repeat them.
+
+use std::ops::Range;
+
+use crate::record::Record;
+
+/// Trials in a block, the unit of work.
+pub const BLOCK: u64 = 1024;
+
+/// An experiment that is repeated in a cell.
+pub trait Trial: Sync {
+    /// How many quantities it observes.
+    fn quantities(&self) -> usize;
+
+    /// Runs one trial, which must depend on nothing but its number, and records what it says of the quantities.
+    ///
+    /// # Errors
+    /// The stable kebab-case name of the kind of failure. Nothing that the trial recorded is kept.
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str>;
+
+    /// Runs some of the first of `trials` together, records what they say as [`Trial::run`] would, to the last bit, and
+    /// tells how many they were. All of them succeeded: what is left is run one by one until this goes on.
+    ///
+    /// For trials that are quicker side by side; by default there are none.
+    fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
+        let _ = (trials, record);
+        0
+    }
+}
+
+/// One setting of a study: a trial and how often to run it, with the numbers `0..trials`.
+#[derive(Clone, Copy)]
+pub struct Cell<'a> {
+    /// How many trials; may be 0.
+    pub trials: u64,
+    /// The experiment.
+    pub trial: &'a dyn Trial,
+}
+
+impl Cell<'_> {
+    /// Blocks of the cell; an empty one where it has no trials.
+    pub(crate) fn blocks(&self) -> u64 {
+        self.trials.div_ceil(BLOCK).max(1)
+    }
+}
