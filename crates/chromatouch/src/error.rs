@@ -12,7 +12,10 @@ pub enum LayoutError {
     #[error(transparent)]
     BadSetting(#[from] BadSetting<String>),
     /// The markers reach around the sphere and meet themselves.
-    #[error("the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180", reach_deg = Number(*reach_deg))]
+    #[error(
+        "the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180",
+        reach_deg = Number(*reach_deg)
+    )]
     AroundTheSphere {
         /// Name of the setting that makes them reach so far.
         setting: &'static str,
@@ -20,7 +23,10 @@ pub enum LayoutError {
         reach_deg: f64,
     },
     /// More markers than can be worked with.
-    #[error("there would be {markers:.0} markers; at most {limit} are possible", markers = Number(*markers))]
+    #[error(
+        "there would be {markers:.0} markers; at most {limit} are possible",
+        markers = Number(*markers)
+    )]
     TooManyMarkers {
         /// How many there would be.
         markers: f64,
@@ -28,7 +34,10 @@ pub enum LayoutError {
         limit: usize,
     },
     /// The markers are so far apart that none lies on the cap.
-    #[error("no marker lies within {cap_deg} degrees of the apex at a pitch of {pitch}", cap_deg = Number(*cap_deg), pitch = Number(*pitch))]
+    #[error(
+        "no marker lies within {cap_deg} degrees of the apex at a pitch of {pitch}",
+        cap_deg = Number(*cap_deg), pitch = Number(*pitch)
+    )]
     NoMarker {
         /// Distance between neighbouring markers, length.
         pitch: f64,

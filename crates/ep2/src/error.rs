@@ -30,7 +30,10 @@ pub enum Ep2Error {
         contact: usize,
     },
     /// A weight that weighs nothing.
-    #[error("contact {contact} (counting from 0): the weight is {weight}; it must be > 0", weight = Number(*weight))]
+    #[error(
+        "contact {contact} (counting from 0): the weight is {weight}; it must be > 0",
+        weight = Number(*weight)
+    )]
     BadWeight {
         /// Number of the contact, counted from 0.
         contact: usize,

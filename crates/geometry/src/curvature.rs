@@ -214,7 +214,10 @@ pub struct ShapeThresholds {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum InvalidThresholds {
     /// A threshold is negative or not finite.
-    #[error("{name} threshold is {value}; it must be finite and at least 0", value = Number(*value))]
+    #[error(
+        "{name} threshold is {value}; it must be finite and at least 0",
+        value = Number(*value)
+    )]
     OutOfRange {
         /// Name of the threshold: `gaussian` or `mean`.
         name: &'static str,

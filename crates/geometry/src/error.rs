@@ -12,7 +12,10 @@ use crate::reach::SQUARABLE;
 #[strum(serialize_all = "kebab-case")]
 pub enum SurfaceError {
     /// The surface does not reach there, or its formula is undefined there.
-    #[error("the surface is not defined, or not smooth, at x = {x}, y = {y}", x = Number(*x), y = Number(*y))]
+    #[error(
+        "the surface is not defined, or not smooth, at x = {x}, y = {y}",
+        x = Number(*x), y = Number(*y)
+    )]
     OffDomain {
         /// Coordinate in the surface's frame.
         x: f64,
@@ -28,7 +31,10 @@ pub enum SurfaceError {
         v: f64,
     },
     /// No single closest point: the centre of a sphere, the axis of a cylinder.
-    #[error("no single closest point to ({x}, {y}, {z})", x = Number(*x), y = Number(*y), z = Number(*z))]
+    #[error(
+        "no single closest point to ({x}, {y}, {z})",
+        x = Number(*x), y = Number(*y), z = Number(*z)
+    )]
     NoClosestPoint {
         /// Coordinate of the query point.
         x: f64,

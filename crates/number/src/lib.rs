@@ -5,7 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 /// Number as messages show it: the fewest digits that read back the same, with an exponent from 1e16 up and below 1e-4
-/// instead of a row of zeros; zero without a sign. A precision, as in `{:.4}`, is the number of digits after the point.
+/// instead of a row of zeros; zero without a sign. With a precision, as in `{:.4}`, only large numbers get an exponent.
 ///
 /// ```
 /// use palpate_number::Number;
@@ -20,7 +20,7 @@ impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let number = self.0 + 0.0;
         let size = number.abs();
-        let is_long = size >= 1e16 || (size > 0.0 && size < 1e-4);
+        let is_long = size >= 1e16 || (size > 0.0 && size < 1e-4 && f.precision().is_none());
         if is_long && size.is_finite() {
             fmt::LowerExp::fmt(&number, f)
         } else {
@@ -87,9 +87,7 @@ mod tests {
             odd.map(|odd| Number(odd).to_string()),
             ["NaN", "inf", "-inf"]
         );
-        assert_eq!(
-            format!("{:.2} {:.2}", Number(1.0 / 3.0), Number(1.0 / 3e40)),
-            "0.33 3.33e-41"
-        );
+        let shown = [1.0 / 3.0, 1e-9, 1e40 / 3.0].map(|number| format!("{:.2}", Number(number)));
+        assert_eq!(shown, ["0.33", "0.00", "3.33e39"]);
     }
 }

@@ -18,7 +18,10 @@ pub enum PressError {
         marker: usize,
     },
     /// A marker's place is further along the skin than the skin goes.
-    #[error("marker {marker} (counting from 0) lies {distance} from the apex along the skin, whose other pole is at {limit}", distance = Number(*distance), limit = Number(*limit))]
+    #[error(
+        "marker {marker} (counting from 0) lies {distance} from the apex along the skin, whose other pole is at {limit}",
+        distance = Number(*distance), limit = Number(*limit)
+    )]
     OffSkin {
         /// Number of the marker, counted from 0.
         marker: usize,
@@ -28,25 +31,37 @@ pub enum PressError {
         limit: f64,
     },
     /// The bodies do not press into each other.
-    #[error("the indentation is {indentation}; a contact needs one > 0", indentation = Number(*indentation))]
+    #[error(
+        "the indentation is {indentation}; a contact needs one > 0",
+        indentation = Number(*indentation)
+    )]
     NoIndentation {
         /// The approach of the bodies since first touch, length.
         indentation: f64,
     },
     /// The object is exactly as hollow as the sensor is round: they touch everywhere at once.
-    #[error("the bodies conform: the relative curvature is {relative_curvature}", relative_curvature = Number(*relative_curvature))]
+    #[error(
+        "the bodies conform: the relative curvature is {relative_curvature}",
+        relative_curvature = Number(*relative_curvature)
+    )]
     Conforming {
         /// 1/R_s + 1/R_o, 1/length.
         relative_curvature: f64,
     },
     /// The object is more hollow than the sensor is round: its edge is touched, not its bottom.
-    #[error("the relative curvature is {relative_curvature}, below 0: the contact is at the edge", relative_curvature = Number(*relative_curvature))]
+    #[error(
+        "the relative curvature is {relative_curvature}, below 0: the contact is at the edge",
+        relative_curvature = Number(*relative_curvature)
+    )]
     EdgeContact {
         /// 1/R_s + 1/R_o, 1/length.
         relative_curvature: f64,
     },
     /// The indentation reaches beyond the elastic body.
-    #[error("the indentation is {indentation}; it must be less than {limit}, {what}", indentation = Number(*indentation), limit = Number(*limit))]
+    #[error(
+        "the indentation is {indentation}; it must be less than {limit}, {what}",
+        indentation = Number(*indentation), limit = Number(*limit)
+    )]
     TooDeep {
         /// The indentation, length.
         indentation: f64,
@@ -85,8 +100,11 @@ pub enum PressError {
         needed: usize,
     },
     /// All markers moved alike, or not beyond their noise.
-    #[error("no contact to be seen: the best fit explains the readings only {improvement:.1} better \
-         than none does (chi-squared; {needed} are needed)", improvement = Number(*improvement))]
+    #[error(
+        "no contact to be seen: the best fit explains the readings only {improvement:.1} better \
+         than none does (chi-squared; {needed} are needed)",
+        improvement = Number(*improvement)
+    )]
     NoContact {
         /// Chi-squared without a contact minus that with one.
         improvement: f64,
@@ -94,8 +112,11 @@ pub enum PressError {
         needed: f64,
     },
     /// One marker moved and the others did not: it is wrong, or the object is a needle under it.
-    #[error("only marker {marker} (counting from 0) moved: a contact explains the others only \
-         {improvement:.1} better than none does (chi-squared; {needed} are needed)", improvement = Number(*improvement))]
+    #[error(
+        "only marker {marker} (counting from 0) moved: a contact explains the others only \
+         {improvement:.1} better than none does (chi-squared; {needed} are needed)",
+        improvement = Number(*improvement)
+    )]
     OneMarker {
         /// Number of the marker, counted from 0.
         marker: usize,
@@ -105,7 +126,10 @@ pub enum PressError {
         needed: f64,
     },
     /// The contact that would explain the readings lies away from all markers.
-    #[error("the contact lies {distance} from the nearest marker, off the sensor's markers", distance = Number(*distance))]
+    #[error(
+        "the contact lies {distance} from the nearest marker, off the sensor's markers",
+        distance = Number(*distance)
+    )]
     OffMarkers {
         /// Distance along the skin, length.
         distance: f64,

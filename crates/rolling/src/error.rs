@@ -12,7 +12,10 @@ use thiserror::Error;
 pub enum RollFault {
     /// The relative curvature is singular or indefinite: the object is as hollow as the probe is
     /// round, or more so, and there is no single point of contact.
-    #[error("the bodies conform: the smallest relative curvature is {relative_curvature}", relative_curvature = Number(*relative_curvature))]
+    #[error(
+        "the bodies conform: the smallest relative curvature is {relative_curvature}",
+        relative_curvature = Number(*relative_curvature)
+    )]
     Conforming {
         /// The smaller eigenvalue of `K₁ + K̃₂`, 1/length.
         relative_curvature: f64,
@@ -37,7 +40,10 @@ pub enum RollFault {
 
 /// A roll that ended early: why, when and where.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[error("{fault}, {time_s} s into the motion at ({}, {}, {})", Number(on_object.x), Number(on_object.y), Number(on_object.z), time_s = Number(*time_s))]
+#[error(
+    "{fault}, {time_s} s into the motion at ({}, {}, {})",
+    Number(on_object.x), Number(on_object.y), Number(on_object.z), time_s = Number(*time_s)
+)]
 pub struct RollError {
     /// Reason for which the roll ended.
     pub fault: RollFault,

@@ -37,8 +37,11 @@ pub enum TrackingError {
         most: u32,
     },
     /// The image circle is not a circle, or lies outside the frame.
-    #[error("the image circle about ({x_px}, {y_px}) of radius {radius_px} px shows nothing of the \
-         frame: its centre must lie in the frame and its radius be positive", x_px = Number(*x_px), y_px = Number(*y_px), radius_px = Number(*radius_px))]
+    #[error(
+        "the image circle about ({x_px}, {y_px}) of radius {radius_px} px shows nothing of the \
+         frame: its centre must lie in the frame and its radius be positive",
+        x_px = Number(*x_px), y_px = Number(*y_px), radius_px = Number(*radius_px)
+    )]
     MaskOutside {
         /// Column of the centre.
         x_px: f64,
@@ -49,7 +52,10 @@ pub enum TrackingError {
     },
     /// The markers' diameter is not a length of at least a pixel.
     #[strum(serialize = "marker-diameter")]
-    #[error("a marker's diameter of {diameter_px} px: it must be at least {least} px and finite", diameter_px = Number(*diameter_px))]
+    #[error(
+        "a marker's diameter of {diameter_px} px: it must be at least {least} px and finite",
+        diameter_px = Number(*diameter_px)
+    )]
     Diameter {
         /// Diameter that was asked for, px.
         diameter_px: f64,

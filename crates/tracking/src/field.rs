@@ -40,7 +40,10 @@ pub enum FieldError {
         marker: usize,
     },
     /// A filter needs a width.
-    #[error("the filter's standard deviation is {value} rad; it must be at least 0 and finite", value = Number(*value))]
+    #[error(
+        "the filter's standard deviation is {value} rad; it must be at least 0 and finite",
+        value = Number(*value)
+    )]
     BadFilter {
         /// The width.
         value: f64,

@@ -12,7 +12,10 @@ pub enum OpticsError {
     #[error(transparent)]
     BadSetting(#[from] BadSetting),
     /// A disc would lie at or beyond the sensor's centre, or outside its skin.
-    #[error("the {disc} discs would lie {depth} under a skin of radius {radius}; {expected}", depth = Number(*depth), radius = Number(*radius))]
+    #[error(
+        "the {disc} discs would lie {depth} under a skin of radius {radius}; {expected}",
+        depth = Number(*depth), radius = Number(*radius)
+    )]
     BadDepth {
         /// Which disc of a marker.
         disc: &'static str,
@@ -43,7 +46,10 @@ pub enum OpticsError {
         limit: usize,
     },
     /// Two discs cover each other as seen from the centre.
-    #[error("the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap", diameter = Number(*diameter), distance = Number(*distance))]
+    #[error(
+        "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap",
+        diameter = Number(*diameter), distance = Number(*distance)
+    )]
     DiscsOverlap {
         /// One marker, from 0.
         first: usize,
@@ -63,7 +69,10 @@ pub enum OpticsError {
         markers: usize,
     },
     /// A disc would move by its distance from the centre or more, or by no number.
-    #[error("the {disc} disc of marker {marker} would move by {motion} at {distance} from the centre", motion = Number(*motion), distance = Number(*distance))]
+    #[error(
+        "the {disc} disc of marker {marker} would move by {motion} at {distance} from the centre",
+        motion = Number(*motion), distance = Number(*distance)
+    )]
     ImpossibleMotion {
         /// Which marker, from 0.
         marker: usize,

@@ -38,7 +38,10 @@ pub enum PatternError {
         polar_deg: f64,
     },
     /// Two discs lie on each other.
-    #[error("the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap", diameter = Number(*diameter), distance = Number(*distance))]
+    #[error(
+        "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap",
+        diameter = Number(*diameter), distance = Number(*distance)
+    )]
     DiscsOverlap {
         /// One marker of the layout, from 0.
         first: usize,
@@ -50,7 +53,10 @@ pub enum PatternError {
         diameter: f64,
     },
     /// A disc that is not at the apex would be cut.
-    #[error("the disc of marker {marker} is {diameter} across and its centre {distance} inside the gore's edge: it would be cut", diameter = Number(*diameter), distance = Number(*distance))]
+    #[error(
+        "the disc of marker {marker} is {diameter} across and its centre {distance} inside the gore's edge: it would be cut",
+        diameter = Number(*diameter), distance = Number(*distance)
+    )]
     DiscAcrossEdge {
         /// Which marker of the layout, from 0.
         marker: usize,
@@ -60,7 +66,10 @@ pub enum PatternError {
         diameter: f64,
     },
     /// A drawing too small or too large for a file in millimetres.
-    #[error("the sphere's radius would be {radius_mm} mm; a drawing takes from {least} to {most}", radius_mm = Number(*radius_mm), least = Number(*least), most = Number(*most))]
+    #[error(
+        "the sphere's radius would be {radius_mm} mm; a drawing takes from {least} to {most}",
+        radius_mm = Number(*radius_mm), least = Number(*least), most = Number(*most)
+    )]
     NotDrawable {
         /// Radius of the sphere, mm.
         radius_mm: f64,

@@ -43,7 +43,10 @@ pub enum GlideError {
     Surface(#[from] SurfaceError),
     /// The tip passes beside the object: the offset surface does not reach there, or only where the
     /// object's normal is horizontal.
-    #[error("a tip of radius {radius} at x = {x}, y = {y} passes beside the object", radius = Number(*radius), x = Number(*x), y = Number(*y))]
+    #[error(
+        "a tip of radius {radius} at x = {x}, y = {y} passes beside the object",
+        radius = Number(*radius), x = Number(*x), y = Number(*y)
+    )]
     ContactLost {
         /// Coordinate x at which the tip's centre is held.
         x: f64,
@@ -54,7 +57,10 @@ pub enum GlideError {
     },
     /// The tip rests on two places at once, or on a continuum of them: a dish, valley or hole
     /// that is as tight as the tip or tighter.
-    #[error("a tip of radius {radius} at x = {x}, y = {y} touches at more than one place", radius = Number(*radius), x = Number(*x), y = Number(*y))]
+    #[error(
+        "a tip of radius {radius} at x = {x}, y = {y} touches at more than one place",
+        radius = Number(*radius), x = Number(*x), y = Number(*y)
+    )]
     TwoContacts {
         /// Coordinate x at which the tip's centre is held.
         x: f64,
@@ -65,7 +71,10 @@ pub enum GlideError {
     },
     /// The search for the contact came to no end: lengths too far apart for double precision, or an
     /// object too rough for the tip.
-    #[error("no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}", radius = Number(*radius), x = Number(*x), y = Number(*y), miss = Number(*miss))]
+    #[error(
+        "no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}",
+        radius = Number(*radius), x = Number(*x), y = Number(*y), miss = Number(*miss)
+    )]
     NoConvergence {
         /// Coordinate x at which the tip's centre is held.
         x: f64,

@@ -19,7 +19,10 @@ pub enum CalibrationError {
         needed: usize,
     },
     /// All points show the same displacement.
-    #[error("all {count} points have a {what} displacement of {displacement}; a slope needs at least two", displacement = Number(*displacement))]
+    #[error(
+        "all {count} points have a {what} displacement of {displacement}; a slope needs at least two",
+        displacement = Number(*displacement)
+    )]
     OneDisplacement {
         /// Normal or tangential.
         what: &'static str,
