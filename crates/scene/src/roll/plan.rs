@@ -2,6 +2,7 @@
 
 use palpate_ep1::{LeastSquares, ReadingNoise};
 use palpate_geometry::{Shape, Surface};
+use palpate_number::Number;
 use palpate_rolling::{Chart, HeldAxis, InvalidRoll, Model, Motion, Probe, Roller, Rolls};
 use palpate_sensing::{AngularVelocityError, Distribution, Encoder, PadOffset, Pads, Wrist};
 
@@ -41,7 +42,7 @@ impl RollScene {
         let probe = Probe::new(radius).map_err(|error| {
             PlanError::at(
                 "scene.probe.radius",
-                format!("must be {}, is {}", error.expected, error.value),
+                format!("must be {}, is {}", error.expected, Number(error.value)),
             )
         })?;
         let object = shape(&config.object)?;
