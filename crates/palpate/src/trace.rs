@@ -1,63 +1,135 @@
-//! `palpate trace`.
+//! One pass of a cell, written down.
 
-use anyhow::anyhow;
-use palpate_scene::Scene;
-use palpate_scene::Scenes;
-use palpate_study::config;
+use image::RgbImage;
+use palpate_scene::press::PressFailure;
+use palpate_scene::{Scene, Scenes, roll};
+use palpate_study::Table;
+use palpate_study::config::{ConfigError, Study};
+use thiserror::Error;
 
-use crate::cli::TraceArgs;
-use crate::failure::Failure;
-use crate::{output, run};
+use crate::error::{CellError, known_cell};
 
-pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
-    let study = config::load(&args.config).map_err(Failure::usage)?;
-    let cells = study.cells.len();
-    if args.cell >= cells {
-        let last = cells - 1;
-        return Err(Failure::Usage(anyhow!(
-            "--cell is {}; the study has cells 0 to {last}",
-            args.cell
-        )));
+/// Truth of one pass, and what the sensor says of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// Table `trace.csv`: the true contacts, or markers.
+    pub contacts: Table,
+    /// Table `readings.csv`, in the form that estimates from recorded readings accept.
+    pub readings: Table,
+    /// Pictures of a camera; `None` without one.
+    pub seen: Option<SeenPress>,
+    /// Words for what was followed: "404 contacts of 4 probes".
+    pub what: String,
+}
+
+/// Pictures of a press that a camera took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenPress {
+    /// Table `markers.csv`: the sight of each marker.
+    pub markers: Table,
+    /// Frames at rest and pressed, if they were rendered.
+    pub frames: Option<[RgbImage; 2]>,
+}
+
+/// Pass that cannot be followed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum TraceError {
+    /// Cell without a scene.
+    #[error(transparent)]
+    Cell(#[from] CellError),
+    /// Roll that ends early or that the sensor cannot read.
+    #[error(transparent)]
+    Roll(#[from] roll::TraceError),
+    /// Press that does not come about or cannot be seen.
+    #[error(transparent)]
+    Press(#[from] PressFailure),
+}
+
+impl From<ConfigError> for TraceError {
+    fn from(error: ConfigError) -> Self {
+        Self::Cell(error.into())
     }
-    let scene = study.scene(args.cell).map_err(Failure::usage)?;
-    let traced = run::trace_files(&study, &scene, args.trial)?;
-    let rows = traced.contacts;
-    let what = match &scene {
-        Scene::Roll(_) => {
-            let probes = counted(traced.readings, "probe");
-            format!("{} of {probes}", counted(rows, "contact"))
+}
+
+/// Follows one pass of a cell: noiseless, or as in trial number `trial`.
+///
+/// ```
+/// let text = r#"
+/// name = "a-ball"
+/// length_unit = "mm"
+/// [scene]
+/// kind = "roll"
+/// probe = { kind = "sphere", radius = 10.0 }
+/// object = { kind = "sphere", radius = 30.0 }
+/// motion = { rate_rad_per_s = 0.1, duration_s = 1.0, directions_deg = [0.0, 90.0] }
+/// "#;
+/// let study = palpate::parse("a-ball.toml", text)?;
+/// let trace = palpate::trace(&study, 0, None)?;
+/// assert_eq!(trace.what, "202 contacts of 2 probes");
+/// assert!(palpate::trace(&study, 1, None).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`TraceError`].
+pub fn trace(study: &Study, cell: usize, trial: Option<u64>) -> Result<Trace, TraceError> {
+    known_cell(study, cell)?;
+    let unit = study.config.length_unit;
+    Ok(match study.scene(cell)? {
+        Scene::Roll(roll) => {
+            let trace = roll.trace(trial, unit)?;
+            let probes = counted(&trace.readings, "probe");
+            Trace {
+                what: format!("{} of {probes}", counted(&trace.contacts, "contact")),
+                contacts: trace.contacts,
+                readings: trace.readings,
+                seen: None,
+            }
         }
         Scene::Glide(glide) => {
-            let fingers = counted(glide.fingers(), "finger");
-            format!("{} of {fingers}", counted(rows, "contact"))
+            let trace = glide.trace(trial, unit);
+            let fingers = number_of(glide.fingers(), "finger");
+            Trace {
+                what: format!("{} of {fingers}", counted(&trace.contacts, "contact")),
+                contacts: trace.contacts,
+                readings: trace.readings,
+                seen: None,
+            }
         }
         Scene::Press(press) => {
-            let unit = study.config.length_unit.as_str();
-            let told = press.told_indentation(args.trial);
+            let trace = press.trace(trial, unit)?;
+            let told = press.told_indentation(trial);
             let camera = press
                 .px_per_rad()
                 .map_or(String::new(), |f| format!(", seen with {f:.3} px per rad"));
-            let read = match traced.readings {
-                all if all == rows => String::new(),
+            let read = match trace.readings.rows.len() {
+                all if all == trace.contacts.rows.len() => String::new(),
                 some => format!("{some} of "),
             };
-            let markers = counted(rows, "marker");
-            format!("{read}{markers} under an indentation told as {told} {unit}{camera}")
+            let markers = counted(&trace.contacts, "marker");
+            let unit = unit.as_str();
+            Trace {
+                what: format!("{read}{markers} under an indentation told as {told} {unit}{camera}"),
+                contacts: trace.contacts,
+                readings: trace.readings,
+                seen: trace.seen.map(|seen| SeenPress {
+                    markers: seen.markers,
+                    frames: seen.frames,
+                }),
+            }
         }
-        Scene::Fingertip(_) => String::new(),
-    };
-    output::write_files(&args.out, &traced.files)?;
-    if traced.is_seen {
-        palpate_report::draw_press_trace(&args.out).map_err(Failure::work)?;
-    }
-    output::print(&format!(
-        "{}: {what} -> {}",
-        study.config.name,
-        args.out.display()
-    ))
+        Scene::Fingertip(_) => {
+            let message = "a fingertip touches nothing: there is no pass to follow";
+            return Err(study.error_at(0, "scene.kind", message).into());
+        }
+    })
 }
 
-fn counted(count: usize, what: &str) -> String {
+fn counted(table: &Table, what: &str) -> String {
+    number_of(table.rows.len(), what)
+}
+
+fn number_of(count: usize, what: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     format!("{count} {what}{plural}")
 }

@@ -10,8 +10,8 @@ use palpate_sweep::{Observation, Observations, Record, Trial};
 pub struct SceneTrial {
     /// The scene.
     pub scene: Scene,
-    /// Instructions for trials side by side.
-    pub(crate) arch: Arch,
+    /// Instructions for trials side by side; no number depends on them.
+    pub arch: Arch,
 }
 
 impl SceneTrial {
@@ -52,6 +52,10 @@ impl Trial for SceneTrial {
             }),
             Scene::Glide(_) | Scene::Press(_) | Scene::Fingertip(_) => 0,
         }
+    }
+
+    fn is_random(&self) -> bool {
+        self.scene.trials(2) > 1
     }
 }
 

@@ -16,6 +16,7 @@ mod tracks;
 pub use fingertip::FingertipScene;
 pub use glide::GlideScene;
 pub use ladder::{Ladder, Rung};
+pub use palpate_rolling::TOLERANCES;
 pub use plan::PlanError;
 pub use press::PressScene;
 pub use roll::{Arch, LANES, RollScene, SideBySide};

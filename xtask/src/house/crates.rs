@@ -13,7 +13,7 @@ enum May {
 use May::{Anything, Import, Nothing};
 
 /// The table of README, "The crates".
-const CRATES: [(&str, May); 19] = [
+const CRATES: &[(&str, May)] = &[
     ("geometry", Import(&[])),
     ("study", Import(&[])),
     ("rolling", Import(&["geometry"])),
@@ -38,11 +38,12 @@ const CRATES: [(&str, May); 19] = [
         ]),
     ),
     ("sweep", Import(&[])),
-    ("report", Import(&[])),
+    ("report", Import(&["study"])),
     ("palpate", Import(&["study", "scene", "sweep", "report"])),
     ("replica", Import(&["palpate"])),
     ("tally", Import(&[])),
     ("number", Import(&[])),
+    ("frames", Import(&[])),
     ("assay", Anything),
     ("fuzz", Import(&["geometry", "study", "scene", "tracking"])),
     ("xtask", Nothing),

@@ -1,0 +1,33 @@
+//! Facts about a scene that its tables state.
+
+use palpate_scene::Scene;
+use palpate_study::Quantity;
+
+/// What tables say of a scene, whatever its trials give.
+#[derive(Debug)]
+pub(crate) struct Facts {
+    /// Number of trials that are run.
+    pub(crate) trials: u64,
+    pub(crate) quantities: &'static [Quantity],
+    /// Truth of each quantity, where it is the same everywhere.
+    pub(crate) truths: Vec<Option<f64>>,
+    /// Bound on the standard deviation of an estimate of each quantity, where it is known.
+    pub(crate) std_bounds: Vec<Option<f64>>,
+    /// Whether such bounds are stated of scenes of its kind.
+    pub(crate) states_bounds: bool,
+}
+
+impl Facts {
+    /// Facts about a scene of which `trials` trials are wanted.
+    pub(crate) fn of(scene: &Scene, trials: u64) -> Self {
+        let quantities = scene.quantities();
+        let places = 0..quantities.len();
+        Self {
+            trials: scene.trials(trials),
+            quantities,
+            truths: places.clone().map(|place| scene.truth(place)).collect(),
+            std_bounds: places.map(|place| scene.std_bound(place)).collect(),
+            states_bounds: matches!(scene, Scene::Press(_)),
+        }
+    }
+}
