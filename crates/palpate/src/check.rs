@@ -1,4 +1,4 @@
-//! What a study will do, found out without running it.
+//! Forecast of what a study will do, without running it.
 
 use std::num::NonZeroUsize;
 use std::time::Duration;
@@ -58,7 +58,7 @@ pub enum Rungs {
     None,
     /// Not measured, to be quick.
     NotMeasured,
-    /// The same as in an earlier group, whose first cell has this number.
+    /// Measured in an earlier group, whose first cell has this number.
     AsIn(usize),
     /// Measured in this cell.
     Measured {

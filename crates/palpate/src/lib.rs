@@ -50,7 +50,7 @@ pub use columns::{Column, Values, columns};
 pub use costs::Cost;
 pub use error::{CellError, RunError};
 pub use map::Map;
-pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, SeenPress, Trace, Trials, recorded};
+pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, SeenPress, Trace, recorded};
 pub use palpate_study::Table;
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_sweep::{

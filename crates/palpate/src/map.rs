@@ -15,25 +15,20 @@ pub struct Map {
 }
 
 /// Map of the first trial of a cell.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct CellMap {
     cell: usize,
-    csv: String,
-    lacks: &'static str,
+    table: MapTable,
     failed: Option<&'static str>,
 }
 
 impl CellMap {
-    /// Map of a scene, from an empty table if it has one.
-    pub(crate) fn of(scene: &Scene, cell: usize, table: &Result<MapTable, &str>) -> Self {
-        let Ok(mut table) = table.clone() else {
-            return Self::default();
-        };
+    /// Map of a scene, in an empty table for scenes of its kind.
+    pub(crate) fn of(scene: &Scene, cell: usize, mut table: MapTable) -> Self {
         let failed = scene.map(cell, 0, &mut table).err();
         Self {
             cell,
-            lacks: table.lacks,
-            csv: table.into_csv(),
+            table,
             failed,
         }
     }
@@ -46,10 +41,11 @@ impl Map {
         let mut map = Self::default();
         for cell in cells {
             // No field of a map is quoted.
-            let mut lines = cell.csv.lines();
+            map.lacks = cell.table.lacks;
+            let csv = cell.table.into_csv();
+            let mut lines = csv.lines();
             map.table.header = lines.next().map(fields).unwrap_or_default();
             map.table.rows.extend(lines.map(fields));
-            map.lacks = cell.lacks;
             map.failed.extend(cell.failed.map(|name| (cell.cell, name)));
         }
         map

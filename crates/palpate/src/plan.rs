@@ -12,8 +12,8 @@ use palpate_sweep::{
 
 use crate::trial::SceneTrial;
 
-/// Chooses the number of trials of cells of a study, and where all take the same, the rung of their model. The plan's
-/// cells are the study as it is to be run: it states the choice, and running it again needs no plan.
+/// Chooses the number of trials of cells of a study, and where all take the same, the rung of their model. The study comes
+/// back as it is to be run: it states the choice, and running it again needs no plan.
 ///
 /// ```
 /// use std::time::{Duration, Instant};
@@ -33,9 +33,10 @@ use crate::trial::SceneTrial;
 /// let goal = Goal { target_error: Some(0.05), budget: None };
 /// // Without a budget the clock decides nothing.
 /// let start = Instant::now();
-/// let plan = palpate::plan(&study, &[0], &goal, &runner, &|| start.elapsed())?;
+/// let (study, plan) = palpate::plan(&study, &[0], &goal, &runner, &|| start.elapsed())?;
 /// // Gaussian errors need 1/(2 · 0.05²) = 200 trials, and the margin adds to that.
-/// assert!((150..400).contains(&plan.cells.config.trials));
+/// assert!((150..400).contains(&study.config.trials));
+/// assert_eq!(plan.trials().map(u64::from), Some(study.config.trials));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -47,7 +48,7 @@ pub fn plan(
     goal: &Goal,
     runner: &Runner,
     clock: &Clock<'_>,
-) -> Result<Plan<Study>, PlanError<ConfigError>> {
+) -> Result<(Study, Plan), PlanError<ConfigError>> {
     if study.paths.iter().any(|path| path == "trials") {
         let message = "is swept, so that neither a budget nor a target error can choose it";
         return Err(PlanError::SetUp(study.error_at(0, "trials", message)));
@@ -56,13 +57,13 @@ pub fn plan(
         study: study.clone(),
         numbers: numbers.to_vec(),
     };
-    let plan = palpate_sweep::plan(&cells, goal, runner, clock)?;
-    let mut study = plan.cells.study.clone();
+    let (planned, plan) = palpate_sweep::plan(&cells, goal, runner, clock)?;
+    let mut study = planned.study;
     if let Some(trials) = plan.trials() {
         let chosen = study.override_trials(trials.get());
         chosen.map_err(PlanError::SetUp)?;
     }
-    Ok(plan.with_cells(study))
+    Ok((study, plan))
 }
 
 /// Cells of a study that are planned together.

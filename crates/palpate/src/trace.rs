@@ -1,6 +1,6 @@
 //! One pass of a cell, written down.
 
-use palpate_scene::{Scenes, Trace};
+use palpate_scene::{Scenes, Trace, TraceError as PassError};
 use palpate_study::config::{ConfigError, Study};
 use thiserror::Error;
 
@@ -9,12 +9,12 @@ use crate::error::{CellError, known_cell};
 /// Pass that cannot be followed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TraceError {
-    /// Cell without a scene.
+    /// Cell without a scene, or whose scene touches nothing.
     #[error(transparent)]
     Cell(#[from] CellError),
-    /// Pass that could not be completed.
+    /// Pass that ends early or that the sensor cannot read.
     #[error(transparent)]
-    Pass(palpate_scene::TraceError),
+    Pass(PassError),
 }
 
 impl From<ConfigError> for TraceError {
@@ -46,11 +46,10 @@ impl From<ConfigError> for TraceError {
 /// [`TraceError`].
 pub fn trace(study: &Study, cell: usize, trial: Option<u64>) -> Result<Trace, TraceError> {
     known_cell(study, cell)?;
-    let pass = study.scene(cell)?.trace(trial, study.config.length_unit);
-    pass.map_err(|error| match error {
-        palpate_scene::TraceError::Untouched => {
-            study.error_at(cell, "scene.kind", error.to_string()).into()
-        }
+    let unit = study.config.length_unit;
+    let trace = study.scene(cell)?.trace(trial, unit);
+    trace.map_err(|error| match error {
+        PassError::Untouched => study.error_at(0, "scene.kind", error.to_string()).into(),
         error => TraceError::Pass(error),
     })
 }

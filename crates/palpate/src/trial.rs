@@ -50,7 +50,7 @@ impl Trial for SceneTrial {
     }
 
     fn is_random(&self) -> bool {
-        self.scene.trials(2) > 1
+        self.scene.is_random()
     }
 }
 

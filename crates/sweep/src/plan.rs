@@ -84,11 +84,9 @@ pub struct Goal {
     pub target_error: Option<f64>,
 }
 
-/// Choice of a model and of a number of trials.
+/// Choice of a number of trials, and what is known of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan<C> {
-    /// Cells with the model that was chosen.
-    pub cells: C,
+pub struct Plan {
     /// Whether the model's tolerance could be chosen.
     pub chooses_model: bool,
     /// Whether some cell is random; if none is, one trial of each is enough.
@@ -159,7 +157,7 @@ pub enum PlanError<E> {
     },
 }
 
-impl<C> Plan<C> {
+impl Plan {
     /// Trials of each random cell, the fewer of what target error and budget say; `None` where no cell is random.
     pub fn trials(&self) -> Option<NonZeroU64> {
         let fewer = match (self.by_target, self.by_budget) {
@@ -168,33 +166,9 @@ impl<C> Plan<C> {
         };
         fewer.filter(|_| self.is_random)
     }
-
-    /// The same choice for other cells.
-    pub fn with_cells<D>(self, cells: D) -> Plan<D> {
-        let Self {
-            cells: _,
-            chooses_model,
-            is_random,
-            by_target,
-            by_budget,
-            expected_error,
-            heavy_tails,
-            failing,
-        } = self;
-        Plan {
-            cells,
-            chooses_model,
-            is_random,
-            by_target,
-            by_budget,
-            expected_error,
-            heavy_tails,
-            failing,
-        }
-    }
 }
 
-/// Chooses the number of trials, and the model's tolerance, that lead to a goal.
+/// Chooses the model's tolerance and the number of trials that lead to a goal; gives the cells with that model, and the plan.
 ///
 /// `clock` counts from the moment at which the budget begins. With a target error alone the result depends on nothing but
 /// the trials' numbers.
@@ -206,7 +180,7 @@ pub fn plan<C: Plannable>(
     goal: &Goal,
     runner: &Runner,
     clock: &Clock<'_>,
-) -> Result<Plan<C>, PlanError<C::Error>> {
+) -> Result<(C, Plan), PlanError<C::Error>> {
     let planner = Planner {
         goal,
         runner,
@@ -228,8 +202,8 @@ pub fn plan<C: Plannable>(
             cells.pass(cell, &trials[cell], tolerance)
         })
     });
+    let planned = cells.with_tolerance(tolerance).map_err(PlanError::SetUp)?;
     let mut plan = Plan {
-        cells: cells.with_tolerance(tolerance).map_err(PlanError::SetUp)?,
         chooses_model: !cells.tolerances().is_empty(),
         is_random: !random.is_empty(),
         by_target: None,
@@ -239,15 +213,15 @@ pub fn plan<C: Plannable>(
         failing,
     };
     if let (Some(pilot), Some(target)) = (&pilot, goal.target_error) {
-        planner.aim(&mut plan, &trials, &random, pilot, target)?;
+        planner.aim::<C>(&mut plan, &trials, &random, pilot, target)?;
     }
     // The rung that the run is going to be on.
-    plan.by_budget = planner.fitting(&plan.cells, &random)?;
+    plan.by_budget = planner.fitting(&planned, &random)?;
     let trials = plan.trials();
     plan.expected_error = trials
         .zip(pilot)
         .and_then(|(trials, pilot)| pilot.expected_error(trials.get()));
-    Ok(plan)
+    Ok((planned, plan))
 }
 
 /// Means of the choice.
@@ -337,7 +311,7 @@ impl Planner<'_> {
     /// Sets the number of trials that the target needs.
     fn aim<C: Plannable>(
         &self,
-        plan: &mut Plan<C>,
+        plan: &mut Plan,
         trials: &[C::Trial],
         random: &[usize],
         pilot: &Pilot,

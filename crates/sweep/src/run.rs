@@ -52,7 +52,7 @@ pub enum SweepError<E = Infallible> {
 }
 
 impl<E> SweepError<E> {
-    /// The same error, with another for a cell that could not be set up.
+    /// Error of a run whose cells fail in another way: `map` turns the error of setting up a cell.
     pub fn map_set_up<F>(self, map: impl FnOnce(E) -> F) -> SweepError<F> {
         match self {
             Self::NoThreads(error) => SweepError::NoThreads(error),

@@ -9,7 +9,7 @@ pub const BLOCK: u64 = 1024;
 
 /// An experiment that is repeated in a cell.
 pub trait Trial: Sync {
-    /// How many quantities it observes.
+    /// Number of quantities that it observes.
     fn quantities(&self) -> usize;
 
     /// Runs one trial, which must depend on nothing but its number, and records what it says of the quantities.
@@ -54,7 +54,7 @@ impl<T: Trial + ?Sized> Trial for &T {
 /// One setting of a study: a trial and how often to run it, with the numbers `0..trials`.
 #[derive(Clone, Copy)]
 pub struct Cell<'a> {
-    /// How many trials; may be 0.
+    /// Number of trials; may be 0.
     pub trials: u64,
     /// The experiment.
     pub trial: &'a dyn Trial,

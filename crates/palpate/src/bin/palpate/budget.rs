@@ -35,11 +35,11 @@ pub(crate) fn choose(
     }
     let runner = runner(args.threads)?;
     let plan = palpate::plan(study, numbers, &goal, &runner, &|| start.elapsed());
-    let plan = plan.map_err(|error| refused(study, numbers, args.target_error, error))?;
+    let (study, plan) = plan.map_err(|error| refused(study, numbers, args.target_error, error))?;
     Ok(Some(Allowed {
-        lines: lines(&plan, args.target_error),
+        lines: lines(&study, &plan, args.target_error),
         warnings: warnings(&plan, numbers),
-        study: plan.cells,
+        study,
     }))
 }
 
@@ -83,7 +83,7 @@ fn refused(
     }
 }
 
-fn lines(plan: &Plan<Study>, target: Option<f64>) -> Vec<String> {
+fn lines(study: &Study, plan: &Plan, target: Option<f64>) -> Vec<String> {
     let trials = match plan.trials() {
         Some(trials) => Some(format!(
             "trials  {trials} per random cell: {}",
@@ -96,12 +96,12 @@ fn lines(plan: &Plan<Study>, target: Option<f64>) -> Vec<String> {
         let share = percent(SHARE_OF_MODEL * target);
         format!(": shifts no estimate by more than {share} of its rms error")
     });
-    let model = shown(&plan.cells.config.scene).filter(|_| plan.chooses_model);
+    let model = shown(&study.config.scene).filter(|_| plan.chooses_model);
     let model = model.map(|model| format!("model   {model}{shift}"));
     trials.into_iter().chain(model).collect()
 }
 
-fn warnings(plan: &Plan<Study>, numbers: &[usize]) -> Vec<String> {
+fn warnings(plan: &Plan, numbers: &[usize]) -> Vec<String> {
     let failing = plan.failing.iter().map(|failing| {
         format!(
             "all {} trials of a pilot fail ({}) in cell {}: it is ignored when the number of trials is chosen",
@@ -120,7 +120,7 @@ fn warnings(plan: &Plan<Study>, numbers: &[usize]) -> Vec<String> {
 
 /// Reason for the number of trials: which of target and budget decides it, and the error to be expected of the
 /// figures.
-fn reason(plan: &Plan<Study>, target: Option<f64>) -> String {
+fn reason(plan: &Plan, target: Option<f64>) -> String {
     let expected = match plan.expected_error {
         Some(error) => format!("rms errors to {} are expected", percent(error)),
         None => "how well that tells the rms errors is not known".to_owned(),

@@ -1,4 +1,4 @@
-//! How a command fails.
+//! Failures of commands.
 
 use std::fmt;
 use std::process::ExitCode;
@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::{Error, anyhow};
 use palpate::{CellError, ConfigError, SweepError};
 
-/// Why a command failed, and so with which status.
+/// Reason why a command failed, and so its status.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// Bad arguments or config: status 2.
