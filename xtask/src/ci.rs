@@ -9,12 +9,13 @@ use crate::{bench_check, house, palpate, readme, reproduce, same_bytes, tools};
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 11] = [
+const STEPS: [Step; 12] = [
     ("tools", tools::prepare),
     ("format", format),
     ("house", house::check),
     ("clippy", clippy),
     ("tests", tests),
+    ("examples", examples),
     ("docs", docs),
     ("licences", licences),
     ("results", results),
@@ -51,6 +52,15 @@ fn clippy(shell: &Shell) -> Result<()> {
 /// Doc tests included, benchmarks not.
 fn tests(shell: &Shell) -> Result<()> {
     Ok(cmd!(shell, "cargo test --workspace").run()?)
+}
+
+/// Programs that use the library, each run to its end.
+fn examples(shell: &Shell) -> Result<()> {
+    for file in shell.read_dir("crates/palpate/examples")? {
+        let name = file.file_stem().unwrap_or_default();
+        cmd!(shell, "cargo run --quiet -p palpate --example {name}").run()?;
+    }
+    Ok(())
 }
 
 fn docs(shell: &Shell) -> Result<()> {

@@ -22,7 +22,9 @@ mod shape;
 mod surface;
 pub mod surfaces;
 
-pub use curvature::{CurvatureForm, PrincipalCurvatures, ShapeClass, ShapeThresholds};
+pub use curvature::{
+    CurvatureForm, InvalidThresholds, PrincipalCurvatures, ShapeClass, ShapeThresholds,
+};
 pub use error::{InvalidShape, SurfaceError};
 pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};

@@ -49,7 +49,7 @@ pub use error::{RollError, RollFault};
 pub use form::{Chart, HeldAxis};
 pub use glide::{Fingertip, GlideError, Glider, InvalidTouch, Touch, TouchModel};
 pub use measured::MeasuredRung;
-pub use model::{Choice, InvalidRoll, Model, Rolls};
+pub use model::{Choice, InvalidRoll, Model, Rolls, TOLERANCES};
 pub use motion::Motion;
 pub use roller::Roller;
 

@@ -13,7 +13,7 @@ mod table;
 
 pub use label::Label;
 pub use number::shortest as number;
-pub use quantity::{Quantity, Unit};
+pub use quantity::{Quantity, QuantityKind, Unit};
 pub use statistic::Statistic;
 pub use table::Table;
 

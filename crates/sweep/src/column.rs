@@ -104,6 +104,16 @@ impl Column {
         &self.estimates
     }
 
+    /// Estimates beside their truths.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (f64, f64)> {
+        let estimates = self.estimates.iter().copied().enumerate();
+        estimates.filter_map(|(place, estimate)| match &self.truths {
+            Truths::None => None,
+            Truths::Same(truth) => Some((estimate, *truth)),
+            Truths::Varied(truths) => Some((estimate, truths[place])),
+        })
+    }
+
     /// Standard deviations of the estimates; [`UNREPORTED`] where a trial gave none.
     pub(crate) fn stds(&self) -> &[f64] {
         &self.stds

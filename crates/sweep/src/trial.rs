@@ -26,6 +26,29 @@ pub trait Trial: Sync {
         let _ = (trials, record);
         0
     }
+
+    /// Whether its trials differ; one trial tells everything of an experiment that is not random.
+    fn is_random(&self) -> bool {
+        true
+    }
+}
+
+impl<T: Trial + ?Sized> Trial for &T {
+    fn quantities(&self) -> usize {
+        (**self).quantities()
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        (**self).run(trial, record)
+    }
+
+    fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
+        (**self).run_together(trials, record)
+    }
+
+    fn is_random(&self) -> bool {
+        (**self).is_random()
+    }
 }
 
 /// One setting of a study: a trial and how often to run it, with the numbers `0..trials`.
@@ -37,9 +60,7 @@ pub struct Cell<'a> {
     pub trial: &'a dyn Trial,
 }
 
-impl Cell<'_> {
-    /// Blocks of the cell; an empty one where it has no trials.
-    pub(crate) fn blocks(&self) -> u64 {
-        self.trials.div_ceil(BLOCK).max(1)
-    }
+/// Number of blocks of so many trials; an empty one where there are none.
+pub(crate) fn blocks(trials: u64) -> u64 {
+    trials.div_ceil(BLOCK).max(1)
 }

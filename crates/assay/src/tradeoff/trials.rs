@@ -124,7 +124,7 @@ pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
             sum += observed.iter().map(|one| one.estimates[0]).sum::<f64>();
             true
         }),
-        Scene::Glide(_) | Scene::Press(_) | Scene::Fingertip(_) => 0,
+        _ => 0,
     };
     for trial in together..trials {
         // What failed has nothing to add.

@@ -34,7 +34,7 @@ impl CuttingSheet {
         let radius_mm = self.radius() * unit_mm;
         let [least, most] = DRAWABLE_MM;
         if (least..=most).contains(&radius_mm) {
-            return Ok(self.in_units(unit_mm));
+            return Ok(self.scaled(unit_mm));
         }
         Err(PatternError::NotDrawable {
             radius_mm,

@@ -166,16 +166,16 @@ impl CuttingSheet {
         self.radius
     }
 
-    /// This sheet in a unit of length that is `unit` of its own.
-    pub(super) fn in_units(&self, unit: f64) -> Self {
-        let place = |place: &[f64; 2]| place.map(|coordinate| coordinate * unit);
+    /// Sheet with all lengths of this one times `factor`.
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        let place = |place: &[f64; 2]| place.map(|coordinate| coordinate * factor);
         let cut = |outline: &Vec<[f64; 2]>| outline.iter().map(place).collect();
         let mark = |ends: &[[f64; 2]; 2]| ends.map(|end| place(&end));
         Self {
-            radius: self.radius * unit,
+            radius: self.radius * factor,
             discs: Discs {
-                magenta: self.discs.magenta * unit,
-                yellow: self.discs.yellow * unit,
+                magenta: self.discs.magenta * factor,
+                yellow: self.discs.yellow * factor,
             },
             cuts: self.cuts.iter().map(cut).collect(),
             marks: self.marks.iter().map(mark).collect(),

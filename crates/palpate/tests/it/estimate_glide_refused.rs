@@ -268,8 +268,8 @@ fn arguments() {
     }
     let said = desk.palpate("estimate glide none.csv").said(1);
     assert_eq!(said, "error: none.csv: no such file\n");
-    let said = desk.palpate("estimate glide r.csv --map .").said(2);
-    assert!(said.contains("--map"), "{said}");
+    desk.palpate("estimate glide r.csv --map .")
+        .fails(2, "--map");
     desk.write("file", "");
     let said = desk
         .palpate("estimate glide r.csv --map file/m.csv")

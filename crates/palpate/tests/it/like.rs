@@ -135,10 +135,9 @@ fn lengths_are_converted_to_the_readings_unit() {
         "mm.csv",
         desk.read("t/readings.csv").replace("_unit", "_mm"),
     );
-    let said = desk.palpate("estimate roll mm.csv --like c.toml").said(2);
-    assert!(
-        said.contains("c.toml:2:15: length_unit: is unit, but the readings are in mm"),
-        "{said}"
+    desk.palpate("estimate roll mm.csv --like c.toml").fails(
+        2,
+        "c.toml:2:15: length_unit: is unit, but the readings are in mm",
     );
 }
 
@@ -165,11 +164,8 @@ fn a_flag_overrides_the_study() {
     assert_eq!(with("--indentation 1.5")["indentation"]["value"], 1.5);
     // The gain that the study lets vary stays with another method that has one.
     assert!(!with("--method half-space")["gain"].is_null());
-    let said = desk.palpate(&format!("estimate {like} --window 5")).said(2);
-    assert!(
-        said.contains("--window is of use only to --method gaussian"),
-        "{said}"
-    );
+    desk.palpate(&format!("estimate {like} --window 5"))
+        .fails(2, "--window is of use only to --method gaussian");
 }
 
 /// What an indentation is known to is no property of the readings.

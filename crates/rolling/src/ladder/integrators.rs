@@ -3,7 +3,7 @@
 use crate::integration::{Integration, Method};
 use crate::integrator::Dop853;
 use crate::rung::{Rung, Setting, dop853, dop853_method, rk4, rk4_method};
-use crate::{Chart, Choice, Contact, Model, RollFault, Rolls};
+use crate::{Chart, Choice, Contact, Model, RollFault, Rolls, TOLERANCES};
 
 /// Factor by which a measured error is enlarged before it is held against a tolerance.
 const MARGIN: f64 = 1.25;
@@ -16,9 +16,6 @@ const STAGES: usize = 12;
 const DEARER: f64 = 1.5;
 /// Settings that are tried, cheapest first.
 const RK4_STEPS: [usize; 12] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64];
-const DOP853_TOLERANCES: [f64; 14] = [
-    1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
-];
 
 /// Choosing takes a few integrations of all rolls: none of them asks for more evaluations than this many, or this
 /// many of each motion, which is a few steps.
@@ -83,7 +80,7 @@ impl Setting<'_> {
         };
 
         let mut adaptive = (finest, reference.evaluations, finest);
-        for setting in DOP853_TOLERANCES {
+        for setting in TOLERANCES {
             if setting < finest {
                 break;
             }

@@ -8,7 +8,7 @@ use palpate_geometry::ShapeThresholds;
 use serde::Serialize;
 
 use super::Value;
-use crate::glide::MapTable;
+use crate::map::MapTable;
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 

@@ -136,13 +136,10 @@ fn readings_of_a_trace_give_the_estimate_of_the_trial() {
     let lines = r#"noise = { angular_velocity = { kind = "gaussian", fraction = 0.02, side = "measurement" }, encoder = { step_rad = 0.001 } }
 sensor = { kind = "wrist", std = 0.001 }"#;
     let scene = scene(r#"{ kind = "ellipsoid", semi_axes = [5, 4, 3] }"#, lines);
-    let Scene::Roll(roll) = &scene else {
-        panic!("not a roll");
-    };
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("readings.csv");
     for number in 0..5 {
-        let trace = roll.trace(Some(number), LengthUnit::Cm).unwrap();
+        let trace = scene.trace(Some(number), LengthUnit::Cm).unwrap();
         std::fs::write(&path, trace.readings.to_csv()).unwrap();
         let options = RollOptions {
             length_unit: Some(LengthUnit::Cm),

@@ -5,6 +5,6 @@ mod any_number;
 mod calibration;
 mod field;
 mod finder;
-#[path = "../frames/mod.rs"]
-mod frames;
 mod matching;
+
+use palpate_frames as frames;

@@ -70,7 +70,10 @@ pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
     let finger = |(name, rows): (&str, Vec<usize>)| -> Result<Finger, ReportError> {
         Ok(Finger {
             name: name.to_owned(),
-            touches: rows.into_iter().map(touch).collect::<Result<_, _>>()?,
+            touches: rows
+                .into_iter()
+                .map(touch)
+                .collect::<Result<_, ReportError>>()?,
             readings: Vec::new(),
         })
     };
