@@ -1,5 +1,7 @@
 //! Numbers as text: for tables, for readers, and back.
 
+use palpate_number::Number;
+
 /// Text of a number in the shortest form that reads back the same, as in tables; zero without a sign.
 ///
 /// ```
@@ -18,11 +20,7 @@ pub fn shortest(value: f64) -> String {
 /// Text of a number in all its digits, as the shortest decimal that reads back as it: with an exponent from 1e16 up and
 /// below 1e-4.
 pub fn exact(value: f64) -> String {
-    if value == 0.0 || (1e-4..1e16).contains(&value.abs()) {
-        shortest(value)
-    } else {
-        format!("{value:e}")
-    }
+    Number(value).to_string()
 }
 
 /// Text of a number for a reader, in six significant digits at most, without trailing zeros.
