@@ -159,7 +159,7 @@ impl Records {
     /// The rows of each cell, whose numbers a column holds.
     pub(crate) fn by_cell(&self, column: usize) -> Result<Vec<(u64, Vec<usize>)>, ReportError> {
         let groups = self.by_text(column).into_iter();
-        let numbered = |(_, rows): (&str, Vec<usize>)| {
+        let numbered = |(_, rows): (&str, Vec<usize>)| -> Result<_, ReportError> {
             Ok((self.parsed(rows[0], column, "the number of a cell")?, rows))
         };
         groups.map(numbered).collect()

@@ -1,6 +1,7 @@
 //! Columns, quantities and units in the words of a reader.
 
 use crate::number;
+use crate::quantity::Quantity;
 
 /// Words of a column, its unit as a reader writes it, and the factor from the numbers in the table to those shown (shares
 /// are shown in percent).
@@ -66,58 +67,20 @@ impl Label {
     }
 }
 
-/// Words of the quantities that are not called as in tables, `_` for a space.
-const WORDS: [(&str, &str); 9] = [
-    ("normal_curvature_u", "normal curvature along u"),
-    ("normal_curvature_v", "normal curvature along v"),
-    ("gaussian_curvature", "Gaussian curvature"),
-    ("class", "share classified correctly"),
-    ("r_squared", "R² of the fit"),
-    ("marker_area", "image area of a marker"),
-    ("greatest_fold_strain", "greatest strain of folding"),
-    ("rms_fold_strain", "rms strain of folding"),
-    ("pixels", "pixels evaluated per press"),
-];
-
-/// Quantities that are found by looking, not by estimating.
-const MEASURED: [&str; 9] = [
-    "class",
-    "hue_change",
-    "centroid_shift",
-    "marker_area",
-    "greatest_fold_strain",
-    "rms_fold_strain",
-    "markers_tracked",
-    "wrong_matches",
-    "pixels",
-];
-
-/// Quantities that are shares, which a reader sees in percent.
-const SHARES: [&str; 3] = ["class", "greatest_fold_strain", "rms_fold_strain"];
-
-/// Words of the quantity of this name.
+/// Words of the quantity of this name; of one that no study has, its name with spaces.
 ///
 /// ```
 /// use palpate_study::label;
 ///
 /// assert_eq!(label::quantity("gaussian_curvature"), "Gaussian curvature");
-/// assert_eq!(label::quantity("relative_curvature"), "relative curvature");
-/// assert!(label::is_measured("pixels") && !label::is_measured("relative_curvature"));
-/// assert!(label::is_share("class"));
+/// assert_eq!(label::quantity("rolling_speed"), "rolling speed");
 /// ```
 pub fn quantity(name: &str) -> String {
-    let known = WORDS.iter().find(|(known, _)| *known == name);
-    known.map_or_else(|| name.replace('_', " "), |(_, words)| (*words).to_owned())
-}
-
-/// Whether the quantity of this name is found by looking, not by estimating: the mean of its values is no mean estimate.
-pub fn is_measured(name: &str) -> bool {
-    MEASURED.contains(&name)
-}
-
-/// Whether the quantity of this name is a share, which a reader sees in percent.
-pub fn is_share(name: &str) -> bool {
-    SHARES.contains(&name)
+    let known = Quantity::named(name);
+    known.map_or_else(
+        || name.replace('_', " "),
+        |quantity| quantity.words.to_owned(),
+    )
 }
 
 /// Units a header may end in, alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio (`_rad_per_s`).

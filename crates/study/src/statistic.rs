@@ -1,6 +1,7 @@
 //! Statistics over the trials of a cell, as columns of `cells.csv` and in words.
 
 use crate::label::{self, Label, spoken_unit};
+use crate::quantity::{Quantity, QuantityKind};
 
 /// Statistic of a quantity over the trials of a cell; in the order of the columns of `cells.csv`.
 ///
@@ -142,11 +143,16 @@ impl Statistic {
     /// Label of the statistic of several quantities at once (at least one), which are all like the first and in `unit`,
     /// as in the `unit` column.
     pub fn label(self, quantities: &[&str], unit: &str) -> Label {
-        let first = quantities.first().copied().unwrap_or_default();
+        let first = quantities.first().and_then(|name| Quantity::named(name));
+        let is_measured = first.is_some_and(|first| first.kind != QuantityKind::Estimated);
+        // A reader sees strains in percent too.
+        let is_strain = |first: Quantity| first.name.ends_with("_strain");
+        let is_share =
+            first.is_some_and(|first| first.kind == QuantityKind::Share || is_strain(first));
         let quantity = in_common(quantities);
         let words = match self {
             // A mean of what was seen is no mean estimate.
-            Self::Mean if label::is_measured(first) => quantity,
+            Self::Mean if is_measured => quantity,
             _ => self.words().replace("{}", &quantity),
         };
         match self {
@@ -154,7 +160,7 @@ impl Statistic {
             Self::RelativeRmsError | Self::RelativeMeanAbsError | Self::Coverage95 => {
                 Label::in_percent(words, "%")
             }
-            _ if label::is_share(first) => Label::in_percent(words, "%"),
+            _ if is_share => Label::in_percent(words, "%"),
             _ => Label::in_unit(words, &spoken_unit(unit)),
         }
     }

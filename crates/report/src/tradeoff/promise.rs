@@ -28,7 +28,7 @@ pub(super) fn read(files: &Files) -> Result<Vec<Promise>, ReportError> {
         "no" => Ok(false),
         _ => Err(table.bad(row, 3, "yes or no")),
     };
-    let promise = |(kind, rows): (&str, Vec<usize>)| {
+    let promise = |(kind, rows): (&str, Vec<usize>)| -> Result<Promise, ReportError> {
         let mut promise = Promise {
             kind: kind.to_owned(),
             scenes: rows.len(),

@@ -106,7 +106,10 @@ pub(crate) fn write_file(path: &Path, contents: &str) -> Result<(), Failure> {
         Some(dir) if !dir.as_os_str().is_empty() => dir,
         _ => Path::new("."),
     };
-    write_files(dir, &[(name, contents)])
+    write_files(dir, &[(name, contents)]).map_err(|failure| {
+        let (Failure::Usage(error) | Failure::Work(error)) = failure;
+        Failure::Work(error.context(format!("cannot write {}", path.display())))
+    })
 }
 
 /// Temporary files are private; results are not.

@@ -60,14 +60,14 @@ impl Touch {
 /// Reads `trace.csv` and, if there is one, `readings.csv`.
 pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
     let table = Records::read(files, "trace.csv", &TRACE)?.filled()?;
-    let touch = |row: usize| {
+    let touch = |row: usize| -> Result<Touch, ReportError> {
         Ok(Touch {
             place: vector(&table, row, 1)?,
             normal: unit(vector(&table, row, 4)?),
             tip: vector(&table, row, 7)?,
         })
     };
-    let finger = |(name, rows): (&str, Vec<usize>)| {
+    let finger = |(name, rows): (&str, Vec<usize>)| -> Result<Finger, ReportError> {
         Ok(Finger {
             name: name.to_owned(),
             touches: rows
@@ -78,7 +78,7 @@ pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
         })
     };
     let fingers = table.by_text(0).into_iter().map(finger);
-    let mut fingers = fingers.collect::<Result<Vec<Finger>, ReportError>>()?;
+    let mut fingers = fingers.collect::<Result<Vec<Finger>, _>>()?;
     let size = size(&fingers);
     let touches = || fingers.iter().flat_map(|finger| &finger.touches);
     let tips_apart = touches().any(|touch| distance(touch.place, touch.tip) > SAME * size);
