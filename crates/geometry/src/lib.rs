@@ -30,7 +30,7 @@ pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
 pub use posed::Posed;
-pub use shape::Shape;
+pub use shape::{Shape, Visitor};
 pub use surface::Surface;
 
 #[cfg(doctest)]
