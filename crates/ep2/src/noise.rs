@@ -38,15 +38,9 @@ impl Noise {
             ("normal_std", self.normal_std_rad),
         ];
         for (setting, value) in settings {
-            if let Some(value) = value
-                && !(value > 0.0 && value.is_finite())
-            {
-                return Err(Ep2Error::BadSetting {
-                    setting,
-                    value,
-                    expected: "finite and > 0",
-                });
-            }
+            let value = value.unwrap_or(1.0);
+            let is_good = value > 0.0 && value.is_finite();
+            Ep2Error::unless_good(setting, value, is_good, "finite and > 0")?;
         }
         Ok(Self {
             position_std: self.position_std.map(|std| std / frame.scale()),

@@ -78,13 +78,9 @@ impl Patch {
         }
         check(contacts)?;
         let outward_length = outward.amax();
-        if !(outward_length > 0.0 && outward_length <= LARGEST) {
-            return Err(Ep2Error::BadSetting {
-                setting: "outward",
-                value: outward_length,
-                expected: "a direction of finite length > 0",
-            });
-        }
+        let is_good = outward_length > 0.0 && outward_length <= LARGEST;
+        let expected = "a direction of finite length > 0";
+        Ep2Error::unless_good("outward", outward_length, is_good, expected)?;
         let mut frame = PatchFrame::of(contacts, &(outward / outward_length))?;
         let mut samples = contacts
             .iter()

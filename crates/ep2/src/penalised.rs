@@ -121,15 +121,12 @@ impl Penalised {
 
     /// Intervals along u and along v.
     fn intervals(&self, patch: &Patch) -> Result<[usize; 2], Ep2Error> {
-        match self.intervals {
-            Some(intervals) if (1..=MOST_INTERVALS).contains(&intervals) => Ok([intervals; 2]),
-            Some(intervals) => Err(Ep2Error::BadSetting {
-                setting: "intervals",
-                value: intervals as f64,
-                expected: "1 to 24",
-            }),
-            None => Ok(bearable_intervals(patch)),
-        }
+        let Some(intervals) = self.intervals else {
+            return Ok(bearable_intervals(patch));
+        };
+        let is_good = (1..=MOST_INTERVALS).contains(&intervals);
+        Ep2Error::unless_good("intervals", intervals as f64, is_good, "1 to 24")?;
+        Ok([intervals; 2])
     }
 }
 

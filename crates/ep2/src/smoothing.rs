@@ -352,13 +352,10 @@ impl SmoothingSpline {
             Some(domain) => domain,
         };
         for ([low, high], [start, end]) in spanned.into_iter().zip(domain) {
-            if !(start <= low && high <= end && end - start <= LARGEST) {
-                return Err(Ep2Error::BadSetting {
-                    setting: "domain",
-                    value: if start <= low { end } else { start },
-                    expected: "a rectangle that holds all points",
-                });
-            }
+            let is_good = start <= low && high <= end && end - start <= LARGEST;
+            let outer = if start <= low { end } else { start };
+            let expected = "a rectangle that holds all points";
+            Ep2Error::unless_good("domain", outer, is_good, expected)?;
             if end - start < 1.0 / LARGEST {
                 return Err(Ep2Error::OutOfRange);
             }

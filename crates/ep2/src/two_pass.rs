@@ -1,6 +1,8 @@
 //! The 1996 paper's method: a smoothing spline through the contacts, and a second one through it
 //! and its tangents.
 
+use palpate_number::BadSetting;
+
 use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
 use crate::{
@@ -164,7 +166,7 @@ impl TwoPass {
     /// weight and step are turned into it instead.
     fn unit(&self, patch: &Patch) -> Result<f64, Ep2Error> {
         let set = self.unit_length.map(|length| length / patch.frame.scale());
-        let unit = set.or(patch.finger_distance).ok_or(Ep2Error::BadSetting {
+        let unit = set.or(patch.finger_distance).ok_or(BadSetting {
             setting: "unit_length",
             value: 0.0,
             expected: "given, as one finger has no distance to another",

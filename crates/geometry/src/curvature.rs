@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, FRAC_PI_2};
 
 use nalgebra::{Matrix2, Vector2};
+use palpate_number::Number;
 use strum::IntoStaticStr;
 use thiserror::Error;
 
@@ -213,7 +214,10 @@ pub struct ShapeThresholds {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum InvalidThresholds {
     /// A threshold is negative or not finite.
-    #[error("{name} threshold is {value}; it must be finite and at least 0")]
+    #[error(
+        "{name} threshold is {value}; it must be finite and at least 0",
+        value = Number(*value)
+    )]
     OutOfRange {
         /// Name of the threshold: `gaussian` or `mean`.
         name: &'static str,
@@ -224,7 +228,9 @@ pub enum InvalidThresholds {
     #[error(
         "gaussian threshold {gaussian} is below the square of the mean threshold {mean} ({}); \
          then the impossible class K > 0, H = 0 appears",
-        mean * mean
+        Number(mean * mean),
+        gaussian = Number(*gaussian),
+        mean = Number(*mean)
     )]
     ImpossibleClass {
         /// The Gaussian threshold, 1/length².

@@ -1,15 +1,21 @@
 //! Errors of surfaces.
 
 use nalgebra::Point3;
+use palpate_number::Number;
+use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
 use crate::reach::SQUARABLE;
 
 /// Reasons for which a surface has no answer at a place.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
 pub enum SurfaceError {
     /// The surface does not reach there, or its formula is undefined there.
-    #[error("the surface is not defined, or not smooth, at x = {x}, y = {y}")]
+    #[error(
+        "the surface is not defined, or not smooth, at x = {x}, y = {y}",
+        x = Number(*x), y = Number(*y)
+    )]
     OffDomain {
         /// Coordinate in the surface's frame.
         x: f64,
@@ -17,7 +23,7 @@ pub enum SurfaceError {
         y: f64,
     },
     /// The chart (not the surface) is singular there, or does not reach that far.
-    #[error("the chart is singular at u = {u}, v = {v}")]
+    #[error("the chart is singular at u = {u}, v = {v}", u = Number(*u), v = Number(*v))]
     ChartSingular {
         /// First parameter.
         u: f64,
@@ -25,7 +31,10 @@ pub enum SurfaceError {
         v: f64,
     },
     /// No single closest point: the centre of a sphere, the axis of a cylinder.
-    #[error("no single closest point to ({x}, {y}, {z})")]
+    #[error(
+        "no single closest point to ({x}, {y}, {z})",
+        x = Number(*x), y = Number(*y), z = Number(*z)
+    )]
     NoClosestPoint {
         /// Coordinate of the query point.
         x: f64,
@@ -38,12 +47,8 @@ pub enum SurfaceError {
 
 impl SurfaceError {
     /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::OffDomain { .. } => "off-domain",
-            Self::ChartSingular { .. } => "chart-singular",
-            Self::NoClosestPoint { .. } => "no-closest-point",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 
     pub(crate) fn no_closest_point(point: &Point3<f64>) -> Self {
@@ -57,7 +62,7 @@ impl SurfaceError {
 
 /// A parameter that makes no surface.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("{parameter} is {value}; it must be {expected}")]
+#[error("{parameter} is {value}; it must be {expected}", value = Number(*value))]
 pub struct InvalidShape {
     /// Name of the parameter, as in the config.
     pub parameter: &'static str,

@@ -22,13 +22,15 @@ mod shape;
 mod surface;
 pub mod surfaces;
 
-pub use curvature::{CurvatureForm, PrincipalCurvatures, ShapeClass, ShapeThresholds};
+pub use curvature::{
+    CurvatureForm, InvalidThresholds, PrincipalCurvatures, ShapeClass, ShapeThresholds,
+};
 pub use error::{InvalidShape, SurfaceError};
 pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
 pub use posed::Posed;
-pub use shape::Shape;
+pub use shape::{Shape, Visitor};
 pub use surface::Surface;
 
 #[cfg(doctest)]

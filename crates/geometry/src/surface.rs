@@ -31,6 +31,9 @@ use crate::{
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Surface {
+    /// Whether it is a graph z = f(x, y), so that a place on it follows from x and y.
+    const IS_GRAPH: bool = false;
+
     /// The chart's point and derivatives at `at`.
     ///
     /// # Errors

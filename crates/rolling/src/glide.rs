@@ -160,10 +160,7 @@ impl Glider {
                     object: &self.object,
                     radius,
                     tolerance,
-                    rugged: matches!(
-                        self.object,
-                        Shape::Paraboloid(_) | Shape::Saddle(_) | Shape::HeightField(_)
-                    ),
+                    rugged: self.object.is_graph(),
                     centre,
                 };
                 search.contact()?.touch(radius)

@@ -1,6 +1,6 @@
 //! One motion by an integrator, in either form of the equations.
 
-use palpate_geometry::{Shape, Surface};
+use palpate_geometry::{Shape, Surface, Visitor};
 
 use crate::bodies::Bodies;
 use crate::chart::ChartForm;
@@ -46,17 +46,12 @@ impl Integration {
         motion: &Motion,
     ) -> Result<(Contact, usize), RollError> {
         match self.chart {
-            Chart::Free => match bodies.object {
-                Shape::Sphere(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Dish(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Plane(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Cylinder(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Ellipsoid(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Torus(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Paraboloid(it) => self.free::<_, OF_GRAPHS>(&bodies.with(it), from, motion),
-                Shape::Saddle(it) => self.free::<_, OF_GRAPHS>(&bodies.with(it), from, motion),
-                Shape::HeightField(it) => self.free::<_, OF_GRAPHS>(&bodies.with(it), from, motion),
-            },
+            Chart::Free => bodies.object.visited_by(Free {
+                integration: self,
+                bodies,
+                from,
+                motion,
+            }),
             Chart::Montana(held) => {
                 let (form, start) = ChartForm::new(bodies, from, motion, held)
                     .map_err(|fault| RollError::new(fault, 0.0, from.on_object))?;
@@ -99,6 +94,27 @@ impl Integration {
             .contact(&state)
             .map_err(|fault| error(fault, motion.duration_s, &state))?;
         Ok((contact, evaluations))
+    }
+}
+
+/// Motion without charts, compiled for each surface.
+struct Free<'a> {
+    integration: &'a Integration,
+    bodies: &'a Bodies<'a, Shape>,
+    from: &'a Contact,
+    motion: &'a Motion,
+}
+
+impl Visitor for Free<'_> {
+    type Out = Result<(Contact, usize), RollError>;
+
+    #[inline]
+    fn visit<S: Surface>(self, surface: &S) -> Self::Out {
+        let bodies = self.bodies.with(surface);
+        match S::IS_GRAPH {
+            true => (self.integration).free::<S, OF_GRAPHS>(&bodies, self.from, self.motion),
+            false => (self.integration).free::<S, OF_SPACE>(&bodies, self.from, self.motion),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Models by which a roll is computed, and their errors.
 
 use palpate_geometry::SurfaceError;
+use palpate_number::Number;
 use thiserror::Error;
 
 use crate::{Chart, Motion, RollFault};
@@ -105,8 +106,9 @@ pub enum InvalidRoll {
     /// A tolerance that means nothing.
     #[error(
         "tolerance is {tolerance}; it must be from {} to {}",
-        Model::SMALLEST_TOLERANCE,
-        Model::LARGEST_TOLERANCE
+        Number(Model::SMALLEST_TOLERANCE),
+        Number(Model::LARGEST_TOLERANCE),
+        tolerance = Number(*tolerance)
     )]
     Tolerance {
         /// Its value.

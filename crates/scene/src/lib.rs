@@ -6,7 +6,6 @@
 
 mod glide;
 mod ladder;
-mod legible;
 mod map;
 mod marker_sphere;
 mod measured_sensor;

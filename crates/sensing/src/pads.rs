@@ -3,6 +3,8 @@
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
+use palpate_number::Number;
+
 use crate::{
     BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
 };
@@ -121,7 +123,7 @@ impl Pads {
             fits,
             "pitch",
             pitch,
-            &format!("> 0 and at most the probe's radius, {radius}"),
+            &format!("> 0 and at most the probe's radius, {}", Number(radius)),
         )?;
         let resolved = pitch / radius >= FINEST;
         let expected = "at least 1e-15 of the probe's radius";

@@ -11,6 +11,7 @@
 //! Whatever fails becomes a [`ConfigError`] with file, line, column, field and an excerpt.
 
 mod error;
+mod field;
 mod fingertip;
 mod glide;
 mod grid;
@@ -32,6 +33,7 @@ mod tree;
 mod validate;
 
 pub use error::ConfigError;
+pub use field::field;
 pub use fingertip::{BareFingertipConfig, LensConfig, LensName, ViewConfig};
 pub use glide::{
     CriterionName, EvaluateConfig, FingertipConfig, GlideConfig, GlideEstimatorConfig,
@@ -39,7 +41,7 @@ pub use glide::{
     NormalNoise, NormalsOf, PositionNoise, Reports,
 };
 pub use length_unit::LengthUnit;
-pub use load::{Cell, Study, load, parse};
+pub use load::{Cell, Study, load, parse, plots};
 pub use model::ModelConfig;
 pub use object::ObjectConfig;
 pub use output::Output;

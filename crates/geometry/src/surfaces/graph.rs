@@ -245,6 +245,8 @@ impl Foot {
 }
 
 impl<H: Height> Surface for Graph<H> {
+    const IS_GRAPH: bool = true;
+
     fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
         let jet = self.jet(at.u, at.v)?;
         let [fx, fy] = jet.gradient;

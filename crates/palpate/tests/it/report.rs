@@ -79,5 +79,5 @@ fn the_page_cannot_be_written() {
     let desk = Desk::with(&with_plot());
     desk.palpate("run c.toml --out o").printed();
     desk.palpate("report o --out c.toml/page.html")
-        .fails(1, "c.toml/page.html");
+        .fails(1, "c.toml is a file");
 }

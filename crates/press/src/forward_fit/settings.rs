@@ -100,12 +100,9 @@ impl ForwardFit {
             Some(reading.normal.len()),
             reading.tangential.map(<[_]>::len),
         ];
-        if let Some(&given) = lengths.iter().flatten().find(|&&given| given != markers) {
-            return Err(PressError::BadSetting {
-                setting: "readings",
-                value: given as f64,
-                expected: "one for each marker",
-            });
+        for given in lengths.into_iter().flatten() {
+            let good = given == markers;
+            PressError::unless_good("readings", given as f64, good, "one for each marker")?;
         }
         let sound = |value: f64| value.abs() <= 1e50;
         let is_bad = |marker: &usize| {

@@ -42,11 +42,7 @@ impl Offset {
                 let axis = cylinder.axis().xy();
                 (Kind::Cylinder(axis), cylinder.radius(), tip_radius)
             }
-            Shape::Ellipsoid(_)
-            | Shape::Torus(_)
-            | Shape::Paraboloid(_)
-            | Shape::Saddle(_)
-            | Shape::HeightField(_) => return None,
+            _ => return None,
         };
         Some(Self {
             kind,

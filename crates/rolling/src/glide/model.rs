@@ -1,6 +1,7 @@
 //! Models by which the contact of a gliding fingertip is found.
 
 use palpate_geometry::{InvalidShape, Shape};
+use palpate_number::Number;
 use thiserror::Error;
 
 use super::closed_form::Offset;
@@ -57,8 +58,9 @@ pub enum InvalidTouch {
     /// A tolerance that means nothing.
     #[error(
         "tolerance is {tolerance}; it must be from {} to {}",
-        Model::SMALLEST_TOLERANCE,
-        Model::LARGEST_TOLERANCE
+        Number(Model::SMALLEST_TOLERANCE),
+        Number(Model::LARGEST_TOLERANCE),
+        tolerance = Number(*tolerance)
     )]
     Tolerance {
         /// Its value.

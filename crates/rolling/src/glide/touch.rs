@@ -2,6 +2,8 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, SurfaceError};
+use palpate_number::Number;
+use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
 /// The shape of a fingertip that glides over an object.
@@ -31,15 +33,20 @@ pub struct Touch {
 }
 
 /// Reasons for which a finger held at a place has no contact to report.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
 pub enum GlideError {
     /// The contact would lie where the object is not defined; for a point, also beside a closed
     /// object.
     #[error("the finger left the object: {0}")]
+    #[strum(transparent)]
     Surface(#[from] SurfaceError),
     /// The tip passes beside the object: the offset surface does not reach there, or only where the
     /// object's normal is horizontal.
-    #[error("a tip of radius {radius} at x = {x}, y = {y} passes beside the object")]
+    #[error(
+        "a tip of radius {radius} at x = {x}, y = {y} passes beside the object",
+        radius = Number(*radius), x = Number(*x), y = Number(*y)
+    )]
     ContactLost {
         /// Coordinate x at which the tip's centre is held.
         x: f64,
@@ -50,7 +57,10 @@ pub enum GlideError {
     },
     /// The tip rests on two places at once, or on a continuum of them: a dish, valley or hole
     /// that is as tight as the tip or tighter.
-    #[error("a tip of radius {radius} at x = {x}, y = {y} touches at more than one place")]
+    #[error(
+        "a tip of radius {radius} at x = {x}, y = {y} touches at more than one place",
+        radius = Number(*radius), x = Number(*x), y = Number(*y)
+    )]
     TwoContacts {
         /// Coordinate x at which the tip's centre is held.
         x: f64,
@@ -61,7 +71,10 @@ pub enum GlideError {
     },
     /// The search for the contact came to no end: lengths too far apart for double precision, or an
     /// object too rough for the tip.
-    #[error("no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}")]
+    #[error(
+        "no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}",
+        radius = Number(*radius), x = Number(*x), y = Number(*y), miss = Number(*miss)
+    )]
     NoConvergence {
         /// Coordinate x at which the tip's centre is held.
         x: f64,
@@ -91,12 +104,7 @@ impl GlideError {
     }
 
     /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Surface(error) => error.name(),
-            Self::ContactLost { .. } => "contact-lost",
-            Self::TwoContacts { .. } => "two-contacts",
-            Self::NoConvergence { .. } => "no-convergence",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 }

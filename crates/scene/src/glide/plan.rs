@@ -2,6 +2,7 @@
 
 use palpate_ep2::Contact;
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
+use palpate_number::Number;
 use palpate_rolling::{Fingertip, GlideError, Glider, InvalidTouch, TouchModel};
 use palpate_sensing::{
     BeyondPads, Channel, Distribution, InvalidSensor, NormalError, PadOffset, Pads, PositionAxes,
@@ -87,7 +88,7 @@ fn need(glider: &Glider) -> String {
 }
 
 fn of_tip(error: InvalidShape) -> PlanError {
-    let message = format!("must be {}, is {}", error.expected, error.value);
+    let message = format!("must be {}, is {}", error.expected, Number(error.value));
     PlanError::at("scene.probe.radius", message)
 }
 

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use palpate_ep2::{Contact, Ep2Error, Fit, Method, Patch};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
+use palpate_number::BadSetting;
 use palpate_rolling::Touch;
 use palpate_sensing::{Channel, NormalError, PositionError, Stream};
 
@@ -191,7 +192,7 @@ impl Trials for GlideScene {
 /// The field that keeps noiseless contacts from telling a patch.
 fn of_fit(error: &Ep2Error) -> PlanError {
     let path = match error {
-        Ep2Error::BadSetting { setting, .. } => match *setting {
+        Ep2Error::BadSetting(BadSetting { setting, .. }) => match *setting {
             "normal_std" => "scene.estimator.normal_std_deg".to_owned(),
             "unit_length" => "scene.motion.inter_finger_distance".to_owned(),
             setting => format!("scene.estimator.{setting}"),

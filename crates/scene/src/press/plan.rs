@@ -5,6 +5,7 @@ mod camera;
 mod discs;
 mod estimator;
 
+use palpate_number::Number;
 use palpate_press::{Body, Markers, Skin};
 
 use self::camera::CameraPlan;
@@ -160,7 +161,11 @@ fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), PlanEr
     let (radius, depth) = (sphere.radius, sphere.marker_depth);
     let skin = Skin::new(radius).map_err(|error| PlanError::at("scene.probe.radius", error))?;
     if depth >= radius {
-        let message = format!("must be less than the sensor's radius {radius}, is {depth}");
+        let message = format!(
+            "must be less than the sensor's radius {}, is {}",
+            Number(radius),
+            Number(depth)
+        );
         return Err(PlanError::at("scene.probe.marker_depth", message));
     }
     let places = sphere.places()?;

@@ -1,5 +1,6 @@
 //! What a sensor is pressed on, how deep, and with which part of its skin.
 
+use palpate_number::Number;
 use palpate_study::config::{PressMotionConfig, PressObjectConfig};
 
 use crate::plan::PlanError;
@@ -72,7 +73,10 @@ impl Pressed {
 /// Chart coordinates of a polar angle and an azimuth.
 fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], PlanError> {
     if !(0.0..=180.0).contains(&polar) {
-        let message = format!("the polar angle must be from 0 to 180, is {polar}");
+        let message = format!(
+            "the polar angle must be from 0 to 180, is {}",
+            Number(polar)
+        );
         return Err(PlanError::at("scene.motion.contact_deg", message));
     }
     let distance = radius * polar.to_radians();

@@ -1,5 +1,6 @@
 //! A press that is ready to run, and its trials.
 
+use palpate_number::BadSetting;
 use palpate_press::{
     Bounds, Estimated, ForwardFit, MarkerDisplacement, Markers, Measured, PressError,
     PressEstimate, Reading,
@@ -247,9 +248,9 @@ impl Trials for PressScene {
             Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {
                 Err(PlanError::at("scene.probe.layout", error))
             }
-            Err(PressFailure::Press(error @ PressError::BadSetting { setting, .. })) => {
-                Err(PlanError::at(format!("scene.estimator.{setting}"), error))
-            }
+            Err(PressFailure::Press(
+                error @ PressError::BadSetting(BadSetting { setting, .. }),
+            )) => Err(PlanError::at(format!("scene.estimator.{setting}"), error)),
             Ok(_) | Err(_) => Ok(()),
         }
     }

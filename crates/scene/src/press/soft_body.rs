@@ -1,5 +1,6 @@
 //! The soft body of a sensor: what a press does to points at a depth under its skin.
 
+use palpate_number::{BadSetting, Number};
 use palpate_press::{Body, Contact, MarkerDisplacement, Markers, PressError};
 use palpate_study::config::PressModelConfig;
 
@@ -81,17 +82,21 @@ pub(super) fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(
     if thickness <= radius {
         return Ok(());
     }
-    let message = format!("must be at most the sensor's radius {radius}, is {thickness}");
+    let message = format!(
+        "must be at most the sensor's radius {}, is {}",
+        Number(radius),
+        Number(thickness)
+    );
     Err(PlanError::at(path, message))
 }
 
 /// Error at the setting of a body that is out of its range.
 pub(super) fn of_body(table: &str, error: PressError) -> PlanError {
     match error {
-        PressError::BadSetting {
+        PressError::BadSetting(BadSetting {
             setting: "depth", ..
-        } => PlanError::at("scene.probe.marker_depth", error),
-        PressError::BadSetting { setting, .. } => {
+        }) => PlanError::at("scene.probe.marker_depth", error),
+        PressError::BadSetting(BadSetting { setting, .. }) => {
             PlanError::at(format!("{table}.{setting}"), error)
         }
         _ => PlanError::at(table, error),

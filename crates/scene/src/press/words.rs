@@ -7,7 +7,6 @@ use super::ladder::Choice;
 use super::pressed::TouchedObject;
 use super::readings::MarkerNoise;
 use super::scene::{PressMethod, PressSensor};
-use crate::legible::legible;
 use palpate_study::config::{
     Baseline, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown, NormalFrom,
     PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
@@ -56,10 +55,10 @@ pub(super) fn of_model(
             );
             needs.extend(large.map(|large| format!("warning: {large}")));
         }
-        Err(error) => needs.push(legible(&format!(
+        Err(error) => needs.push(format!(
             "warning: no press; every trial fails as `{}`: {error}",
             error.name()
-        ))),
+        )),
     }
     needs
 }
@@ -213,10 +212,10 @@ pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<St
         "least-squares fit of {what}, {indentation}{baseline}, {noise}"
     )];
     if let Err(error) = &method.fit {
-        needs.push(legible(&format!(
+        needs.push(format!(
             "warning: no estimator; every trial fails as `{}`: {error}",
             error.name()
-        )));
+        ));
     }
     let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
     let at_surface = matches!(config.model, PressModelConfig::Hertz { .. });

@@ -3,13 +3,13 @@
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{Curvature, Ep2Error, Fit, Method, Patch, Status, Uncertainty, regions};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
+use palpate_number::BadSetting;
 
 use super::Value;
 use super::glide::GlideReadings;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::sheet::{RecordedError, agreed_unit};
 use crate::glide::AnyMethod;
-use crate::legible::legible;
 use palpate_study::Unit;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
@@ -165,23 +165,20 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
 
 /// The error in the words of the command line, with the option that helps where there is one.
 fn remedied(error: &Ep2Error) -> String {
-    let message = match error {
-        Ep2Error::BadSetting {
-            setting: "unit_length",
-            value: 0.0,
-            ..
-        } => "the contacts are of one finger, which has no distance to another: two-pass needs \
-              --inter-finger-distance"
-            .to_owned(),
-        Ep2Error::BadSetting {
-            setting: "unit_length",
-            value,
-            expected,
-        } => format!("--inter-finger-distance is {value}; it must be {expected}"),
+    match error {
+        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
+            "the contacts are of one finger, which has no distance to another: two-pass needs \
+             --inter-finger-distance"
+                .to_owned()
+        }
+        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" => BadSetting {
+            setting: "--inter-finger-distance",
+            ..*bad
+        }
+        .to_string(),
         Ep2Error::NoSide { .. } => format!("{error}; give another with --outward X,Y,Z"),
         _ => error.to_string(),
-    };
-    legible(&message)
+    }
 }
 
 /// The thresholds of the 1996 paper, 0.005 and 0.03 on a patch of 3 × 3, scaled to this patch by

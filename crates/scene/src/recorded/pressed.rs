@@ -1,5 +1,6 @@
 //! The curvature of an object from a recorded press.
 
+use palpate_number::{BadSetting, Number};
 use palpate_press::{
     Body, ContactRegime, Estimated, ForwardFit, Markers, Measured, PressError, PressEstimate,
     Reading, Skin,
@@ -9,7 +10,6 @@ use super::Value;
 use super::press::PressReadings;
 use super::pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
 use super::sheet::{RecordedError, agreed_unit};
-use crate::legible::legible;
 use crate::press::{Assumed, body_of, large_contact};
 use palpate_study::Unit;
 use palpate_study::config::{LengthUnit, PressEstimatorConfig, PressModelConfig};
@@ -216,23 +216,23 @@ fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
 /// The error in the words of the command line, with the line of the marker that is at fault, if it is one.
 fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError) -> RecordedError {
     let file = recorded.file.clone();
-    let message = legible(&match error {
-        PressError::BadSetting {
+    let message = match error {
+        PressError::BadSetting(BadSetting {
             setting,
             value,
             expected,
-        } => {
+        }) => {
             let option = match *setting {
                 "radius" => "sensor-radius".to_owned(),
                 setting => setting.replace('_', "-"),
             };
-            format!("--{option} is {value}; it must be {expected}")
+            format!("--{option} is {}; it must be {expected}", Number(*value))
         }
         PressError::Undetermined { .. } if options.indentation.is_none() => {
             format!("{error}; give the indentation with --indentation D if it is known")
         }
         _ => error.to_string(),
-    });
+    };
     match error {
         PressError::NotFinite { marker }
         | PressError::OffSkin { marker, .. }

@@ -6,13 +6,13 @@ use std::path::Path;
 
 use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, LeastSquares, Measured, ProbeReading, ReadingNoise};
+use palpate_number::Number;
 use palpate_sensing::PadOffset;
 use serde::Serialize;
 
 use super::RecordedFile;
 use super::Value;
 use super::sheet::{Column, RecordedError, Sheet, agreed_unit, header};
-use crate::legible::legible;
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 use palpate_study::{Table, Unit};
 
@@ -236,7 +236,7 @@ pub fn estimate_roll(
 ) -> Result<RollEstimate, RecordedError> {
     let fail = |message: String| RecordedError::Readings {
         file: recorded.file.clone(),
-        message: legible(&message),
+        message,
     };
     let unit = agreed_unit(&recorded.file, recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;
@@ -246,8 +246,9 @@ pub fn estimate_roll(
         if shift > half_way * (1.0 + 1e-9) {
             let unit = unit.as_str();
             return Err(fail(format!(
-                "probe {probe}: a shift of {shift} {unit} passes half way round the probe \
-                 ({half_way} {unit})"
+                "probe {probe}: a shift of {} {unit} passes half way round the probe ({} {unit})",
+                Number(shift),
+                Number(half_way)
             )));
         }
     }

@@ -3,6 +3,7 @@
 use super::error::{ConfigError, Fault, Source};
 use super::grid::Grid;
 use super::model::ModelConfig;
+use super::plot::PlotConfig;
 use super::study::{SceneConfig, StudyConfig};
 use super::tree::{Node, Value};
 use super::{plot, schema, sweep, tree, validate};
@@ -103,19 +104,8 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
         ));
     }
     let schema = schema();
-    let mut section = |key: &str| -> Result<Node, ConfigError> {
-        let node = base.take(key).map_or(
-            Node {
-                value: Value::Array(Vec::new()),
-                span: 0..0,
-            },
-            |entry| entry.node,
-        );
-        validate::validate(&schema["properties"][key], &node)
-            .map_err(|fault| source.error(fault.under(key)))?;
-        Ok(node)
-    };
-    let (sweeps, plots) = (section("sweep")?, section("plot")?);
+    let sweeps = section(&schema, &mut base, "sweep").map_err(faulty)?;
+    let plots = section(&schema, &mut base, "plot").map_err(faulty)?;
     base.take("crate_version");
     let axes = sweep::axes(&sweeps).map_err(faulty)?;
     let grid = Grid { base, axes };
@@ -157,6 +147,44 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
         source,
         grid,
     })
+}
+
+/// Reads the plots alone of a study's config, whose other parts are not looked at; `file` is the name that errors give.
+///
+/// ```
+/// use palpate_study::config::{PlotKind, plots};
+///
+/// let found = plots("run.toml", "[[plot]]\nkind = \"contacts\"\n")?;
+/// assert_eq!(found[0].kind, PlotKind::Contacts);
+/// let error = plots("run.toml", "[[plot]]\nx = \"truth\"\n").expect_err("lines need y");
+/// assert_eq!(error.path(), "plot.0.y");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// The first thing that is wrong with the syntax of the text or with a plot, without regard to the tables.
+pub fn plots(file: &str, text: &str) -> Result<Vec<PlotConfig>, ConfigError> {
+    let source = Source::new(file, text);
+    let read = || {
+        let mut base = tree::parse(&source.text)?;
+        let plots = section(&schema(), &mut base, "plot")?;
+        plot::check_alone(&plots)?;
+        deserialise(&plots)
+    };
+    read().map_err(|fault| source.error(fault))
+}
+
+/// Takes the list of tables `key` out of a config, valid against its part of the schema; empty if there is none.
+fn section(schema: &Json, base: &mut Node, key: &str) -> Result<Node, Fault> {
+    let node = base.take(key).map_or(
+        Node {
+            value: Value::Array(Vec::new()),
+            span: 0..0,
+        },
+        |entry| entry.node,
+    );
+    validate::validate(&schema["properties"][key], &node).map_err(|fault| fault.under(key))?;
+    Ok(node)
 }
 
 fn cell_config(schema: &Json, grid: &Grid, cell: usize) -> Result<StudyConfig, Fault> {

@@ -98,6 +98,20 @@ pub(crate) fn write_files<C: AsRef<[u8]>>(dir: &Path, files: &[(&str, C)]) -> Re
     write().map_err(Failure::work)
 }
 
+/// Writes one file, whose folder is made if missing, likewise.
+pub(crate) fn write_file(path: &Path, contents: &str) -> Result<(), Failure> {
+    let name = path.file_name().and_then(std::ffi::OsStr::to_str);
+    let name = name.ok_or_else(|| Failure::work(anyhow!("{} names no file", path.display())))?;
+    let dir = match path.parent() {
+        Some(dir) if !dir.as_os_str().is_empty() => dir,
+        _ => Path::new("."),
+    };
+    write_files(dir, &[(name, contents)]).map_err(|failure| {
+        let (Failure::Usage(error) | Failure::Work(error)) = failure;
+        Failure::Work(error.context(format!("cannot write {}", path.display())))
+    })
+}
+
 /// Temporary files are private; results are not.
 fn set_readable(file: &NamedTempFile) -> std::io::Result<()> {
     #[cfg(unix)]

@@ -2,9 +2,12 @@
 
 use palpate::{Trace, TraceError, load};
 
+use palpate_report::{Files, press_figures};
+
 use crate::cli::TraceArgs;
 use crate::failure::Failure;
 use crate::output;
+use crate::results::write_figures;
 
 /// Names of the files of a pass.
 pub(crate) const TRACE: &str = "trace.csv";
@@ -20,7 +23,8 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let trace = palpate::trace(&study, args.cell, args.trial).map_err(refused)?;
     output::write_files(&args.out, &files(&trace)?)?;
     if trace.seen.is_some() {
-        palpate_report::draw_press_trace(&args.out).map_err(Failure::work)?;
+        let figures = press_figures(&Files::in_folder(&args.out)).map_err(Failure::work)?;
+        write_figures(&args.out, &figures)?;
     }
     output::print(&format!(
         "{}: {} -> {}",

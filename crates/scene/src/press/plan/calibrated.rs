@@ -1,5 +1,6 @@
 //! The calibration of a camera sensor, by presses on a plane.
 
+use palpate_number::Number;
 use palpate_press::{MarkerDisplacement, PressError};
 use palpate_tracking::{
     Calibration, CalibrationError, Change, LateralCalibration, LateralPoint, Marker,
@@ -63,7 +64,10 @@ impl CalibrationPresses<'_> {
         let indentation = deepest * f64::from(press) / f64::from(calibration.presses);
         let plane = Pressed::on_plane(indentation);
         let refused = |error: PressError| {
-            let message = format!("a press on a plane, {indentation} deep, fails: {error}");
+            let message = format!(
+                "a press on a plane, {} deep, fails: {error}",
+                Number(indentation)
+            );
             PlanError::at(PATH, message)
         };
         let motions = self.discs.motions(&plane).map_err(refused)?;
