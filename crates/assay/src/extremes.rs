@@ -7,7 +7,6 @@ mod ep1;
 mod ep2;
 mod geometry;
 mod hostile;
-pub mod precise;
 mod press;
 mod rolling;
 mod scene;
@@ -22,11 +21,11 @@ use anyhow::{Result, bail};
 
 pub use answer::{Answer, Outcome, Truth};
 pub use case::{Case, Judged, Verdict};
+pub use palpate_verdict::Precise;
 
 /// All cases, in the order of their crates.
 pub fn cases() -> Vec<Case> {
     let crates = [
-        geometry::cases(),
         rolling::cases(),
         sensing::cases(),
         ep1::cases(),

@@ -13,7 +13,7 @@ enum May {
 use May::{Anything, Import, Nothing};
 
 /// The table of README, "The crates".
-const CRATES: [(&str, May); 18] = [
+const CRATES: [(&str, May); 19] = [
     ("geometry", Import(&[])),
     ("study", Import(&[])),
     ("rolling", Import(&["geometry"])),
@@ -42,6 +42,7 @@ const CRATES: [(&str, May); 18] = [
     ("palpate", Import(&["study", "scene", "sweep", "report"])),
     ("replica", Import(&["palpate"])),
     (EVERYBODYS, Import(&[])),
+    ("verdict", Import(&[])),
     ("assay", Anything),
     ("fuzz", Import(&["geometry", "study", "scene", "tracking"])),
     ("xtask", Nothing),

@@ -7,7 +7,7 @@ use palpate_sweep::{
     SweepError, Trial, UNKNOWN_QUANTITY, run,
 };
 
-use super::precise::Precise;
+use super::Precise;
 use super::{Answer, Case};
 
 /// Rounding of the moments, as the documentation of `Summary` states it.

@@ -4,7 +4,7 @@
 use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, Estimate, LeastSquares, ProbeReading, ReadingNoise};
 
-use super::super::precise::Precise;
+use super::super::Precise;
 use super::super::{Answer, Case};
 
 const EXACT: ReadingNoise = ReadingNoise {

@@ -4,9 +4,9 @@ use palpate_geometry::Shape;
 use palpate_geometry::surfaces::{Dish, Graph, Plane, Sphere};
 use palpate_rolling::{Fingertip, GlideError, Glider, Touch};
 
+use super::super::Precise;
 use super::super::answer::Named;
 use super::super::hostile::{EXTREME, NO_LENGTHS, NOT_FINITE};
-use super::super::precise::Precise;
 use super::super::{Answer, Case, Outcome};
 use super::MADE;
 use crate::extremes::geometry::shapes;

@@ -4,8 +4,8 @@ use palpate_geometry::Shape;
 use palpate_geometry::surfaces::{Ellipsoid, Graph};
 use palpate_rolling::{Chart, Model, Motion};
 
+use super::super::Precise;
 use super::super::answer::Named;
-use super::super::precise::Precise;
 use super::super::{Answer, Case};
 use super::{MADE, ended, numbers, roll, roller};
 

@@ -6,8 +6,8 @@ use palpate_geometry::Shape;
 use palpate_geometry::surfaces::{Cylinder, Plane, Sphere};
 use palpate_rolling::{Chart, Model, Motion};
 
+use super::super::Precise;
 use super::super::answer::Named;
-use super::super::precise::Precise;
 use super::super::{Answer, Case};
 use super::{MADE, ended, numbers, roll, roller};
 

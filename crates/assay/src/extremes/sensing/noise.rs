@@ -8,8 +8,8 @@ use palpate_sensing::{
     PositionError, Stream, Wrist,
 };
 
+use super::super::Precise;
 use super::super::hostile::EXTREME;
-use super::super::precise::Precise;
 use super::super::{Answer, Case, Outcome};
 
 const DRAWS: u64 = 2000;

@@ -8,8 +8,8 @@ use palpate_sensing::{
     displacement_between,
 };
 
+use super::super::Precise;
 use super::super::hostile::{EXTREME, NOT_FINITE};
-use super::super::precise::Precise;
 use super::super::{Answer, Case, Outcome};
 
 /// Least error of a reading between the centres of pads, in pitches; a smaller one could not be chance.

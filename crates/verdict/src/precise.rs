@@ -145,42 +145,36 @@ impl From<f64> for Precise {
     }
 }
 
+impl From<&Self> for Precise {
+    fn from(value: &Self) -> Self {
+        value.clone()
+    }
+}
+
 macro_rules! operator {
     ($trait:ident, $method:ident) => {
-        impl $trait<&Precise> for &Precise {
+        impl<T: Into<Precise>> $trait<T> for &Precise {
             type Output = Precise;
-            fn $method(self, other: &Precise) -> Precise {
-                Precise(self.0.$method(&other.0, BITS, ROUND))
+            fn $method(self, other: T) -> Precise {
+                Precise(self.0.$method(&other.into().0, BITS, ROUND))
             }
         }
-        impl $trait for Precise {
+        impl<T: Into<Precise>> $trait<T> for Precise {
             type Output = Precise;
-            fn $method(self, other: Precise) -> Precise {
-                (&self).$method(&other)
-            }
-        }
-        impl $trait<&Precise> for Precise {
-            type Output = Precise;
-            fn $method(self, other: &Precise) -> Precise {
+            fn $method(self, other: T) -> Precise {
                 (&self).$method(other)
             }
         }
-        impl $trait<Precise> for &Precise {
+        impl $trait<Precise> for f64 {
             type Output = Precise;
             fn $method(self, other: Precise) -> Precise {
-                self.$method(&other)
+                Precise::new(self).$method(other)
             }
         }
-        impl $trait<f64> for Precise {
+        impl $trait<&Precise> for f64 {
             type Output = Precise;
-            fn $method(self, other: f64) -> Precise {
-                (&self).$method(&Precise::new(other))
-            }
-        }
-        impl $trait<f64> for &Precise {
-            type Output = Precise;
-            fn $method(self, other: f64) -> Precise {
-                self.$method(&Precise::new(other))
+            fn $method(self, other: &Precise) -> Precise {
+                Precise::new(self).$method(other)
             }
         }
     };
