@@ -5,10 +5,8 @@ mod case;
 mod chromatouch;
 mod ep1;
 mod ep2;
-mod geometry;
 mod hostile;
 mod press;
-mod rolling;
 mod scene;
 mod sensing;
 mod sweep;
@@ -26,7 +24,6 @@ pub use palpate_verdict::Precise;
 /// All cases, in the order of their crates.
 pub fn cases() -> Vec<Case> {
     let crates = [
-        rolling::cases(),
         sensing::cases(),
         ep1::cases(),
         ep2::cases(),
