@@ -8,7 +8,6 @@ mod ep2;
 mod hostile;
 mod press;
 mod scene;
-mod sensing;
 mod sweep;
 mod table;
 mod tracking;
@@ -24,7 +23,6 @@ pub use palpate_verdict::Precise;
 /// All cases, in the order of their crates.
 pub fn cases() -> Vec<Case> {
     let crates = [
-        sensing::cases(),
         ep1::cases(),
         ep2::cases(),
         press::cases(),
