@@ -8,7 +8,6 @@ mod ep2;
 mod hostile;
 mod press;
 mod scene;
-mod sweep;
 mod table;
 mod tracking;
 
@@ -29,7 +28,6 @@ pub fn cases() -> Vec<Case> {
         chromatouch::cases(),
         tracking::cases(),
         scene::cases(),
-        sweep::cases(),
     ];
     crates.into_iter().flatten().collect()
 }
