@@ -4,7 +4,6 @@ mod answer;
 mod case;
 mod chromatouch;
 mod ep1;
-mod ep2;
 mod hostile;
 mod press;
 mod scene;
@@ -23,7 +22,6 @@ pub use palpate_verdict::Precise;
 pub fn cases() -> Vec<Case> {
     let crates = [
         ep1::cases(),
-        ep2::cases(),
         press::cases(),
         chromatouch::cases(),
         tracking::cases(),

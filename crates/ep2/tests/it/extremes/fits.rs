@@ -1,30 +1,30 @@
-//! Patches under gliding fingers, at their extremes.
+//! What a fit tells at one place, for the tables.
 
-mod classes;
-mod contacts;
-mod smoothing;
-mod surfaces;
-
-use palpate_ep2::MapPoint;
-
-use super::{Answer, Case};
+use palpate_ep2::{Contact, Ep2Error, MapPoint, Method, Patch, Penalised, Quadric, TwoPass};
+use palpate_verdict::Answer;
 
 /// Rounding of numbers that should fit together.
-const FITS: f64 = 1e-12;
+pub(super) const FITS: f64 = 1e-12;
+pub(super) const METHOD: &str = "ep2::Method::fit";
 
-pub(super) fn cases() -> Vec<Case> {
-    let parts = [
-        contacts::cases(),
-        surfaces::cases(),
-        classes::cases(),
-        smoothing::cases(),
-    ];
-    parts.into_iter().flatten().collect()
+/// All methods by name, with their default settings.
+pub(super) fn methods() -> [(&'static str, Box<dyn Method>); 3] {
+    [
+        ("quadric", Box::new(Quadric::default())),
+        ("penalised", Box::new(Penalised::default())),
+        ("two-pass", Box::new(TwoPass::default())),
+    ]
+}
+
+/// Whether the numbers over the middle of the contacts fit together.
+pub(super) fn centre(method: &dyn Method, contacts: &[Contact]) -> Result<Answer, Ep2Error> {
+    let fit = method.fit(&Patch::new(contacts, &nalgebra::Vector3::z())?)?;
+    Ok(consistent(&fit.centre()?).also([fit.effective_unknowns]))
 }
 
 /// Consistency of the results at one place of a map: `K = k_min k_max`, H is their mean, and the normal and both
 /// directions are an orthonormal triple.
-fn consistent(point: &MapPoint) -> Answer {
+pub(super) fn consistent(point: &MapPoint) -> Answer {
     let (least, most) = (point.k_min, point.k_max);
     let scale = least.abs().max(most.abs()).max(f64::MIN_POSITIVE);
     let [least, most] = [least / scale, most / scale];
@@ -44,7 +44,7 @@ fn consistent(point: &MapPoint) -> Answer {
         .also(numbers(point))
 }
 
-fn numbers(point: &MapPoint) -> Vec<f64> {
+pub(super) fn numbers(point: &MapPoint) -> Vec<f64> {
     let mut numbers = vec![
         point.curvature.gaussian,
         point.curvature.mean,
