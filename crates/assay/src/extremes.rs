@@ -3,8 +3,6 @@
 mod answer;
 mod case;
 mod chromatouch;
-mod ep1;
-mod hostile;
 mod press;
 mod scene;
 mod table;
@@ -21,7 +19,6 @@ pub use palpate_verdict::Precise;
 /// All cases, in the order of their crates.
 pub fn cases() -> Vec<Case> {
     let crates = [
-        ep1::cases(),
         press::cases(),
         chromatouch::cases(),
         tracking::cases(),
