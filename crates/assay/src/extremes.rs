@@ -7,7 +7,6 @@ mod ep1;
 mod ep2;
 mod geometry;
 mod hostile;
-mod press;
 mod rolling;
 mod scene;
 mod sensing;
@@ -30,7 +29,6 @@ pub fn cases() -> Vec<Case> {
         sensing::cases(),
         ep1::cases(),
         ep2::cases(),
-        press::cases(),
         chromatouch::cases(),
         tracking::cases(),
         scene::cases(),
