@@ -2,7 +2,6 @@
 
 mod answer;
 mod case;
-mod chromatouch;
 mod ep1;
 mod ep2;
 mod geometry;
@@ -29,7 +28,6 @@ pub fn cases() -> Vec<Case> {
         sensing::cases(),
         ep1::cases(),
         ep2::cases(),
-        chromatouch::cases(),
         tracking::cases(),
         scene::cases(),
         sweep::cases(),
