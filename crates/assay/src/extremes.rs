@@ -2,8 +2,6 @@
 
 mod answer;
 mod case;
-mod chromatouch;
-mod press;
 mod scene;
 mod table;
 mod tracking;
@@ -19,8 +17,6 @@ pub use palpate_verdict::Precise;
 /// All cases, in the order of their crates.
 pub fn cases() -> Vec<Case> {
     let crates = [
-        press::cases(),
-        chromatouch::cases(),
         tracking::cases(),
         scene::cases(),
     ];
