@@ -3,16 +3,8 @@
 mod answer;
 mod case;
 mod chromatouch;
-mod ep1;
-mod ep2;
-mod geometry;
-mod hostile;
-pub mod precise;
 mod press;
-mod rolling;
 mod scene;
-mod sensing;
-mod sweep;
 mod table;
 mod tracking;
 
@@ -22,20 +14,15 @@ use anyhow::{Result, bail};
 
 pub use answer::{Answer, Outcome, Truth};
 pub use case::{Case, Judged, Verdict};
+pub use palpate_verdict::Precise;
 
 /// All cases, in the order of their crates.
 pub fn cases() -> Vec<Case> {
     let crates = [
-        geometry::cases(),
-        rolling::cases(),
-        sensing::cases(),
-        ep1::cases(),
-        ep2::cases(),
         press::cases(),
         chromatouch::cases(),
         tracking::cases(),
         scene::cases(),
-        sweep::cases(),
     ];
     crates.into_iter().flatten().collect()
 }

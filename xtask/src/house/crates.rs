@@ -44,6 +44,7 @@ const CRATES: &[(&str, May)] = &[
     ("tally", Import(&[])),
     ("frames", Import(&[])),
     ("number", Import(&[])),
+    ("verdict", Import(&[])),
     ("assay", Anything),
     ("fuzz", Import(&["geometry", "study", "scene", "tracking"])),
     ("xtask", Nothing),

@@ -2,7 +2,7 @@
 
 use palpate_chromatouch::{Discs, FoldStrain, Layout, LayoutError, Pattern, PatternError};
 
-use crate::extremes::precise::Precise;
+use crate::extremes::Precise;
 use crate::extremes::{Answer, Case};
 
 /// Radii of the sensor, length.

@@ -9,7 +9,7 @@ use palpate_chromatouch::{
 };
 use palpate_sensing::{Channel, Stream};
 
-use crate::extremes::{Answer, Case, Outcome, answer::NONE, precise::Precise};
+use crate::extremes::{Answer, Case, Outcome, Precise, answer::NONE};
 
 const LENSES: [Lens; 2] = [Lens::Fisheye, Lens::Pinhole];
 

@@ -2,7 +2,7 @@
 
 use palpate_press::{Body, PressError};
 
-use crate::extremes::precise::Precise;
+use crate::extremes::Precise;
 use crate::extremes::{Answer, Case};
 
 /// Error that the documentation of `Contact::displacement` allows, relative to the length of the displacement.

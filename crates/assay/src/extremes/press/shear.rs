@@ -4,7 +4,7 @@ use palpate_press::hertz::{published_parabola, sneddon_indentation};
 use palpate_press::shear::{followed, stuck_shift};
 use palpate_press::{Markers, PressError, Skin};
 
-use crate::extremes::precise::Precise;
+use crate::extremes::Precise;
 use crate::extremes::{Answer, Case};
 
 pub(super) fn cases() -> Vec<Case> {

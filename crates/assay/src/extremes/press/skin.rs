@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 use palpate_press::{Body, ContactRegime, Markers, PressError, Skin};
 
-use crate::extremes::precise::Precise;
+use crate::extremes::Precise;
 use crate::extremes::{Answer, Case};
 
 /// Radii of the sensor, length.

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use palpate_study::config::parse;
 
 use super::Refused;
-use crate::extremes::precise::Precise;
+use crate::extremes::Precise;
 use crate::extremes::{Answer, Case};
 
 const ENTRY: &str = "scene::FingertipScene::trial";

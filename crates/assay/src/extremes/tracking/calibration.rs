@@ -5,8 +5,8 @@ use palpate_tracking::{
     NormalCalibration, NormalFrom, NormalPoint,
 };
 
+use crate::extremes::Precise;
 use crate::extremes::answer::NONE;
-use crate::extremes::precise::Precise;
 use crate::extremes::{Answer, Case, Outcome};
 
 /// Draws a line through points.
