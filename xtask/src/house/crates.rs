@@ -12,7 +12,7 @@ enum May {
 
 use May::{Anything, Import, Nothing};
 
-/// The table of README, "The crates".
+/// The table of ARCHITECTURE.md, "The crates".
 const CRATES: &[(&str, May)] = &[
     ("geometry", Import(&[])),
     ("study", Import(&[])),

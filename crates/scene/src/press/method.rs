@@ -80,6 +80,18 @@ impl Assumed<'_> {
     }
 }
 
+/// Body that an estimator assumes, in words, and whether it knows what happens below its surface.
+pub(super) const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
+    match estimator {
+        PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),
+        PressEstimatorConfig::BondedLayer { .. } => ("a bonded layer", true),
+        PressEstimatorConfig::Gaussian { c: Some(_), .. } => ("a Gaussian with a given c", false),
+        PressEstimatorConfig::Gaussian { c: None, .. } => {
+            ("a Gaussian calibrated on a plane", false)
+        }
+    }
+}
+
 /// Thickness of the layer that an estimator assumes: its own, else the model's; length.
 pub(crate) fn thickness(estimator: &PressEstimatorConfig, model: &PressModelConfig) -> Option<f64> {
     match *estimator {
