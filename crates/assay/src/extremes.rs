@@ -16,10 +16,7 @@ pub use palpate_verdict::Precise;
 
 /// All cases, in the order of their crates.
 pub fn cases() -> Vec<Case> {
-    let crates = [
-        tracking::cases(),
-        scene::cases(),
-    ];
+    let crates = [tracking::cases(), scene::cases()];
     crates.into_iter().flatten().collect()
 }
 
