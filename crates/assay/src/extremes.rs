@@ -11,7 +11,6 @@ mod scene;
 mod sensing;
 mod sweep;
 mod table;
-mod tracking;
 
 use std::path::Path;
 
@@ -28,7 +27,6 @@ pub fn cases() -> Vec<Case> {
         sensing::cases(),
         ep1::cases(),
         ep2::cases(),
-        tracking::cases(),
         scene::cases(),
         sweep::cases(),
     ];
