@@ -13,7 +13,6 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use xshell::{Shell, cmd};
 
-use crate::palpate::target_dir;
 use crate::peers::replace;
 use baseline::{Comparison, Figures, Limits};
 
@@ -108,9 +107,4 @@ fn accept(shell: &Shell, errors: &Comparison, counts: Option<&Comparison>) -> Re
     }
     println!("{DIRECTORY}/{INSTRUCTIONS} stays as it is");
     Ok(())
-}
-
-/// Where gungraun puts what callgrind writes.
-fn gungraun_home(shell: &Shell) -> std::path::PathBuf {
-    target_dir(shell).join("gungraun")
 }

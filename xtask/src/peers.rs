@@ -14,7 +14,7 @@ use xshell::{Shell, cmd};
 
 use crate::palpate;
 use figure::{Figure, medians};
-use workshop::{Absent, Workshop};
+use workshop::{Absent, Kind, Workshop};
 
 /// Where the table is committed.
 const RESULTS: &str = "results/peers.csv";
@@ -30,16 +30,6 @@ pub(crate) struct Options {
     /// The core to run on.
     #[arg(long, default_value_t = 0)]
     core: usize,
-}
-
-/// Form of a peer's program.
-pub(crate) enum Kind {
-    /// A script in xtask/peers/.
-    Python(&'static str),
-    /// A source file in xtask/peers/, compiled by g++.
-    Cpp(&'static str),
-    /// A package in xtask/peers/.
-    Rust(&'static str),
 }
 
 /// Tasks that one peer does in one go.

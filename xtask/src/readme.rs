@@ -9,7 +9,8 @@ use anyhow::{Context, Result, bail};
 use clap::Parser;
 use xshell::{Shell, cmd};
 
-use crate::{Cli, palpate};
+use crate::cli::Cli;
+use crate::palpate;
 
 /// Inputs that a reader of the README has at hand; commands may write beside them.
 const COPIED: [&str; 3] = ["sim-configs", "examples", "results"];

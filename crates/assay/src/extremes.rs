@@ -2,14 +2,7 @@
 
 mod answer;
 mod case;
-mod ep1;
-mod ep2;
-mod geometry;
-mod hostile;
-mod rolling;
 mod scene;
-mod sensing;
-mod sweep;
 mod table;
 
 use std::path::Path;
@@ -23,12 +16,7 @@ pub use palpate_verdict::Precise;
 /// All cases, in the order of their crates.
 pub fn cases() -> Vec<Case> {
     let crates = [
-        rolling::cases(),
-        sensing::cases(),
-        ep1::cases(),
-        ep2::cases(),
         scene::cases(),
-        sweep::cases(),
     ];
     crates.into_iter().flatten().collect()
 }

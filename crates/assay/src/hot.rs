@@ -17,7 +17,3 @@ fn warm<T>(mut run: impl FnMut() -> T + 'static) -> Hot {
     drop(black_box(run()));
     Box::new(move || drop(black_box(run())))
 }
-
-#[path = "../../tracking/tests/frames/mod.rs"]
-#[allow(dead_code)]
-pub(crate) mod frames;

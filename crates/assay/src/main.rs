@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use palpate_assay::{accuracy, ours, tradeoff};
+use palpate_report::{Files, tradeoff_figures};
 
 /// Harnesses over the whole of palpate.
 #[derive(Parser)]
@@ -131,8 +132,12 @@ fn main() -> Result<()> {
             |line| println!("{line}"),
         ),
         Harness::Fronts { folder } => {
-            for file in palpate_report::draw_tradeoff(&folder)? {
-                println!("{}", file.display());
+            for figure in tradeoff_figures(&Files::in_folder(&folder))? {
+                for (ending, bytes) in [("svg", figure.svg.as_bytes()), ("png", &figure.png()?)] {
+                    let file = folder.join(format!("{}.{ending}", figure.name));
+                    std::fs::write(&file, bytes)?;
+                    println!("{}", file.display());
+                }
             }
             Ok(())
         }

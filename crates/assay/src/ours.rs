@@ -1,6 +1,7 @@
 //! Costs and errors of palpate on the tasks of its peers, on the same inputs: a line of JSON per rung, as the peers
 //! print it.
 
+mod figure;
 mod patches;
 mod presses;
 mod rolls;
@@ -9,52 +10,12 @@ mod sights;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::Path;
-use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use serde_json::json;
 
 use crate::hot;
-use crate::measured::Evaluation;
-
-/// Patches of few contacts.
-const PATCHES: u64 = 200;
-/// Many contacts.
-const MANY: usize = 100_000;
-/// Sides of frames, px.
-const FRAMES: [usize; 2] = [640, 1024];
-/// How long an evaluation is timed.
-const PATIENCE: Duration = Duration::from_millis(200);
-
-/// Cost and error of one rung on one task.
-struct Figure {
-    /// Name of the task, which the peers use too.
-    task: String,
-    rung: String,
-    time_us: f64,
-    /// Error as the peers define it for the task.
-    error: f64,
-}
-
-impl Figure {
-    /// Times `run`, which does the task `times` times.
-    fn measured<T>(
-        task: impl Into<String>,
-        rung: impl Into<String>,
-        error: f64,
-        times: usize,
-        run: impl FnMut() -> T + 'static,
-    ) -> Self {
-        let rung = rung.into();
-        let spread = Evaluation::new(rung.clone(), run).time(PATIENCE);
-        Self {
-            task: task.into(),
-            rung,
-            time_us: spread.median * 1e-3 / times as f64,
-            error,
-        }
-    }
-}
+use figure::{FRAMES, Figure, MANY, PATCHES};
 
 /// Writes what the peers read: `few.csv`, `many.csv`, and frames with the places of their discs.
 ///

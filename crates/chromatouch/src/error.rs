@@ -1,23 +1,20 @@
 //! Errors of layouts.
 
+use palpate_number::{BadSetting, Number};
+use strum::IntoStaticStr;
 use thiserror::Error;
 
 /// Why there is no such layout of markers.
-#[derive(Clone, Debug, Error, PartialEq)]
+#[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
 pub enum LayoutError {
     /// A setting is out of its range.
-    #[error("{setting} is {value}; it must be {expected}")]
-    BadSetting {
-        /// Name of the setting, as in the config.
-        setting: &'static str,
-        /// Its value.
-        value: f64,
-        /// Allowed values, in words.
-        expected: String,
-    },
+    #[error(transparent)]
+    BadSetting(#[from] BadSetting<String>),
     /// The markers reach around the sphere and meet themselves.
     #[error(
-        "the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180"
+        "the markers would reach {reach_deg:.4} degrees from the apex; it must be less than 180",
+        reach_deg = Number(*reach_deg)
     )]
     AroundTheSphere {
         /// Name of the setting that makes them reach so far.
@@ -26,7 +23,10 @@ pub enum LayoutError {
         reach_deg: f64,
     },
     /// More markers than can be worked with.
-    #[error("there would be {markers:.0} markers; at most {limit} are possible")]
+    #[error(
+        "there would be {markers:.0} markers; at most {limit} are possible",
+        markers = Number(*markers)
+    )]
     TooManyMarkers {
         /// How many there would be.
         markers: f64,
@@ -34,7 +34,10 @@ pub enum LayoutError {
         limit: usize,
     },
     /// The markers are so far apart that none lies on the cap.
-    #[error("no marker lies within {cap_deg} degrees of the apex at a pitch of {pitch}")]
+    #[error(
+        "no marker lies within {cap_deg} degrees of the apex at a pitch of {pitch}",
+        cap_deg = Number(*cap_deg), pitch = Number(*pitch)
+    )]
     NoMarker {
         /// Distance between neighbouring markers, length.
         pitch: f64,
@@ -50,32 +53,19 @@ impl LayoutError {
         value: f64,
         expected: &str,
     ) -> Result<f64, Self> {
-        if holds {
-            return Ok(value);
-        }
-        Err(Self::BadSetting {
-            setting,
-            value,
-            expected: expected.to_owned(),
-        })
+        Ok(BadSetting::unless(holds, setting, value, expected)?)
     }
 
     /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::BadSetting { .. } => "bad-setting",
-            Self::AroundTheSphere { .. } => "around-the-sphere",
-            Self::TooManyMarkers { .. } => "too-many-markers",
-            Self::NoMarker { .. } => "no-marker",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 
     /// The setting that is wrong, as in the config, if it is one.
     pub const fn setting(&self) -> Option<&'static str> {
         match self {
-            Self::BadSetting { setting, .. } | Self::AroundTheSphere { setting, .. } => {
-                Some(setting)
-            }
+            Self::BadSetting(BadSetting { setting, .. })
+            | Self::AroundTheSphere { setting, .. } => Some(setting),
             Self::NoMarker { .. } => Some("pitch"),
             Self::TooManyMarkers { .. } => None,
         }

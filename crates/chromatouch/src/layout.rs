@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use palpate_number::BadSetting;
 use palpate_sensing::UniformLattice;
 
 use crate::LayoutError;
@@ -152,7 +153,7 @@ fn on_lattice(pitch: f64, cap_deg: f64, sensor_radius: f64) -> Result<Vec<[f64; 
     LayoutError::unless(good, "pitch", pitch, "finite and > 0")?;
     let pitch_rad = pitch / sensor_radius;
     few_enough((2.0 * TAU / (pitch_rad * pitch_rad) * share).floor())?;
-    let lattice = UniformLattice::with_pitch(pitch_rad).map_err(|_| LayoutError::BadSetting {
+    let lattice = UniformLattice::with_pitch(pitch_rad).map_err(|_| BadSetting {
         setting: "pitch",
         value: pitch,
         expected: format!(

@@ -5,6 +5,7 @@ mod blemishes;
 mod camera;
 mod colours;
 mod error;
+mod lens;
 mod overlap;
 mod projected;
 mod rendered;
@@ -12,9 +13,10 @@ mod sines;
 
 pub use array::{DiscDepths, DiscMotion, MarkerArray, MarkerMotion};
 pub use blemishes::{Blemishes, Seams};
-pub use camera::{Camera, LARGEST_FRAME, Lens};
+pub use camera::{Camera, LARGEST_FRAME};
 pub use colours::Colours;
 pub use error::OpticsError;
+pub use lens::Lens;
 
 use array::MarkerSight;
 use colours::Contrasts;

@@ -5,23 +5,20 @@
 //! is drawn by chords between m equal steps of the quarter circle. The gores are turned about their common apex. They
 //! never overlap: a gore spans the angle 2 atan(π/n) at the apex, less than its share 2π/n of the turn.
 
+mod drawing;
 mod error;
+mod gores;
 mod sheet;
 mod strain;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 pub use error::PatternError;
+pub use gores::{FEWEST_GORES, MOST_GORES};
 pub use sheet::{CuttingSheet, Discs};
 pub use strain::FoldStrain;
 
 use crate::LayoutError;
-
-/// Least number of gores of a pattern.
-pub const FEWEST_GORES: u32 = 3;
-
-/// Largest number of gores of a pattern.
-pub const MOST_GORES: u32 = 360;
 
 /// Largest number of steps in which the quarter circle is drawn.
 pub const MOST_SAMPLES: u32 = 1000;

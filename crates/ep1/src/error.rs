@@ -1,9 +1,12 @@
 //! Errors of readings that do not determine the curvature.
 
+use palpate_number::Number;
+use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
 /// Reasons for which a set of probes gives no curvature.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Ep1Error {
     /// Fewer than two probes: a curvature form has three components, a probe gives two.
     #[error("{probes} probe(s); at least 2 in different directions are needed")]
@@ -12,6 +15,7 @@ pub enum Ep1Error {
         probes: usize,
     },
     /// The rotations do not span the tangent plane.
+    #[strum(serialize = "unresolvable-set")]
     #[error(
         "the {probes} probes do not span the tangent plane: across their main direction they turn \
          {spread:.1e} times as far as along it; add a probe across it"
@@ -56,22 +60,15 @@ pub enum Ep1Error {
 
 impl Ep1Error {
     /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::TooFewProbes { .. } => "too-few-probes",
-            Self::Unresolvable { .. } => "unresolvable-set",
-            Self::Unresolved { .. } => "unresolved",
-            Self::NotRolling { .. } => "not-rolling",
-            Self::NotFinite { .. } => "not-finite",
-            Self::OutOfRange => "out-of-range",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 }
 
 fn unresolved(direction_rad: f64, radius_below: Option<f64>) -> String {
     let direction = direction_rad.to_degrees();
     let bound = match radius_below {
-        Some(radius) => format!("radius below {radius}"),
+        Some(radius) => format!("radius below {}", Number(radius)),
         None => "the radius is too small to say".to_owned(),
     };
     format!("at {direction:.1} degrees from u the contact did not move: {bound}")

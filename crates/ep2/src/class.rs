@@ -1,8 +1,9 @@
-//! Probabilities of the shape classes.
+//! Shape classes of a curvature, and their probabilities.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use palpate_geometry::{ShapeClass, ShapeThresholds};
+use strum::IntoStaticStr;
 
 use crate::{Curvature, Uncertainty};
 
@@ -11,63 +12,95 @@ const REACH: f64 = 8.0;
 /// Intervals of Simpson's rule in each range of the mean curvature, even.
 const INTERVALS: usize = 64;
 
-/// The probability of each class, in the order of [`ShapeClass::ALL`].
-///
-/// K and H are taken as jointly normal: H is summed over, and given H, K is normal too. As
-/// everywhere, a K above H² is read as H². `None` where numbers leave the range of doubles.
-pub(crate) fn probabilities(
-    curvature: &Curvature,
-    uncertainty: &Uncertainty,
-    thresholds: &ShapeThresholds,
-) -> Option<[f64; 8]> {
-    let given_mean = GivenMean::of(curvature, uncertainty, thresholds);
-    let mut result = [0.0; 8];
-    let mut add = |mean: f64, weight: f64| {
-        for (class, probability) in given_mean.classes(mean) {
-            result[class as usize] += weight * probability;
-        }
-    };
-    let (centre, std) = (curvature.mean, uncertainty.mean_std);
-    let (low, high) = (centre - REACH * std, centre + REACH * std);
-    let is_sound = curvature.is_finite()
-        && given_mean.slope.is_finite()
-        && uncertainty.correlation.is_finite()
-        && low.is_finite()
-        && high.is_finite();
-    if !is_sound {
-        return None;
+/// Shape by the signs of the curvatures alone, without thresholds.
+#[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
+pub enum SignClass {
+    /// Gaussian and mean curvature above 0: both principal curvatures are positive.
+    Convex,
+    /// Gaussian curvature above 0, mean curvature below: both are negative.
+    Concave,
+    /// Gaussian curvature at most 0.
+    Saddle,
+}
+
+impl SignClass {
+    /// The name used in files.
+    pub fn name(self) -> &'static str {
+        self.into()
     }
-    // A spread that rounding swallows, or that cannot be cut into intervals, is none.
-    if low < high && std >= f64::MIN_POSITIVE {
-        let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
-        for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {
-            let step = (end - start) / INTERVALS as f64;
-            // Midpoints of no width belong to no range.
-            if step <= 0.0 {
-                continue;
-            }
-            for node in 0..=INTERVALS {
-                let simpson = match node {
-                    0 | INTERVALS => 1.0,
-                    node if node % 2 == 1 => 4.0,
-                    _ => 2.0,
-                };
-                // Just inside, so that the ends take the class of their range.
-                let inside = (node as f64).clamp(1e-9, INTERVALS as f64 - 1e-9);
-                let mean = start + step * inside;
-                let deviate = (mean - centre) / std;
-                add(
-                    mean,
-                    simpson * step / std * libm::exp(-0.5 * deviate * deviate),
-                );
-            }
-        }
-    } else {
-        add(centre, 1.0);
+}
+
+impl Curvature {
+    /// The shape class of the place, one of eight, by thresholds below which curvatures count as zero.
+    pub fn class(&self, thresholds: &ShapeThresholds) -> ShapeClass {
+        thresholds.classify(self.gaussian, self.mean)
     }
-    let total: f64 = result.iter().sum();
-    let is_sound = total > 0.0 && total.is_finite();
-    is_sound.then(|| result.map(|sum| sum / total))
+
+    /// The class by signs alone.
+    pub fn sign_class(&self) -> SignClass {
+        match (self.gaussian > 0.0, self.mean > 0.0) {
+            (true, true) => SignClass::Convex,
+            (true, false) => SignClass::Concave,
+            (false, _) => SignClass::Saddle,
+        }
+    }
+
+    /// The probability of each of the eight classes, in the order of [`ShapeClass::ALL`], if both
+    /// errors are normal; `None` where the method states no uncertainty, or numbers leave the range
+    /// of doubles. As everywhere, a K above H² is read as H².
+    pub fn class_probabilities(&self, thresholds: &ShapeThresholds) -> Option<[f64; 8]> {
+        let uncertainty = self.uncertainty?;
+        // H is summed over; given H, K is normal too.
+        let given_mean = GivenMean::of(self, &uncertainty, thresholds);
+        let mut result = [0.0; 8];
+        let mut add = |mean: f64, weight: f64| {
+            for (class, probability) in given_mean.classes(mean) {
+                result[class as usize] += weight * probability;
+            }
+        };
+        let (centre, std) = (self.mean, uncertainty.mean_std);
+        let (low, high) = (centre - REACH * std, centre + REACH * std);
+        let is_sound = self.is_finite()
+            && given_mean.slope.is_finite()
+            && uncertainty.correlation.is_finite()
+            && low.is_finite()
+            && high.is_finite();
+        if !is_sound {
+            return None;
+        }
+        // A spread that rounding swallows, or that cannot be cut into intervals, is none.
+        if low < high && std >= f64::MIN_POSITIVE {
+            let edges = [-thresholds.mean(), thresholds.mean()].map(|edge| edge.clamp(low, high));
+            for (start, end) in [(low, edges[0]), (edges[0], edges[1]), (edges[1], high)] {
+                let step = (end - start) / INTERVALS as f64;
+                // Midpoints of no width belong to no range.
+                if step <= 0.0 {
+                    continue;
+                }
+                for node in 0..=INTERVALS {
+                    let simpson = match node {
+                        0 | INTERVALS => 1.0,
+                        node if node % 2 == 1 => 4.0,
+                        _ => 2.0,
+                    };
+                    // Just inside, so that the ends take the class of their range.
+                    let inside = (node as f64).clamp(1e-9, INTERVALS as f64 - 1e-9);
+                    let mean = start + step * inside;
+                    let deviate = (mean - centre) / std;
+                    add(
+                        mean,
+                        simpson * step / std * libm::exp(-0.5 * deviate * deviate),
+                    );
+                }
+            }
+        } else {
+            add(centre, 1.0);
+        }
+        let total: f64 = result.iter().sum();
+        let is_sound = total > 0.0 && total.is_finite();
+        is_sound.then(|| result.map(|sum| sum / total))
+    }
 }
 
 /// The distribution of K where H is given.

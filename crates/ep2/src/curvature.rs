@@ -1,8 +1,7 @@
 //! The curvature of a graph, and its uncertainty.
 
-use palpate_geometry::{CurvatureForm, ShapeClass, ShapeThresholds};
+use palpate_geometry::CurvatureForm;
 
-use crate::class::probabilities;
 use crate::spline::Lanes;
 use crate::{Ep2Error, Jet};
 
@@ -176,50 +175,7 @@ fn dot(one: &[Lanes; DERIVATIVES], other: &[Lanes; DERIVATIVES]) -> Lanes {
         .fold(Lanes::ZERO, |sum, (one, other)| sum + *one * *other)
 }
 
-/// Shape by the signs of the curvatures alone, without thresholds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum SignClass {
-    /// Gaussian and mean curvature above 0: both principal curvatures are positive.
-    Convex,
-    /// Gaussian curvature above 0, mean curvature below: both are negative.
-    Concave,
-    /// Gaussian curvature at most 0.
-    Saddle,
-}
-
-impl SignClass {
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Convex => "convex",
-            Self::Concave => "concave",
-            Self::Saddle => "saddle",
-        }
-    }
-}
-
 impl Curvature {
-    /// The shape class of the place, one of eight, by thresholds below which curvatures count as zero.
-    pub fn class(&self, thresholds: &ShapeThresholds) -> ShapeClass {
-        thresholds.classify(self.gaussian, self.mean)
-    }
-
-    /// The class by signs alone.
-    pub fn sign_class(&self) -> SignClass {
-        match (self.gaussian > 0.0, self.mean > 0.0) {
-            (true, true) => SignClass::Convex,
-            (true, false) => SignClass::Concave,
-            (false, _) => SignClass::Saddle,
-        }
-    }
-
-    /// The probability of each of the eight classes, in the order of [`ShapeClass::ALL`], if both
-    /// errors are normal; `None` where the method states no uncertainty, or numbers leave the range
-    /// of doubles.
-    pub fn class_probabilities(&self, thresholds: &ShapeThresholds) -> Option<[f64; 8]> {
-        probabilities(self, &self.uncertainty?, thresholds)
-    }
-
     pub(crate) fn is_finite(&self) -> bool {
         let stds = self
             .uncertainty

@@ -1,9 +1,15 @@
 //! Errors of contacts that do not determine the shape of a patch.
 
+use palpate_number::{BadSetting, Number};
+use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
+/// Largest number whose square does not overflow; the square of its inverse does not vanish.
+pub(crate) const LARGEST: f64 = 1e150;
+
 /// Reasons for which a set of contacts gives no surface.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Ep2Error {
     /// Fewer contacts than the method has unknowns to find.
     #[error(
@@ -24,7 +30,10 @@ pub enum Ep2Error {
         contact: usize,
     },
     /// A weight that weighs nothing.
-    #[error("contact {contact} (counting from 0): the weight is {weight}; it must be > 0")]
+    #[error(
+        "contact {contact} (counting from 0): the weight is {weight}; it must be > 0",
+        weight = Number(*weight)
+    )]
     BadWeight {
         /// Number of the contact, counted from 0.
         contact: usize,
@@ -110,15 +119,8 @@ pub enum Ep2Error {
         unknowns: usize,
     },
     /// A setting of a method is out of its range.
-    #[error("{setting} is {value}; it must be {expected}")]
-    BadSetting {
-        /// Name of the setting, as in the config.
-        setting: &'static str,
-        /// Its value.
-        value: f64,
-        /// Values that the setting may have, in words that follow "must be".
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    BadSetting(#[from] BadSetting),
     /// The numbers leave the range of doubles.
     #[error("the contacts are too large, too small or too steep to be worked with")]
     OutOfRange,
@@ -132,33 +134,12 @@ impl Ep2Error {
         is_good: bool,
         expected: &'static str,
     ) -> Result<(), Self> {
-        if is_good {
-            Ok(())
-        } else {
-            Err(Self::BadSetting {
-                setting,
-                value,
-                expected,
-            })
-        }
+        BadSetting::unless(is_good, setting, value, expected)?;
+        Ok(())
     }
 
     /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::TooFewContacts { .. } => "too-few-contacts",
-            Self::NotFinite { .. } => "not-finite",
-            Self::BadWeight { .. } => "bad-weight",
-            Self::BadNormal { .. } => "bad-normal",
-            Self::MissingNormal { .. } => "missing-normal",
-            Self::Coincident { .. } => "coincident",
-            Self::Collinear { .. } => "collinear",
-            Self::Folded { .. } => "folded",
-            Self::NoPlane { .. } => "no-plane",
-            Self::NoSide { .. } => "no-side",
-            Self::Undetermined { .. } => "undetermined",
-            Self::BadSetting { .. } => "bad-setting",
-            Self::OutOfRange => "out-of-range",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 }

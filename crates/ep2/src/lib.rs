@@ -54,8 +54,9 @@ mod square;
 mod surface;
 mod two_pass;
 
+pub use class::SignClass;
 pub use contact::Contact;
-pub use curvature::{Curvature, SignClass, Uncertainty};
+pub use curvature::{Curvature, Uncertainty};
 pub use error::Ep2Error;
 pub use fit::{Fit, Method};
 pub use frame::PatchFrame;

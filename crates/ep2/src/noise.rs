@@ -1,6 +1,5 @@
 //! Noise of the contacts, as known and as found.
 
-use crate::square::Kinds;
 use crate::{Ep2Error, Patch, PatchFrame};
 
 /// Known standard deviations of the contacts' errors; one that is `None` is found from the contacts.
@@ -39,21 +38,22 @@ impl Noise {
             ("normal_std", self.normal_std_rad),
         ];
         for (setting, value) in settings {
-            if let Some(value) = value
-                && !(value > 0.0 && value.is_finite())
-            {
-                return Err(Ep2Error::BadSetting {
-                    setting,
-                    value,
-                    expected: "finite and > 0",
-                });
-            }
+            let value = value.unwrap_or(1.0);
+            let is_good = value > 0.0 && value.is_finite();
+            Ep2Error::unless_good(setting, value, is_good, "finite and > 0")?;
         }
         Ok(Self {
             position_std: self.position_std.map(|std| std / frame.scale()),
             normal_std_rad: self.normal_std_rad,
         })
     }
+}
+
+/// A pair of values, one for the heights and one for the slopes, whose errors differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Kinds<T> {
+    pub(crate) heights: T,
+    pub(crate) slopes: T,
 }
 
 /// Variances of a height and of a slope on level ground, in the patch's unit.

@@ -2,11 +2,10 @@
 
 use nalgebra::Vector3;
 
+use crate::error::LARGEST;
 use crate::fingers::ByFinger;
 use crate::{Contact, Ep2Error, PatchFrame};
 
-/// Numbers whose squares neither overflow nor vanish.
-const LARGEST: f64 = 1e150;
 /// Across a patch this much narrower than long, rounding of the heights passes for curvature.
 const NARROWEST: f64 = 1e-6;
 /// A normal that stands farther than this from the mean normal is not that of a graph, degrees.
@@ -79,13 +78,9 @@ impl Patch {
         }
         check(contacts)?;
         let outward_length = outward.amax();
-        if !(outward_length > 0.0 && outward_length <= LARGEST) {
-            return Err(Ep2Error::BadSetting {
-                setting: "outward",
-                value: outward_length,
-                expected: "a direction of finite length > 0",
-            });
-        }
+        let is_good = outward_length > 0.0 && outward_length <= LARGEST;
+        let expected = "a direction of finite length > 0";
+        Ep2Error::unless_good("outward", outward_length, is_good, expected)?;
         let mut frame = PatchFrame::of(contacts, &(outward / outward_length))?;
         let mut samples = contacts
             .iter()

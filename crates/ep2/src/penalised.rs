@@ -12,12 +12,10 @@ use crate::noise::Noise;
 use crate::quadric::SquareQuadric;
 use crate::square::Square;
 use crate::{Ep2Error, Fit, Knots, Method, Patch, TensorSpline};
-use equations::Equations;
+use equations::{DEGREE, Equations};
 use spectrum::Spectrum;
 use weight::{Expected, Search};
 
-/// Degree of the spline.
-const DEGREE: usize = 3;
 /// Largest number of intervals per side: beyond, the dense algebra of the coefficients takes seconds.
 const MOST_INTERVALS: usize = 24;
 /// Largest number of intervals per side unless one is given.
@@ -123,15 +121,12 @@ impl Penalised {
 
     /// Intervals along u and along v.
     fn intervals(&self, patch: &Patch) -> Result<[usize; 2], Ep2Error> {
-        match self.intervals {
-            Some(intervals) if (1..=MOST_INTERVALS).contains(&intervals) => Ok([intervals; 2]),
-            Some(intervals) => Err(Ep2Error::BadSetting {
-                setting: "intervals",
-                value: intervals as f64,
-                expected: "1 to 24",
-            }),
-            None => Ok(bearable_intervals(patch)),
-        }
+        let Some(intervals) = self.intervals else {
+            return Ok(bearable_intervals(patch));
+        };
+        let is_good = (1..=MOST_INTERVALS).contains(&intervals);
+        Ep2Error::unless_good("intervals", intervals as f64, is_good, "1 to 24")?;
+        Ok([intervals; 2])
     }
 }
 

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, SMatrix, SVector, SymmetricEigen};
 
-use crate::noise::{Noise, NoiseEstimate, Variances};
-use crate::square::{Kinds, Square};
+use crate::noise::{Kinds, Noise, NoiseEstimate, Variances};
+use crate::square::Square;
 use crate::{Ep2Error, Fit, Knots, Method, Patch, TensorSpline};
 
 /// Unknowns of a quadric: 1, a, b, a², ab, b².
@@ -82,6 +82,18 @@ pub(crate) struct SquareQuadric {
     pub(crate) variances: Variances,
     /// `None` where too few contacts are left to tell it.
     noise: Option<NoiseEstimate>,
+}
+
+/// The equations of a contact for the surface over the square: its height and, if it has a normal, its
+/// slopes along a and b. Each equation has a weight, relative to the inverse variance of its kind.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Observation {
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    pub(crate) height: f64,
+    pub(crate) height_weight: f64,
+    pub(crate) slopes: [f64; 2],
+    pub(crate) slope_weights: [f64; 2],
 }
 
 /// The normal equations of heights and of slopes, of unit variance.
@@ -173,13 +185,51 @@ impl SquareQuadric {
 
     /// Height and slopes along a and b.
     #[inline]
-    pub(crate) fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {
+    fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {
         let c = &self.unknowns;
         [
             c[0] + a * (c[1] + a * c[3] + b * c[4]) + b * (c[2] + b * c[5]),
             c[1] + 2.0 * a * c[3] + b * c[4],
             c[2] + a * c[4] + 2.0 * b * c[5],
         ]
+    }
+
+    /// The observations of a patch that is nearly this quadric, of its deviation from it.
+    ///
+    /// Errors of a contact's place across the normal look like errors of its height, larger by
+    /// √D, D = 1 + p² + q²; a tilt of the normal by a small angle turns the slope p along u by
+    /// √(D(1 + p²)) times as much.
+    pub(crate) fn observations<'a>(
+        &'a self,
+        patch: &'a Patch,
+        square: &'a Square,
+    ) -> impl Iterator<Item = Observation> + 'a {
+        let [half_u, half_v] = square.half();
+        patch.samples.iter().map(move |sample| {
+            let [a, b] = square.place([sample.u, sample.v]);
+            let [height, slope_a, slope_b] = self.value_and_slopes(a, b);
+            let (p, q) = (slope_a / half_u, slope_b / half_v);
+            let steepness = 1.0 + p * p + q * q;
+            let height_weight = sample.weight / steepness;
+            let (slopes, slope_weights) = match sample.slopes {
+                Some([along_u, along_v]) => (
+                    [along_u * half_u - slope_a, along_v * half_v - slope_b],
+                    [
+                        height_weight / (half_u * half_u * (1.0 + p * p)),
+                        height_weight / (half_v * half_v * (1.0 + q * q)),
+                    ],
+                ),
+                None => ([0.0; 2], [0.0; 2]),
+            };
+            Observation {
+                a,
+                b,
+                height: sample.w - height,
+                height_weight,
+                slopes,
+                slope_weights,
+            }
+        })
     }
 
     /// Mean over the directions of the square of the slope's change per length.
@@ -208,7 +258,7 @@ impl NormalEquations {
             squares,
         } = &mut equations;
         let has_normals = patch.has_normals();
-        for one in square.observations(patch, quadric) {
+        for one in quadric.observations(patch, square) {
             let (a, b) = (one.a, one.b);
             let height = Row::new(1.0, a, b, a * a, a * b, b * b);
             let weighted = height * one.height_weight;

@@ -20,6 +20,11 @@ mod parameter;
 mod placement;
 mod triangle;
 
+pub use observations::WeightedPoint;
+
+use strum::IntoStaticStr;
+
+use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
 use crate::{Ep2Error, TensorSpline};
 use mesh::{Mesh, Roughness};
@@ -28,22 +33,6 @@ use triangle::Triangle;
 
 /// Relative residuals of this size are rounding.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Numbers whose squares neither overflow nor vanish.
-const LARGEST: f64 = 1e150;
-
-/// A height over a place in the plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WeightedPoint {
-    /// Place along the first variable.
-    pub u: f64,
-    /// Place along the second one.
-    pub v: f64,
-    /// Height.
-    pub w: f64,
-    /// Factor on the residual, an inverse standard deviation. A point that outweighs another by a factor
-    /// of f costs it the digits of f: from 1e15 on none are left.
-    pub weight: f64,
-}
 
 /// The settings by which a smoothing spline is made.
 ///
@@ -93,7 +82,8 @@ impl SmoothingSpline {
 }
 
 /// The way in which a fit ended: whether its sum of squared residuals is the one aimed at, and why not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Eq, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Status {
     /// The polynomial without knots meets the sum.
     Polynomial,
@@ -115,14 +105,8 @@ impl Status {
     }
 
     /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Polynomial => "polynomial",
-            Self::Interpolating => "interpolating",
-            Self::Smoothing => "smoothing",
-            Self::KnotsExhausted => "knots-exhausted",
-            Self::Unsettled => "unsettled",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
@@ -368,13 +352,10 @@ impl SmoothingSpline {
             Some(domain) => domain,
         };
         for ([low, high], [start, end]) in spanned.into_iter().zip(domain) {
-            if !(start <= low && high <= end && end - start <= LARGEST) {
-                return Err(Ep2Error::BadSetting {
-                    setting: "domain",
-                    value: if start <= low { end } else { start },
-                    expected: "a rectangle that holds all points",
-                });
-            }
+            let is_good = start <= low && high <= end && end - start <= LARGEST;
+            let outer = if start <= low { end } else { start };
+            let expected = "a rectangle that holds all points";
+            Ep2Error::unless_good("domain", outer, is_good, expected)?;
             if end - start < 1.0 / LARGEST {
                 return Err(Ep2Error::OutOfRange);
             }

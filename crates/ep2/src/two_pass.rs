@@ -1,14 +1,14 @@
 //! The 1996 paper's method: a smoothing spline through the contacts, and a second one through it
 //! and its tangents.
 
+use palpate_number::BadSetting;
+
+use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
 use crate::{
     Ep2Error, Fit, Method, Patch, Sample, Smoothed, SmoothingSpline, Status, TensorSpline,
     WeightedPoint,
 };
-
-/// Numbers whose squares neither overflow nor vanish.
-const LARGEST: f64 = 1e150;
 
 /// The normals to which the tangents of the second pass are perpendicular.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -166,7 +166,7 @@ impl TwoPass {
     /// weight and step are turned into it instead.
     fn unit(&self, patch: &Patch) -> Result<f64, Ep2Error> {
         let set = self.unit_length.map(|length| length / patch.frame.scale());
-        let unit = set.or(patch.finger_distance).ok_or(Ep2Error::BadSetting {
+        let unit = set.or(patch.finger_distance).ok_or(BadSetting {
             setting: "unit_length",
             value: 0.0,
             expected: "given, as one finger has no distance to another",

@@ -1,4 +1,4 @@
-//! Replay of the corpus, and of variations of each of its files.
+//! Replay of the corpus, whose files are named by what their reader says to them, and of variations of each file.
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
@@ -88,15 +88,21 @@ fn varied(file: &[u8], dice: &mut Dice) -> Vec<u8> {
 fn survives(name: &str) {
     let target = TARGETS.iter().find(|target| target.name == name).unwrap();
     let files = corpus(target);
-    for (_, bytes) in &files {
-        (target.run)(bytes);
+    for (file, bytes) in &files {
+        let verdict = (target.run)(bytes);
+        let said = if verdict.is_ok() { "read-" } else { "refused-" };
+        let is_named = file.starts_with(said);
+        assert!(
+            is_named,
+            "name {name}/{file} by what it shows, {said}…: {verdict:?}"
+        );
     }
     let each = VARIATIONS.min(MOST / files.len() as u64);
     for (number, (file, bytes)) in files.iter().enumerate() {
         for variation in 0..each {
             let varied = varied(bytes, &mut Dice((number as u64) << 32 | variation));
             let run = target.run;
-            let outcome = std::panic::catch_unwind(|| run(&varied));
+            let outcome = std::panic::catch_unwind(|| run(&varied).is_ok());
             let shown = String::from_utf8_lossy(&varied);
             assert!(outcome.is_ok(), "variation {variation} of {file}:\n{shown}");
         }

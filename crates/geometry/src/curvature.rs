@@ -3,6 +3,8 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_PI, FRAC_PI_2};
 
 use nalgebra::{Matrix2, Vector2};
+use palpate_number::Number;
+use strum::IntoStaticStr;
 use thiserror::Error;
 
 /// The curvature form of a surface in an orthonormal tangent basis `(u, v)`, 1/length.
@@ -161,7 +163,8 @@ impl CurvatureForm {
 /// | H > 0  | peak  | ridge  | saddle ridge  |
 /// | H = 0  |       | flat   | minimal       |
 /// | H < 0  | pit   | valley | saddle valley |
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, Ord, PartialEq, PartialOrd)]
+#[strum(serialize_all = "kebab-case")]
 pub enum ShapeClass {
     /// K > 0, H > 0.
     Peak,
@@ -195,17 +198,8 @@ impl ShapeClass {
     ];
 
     /// The kebab-case name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Peak => "peak",
-            Self::Ridge => "ridge",
-            Self::SaddleRidge => "saddle-ridge",
-            Self::Flat => "flat",
-            Self::Minimal => "minimal",
-            Self::Pit => "pit",
-            Self::Valley => "valley",
-            Self::SaddleValley => "saddle-valley",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 
@@ -220,7 +214,10 @@ pub struct ShapeThresholds {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum InvalidThresholds {
     /// A threshold is negative or not finite.
-    #[error("{name} threshold is {value}; it must be finite and at least 0")]
+    #[error(
+        "{name} threshold is {value}; it must be finite and at least 0",
+        value = Number(*value)
+    )]
     OutOfRange {
         /// Name of the threshold: `gaussian` or `mean`.
         name: &'static str,
@@ -231,7 +228,9 @@ pub enum InvalidThresholds {
     #[error(
         "gaussian threshold {gaussian} is below the square of the mean threshold {mean} ({}); \
          then the impossible class K > 0, H = 0 appears",
-        mean * mean
+        Number(mean * mean),
+        gaussian = Number(*gaussian),
+        mean = Number(*mean)
     )]
     ImpossibleClass {
         /// The Gaussian threshold, 1/length².

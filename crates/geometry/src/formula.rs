@@ -14,6 +14,7 @@
 mod error;
 mod jet;
 mod lexer;
+mod limits;
 mod operation;
 mod parser;
 mod program;
@@ -46,9 +47,9 @@ pub struct Formula {
 
 impl Formula {
     /// The longest formula accepted, in characters.
-    pub const MAX_CHARACTERS: usize = 10_000;
+    pub const MAX_CHARACTERS: usize = limits::MAX_CHARACTERS;
     /// The deepest nesting accepted; parentheses, calls, signs and right-hand sides of operators all count.
-    pub const MAX_NESTING: usize = 100;
+    pub const MAX_NESTING: usize = limits::MAX_NESTING;
 
     /// Reads a formula. `parameters` gives the value of every name in it besides `x`, `y`, `pi` and the functions.
     ///

@@ -11,22 +11,27 @@
 //! This crate does no input or output, draws no random numbers and knows no file format.
 
 pub mod curvature;
+mod error;
 pub mod formula;
 mod fundamental;
 mod level_set;
 mod meridian;
 mod posed;
+mod reach;
 mod shape;
 mod surface;
 pub mod surfaces;
 
-pub use curvature::{CurvatureForm, PrincipalCurvatures, ShapeClass, ShapeThresholds};
+pub use curvature::{
+    CurvatureForm, InvalidThresholds, PrincipalCurvatures, ShapeClass, ShapeThresholds,
+};
+pub use error::{InvalidShape, SurfaceError};
 pub use fundamental::{ChartGeometry, ChartJet, GaussFrame, Parameters};
 pub use level_set::{LevelSet, TangentForm};
 pub use meridian::{Meridian, MeridianPoint, MeridianSlope};
 pub use posed::Posed;
-pub use shape::Shape;
-pub use surface::{InvalidShape, Surface, SurfaceError};
+pub use shape::{Shape, Visitor};
+pub use surface::Surface;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::surface::is_within_reach;
+use crate::reach::is_within_reach;
 use crate::{
     ChartGeometry, ChartJet, CurvatureForm, GaussFrame, InvalidShape, LevelSet, Meridian,
     Parameters, Surface, SurfaceError,

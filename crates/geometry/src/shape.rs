@@ -41,7 +41,31 @@ macro_rules! delegate {
     };
 }
 
+/// Computation on a surface whose type is known while compiling, where [`Shape`] as a [`Surface`] would choose anew at
+/// every call.
+pub trait Visitor {
+    /// Result of the computation.
+    type Out;
+
+    /// Computes on one surface.
+    fn visit<S: Surface>(self, surface: &S) -> Self::Out;
+}
+
 impl Shape {
+    /// Result of a computation on the surface that it is.
+    #[inline]
+    pub fn visited_by<V: Visitor>(&self, visitor: V) -> V::Out {
+        delegate!(self, surface => visitor.visit(surface))
+    }
+
+    /// Whether it is a graph z = f(x, y).
+    pub fn is_graph(&self) -> bool {
+        fn of<S: Surface>(_: &S) -> bool {
+            S::IS_GRAPH
+        }
+        delegate!(self, surface => of(surface))
+    }
+
     /// The kebab-case name used in configs.
     pub const fn name(&self) -> &'static str {
         match self {

@@ -1,111 +1,11 @@
-//! The interface of all surfaces, and their errors.
-
-use std::ops::RangeInclusive;
+//! The interface of all surfaces.
 
 use nalgebra::{Point3, Vector3};
-use thiserror::Error;
 
-use crate::{ChartGeometry, ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, TangentForm};
-
-/// Lengths and slopes whose squares neither overflow nor vanish. Beyond them directions are lost.
-pub(crate) const SQUARABLE: RangeInclusive<f64> = 1e-150..=1e150;
-
-/// Whether a place is near enough to be moved and squared; no place that is NaN or infinite is.
-pub(crate) fn is_within_reach(x: f64, y: f64) -> bool {
-    x.abs() + y.abs() <= *SQUARABLE.end()
-}
-
-/// Reasons for which a surface has no answer at a place.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum SurfaceError {
-    /// The surface does not reach there, or its formula is undefined there.
-    #[error("the surface is not defined, or not smooth, at x = {x}, y = {y}")]
-    OffDomain {
-        /// Coordinate in the surface's frame.
-        x: f64,
-        /// Coordinate in the surface's frame.
-        y: f64,
-    },
-    /// The chart (not the surface) is singular there, or does not reach that far.
-    #[error("the chart is singular at u = {u}, v = {v}")]
-    ChartSingular {
-        /// First parameter.
-        u: f64,
-        /// Second parameter.
-        v: f64,
-    },
-    /// No single closest point: the centre of a sphere, the axis of a cylinder.
-    #[error("no single closest point to ({x}, {y}, {z})")]
-    NoClosestPoint {
-        /// Coordinate of the query point.
-        x: f64,
-        /// Coordinate of the query point.
-        y: f64,
-        /// Coordinate of the query point.
-        z: f64,
-    },
-}
-
-impl SurfaceError {
-    /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::OffDomain { .. } => "off-domain",
-            Self::ChartSingular { .. } => "chart-singular",
-            Self::NoClosestPoint { .. } => "no-closest-point",
-        }
-    }
-
-    pub(crate) fn no_closest_point(point: &Point3<f64>) -> Self {
-        Self::NoClosestPoint {
-            x: point.x,
-            y: point.y,
-            z: point.z,
-        }
-    }
-}
-
-/// A parameter that makes no surface.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("{parameter} is {value}; it must be {expected}")]
-pub struct InvalidShape {
-    /// Name of the parameter, as in the config.
-    pub parameter: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// Values that the parameter may have, in words that follow "must be".
-    pub expected: &'static str,
-}
-
-impl InvalidShape {
-    pub(crate) fn unless_length(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
-        if SQUARABLE.contains(&value) {
-            return Ok(value);
-        }
-        let expected = if value > 0.0 && value.is_finite() {
-            "between 1e-150 and 1e150"
-        } else {
-            "finite and > 0"
-        };
-        Err(InvalidShape {
-            parameter,
-            value,
-            expected,
-        })
-    }
-
-    pub(crate) fn unless_finite(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
-        if value.is_finite() {
-            return Ok(value);
-        }
-        let expected = "finite";
-        Err(InvalidShape {
-            parameter,
-            value,
-            expected,
-        })
-    }
-}
+use crate::{
+    ChartGeometry, ChartJet, CurvatureForm, LevelSet, Meridian, Parameters, SurfaceError,
+    TangentForm,
+};
 
 /// The boundary of a solid: smooth, with its normal out of the solid.
 ///
@@ -131,6 +31,9 @@ impl InvalidShape {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Surface {
+    /// Whether it is a graph z = f(x, y), so that a place on it follows from x and y.
+    const IS_GRAPH: bool = false;
+
     /// The chart's point and derivatives at `at`.
     ///
     /// # Errors

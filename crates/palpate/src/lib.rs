@@ -1,7 +1,17 @@
-//! Studies of a fingertip that explores a surface: load a config, run its cells, get the tables.
+//! Studies of a fingertip that explores a surface, and estimates from readings that somebody measured.
 //!
-//! Nothing here prints, exits, reads a clock or writes a file, and it runs where there are no threads (WebAssembly). The
-//! program of this name (feature `cli`) adds arguments, files and a terminal.
+//! | to | call |
+//! |---|---|
+//! | read a study | [`load`] from a file, [`parse`] from a text with a name |
+//! | see what it will do | [`check`] |
+//! | choose its trials from a budget of time or a target error | [`plan`] |
+//! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
+//! | follow one pass of a cell | [`trace`] |
+//! | take tables apart | [`columns`] |
+//! | estimate from recorded readings, track camera images | [`recorded`], with [`readings`] for numbers and [`frame`] for pixels |
+//!
+//! Nothing here prints, exits, reads a clock or writes a file; only files that the caller names are read. It runs where
+//! there are no threads (WebAssembly). The program of this name (feature `cli`) adds arguments, files and a terminal.
 //!
 //! ```
 //! let text = r#"
@@ -16,21 +26,39 @@
 //! motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
 //! noise = { angular_velocity = { kind = "uniform", fraction = 0.05 } }
 //! "#;
-//! let study = palpate::config::parse("a-ball.toml", text)?;
-//! let simulation = palpate::Simulation::new(&study, 0..study.cells.len())?;
-//! let ran = simulation.run(&palpate::RunOptions::default(), &|_| ())?;
-//! assert!(ran.cells().to_csv().starts_with("cell,quantity,unit,truth,"));
+//! let study = palpate::parse("a-ball.toml", text)?;
+//! let ran = palpate::run(&study)?;
+//! assert!(ran.cells.to_csv().starts_with("cell,quantity,unit,truth,"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod check;
+mod columns;
+mod costs;
+mod facts;
+mod map;
+mod plan;
+mod readings;
 mod simulation;
 mod tables;
+mod trace;
 mod trial;
 
-pub use palpate_scene::{Arch, Scene};
-pub use palpate_study::{Table, config};
-pub use palpate_sweep::{CellStatistics, RunOptions, SweepError};
-pub use simulation::{Map, Ran, Simulation};
+pub use check::{CellGroup, Check, Rungs, check};
+pub use columns::{Column, Values, columns};
+pub use costs::Cost;
+pub use map::Map;
+pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, SeenPress, Trace, recorded};
+pub use palpate_study::Table;
+pub use palpate_study::config::{self, ConfigError, Study, load, parse};
+pub use palpate_sweep::{
+    CellStatistics, Clock, FailingCell, Goal, NoThreads, Plan, PlanError, RunOptions, Runner,
+    SHARE_OF_MODEL, Summary, SweepError,
+};
+pub use plan::plan;
+pub use readings::{frame, readings};
+pub use simulation::{Ran, RunError, Simulation, run};
+pub use trace::{TraceError, trace};
 pub use trial::SceneTrial;
 
 #[cfg(doctest)]

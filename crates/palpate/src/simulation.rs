@@ -1,48 +1,105 @@
 //! The trials of a study's cells, and the tables that they give.
 
 use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
-use palpate_scene::Scenes;
-use palpate_scene::glide::MapTable;
-use palpate_scene::press::ProfileTable;
-use palpate_scene::{Arch, Scene};
+use palpate_scene::{Arch, MapTable, Scene, Scenes};
 use palpate_study::Table;
 use palpate_study::config::{ConfigError, Output, Study};
-use palpate_sweep::{Cell, CellStatistics, RunOptions, Runner, SweepError};
+use palpate_sweep::{CellStatistics, NoThreads, RunOptions, Runner, SweepError};
+use thiserror::Error;
 
-use crate::SceneTrial;
+use crate::facts::Facts;
+use crate::map::{CellMap, Map};
 use crate::tables::{self, Row};
+use crate::trial::SceneTrial;
 
-/// Cells of a study that are ready to run.
+/// Scenes that are kept from their check until they are run. Those of further cells are set up once more, which bounds
+/// the memory of a study of many cells; a scene with a camera takes a second to set up.
+const KEPT: usize = 64;
+
+/// Cells of a study that have been checked and are ready to run.
+///
+/// ```
+/// use std::sync::atomic::AtomicBool;
+/// use palpate::{RunOptions, Runner, Simulation};
+///
+/// let text = r#"
+/// name = "balls"
+/// trials = 100
+/// [scene]
+/// kind = "roll"
+/// probe = { kind = "sphere", radius = 10.0 }
+/// object = { kind = "sphere", radius = 30.0 }
+/// motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// noise = { angular_velocity = { kind = "uniform", fraction = 0.05 } }
+/// [[sweep]]
+/// path = "scene.object.radius"
+/// values = [30.0, 60.0, 90.0]
+/// "#;
+/// let study = palpate::parse("balls.toml", text)?;
+/// let runner = Runner::new(&RunOptions::default())?;
+/// // The last cell alone.
+/// let simulation = Simulation::new(&study, [2], &runner)?;
+/// assert_eq!(simulation.trials(), 100);
+/// let ran = simulation.run(&AtomicBool::new(false), &|_finished| ())?;
+/// assert_eq!((ran.statistics.len(), ran.cells.rows[0][0].as_str()), (1, "2"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Simulation<'a> {
     study: &'a Study,
-    numbers: Vec<usize>,
-    trials: Vec<SceneTrial>,
+    runner: &'a Runner,
+    arch: Arch,
+    cells: Vec<Ready>,
+}
+
+/// Cell that has been checked.
+#[derive(Debug)]
+struct Ready {
+    number: usize,
+    facts: Facts,
+    /// Empty table for maps of scenes of its kind, or why there are none; `None` where the config asks for no maps.
+    maps: Option<Result<MapTable, &'static str>>,
+    /// Its scene, if it has been kept, until the first run takes it.
+    kept: Mutex<Option<Scene>>,
 }
 
 impl<'a> Simulation<'a> {
-    /// Sets up the cells with these numbers.
+    /// Sets up the cells with these numbers one by one, each on any of the runner's threads, and keeps few of them.
     ///
     /// # Errors
-    /// A [`ConfigError`] at the field that makes no scene, that leaves nothing to estimate from, or that asks for a map of
-    /// what has none.
-    ///
-    /// # Panics
-    /// If a number is not that of a cell.
+    /// [`ConfigError`] at the field that makes no scene, that leaves nothing to estimate from, or that asks for a map of
+    /// what has none, of the first cell that has such a field; for a number that no cell has.
     pub fn new(
         study: &'a Study,
         numbers: impl IntoIterator<Item = usize>,
+        runner: &'a Runner,
     ) -> Result<Self, ConfigError> {
         let numbers: Vec<usize> = numbers.into_iter().collect();
-        let trials = numbers
-            .iter()
-            .map(|&cell| study.estimable_scene(cell).map(SceneTrial::new))
-            .collect::<Result<Vec<_>, _>>()?;
+        let unit = study.config.length_unit;
+        let has_maps = study.config.outputs.contains(&Output::Map);
+        let checked: Vec<OnceLock<Ready>> = numbers.iter().map(|_| OnceLock::new()).collect();
+        runner.check(numbers.len(), |place| {
+            let number = numbers[place];
+            let cell = study.cell(number)?;
+            let scene = study.estimable_scene(number)?;
+            checked[place].get_or_init(|| Ready {
+                number,
+                facts: Facts::of(&scene, cell),
+                maps: has_maps.then(|| scene.map_table(unit)),
+                kept: Mutex::new(Some(scene).filter(|_| place < KEPT)),
+            });
+            Ok::<(), ConfigError>(())
+        })?;
         let simulation = Self {
             study,
-            numbers,
-            trials,
+            runner,
+            arch: Arch::new(),
+            cells: checked
+                .into_iter()
+                .filter_map(OnceLock::into_inner)
+                .collect(),
         };
         simulation.refuse_maps()?;
         Ok(simulation)
@@ -51,161 +108,144 @@ impl<'a> Simulation<'a> {
     /// The simulation with trials side by side computed by other instructions than the widest that the processor has; no
     /// number depends on them.
     #[must_use]
-    pub fn with_arch(mut self, arch: Arch) -> Self {
-        for trial in &mut self.trials {
-            trial.arch = arch;
-        }
-        self
-    }
-
-    /// Scenes of the cells, in the order of their numbers.
-    pub fn scenes(&self) -> impl Iterator<Item = &Scene> {
-        self.trials.iter().map(|trial| &trial.scene)
+    pub fn with_arch(self, arch: Arch) -> Self {
+        Self { arch, ..self }
     }
 
     /// Number of trials of all cells together; at most the largest number of 64 bits.
     pub fn trials(&self) -> u64 {
-        let trials = self.cells().into_iter().map(|cell| cell.trials);
+        let trials = self.cells.iter().map(|cell| cell.facts.trials);
         trials.fold(0, u64::saturating_add)
     }
 
-    /// Runs all trials; `progress` is told by any thread how many it has done since it last told.
-    ///
-    /// # Errors
-    /// [`SweepError`], before any trial is run.
-    ///
-    /// # Panics
-    /// Where `progress` does.
-    pub fn run(
-        &self,
-        options: &RunOptions,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Ran<'_>, SweepError> {
-        self.run_until(&AtomicBool::new(false), options, progress)
-    }
-
-    /// Runs all trials as [`Simulation::run`] does, until another thread sets `cancelled`: then no trial begins.
+    /// Runs all trials, until another thread sets `cancelled`: then no trial begins. `progress` is told by any thread how
+    /// many it has done since it last told.
     ///
     /// # Errors
     /// [`SweepError`], before any trial is run; [`SweepError::Cancelled`].
     ///
     /// # Panics
     /// Where `progress` does.
-    pub fn run_until(
+    pub fn run(
         &self,
         cancelled: &AtomicBool,
-        options: &RunOptions,
         progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Ran<'_>, SweepError> {
-        let statistics = Runner::new(options)?.run_until(cancelled, &self.cells(), progress)?;
+    ) -> Result<Ran, SweepError<ConfigError>> {
+        let trials: Vec<u64> = self.cells.iter().map(|cell| cell.facts.trials).collect();
+        let maps: Vec<OnceLock<CellMap>> = trials.iter().map(|_| OnceLock::new()).collect();
+        let set_up = |place: usize| {
+            let cell = &self.cells[place];
+            let kept = cell
+                .kept
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .take();
+            let scene = match kept {
+                Some(scene) => scene,
+                None => self.study.estimable_scene(cell.number)?,
+            };
+            if let Some(Ok(table)) = &cell.maps {
+                maps[place].get_or_init(|| CellMap::of(&scene, cell.number, table.clone()));
+            }
+            Ok(SceneTrial {
+                scene,
+                arch: self.arch,
+            })
+        };
+        let statistics = self
+            .runner
+            .run_until(cancelled, &trials, set_up, progress)?;
+        let rows: Vec<Row<'_>> = self.cells.iter().zip(&statistics).map(Row::from).collect();
         Ok(Ran {
-            simulation: self,
+            cells: tables::cells(self.study, &rows),
+            failures: tables::failures(&rows),
+            map: self.study.config.outputs.contains(&Output::Map).then(|| {
+                let maps = maps.into_iter().filter_map(OnceLock::into_inner);
+                Map::of_cells(maps)
+            }),
             statistics,
         })
     }
 
-    fn cells(&self) -> Vec<Cell<'_>> {
-        let cells = self.numbers.iter().zip(&self.trials);
-        cells
-            .map(|(&number, trial)| Cell {
-                trials: trial.scene.trials(self.study.cells[number].config.trials),
-                trial,
-            })
-            .collect()
-    }
-
     fn refuse_maps(&self) -> Result<(), ConfigError> {
-        if !self.study.config.outputs.contains(&Output::Map) {
-            return Ok(());
-        }
-        let is_press = |scene: &Scene| matches!(scene, Scene::Press(_));
-        let message = if self.scenes().any(|scene| matches!(scene, Scene::Roll(_))) {
-            "a roll has no map; \"cells\" and \"trace\" are possible"
-        } else if self
-            .scenes()
-            .any(|scene| matches!(scene, Scene::Fingertip(_)))
-        {
-            "a fingertip that touches nothing has no map; \"cells\" is possible"
-        } else if self.scenes().any(is_press) && !self.scenes().all(is_press) {
-            "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
-        } else {
-            return Ok(());
+        let maps = self.cells.iter().filter_map(|cell| cell.maps.as_ref());
+        let tables: Result<Vec<&MapTable>, &str> =
+            maps.map(|maps| maps.as_ref().map_err(|why| *why)).collect();
+        let message = match tables {
+            Ok(tables) if tables.windows(2).all(|pair| pair[0] == pair[1]) => return Ok(()),
+            Ok(_) => {
+                "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
+            }
+            Err(message) => message,
         };
         Err(self.study.error_at(0, "outputs", message))
     }
 }
 
+impl<'a> From<(&'a Ready, &'a CellStatistics)> for Row<'a> {
+    fn from((cell, statistics): (&'a Ready, &'a CellStatistics)) -> Self {
+        Self {
+            cell: cell.number,
+            facts: &cell.facts,
+            statistics,
+        }
+    }
+}
+
 /// Results of the trials of a [`Simulation`].
-#[derive(Debug)]
-pub struct Ran<'a> {
-    simulation: &'a Simulation<'a>,
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ran {
     /// Statistics of each cell, in the order of their numbers.
     pub statistics: Vec<CellStatistics>,
+    /// Table `cells.csv`: one row per cell and quantity.
+    pub cells: Table,
+    /// Table `failures.csv`: one row per cell and kind of failure.
+    pub failures: Table,
+    /// Table `map.csv`, of the first trial of every cell; `None` where the config asks for none.
+    pub map: Option<Map>,
 }
 
-/// Maps, or profiles, of the first trial of every cell.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Map {
-    /// CSV text of all of them.
-    pub csv: String,
-    /// Name of what may be missing in it: "cells" or "estimates of cells".
-    pub lacks: &'static str,
-    /// Numbers of the cells whose trial 0 failed, and the stable name of how.
-    pub failed: Vec<(usize, &'static str)>,
+/// Study that cannot be run.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// Lack of threads.
+    #[error(transparent)]
+    NoThreads(#[from] NoThreads),
+    /// Field of a cell's config that makes no scene.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// Trials that cannot be run.
+    #[error(transparent)]
+    Sweep(#[from] SweepError<ConfigError>),
 }
 
-impl Ran<'_> {
-    fn rows(&self) -> Vec<Row<'_>> {
-        let Simulation {
-            numbers, trials, ..
-        } = self.simulation;
-        let cells = numbers.iter().zip(trials).zip(&self.statistics);
-        cells
-            .map(|((&cell, trial), statistics)| Row {
-                cell,
-                scene: &trial.scene,
-                statistics,
-            })
-            .collect()
-    }
-
-    /// `cells.csv`: one row per cell and quantity.
-    pub fn cells(&self) -> Table {
-        tables::cells(self.simulation.study, &self.rows())
-    }
-
-    /// `failures.csv`: one row per cell and kind of failure.
-    pub fn failures(&self) -> Table {
-        tables::failures(&self.rows())
-    }
-
-    /// `map.csv`: the map of the first trial of every cell, where the config asks for it.
-    pub fn map(&self) -> Option<Map> {
-        let study = self.simulation.study;
-        if !study.config.outputs.contains(&Output::Map) {
-            return None;
-        }
-        let unit = study.config.length_unit;
-        let mut maps = MapTable::of_cells(unit);
-        let mut profiles = ProfileTable::of_cells(unit);
-        let mut is_press = false;
-        let mut failed = Vec::new();
-        for Row { cell, scene, .. } in self.rows() {
-            let error = match scene {
-                Scene::Roll(_) | Scene::Fingertip(_) => None,
-                Scene::Glide(glide) => glide.map(cell, 0, &mut maps).err().map(|e| e.name()),
-                Scene::Press(press) => {
-                    is_press = true;
-                    let profile = press.profile(cell, 0, &mut profiles);
-                    profile.err().map(|e| e.name())
-                }
-            };
-            failed.extend(error.map(|name| (cell, name)));
-        }
-        let (csv, lacks) = match is_press {
-            true => (profiles.into_csv(), "estimates of cells"),
-            false => (maps.into_csv(), "cells"),
-        };
-        Some(Map { csv, lacks, failed })
-    }
+/// Runs all cells of a study on all processors.
+///
+/// ```
+/// let text = r#"
+/// name = "a-ball"
+/// length_unit = "mm"
+/// trials = 100
+/// [scene]
+/// kind = "roll"
+/// probe = { kind = "sphere", radius = 10.0 }
+/// object = { kind = "sphere", radius = 30.0 }
+/// motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// noise = { angular_velocity = { kind = "uniform", fraction = 0.05 } }
+/// "#;
+/// let study = palpate::parse("a-ball.toml", text)?;
+/// let ran = palpate::run(&study)?;
+/// // Statistics of the normal curvature along u, 1/mm.
+/// let curvature = ran.statistics[0].quantities[0];
+/// assert_eq!(curvature.truth, Some(1.0 / 30.0));
+/// assert!(curvature.relative_rms_error.ok_or("of a ball")? < 0.2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`RunError`], before any trial is run.
+pub fn run(study: &Study) -> Result<Ran, RunError> {
+    let runner = Runner::new(&RunOptions::default())?;
+    let simulation = Simulation::new(study, 0..study.cell_count(), &runner)?;
+    Ok(simulation.run(&AtomicBool::new(false), &|_| ())?)
 }

@@ -1,18 +1,19 @@
 //! `cells.csv` and `failures.csv`.
 
-use palpate_scene::Scene;
-use palpate_study::Table;
 use palpate_study::config::{STATISTICS, STD_BOUND, Study};
+use palpate_study::{Table, number};
 use palpate_sweep::{CellStatistics, Summary};
 
-/// A cell that was run: its number in the study, its scene and what came out.
+use crate::facts::Facts;
+
+/// Cell that was run: its number in the study, facts about its scene and what came out.
 pub(crate) struct Row<'a> {
     pub(crate) cell: usize,
-    pub(crate) scene: &'a Scene,
+    pub(crate) facts: &'a Facts,
     pub(crate) statistics: &'a CellStatistics,
 }
 
-/// One row per cell and quantity. Presses have a bound on the standard deviation behind the
+/// Table with one row per cell and quantity. Presses have a bound on the standard deviation behind the
 /// statistics.
 ///
 /// Where the number of trials is swept, the statistic of that name is its column.
@@ -21,41 +22,40 @@ pub(crate) fn cells(study: &Study, ran: &[Row<'_>]) -> Table {
         .filter(|&place| !STATISTICS.contains(&study.paths[place].as_str()))
         .collect();
     let columns = swept.iter().map(|&place| study.columns[place].as_str());
-    let of_presses = ran.iter().any(|ran| matches!(ran.scene, Scene::Press(_)));
+    let states_bounds = ran.iter().any(|ran| ran.facts.states_bounds);
     let header = ["cell"]
         .into_iter()
         .chain(columns)
         .chain(["quantity", "unit"])
         .chain(STATISTICS)
-        .chain(of_presses.then_some(STD_BOUND));
+        .chain(states_bounds.then_some(STD_BOUND));
     let mut table = Table::new(header.map(str::to_owned));
     for Row {
         cell,
-        scene,
+        facts,
         statistics,
     } in ran
     {
-        let quantities = scene.quantities().iter().zip(&statistics.quantities);
+        let quantities = facts.quantities.iter().zip(&statistics.quantities);
         for (place, (quantity, summary)) in quantities.enumerate() {
             // Where every trial failed, the scene still knows.
-            let truth = summary.truth.or_else(|| scene.truth(place));
+            let truth = summary.truth.or(facts.truths[place]);
             let statistics = statistics_of(statistics, &Summary { truth, ..*summary });
-            let coordinates = &study.cells[*cell].coordinates;
             let mut row = vec![cell.to_string()];
-            row.extend(swept.iter().map(|&place| coordinates[place].clone()));
+            row.extend(swept.iter().map(|&place| facts.coordinates[place].clone()));
             let unit = quantity.unit.of(study.config.length_unit);
             row.extend([quantity.name.to_owned(), unit.to_string()]);
             row.extend(statistics);
-            row.extend(of_presses.then(|| number(scene.std_bound(place))));
+            row.extend(states_bounds.then(|| optional(facts.std_bounds[place])));
             table.rows.push(row);
         }
     }
     table
 }
 
-/// A number, zero without a sign; empty where there is none.
-fn number(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |value| (value + 0.0).to_string())
+/// Text of a number; empty where there is none.
+fn optional(value: Option<f64>) -> String {
+    value.map_or_else(String::new, number)
 }
 
 /// The statistics of a quantity, in the order of [`STATISTICS`].
@@ -77,7 +77,7 @@ fn statistics_of(cell: &CellStatistics, summary: &Summary) -> Vec<String> {
         coverage95,
     } = *summary;
     let mut texts = vec![
-        number(truth),
+        optional(truth),
         cell.trials.to_string(),
         cell.failed().to_string(),
     ];
@@ -96,12 +96,12 @@ fn statistics_of(cell: &CellStatistics, summary: &Summary) -> Vec<String> {
             mean_reported_std,
             coverage95,
         ]
-        .map(number),
+        .map(optional),
     );
     texts
 }
 
-/// One row per cell and kind of failure.
+/// Table with one row per cell and kind of failure.
 pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
     let mut table = Table::new(["cell", "kind", "count", "first_trial"].map(str::to_owned));
     for Row {

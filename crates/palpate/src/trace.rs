@@ -1,63 +1,46 @@
-//! `palpate trace`.
+//! One pass of a cell, written down.
 
-use anyhow::anyhow;
-use palpate_scene::Scene;
-use palpate_scene::Scenes;
-use palpate_study::config;
+use palpate_scene::{Scenes, Trace, TraceError as PassError};
+use palpate_study::config::{ConfigError, Study};
+use thiserror::Error;
 
-use crate::cli::TraceArgs;
-use crate::failure::Failure;
-use crate::{output, run};
-
-pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
-    let study = config::load(&args.config).map_err(Failure::usage)?;
-    let cells = study.cells.len();
-    if args.cell >= cells {
-        let last = cells - 1;
-        return Err(Failure::Usage(anyhow!(
-            "--cell is {}; the study has cells 0 to {last}",
-            args.cell
-        )));
-    }
-    let scene = study.scene(args.cell).map_err(Failure::usage)?;
-    let traced = run::trace_files(&study, &scene, args.trial)?;
-    let rows = traced.contacts;
-    let what = match &scene {
-        Scene::Roll(_) => {
-            let probes = counted(traced.readings, "probe");
-            format!("{} of {probes}", counted(rows, "contact"))
-        }
-        Scene::Glide(glide) => {
-            let fingers = counted(glide.fingers(), "finger");
-            format!("{} of {fingers}", counted(rows, "contact"))
-        }
-        Scene::Press(press) => {
-            let unit = study.config.length_unit.as_str();
-            let told = press.told_indentation(args.trial);
-            let camera = press
-                .px_per_rad()
-                .map_or(String::new(), |f| format!(", seen with {f:.3} px per rad"));
-            let read = match traced.readings {
-                all if all == rows => String::new(),
-                some => format!("{some} of "),
-            };
-            let markers = counted(rows, "marker");
-            format!("{read}{markers} under an indentation told as {told} {unit}{camera}")
-        }
-        Scene::Fingertip(_) => String::new(),
-    };
-    output::write_files(&args.out, &traced.files)?;
-    if traced.is_seen {
-        palpate_report::draw_press_trace(&args.out).map_err(Failure::work)?;
-    }
-    output::print(&format!(
-        "{}: {what} -> {}",
-        study.config.name,
-        args.out.display()
-    ))
+/// Pass that cannot be followed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum TraceError {
+    /// Field that makes no scene, or one that touches nothing; a number that no cell has.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// Pass that ends early or that the sensor cannot read.
+    #[error(transparent)]
+    Pass(PassError),
 }
 
-fn counted(count: usize, what: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {what}{plural}")
+/// Follows one pass of a cell: noiseless, or as in trial number `trial`.
+///
+/// ```
+/// let text = r#"
+/// name = "a-ball"
+/// length_unit = "mm"
+/// [scene]
+/// kind = "roll"
+/// probe = { kind = "sphere", radius = 10.0 }
+/// object = { kind = "sphere", radius = 30.0 }
+/// motion = { rate_rad_per_s = 0.1, duration_s = 1.0, directions_deg = [0.0, 90.0] }
+/// "#;
+/// let study = palpate::parse("a-ball.toml", text)?;
+/// let trace = palpate::trace(&study, 0, None)?;
+/// assert_eq!(trace.what, "202 contacts of 2 probes");
+/// assert!(palpate::trace(&study, 1, None).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`TraceError`].
+pub fn trace(study: &Study, cell: usize, trial: Option<u64>) -> Result<Trace, TraceError> {
+    let unit = study.config.length_unit;
+    let trace = study.scene(cell)?.trace(trial, unit);
+    trace.map_err(|error| match error {
+        PassError::Untouched => study.error_at(0, "scene.kind", error.to_string()).into(),
+        error => TraceError::Pass(error),
+    })
 }

@@ -10,8 +10,8 @@ use palpate_sweep::{Observation, Observations, Record, Trial};
 pub struct SceneTrial {
     /// The scene.
     pub scene: Scene,
-    /// Instructions for trials side by side.
-    pub(crate) arch: Arch,
+    /// Instructions for trials side by side; no number depends on them.
+    pub arch: Arch,
 }
 
 impl SceneTrial {
@@ -31,14 +31,9 @@ impl Trial for SceneTrial {
 
     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
         match &self.scene {
+            // So quick that calls one by one would show.
             Scene::Roll(roll) => record.observe_each(roll.outcomes(trial)?.map(observation)),
-            Scene::Glide(glide) => glide.trial(trial, |quantity, outcome| {
-                record.observe(quantity, observation(outcome));
-            })?,
-            Scene::Press(press) => press.trial(trial, |quantity, outcome| {
-                record.observe(quantity, observation(outcome));
-            })?,
-            Scene::Fingertip(fingertip) => fingertip.trial(|quantity, outcome| {
+            scene => scene.trial(trial, |quantity, outcome| {
                 record.observe(quantity, observation(outcome));
             })?,
         }
@@ -50,8 +45,12 @@ impl Trial for SceneTrial {
             Scene::Roll(roll) => roll.side_by_side(self.arch, trials, |observed| {
                 record.observe_together(&observed.map(observations))
             }),
-            Scene::Glide(_) | Scene::Press(_) | Scene::Fingertip(_) => 0,
+            _ => 0,
         }
+    }
+
+    fn is_random(&self) -> bool {
+        self.scene.is_random()
     }
 }
 

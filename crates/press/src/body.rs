@@ -138,6 +138,14 @@ impl Body {
         Ok(Self(Rung::Gaussian { c }))
     }
 
+    /// The c of a Gaussian; `None` of other bodies.
+    pub fn c(&self) -> Option<f64> {
+        match self.0 {
+            Rung::Gaussian { c } => Some(c),
+            _ => None,
+        }
+    }
+
     /// Whether presses move the skin along itself, as far as this model knows.
     pub fn moves_tangentially(&self) -> bool {
         !matches!(self.0, Rung::Gaussian { .. })

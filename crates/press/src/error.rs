@@ -1,20 +1,16 @@
 //! Errors of presses that are impossible, and of readings that do not determine a curvature.
 
+use palpate_number::{BadSetting, Number};
+use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
 /// Reasons for which there is no press, or no curvature from it.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
 pub enum PressError {
     /// A setting is out of its range.
-    #[error("{setting} is {value}; it must be {expected}")]
-    BadSetting {
-        /// Name of the setting, as in the config.
-        setting: &'static str,
-        /// Its value.
-        value: f64,
-        /// Values that the setting may have, in words that follow "must be".
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    BadSetting(#[from] BadSetting),
     /// A reading, or what follows from it, is not a finite number.
     #[error("marker {marker} (counting from 0): a number is not finite, or beyond 1e50")]
     NotFinite {
@@ -23,7 +19,8 @@ pub enum PressError {
     },
     /// A marker's place is further along the skin than the skin goes.
     #[error(
-        "marker {marker} (counting from 0) lies {distance} from the apex along the skin, whose other pole is at {limit}"
+        "marker {marker} (counting from 0) lies {distance} from the apex along the skin, whose other pole is at {limit}",
+        distance = Number(*distance), limit = Number(*limit)
     )]
     OffSkin {
         /// Number of the marker, counted from 0.
@@ -34,25 +31,37 @@ pub enum PressError {
         limit: f64,
     },
     /// The bodies do not press into each other.
-    #[error("the indentation is {indentation}; a contact needs one > 0")]
+    #[error(
+        "the indentation is {indentation}; a contact needs one > 0",
+        indentation = Number(*indentation)
+    )]
     NoIndentation {
         /// The approach of the bodies since first touch, length.
         indentation: f64,
     },
     /// The object is exactly as hollow as the sensor is round: they touch everywhere at once.
-    #[error("the bodies conform: the relative curvature is {relative_curvature}")]
+    #[error(
+        "the bodies conform: the relative curvature is {relative_curvature}",
+        relative_curvature = Number(*relative_curvature)
+    )]
     Conforming {
         /// 1/R_s + 1/R_o, 1/length.
         relative_curvature: f64,
     },
     /// The object is more hollow than the sensor is round: its edge is touched, not its bottom.
-    #[error("the relative curvature is {relative_curvature}, below 0: the contact is at the edge")]
+    #[error(
+        "the relative curvature is {relative_curvature}, below 0: the contact is at the edge",
+        relative_curvature = Number(*relative_curvature)
+    )]
     EdgeContact {
         /// 1/R_s + 1/R_o, 1/length.
         relative_curvature: f64,
     },
     /// The indentation reaches beyond the elastic body.
-    #[error("the indentation is {indentation}; it must be less than {limit}, {what}")]
+    #[error(
+        "the indentation is {indentation}; it must be less than {limit}, {what}",
+        indentation = Number(*indentation), limit = Number(*limit)
+    )]
     TooDeep {
         /// The indentation, length.
         indentation: f64,
@@ -62,10 +71,8 @@ pub enum PressError {
         what: &'static str,
     },
     /// The contact would be wider than the sensor.
-    #[error(
-        "the contact would have a radius of {radius:.4}; it must stay below that of the sensor, \
-         {limit}"
-    )]
+    #[error("the contact would have a radius of {radius:.4}; it must stay below that of the sensor, \
+         {limit}", radius = Number(*radius), limit = Number(*limit))]
     TooWide {
         /// Radius of the contact, length.
         radius: f64,
@@ -95,7 +102,8 @@ pub enum PressError {
     /// All markers moved alike, or not beyond their noise.
     #[error(
         "no contact to be seen: the best fit explains the readings only {improvement:.1} better \
-         than none does (chi-squared; {needed} are needed)"
+         than none does (chi-squared; {needed} are needed)",
+        improvement = Number(*improvement)
     )]
     NoContact {
         /// Chi-squared without a contact minus that with one.
@@ -106,7 +114,8 @@ pub enum PressError {
     /// One marker moved and the others did not: it is wrong, or the object is a needle under it.
     #[error(
         "only marker {marker} (counting from 0) moved: a contact explains the others only \
-         {improvement:.1} better than none does (chi-squared; {needed} are needed)"
+         {improvement:.1} better than none does (chi-squared; {needed} are needed)",
+        improvement = Number(*improvement)
     )]
     OneMarker {
         /// Number of the marker, counted from 0.
@@ -117,7 +126,10 @@ pub enum PressError {
         needed: f64,
     },
     /// The contact that would explain the readings lies away from all markers.
-    #[error("the contact lies {distance} from the nearest marker, off the sensor's markers")]
+    #[error(
+        "the contact lies {distance} from the nearest marker, off the sensor's markers",
+        distance = Number(*distance)
+    )]
     OffMarkers {
         /// Distance along the skin, length.
         distance: f64,
@@ -141,35 +153,11 @@ impl PressError {
         is_good: bool,
         expected: &'static str,
     ) -> Result<f64, Self> {
-        if is_good {
-            Ok(value)
-        } else {
-            Err(Self::BadSetting {
-                setting,
-                value,
-                expected,
-            })
-        }
+        Ok(BadSetting::unless(is_good, setting, value, expected)?)
     }
 
     /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::BadSetting { .. } => "bad-setting",
-            Self::NotFinite { .. } => "not-finite",
-            Self::OffSkin { .. } => "off-skin",
-            Self::NoIndentation { .. } => "no-indentation",
-            Self::Conforming { .. } => "conforming",
-            Self::EdgeContact { .. } => "edge-contact",
-            Self::TooDeep { .. } => "too-deep",
-            Self::TooWide { .. } => "too-wide",
-            Self::LayerTooThin { .. } => "layer-too-thin",
-            Self::TooFewMarkers { .. } => "too-few-markers",
-            Self::NoContact { .. } => "no-contact",
-            Self::OneMarker { .. } => "one-marker",
-            Self::OffMarkers { .. } => "off-markers",
-            Self::Undetermined { .. } => "undetermined",
-            Self::OutOfRange => "out-of-range",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 }

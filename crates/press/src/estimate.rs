@@ -1,5 +1,7 @@
 //! The estimate from one press: its values, their intervals and the verdict.
 
+use strum::IntoStaticStr;
+
 /// A value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimated {
@@ -54,7 +56,8 @@ impl Interval {
 }
 
 /// The sign of the object's curvature, as far as the readings tell it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Verdict {
     /// The interval of the object's curvature lies above 0.
     Convex,
@@ -68,13 +71,8 @@ pub enum Verdict {
 
 impl Verdict {
     /// The stable name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Convex => "convex",
-            Self::Concave => "concave",
-            Self::FlatWithinNoise => "flat-within-noise",
-            Self::NotResolved => "not-resolved",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 

@@ -6,7 +6,9 @@ mod outcome;
 mod presence;
 mod problem;
 mod profile;
+mod reading;
 mod search;
+mod settings;
 mod start;
 
 use crate::{Body, Contact, Markers, PressError, PressEstimate};
@@ -15,72 +17,8 @@ use outcome::Stds;
 use problem::{Problem, State};
 use search::Search;
 
-/// The readings of one press.
-#[derive(Clone, Copy, Debug)]
-pub struct Reading<'a> {
-    /// Markers, with their places under the skin.
-    pub markers: &'a Markers,
-    /// Inward displacement of each, length.
-    pub normal: &'a [f64],
-    /// Displacement of each along the skin, in the marker's axes, if it is sensed. Length.
-    pub tangential: Option<&'a [[f64; 2]]>,
-    /// The indentation, if something else tells it (a robot's pose).
-    pub indentation: Option<Measured>,
-}
-
-/// A measured value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
-    /// The value.
-    pub value: f64,
-    /// Its standard deviation; 0 for exact.
-    pub std: f64,
-}
-
-/// Knowledge of a nuisance parameter of the readings: of the baseline or the gain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Prior {
-    /// It has its ideal value: 0 for a baseline, 1 for a gain.
-    Exact,
-    /// It has its ideal value within this standard deviation (> 0, in its own unit), and is fitted.
-    Within(f64),
-    /// It is unknown, and fitted.
-    Free,
-}
-
-/// The least-squares fit of one press: over relative curvature, place of the contact, indentation, and the baseline and
-/// gain where they are not exact.
-///
-/// ```
-/// use palpate_press::{Body, ForwardFit, Markers, Reading, Skin};
-///
-/// // 81 markers, 2 apart and 2 under a skin of radius 20, that an object of radius 80 moves.
-/// let positions: Vec<[f64; 2]> =
-///     (0..81).map(|i| [2.0 * f64::from(i % 9 - 4), 2.0 * f64::from(i / 9 - 4)]).collect();
-/// let (skin, body) = (Skin::new(20.0)?, Body::half_space(0.5, 2.0)?);
-/// let markers = Markers::new(skin, &positions)?;
-/// let moved = markers.displacements(&skin.contact(&body, 1.0 / 80.0, 1.0)?, [0.0; 2]);
-/// let normal: Vec<f64> = moved.iter().map(|moved| moved.normal).collect();
-/// let reading = Reading { markers: &markers, normal: &normal, tangential: None, indentation: None };
-/// let estimate = ForwardFit::new(body).estimate(&reading)?;
-/// assert!((estimate.most_likely_object_curvature() - 1.0 / 80.0).abs() < 1e-7);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct ForwardFit {
-    /// The forward law.
-    pub body: Body,
-    /// Offset common to all normal displacements, length; ideally 0.
-    pub baseline: Prior,
-    /// Factor on all normal displacements; ideally 1.
-    pub gain: Prior,
-    /// Standard deviation of normal displacements, length; found from the residuals if `None` or 0.
-    pub normal_std: Option<f64>,
-    /// Standard deviation of either tangential component, length; found from the residuals if `None` or 0.
-    pub tangential_std: Option<f64>,
-    /// Largest distance from the contact at which a marker counts, length; `None` for all markers.
-    pub window: Option<f64>,
-}
+pub use reading::{Measured, Reading};
+pub use settings::{ForwardFit, Prior};
 
 /// Cramér–Rao bounds on standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,18 +32,6 @@ pub struct Bounds {
 }
 
 impl ForwardFit {
-    /// A fit of a body, with nothing off and the noise to be found.
-    pub const fn new(body: Body) -> Self {
-        Self {
-            body,
-            baseline: Prior::Exact,
-            gain: Prior::Exact,
-            normal_std: None,
-            tangential_std: None,
-            window: None,
-        }
-    }
-
     /// The press behind a reading. For a reading without error the likeliest curvature is that of the press within
     /// 1e-9, where the markers determine it.
     ///
@@ -165,62 +91,6 @@ impl ForwardFit {
             indentation: stds.indentation,
             contact_radius: stds.contact_radius,
         })
-    }
-
-    fn validate(&self, reading: &Reading<'_>) -> Result<(), PressError> {
-        let at_least_0 = |setting, value: f64| {
-            let good = (0.0..=1e100).contains(&value);
-            PressError::unless_good(setting, value, good, "finite and at least 0").map(|_| ())
-        };
-        for (setting, std) in [
-            ("normal_std", self.normal_std),
-            ("tangential_std", self.tangential_std),
-            (
-                "indentation_std",
-                reading.indentation.map(|known| known.std),
-            ),
-        ] {
-            std.map_or(Ok(()), |std| at_least_0(setting, std))?;
-        }
-        for (setting, prior) in [("baseline_std", self.baseline), ("gain_std", self.gain)] {
-            if let Prior::Within(std) = prior {
-                let good = std > 0.0 && std <= 1e100;
-                PressError::unless_good(setting, std, good, "finite and > 0")?;
-            }
-        }
-        if let Some(window) = self.window {
-            let good = window > 0.0;
-            PressError::unless_good("window", window, good, "> 0")?;
-        }
-        if let Some(Measured { value, .. }) = reading.indentation {
-            if !value.is_finite() {
-                return Err(PressError::OutOfRange);
-            }
-            if value <= 0.0 {
-                return Err(PressError::NoIndentation { indentation: value });
-            }
-        }
-        let markers = reading.markers.places().len();
-        let lengths = [
-            Some(reading.normal.len()),
-            reading.tangential.map(<[_]>::len),
-        ];
-        if let Some(&given) = lengths.iter().flatten().find(|&&given| given != markers) {
-            return Err(PressError::BadSetting {
-                setting: "readings",
-                value: given as f64,
-                expected: "one for each marker",
-            });
-        }
-        let sound = |value: f64| value.abs() <= 1e50;
-        let is_bad = |marker: &usize| {
-            let tangential = reading.tangential.map_or([0.0; 2], |given| given[*marker]);
-            !(sound(reading.normal[*marker]) && tangential.into_iter().all(sound))
-        };
-        match (0..markers).find(is_bad) {
-            Some(marker) => Err(PressError::NotFinite { marker }),
-            None => Ok(()),
-        }
     }
 }
 

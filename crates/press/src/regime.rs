@@ -1,5 +1,7 @@
 //! Regimes of contact between a round sensor and an object, by their relative curvature.
 
+use strum::IntoStaticStr;
+
 /// The ways in which a sphere touches an object of some curvature (2020 paper, Fig. 2).
 ///
 /// ```
@@ -11,7 +13,8 @@
 /// assert_eq!(on(-80.0), ContactRegime::Concave);
 /// assert_eq!(on(-10.0), ContactRegime::Edge);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
 pub enum ContactRegime {
     /// The object bulges towards the sensor.
     Convex,
@@ -46,14 +49,8 @@ impl ContactRegime {
     }
 
     /// The stable name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Convex => "convex",
-            Self::Flat => "flat",
-            Self::Concave => "concave",
-            Self::Conforming => "conforming",
-            Self::Edge => "edge",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 

@@ -3,8 +3,9 @@
 #[cfg(target_arch = "wasm32")]
 mod exports;
 
-use palpate::config::parse;
-use palpate::{Arch, RunOptions, Simulation};
+use std::sync::atomic::AtomicBool;
+
+use palpate::{Arch, RunOptions, Runner, Simulation, parse};
 
 /// Extent to which a study is run.
 #[derive(Clone, Copy, Debug)]
@@ -26,13 +27,14 @@ pub fn tables(name: &str, config: &str, extent: Extent, arch: Arch) -> Result<St
         let shortened = study.override_trials(extent.trials);
         shortened.map_err(|error| error.to_string())?;
     }
-    let stride = study.cells.len().div_ceil(extent.cells.max(1)).max(1);
-    let cells = (0..study.cells.len()).step_by(stride);
-    let simulation = Simulation::new(&study, cells).map_err(|error| error.to_string())?;
-    let simulation = simulation.with_arch(arch);
+    let stride = study.cell_count().div_ceil(extent.cells.max(1)).max(1);
+    let cells = (0..study.cell_count()).step_by(stride);
+    let runner = Runner::new(&RunOptions::default()).map_err(|error| error.to_string())?;
+    let simulation = Simulation::new(&study, cells, &runner).map_err(|error| error.to_string())?;
     let ran = simulation
-        .run(&RunOptions::default(), &|_| ())
-        .map_err(|error| error.to_string())?;
-    let map = ran.map().map_or_else(String::new, |map| map.csv);
-    Ok([ran.cells().to_csv(), ran.failures().to_csv(), map].concat())
+        .with_arch(arch)
+        .run(&AtomicBool::new(false), &|_| ());
+    let ran = ran.map_err(|error| error.to_string())?;
+    let map = ran.map.map_or_else(String::new, |map| map.table.to_csv());
+    Ok([ran.cells.to_csv(), ran.failures.to_csv(), map].concat())
 }

@@ -4,6 +4,7 @@ mod angular_velocity;
 mod edge;
 mod effective_radius;
 mod evidence;
+mod finding;
 mod fisheye;
 mod gaussian_profile;
 mod gores;
@@ -19,10 +20,12 @@ mod straight_line;
 mod turned_cylinder;
 mod wrist;
 
-use crate::{ReportError, Study, file};
+use crate::Study;
+use finding::Finding;
+use palpate_study::Table;
 use std::fmt;
 
-/// How a claim fared against the tables.
+/// Verdict on a claim by the tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// The tables show what the paper says, within the stated thresholds.
@@ -65,12 +68,6 @@ struct Claim {
     number: u32,
     paper_says: &'static str,
     judge: fn(&Study) -> Result<Finding, String>,
-}
-
-struct Finding {
-    holds: bool,
-    measured: String,
-    why: String,
 }
 
 const CLAIMS: [Claim; 21] = [
@@ -225,16 +222,8 @@ fn judge(study: &Study, number: u32) -> Score {
         None => Err("no function scores a claim of this number".to_owned()),
     };
     let (verdict, measured, why) = match outcome {
-        Ok(Finding {
-            holds: true,
-            measured,
-            why,
-        }) => (Verdict::Holds, measured, why),
-        Ok(Finding {
-            holds: false,
-            measured,
-            why,
-        }) => (Verdict::Differs, measured, why),
+        Ok(found) if found.holds => (Verdict::Holds, found.measured, found.why),
+        Ok(found) => (Verdict::Differs, found.measured, found.why),
         Err(reason) => (Verdict::NotTestable, String::new(), reason),
     };
     let paper_says = claim.map_or("", |claim| claim.paper_says).to_owned();
@@ -248,38 +237,26 @@ fn judge(study: &Study, number: u32) -> Score {
     }
 }
 
-/// Writes `claims.csv` beside the study's tables: `claim,verdict,paper_says,measured,why`, one row per claim
-/// that the study names (only the header if it names none). Returns the scores.
+/// Text of `claims.csv`: `claim,verdict,paper_says,measured,why`, one row per score (only the header if there is none).
 ///
-/// # Errors
-/// The file cannot be written.
-pub fn write_claims(study: &Study) -> Result<Vec<Score>, ReportError> {
-    let scores = score(std::slice::from_ref(study));
-    let path = study.dir().join("claims.csv");
-    let failed = |source| ReportError::Csv {
-        path: path.clone(),
-        source,
-    };
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer
-        .write_record(["claim", "verdict", "paper_says", "measured", "why"])
-        .map_err(failed)?;
-    for score in &scores {
+/// ```
+/// use palpate_report::claims_csv;
+///
+/// assert_eq!(claims_csv(&[]), "claim,verdict,paper_says,measured,why\n");
+/// ```
+pub fn claims_csv(scores: &[Score]) -> String {
+    let header = ["claim", "verdict", "paper_says", "measured", "why"];
+    let mut table = Table::new(header.map(str::to_owned));
+    let row = |score: &Score| {
+        let Score {
+            paper_says,
+            measured,
+            why,
+            ..
+        } = score.clone();
         let (claim, verdict) = (score.claim.to_string(), score.verdict.to_string());
-        writer
-            .write_record([
-                &claim,
-                &verdict,
-                &score.paper_says,
-                &score.measured,
-                &score.why,
-            ])
-            .map_err(failed)?;
-    }
-    let bytes = writer.into_inner().map_err(|e| ReportError::Io {
-        path: path.clone(),
-        source: std::io::Error::other(e.to_string()),
-    })?;
-    file::write(&path, &bytes)?;
-    Ok(scores)
+        vec![claim, verdict, paper_says, measured, why]
+    };
+    table.rows = scores.iter().map(row).collect();
+    table.to_csv()
 }

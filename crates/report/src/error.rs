@@ -69,6 +69,9 @@ pub enum ReportError {
         /// Error of the parser, with the line and column.
         source: Box<toml::de::Error>,
     },
+    /// A `[[plot]]` of `run.toml` is malformed.
+    #[error(transparent)]
+    Config(#[from] palpate_study::config::ConfigError),
     /// A key of `run.toml` is absent, unknown or of the wrong type.
     #[error("{}: {key}: {problem}", path.display())]
     BadKey {

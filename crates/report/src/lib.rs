@@ -1,23 +1,25 @@
 //! Tables to plots, scored claims and a self-contained page.
 //!
-//! A study is a folder that holds `cells.csv`, `failures.csv` and `run.toml`, and for some plots `map.csv`, or
-//! `trace.csv` and `readings.csv`. Everything here is made from those files and nothing else: no simulation, no
-//! clock, no network, no other crate of the workspace.
+//! A study is `cells.csv`, `failures.csv` and `run.toml`, and for some plots `map.csv`, or `trace.csv` and
+//! `readings.csv`, in a folder or in memory ([`Files`]). Everything here is made from those and nothing else: no
+//! simulation, no clock, no network. Texts and pictures are handed out; nothing is written.
 //!
 //! | from | to | by |
 //! |---|---|---|
-//! | a folder | [`Study`] | [`Study::load`] |
-//! | its `[[plot]]` tables | `NAME.svg` and `NAME.png` beside the tables | [`plot`] |
-//! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile`, each SVG and PNG | [`draw_press_trace`] |
-//! | a folder of `cargo xtask tradeoff` | a Pareto front per ladder, SVG and PNG | [`draw_tradeoff`] |
-//! | its `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`write_claims`] |
-//! | several studies | one HTML page, one text for the terminal | [`write_page`], [`scorecard_text`] |
+//! | [`Files`] | [`Study`] | [`Study::load`], [`Study::read`] |
+//! | its `[[plot]]` tables | [`Figure`]s, as SVG and PNG | [`figures`] |
+//! | one plot and tables in memory | a [`Figure`] | [`figure`] |
+//! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile` | [`press_figures`] |
+//! | tables of `cargo xtask tradeoff` | a Pareto front per ladder | [`tradeoff_figures`] |
+//! | its `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_csv`] |
+//! | several studies | one HTML page, one text for the terminal | [`page`], [`scorecard_text`] |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod claims;
 mod error;
-mod file;
+mod files;
+mod group;
 mod page;
 mod plot;
 mod records;
@@ -27,10 +29,11 @@ mod table;
 mod tradeoff;
 mod words;
 
-pub use claims::{Score, Verdict, score, write_claims};
+pub use claims::{Score, Verdict, claims_csv, score};
 pub use error::ReportError;
-pub use page::{page, write_page};
-pub use plot::{draw_press_trace, draw_tradeoff, plot};
+pub use files::Files;
+pub use page::page;
+pub use plot::{Figure, figure, figures, press_figures, tradeoff_figures};
 pub use scorecard::scorecard_text;
 pub use study::{Failure, Study};
 pub use table::{Axis, Table};

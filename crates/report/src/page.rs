@@ -1,21 +1,13 @@
-//! One self-contained HTML page of several studies.
+//! Self-contained HTML page of several studies.
 
 mod measurements;
 
-use crate::words::{self, count};
-use crate::{ReportError, Score, Study, Verdict, file, plot, score};
+use crate::words;
+use crate::{Figure, ReportError, Score, Study, Verdict, figures, score};
 use minijinja::value::Value;
 use minijinja::{Environment, context};
+use palpate_study::number::grouped;
 use std::collections::BTreeMap;
-use std::path::Path;
-
-/// Writes [`page`] to `out`.
-///
-/// # Errors
-/// As [`page`]; or `out` cannot be written, and is then as it was before.
-pub fn write_page(studies: &[Study], out: &Path) -> Result<(), ReportError> {
-    file::write(out, page(studies)?.as_bytes())
-}
 
 /// The page: the scorecard, then per study its source, sample size, figures, failures and config; then, where all
 /// studies lie in one folder, what is measured in it: `tradeoff/`, `extremes.csv`, `peers.csv`. It has no scripts and
@@ -43,7 +35,7 @@ pub fn write_page(studies: &[Study], out: &Path) -> Result<(), ReportError> {
 /// ```
 ///
 /// # Errors
-/// A plot of a study is wrong, as for [`plot()`](crate::plot()); a table of measurements is malformed.
+/// A plot of a study is wrong, as for [`figures()`](crate::figures()); a table of measurements is malformed.
 pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     // A name in .html switches escaping on.
@@ -88,10 +80,9 @@ fn row(score: &Score, studies: &[Study]) -> Value {
 }
 
 fn section(study: &Study) -> Result<Value, ReportError> {
-    let figures: Vec<Value> = plot::svgs(study)?
-        .into_iter()
-        .map(|(title, svg)| context! { title, svg => Value::from_safe_string(inline(&svg)) })
-        .collect();
+    let shown =
+        |Figure { title, svg, .. }: Figure| context! { title, svg => Value::from_safe_string(svg) };
+    let figures: Vec<Value> = figures(study)?.into_iter().map(shown).collect();
     let mut kinds: BTreeMap<&str, (u64, usize)> = BTreeMap::new();
     for failure in study.failures() {
         let (trials, cells) = kinds.entry(&failure.kind).or_default();
@@ -100,7 +91,7 @@ fn section(study: &Study) -> Result<Value, ReportError> {
     }
     let failures: Vec<Value> = kinds
         .into_iter()
-        .map(|(kind, (trials, cells))| context! { kind, trials => count(trials), cells => count(cells as u64) })
+        .map(|(kind, (trials, cells))| context! { kind, trials => grouped(trials), cells => grouped(cells as u64) })
         .collect();
     let setting = |key: &str| {
         study
@@ -113,7 +104,7 @@ fn section(study: &Study) -> Result<Value, ReportError> {
         name => study.name(),
         title => study.title(),
         source => study.source(),
-        cells => count(cells(study)),
+        cells => grouped(cells(study)),
         sample => words::sample(trials, "cell"),
         seed => setting("seed"),
         version => setting("crate_version"),
@@ -121,14 +112,6 @@ fn section(study: &Study) -> Result<Value, ReportError> {
         failures,
         config => study.config_text(),
     })
-}
-
-/// An SVG as it may stand within HTML: without what may only open a document.
-fn inline(svg: &str) -> String {
-    svg.lines()
-        .filter(|line| !line.starts_with("<?xml") && !line.starts_with("<!DOCTYPE"))
-        .collect::<Vec<_>>()
-        .join("\n")
 }
 
 fn cells(study: &Study) -> u64 {

@@ -1,68 +1,100 @@
-//! Plots of a study, as its `[[plot]]` tables ask for them.
+//! Figures of a study, as its `[[plot]]` tables ask for them.
 
-mod along;
 mod canvas;
 mod captions;
 mod cells;
+mod chart;
 mod class_map;
-mod compose;
 mod contacts;
-mod draw;
 mod figure;
+mod frame;
 mod fronts;
-mod layout;
+mod given;
 mod lettering;
-mod picture;
-mod points;
+mod lines;
 mod press_trace;
 mod profile;
+mod request;
 mod scale;
 mod select;
-mod spec;
 mod style;
 
-use crate::{ReportError, Study, file};
-use picture::Picture;
-use std::path::{Path, PathBuf};
+use crate::{Files, ReportError, Study};
+use palpate_study::config::{PlotConfig, PlotKind};
+use request::Request;
 
-pub use fronts::draw_tradeoff;
-pub(crate) use fronts::{spoken_cost, svgs as fronts_svgs};
-pub use press_trace::draw_press_trace;
+pub use figure::Figure;
+pub(crate) use fronts::all as fronts;
+pub use fronts::tradeoff_figures;
+pub use press_trace::press_figures;
 
-/// Draws every `[[plot]]` of the study, as SVG and PNG beside its tables, and returns the files written, in the order
-/// of the config. A plot of kind `class-map` or `profile` is of `map.csv`, one of kind `contacts` of `trace.csv` and
-/// `readings.csv`. The bytes of an SVG depend on the study's tables and `run.toml` alone.
+/// Draws every `[[plot]]` of the study, in the order of the config. A plot of kind `class-map` or `profile` is of
+/// `map.csv`, one of kind `contacts` of `trace.csv` and `readings.csv`. The bytes of an SVG depend on the study's tables
+/// and `run.toml` alone.
 ///
 /// # Errors
 /// A `[[plot]]` is malformed, names an unknown column, or leaves several rows for one point (the error says which axis
-/// is free); its table is absent or malformed; or a file cannot be written. Nothing is half-written, and nothing at all
-/// is written if any `[[plot]]` is wrong.
-pub fn plot(study: &Study) -> Result<Vec<PathBuf>, ReportError> {
-    let mut written = Vec::new();
-    for picture in pictures(study)? {
-        written.extend(write(&picture, study.dir())?);
-    }
-    Ok(written)
-}
-
-/// Writes a picture to `dir` as SVG and PNG.
-fn write(picture: &Picture, dir: &Path) -> Result<[PathBuf; 2], ReportError> {
-    let [svg, png] = ["svg", "png"].map(|kind| dir.join(format!("{}.{kind}", picture.name())));
-    file::write(&svg, canvas::svg(picture, &svg)?.as_bytes())?;
-    file::replace(&png, |temporary| canvas::png(picture, temporary))?;
-    Ok([svg, png])
-}
-
-/// The study's plots as (title, SVG text), in the order of the config.
-pub(crate) fn svgs(study: &Study) -> Result<Vec<(String, String)>, ReportError> {
-    let draw = |picture: &Picture| {
-        let path = study.dir().join(format!("{}.svg", picture.name()));
-        Ok((picture.title().to_owned(), canvas::svg(picture, &path)?))
+/// is free); or its table is absent or malformed.
+pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
+    let plots = study.plots()?;
+    let draw = |(at, plot): (usize, &PlotConfig)| {
+        let name = plot.name.clone().unwrap_or(format!("plot-{}", at + 1));
+        one(study, plot, &name)
     };
-    pictures(study)?.iter().map(draw).collect()
+    plots.iter().enumerate().map(draw).collect()
 }
 
-fn pictures(study: &Study) -> Result<Vec<Picture>, ReportError> {
-    let plots = spec::plots(study)?;
-    plots.iter().map(|plot| Picture::of(study, plot)).collect()
+/// Draws one plot of tables in memory: `cells.csv`, and where the kind asks for them `map.csv`, or `trace.csv` and
+/// `readings.csv`. A `run.toml` among them tells settings that the figure names; nothing is read from a disk, and nothing
+/// is written.
+///
+/// ```
+/// use palpate_report::{Files, figure};
+/// use palpate_study::config::plots;
+///
+/// let plot = plots("plot.toml", "[[plot]]\nx = \"scene.object.radius\"\ny = \"mean\"\n")?;
+/// let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
+///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
+/// let row = |radius: f64, mean: f64| format!("0,{radius},curvature,1/mm,0.2,9,0,{mean}{}\n", ",".repeat(11));
+/// let header = format!("cell,scene.object.radius_mm,quantity,unit,{statistics}\n");
+/// let cells = header + &row(5.0, 0.21) + &row(10.0, 0.11);
+///
+/// let svg = figure(&plot[0], Files::in_memory([("cells.csv", cells)]))?.svg;
+/// assert!(svg.starts_with("<svg"));
+/// assert!(svg.contains("object radius (mm)") && svg.contains("mean estimate of curvature (1/mm)"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// The plot names an unknown column, or leaves several rows for one point; or a table is absent or malformed.
+pub fn figure(plot: &PlotConfig, tables: Files) -> Result<Figure, ReportError> {
+    let name = plot.name.as_deref().unwrap_or("plot");
+    let others = [
+        ("run.toml", "name = \"figure\"\n"),
+        ("failures.csv", NO_FAILURES),
+    ];
+    one(&Study::read(tables.or(others))?, plot, name)
+}
+
+const NO_FAILURES: &str = "cell,kind,count,first_trial\n";
+
+/// Draws the plot by its kind.
+fn one(study: &Study, plot: &PlotConfig, name: &str) -> Result<Figure, ReportError> {
+    let of = Request { study, plot, name };
+    let kind = plot.kind;
+    let found = study.setting("scene.kind").and_then(toml::Value::as_str);
+    if let (Some(wanted), Some(found)) = (kind.scene(), found)
+        && wanted != found
+    {
+        let kind = kind.name();
+        return Err(of.bad(format!(
+            "kind {kind:?} is drawn from a {wanted}, and the scene of this study is a {found}"
+        )));
+    }
+    match kind {
+        PlotKind::Lines => lines::figure(of),
+        PlotKind::ClassMap => class_map::figure(of),
+        PlotKind::Contacts => contacts::figure(of),
+        PlotKind::Profile => profile::figure(of),
+    }
 }

@@ -1,87 +1,90 @@
-//! CSV files with their headers checked: whole, or some named columns of a long one.
+//! CSV files with their headers checked, and some named columns of them.
 
-use crate::table::finite;
-use crate::{ReportError, file, words};
-use std::path::{Path, PathBuf};
+use crate::group::by_key;
+use crate::{Files, ReportError};
+use palpate_study::label::split_unit;
+use palpate_study::number::finite;
+use std::path::PathBuf;
+use std::str::FromStr;
 
-/// A CSV file as text, its header checked for required and repeated columns.
+/// A CSV file as text, its header checked for repeated columns, and the places of the columns asked for.
 pub(crate) struct Records {
-    pub(crate) header: Vec<String>,
-    pub(crate) rows: Vec<Vec<String>>,
-    pub(crate) lines: Vec<u64>,
+    path: PathBuf,
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+    /// Line of each row in the file, from 1.
+    lines: Vec<u64>,
+    places: Vec<usize>,
 }
 
 impl Records {
-    pub(crate) fn read(path: &Path, required: &[&str]) -> Result<Self, ReportError> {
-        let text = file::read(path)?;
-        let (header, mut reader) = open(path, &text)?;
-        // The required columns must also stand in this order: sweep columns lie between `cell` and `quantity`,
-        // statistics after `unit`.
-        let mut next = 0;
-        for name in required {
-            match header[next..].iter().position(|column| column == name) {
-                Some(at) => next += at + 1,
-                None => return Err(missing(path, name, header)),
-            }
+    /// Columns `names` of a file, with or without a unit, in the order of `names`; there may be no rows.
+    pub(crate) fn read(files: &Files, file: &str, names: &[&str]) -> Result<Self, ReportError> {
+        let path = files.path(file);
+        let text = files.read(file)?;
+        let unreadable = |source| ReportError::Csv {
+            path: path.clone(),
+            source,
+        };
+        let text = text.trim_start_matches('\u{feff}');
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let trimmed = |record: &csv::StringRecord| -> Vec<String> {
+            record.iter().map(|cell| cell.trim().to_owned()).collect()
+        };
+        let header = trimmed(reader.headers().map_err(unreadable)?);
+        if header.iter().all(String::is_empty) {
+            return Err(ReportError::EmptyTable { path });
+        }
+        let mut columns = header.iter().enumerate();
+        if let Some((_, column)) = columns.find(|(at, column)| header[..*at].contains(column)) {
+            let column = column.clone();
+            return Err(ReportError::DuplicateColumn { path, column });
         }
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
-            let record = record.map_err(|source| unreadable(path, source))?;
+            let record = record.map_err(unreadable)?;
             lines.push(record.position().map_or(0, csv::Position::line));
-            rows.push(record.iter().map(|cell| cell.trim().to_owned()).collect());
+            rows.push(trimmed(&record));
         }
-        Ok(Self {
+        let mut records = Self {
+            path,
             header,
             rows,
             lines,
-        })
-    }
-}
-
-/// Some columns of a CSV file, found by their names with or without a unit.
-pub(crate) struct Columns {
-    path: PathBuf,
-    headers: Vec<String>,
-    rows: Vec<Vec<String>>,
-    lines: Vec<u64>,
-}
-
-impl Columns {
-    /// The columns `names` of the file at `path`, in the order of `names`; it has at least one row.
-    pub(crate) fn read(path: &Path, names: &[&str]) -> Result<Self, ReportError> {
-        let columns = Self::read_any(path, names)?;
-        if columns.rows.is_empty() {
-            return Err(ReportError::EmptyTable {
-                path: path.to_owned(),
-            });
-        }
-        Ok(columns)
-    }
-
-    /// Columns `names` of the file at `path`, in the order of `names`; there may be no rows.
-    pub(crate) fn read_any(path: &Path, names: &[&str]) -> Result<Self, ReportError> {
-        let text = file::read(path)?;
-        let (header, mut reader) = open(path, &text)?;
-        let place = |name: &&str| {
-            header
-                .iter()
-                .position(|column| column == name || words::split_unit(column).0 == *name)
-                .ok_or_else(|| missing(path, name, header.clone()))
+            places: Vec::new(),
         };
-        let places = names.iter().map(place).collect::<Result<Vec<_>, _>>()?;
-        let (mut rows, mut lines) = (Vec::new(), Vec::new());
-        for record in reader.records() {
-            let record = record.map_err(|source| unreadable(path, source))?;
-            lines.push(record.position().map_or(0, csv::Position::line));
-            let cells = places.iter().map(|at| record.get(*at).unwrap_or_default());
-            rows.push(cells.map(|cell| cell.trim().to_owned()).collect());
+        for name in names {
+            let is_it = |column: &String| column == name || split_unit(column).0 == *name;
+            match records.header.iter().position(is_it) {
+                Some(place) => records.places.push(place),
+                None => return Err(records.missing(name)),
+            }
         }
-        Ok(Self {
-            path: path.to_owned(),
-            headers: places.into_iter().map(|at| header[at].clone()).collect(),
-            rows,
-            lines,
-        })
+        Ok(records)
+    }
+
+    /// Columns as by [`Self::read`], where the first `ordered` columns stand in this order: sweep columns lie between `cell` and `quantity`,
+    /// statistics after `unit`.
+    pub(crate) fn read_in_order(
+        files: &Files,
+        file: &str,
+        names: &[&str],
+        ordered: usize,
+    ) -> Result<Self, ReportError> {
+        let records = Self::read(files, file, names)?;
+        let places = records.places[..ordered].windows(2);
+        match places.clone().position(|pair| pair[0] > pair[1]) {
+            Some(place) => Err(records.missing(names[place + 1])),
+            None => Ok(records),
+        }
+    }
+
+    /// Table with at least one row, or the error that it is empty.
+    pub(crate) fn filled(self) -> Result<Self, ReportError> {
+        match self.rows.is_empty() {
+            true => Err(ReportError::EmptyTable { path: self.path }),
+            false => Ok(self),
+        }
     }
 
     /// Number of rows.
@@ -89,20 +92,33 @@ impl Columns {
         self.rows.len()
     }
 
-    /// The error that the `column`-th of the columns asked for is not in `unit`.
-    pub(crate) fn in_another_unit(&self, column: usize, unit: &str) -> ReportError {
-        let name = words::split_unit(&self.headers[column]).0;
-        let wanted = [name, unit].join(if unit.is_empty() { "" } else { "_" });
-        missing(&self.path, &wanted, self.headers.clone())
+    /// Names of all columns.
+    pub(crate) fn header(&self) -> &[String] {
+        &self.header
+    }
+
+    /// Place in the header of the `column`-th of the columns asked for.
+    pub(crate) fn place(&self, column: usize) -> usize {
+        self.places[column]
+    }
+
+    /// Texts of the column at a place in the header.
+    pub(crate) fn column(&self, place: usize) -> impl Iterator<Item = &str> {
+        self.rows.iter().map(move |row| row[place].as_str())
+    }
+
+    /// Header and rows.
+    pub(crate) fn into_parts(self) -> (Vec<String>, Vec<Vec<String>>) {
+        (self.header, self.rows)
     }
 
     /// The unit of the `column`-th of the columns asked for, as in its header; may be empty.
     pub(crate) fn unit(&self, column: usize) -> &str {
-        words::split_unit(&self.headers[column]).1
+        split_unit(&self.header[self.places[column]]).1
     }
 
     pub(crate) fn text(&self, row: usize, column: usize) -> &str {
-        &self.rows[row][column]
+        &self.rows[row][self.places[column]]
     }
 
     /// A number that a drawing can hold.
@@ -112,60 +128,73 @@ impl Columns {
             .ok_or_else(|| self.bad(row, column, "a number between −1e100 and 1e100"))
     }
 
+    /// A finite number, if there is any text.
+    pub(crate) fn number_or_none(
+        &self,
+        row: usize,
+        column: usize,
+    ) -> Result<Option<f64>, ReportError> {
+        match (self.text(row, column), finite(self.text(row, column))) {
+            (text, None) if !text.is_empty() => Err(self.bad(row, column, "a number or nothing")),
+            (_, number) => Ok(number),
+        }
+    }
+
+    /// A cell that is of a type, in words `expected`.
+    pub(crate) fn parsed<T: FromStr>(
+        &self,
+        row: usize,
+        column: usize,
+        expected: &'static str,
+    ) -> Result<T, ReportError> {
+        let parsed = self.text(row, column).parse();
+        parsed.map_err(|_| self.bad(row, column, expected))
+    }
+
+    /// The rows of each text in a column.
+    pub(crate) fn by_text(&self, column: usize) -> Vec<(&str, Vec<usize>)> {
+        by_key((0..self.rows()).map(|row| (self.text(row, column), row)))
+    }
+
+    /// The rows of each cell, whose numbers a column holds.
+    pub(crate) fn by_cell(&self, column: usize) -> Result<Vec<(u64, Vec<usize>)>, ReportError> {
+        let groups = self.by_text(column).into_iter();
+        let numbered = |(_, rows): (&str, Vec<usize>)| -> Result<_, ReportError> {
+            Ok((self.parsed(rows[0], column, "the number of a cell")?, rows))
+        };
+        groups.map(numbered).collect()
+    }
+
     /// The error that this cell is not what was `expected`.
     pub(crate) fn bad(&self, row: usize, column: usize, expected: &'static str) -> ReportError {
+        self.bad_at(row, self.places[column], expected)
+    }
+
+    /// The error that a cell in the column at a place in the header is not what was `expected`.
+    pub(crate) fn bad_at(&self, row: usize, place: usize, expected: &'static str) -> ReportError {
         ReportError::BadCell {
             path: self.path.clone(),
             line: self.lines[row],
-            column: self.headers[column].clone(),
-            value: self.text(row, column).to_owned(),
+            column: self.header[place].clone(),
+            value: self.rows[row][place].clone(),
             expected,
+        }
+    }
+
+    /// The error that the `column`-th of the columns asked for is not in `unit`.
+    pub(crate) fn in_another_unit(&self, column: usize, unit: &str) -> ReportError {
+        let name = split_unit(&self.header[self.places[column]]).0;
+        self.missing(&[name, unit].join(if unit.is_empty() { "" } else { "_" }))
+    }
+
+    fn missing(&self, column: &str) -> ReportError {
+        ReportError::MissingColumn {
+            path: self.path.clone(),
+            column: column.to_owned(),
+            found: self.header.clone(),
         }
     }
 }
 
 /// Sums and squares of coordinates up to this are finite.
 const LARGEST: f64 = 1e100;
-
-/// The header, without repeated columns, and a reader of the rows.
-fn open<'a>(
-    path: &Path,
-    text: &'a str,
-) -> Result<(Vec<String>, csv::Reader<&'a [u8]>), ReportError> {
-    let mut reader = csv::Reader::from_reader(text.trim_start_matches('\u{feff}').as_bytes());
-    let header: Vec<String> = reader
-        .headers()
-        .map_err(|source| unreadable(path, source))?
-        .iter()
-        .map(|h| h.trim().to_owned())
-        .collect();
-    if header.iter().all(String::is_empty) {
-        return Err(ReportError::EmptyTable {
-            path: path.to_owned(),
-        });
-    }
-    for (at, column) in header.iter().enumerate() {
-        if header[..at].contains(column) {
-            return Err(ReportError::DuplicateColumn {
-                path: path.to_owned(),
-                column: column.clone(),
-            });
-        }
-    }
-    Ok((header, reader))
-}
-
-fn unreadable(path: &Path, source: csv::Error) -> ReportError {
-    ReportError::Csv {
-        path: path.to_owned(),
-        source,
-    }
-}
-
-fn missing(path: &Path, column: &str, found: Vec<String>) -> ReportError {
-    ReportError::MissingColumn {
-        path: path.to_owned(),
-        column: column.to_owned(),
-        found,
-    }
-}

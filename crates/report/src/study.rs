@@ -1,10 +1,11 @@
-//! One study: a folder that `palpate run` has filled.
+//! A study: the files that `palpate run` has written.
 
 use crate::records::Records;
-use crate::{ReportError, Table, file};
+use crate::{Files, ReportError, Table};
+use palpate_study::config::{self, PlotConfig};
 use std::path::{Path, PathBuf};
 
-/// One line of `failures.csv`: how many trials of a cell failed, and why.
+/// Line of `failures.csv`: number of trials of a cell that failed, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
     /// The cell.
@@ -20,7 +21,7 @@ pub struct Failure {
 /// A study's tables and the config behind them.
 #[derive(Debug, Clone)]
 pub struct Study {
-    dir: PathBuf,
+    files: Files,
     config: toml::Table,
     config_text: String,
     cells: Table,
@@ -52,9 +53,16 @@ impl Study {
     /// # Errors
     /// A file is absent or malformed; see [`ReportError`].
     pub fn load(dir: impl AsRef<Path>) -> Result<Self, ReportError> {
-        let dir = dir.as_ref().to_owned();
-        let path = dir.join("run.toml");
-        let config_text = file::read(&path)?;
+        Self::read(Files::in_folder(dir))
+    }
+
+    /// Reads `cells.csv`, `failures.csv` and `run.toml` among `files`.
+    ///
+    /// # Errors
+    /// A file is absent or malformed; see [`ReportError`].
+    pub fn read(files: Files) -> Result<Self, ReportError> {
+        let path = files.path("run.toml");
+        let config_text = files.read("run.toml")?;
         let config: toml::Table = config_text.parse().map_err(|source| ReportError::Toml {
             path: path.clone(),
             source: Box::new(source),
@@ -90,10 +98,10 @@ impl Study {
                     )
                 })?,
         };
-        let cells = Table::read(&dir.join("cells.csv"))?;
-        let failures = read_failures(&dir.join("failures.csv"))?;
+        let cells = Table::read(&files)?;
+        let failures = read_failures(&files)?;
         Ok(Self {
-            dir,
+            files,
             config,
             config_text,
             cells,
@@ -102,9 +110,19 @@ impl Study {
         })
     }
 
-    /// The folder.
+    /// The folder; empty if the study is in memory.
     pub fn dir(&self) -> &Path {
-        &self.dir
+        self.files.folder()
+    }
+
+    pub(crate) fn files(&self) -> &Files {
+        &self.files
+    }
+
+    /// The plots that the config asks for.
+    pub(crate) fn plots(&self) -> Result<Vec<PlotConfig>, ReportError> {
+        let file = self.run_toml().display().to_string();
+        Ok(config::plots(&file, &self.config_text)?)
     }
 
     /// The study's name.
@@ -176,7 +194,7 @@ impl Study {
     }
 
     pub(crate) fn run_toml(&self) -> PathBuf {
-        self.dir.join("run.toml")
+        self.files.path("run.toml")
     }
 
     fn word(&self, key: &str) -> &str {
@@ -195,33 +213,17 @@ pub(crate) fn number(value: &toml::Value) -> Option<f64> {
         .filter(|n| n.is_finite())
 }
 
-fn read_failures(path: &Path) -> Result<Vec<Failure>, ReportError> {
+fn read_failures(files: &Files) -> Result<Vec<Failure>, ReportError> {
     let columns = ["cell", "kind", "count", "first_trial"];
-    let Records {
-        header,
-        rows,
-        lines,
-    } = Records::read(path, &columns)?;
-    let place = columns.map(|name| header.iter().position(|column| column == name).unwrap_or(0));
-    let count = |row: usize, at: usize| {
-        rows[row][place[at]]
-            .parse()
-            .map_err(|_| ReportError::BadCell {
-                path: path.to_owned(),
-                line: lines[row],
-                column: columns[at].to_owned(),
-                value: rows[row][place[at]].clone(),
-                expected: "a whole number",
-            })
-    };
-    (0..rows.len())
-        .map(|row| {
-            Ok(Failure {
-                cell: count(row, 0)?,
-                kind: rows[row][place[1]].clone(),
-                count: count(row, 2)?,
-                first_trial: count(row, 3)?,
-            })
+    let table = Records::read_in_order(files, "failures.csv", &columns, columns.len())?;
+    let count = |row: usize, column: usize| table.parsed(row, column, "a whole number");
+    let failure = |row: usize| {
+        Ok(Failure {
+            cell: count(row, 0)?,
+            kind: table.text(row, 1).to_owned(),
+            count: count(row, 2)?,
+            first_trial: count(row, 3)?,
         })
-        .collect()
+    };
+    (0..table.rows()).map(failure).collect()
 }

@@ -1,33 +1,18 @@
 //! `cells.csv`: one row per cell and quantity.
 
+use crate::group::distinct;
 use crate::records::Records;
-use crate::{ReportError, words};
-use std::path::Path;
+use crate::{Files, ReportError};
+use palpate_study::number::finite;
+use palpate_study::{Statistic, config};
 
-/// The statistics every `cells.csv` has, in their order.
-pub(crate) const STATISTICS: [&str; 15] = [
-    "truth",
-    "trials",
-    "failures",
-    "mean",
-    "std",
-    "bias",
-    "rms_error",
-    "mean_abs_error",
-    "relative_rms_error",
-    "relative_mean_abs_error",
-    "q05",
-    "q50",
-    "q95",
-    "mean_reported_std",
-    "coverage95",
-];
-
-/// One swept path: a column of the table, between `cell` and `quantity`.
+/// Swept path: a column of the table, between `cell` and `quantity`.
 #[derive(Debug, Clone)]
 pub struct Axis {
     /// The header of the column: the path, with its unit appended where it has one.
     pub header: String,
+    /// The path without its unit.
+    stem: String,
     cells: Vec<String>,
     numbers: Vec<Option<f64>>,
     /// The distinct texts in order of appearance, which is the order of the study's sweep.
@@ -37,7 +22,7 @@ pub struct Axis {
 impl Axis {
     /// Whether `path` names this axis, with or without the unit.
     pub fn is(&self, path: &str) -> bool {
-        self.header == path || words::split_unit(&self.header).0 == path
+        self.header == path || self.stem == path
     }
 
     /// The text in `row`.
@@ -53,6 +38,13 @@ impl Axis {
     /// Whether every cell is a finite number.
     pub fn is_numeric(&self) -> bool {
         self.numbers.iter().all(Option::is_some)
+    }
+
+    /// The distinct values that occur in `rows`, in the order of the study's sweep.
+    pub fn among(&self, rows: &[usize]) -> Vec<&str> {
+        let occurs = |value: &&String| rows.iter().any(|row| self.text(*row) == **value);
+        let values = self.values.iter().filter(occurs);
+        values.map(String::as_str).collect()
     }
 
     /// The distinct values in the order of the study's sweep.
@@ -74,19 +66,17 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a `cells.csv`.
+    /// Reads `cells.csv`.
     ///
     /// ```
-    /// use palpate_report::Table;
+    /// use palpate_report::{Files, Table};
     ///
-    /// let dir = tempfile::tempdir()?;
-    /// let path = dir.path().join("cells.csv");
     /// let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
     ///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
     /// let row = format!("0,5,curvature,1/mm,0.2,1,0,0.25{}", ",".repeat(11));
-    /// std::fs::write(&path, format!("cell,scene.object.radius_mm,quantity,unit,{statistics}\n{row}\n"))?;
+    /// let text = format!("cell,scene.object.radius_mm,quantity,unit,{statistics}\n{row}\n");
     ///
-    /// let table = Table::read(&path)?;
+    /// let table = Table::read(&Files::in_memory([("cells.csv", text)]))?;
     /// let radius = table.axis("scene.object.radius").and_then(|axis| axis.number(0));
     /// assert_eq!((radius, table.quantity(0)), (Some(5.0), "curvature"));
     /// assert_eq!((table.statistic(0, "mean"), table.statistic(0, "std")), (Some(0.25), None));
@@ -96,74 +86,38 @@ impl Table {
     /// # Errors
     /// The file cannot be read, is not CSV, has no rows, lacks a column or has one twice, or holds text or
     /// a number that is not finite where a number must be.
-    pub fn read(path: &Path) -> Result<Self, ReportError> {
-        let Records {
-            header,
-            rows,
-            lines,
-        } = Records::read(path, &["cell", "quantity", "unit"])?;
-        if rows.is_empty() {
-            return Err(ReportError::EmptyTable {
-                path: path.to_owned(),
-            });
-        }
-        let place = |name: &str| {
-            header
-                .iter()
-                .position(|column| column == name)
-                .ok_or_else(|| ReportError::MissingColumn {
-                    path: path.to_owned(),
-                    column: name.to_owned(),
-                    found: header.clone(),
-                })
+    pub fn read(files: &Files) -> Result<Self, ReportError> {
+        let places = ["cell", "quantity", "unit"].into_iter();
+        let names: Vec<&str> = places.chain(Statistic::ALL.map(Statistic::name)).collect();
+        let table = Records::read_in_order(files, "cells.csv", &names, 3)?.filled()?;
+        let [cell, quantity, unit] = [0, 1, 2].map(|column| table.place(column));
+        let column = |at: usize| table.column(at).map(str::to_owned).collect::<Vec<String>>();
+        let axis = |at: usize| Axis::new(table.header()[at].clone(), column(at));
+        let rows = 0..table.rows();
+        let number_of_cell = |row: usize| table.parsed(row, 0, "the number of a cell");
+        let statistic = |at: usize| {
+            let number = |(row, text): (usize, &str)| match text {
+                "" => Ok(None),
+                text => match finite(text) {
+                    None => Err(table.bad_at(row, at, "a finite number")),
+                    number => Ok(number),
+                },
+            };
+            let numbers = table.column(at).enumerate().map(number);
+            Ok((
+                table.header()[at].clone(),
+                numbers.collect::<Result<_, _>>()?,
+            ))
         };
-        for name in STATISTICS {
-            place(name)?;
-        }
-        let (cell, quantity, unit) = (place("cell")?, place("quantity")?, place("unit")?);
-        let column = |at: usize| {
-            rows.iter()
-                .map(|row| row[at].clone())
-                .collect::<Vec<String>>()
-        };
-        let bad = |row: usize, at: usize, expected| ReportError::BadCell {
-            path: path.to_owned(),
-            line: lines[row],
-            column: header[at].clone(),
-            value: rows[row][at].clone(),
-            expected,
-        };
-
-        let axes = (cell + 1..quantity)
-            .map(|at| Axis::new(header[at].clone(), column(at)))
-            .collect();
-        let cells = (0..rows.len())
-            .map(|row| {
-                rows[row][cell]
-                    .parse()
-                    .map_err(|_| bad(row, cell, "the number of a cell"))
-            })
-            .collect::<Result<_, _>>()?;
-        let statistics = (unit + 1..header.len())
-            .map(|at| {
-                let values = (0..rows.len())
-                    .map(|row| match rows[row][at].as_str() {
-                        "" => Ok(None),
-                        text => finite(text)
-                            .map(Some)
-                            .ok_or_else(|| bad(row, at, "a finite number")),
-                    })
-                    .collect::<Result<_, _>>()?;
-                Ok((header[at].clone(), values))
-            })
-            .collect::<Result<_, ReportError>>()?;
+        let statistics = (unit + 1..table.header().len()).map(statistic);
+        let trials = names.iter().position(|name| *name == "trials");
         Ok(Self {
-            axes,
-            cell: cells,
-            quantity: Axis::new(header[quantity].clone(), column(quantity)),
-            trials: Axis::new("trials".to_owned(), column(place("trials")?)),
+            axes: (cell + 1..quantity).map(axis).collect(),
+            cell: rows.map(number_of_cell).collect::<Result<_, _>>()?,
+            quantity: axis(quantity),
+            trials: axis(table.place(trials.unwrap_or_default())),
             unit: column(unit),
-            statistics,
+            statistics: statistics.collect::<Result<_, ReportError>>()?,
         })
     }
 
@@ -223,26 +177,21 @@ impl Table {
 
 impl Axis {
     fn new(header: String, cells: Vec<String>) -> Self {
-        let mut values: Vec<String> = Vec::new();
-        for cell in &cells {
-            if !values.contains(cell) {
-                values.push(cell.clone());
-            }
-        }
         let numbers = cells.iter().map(|cell| finite(cell)).collect();
         Self {
+            stem: config::field(&header).0.to_owned(),
+            values: distinct(&cells).into_iter().cloned().collect(),
             header,
             cells,
             numbers,
-            values,
         }
     }
 }
 
-/// A finite number, or nothing.
-pub(crate) fn finite(text: &str) -> Option<f64> {
-    text.trim()
-        .parse()
-        .ok()
-        .filter(|number: &f64| number.is_finite())
+/// Whether two texts are equal as numbers, if both are numbers, else as texts.
+pub(crate) fn same(a: &str, b: &str) -> bool {
+    match (finite(a), finite(b)) {
+        (Some(a), Some(b)) => (a - b).abs() <= 1e-12 * a.abs().max(b.abs()),
+        _ => a == b,
+    }
 }

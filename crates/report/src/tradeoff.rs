@@ -5,10 +5,9 @@ mod promise;
 
 pub(crate) use promise::Promise;
 
-use crate::ReportError;
-use crate::records::Columns;
-use crate::table::finite;
-use std::path::Path;
+use crate::records::Records;
+use crate::{Files, ReportError};
+use palpate_study::number::finite;
 
 /// Every ladder of a folder.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +54,7 @@ pub(crate) struct Rung {
     pub(crate) on_front: bool,
 }
 
-/// Which rung to take for a target.
+/// Rung to take for a target.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Answer {
     pub(crate) target: String,
@@ -71,26 +70,13 @@ impl Tradeoff {
     ///
     /// # Errors
     /// A table but `promise.csv` is absent, or one is malformed, or a cost or an error is not positive.
-    pub(crate) fn read(dir: &Path) -> Result<Self, ReportError> {
-        let judged = Some(dir.join("promise.csv")).filter(|path| path.exists());
-        let promises = judged.map_or(Ok(Vec::new()), |path| promise::read(&path))?;
-        let (rungs, counted) = rungs(&dir.join("rungs.csv"))?;
-        let answers = answers(&dir.join("answers.csv"))?;
-        let of = |ladder: &str, ease: &str| {
-            let mine = move |key: &(String, String)| key.0 == ladder && key.1 == ease;
-            (
-                rungs
-                    .iter()
-                    .filter(|one| mine(&one.0))
-                    .map(|one| one.1.clone())
-                    .collect(),
-                answers
-                    .iter()
-                    .filter(|one| mine(&one.0))
-                    .map(|one| one.1.clone())
-                    .collect(),
-            )
+    pub(crate) fn read(files: &Files) -> Result<Self, ReportError> {
+        let promises = match files.contain("promise.csv") {
+            true => promise::read(files)?,
+            false => Vec::new(),
         };
+        let (rungs, counted) = rungs(files)?;
+        let answers = answers(files)?;
         let names = [
             "ladder",
             "title",
@@ -100,38 +86,30 @@ impl Tradeoff {
             "what",
             "machine",
         ];
-        let table = Columns::read(&dir.join("ladders.csv"), &names)?;
-        let mut ladders: Vec<Ladder> = Vec::new();
-        for row in 0..table.rows() {
-            let [name, title, error_of, evaluation, ease, what] =
-                [0, 1, 2, 3, 4, 5].map(|column| table.text(row, column).to_owned());
-            let (rungs, answers) = of(&name, &ease);
-            let scene = LadderScene {
-                ease,
-                what,
-                rungs,
-                answers,
-            };
-            match ladders.iter_mut().find(|ladder| ladder.name == name) {
-                Some(ladder) => ladder.scenes.push(scene),
-                None => ladders.push(Ladder {
-                    name,
-                    title,
-                    error_of,
-                    evaluation,
-                    scenes: vec![scene],
-                }),
+        let table = Records::read(files, "ladders.csv", &names)?.filled()?;
+        let text = |row: usize, column: usize| table.text(row, column).to_owned();
+        let scene = |row: usize| {
+            let key = (text(row, 0), text(row, 4));
+            LadderScene {
+                ease: text(row, 4),
+                what: text(row, 5),
+                rungs: of(&key, &rungs),
+                answers: of(&key, &answers),
             }
-        }
-        let machine = match table.rows() {
-            0 => String::new(),
-            _ => table.text(0, 6).to_owned(),
         };
+        let ladder = |(name, rows): (&str, Vec<usize>)| Ladder {
+            name: name.to_owned(),
+            title: text(rows[0], 1),
+            error_of: text(rows[0], 2),
+            evaluation: text(rows[0], 3),
+            scenes: rows.into_iter().map(scene).collect(),
+        };
+        let ladders = table.by_text(0).into_iter().map(ladder).collect();
         Ok(Self {
             ladders,
             promises,
             counted,
-            machine,
+            machine: text(0, 6),
         })
     }
 
@@ -144,7 +122,13 @@ impl Tradeoff {
 /// Ladder and scene.
 type Key = (String, String);
 
-fn rungs(path: &Path) -> Result<(Vec<(Key, Rung)>, bool), ReportError> {
+/// Items of `all` that belong to a key.
+fn of<T: Clone>(key: &Key, all: &[(Key, T)]) -> Vec<T> {
+    let mine = all.iter().filter(|one| one.0 == *key);
+    mine.map(|one| one.1.clone()).collect()
+}
+
+fn rungs(files: &Files) -> Result<(Vec<(Key, Rung)>, bool), ReportError> {
     let names = [
         "ladder",
         "scene",
@@ -154,7 +138,7 @@ fn rungs(path: &Path) -> Result<(Vec<(Key, Rung)>, bool), ReportError> {
         "instructions",
         "pareto",
     ];
-    let table = Columns::read(path, &names)?;
+    let table = Records::read(files, "rungs.csv", &names)?.filled()?;
     let counted = (0..table.rows()).all(|row| !table.text(row, 5).is_empty());
     let positive = |row: usize, column: usize| {
         let number = table.number(row, column)?;
@@ -180,7 +164,7 @@ fn rungs(path: &Path) -> Result<(Vec<(Key, Rung)>, bool), ReportError> {
     Ok((rungs, counted))
 }
 
-fn answers(path: &Path) -> Result<Vec<(Key, Answer)>, ReportError> {
+fn answers(files: &Files) -> Result<Vec<(Key, Answer)>, ReportError> {
     let names = [
         "ladder",
         "scene",
@@ -190,7 +174,7 @@ fn answers(path: &Path) -> Result<Vec<(Key, Answer)>, ReportError> {
         "median_ns",
         "instructions",
     ];
-    let table = Columns::read(path, &names)?;
+    let table = Records::read(files, "answers.csv", &names)?.filled()?;
     let answer = |row: usize| {
         let [ladder, scene, target, rung] = [0, 1, 2, 3].map(|at| table.text(row, at).to_owned());
         let answer = Answer {

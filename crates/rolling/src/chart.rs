@@ -13,26 +13,16 @@ use nalgebra::{Matrix2, Matrix3, Point3, Rotation2, Rotation3, UnitQuaternion, V
 use palpate_geometry::surfaces::Sphere;
 use palpate_geometry::{ChartGeometry, Parameters, Surface, TangentForm};
 
+use crate::bodies::Bodies;
 use crate::chart_free::contact_velocity;
 use crate::error::RollFault;
-use crate::integration::{Bodies, Form};
+use crate::form::Form;
 use crate::integrator::System;
-use crate::{Contact, Motion};
+use crate::{Contact, HeldAxis, Motion};
 
 /// Components: `u₁, v₁, u₂, v₂`, contact angle ψ, angle φ from the probe's Gauss frame to the
 /// frame in which the motion is steady, arc length.
 pub(crate) const STATE: usize = 7;
-
-/// The frame in which a motion is steady.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum HeldAxis {
-    /// Parallel-transported along the path: "a fixed axis in the instantaneous contact frame".
-    #[default]
-    Transported,
-    /// The Gauss frame of the probe's chart, which twists away from the poles of the path. The two
-    /// agree along a line of symmetry.
-    Chart,
-}
 
 pub(crate) struct ChartForm<'a, S> {
     probe: Sphere,

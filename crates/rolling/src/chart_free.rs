@@ -14,8 +14,9 @@
 use nalgebra::{Point3, Quaternion, UnitQuaternion, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, Surface, TangentForm};
 
+use crate::bodies::Bodies;
 use crate::error::RollFault;
-use crate::integration::{Bodies, Form};
+use crate::form::Form;
 use crate::integrator::System;
 use crate::{Contact, Motion};
 

@@ -2,20 +2,27 @@
 
 use nalgebra::Point3;
 use palpate_geometry::SurfaceError;
+use palpate_number::Number;
+use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
 /// Reasons for which a roll ends early.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
 pub enum RollFault {
     /// The relative curvature is singular or indefinite: the object is as hollow as the probe is
     /// round, or more so, and there is no single point of contact.
-    #[error("the bodies conform: the smallest relative curvature is {relative_curvature}")]
+    #[error(
+        "the bodies conform: the smallest relative curvature is {relative_curvature}",
+        relative_curvature = Number(*relative_curvature)
+    )]
     Conforming {
         /// The smaller eigenvalue of `K₁ + K̃₂`, 1/length.
         relative_curvature: f64,
     },
     /// The contact left the object's domain.
     #[error("the contact left the object: {0}")]
+    #[strum(transparent)]
     Surface(#[from] SurfaceError),
     /// The integrator gave up.
     #[error("not done after {steps} steps")]
@@ -33,7 +40,10 @@ pub enum RollFault {
 
 /// A roll that ended early: why, when and where.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[error("{fault}, {time_s} s into the motion at ({}, {}, {})", on_object.x, on_object.y, on_object.z)]
+#[error(
+    "{fault}, {time_s} s into the motion at ({}, {}, {})",
+    Number(on_object.x), Number(on_object.y), Number(on_object.z), time_s = Number(*time_s)
+)]
 pub struct RollError {
     /// Reason for which the roll ended.
     pub fault: RollFault,
@@ -55,13 +65,7 @@ impl RollError {
 
 impl RollFault {
     /// The stable name of this kind of fault.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Conforming { .. } => "conforming",
-            Self::Surface(error) => error.name(),
-            Self::TooManySteps { .. } => "too-many-steps",
-            Self::Singular => "singular",
-            Self::NotFinite => "not-finite",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 }

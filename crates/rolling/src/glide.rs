@@ -15,117 +15,23 @@ mod foot;
 mod model;
 mod relief;
 mod search;
+mod touch;
 
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::Vector2;
 use palpate_geometry::surfaces::Sphere;
-use palpate_geometry::{CurvatureForm, InvalidShape, Shape, Surface, SurfaceError};
-use thiserror::Error;
+use palpate_geometry::{InvalidShape, Shape, Surface, SurfaceError};
 
+use crate::Choice;
+use crate::rung::CLOSED_FORM_ERROR;
 use foot::Foot;
 use model::TouchRung;
 use search::Search;
 
 pub use model::{InvalidTouch, TouchModel};
+pub use touch::{Fingertip, GlideError, Touch};
 
 /// Largest distance from the origin whose square is still a number.
 const FARTHEST: f64 = 1e150;
-
-/// The shape of a fingertip that glides over an object.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fingertip {
-    /// A point.
-    Point,
-    /// A sphere.
-    Sphere {
-        /// Its radius.
-        radius: f64,
-    },
-}
-
-/// Reasons for which a finger held at a place has no contact to report.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum GlideError {
-    /// The contact would lie where the object is not defined; for a point, also beside a closed
-    /// object.
-    #[error("the finger left the object: {0}")]
-    Surface(#[from] SurfaceError),
-    /// The tip passes beside the object: the offset surface does not reach there, or only where the
-    /// object's normal is horizontal.
-    #[error("a tip of radius {radius} at x = {x}, y = {y} passes beside the object")]
-    ContactLost {
-        /// Coordinate x at which the tip's centre is held.
-        x: f64,
-        /// Coordinate y at which the tip's centre is held.
-        y: f64,
-        /// The tip's radius.
-        radius: f64,
-    },
-    /// The tip rests on two places at once, or on a continuum of them: a dish, valley or hole
-    /// that is as tight as the tip or tighter.
-    #[error("a tip of radius {radius} at x = {x}, y = {y} touches at more than one place")]
-    TwoContacts {
-        /// Coordinate x at which the tip's centre is held.
-        x: f64,
-        /// Coordinate y at which the tip's centre is held.
-        y: f64,
-        /// The tip's radius.
-        radius: f64,
-    },
-    /// The search for the contact came to no end: lengths too far apart for double precision, or an
-    /// object too rough for the tip.
-    #[error("no contact found for a tip of radius {radius} at x = {x}, y = {y}: off by {miss}")]
-    NoConvergence {
-        /// Coordinate x at which the tip's centre is held.
-        x: f64,
-        /// Coordinate y at which the tip's centre is held.
-        y: f64,
-        /// The tip's radius.
-        radius: f64,
-        /// Horizontal distance by which the best contact found misses.
-        miss: f64,
-    },
-}
-
-impl GlideError {
-    fn two(radius: f64, centre: &Vector2<f64>) -> Self {
-        let (x, y) = (centre.x, centre.y);
-        Self::TwoContacts { x, y, radius }
-    }
-
-    fn unsettled(radius: f64, centre: &Vector2<f64>, miss: f64) -> Self {
-        let (x, y) = (centre.x, centre.y);
-        Self::NoConvergence { x, y, radius, miss }
-    }
-
-    fn lost(radius: f64, centre: &Vector2<f64>) -> Self {
-        let (x, y) = (centre.x, centre.y);
-        Self::ContactLost { x, y, radius }
-    }
-
-    /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Surface(error) => error.name(),
-            Self::ContactLost { .. } => "contact-lost",
-            Self::TwoContacts { .. } => "two-contacts",
-            Self::NoConvergence { .. } => "no-convergence",
-        }
-    }
-}
-
-/// A contact of a fingertip, in the object's frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
-    /// The contact.
-    pub point: Point3<f64>,
-    /// The object's unit normal there, out of the object.
-    pub normal: Vector3<f64>,
-    /// The centre of the tip, `point + radius · normal`; of a point, the contact itself.
-    pub tip_centre: Point3<f64>,
-    /// The object's curvature there, in the orthonormal tangent basis along the level line and up
-    /// the slope, right-handed with the normal: x and y where the ground is level.
-    pub curvature: CurvatureForm,
-}
 
 /// An object and a fingertip that touches it.
 ///
@@ -165,6 +71,50 @@ impl Glider {
             fingertip,
             rung,
         })
+    }
+
+    /// A glider with this fingertip and object whose contacts are found by `model`.
+    ///
+    /// # Errors
+    /// [`InvalidTouch`] where the tolerance is out of range, or the rung cannot do it.
+    pub fn on(&self, model: TouchModel) -> Result<Self, InvalidTouch> {
+        let rung = TouchRung::of(model, &self.object, self.fingertip)?;
+        Ok(Self {
+            object: self.object.clone(),
+            fingertip: self.fingertip,
+            rung,
+        })
+    }
+
+    /// The way in which contacts are found, and the reason for it.
+    pub fn choice(&self) -> Choice<TouchModel> {
+        let name = self.object.name();
+        let (rung, model, reason, bound) = match self.rung {
+            TouchRung::Point => (
+                "closed form: points".to_owned(),
+                TouchModel::ClosedForm,
+                "they touch straight below".to_owned(),
+                CLOSED_FORM_ERROR,
+            ),
+            TouchRung::Offset(_) => (
+                format!("closed form: a round tip on a {name}"),
+                TouchModel::ClosedForm,
+                "the offset surface is of the same kind".to_owned(),
+                CLOSED_FORM_ERROR,
+            ),
+            TouchRung::Newton { tolerance, .. } => (
+                format!("Newton's method on the offset surface, tolerance {tolerance:e}"),
+                TouchModel::Newton { tolerance },
+                format!("a round tip on a {name} has no closed form"),
+                tolerance,
+            ),
+        };
+        Choice {
+            rung,
+            model,
+            reason,
+            error_bound: Some(bound),
+        }
     }
 
     /// The object.
@@ -210,10 +160,7 @@ impl Glider {
                     object: &self.object,
                     radius,
                     tolerance,
-                    rugged: matches!(
-                        self.object,
-                        Shape::Paraboloid(_) | Shape::Saddle(_) | Shape::HeightField(_)
-                    ),
+                    rugged: self.object.is_graph(),
                     centre,
                 };
                 search.contact()?.touch(radius)

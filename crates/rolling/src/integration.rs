@@ -1,16 +1,14 @@
 //! One motion by an integrator, in either form of the equations.
 
-use nalgebra::Point3;
-use palpate_geometry::{Shape, Surface};
+use palpate_geometry::{Shape, Surface, Visitor};
 
+use crate::bodies::Bodies;
 use crate::chart::ChartForm;
 use crate::chart_free::{ChartFree, OF_GRAPHS, OF_SPACE};
-use crate::error::{RollError, RollFault};
+use crate::error::RollError;
+use crate::form::Form;
 use crate::integrator::{Dop853, Integrated, Rk4, Stopped, System};
-use crate::{Chart, Contact, Motion, Probe};
-
-/// Relative curvature, in units of the probe's, below which a singular motion is put down to conforming.
-const NEARLY_CONFORMING: f64 = 1e-3;
+use crate::{Chart, Contact, Motion};
 
 /// An integrator.
 #[derive(Clone, Copy, Debug)]
@@ -24,23 +22,6 @@ pub(crate) enum Method {
 pub(crate) struct Integration {
     pub(crate) method: Method,
     pub(crate) chart: Chart,
-}
-
-/// The two bodies of a roll: the probe, and the object on which it rolls.
-#[derive(Debug)]
-pub(crate) struct Bodies<'a, S> {
-    pub(crate) probe: Probe,
-    pub(crate) object: &'a S,
-    /// The scale on which errors of position count.
-    pub(crate) length_scale: f64,
-}
-
-/// A form of the contact equations.
-pub(crate) trait Form<const N: usize>: System<N> {
-    fn contact(&self, state: &[f64; N]) -> Result<Contact, RollFault>;
-
-    /// The contact on the object, also where there is no contact any more.
-    fn place(&self, state: &[f64; N]) -> Option<Point3<f64>>;
 }
 
 impl Integration {
@@ -65,17 +46,12 @@ impl Integration {
         motion: &Motion,
     ) -> Result<(Contact, usize), RollError> {
         match self.chart {
-            Chart::Free => match bodies.object {
-                Shape::Sphere(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Dish(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Plane(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Cylinder(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Ellipsoid(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Torus(it) => self.free::<_, OF_SPACE>(&bodies.with(it), from, motion),
-                Shape::Paraboloid(it) => self.free::<_, OF_GRAPHS>(&bodies.with(it), from, motion),
-                Shape::Saddle(it) => self.free::<_, OF_GRAPHS>(&bodies.with(it), from, motion),
-                Shape::HeightField(it) => self.free::<_, OF_GRAPHS>(&bodies.with(it), from, motion),
-            },
+            Chart::Free => bodies.object.visited_by(Free {
+                integration: self,
+                bodies,
+                from,
+                motion,
+            }),
             Chart::Montana(held) => {
                 let (form, start) = ChartForm::new(bodies, from, motion, held)
                     .map_err(|fault| RollError::new(fault, 0.0, from.on_object))?;
@@ -121,6 +97,27 @@ impl Integration {
     }
 }
 
+/// Motion without charts, compiled for each surface.
+struct Free<'a> {
+    integration: &'a Integration,
+    bodies: &'a Bodies<'a, Shape>,
+    from: &'a Contact,
+    motion: &'a Motion,
+}
+
+impl Visitor for Free<'_> {
+    type Out = Result<(Contact, usize), RollError>;
+
+    #[inline]
+    fn visit<S: Surface>(self, surface: &S) -> Self::Out {
+        let bodies = self.bodies.with(surface);
+        match S::IS_GRAPH {
+            true => (self.integration).free::<S, OF_GRAPHS>(&bodies, self.from, self.motion),
+            false => (self.integration).free::<S, OF_SPACE>(&bodies, self.from, self.motion),
+        }
+    }
+}
+
 impl Method {
     #[inline]
     fn integrate<const N: usize>(
@@ -133,35 +130,5 @@ impl Method {
             Self::Rk4(method) => method.integrate(system, state, duration_s),
             Self::Dop853(method) => method.integrate(system, state, duration_s),
         }
-    }
-}
-
-impl<'a, S> Bodies<'a, S> {
-    fn with<T>(&self, object: &'a T) -> Bodies<'a, T> {
-        Bodies {
-            probe: self.probe,
-            object,
-            length_scale: self.length_scale,
-        }
-    }
-}
-
-impl<S: Surface> Bodies<'_, S> {
-    /// A singular motion is named by its cause: the contact speeds up without bound as the bodies
-    /// come to conform.
-    fn cause(&self, fault: RollFault, last: Result<Contact, RollFault>) -> RollFault {
-        if fault == RollFault::Singular
-            && let Ok(contact) = last
-            && let Ok((_, curvature)) = self
-                .object
-                .curvature_along(&contact.on_object, &contact.x_axis)
-        {
-            let radius = self.probe.radius();
-            let relative_curvature = 1.0 / radius + curvature.principal().k_min;
-            if relative_curvature * radius < NEARLY_CONFORMING {
-                return RollFault::Conforming { relative_curvature };
-            }
-        }
-        fault
     }
 }

@@ -1,42 +1,18 @@
-//! The ladder of rungs, and the choice of one.
+//! The choice of a rung.
 
-mod measured;
+mod integrators;
 
-use palpate_geometry::{Shape, Surface};
+use palpate_geometry::Surface;
 
-use crate::closed_form::ClosedForm;
-use crate::integration::{Bodies, Integration, Method};
-use crate::integrator::{Dop853, Rk4};
 use crate::meridian::MeridianRung;
-use crate::{Chart, Choice, Contact, InvalidRoll, Model, Rolls};
+use crate::rung::{CLOSED_FORM_ERROR, MERIDIAN_ERROR, MOST_STEPS, Rung, Setting, dop853, rk4};
+use crate::{Chart, Choice, InvalidRoll, Model, Rolls};
+use integrators::{Unmeasured, finer};
 
-use measured::Unmeasured;
+pub(crate) use integrators::Ends;
 
-pub use measured::MeasuredRung;
-
-/// Error bounds of the rungs that have no setting, relative to the contact's length scale.
-const CLOSED_FORM_ERROR: f64 = 1e-14;
-const MERIDIAN_ERROR: f64 = 1e-13;
-/// The contact's error may grow over a roll; a step is held to this part of the tolerance.
-const LOCAL_SHARE: f64 = 0.1;
-const SMALLEST_LOCAL: f64 = 1e-15;
-/// Largest number of steps of an integration: DOP853 gives up after so many, and RK4 takes no more.
-const MOST_STEPS: usize = 100_000;
-
-/// A rung of the ladder, ready to roll.
-#[derive(Clone, Debug)]
-pub(crate) enum Rung {
-    ClosedForm(ClosedForm),
-    Meridian(MeridianRung),
-    Integrated(Integration),
-}
-
-/// The setting from which a rung is chosen: the bodies and their first contact.
-pub(crate) struct Setting<'a> {
-    pub(crate) bodies: Bodies<'a, Shape>,
-    pub(crate) first: Contact,
-    pub(crate) closed_form: ClosedForm,
-}
+/// Reason for a rung that was not chosen from the ladder.
+const NAMED: &str = "named in the config";
 
 impl Setting<'_> {
     pub(crate) fn rung(
@@ -99,7 +75,7 @@ impl Setting<'_> {
                 // Errors add up along the way, and grow with it.
                 Unmeasured::TooLong => {
                     let reason = "no closed form; the rolls are too long to try others";
-                    let finer = measured::finer(tolerance / rolls.turns().max(1.0));
+                    let finer = finer(tolerance / rolls.turns().max(1.0));
                     dop853(finer, chart, reason.to_owned(), Some(tolerance))
                 }
             })
@@ -157,52 +133,3 @@ impl Setting<'_> {
         }
     }
 }
-
-const NAMED: &str = "named in the config";
-
-fn rk4(steps: usize, chart: Chart, reason: String, error_bound: Option<f64>) -> (Rung, Choice) {
-    let model = Model::Rk4 { steps, chart };
-    let choice = Choice {
-        rung: model.name(),
-        model,
-        reason,
-        error_bound,
-    };
-    let method = rk4_method(steps);
-    (Rung::Integrated(Integration { method, chart }), choice)
-}
-
-fn dop853(
-    tolerance: f64,
-    chart: Chart,
-    reason: String,
-    error_bound: Option<f64>,
-) -> (Rung, Choice) {
-    let model = Model::Dop853 { tolerance, chart };
-    let choice = Choice {
-        rung: model.name(),
-        model,
-        reason,
-        error_bound,
-    };
-    let method = dop853_method(tolerance);
-    (Rung::Integrated(Integration { method, chart }), choice)
-}
-
-const fn rk4_method(steps: usize) -> Method {
-    Method::Rk4(Rk4 { steps })
-}
-
-const fn dop853_method(tolerance: f64) -> Method {
-    Method::Dop853(Dop853 {
-        tolerance: (LOCAL_SHARE * tolerance).max(SMALLEST_LOCAL),
-        most_steps: MOST_STEPS,
-    })
-}
-
-/// The integration that rolls motions which a chosen closed form or meridian does not cover; the
-/// noiseless rolls had none such when the rung was chosen.
-pub(crate) const RESERVE: Integration = Integration {
-    method: dop853_method(MERIDIAN_ERROR),
-    chart: Chart::Free,
-};

@@ -25,28 +25,33 @@
 //!
 //! A [`Glider`] is a fingertip that slides instead: where it touches when held above a place.
 
+mod bodies;
 mod chart;
 mod chart_free;
 mod closed_form;
 mod contact;
 mod error;
+mod form;
 mod glide;
 mod integration;
 pub mod integrator;
 mod ladder;
+mod measured;
 mod meridian;
 mod model;
 mod motion;
 mod roller;
+mod rung;
 
-pub use chart::HeldAxis;
+pub use bodies::Probe;
 pub use contact::{Contact, Shift};
 pub use error::{RollError, RollFault};
+pub use form::{Chart, HeldAxis};
 pub use glide::{Fingertip, GlideError, Glider, InvalidTouch, Touch, TouchModel};
-pub use ladder::MeasuredRung;
-pub use model::{Chart, Choice, InvalidRoll, Model, Rolls};
+pub use measured::MeasuredRung;
+pub use model::{Choice, InvalidRoll, Model, Rolls, TOLERANCES};
 pub use motion::Motion;
-pub use roller::{Probe, Roller};
+pub use roller::Roller;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,19 +1,15 @@
 //! Models by which a roll is computed, and their errors.
 
 use palpate_geometry::SurfaceError;
+use palpate_number::Number;
 use thiserror::Error;
 
-use crate::{HeldAxis, Motion, RollFault};
+use crate::{Chart, Motion, RollFault};
 
-/// The form of the contact equations that an integrator works on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Chart {
-    /// Chart-free: no poles.
-    #[default]
-    Free,
-    /// Montana's chart form, with the motion steady in the given frame.
-    Montana(HeldAxis),
-}
+/// Tolerances that are tried where one has to be found, largest first.
+pub const TOLERANCES: [f64; 14] = [
+    1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14,
+];
 
 /// A model by which rolls are computed: a rung of the ladder, or the choice among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,15 +65,6 @@ impl Model {
     }
 }
 
-impl Chart {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Free => "chart-free",
-            Self::Montana(_) => "in charts",
-        }
-    }
-}
-
 /// The rung that was taken, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice<M = Model> {
@@ -119,8 +106,9 @@ pub enum InvalidRoll {
     /// A tolerance that means nothing.
     #[error(
         "tolerance is {tolerance}; it must be from {} to {}",
-        Model::SMALLEST_TOLERANCE,
-        Model::LARGEST_TOLERANCE
+        Number(Model::SMALLEST_TOLERANCE),
+        Number(Model::LARGEST_TOLERANCE),
+        tolerance = Number(*tolerance)
     )]
     Tolerance {
         /// Its value.

@@ -1,37 +1,15 @@
 //! A probe that rolls on an object.
 
 use nalgebra::Matrix2;
-use palpate_geometry::surfaces::Sphere;
-use palpate_geometry::{InvalidShape, Shape, Surface};
+use palpate_geometry::{Shape, Surface};
 
+use crate::bodies::Bodies;
 use crate::chart_free::contact_velocities;
 use crate::closed_form::ClosedForm;
-use crate::integration::Bodies;
-use crate::ladder::{RESERVE, Rung, Setting};
-use crate::{Choice, Contact, InvalidRoll, Model, Motion, RollError, RollFault, Rolls, Shift};
-
-/// A spherical fingertip.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Probe {
-    pub(crate) sphere: Sphere,
-}
-
-impl Probe {
-    /// A probe of `radius`.
-    ///
-    /// # Errors
-    /// [`InvalidShape`] unless the radius is finite and positive.
-    pub fn new(radius: f64) -> Result<Self, InvalidShape> {
-        Ok(Self {
-            sphere: Sphere::new(radius)?,
-        })
-    }
-
-    /// Its radius.
-    pub const fn radius(&self) -> f64 {
-        self.sphere.radius()
-    }
-}
+use crate::rung::{RESERVE, Rung, Setting};
+use crate::{
+    Choice, Contact, InvalidRoll, Model, Motion, Probe, RollError, RollFault, Rolls, Shift,
+};
 
 /// A probe on an object, with a first contact and the rung by which its noiseless rolls are computed.
 ///

@@ -49,6 +49,23 @@ pub struct Rung {
 }
 
 impl Ladder {
+    /// Ladder of these rungs, of which the one with the model `taken` is taken. Each is held against another.
+    pub(crate) fn new(
+        rungs: Vec<Rung>,
+        taken: &ModelConfig,
+        reason: String,
+        tolerance: Option<f64>,
+    ) -> Self {
+        let of_taken = rungs.iter().position(|rung| rung.model == *taken);
+        Self {
+            taken: of_taken.expect("what is named or chosen is among the rungs"),
+            rungs,
+            reference: None,
+            reason,
+            tolerance,
+        }
+    }
+
     /// The rung that is taken.
     pub fn taken(&self) -> &Rung {
         &self.rungs[self.taken]

@@ -5,9 +5,9 @@ use std::ops::Range;
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{InvalidShape, Shape};
+use palpate_number::Number;
 use palpate_sensing::{InvalidSensor, PadLayout};
 
-use crate::legible::legible;
 use palpate_study::config::{self, ObjectConfig};
 
 /// A config that makes no scene: which field, and what is wrong with it.
@@ -25,18 +25,18 @@ impl PlanError {
     pub(crate) fn at(path: impl Into<String>, message: impl ToString) -> Self {
         Self {
             path: path.into(),
-            message: legible(&message.to_string()),
+            message: message.to_string(),
             part: None,
         }
     }
 
     fn of_shape(error: InvalidShape) -> Self {
-        let message = format!("must be {}, is {}", error.expected, error.value);
+        let message = format!("must be {}, is {}", error.expected, Number(error.value));
         Self::at(format!("scene.object.{}", error.parameter), message)
     }
 
     pub(crate) fn of_sensor(table: &str, error: InvalidSensor) -> Self {
-        let message = format!("must be {}, is {}", error.expected, error.value);
+        let message = format!("must be {}, is {}", error.expected, Number(error.value));
         Self::at(format!("{table}.{}", error.parameter), message)
     }
 }

@@ -6,6 +6,7 @@ mod calibration_report;
 mod file;
 mod frame;
 mod glide;
+mod like;
 mod patch;
 mod patch_estimate;
 mod press;
@@ -26,16 +27,18 @@ pub use calibration_report::{CalibrationReport, Fitted};
 pub use file::RecordedFile;
 pub use frame::{parse_frame, read_frame};
 pub use glide::{GlideReadings, parse_glide, read_glide};
+pub use like::LikeError;
+pub use palpate_ep1::ReadingNoise;
 pub use palpate_geometry::ShapeThresholds;
 pub use palpate_tracking::{Calibration, Marker, NormalFrom, Status, Track};
-pub use patch::{GlideMethod, GlideOptions, estimate_glide};
+pub use patch::{GlideOptions, estimate_glide};
 pub use patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds};
 pub use press::{PressReadings, parse_press, read_press};
-pub use pressed::{PressBody, PressMethod, PressOptions, estimate_press};
+pub use pressed::{PressOptions, estimate_press};
 pub use pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
 pub use roll::{
-    RollEstimate, RollMethod, RollOptions, RollReadings, UnresolvedProbe, estimate_roll,
-    parse_roll, read_roll, roll_readings_table,
+    RollEstimate, RollOptions, RollReadings, UnresolvedProbe, estimate_roll, parse_roll, read_roll,
+    roll_readings_table,
 };
 pub use sensed::{Sensed, SensorOptions, TrackedPress};
 pub use sheet::RecordedError;

@@ -2,36 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::{InvalidSensor, Stream, Streams};
-
-/// The distribution of an error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Distribution {
-    /// Uniform; the stated size is the bound.
-    Uniform,
-    /// Gaussian; the stated size is the standard deviation.
-    Gaussian,
-}
-
-impl Distribution {
-    /// An error of size 1.
-    #[inline(always)]
-    pub fn draw(self, stream: &mut Stream) -> f64 {
-        match self {
-            Self::Uniform => stream.symmetric_uniform(),
-            Self::Gaussian => stream.standard_normal(),
-        }
-    }
-
-    /// Errors of size 1, one from each of several streams side by side.
-    #[inline(always)]
-    pub fn draw_each<const N: usize>(self, streams: &mut Streams<N>) -> [f64; N] {
-        match self {
-            Self::Uniform => streams.symmetric_uniform(),
-            Self::Gaussian => streams.standard_normal(),
-        }
-    }
-}
+use crate::{Distribution, InvalidSensor, Stream};
 
 /// An independent error on each of ω_x and ω_y, proportional to the rate of rotation (1996 paper,
 /// section 4.1.1).
@@ -67,10 +38,7 @@ impl AngularVelocityError {
 
     /// Standard deviation of each component, as a fraction of |ω|.
     pub fn relative_std(&self) -> f64 {
-        match self.distribution {
-            Distribution::Uniform => self.fraction / 3.0_f64.sqrt(),
-            Distribution::Gaussian => self.fraction,
-        }
+        self.distribution.std(self.fraction)
     }
 
     /// Draws the errors of `(ω_x, ω_y)`, for a rate |ω| in rad/s, finite for rates up to 1e150.

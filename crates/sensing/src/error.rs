@@ -1,10 +1,11 @@
 //! Errors of impossible sensors, and of readings that cannot be taken.
 
+use palpate_number::Number;
 use thiserror::Error;
 
 /// A parameter that makes no sensor.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("{parameter} is {value}; it must be {expected}")]
+#[error("{parameter} is {value}; it must be {expected}", value = Number(*value))]
 pub struct InvalidSensor {
     /// Name of the parameter, as in the config.
     pub parameter: &'static str,
@@ -36,8 +37,8 @@ impl InvalidSensor {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error(
     "the contact is {:.3} degrees from the middle of the pads, which end at {:.3}",
-    angle_rad.to_degrees(),
-    cap_rad.to_degrees()
+    Number(angle_rad.to_degrees()),
+    Number(cap_rad.to_degrees())
 )]
 pub struct BeyondPads {
     /// Angle of the contact from the middle of the cap.

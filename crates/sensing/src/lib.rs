@@ -7,6 +7,7 @@
 //! contact, in the tangent basis there; see [`displacement_between`].
 
 mod angular_velocity;
+mod distribution;
 mod encoder;
 mod error;
 mod gaussian;
@@ -16,10 +17,12 @@ mod position;
 mod sphere_map;
 mod standard_normal;
 mod stream;
+mod uniform;
 mod uniform_lattice;
 mod wrist;
 
-pub use angular_velocity::{AngularVelocityError, Distribution};
+pub use angular_velocity::AngularVelocityError;
+pub use distribution::Distribution;
 pub use encoder::Encoder;
 pub use error::{BeyondPads, InvalidSensor};
 pub use gaussian::GaussianError;

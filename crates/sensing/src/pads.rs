@@ -3,6 +3,8 @@
 
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
+use palpate_number::Number;
+
 use crate::{
     BeyondPads, InvalidSensor, Stream, UniformLattice, direction_at, displacement_between,
 };
@@ -27,6 +29,29 @@ pub enum PadOffset {
     Centred,
     /// Any place, drawn for each trial.
     Random,
+}
+
+impl PadOffset {
+    /// Resolution of pads of a pitch, length: a shorter shift may report no change of pad.
+    pub fn resolution(self, pitch: f64) -> f64 {
+        match self {
+            Self::Centred => 0.5 * pitch,
+            Self::Random => pitch,
+        }
+    }
+
+    /// Standard deviation of a shift's error on pads of a pitch, length, as if quantisation were noise: uniform over a
+    /// pad, at the last contact and, where that is not centred, at the first.
+    ///
+    /// Real quantisation is not independent between probes: probes that roll alike read alike, and
+    /// on a square grid a shift by a whole number of pads is read exactly wherever it starts.
+    pub fn shift_std(self, pitch: f64) -> f64 {
+        let one_end = pitch / 12.0_f64.sqrt();
+        match self {
+            Self::Centred => one_end,
+            Self::Random => std::f64::consts::SQRT_2 * one_end,
+        }
+    }
 }
 
 /// An array of pads on a spherical cap of a fingertip, around the first contact.
@@ -98,7 +123,7 @@ impl Pads {
             fits,
             "pitch",
             pitch,
-            &format!("> 0 and at most the probe's radius, {radius}"),
+            &format!("> 0 and at most the probe's radius, {}", Number(radius)),
         )?;
         let resolved = pitch / radius >= FINEST;
         let expected = "at least 1e-15 of the probe's radius";
@@ -133,23 +158,12 @@ impl Pads {
 
     /// Resolution, length: a shorter shift may report no change of pad.
     pub fn resolution(&self) -> f64 {
-        match self.offset {
-            PadOffset::Centred => 0.5 * self.pitch,
-            PadOffset::Random => self.pitch,
-        }
+        self.offset.resolution(self.pitch)
     }
 
-    /// Standard deviation of a shift's error, as if quantisation were noise: uniform over a pad,
-    /// at the last contact and, where that is not centred, at the first.
-    ///
-    /// Real quantisation is not independent between probes: probes that roll alike read alike, and
-    /// on a square grid a shift by a whole number of pads is read exactly wherever it starts.
+    /// Standard deviation of a shift's error, length, as [`PadOffset::shift_std`].
     pub fn shift_std(&self) -> f64 {
-        let one_end = self.pitch / 12.0_f64.sqrt();
-        match self.offset {
-            PadOffset::Centred => one_end,
-            PadOffset::Random => std::f64::consts::SQRT_2 * one_end,
-        }
+        self.offset.shift_std(self.pitch)
     }
 
     /// Places the pads for a trial; draws only if the offset is random.

@@ -53,10 +53,7 @@ impl PositionError {
 
     /// Standard deviation along each of the axes, length.
     pub fn std(&self) -> f64 {
-        match self.distribution {
-            Distribution::Uniform => self.size / 3.0_f64.sqrt(),
-            Distribution::Gaussian => self.size,
-        }
+        self.distribution.std(self.size)
     }
 
     /// Whether a reading draws random numbers; without, it is the point itself.
@@ -70,13 +67,7 @@ impl PositionError {
         if !self.is_random() {
             return *point;
         }
-        let mut draw = || {
-            self.size
-                * match self.distribution {
-                    Distribution::Uniform => stream.symmetric_uniform(),
-                    Distribution::Gaussian => stream.standard_normal(),
-                }
-        };
+        let mut draw = || self.size * self.distribution.draw(stream);
         let error = match self.axes {
             PositionAxes::Xyz => Vector3::new(draw(), draw(), draw()),
             PositionAxes::Z => Vector3::new(0.0, 0.0, draw()),

@@ -5,7 +5,7 @@ mod edges;
 use rand::Rng;
 use rand_distr::Distribution;
 
-use crate::stream::{between_0_and_1, between_minus_1_and_1};
+use crate::uniform::{between_0_and_1, between_minus_1_and_1};
 use edges::EDGES;
 
 /// Normal distribution of mean 0 and standard deviation 1, by a ziggurat of 256 layers (Doornik, *An Improved Ziggurat

@@ -6,6 +6,7 @@ use rand::rand_core::{TryRng, utils};
 use rand_distr::Distribution;
 
 use crate::StandardNormal;
+use crate::uniform::between_minus_1_and_1;
 
 /// A named source of noise. Each has a stream of its own, so that adding one changes no other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -160,20 +161,6 @@ impl<const N: usize> Streams<N> {
     pub fn standard_normal(&mut self) -> [f64; N] {
         self.0.each_mut().map(Stream::standard_normal)
     }
-}
-
-/// Number in [−1, 1) by the upper 52 bits of a word.
-#[inline(always)]
-pub(crate) const fn between_minus_1_and_1(word: u64) -> f64 {
-    // A float in [2, 4) less its middle.
-    f64::from_bits(word >> 12 | 2_f64.to_bits()) - 3.0
-}
-
-/// Number in (0, 1) by the upper 52 bits of a word.
-#[inline(always)]
-pub(crate) const fn between_0_and_1(word: u64) -> f64 {
-    // A float in [1, 2) less the one below 1.
-    f64::from_bits(word >> 12 | 1_f64.to_bits()) - (1.0 - 0.5 * f64::EPSILON)
 }
 
 impl TryRng for Stream {

@@ -11,32 +11,40 @@
 //! Whatever fails becomes a [`ConfigError`] with file, line, column, field and an excerpt.
 
 mod error;
+mod field;
 mod fingertip;
 mod glide;
 mod grid;
+mod length_unit;
 mod load;
 mod model;
 mod object;
+mod output;
 mod pads;
 mod plot;
 mod press;
+mod resolved;
 mod roll;
 mod schema;
+mod settings;
 mod study;
 mod sweep;
 mod tree;
 mod validate;
 
 pub use error::ConfigError;
+pub use field::field;
 pub use fingertip::{BareFingertipConfig, LensConfig, LensName, ViewConfig};
 pub use glide::{
     CriterionName, EvaluateConfig, FingertipConfig, GlideConfig, GlideEstimatorConfig,
     GlideModelConfig, GlideMotionConfig, GlideNoiseConfig, GlideSensorConfig, NoiseAxis,
     NormalNoise, NormalsOf, PositionNoise, Reports,
 };
-pub use load::{Cell, Study, load, parse};
+pub use length_unit::LengthUnit;
+pub use load::{Cell, Study, load, parse, plots};
 pub use model::ModelConfig;
 pub use object::ObjectConfig;
+pub use output::Output;
 pub use pads::{PadLayout, PadOffset};
 pub use plot::{
     Component, Mark, MarkAxis, PlotConfig, PlotKind, Points, STATISTICS, STD_BOUND, Scale,
@@ -45,14 +53,16 @@ pub use press::{
     Baseline, CalibrationConfig, CameraConfig, CentroidNoise, DiscsConfig, GainNoise, HueNoise,
     Indentation, LayoutConfig, LayoutTable, LengthNoise, LostMarkers, NamedLayout, NoiseKnown,
     NormalFrom, PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressMotionConfig,
-    PressNoiseConfig, PressObjectConfig, PressProbeConfig, PressSensorConfig, ShownMarkers,
-    SizeNoise, WrongMarkers,
+    PressNoiseConfig, PressObjectConfig, PressPriors, PressProbeConfig, PressSensorConfig,
+    ShownMarkers, SizeNoise, WrongMarkers,
 };
+pub use resolved::to_toml;
 pub use roll::{
     AngularVelocityNoise, Chart, EncoderConfig, ProbeConfig, RollAxis, RollConfig,
     RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollNoiseConfig, RollSensorConfig,
     Side, When,
 };
 pub use schema::schema;
-pub use study::{LengthUnit, Output, SceneConfig, StudyConfig, to_toml};
+pub use settings::{Accepts, Range, Setting, SettingError, in_unit, settings, with_settings};
+pub use study::{SceneConfig, StudyConfig};
 pub use sweep::{Spacing, SweepConfig};

@@ -1,14 +1,21 @@
 //! Studies as they are written and tabulated: configs, quantities with their units, tables. Without physics.
 //!
 //! [`config`] turns a TOML text into a validated [`config::Study`] of cells; a [`Quantity`] names what a scene estimates and
-//! in which [`Unit`]; a [`Table`] is what results are written as.
+//! in which [`Unit`]; a [`Statistic`] is a column over its trials; a [`Label`] says in words what a column holds; a
+//! [`Table`] is what results are written as, its numbers by [`number`](mod@number).
 
 pub mod config;
+pub mod label;
+pub mod number;
 mod quantity;
+mod statistic;
 mod table;
 
-pub use quantity::{Quantity, Unit};
-pub use table::{Table, number};
+pub use label::Label;
+pub use number::shortest as number;
+pub use quantity::{Quantity, QuantityKind, Unit};
+pub use statistic::Statistic;
+pub use table::Table;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,4 +1,4 @@
-//! Quantities that scenes estimate, and their units.
+//! Quantities that studies tabulate, and their units.
 
 use crate::config::LengthUnit;
 
@@ -32,15 +32,6 @@ pub enum Unit {
     PixelSquared,
 }
 
-/// A quantity that a scene estimates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Quantity {
-    /// Its name, as in `cells.csv` and the JSON of `estimate`.
-    pub name: &'static str,
-    /// Its unit.
-    pub unit: Unit,
-}
-
 impl Unit {
     /// The unit in words, as in the `unit` column: `cm`, `1/cm`, `1/cm^2`.
     pub fn of(self, length: LengthUnit) -> String {
@@ -55,5 +46,124 @@ impl Unit {
             Self::Pixel => "px".to_owned(),
             Self::PixelSquared => "px^2".to_owned(),
         }
+    }
+}
+
+/// Way in which the values of a quantity come about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QuantityKind {
+    /// Estimate from readings, which errs.
+    Estimated,
+    /// Value found by looking or counting: the mean of its values is no mean estimate.
+    Measured,
+    /// Share of places, from 0 to 1, at which an estimate is right.
+    Share,
+}
+
+/// Quantity of a study: a row of `cells.csv` for each cell.
+///
+/// ```
+/// use palpate_study::{Quantity, QuantityKind};
+///
+/// let area = Quantity::named("marker_area").ok_or("a quantity")?;
+/// assert_eq!((area, area.kind), (Quantity::MARKER_AREA, QuantityKind::Measured));
+/// # Ok::<(), &str>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quantity {
+    /// Its name, as in `cells.csv` and the JSON of `estimate`.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: Unit,
+    /// How its values come about.
+    pub kind: QuantityKind,
+    /// Its name in words, as in figures.
+    pub words: &'static str,
+}
+
+/// Constants for the quantities, and the list of all of them.
+macro_rules! quantities {
+    ($($(#[$doc:meta])* $constant:ident = $name:literal, $words:literal, $unit:ident, $kind:ident;)*) => {
+        impl Quantity {
+            $($(#[$doc])*
+            pub const $constant: Self = Self {
+                name: $name,
+                unit: Unit::$unit,
+                kind: QuantityKind::$kind,
+                words: $words,
+            };)*
+
+            /// Every quantity that a study may tabulate.
+            pub const ALL: &'static [Self] = &[$(Self::$constant),*];
+        }
+    };
+}
+
+quantities! {
+    /// Normal curvature of the object along u at the first contact.
+    NORMAL_CURVATURE_U = "normal_curvature_u", "normal curvature along u", PerLength, Estimated;
+    /// Normal curvature of the object along v at the first contact.
+    NORMAL_CURVATURE_V = "normal_curvature_v", "normal curvature along v", PerLength, Estimated;
+    /// Gaussian curvature of the object.
+    GAUSSIAN_CURVATURE = "gaussian_curvature", "Gaussian curvature", PerLengthSquared, Estimated;
+    /// Mean curvature of the object.
+    MEAN_CURVATURE = "mean_curvature", "mean curvature", PerLength, Estimated;
+    /// Mean length of the contact's paths in a roll.
+    ARC_LENGTH = "arc_length", "arc length", Length, Estimated;
+    /// Class of the shape at a place: 1 where it is right, else 0.
+    CLASS = "class", "share classified correctly", One, Share;
+    /// Curvature of the sensor plus that of the object.
+    RELATIVE_CURVATURE = "relative_curvature", "relative curvature", PerLength, Estimated;
+    /// Inverse of the relative curvature.
+    EFFECTIVE_RADIUS = "effective_radius", "effective radius", Length, Estimated;
+    /// Curvature of the object that is pressed on, positive where convex.
+    OBJECT_CURVATURE = "object_curvature", "object curvature", PerLength, Estimated;
+    /// Approach of sensor and object since first touch.
+    INDENTATION = "indentation", "indentation", Length, Estimated;
+    /// Radius of the circle of contact.
+    CONTACT_RADIUS = "contact_radius", "contact radius", Length, Estimated;
+    /// Share of the readings' variance that the fit explains; 1 for a perfect fit.
+    R_SQUARED = "r_squared", "R² of the fit", One, Estimated;
+    /// Displacement of a marker along the normal, as a camera tells it.
+    NORMAL_DISPLACEMENT = "normal_displacement", "normal displacement", Length, Estimated;
+    /// Component of a marker's displacement along the skin, as a camera tells it.
+    TANGENTIAL_DISPLACEMENT = "tangential_displacement", "tangential displacement", Length, Estimated;
+    /// Change of the mean hue of the marker under the contact.
+    HUE_CHANGE = "hue_change", "hue change", Turn, Measured;
+    /// Path of the centroid of the marker under the contact in the image.
+    CENTROID_SHIFT = "centroid_shift", "centroid shift", Pixel, Measured;
+    /// Number of markers that were tracked.
+    MARKERS_TRACKED = "markers_tracked", "markers tracked", One, Measured;
+    /// Number of markers that were taken for another.
+    WRONG_MATCHES = "wrong_matches", "wrong matches", One, Measured;
+    /// Number of pixels rendered for a press.
+    PIXELS = "pixels", "pixels evaluated per press", One, Measured;
+    /// Radius of the object that is pressed on, negative where concave.
+    OBJECT_RADIUS = "object_radius", "object radius", Length, Estimated;
+    /// Greatest strain of folding a skin from its flat pattern.
+    GREATEST_FOLD_STRAIN = "greatest_fold_strain", "greatest strain of folding", One, Measured;
+    /// Root of the mean square of the strain of folding.
+    RMS_FOLD_STRAIN = "rms_fold_strain", "rms strain of folding", One, Measured;
+    /// Image area of a marker's larger disc.
+    MARKER_AREA = "marker_area", "image area of a marker", PixelSquared, Measured;
+}
+
+impl Quantity {
+    /// The quantity of this name, if there is one.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|one| one.name == name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_quantity_is_found_by_its_name() {
+        for quantity in Quantity::ALL {
+            assert_eq!(Quantity::named(quantity.name), Some(*quantity));
+        }
+        assert_eq!(Quantity::named("curvature"), None);
     }
 }

@@ -1,5 +1,7 @@
 //! Tables that results are written as.
 
+use crate::number::shortest;
+
 /// A table with a header, to be written as CSV.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
@@ -22,12 +24,12 @@ impl Table {
     pub fn push(&mut self, index: usize, numbers: impl IntoIterator<Item = f64>) {
         let index = std::iter::once(index.to_string());
         self.rows
-            .push(index.chain(numbers.into_iter().map(number)).collect());
+            .push(index.chain(numbers.into_iter().map(shortest)).collect());
     }
 
     /// A row of numbers, likewise.
     pub fn push_numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
-        self.rows.push(numbers.into_iter().map(number).collect());
+        self.rows.push(numbers.into_iter().map(shortest).collect());
     }
 
     /// CSV text of the table (RFC 4180): what holds a comma, a quote or a line's end is quoted.
@@ -54,11 +56,6 @@ fn push_field(text: &mut String, field: &str) {
     } else {
         text.push_str(field);
     }
-}
-
-/// Text of a number in the shortest form that reads back the same; zero without a sign.
-pub fn number(value: f64) -> String {
-    (value + 0.0).to_string()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The observations of one quantity until they are summed up.
 
-use crate::record::Observations;
+use crate::observation::Observations;
 
 /// Placeholder for a standard deviation that was not reported; lower than any that can be reported, for those are at
 /// least 0.
@@ -102,6 +102,16 @@ impl Column {
     /// Estimates, one per observation.
     pub(crate) fn estimates(&self) -> &[f64] {
         &self.estimates
+    }
+
+    /// Estimates beside their truths.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (f64, f64)> {
+        let estimates = self.estimates.iter().copied().enumerate();
+        estimates.filter_map(|(place, estimate)| match &self.truths {
+            Truths::None => None,
+            Truths::Same(truth) => Some((estimate, *truth)),
+            Truths::Varied(truths) => Some((estimate, truths[place])),
+        })
     }
 
     /// Standard deviations of the estimates; [`UNREPORTED`] where a trial gave none.

@@ -38,22 +38,33 @@
 //! # Ok::<(), palpate_sweep::SweepError>(())
 //! ```
 
+mod alive;
 mod column;
 mod failures;
 mod histogram;
+mod jobs;
 mod magnitude;
 mod moments;
+mod observation;
 mod part;
+mod plan;
 mod record;
 mod run;
 mod scale;
 mod summary;
 mod sums;
+mod trial;
 
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
-pub use record::{Observation, Observations, Record};
-pub use run::{BLOCK, Cell, RunOptions, Runner, SweepError, Trial, run};
+pub use observation::{Observation, Observations};
+pub use plan::{
+    Clock, FailingCell, Goal, Pace, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable,
+    SHARE_OF_MODEL, plan, spread,
+};
+pub use record::Record;
+pub use run::{NoThreads, RunOptions, Runner, SweepError, run};
 pub use summary::{CellStatistics, Summary};
+pub use trial::{BLOCK, Cell, Trial};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::failures::{Failure, Failures};
 use crate::histogram::Histogram;
 use crate::record::Record;
-use crate::run::{BLOCK, Cell};
 use crate::summary::{CellStatistics, Summary};
 use crate::sums::{Scratch, Sums};
+use crate::trial::{BLOCK, Cell, blocks};
 
 /// Observations of one quantity from which on they are summed up before the end of the block, which bounds the memory
 /// of trials with many observations.
@@ -132,34 +132,34 @@ pub(crate) struct Segment {
 }
 
 impl Segment {
-    /// Runs the block that follows, `block` of `cell`.
+    /// Runs the block that follows: this one of the cell with this number.
     #[inline(never)] // by this name instructions are counted
     pub(crate) fn run_block(
         &mut self,
-        cells: &[Cell],
-        cell: usize,
-        block: u64,
+        (number, block): (usize, u64),
+        cell: &Cell,
         workspace: &mut Workspace,
         cancelled: &AtomicBool,
     ) {
         let mut part = match self
             .pieces
-            .pop_if(|piece| matches!(piece, Piece::Open(part) if part.cell == cell))
+            .pop_if(|piece| matches!(piece, Piece::Open(part) if part.cell == number))
         {
             Some(Piece::Open(part)) => part,
-            _ => Part::new(cell, block, cells[cell].trial.quantities()),
+            _ => Part::new(number, block, cell.trial.quantities()),
         };
-        part.run_next_block(&cells[cell], workspace, cancelled);
-        self.push(part, cells);
+        part.run_next_block(cell, workspace, cancelled);
+        self.push(part, cell.trials);
     }
 
-    /// Adds the blocks that follow.
-    pub(crate) fn join(mut self, next: Segment, cells: &[Cell]) -> Segment {
+    /// Adds the blocks that follow; `trials` are those of each cell of the study.
+    pub(crate) fn join(mut self, next: Segment, trials: &[u64]) -> Segment {
         let mut next = next.pieces.into_iter();
         match (self.pieces.pop(), next.next()) {
             (Some(Piece::Open(mut left)), Some(Piece::Open(right))) if left.cell == right.cell => {
                 left.append(right);
-                self.push(left, cells);
+                let trials = trials[left.cell];
+                self.push(left, trials);
             }
             (left, right) => self.pieces.extend(left.into_iter().chain(right)),
         }
@@ -167,10 +167,9 @@ impl Segment {
         self
     }
 
-    fn push(&mut self, part: Part, cells: &[Cell]) {
-        let cell = &cells[part.cell];
-        self.pieces.push(if part.blocks == cell.blocks() {
-            Piece::Done(part.finish(cell.trials))
+    fn push(&mut self, part: Part, trials: u64) {
+        self.pieces.push(if part.blocks == blocks(trials) {
+            Piece::Done(part.finish(trials))
         } else {
             Piece::Open(part)
         });

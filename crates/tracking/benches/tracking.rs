@@ -3,11 +3,8 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use palpate_frames as frames;
 use palpate_tracking::{Finder, FinderSettings, Mask, match_markers};
-
-#[path = "../tests/frames/mod.rs"]
-#[allow(dead_code)]
-mod frames;
 
 fn tracking(criterion: &mut Criterion) {
     for size in [640, 1024] {

@@ -1,9 +1,12 @@
 //! Errors of frames in which no markers can be found.
 
+use palpate_number::Number;
+use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
 /// Why a frame, or the settings to read it by, gives no markers.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
 pub enum TrackingError {
     /// The frame has no pixels.
     #[error("the frame has no pixels: {width} by {height}")]
@@ -36,7 +39,8 @@ pub enum TrackingError {
     /// The image circle is not a circle, or lies outside the frame.
     #[error(
         "the image circle about ({x_px}, {y_px}) of radius {radius_px} px shows nothing of the \
-         frame: its centre must lie in the frame and its radius be positive"
+         frame: its centre must lie in the frame and its radius be positive",
+        x_px = Number(*x_px), y_px = Number(*y_px), radius_px = Number(*radius_px)
     )]
     MaskOutside {
         /// Column of the centre.
@@ -47,7 +51,11 @@ pub enum TrackingError {
         radius_px: f64,
     },
     /// The markers' diameter is not a length of at least a pixel.
-    #[error("a marker's diameter of {diameter_px} px: it must be at least {least} px and finite")]
+    #[strum(serialize = "marker-diameter")]
+    #[error(
+        "a marker's diameter of {diameter_px} px: it must be at least {least} px and finite",
+        diameter_px = Number(*diameter_px)
+    )]
     Diameter {
         /// Diameter that was asked for, px.
         diameter_px: f64,
@@ -75,15 +83,7 @@ pub enum TrackingError {
 
 impl TrackingError {
     /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::EmptyImage { .. } => "empty-image",
-            Self::TooSmall { .. } => "too-small",
-            Self::TooLarge { .. } => "too-large",
-            Self::MaskOutside { .. } => "mask-outside",
-            Self::Diameter { .. } => "marker-diameter",
-            Self::NoMarkers { .. } => "no-markers",
-            Self::TooMany { .. } => "too-many",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 }

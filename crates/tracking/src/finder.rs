@@ -10,16 +10,7 @@ use crate::rim::Rim;
 use crate::selection::{self, Selection};
 use crate::shapes::{Shape, shapes};
 use crate::sight::{self, HueWindow};
-use crate::{Marker, Mask, TrackingError};
-
-/// Background that markers are seen on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Ground {
-    /// Dark markers on a bright ground: they take light from it.
-    Bright,
-    /// Bright markers on a dark ground: they add light to it.
-    Dark,
-}
+use crate::{Ground, Marker, Mask, TrackingError};
 
 /// How to read frames. The default finds out everything from the frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,5 +1,7 @@
 //! A marker in a frame, and what became of it in another.
 
+use strum::IntoStaticStr;
+
 /// A marker as a frame shows it. The middle of the first pixel has the coordinates (0, 0); x counts columns to the
 /// right, y rows downward.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +20,8 @@ pub struct Marker {
 }
 
 /// Fate of a marker between the rest frame and the pressed one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Eq, Hash, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Status {
     /// Found again.
     Tracked,
@@ -34,14 +37,8 @@ pub enum Status {
 
 impl Status {
     /// The stable name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Tracked => "tracked",
-            Self::Lost => "lost",
-            Self::Merged => "merged",
-            Self::Split => "split",
-            Self::New => "new",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 

@@ -84,59 +84,44 @@ impl Precise {
         self * self
     }
 
-    /// The sine of radians.
-    #[must_use]
-    pub fn sin(&self) -> Self {
-        with_constants(|constants| self.0.sin(BITS, ROUND, constants))
-    }
-
-    /// The cosine of radians.
-    #[must_use]
-    pub fn cos(&self) -> Self {
-        with_constants(|constants| self.0.cos(BITS, ROUND, constants))
-    }
-
-    /// The tangent of radians.
-    #[must_use]
-    pub fn tan(&self) -> Self {
-        with_constants(|constants| self.0.tan(BITS, ROUND, constants))
-    }
-
-    /// The angle of that sine, radians; NaN beyond ±1.
-    #[must_use]
-    pub fn asin(&self) -> Self {
-        with_constants(|constants| self.0.asin(BITS, ROUND, constants))
-    }
-
-    /// The angle of that tangent, radians.
-    #[must_use]
-    pub fn atan(&self) -> Self {
-        with_constants(|constants| self.0.atan(BITS, ROUND, constants))
-    }
-
-    /// The area hyperbolic sine.
-    #[must_use]
-    pub fn asinh(&self) -> Self {
-        with_constants(|constants| self.0.asinh(BITS, ROUND, constants))
-    }
-
-    /// The exponential.
-    #[must_use]
-    pub fn exp(&self) -> Self {
-        with_constants(|constants| self.0.exp(BITS, ROUND, constants))
-    }
-
-    /// The natural logarithm; NaN below 0.
-    #[must_use]
-    pub fn ln(&self) -> Self {
-        with_constants(|constants| self.0.ln(BITS, ROUND, constants))
-    }
-
     /// The power: `exp(exponent · ln self)`.
     #[must_use]
     pub fn powf(&self, exponent: &Self) -> Self {
         with_constants(|constants| self.0.pow(&exponent.0, BITS, ROUND, constants))
     }
+}
+
+macro_rules! functions {
+    ($($(#[$doc:meta])* $name:ident;)*) => {
+        impl Precise {
+            $(
+                $(#[$doc])*
+                #[must_use]
+                pub fn $name(&self) -> Self {
+                    with_constants(|constants| self.0.$name(BITS, ROUND, constants))
+                }
+            )*
+        }
+    };
+}
+
+functions! {
+    /// Sine of radians.
+    sin;
+    /// Cosine of radians.
+    cos;
+    /// Tangent of radians.
+    tan;
+    /// Angle of that sine, radians; NaN beyond ±1.
+    asin;
+    /// Angle of that tangent, radians.
+    atan;
+    /// Area hyperbolic sine.
+    asinh;
+    /// Exponential.
+    exp;
+    /// Natural logarithm; NaN below 0.
+    ln;
 }
 
 impl From<f64> for Precise {

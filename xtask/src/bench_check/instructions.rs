@@ -5,7 +5,7 @@ use serde_json::Value;
 use xshell::{Shell, cmd};
 
 use super::baseline::Figures;
-use super::gungraun_home;
+use crate::palpate::target_dir;
 use crate::tools::has;
 
 /// Counts every hot path, or says what is missing on this machine.
@@ -18,7 +18,7 @@ pub(crate) fn count(shell: &Shell) -> Result<Result<Figures, &'static str>> {
             "gungraun-runner is missing: `cargo install gungraun-runner --version 0.20.0 --locked`",
         ));
     }
-    let home = gungraun_home(shell);
+    let home = target_dir(shell).join("gungraun");
     let bench = cmd!(
         shell,
         "cargo bench --quiet -p palpate-assay --no-default-features --bench instructions -- --output-format=json"

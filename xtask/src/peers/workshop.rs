@@ -8,11 +8,20 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-use super::Kind;
 use super::figure::Figure;
 
 /// Libraries that would otherwise take every core.
 const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
+
+/// Form of a peer's program.
+pub(crate) enum Kind {
+    /// A script in xtask/peers/.
+    Python(&'static str),
+    /// A source file in xtask/peers/, compiled by g++.
+    Cpp(&'static str),
+    /// A package in xtask/peers/.
+    Rust(&'static str),
+}
 
 /// Why a peer cannot be had here.
 pub(crate) struct Absent(pub(crate) String);

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use palpate_ep2::{Curvature, Method, Penalised, Quadric, TwoPass};
 
-use super::{Figure, rms};
+use super::figure::{Figure, rms};
 use crate::hot::patches;
 
 const PATCHES: u64 = 50;

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use palpate_press::Body;
 
-use super::{Figure, rms};
+use super::figure::{Figure, rms};
 use crate::hot::presses::{AT, INDENTATION, OBJECT, SKIN, Told, fit, markers};
 use crate::pressed::{self, Pressed};
 

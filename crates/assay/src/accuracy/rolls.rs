@@ -6,7 +6,7 @@ use palpate_geometry::Shape;
 use palpate_rolling::{Contact, HeldAxis};
 use palpate_sweep::Summary;
 
-use super::Figure;
+use super::figure::Figure;
 use crate::hot::rolls::{Chart, DIRECTION, Ep1, Model, motion, paraboloid, roller, sphere};
 
 const TRIALS: u64 = 1 << 14;

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use palpate_tracking::Marker;
 
-use super::{Figure, rms};
+use super::figure::{Figure, rms};
 use crate::hot::camera;
 
 const SIZE: usize = 640;

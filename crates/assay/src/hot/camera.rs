@@ -10,7 +10,6 @@ use palpate_chromatouch::{
 };
 use palpate_tracking::{Finder, FinderSettings, Mask, match_markers};
 
-use super::frames;
 use super::presses::SKIN;
 use super::{Hot, warm};
 
@@ -64,7 +63,7 @@ pub struct Disc {
 
 /// 77 discs of random hues on a dark ground.
 pub fn frame(size_px: usize) -> (RgbImage, Vec<Disc>) {
-    let (frame, truth) = frames::dark(size_px, FRAME);
+    let (frame, truth) = palpate_frames::dark(size_px, FRAME);
     let discs = truth.into_iter().map(|one| Disc {
         centroid_px: one.centroid_px,
         hue_turns: one.hue_turns,

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use anyhow::Result;
 use palpate_ep2::{Ep2Error, Fit, Method, Passes, Penalised, Quadric, TwoPass};
 
-use super::{Figure, MANY, PATCHES};
+use super::figure::{Figure, MANY, PATCHES};
 use crate::accuracy::rms;
 use crate::hot::patches;
 

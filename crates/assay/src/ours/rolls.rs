@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use palpate_geometry::Shape;
 use palpate_rolling::Roller;
 
-use super::Figure;
+use super::figure::Figure;
 use crate::accuracy::rolls::against_closed_form;
 use crate::hot::rolls::{Chart, Ep1, Model, motion, paraboloid, roller, sphere};
 

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use anyhow::Result;
 use palpate_tracking::Marker;
 
-use super::{FRAMES, Figure};
+use super::figure::{FRAMES, Figure};
 use crate::accuracy::rms;
 use crate::hot::camera::{self, Disc};
 

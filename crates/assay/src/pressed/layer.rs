@@ -11,8 +11,7 @@ use std::f64::consts::FRAC_2_PI;
 use anyhow::{Context, Result, bail};
 use nalgebra::{Complex, ComplexField, DMatrix, DVector};
 
-use super::quadrature::{around, on_panels, over};
-use super::{NEGLIGIBLE, PHASE, abel, sum};
+use super::quadrature::{NEGLIGIBLE, PHASE, abel, around, on_panels, over, sum};
 
 /// Steps of the secant method, which takes eight or so.
 const MOST_STEPS: usize = 60;

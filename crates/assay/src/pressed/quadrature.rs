@@ -1,6 +1,6 @@
 //! Quadrature by Clenshaw and Curtis: exact to rounding for what is smooth on each panel.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Intervals between the nodes of a panel.
 const INTERVALS: usize = 24;
@@ -59,6 +59,48 @@ pub(super) fn around(end: f64, place: f64, width: f64) -> impl Iterator<Item = [
     panels
         .into_iter()
         .flat_map(|[from, to]| over(from, to, INTERVALS))
+}
+
+/// Exponent p of the smallest factor e⁻ᵖ that still counts.
+pub(super) const NEGLIGIBLE: f64 = 30.0;
+/// Phase that one panel of the quadrature spans, rad.
+pub(super) const PHASE: f64 = 12.0;
+
+/// The displacement of a half-space's surface at distance r: ∫ φ(t)/√(r² − t²) dt from 0 to the lesser of a and r.
+pub(super) fn abel(phi: impl Fn(f64) -> f64, a: f64, r: f64) -> f64 {
+    let most = if r > a { libm::asin(a / r) } else { FRAC_PI_2 };
+    over(0.0, most, 48)
+        .map(|[angle, weight]| weight * phi(r * libm::sin(angle)))
+        .sum()
+}
+
+/// Sums over wavenumbers up to a reach of what is inward under J₀ and outward under J₁, smooth over that width.
+pub(super) fn sum(
+    reach: f64,
+    smooth: f64,
+    contact: f64,
+    distances: &[f64],
+    waves: impl Fn(f64) -> [f64; 2],
+) -> Vec<[f64; 2]> {
+    let farthest = distances.iter().fold(0.0, |most: f64, r| most.max(*r));
+    let panel = smooth.min(PHASE / (contact + farthest));
+    let waves: Vec<[f64; 3]> = on_panels(reach, panel)
+        .map(|[k, weight]| {
+            let [normal, radial] = waves(k);
+            [k, weight * normal, weight * radial]
+        })
+        .collect();
+    let at = |r: &f64| {
+        waves
+            .iter()
+            .fold([0.0; 2], |[inward, outward], [k, normal, radial]| {
+                [
+                    inward + normal * libm::j0(k * r),
+                    outward + radial * libm::j1(k * r),
+                ]
+            })
+    };
+    distances.iter().map(at).collect()
 }
 
 #[cfg(test)]

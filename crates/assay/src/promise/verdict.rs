@@ -4,7 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use super::{Kind, MOST, Promise, SCENES};
+use super::promised::{MOST, Promise, SCENES};
+use super::scenes::Kind;
 
 /// A promise, and what it costs.
 pub(super) struct Verdict<'a> {

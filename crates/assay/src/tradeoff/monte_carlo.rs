@@ -3,33 +3,26 @@
 use anyhow::{Result, ensure};
 use palpate_scene::Scene;
 
-use super::ladder::{Ease, Ladder};
+use super::ladder::Ladder;
 use super::trials::{Asked, Choice, Template, at_least_rounding, outcomes};
 
 /// Index of the quantity whose rms error is judged: the first that a scene estimates.
 const QUANTITY: usize = 0;
 
-/// A scene and how many trials it is worth.
-const SCENES: [(Template, &[u32]); 3] = [
+const SCENES: [(&str, &str); 3] = [
     (
-        Template {
-            ease: Ease::Easy,
-            scene: "rolls on a ball",
-            text: r#"
+        "rolls on a ball",
+        r#"
 kind = "roll"
 probe = { kind = "sphere", radius = 1.0 }
 object = { kind = "sphere", radius = 5.0 }
 motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
 noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
 "#,
-        },
-        &[10, 100, 1000, 10_000, 100_000],
     ),
     (
-        Template {
-            ease: Ease::Typical,
-            scene: "presses of a half-space on a ball",
-            text: r#"
+        "presses of a half-space on a ball",
+        r#"
 kind = "press"
 probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0 }
 object = { kind = "sphere", radius = 80.0 }
@@ -37,14 +30,10 @@ motion = { indentation = 1.0 }
 noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, indentation = { kind = "gaussian", std = 0.02 } }
 estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
 "#,
-        },
-        &[10, 30, 100],
     ),
     (
-        Template {
-            ease: Ease::Hard,
-            scene: "glides over a saddle, in its middle",
-            text: r#"
+        "glides over a saddle, in its middle",
+        r#"
 kind = "glide"
 probe = { kind = "point" }
 object = { kind = "saddle", a = 0.1 }
@@ -52,15 +41,20 @@ motion = { finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, pat
 noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2.0 } }
 evaluate = { grid = 1, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }
 "#,
-        },
-        &[10, 30, 100],
     ),
 ];
 
+/// Numbers of trials that each scene is worth.
+const TRIALS: [&[u32]; 3] = [
+    &[10, 100, 1000, 10_000, 100_000],
+    &[10, 30, 100],
+    &[10, 30, 100],
+];
+
 pub(super) fn ladder() -> Ladder {
-    let stage = |(scene, trials): &(Template, &[u32])| {
+    let stage = |(scene, trials): (Template, &[u32])| {
         let mut stage = scene.stage(&[], asked(1));
-        for &trials in *trials {
+        for &trials in trials {
             let choice = Choice::new(format!("{trials} trials"), "").set(f64::from(trials));
             let one = scene.stage(&[choice], asked(trials));
             // One evaluation is all of the trials.
@@ -75,7 +69,11 @@ pub(super) fn ladder() -> Ladder {
         title: "How many trials?",
         error: "standard error of the rms error that a study states, over it",
         evaluation: "all trials",
-        scenes: SCENES.iter().map(stage).collect(),
+        scenes: Template::all("", SCENES)
+            .into_iter()
+            .zip(TRIALS)
+            .map(stage)
+            .collect(),
     }
 }
 

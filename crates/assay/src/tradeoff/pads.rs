@@ -1,45 +1,31 @@
 //! Rungs of a pad array: its pitch and its layout.
 
-use super::ladder::{Ease, Ladder};
+use super::ladder::Ladder;
 use super::trials::{Asked, Choice, Template, relative_rms};
 
 const PITCHES_MM: [f64; 8] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.05, 0.02];
 const CURVATURE: usize = 0;
 
-const SCENES: [Template; 3] = [
-    Template {
-        ease: Ease::Easy,
-        scene: "ball of 11 mm",
-        text: r#"
+const COMMON: &str = r#"
 kind = "roll"
 probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 11.0 }
 motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
 sensor = $rung
-"#,
-    },
-    Template {
-        ease: Ease::Typical,
-        scene: "ball of 50 mm",
-        text: r#"
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 50.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-sensor = $rung
-"#,
-    },
-    Template {
-        ease: Ease::Hard,
-        scene: "ball of 500 mm",
-        text: r#"
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 500.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-sensor = $rung
-"#,
-    },
+"#;
+
+const SCENES: [(&str, &str); 3] = [
+    (
+        "ball of 11 mm",
+        r#"object = { kind = "sphere", radius = 11.0 }"#,
+    ),
+    (
+        "ball of 50 mm",
+        r#"object = { kind = "sphere", radius = 50.0 }"#,
+    ),
+    (
+        "ball of 500 mm",
+        r#"object = { kind = "sphere", radius = 500.0 }"#,
+    ),
 ];
 
 pub(super) fn ladder() -> Ladder {
@@ -65,7 +51,7 @@ pub(super) fn ladder() -> Ladder {
         title: "What do finer pads cost?",
         error: "rms error of the curvature over the curvature; 8 probes of 10 mm roll 0.5 rad, pads anywhere",
         evaluation: "one trial",
-        scenes: SCENES
+        scenes: Template::all(COMMON, SCENES)
             .iter()
             .map(|scene| scene.stage(&choices, asked))
             .collect(),

@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 use palpate_scene::{Outcome, Scene};
 
-use super::ladder::{Ease, Ladder, Rung, SceneRungs};
+use super::ladder::{Ladder, Rung, SceneRungs};
 use super::trials::{Asked, Choice, Template, at_least_rounding, evaluated, outcomes, scene_of};
 
 /// Contacts of each of the three fingers.
@@ -27,40 +27,34 @@ const TRIALS: u64 = 40;
 const TIMED: u32 = 2;
 
 /// Scenes without motion, estimator and grid, which each rung sets.
-const SCENES: [Template; 3] = [
-    Template {
-        ease: Ease::Easy,
-        scene: "sphere of radius 5, noise 1 % of the finger distance and 0.5°",
-        text: r#"
+const COMMON: &str = r#"
 kind = "glide"
 probe = { kind = "point" }
+$rung
+"#;
+
+const SCENES: [(&str, &str); 3] = [
+    (
+        "sphere of radius 5, noise 1 % of the finger distance and 0.5°",
+        r#"
 object = { kind = "sphere", radius = 5.0 }
 noise = { position = { kind = "gaussian", fraction_of_ifd = 0.01 }, normal = { kind = "gaussian", std_deg = 0.5 } }
-$rung
 "#,
-    },
-    Template {
-        ease: Ease::Typical,
-        scene: "saddle z = 0.1 (x² − y²), noise 5 % and 2°",
-        text: r#"
-kind = "glide"
-probe = { kind = "point" }
+    ),
+    (
+        "saddle z = 0.1 (x² − y²), noise 5 % and 2°",
+        r#"
 object = { kind = "saddle", a = 0.1 }
 noise = { position = { kind = "gaussian", fraction_of_ifd = 0.05 }, normal = { kind = "gaussian", std_deg = 2.0 } }
-$rung
 "#,
-    },
-    Template {
-        ease: Ease::Hard,
-        scene: "waves 0.15 sin 1.5x cos 1.5y, noise 2 % and 2°",
-        text: r#"
-kind = "glide"
-probe = { kind = "point" }
+    ),
+    (
+        "waves 0.15 sin 1.5x cos 1.5y, noise 2 % and 2°",
+        r#"
 object = { kind = "height-field", formula = "0.15*sin(1.5*x)*cos(1.5*y)" }
 noise = { position = { kind = "gaussian", fraction_of_ifd = 0.02 }, normal = { kind = "gaussian", std_deg = 2.0 } }
-$rung
 "#,
-    },
+    ),
 ];
 
 fn rung(estimator: &str, contacts: u32, grid: u32) -> String {
@@ -113,7 +107,7 @@ pub(super) fn fits() -> Ladder {
         title: "Which fit, with how many contacts?",
         error: "rms error of K or H, the larger, over that of the curvedness; two-pass only up to 90 points, more take it seconds",
         evaluation: "one trial: readings, fit, and a map of 15 × 15",
-        scenes: SCENES
+        scenes: Template::all(COMMON, SCENES)
             .iter()
             .map(|scene| scene.stage(&choices, asked))
             .collect(),
@@ -148,7 +142,7 @@ pub(super) fn maps() -> Ladder {
         title: "How fine a map?",
         error: "rms error of K or H, the larger, over that of the curvedness, as the map's nearest place has it; where curvature is the same everywhere, as on the sphere, a coarse map loses nothing and errs as the fit does at its few places",
         evaluation: "one trial: 30 contacts, penalised fit, and the map",
-        scenes: SCENES.iter().map(stage).collect(),
+        scenes: Template::all(COMMON, SCENES).iter().map(stage).collect(),
     }
 }
 

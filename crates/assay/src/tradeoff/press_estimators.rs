@@ -5,46 +5,36 @@ use super::trials::{Asked, Choice, Template, relative_rms};
 
 const EFFECTIVE_RADIUS: usize = 1;
 
-const SCENES: [Template; 3] = [
-    Template {
-        ease: Ease::Easy,
-        scene: "half-space on a ball of 80 mm",
-        text: r#"
+const COMMON: &str = r#"
 kind = "press"
 probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0 }
+motion = { indentation = 1.0 }
+noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
+estimator = $rung
+"#;
+
+const SCENES: [(&str, &str); 3] = [
+    (
+        "half-space on a ball of 80 mm",
+        r#"
 object = { kind = "sphere", radius = 80.0 }
-motion = { indentation = 1.0 }
 model = { kind = "half-space" }
-noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
-estimator = $rung
 "#,
-    },
-    Template {
-        ease: Ease::Typical,
-        scene: "layer of 10 mm on a plane",
-        text: r#"
-kind = "press"
-probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0 }
+    ),
+    (
+        "layer of 10 mm on a plane",
+        r#"
 object = { kind = "plane" }
-motion = { indentation = 1.0 }
 model = { kind = "bonded-layer", thickness = 10.0 }
-noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
-estimator = $rung
 "#,
-    },
-    Template {
-        ease: Ease::Hard,
-        scene: "layer of 5 mm in a dish of 80 mm",
-        text: r#"
-kind = "press"
-probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0 }
+    ),
+    (
+        "layer of 5 mm in a dish of 80 mm",
+        r#"
 object = { kind = "dish", radius = 80.0 }
-motion = { indentation = 1.0 }
 model = { kind = "bonded-layer", thickness = 5.0 }
-noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
-estimator = $rung
 "#,
-    },
+    ),
 ];
 
 /// Name, kind and what else it is told.
@@ -66,7 +56,7 @@ pub(super) fn ladder() -> Ladder {
         title: "Which estimator of a press?",
         error: "rms error of the effective radius over it; noise 0.05 mm, 0.02 mm along the skin and of δ",
         evaluation: "one trial: readings and estimate",
-        scenes: SCENES.iter().map(stage).collect(),
+        scenes: Template::all(COMMON, SCENES).iter().map(stage).collect(),
     }
 }
 

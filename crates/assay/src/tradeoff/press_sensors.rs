@@ -3,52 +3,42 @@
 //! Each has a noise of its own, which its name does not tell but the ladder's error does: they are no measure of one
 //! camera by another.
 
-use super::ladder::{Ease, Ladder};
+use super::ladder::Ladder;
 use super::trials::{Asked, Choice, Template, relative_rms};
 
 const EFFECTIVE_RADIUS: usize = 1;
 const SIZES_PX: [u32; 3] = [265, 640, 1024];
 
-const SCENES: [Template; 3] = [
-    Template {
-        ease: Ease::Easy,
-        scene: "ball of 40 mm, 1 mm deep",
-        text: r#"
+const COMMON: &str = r#"
 kind = "press"
 probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 } }
+model = { kind = "bonded-layer", thickness = 5.0 }
+$rung
+estimator = { kind = "bonded-layer", indentation = "known" }
+"#;
+
+const SCENES: [(&str, &str); 3] = [
+    (
+        "ball of 40 mm, 1 mm deep",
+        r#"
 object = { kind = "sphere", radius = 40.0 }
 motion = { indentation = 1.0 }
-model = { kind = "bonded-layer", thickness = 5.0 }
-$rung
-estimator = { kind = "bonded-layer", indentation = "known" }
 "#,
-    },
-    Template {
-        ease: Ease::Typical,
-        scene: "plane, 1.4 mm deep",
-        text: r#"
-kind = "press"
-probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 } }
+    ),
+    (
+        "plane, 1.4 mm deep",
+        r#"
 object = { kind = "plane" }
 motion = { indentation = 1.4 }
-model = { kind = "bonded-layer", thickness = 5.0 }
-$rung
-estimator = { kind = "bonded-layer", indentation = "known" }
 "#,
-    },
-    Template {
-        ease: Ease::Hard,
-        scene: "dish of 80 mm, 0.3 mm deep, calibrated to 1.4 mm",
-        text: r#"
-kind = "press"
-probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 } }
+    ),
+    (
+        "dish of 80 mm, 0.3 mm deep, calibrated to 1.4 mm",
+        r#"
 object = { kind = "dish", radius = 80.0 }
 motion = { indentation = 0.3 }
-model = { kind = "bonded-layer", thickness = 5.0 }
-$rung
-estimator = { kind = "bonded-layer", indentation = "known" }
 "#,
-    },
+    ),
 ];
 
 /// Name, and noise of what the rung reads.
@@ -101,7 +91,7 @@ pub(super) fn ladder() -> Ladder {
         title: "What does a camera in the sensor cost?",
         error: "rms error of the effective radius over it; direct reads within 0.005 mm and 0.001 mm along the skin, projected within 1e-4 of hue, 0.01 px and 4e-4 of size, pixels within 2/255, each the standard deviation",
         evaluation: "one press: what is read, and the estimate",
-        scenes: SCENES
+        scenes: Template::all(COMMON, SCENES)
             .iter()
             .map(|scene| scene.stage(&choices, asked))
             .collect(),

@@ -1,50 +1,36 @@
 //! Rungs of EP1: how many probes roll, and how far.
 
-use super::ladder::{Ease, Ladder};
+use super::ladder::Ladder;
 use super::trials::{Asked, Choice, Template, relative_rms};
 
 const PROBES: [u32; 5] = [2, 4, 8, 16, 32];
 const ROLLS_RAD: [f64; 3] = [0.05, 0.2, 0.8];
 const CURVATURE: usize = 0;
 
-const SCENES: [Template; 3] = [
-    Template {
-        ease: Ease::Easy,
-        scene: "ball of 10 mm",
-        text: r#"
+const COMMON: &str = r#"
 kind = "roll"
 probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 10.0 }
 motion = $rung
 sensor = { kind = "wrist", std = 0.02 }
 noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
-"#,
-    },
-    Template {
-        ease: Ease::Typical,
-        scene: "ball of 50 mm",
-        text: r#"
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 50.0 }
-motion = $rung
-sensor = { kind = "wrist", std = 0.02 }
-noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
-"#,
-    },
-    Template {
-        ease: Ease::Hard,
-        scene: "ellipsoid of semi-axes 60, 40, 30 mm beside its top: its curvature changes on the way",
-        text: r#"
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
+"#;
+
+const SCENES: [(&str, &str); 3] = [
+    (
+        "ball of 10 mm",
+        r#"object = { kind = "sphere", radius = 10.0 }"#,
+    ),
+    (
+        "ball of 50 mm",
+        r#"object = { kind = "sphere", radius = 50.0 }"#,
+    ),
+    (
+        "ellipsoid of semi-axes 60, 40, 30 mm beside its top: its curvature changes on the way",
+        r#"
 object = { kind = "ellipsoid", semi_axes = [60.0, 40.0, 30.0] }
 object_contact = [20.0, 8.0]
-motion = $rung
-sensor = { kind = "wrist", std = 0.02 }
-noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
 "#,
-    },
+    ),
 ];
 
 pub(super) fn ladder() -> Ladder {
@@ -70,7 +56,7 @@ pub(super) fn ladder() -> Ladder {
         title: "How many probes, and how far do they roll?",
         error: "rms error of the curvature over the curvature; ω errs by up to 1 %, the contact by 0.02 mm",
         evaluation: "one trial",
-        scenes: SCENES
+        scenes: Template::all(COMMON, SCENES)
             .iter()
             .map(|scene| scene.stage(&choices, asked))
             .collect(),

@@ -18,7 +18,22 @@ pub(super) struct Template {
     /// Words for the scene.
     pub(super) scene: &'static str,
     /// TOML of `[scene]` with a `$rung` in it.
-    pub(super) text: &'static str,
+    pub(super) text: String,
+}
+
+impl Template {
+    /// An easy, a typical and a hard scene: what all have in common, and the words and the lines of each.
+    pub(super) fn all(common: &str, own: [(&'static str, &str); 3]) -> Vec<Self> {
+        let eases = [Ease::Easy, Ease::Typical, Ease::Hard];
+        let scenes = eases.into_iter().zip(own);
+        scenes
+            .map(|(ease, (scene, own))| Self {
+                ease,
+                scene,
+                text: format!("{common}{own}"),
+            })
+            .collect()
+    }
 }
 
 /// Text that a rung puts in place of `$rung`.
@@ -109,7 +124,7 @@ pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
             sum += observed.iter().map(|one| one.estimates[0]).sum::<f64>();
             true
         }),
-        Scene::Glide(_) | Scene::Press(_) | Scene::Fingertip(_) => 0,
+        _ => 0,
     };
     for trial in together..trials {
         // What failed has nothing to add.

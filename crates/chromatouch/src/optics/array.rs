@@ -134,8 +134,7 @@ impl MarkerArray {
             let half_width = 0.5 * diameter / distance;
             let good = (NARROWEST..=1.0).contains(&half_width);
             let expected = "between 1e-9 and 1 times twice the disc's distance from the centre";
-            OpticsError::unless(good, setting, diameter, expected)?;
-            Ok(Layer {
+            OpticsError::unless(good, setting, diameter, expected).map(|_| Layer {
                 name,
                 distance,
                 half_width,

@@ -5,23 +5,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::{UnitVector3, Vector3};
 
 use super::OpticsError;
+use super::lens::{Lens, Local, cap};
 use super::sines::sinc_and_cosine;
-
-mod local;
-
-pub(super) use local::{Local, Region, cap};
 
 /// Largest number of pixels along a side of a frame.
 pub const LARGEST_FRAME: u32 = 8192;
-
-/// How a lens maps the angle θ from its axis to the distance r from the image's centre, with the focal length f.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lens {
-    /// Equidistant: r = f θ.
-    Fisheye,
-    /// r = f tan θ.
-    Pinhole,
-}
 
 /// A camera in the sensor's centre, looking at the apex, with a square image.
 ///
@@ -168,7 +156,7 @@ impl Camera {
             return None;
         }
         let (sine, cosine) = libm::sincos(angular_radius);
-        let local = Local::new(self, polar, libm::sincos(polar));
+        let local = self.local_at(polar, libm::sincos(polar));
         Some(cap(self.lens, &local, sine, cosine).area)
     }
 
@@ -180,11 +168,17 @@ impl Camera {
         }
     }
 
+    /// The lens around a polar angle, rad, with this sine and cosine.
+    #[inline]
+    pub(super) fn local_at(&self, polar: f64, sine_and_cosine: (f64, f64)) -> Local {
+        Local::new(self.lens, self.px_per_rad, polar, sine_and_cosine)
+    }
+
     /// The lens around a direction, a unit vector; at the rim, for one beyond.
     pub(super) fn local(&self, direction: &Vector3<f64>) -> Local {
         let polar = libm::atan2(libm::hypot(direction.x, direction.y), direction.z);
         let polar = polar.min(self.rim_rad).min(PI - 1e-6);
-        Local::new(self, polar, libm::sincos(polar))
+        self.local_at(polar, libm::sincos(polar))
     }
 
     /// Largest number of pixels per radian, in any direction, at a polar angle in the field.

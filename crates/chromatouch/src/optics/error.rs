@@ -1,22 +1,21 @@
 //! Sensors that no camera can look at, and motions that no marker can make.
 
+use palpate_number::{BadSetting, Number};
+use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
 /// Why a camera sees nothing.
-#[derive(Clone, Debug, Error, PartialEq)]
+#[derive(Clone, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
 pub enum OpticsError {
     /// A setting is out of its range.
-    #[error("{setting} is {value}; it must be {expected}")]
-    BadSetting {
-        /// Name of the setting, as in the config.
-        setting: &'static str,
-        /// Its value.
-        value: f64,
-        /// Allowed values, in words.
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    BadSetting(#[from] BadSetting),
     /// A disc would lie at or beyond the sensor's centre, or outside its skin.
-    #[error("the {disc} discs would lie {depth} under a skin of radius {radius}; {expected}")]
+    #[error(
+        "the {disc} discs would lie {depth} under a skin of radius {radius}; {expected}",
+        depth = Number(*depth), radius = Number(*radius)
+    )]
     BadDepth {
         /// Which disc of a marker.
         disc: &'static str,
@@ -28,10 +27,8 @@ pub enum OpticsError {
         expected: &'static str,
     },
     /// A marker would lie half a turn or more from the apex, or at no number.
-    #[error(
-        "marker {marker} lies at ({}, {}) from the apex; it must be less than half a turn away, {limit}",
-        place[0], place[1]
-    )]
+    #[error("marker {marker} lies at ({}, {}) from the apex; it must be less than half a turn away, {limit}",
+        Number(place[0]), Number(place[1]), limit = Number(*limit))]
     OffTheSkin {
         /// Which marker, from 0.
         marker: usize,
@@ -50,7 +47,8 @@ pub enum OpticsError {
     },
     /// Two discs cover each other as seen from the centre.
     #[error(
-        "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap"
+        "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap",
+        diameter = Number(*diameter), distance = Number(*distance)
     )]
     DiscsOverlap {
         /// One marker, from 0.
@@ -72,7 +70,8 @@ pub enum OpticsError {
     },
     /// A disc would move by its distance from the centre or more, or by no number.
     #[error(
-        "the {disc} disc of marker {marker} would move by {motion} at {distance} from the centre"
+        "the {disc} disc of marker {marker} would move by {motion} at {distance} from the centre",
+        motion = Number(*motion), distance = Number(*distance)
     )]
     ImpossibleMotion {
         /// Which marker, from 0.
@@ -93,33 +92,18 @@ impl OpticsError {
         value: f64,
         expected: &'static str,
     ) -> Result<f64, Self> {
-        if holds {
-            return Ok(value);
-        }
-        Err(Self::BadSetting {
-            setting,
-            value,
-            expected,
-        })
+        Ok(BadSetting::unless(holds, setting, value, expected)?)
     }
 
     /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::BadSetting { .. } => "bad-setting",
-            Self::BadDepth { .. } => "bad-depth",
-            Self::OffTheSkin { .. } => "off-the-skin",
-            Self::TooManyMarkers { .. } => "too-many-markers",
-            Self::DiscsOverlap { .. } => "discs-overlap",
-            Self::WrongCount { .. } => "wrong-count",
-            Self::ImpossibleMotion { .. } => "impossible-motion",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 
     /// The setting that is wrong, as in the config, if it is one.
     pub const fn setting(&self) -> Option<&'static str> {
         match self {
-            Self::BadSetting { setting, .. } => Some(setting),
+            Self::BadSetting(BadSetting { setting, .. }) => Some(setting),
             Self::BadDepth { .. } => Some("separation"),
             _ => None,
         }

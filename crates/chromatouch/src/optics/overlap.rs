@@ -7,7 +7,7 @@
 use nalgebra::Vector3;
 
 use super::array::Sight;
-use super::camera::{Local, Region};
+use super::lens::{Local, Region};
 
 /// Overlap of the two discs of a marker.
 pub(super) enum Overlap {

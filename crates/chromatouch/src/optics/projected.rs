@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::array::{MarkerSight, Sight};
-use super::camera::{Local, Region, cap};
 use super::colours::Contrasts;
+use super::lens::{Local, Region, cap};
 use super::overlap::{Overlap, overlap};
 use super::sines::small_angle;
 use super::{Camera, MarkerMotion, Optics, OpticsError, SeenMarker};
@@ -81,7 +81,7 @@ impl Aim {
             sine,
             cosine,
             azimuth,
-            local: Local::new(camera, polar, (sine, cosine)),
+            local: camera.local_at(polar, (sine, cosine)),
         }
     }
 

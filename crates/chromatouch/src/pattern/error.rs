@@ -1,15 +1,19 @@
 //! Errors of patterns.
 
+use palpate_number::Number;
+use strum::IntoStaticStr;
 use thiserror::Error;
 
-use super::{FEWEST_GORES, MOST_GORES};
+use super::gores::{FEWEST_GORES, MOST_GORES};
 use crate::LayoutError;
 
 /// Why there is no such flat pattern.
-#[derive(Clone, Debug, Error, PartialEq)]
+#[derive(Clone, Debug, Error, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
 pub enum PatternError {
     /// A setting is out of its range, or there is no such layout.
     #[error(transparent)]
+    #[strum(transparent)]
     Layout(#[from] LayoutError),
     /// Nothing to fold, or gores so wide that folding would stretch them to more than twice their length.
     #[error("gores is {gores}; it must be at least {FEWEST_GORES}{}", stretched(*.strain))]
@@ -35,7 +39,8 @@ pub enum PatternError {
     },
     /// Two discs lie on each other.
     #[error(
-        "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap"
+        "the discs of markers {first} and {second} are {diameter} across and {distance} apart: they would overlap",
+        diameter = Number(*diameter), distance = Number(*distance)
     )]
     DiscsOverlap {
         /// One marker of the layout, from 0.
@@ -49,7 +54,8 @@ pub enum PatternError {
     },
     /// A disc that is not at the apex would be cut.
     #[error(
-        "the disc of marker {marker} is {diameter} across and its centre {distance} inside the gore's edge: it would be cut"
+        "the disc of marker {marker} is {diameter} across and its centre {distance} inside the gore's edge: it would be cut",
+        diameter = Number(*diameter), distance = Number(*distance)
     )]
     DiscAcrossEdge {
         /// Which marker of the layout, from 0.
@@ -60,7 +66,10 @@ pub enum PatternError {
         diameter: f64,
     },
     /// A drawing too small or too large for a file in millimetres.
-    #[error("the sphere's radius would be {radius_mm} mm; a drawing takes from {least} to {most}")]
+    #[error(
+        "the sphere's radius would be {radius_mm} mm; a drawing takes from {least} to {most}",
+        radius_mm = Number(*radius_mm), least = Number(*least), most = Number(*most)
+    )]
     NotDrawable {
         /// Radius of the sphere, mm.
         radius_mm: f64,
@@ -82,15 +91,7 @@ fn stretched(strain: Option<f64>) -> String {
 
 impl PatternError {
     /// The stable name of this kind of error.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Layout(error) => error.name(),
-            Self::TooFewGores { .. } => "too-few-gores",
-            Self::TooManyGores { .. } => "too-many-gores",
-            Self::BeyondTheEquator { .. } => "beyond-the-equator",
-            Self::DiscsOverlap { .. } => "discs-overlap",
-            Self::DiscAcrossEdge { .. } => "disc-across-edge",
-            Self::NotDrawable { .. } => "not-drawable",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 }

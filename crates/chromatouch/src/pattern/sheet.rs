@@ -6,21 +6,6 @@ use super::{FlatPlace, Pattern, PatternError};
 use crate::spacing::too_close;
 use crate::{Layout, LayoutError};
 
-mod dxf;
-mod svg;
-
-/// Radii of spheres that a drawing in millimetres takes, mm: files tell places to 1e-6 mm.
-const DRAWABLE_MM: [f64; 2] = [0.01, 1e6];
-
-/// Layer of the gores' outlines.
-const CUT: &str = "CUT";
-/// Layer of the middle meridians and the seam marks.
-const FOLD: &str = "FOLD";
-/// Layer of the inner discs.
-const MAGENTA: &str = "MAGENTA";
-/// Layer of the outer discs.
-const YELLOW: &str = "YELLOW";
-
 /// Diameters of the two discs that each marker is made of, length. They are drawn as circles, which the fold shears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discs {
@@ -176,66 +161,33 @@ impl CuttingSheet {
         self.discs
     }
 
-    /// The drawing as SVG in millimetres, y up the page, with the groups `CUT`, `FOLD`, `MAGENTA` and `YELLOW`;
-    /// `unit_mm` is the pattern's unit of length in millimetres.
-    ///
-    /// # Errors
-    /// [`PatternError::NotDrawable`].
-    pub fn svg(&self, unit_mm: f64) -> Result<String, PatternError> {
-        Ok(svg::written(&self.in_millimetres(unit_mm)?))
+    /// Radius of the sphere, length.
+    pub(super) const fn radius(&self) -> f64 {
+        self.radius
     }
 
-    /// The drawing as DXF R12 in millimetres, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`; `unit_mm` is the
-    /// pattern's unit of length in millimetres.
-    ///
-    /// # Errors
-    /// [`PatternError::NotDrawable`].
-    pub fn dxf(&self, unit_mm: f64) -> Result<String, PatternError> {
-        Ok(dxf::written(&self.in_millimetres(unit_mm)?))
-    }
-
-    fn in_millimetres(&self, unit_mm: f64) -> Result<Self, PatternError> {
-        let radius = self.radius * unit_mm;
-        let [least, most] = DRAWABLE_MM;
-        if !(least..=most).contains(&radius) {
-            return Err(PatternError::NotDrawable {
-                radius_mm: radius,
-                least,
-                most,
-            });
-        }
-        let place = |place: &[f64; 2]| place.map(|coordinate| coordinate * unit_mm);
+    /// Sheet with all lengths of this one times `factor`.
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        let place = |place: &[f64; 2]| place.map(|coordinate| coordinate * factor);
         let cut = |outline: &Vec<[f64; 2]>| outline.iter().map(place).collect();
-        Ok(Self {
-            radius,
+        let mark = |ends: &[[f64; 2]; 2]| ends.map(|end| place(&end));
+        Self {
+            radius: self.radius * factor,
             discs: Discs {
-                magenta: self.discs.magenta * unit_mm,
-                yellow: self.discs.yellow * unit_mm,
+                magenta: self.discs.magenta * factor,
+                yellow: self.discs.yellow * factor,
             },
             cuts: self.cuts.iter().map(cut).collect(),
-            marks: self
-                .marks
-                .iter()
-                .map(|ends| ends.map(|end| place(&end)))
-                .collect(),
+            marks: self.marks.iter().map(mark).collect(),
             centres: self.centres.iter().map(place).collect(),
-        })
+        }
     }
 
     /// Half the side of a square around the apex that holds the drawing and a margin.
-    fn half_side(&self) -> f64 {
+    pub(super) fn half_side(&self) -> f64 {
         let corners = self.cuts.iter().flatten();
         1.05 * corners
             .map(|[x, y]| libm::hypot(*x, *y))
             .fold(0.0, f64::max)
-    }
-}
-
-/// A length in millimetres, to a nanometre.
-fn millimetres(value: f64) -> String {
-    let written = format!("{value:.6}");
-    match written.strip_prefix('-') {
-        Some(size) if size.bytes().all(|byte| matches!(byte, b'0' | b'.')) => size.to_owned(),
-        _ => written,
     }
 }

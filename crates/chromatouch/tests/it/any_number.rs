@@ -1,9 +1,10 @@
-//! Whatever the numbers: a finite answer or a named error.
+//! Sensors that can be made have markers, patterns and pictures; whatever the numbers, a finite answer or the error that
+//! is due.
 
 use nalgebra::Vector3;
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, FoldStrain, Layout, Lens,
-    MarkerArray, MarkerMotion, Optics, Pattern, Seams,
+    MarkerArray, MarkerMotion, Optics, Pattern, Seams, SeenMarker,
 };
 use proptest::prelude::*;
 
@@ -55,11 +56,104 @@ fn the_way_around_the_sphere_is_a_number() {
     );
 }
 
+fn motion(moves: &[f64; 6], radius: f64) -> MarkerMotion {
+    let disc = |at: usize| DiscMotion {
+        normal: moves[at] * radius,
+        tangential: [moves[at + 1] * radius, moves[at + 2] * radius],
+    };
+    MarkerMotion {
+        magenta: disc(0),
+        yellow: disc(3),
+    }
+}
+
+fn is_sound(seen: &SeenMarker) -> bool {
+    let [x, y] = seen.centroid_px;
+    (x + y + seen.size_px2).is_finite()
+        && seen.size_px2 > 0.0
+        && (0.0..1.0).contains(&seen.hue_turns)
+}
+
+/// Layouts of a sensor of radius 1 that have places, all within a quarter turn, and how many: of none but a lattice is
+/// the number left open.
+fn good_layout() -> impl Strategy<Value = (Layout, Option<usize>)> {
+    let rows = prop::collection::vec(0..5_u32, 0..4);
+    prop_oneof![
+        (3..12_u32, rows, 5.0..25.0).prop_map(|(gores, rows, row_spacing_deg)| {
+            let markers = 1 + gores * rows.iter().sum::<u32>();
+            let layout = Layout::Gores {
+                gores,
+                rows,
+                row_spacing_deg,
+            };
+            (layout, Some(markers as usize))
+        }),
+        (0.1..0.5, 60.0..90.0)
+            .prop_map(|(pitch, cap_deg)| (Layout::Lattice { pitch, cap_deg }, None)),
+        (2..50_u32, 0.01..3.0).prop_map(|(markers, length)| {
+            (Layout::Line { markers, length }, Some(markers as usize))
+        }),
+        (2..50_u32, 0.01..1.5).prop_map(|(markers, length)| {
+            (Layout::Radius { markers, length }, Some(markers as usize))
+        }),
+    ]
+}
+
+/// The layout of a sensor so many times larger.
+fn times(layout: Layout, scale: f64) -> Layout {
+    match layout {
+        Layout::Gores { .. } => layout,
+        Layout::Lattice { pitch, cap_deg } => Layout::Lattice {
+            pitch: pitch * scale,
+            cap_deg,
+        },
+        Layout::Line { markers, length } => Layout::Line {
+            markers,
+            length: length * scale,
+        },
+        Layout::Radius { markers, length } => Layout::Radius {
+            markers,
+            length: length * scale,
+        },
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_layout_and_its_pattern(
+    fn good_layouts_of_any_size_have_their_places_and_a_pattern(
+        (layout, markers) in good_layout(),
+        power in -9.0..9.0_f64,
+        (gores, samples) in (3..12_u32, 10..20_u32),
+        (longitude, latitude) in (-1.0..1.0, 0.0..1.0),
+    ) {
+        let radius = libm::pow(10.0, power);
+        let layout = times(layout, radius);
+        let places = layout.places(radius).unwrap();
+        prop_assert!(!places.is_empty() && markers.is_none_or(|markers| markers == places.len()));
+        let polar = |[x, y]: &[f64; 2]| libm::hypot(*x, *y) / radius;
+        prop_assert!(places.iter().all(|place| polar(place) < 1.6), "{places:?}");
+        let half_width = std::f64::consts::PI / f64::from(gores);
+        let strain = FoldStrain::of(gores).unwrap().at(longitude * half_width, 1.57 * latitude);
+        prop_assert!(strain.unwrap() >= 0.0);
+        let pattern = Pattern::new(gores, samples, radius).unwrap();
+        prop_assert_eq!(pattern.gore().len(), 2 * samples as usize + 1);
+        for place in places.iter().filter(|place| polar(place) < 1.57) {
+            let flat = pattern.flatten(*place).unwrap();
+            prop_assert!((flat.from_apex / radius - polar(place)).abs() < 1e-12, "{flat:?}");
+        }
+        if let Layout::Gores { gores, .. } = layout {
+            let discs = Discs { magenta: 1e-3 * radius, yellow: 5e-4 * radius };
+            let sheet = Pattern::new(gores, samples, radius).unwrap().sheet(&layout, discs).unwrap();
+            prop_assert_eq!(sheet.centres().len(), places.len());
+            let svg = sheet.svg(20.0 / radius).unwrap();
+            prop_assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        }
+    }
+
+    #[test]
+    fn any_layout_and_its_pattern_give_numbers_or_the_error_that_is_due(
         layout in layout(),
         radius in any_number(),
         (gores, samples) in (2..12_u32, 0..20_u32),
@@ -67,36 +161,61 @@ proptest! {
         place in prop::array::uniform2(any_number()),
         unit in any_number(),
     ) {
-        if let Ok(places) = layout.places(radius) {
-            prop_assert!(places.iter().flatten().all(|coordinate| coordinate.is_finite()));
-        }
+        let places = layout.places(radius);
+        prop_assert!(places.is_err() || radius > 0.0 && radius <= 1e300, "{places:?}");
+        prop_assert!(places.iter().flatten().flatten().all(|coordinate| coordinate.is_finite()));
+        prop_assert_eq!(FoldStrain::of(gores).err().map(|error| error.name()), (gores < 3).then_some("too-few-gores"));
         if let Ok(strain) = FoldStrain::of(gores) {
-            prop_assert!(strain.at(place[0], place[1]).is_ok_and(f64::is_finite) || strain.at(place[0], place[1]).is_err());
+            let [longitude, latitude] = place;
+            let is_on_gore = longitude.abs() <= std::f64::consts::PI / f64::from(gores)
+                && (0.0..=std::f64::consts::FRAC_PI_2).contains(&latitude);
+            prop_assert_eq!(strain.at(longitude, latitude).is_ok_and(f64::is_finite), is_on_gore);
         }
-        let Ok(pattern) = Pattern::new(gores, samples, radius) else { return Ok(()) };
+        let pattern = Pattern::new(gores, samples, radius);
+        let due = match radius {
+            _ if gores < 3 => Some("too-few-gores"),
+            radius if samples == 0 || !(1e-100..=1e100).contains(&radius) => Some("bad-setting"),
+            _ => None,
+        };
+        prop_assert_eq!(pattern.as_ref().err().map(|error| error.name()), due);
+        let Ok(pattern) = pattern else { return Ok(()) };
         prop_assert!(pattern.gore().iter().flatten().all(|coordinate| coordinate.is_finite()));
-        if let Ok(flat) = pattern.flatten(place) {
-            let [x, y] = flat.assembled;
-            prop_assert!([flat.across, flat.from_apex, x, y].iter().all(|one| one.is_finite()), "{flat:?}");
+        match pattern.flatten(place) {
+            Ok(flat) => {
+                let [x, y] = flat.assembled;
+                prop_assert!([flat.across, flat.from_apex, x, y].iter().all(|one| one.is_finite()), "{flat:?}");
+            }
+            Err(error) => prop_assert_eq!(error.name(), "beyond-the-equator"),
         }
         let discs = Discs { magenta: disc * radius, yellow: 0.5 * disc * radius };
         if let Ok(sheet) = pattern.sheet(&layout, discs) {
             prop_assert!(sheet.centres().iter().flatten().all(|coordinate| coordinate.is_finite()));
-            if let Ok(svg) = sheet.svg(unit) {
-                prop_assert!(!svg.contains("NaN") && !svg.contains("inf"));
+            match sheet.svg(unit) {
+                Ok(svg) => prop_assert!(!svg.contains("NaN") && !svg.contains("inf")),
+                Err(error) => prop_assert_eq!(error.name(), "not-drawable"),
             }
         }
     }
 
     #[test]
-    fn any_camera(
+    fn any_camera_gives_numbers_or_names_the_setting(
         lens in lens(),
         size in 0..10_000_u32,
         field in any_number(),
         direction in prop::array::uniform3(any_number()),
         [width, polar] in prop::array::uniform2(any_number()),
     ) {
-        let Ok(camera) = Camera::new(lens, size, 90.0 * field) else { return Ok(()) };
+        let field_deg = 90.0 * field;
+        let widest = if lens == Lens::Fisheye { 180.0 } else { 89.9999 };
+        let due = if !(1..=8192).contains(&size) {
+            Some("size_px")
+        } else {
+            (!(1e-6..=widest).contains(&field_deg)).then_some("field_deg")
+        };
+        let camera = Camera::new(lens, size, field_deg);
+        prop_assert_eq!(camera.as_ref().err().and_then(|error| error.setting()), due);
+        let Ok(camera) = camera else { return Ok(()) };
+        prop_assert!(camera.image(&Vector3::z()).is_some());
         let image = camera.image(&Vector3::from(direction));
         prop_assert!(image.iter().flatten().all(|one| one.is_finite()), "{image:?}");
         let [column, row, _] = direction;
@@ -106,8 +225,32 @@ proptest! {
         prop_assert!(camera.disc_area(width, polar).is_none_or(|area| area.is_finite()));
     }
 
+    /// Four discs a third of a radian apart, which move by up to a hundredth of the radius, are all seen.
     #[test]
-    fn any_markers(
+    fn markers_that_move_little_are_all_seen(
+        lens in lens(),
+        power in -9.0..9.0_f64,
+        (magenta, yellow, deep, most) in (0.02..0.1, 0.02..0.1, 0.0..0.2, 0.0..0.5),
+        moves in prop::array::uniform6(-0.01..0.01),
+        (light_at_rim, blur_px, width, pixel_std) in (0.0..1.0, 0.0..2.0, 0.0..0.1, 0.0..20.0),
+    ) {
+        let radius = libm::pow(10.0, power);
+        let places = [[0.0, 0.0], [0.33, 0.0], [0.0, 0.33], [-0.33, 0.0]].map(|place| place.map(|share| share * radius));
+        let discs = Discs { magenta: magenta * radius, yellow: yellow * radius };
+        let depths = DiscDepths { magenta: deep * radius, yellow: 0.5 * deep * radius };
+        let array = MarkerArray::new(radius, &places, discs, depths).unwrap().misaligned(most, 1).unwrap();
+        let blemishes = Blemishes { light_at_rim, blur_px, pixel_std, seams: Some(Seams { gores: 3, width }) };
+        let camera = Camera::new(lens, 24, 70.0).unwrap();
+        let optics = Optics::new(array, camera, Colours::default(), blemishes).unwrap();
+        let motions = vec![Some(motion(&moves, radius)); places.len()];
+        let seen = optics.projected(&motions).unwrap();
+        prop_assert_eq!(seen.iter().flatten().count(), places.len());
+        prop_assert!(seen.iter().flatten().all(is_sound), "{seen:?}");
+        prop_assert_eq!(optics.rendered(&motions, None).unwrap().dimensions(), (24, 24));
+    }
+
+    #[test]
+    fn any_markers_give_numbers_or_the_error_that_is_due(
         lens in lens(),
         radius in any_number(),
         places in prop::collection::vec(prop::array::uniform2(any_number()), 0..4),
@@ -119,26 +262,36 @@ proptest! {
         let [magenta, yellow, deep, most] = numbers;
         let discs = Discs { magenta: magenta * radius, yellow: yellow * radius };
         let depths = DiscDepths { magenta: deep * radius, yellow: 0.5 * deep * radius };
-        let array = MarkerArray::new(radius, &places, discs, depths).and_then(|array| array.misaligned(most, 1));
+        let array = MarkerArray::new(radius, &places, discs, depths);
+        if !(1e-50..=1e50).contains(&radius) {
+            prop_assert_eq!(array.as_ref().unwrap_err().setting(), Some("radius"));
+        } else if !(0.0..1.0).contains(&deep) {
+            prop_assert_eq!(array.as_ref().unwrap_err().name(), "bad-depth");
+        }
+        let Ok(array) = array else { return Ok(()) };
+        let array = array.misaligned(most, 1);
+        prop_assert_eq!(array.is_ok(), (0.0..=1.0).contains(&most));
         let (Ok(array), Ok(camera)) = (array, Camera::new(lens, 24, 70.0)) else { return Ok(()) };
         let [light_at_rim, blur_px, width, pixel_std] = blemishes;
+        let due = [
+            ("light_at_rim", (0.0..=1.0).contains(&light_at_rim)),
+            ("blur_px", (0.0..=16.0).contains(&blur_px)),
+            ("pixel_std", (0.0..=255.0).contains(&pixel_std)),
+            ("seam_width", width >= 0.0 && width.is_finite()),
+        ];
+        let due = due.iter().find(|(_, is_good)| !is_good).map(|(setting, _)| *setting);
         let blemishes = Blemishes { light_at_rim, blur_px, pixel_std, seams: Some(Seams { gores: 3, width }) };
-        let Ok(optics) = Optics::new(array, camera, Colours::default(), blemishes) else { return Ok(()) };
-        let disc = |at: usize| DiscMotion {
-            normal: moves[at] * radius,
-            tangential: [moves[at + 1] * radius, moves[at + 2] * radius],
-        };
-        let motion = Some(MarkerMotion { magenta: disc(0), yellow: disc(3) });
-        let motions = vec![motion; places.len()];
-        if let Ok(seen) = optics.projected(&motions) {
-            for seen in seen.into_iter().flatten() {
-                let [x, y] = seen.centroid_px;
-                prop_assert!((x + y + seen.size_px2).is_finite() && seen.size_px2 > 0.0, "{seen:?}");
-                prop_assert!((0.0..1.0).contains(&seen.hue_turns), "{seen:?}");
-            }
+        let optics = Optics::new(array, camera, Colours::default(), blemishes);
+        prop_assert_eq!(optics.as_ref().err().and_then(|error| error.setting()), due);
+        let Ok(optics) = optics else { return Ok(()) };
+        let motions = vec![Some(motion(&moves, radius)); places.len()];
+        match optics.projected(&motions) {
+            Ok(seen) => prop_assert!(seen.iter().flatten().all(is_sound), "{seen:?}"),
+            Err(error) => prop_assert_eq!(error.name(), "impossible-motion"),
         }
-        if let Ok(frame) = optics.rendered(&motions, None) {
-            prop_assert_eq!(frame.dimensions(), (24, 24));
+        match optics.rendered(&motions, None) {
+            Ok(frame) => prop_assert_eq!(frame.dimensions(), (24, 24)),
+            Err(error) => prop_assert_eq!(error.name(), "impossible-motion"),
         }
     }
 }

@@ -2,11 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::DEGREE;
+use crate::noise::Kinds;
 use crate::quadric::SquareQuadric;
-use crate::square::{Kinds, Square};
+use crate::square::Square;
 use crate::{Knots, Patch};
 
+/// Degree of the spline.
+pub(super) const DEGREE: usize = 3;
 const SUPPORT: usize = DEGREE + 1;
 /// B-splines that do not vanish at a place.
 const LOCAL: usize = SUPPORT * SUPPORT;
@@ -67,7 +69,7 @@ impl Equations {
         let mut heights = vec![Cell::EMPTY; along_a * along_b];
         let mut slopes = vec![Cell::EMPTY; if has_slopes { along_a * along_b } else { 0 }];
         let mut squares = Kinds::default();
-        for one in square.observations(patch, quadric) {
+        for one in quadric.observations(patch, square) {
             let (first_a, first_b) = (knots_a.first_function(one.a), knots_b.first_function(one.b));
             let [a, da] = knots_a.derivatives::<2>(first_a, one.a);
             let [b, db] = knots_b.derivatives::<2>(first_b, one.b);

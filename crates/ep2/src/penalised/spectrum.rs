@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::equations::Equations;
 use super::product::{add_symmetric, product};
 use crate::Ep2Error;
+use crate::noise::Kinds;
 use crate::quadric::UNKNOWNS;
-use crate::square::Kinds;
 
 /// Share of the penalty that is added to the fidelity, relative to their traces, so that the sum
 /// determines all coefficients.

@@ -51,16 +51,8 @@ impl Default for Criterion {
 
 impl Criterion {
     pub(super) fn check(self) -> Result<(), Ep2Error> {
-        match self {
-            Self::RobustGcv { gamma } if !(1.0..=100.0).contains(&gamma) => {
-                Err(Ep2Error::BadSetting {
-                    setting: "gamma",
-                    value: gamma,
-                    expected: "1 to 100",
-                })
-            }
-            _ => Ok(()),
-        }
+        let is_good = (1.0..=100.0).contains(&self.gamma());
+        Ep2Error::unless_good("gamma", self.gamma(), is_good, "1 to 100")
     }
 
     fn gamma(self) -> f64 {

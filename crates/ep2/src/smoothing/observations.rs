@@ -1,10 +1,23 @@
 //! The points, and the B-splines at them.
 
-use super::WeightedPoint;
 use super::mesh::Mesh;
 use super::triangle::{Block, Triangle};
 use crate::Knots;
 use crate::knots::Basis;
+
+/// A height over a place in the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeightedPoint {
+    /// Place along the first variable.
+    pub u: f64,
+    /// Place along the second one.
+    pub v: f64,
+    /// Height.
+    pub w: f64,
+    /// Factor on the residual, an inverse standard deviation. A point that outweighs another by a factor
+    /// of f costs it the digits of f: from 1e15 on none are left.
+    pub weight: f64,
+}
 
 /// Points with the B-splines there.
 pub(super) struct Observations<'a> {

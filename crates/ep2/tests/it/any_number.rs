@@ -1,8 +1,9 @@
-//! Whatever the numbers: a finite answer or a named error; and what must not change it.
+//! Patches that determine a surface have one; whatever the numbers, a finite answer or the error that is due; and what
+//! must not change it.
 
 use nalgebra::{Point3, Rotation3, Vector3};
 use palpate_ep2::{
-    Contact, Curvature, Ep2Error, MapPoint, Method, Noise, Patch, Penalised, Quadric,
+    Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Noise, Patch, Penalised, Quadric,
     SmoothingSpline, TwoPass, Uncertainty, WeightedPoint, regions,
 };
 use palpate_geometry::ShapeThresholds;
@@ -137,14 +138,82 @@ fn uncertainties_of_any_size_give_probabilities_or_none() {
     assert_eq!((of(f64::MAX), of(f64::NAN)), (None, None));
 }
 
+/// The error that contacts call for, where it is plain without a calculation.
+fn due(contacts: &[Contact], outward: &Vector3<f64>) -> Option<&'static str> {
+    if contacts.len() < 3 {
+        return Some("too-few-contacts");
+    }
+    let have_normals = contacts.iter().any(|contact| contact.normal.is_some());
+    let flaw = |contact: &Contact| {
+        let normal = contact.normal.unwrap_or(Vector3::zeros());
+        let largest = contact.position.coords.abs().sum() + normal.abs().sum();
+        if !(largest <= 1e150 && contact.weight <= 1e150) {
+            Some("not-finite")
+        } else if contact.weight <= 0.0 {
+            Some("bad-weight")
+        } else if have_normals && contact.normal.is_none() {
+            Some("missing-normal")
+        } else {
+            (have_normals && normal.amax() < 1e-150).then_some("bad-normal")
+        }
+    };
+    let is_direction = outward.amax() > 0.0 && outward.iter().all(|part| part.abs() <= 1e150);
+    contacts
+        .iter()
+        .find_map(flaw)
+        .or((!is_direction).then_some("bad-setting"))
+}
+
 proptest! {
     #![proptest_config(config(200))]
 
+    /// Bumps of any size, with contacts off their place by up to a hundredth of it, are fitted by every method.
     #[test]
-    fn any_contacts(contacts in contacts(), outward in vector(), place in vector(), number in any_number()) {
-        let Ok(patch) = Patch::new(&contacts, &outward) else { return Ok(()) };
+    fn bumps_of_any_size_have_a_curvature_everywhere(
+        power in -9.0..9.0_f64,
+        moves in prop::collection::vec(prop::array::uniform3(-0.01..0.01), 49),
+        (has_normals, number) in (any::<bool>(), 1e-3..1.0),
+    ) {
+        let size = libm::pow(10.0, power);
+        let contacts: Vec<Contact> = bump().into_iter().zip(&moves).map(|(contact, moved)| Contact {
+            position: (contact.position + Vector3::from(*moved)) * size,
+            normal: contact.normal.filter(|_| has_normals),
+            ..contact
+        }).collect();
+        let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
         for method in methods(number) {
-            let Ok(fit) = method.fit(&patch) else { continue };
+            let fit = method.fit(&patch).unwrap();
+            prop_assert!(fit.effective_unknowns.is_finite());
+            let map = fit.map(4).unwrap();
+            prop_assert_eq!(map.len(), 16);
+            prop_assert!(map.iter().all(is_finite), "{map:?}");
+            prop_assert!(is_finite(&fit.points_at(&[contacts[24].position]).unwrap()[0]));
+        }
+    }
+
+    #[test]
+    fn any_contacts_give_numbers_or_the_error_that_is_due(
+        contacts in contacts(),
+        outward in vector(),
+        place in vector(),
+        number in any_number(),
+    ) {
+        let patch = Patch::new(&contacts, &outward);
+        if let Some(due) = due(&contacts, &outward) {
+            prop_assert_eq!(patch.unwrap_err().name(), due);
+            return Ok(());
+        }
+        let Ok(patch) = patch else { return Ok(()) };
+        let fits = methods(number).map(|method| method.fit(&patch));
+        let [noisy, .., two_pass] = &fits;
+        let refused = |fit: &Result<Fit, Ep2Error>| fit.as_ref().err().map(|error| error.name());
+        if !(number > 0.0 && number.is_finite()) {
+            prop_assert_eq!(refused(noisy), Some("bad-setting"));
+        }
+        if number.is_nan() || number < 0.0 {
+            prop_assert_eq!(refused(two_pass), Some("bad-setting"));
+        }
+        for fit in fits.into_iter().flatten() {
             prop_assert!(fit.effective_unknowns.is_finite());
             for point in fit.points_at(&[Point3::from(place)]).into_iter().chain(fit.map(4)).flatten() {
                 prop_assert!(is_finite(&point), "{point:?}");
@@ -152,15 +221,48 @@ proptest! {
         }
     }
 
+    /// Heights of any size on a grid of points are smoothed by any sum.
     #[test]
-    fn any_points(
+    fn grids_of_points_are_smoothed(
+        heights in prop::collection::vec(-1.0..1.0, 64),
+        (degree, smoothing) in (1..4_usize, 0.0..100.0),
+        power in -9.0..9.0_f64,
+    ) {
+        let unit = libm::pow(10.0, power);
+        let point = |index: usize| WeightedPoint {
+            u: (index % 8) as f64,
+            v: (index / 8) as f64,
+            w: heights[index] * unit,
+            weight: 1.0 / unit,
+        };
+        let points: Vec<_> = (0..64).map(point).collect();
+        let found = SmoothingSpline::new(degree, smoothing).fit(&points).unwrap();
+        prop_assert!(found.spline.coefficients.iter().all(|one| one.is_finite()));
+        prop_assert!(found.residual_sum.is_finite() && found.effective_unknowns.is_finite());
+    }
+
+    #[test]
+    fn any_points_give_numbers_or_the_error_that_is_due(
         numbers in prop::collection::vec(prop::array::uniform4(any_number()), 0..30),
         degree in 0..4_usize,
         smoothing in any_number(),
     ) {
         let point = |&[u, v, w, weight]: &[f64; 4]| WeightedPoint { u, v, w, weight: weight.abs() };
         let points: Vec<_> = numbers.iter().map(point).collect();
-        if let Ok(found) = SmoothingSpline::new(degree, smoothing.abs()).fit(&points) {
+        let flaw = |point: &WeightedPoint| {
+            let is_number = point.u.abs() + point.v.abs() + point.w.abs() <= 1e150 && point.weight <= 1e150;
+            if is_number { (point.weight == 0.0).then_some("bad-weight") } else { Some("not-finite") }
+        };
+        let due = if degree == 0 || smoothing.is_nan() {
+            Some("bad-setting")
+        } else {
+            points.iter().find_map(flaw).or((points.len() < (degree + 1).pow(2)).then_some("too-few-contacts"))
+        };
+        let found = SmoothingSpline::new(degree, smoothing.abs()).fit(&points);
+        if let Some(due) = due {
+            prop_assert_eq!(found.as_ref().unwrap_err().name(), due);
+        }
+        if let Ok(found) = found {
             prop_assert!(found.spline.coefficients.iter().all(|one| one.is_finite()));
             prop_assert!(found.residual_sum.is_finite() && found.effective_unknowns.is_finite());
         }

@@ -1,6 +1,7 @@
 //! Smoothing splines of sound and of unsound points.
 
 use palpate_ep2::{Ep2Error, Smoothed, SmoothingSpline, Status, WeightedPoint};
+use palpate_number::BadSetting;
 
 fn point(u: f64, v: f64, w: f64) -> WeightedPoint {
     WeightedPoint {
@@ -189,7 +190,9 @@ fn what_is_refused() {
         (2, f64::NAN, "smoothing"),
     ] {
         let error = fit(degree, smoothing, &sound).unwrap_err();
-        assert!(matches!(error, Ep2Error::BadSetting { setting, .. } if setting == expected));
+        assert!(
+            matches!(error, Ep2Error::BadSetting(BadSetting { setting, .. }) if setting == expected)
+        );
     }
     let line: Vec<_> = (0..20).map(|index| point(index as f64, 1.0, 0.0)).collect();
     assert!(matches!(
@@ -203,9 +206,9 @@ fn what_is_refused() {
     let error = narrow.fit(&sound).unwrap_err();
     assert!(matches!(
         error,
-        Ep2Error::BadSetting {
+        Ep2Error::BadSetting(BadSetting {
             setting: "domain",
             ..
-        }
+        })
     ));
 }

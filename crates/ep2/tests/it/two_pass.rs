@@ -5,6 +5,7 @@ use nalgebra::{Point3, Rotation3, Vector3};
 use palpate_ep2::{
     Contact, Ep2Error, Method, Passes, Patch, Status, TangentNormals, TwoPass, TwoPassFit,
 };
+use palpate_number::BadSetting;
 use palpate_sensing::{Channel, Stream};
 
 /// A height field and its slopes.
@@ -213,7 +214,7 @@ fn settings_and_contacts_that_do_not_do() {
     let whole = patch(&contacts);
     let name = |method: TwoPass, patch: &Patch| method.fit(patch).unwrap_err();
     let setting = |method: TwoPass| match name(method, &whole) {
-        Ep2Error::BadSetting { setting, .. } => setting,
+        Ep2Error::BadSetting(BadSetting { setting, .. }) => setting,
         other => panic!("{other}"),
     };
     let with = |change: fn(&mut TwoPass)| {
@@ -267,10 +268,10 @@ fn settings_and_contacts_that_do_not_do() {
         .collect();
     assert!(matches!(
         name(default, &patch(&one_finger)),
-        Ep2Error::BadSetting {
+        Ep2Error::BadSetting(BadSetting {
             setting: "unit_length",
             ..
-        }
+        })
     ));
     let tiny = TwoPass {
         unit_length: Some(1e-200),

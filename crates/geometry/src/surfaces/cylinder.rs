@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::surface::{SQUARABLE, is_within_reach};
+use crate::reach::{SQUARABLE, is_within_reach};
 use crate::{ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError};
 
 /// An endless cylinder whose axis passes through the origin, horizontally.

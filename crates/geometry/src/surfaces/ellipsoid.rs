@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::surface::is_within_reach;
+use crate::reach::is_within_reach;
 use crate::{ChartJet, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError};
 
 /// The ellipsoid `x²/a² + y²/b² + z²/c² = 1`.

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
 use crate::formula::Formula;
-use crate::surface::{SQUARABLE, is_within_reach};
+use crate::reach::{SQUARABLE, is_within_reach};
 use crate::{
     ChartJet, InvalidShape, LevelSet, Meridian, Parameters, Surface, SurfaceError, TangentForm,
 };
@@ -79,6 +79,13 @@ pub struct HeightField {
     formula: Formula,
 }
 
+impl<H> Graph<H> {
+    /// The graph of a height.
+    pub const fn of_height(height: H) -> Self {
+        Self { height }
+    }
+}
+
 impl Graph<Paraboloid> {
     /// The graph `z = −c (x² + y²)`.
     ///
@@ -86,9 +93,7 @@ impl Graph<Paraboloid> {
     /// [`InvalidShape`] unless `c` (1/length) is finite.
     pub fn paraboloid(c: f64) -> Result<Self, InvalidShape> {
         let c = InvalidShape::unless_finite("c", c)?;
-        Ok(Self {
-            height: Paraboloid { c },
-        })
+        Ok(Self::of_height(Paraboloid { c }))
     }
 }
 
@@ -99,18 +104,14 @@ impl Graph<Saddle> {
     /// [`InvalidShape`] unless `a` (1/length) is finite.
     pub fn saddle(a: f64) -> Result<Self, InvalidShape> {
         let a = InvalidShape::unless_finite("a", a)?;
-        Ok(Self {
-            height: Saddle { a },
-        })
+        Ok(Self::of_height(Saddle { a }))
     }
 }
 
 impl Graph<HeightField> {
     /// The graph of a formula.
     pub const fn of_formula(formula: Formula) -> Self {
-        Self {
-            height: HeightField { formula },
-        }
+        Self::of_height(HeightField { formula })
     }
 }
 
@@ -245,6 +246,8 @@ impl Foot {
 }
 
 impl<H: Height> Surface for Graph<H> {
+    const IS_GRAPH: bool = true;
+
     fn chart(&self, at: Parameters) -> Result<ChartJet, SurfaceError> {
         let jet = self.jet(at.u, at.v)?;
         let [fx, fy] = jet.gradient;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::surface::is_within_reach;
+use crate::reach::is_within_reach;
 use crate::{ChartJet, CurvatureForm, LevelSet, Parameters, Surface, SurfaceError};
 
 /// The plane z = 0, solid below. Chart `(u, v, 0)`.

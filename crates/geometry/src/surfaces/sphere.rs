@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::surface::SQUARABLE;
+use crate::reach::SQUARABLE;
 use crate::{
     ChartJet, CurvatureForm, InvalidShape, LevelSet, Parameters, Surface, SurfaceError, TangentForm,
 };

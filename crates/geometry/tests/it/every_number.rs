@@ -1,10 +1,11 @@
-//! Any bit patterns as questions: finite numbers or an error; what is found lies on the surface.
+//! Surfaces answer near their default contact; any bit patterns as questions give finite numbers or an error; what is
+//! found lies on the surface.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use palpate_geometry::formula::Formula;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Plane, Sphere, Torus};
 use palpate_geometry::{
-    CurvatureForm, Meridian, Parameters, Posed, Shape, ShapeThresholds, Surface,
+    CurvatureForm, InvalidThresholds, Meridian, Parameters, Posed, Shape, ShapeThresholds, Surface,
 };
 use proptest::prelude::*;
 
@@ -46,38 +47,79 @@ fn is_finite<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> bool {
     numbers.into_iter().all(|number| number.is_finite())
 }
 
-fn answers_are_finite(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<(), TestCaseError> {
+/// Answers of a surface at a place: whether each was given. Those that were are finite.
+fn answers(surface: &impl Surface, x: f64, y: f64, z: f64) -> Result<[bool; 6], TestCaseError> {
     let (at, place) = (Parameters::new(x, y), Point3::new(x, y, z));
-    if let Ok(jet) = surface.chart(at) {
+    let chart = surface.chart(at);
+    if let Ok(jet) = &chart {
         let parts = [jet.point.coords, jet.du, jet.dv, jet.duu, jet.duv, jet.dvv];
         prop_assert!(is_finite(parts.iter().flatten()), "{jet:?}");
     }
-    if let Ok(found) = surface.chart_geometry(at) {
+    let geometry = surface.chart_geometry(at);
+    if let Ok(found) = &geometry {
         let form = found.curvature;
         prop_assert!(is_finite(&[form.k_uu, form.k_uv, form.k_vv]), "{found:?}");
         let matrices = found.metric.iter().chain(found.torsion.iter());
         prop_assert!(is_finite(matrices.chain(found.frame.y.iter())), "{found:?}");
     }
-    if let Ok(found) = surface.level_set(&place) {
+    let level_set = surface.level_set(&place);
+    if let Ok(found) = &level_set {
         let numbers = found.normal.iter().chain(found.second_form.iter());
         prop_assert!(is_finite(numbers), "{found:?}");
         prop_assert!((found.normal.norm() - 1.0).abs() < 1e-14, "{found:?}");
     }
-    if let Ok((normal, form)) = surface.curvature_along(&place, &Vector3::x()) {
+    let along = surface.curvature_along(&place, &Vector3::x());
+    if let Ok((normal, form)) = &along {
         prop_assert!(is_finite(&[form.k_uu, form.k_uv, form.k_vv]), "{form:?}");
         prop_assert!(is_finite(normal.iter()), "{normal:?}");
     }
-    for found in [surface.closest_point(&place), surface.contact_at(x, y)] {
-        prop_assert!(
-            found.is_err() || is_finite(found.unwrap().iter()),
-            "{found:?}"
-        );
+    let [closest, contact] = [surface.closest_point(&place), surface.contact_at(x, y)];
+    for found in [&closest, &contact].into_iter().flatten() {
+        prop_assert!(is_finite(found.iter()), "{found:?}");
     }
-    Ok(())
+    Ok([
+        chart.is_ok(),
+        geometry.is_ok(),
+        level_set.is_ok(),
+        along.is_ok(),
+        closest.is_ok(),
+        contact.is_ok(),
+    ])
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
+
+    /// Whatever its size, every surface answers everything near its default contact.
+    #[test]
+    fn surfaces_of_any_size_answer_near_their_default_contact(
+        power in -9.0..9.0_f64,
+        (x, y, above) in (0.01..0.2_f64, 0.01..0.2_f64, 0.01..0.1_f64),
+    ) {
+        let size = libm::pow(10.0, power);
+        let shapes = surfaces(size, 0.4 * size, 0.7 * size);
+        let graphs = [0.3 / size, -0.3 / size].map(|bend| Graph::paraboloid(bend).map(Shape::Paraboloid));
+        let saddle = Graph::saddle(0.3 / size).map(Shape::Saddle);
+        let height_field = Formula::parse("h*sin(x/s)*cos(y/s)", &[("h".to_owned(), 0.2 * size), ("s".to_owned(), size)].into());
+        let height_field = height_field.map(|formula| Shape::HeightField(Graph::of_formula(formula))).unwrap();
+        let is_round = |shape: &Shape| !["paraboloid", "saddle", "height-field"].contains(&shape.name());
+        let shapes: Vec<Shape> = (shapes.into_iter().filter(is_round))
+            .chain(graphs.into_iter().chain([saddle]).map(Result::unwrap))
+            .chain([height_field])
+            .collect();
+        prop_assert_eq!(shapes.len(), 10);
+        for shape in shapes {
+            let (x_0, y_0) = shape.default_contact();
+            let foot = shape.contact_at(x_0 + x * size, y_0 + y * size).unwrap();
+            let at = shape.parameters(&foot);
+            prop_assert!(answers(&shape, at.u, at.v, 0.0)?[..2] == [true; 2], "{shape:?} at {at:?}");
+            let place = foot + shape.level_set(&foot).unwrap().normal * (above * size);
+            let given = answers(&shape, place.x, place.y, foot.z)?;
+            prop_assert!(given[4..] == [true; 2], "{shape:?} at {place}");
+            let given = answers(&shape, foot.x, foot.y, foot.z)?;
+            prop_assert!(given[2..] == [true; 4], "{shape:?} at {foot}: {given:?}");
+        }
+    }
 
     #[test]
     fn surfaces_answer_in_numbers_or_in_errors(
@@ -88,9 +130,12 @@ proptest! {
         let [x, y, z] = asked;
         let pose = Isometry3::new(Vector3::new(moved[0], moved[1], 0.0), Vector3::x() * moved[0]);
         for shape in surfaces(made[0], made[1], made[2]) {
-            answers_are_finite(&shape, x, y, z)?;
-            if let Ok(posed) = Posed::new(shape, pose) {
-                answers_are_finite(&posed, x, y, z)?;
+            let _ = answers(&shape, x, y, z)?;
+            let posed = Posed::new(shape, pose);
+            let is_pose = moved[0].abs() < 1e15 && moved[1].abs() <= 1e150;
+            prop_assert!(posed.is_ok() || !is_pose, "{posed:?}");
+            if let Ok(posed) = posed {
+                let _ = answers(&posed, x, y, z)?;
             }
         }
     }
@@ -103,7 +148,14 @@ proptest! {
     ) {
         for shape in surfaces(size, 0.4 * size, 0.7 * size) {
             let place = Point3::from(Vector3::from(direction) * (distance * size));
-            if let (Ok(foot), false) = (shape.closest_point(&place), shape.name() == "height-field") {
+            if shape.name() == "height-field" {
+                continue;
+            }
+            let foot = shape.closest_point(&place);
+            // Inside an ellipsoid, and beyond the centres of curvature of a graph, two places may be as close.
+            let may_have_none = ["ellipsoid", "paraboloid", "saddle"].contains(&shape.name());
+            prop_assert!(foot.is_ok() || may_have_none, "{shape:?} at {place}: {foot:?}");
+            if let Ok(foot) = foot {
                 let on_surface = shape.chart(shape.parameters(&foot)).unwrap().point;
                 let off = (foot - on_surface).norm() / (size + foot.coords.norm());
                 prop_assert!(off < 1e-14, "{shape:?} at {place}: {foot}, off by {off:e}");
@@ -123,8 +175,14 @@ proptest! {
         if let Some(ratio) = form.relative_curvature_ratio(&CurvatureForm::isotropic(c), angle) {
             prop_assert!(ratio.is_finite());
         }
-        if let Ok(thresholds) = ShapeThresholds::new(a, b) {
-            thresholds.classify(c, angle);
+        let are_thresholds = [a, b].iter().all(|size| *size >= 0.0 && size.is_finite());
+        match ShapeThresholds::new(a, b) {
+            Ok(thresholds) => {
+                prop_assert!(are_thresholds && b * b * (1.0 - 1e-15) <= a);
+                thresholds.classify(c, angle);
+            }
+            Err(InvalidThresholds::OutOfRange { .. }) => prop_assert!(!are_thresholds),
+            Err(InvalidThresholds::ImpossibleClass { .. }) => prop_assert!(are_thresholds && b * b > a),
         }
         let tame = |value: f64| value.abs() < 1e150;
         if tame(a) && tame(b) && tame(c) {

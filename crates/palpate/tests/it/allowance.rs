@@ -94,13 +94,8 @@ fn swept_trials_are_not_chosen() {
         "[20, 40]",
     ));
     for argument in ["--budget 3s", "--target-error 0.1"] {
-        let said = desk
-            .palpate(&format!("run c.toml --out o {argument}"))
-            .said(2);
-        assert!(
-            said.contains(": trials: is swept, so that neither"),
-            "{said}"
-        );
+        desk.palpate(&format!("run c.toml --out o {argument}"))
+            .fails(2, ": trials: is swept, so that neither");
         assert_untouched(&desk.path(""));
     }
 }
@@ -222,17 +217,10 @@ fn a_budget_becomes_trials_and_a_rerun_needs_no_budget() {
 #[test]
 fn the_lower_of_both_rules() {
     let desk = Desk::with(STUDY);
-    let printed = desk
-        .palpate("run c.toml --out o --budget 1h --target-error 0.1")
-        .printed();
-    assert!(
-        printed.contains("the target error rules, the budget has time for "),
-        "{printed}"
-    );
-    let printed = desk
-        .palpate("run c.toml --out o --budget 3s --target-error 0.00001")
-        .printed();
-    assert!(printed.contains("the budget rules"), "{printed}");
+    desk.palpate("run c.toml --out o --budget 1h --target-error 0.1")
+        .prints("the target error rules, the budget has time for ");
+    desk.palpate("run c.toml --out o --budget 3s --target-error 0.00001")
+        .prints("the budget rules");
 }
 
 #[test]
@@ -284,10 +272,9 @@ fn cells_whose_trials_all_fail_have_no_say() {
     let coarse =
         |pitch: &str| format!("{STUDY}\n[scene.sensor]\nkind = \"pads\"\npitch = {pitch}\n");
     let desk = Desk::with(&coarse("9.9"));
-    let said = desk.palpate("run c.toml --target-error 0.1").said(2);
-    assert!(
-        said.contains("trials of a pilot fail (unresolved), which leaves no error to tell"),
-        "{said}"
+    desk.palpate("run c.toml --target-error 0.1").fails(
+        2,
+        "trials of a pilot fail (unresolved), which leaves no error to tell",
     );
     assert_untouched(&desk.path(""));
 }

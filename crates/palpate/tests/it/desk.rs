@@ -155,6 +155,20 @@ impl Ended {
         assert!(!self.stderr.contains("panicked"), "{}", self.stderr);
         self.stderr
     }
+
+    /// A command that must have succeeded, and printed these words.
+    #[track_caller]
+    pub(crate) fn prints(self, words: &str) {
+        let printed = self.printed();
+        assert!(printed.contains(words), "{words:?} is not in {printed}");
+    }
+
+    /// A command that must have failed with `status` and a message that holds these words.
+    #[track_caller]
+    pub(crate) fn fails(self, status: i32, words: &str) {
+        let said = self.said(status);
+        assert!(said.contains(words), "{words:?} is not in {said}");
+    }
 }
 
 /// A table that the binary wrote.

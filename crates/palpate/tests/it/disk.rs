@@ -109,8 +109,8 @@ fn results_of_a_run_are_replaced_by_those_of_another() {
 fn a_name_is_taken_by_a_directory() {
     let desk = Desk::with(STUDY);
     std::fs::create_dir_all(desk.path("o/cells.csv")).unwrap();
-    let said = desk.palpate("run c.toml --out o").said(1);
-    assert!(said.contains("cannot write o/cells.csv"), "{said}");
+    desk.palpate("run c.toml --out o")
+        .fails(1, "cannot write o/cells.csv");
     assert_eq!(desk.names("o"), ["cells.csv"]);
 }
 
@@ -176,10 +176,9 @@ fn a_full_disk_leaves_nothing_half_written() {
 #[cfg(target_os = "linux")]
 #[test]
 fn standard_output_is_full() {
-    let said = Desk::new()
+    Desk::new()
         .shell("exec \"$palpate\" schema >/dev/full")
-        .said(1);
-    assert!(said.contains("cannot write to standard output"), "{said}");
+        .fails(1, "cannot write to standard output");
 }
 
 /// Reader that closes the pipe early, like `palpate schema | head -1`.

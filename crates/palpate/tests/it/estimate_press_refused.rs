@@ -187,7 +187,7 @@ fn arguments() {
         ),
         (
             "--sensor-radius 20 --method bonded-layer --thickness 5 --poisson 0.4",
-            "--poisson is of use only to a half-space",
+            "--poisson is of use only to --method half-space",
         ),
         (
             "--sensor-radius 20 --c 1",
@@ -199,7 +199,7 @@ fn arguments() {
         ),
         (
             "--sensor-radius 20 --method gaussian --c 1 --gain-std 0.1",
-            "--gain-std is of use only to half-space and bonded-layer",
+            "--gain-std is of use only to --method half-space or bonded-layer",
         ),
         (
             "--sensor-radius 20 --method gaussian",

@@ -240,6 +240,5 @@ fn arguments() {
             .said(2);
         assert!(said.contains(words), "{arguments}: {said}");
     }
-    let said = desk.palpate("estimate walk r.csv").said(2);
-    assert!(said.contains("walk"), "{said}");
+    desk.palpate("estimate walk r.csv").fails(2, "walk");
 }

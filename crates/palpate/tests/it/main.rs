@@ -12,6 +12,7 @@ mod estimate_refused;
 mod frames;
 mod glide;
 mod help;
+mod like;
 mod objects;
 mod press;
 mod published;

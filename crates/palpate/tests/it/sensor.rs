@@ -196,19 +196,12 @@ fn swapped_frames_and_frames_of_other_sensors_are_told() {
         .filter(|marker| marker % 3 > 0)
         .collect();
     write(&desk, "other.png", frame(|_| 0.0, &without));
-    let said = desk
-        .palpate("sensor track rest.png other.png --out o")
-        .said(1);
-    assert!(said.contains("frames of one sensor"), "{said}");
+    desk.palpate("sensor track rest.png other.png --out o")
+        .fails(1, "frames of one sensor");
 
     let run = "--calibration c.toml --sensor-radius 20 --depth 2 --px-per-rad 151.3 --out o";
-    let said = desk
-        .palpate(&format!("sensor track other.png other.png {run}"))
-        .said(1);
-    assert!(
-        said.contains(&format!("a sensor with {} markers", places().len())),
-        "{said}"
-    );
+    desk.palpate(&format!("sensor track other.png other.png {run}"))
+        .fails(1, &format!("a sensor with {} markers", places().len()));
     // Nothing was pressed.
     let said = desk
         .palpate(&format!("sensor track rest.png rest.png {run}"))
@@ -228,21 +221,14 @@ fn kinds_of_pixels() {
     write(&desk, "16.png", DynamicImage::from(rest.to_rgb16()));
     write(&desk, "alpha.png", DynamicImage::from(rest.to_rgba8()));
     for name in ["16.png", "alpha.png"] {
-        let printed = desk
-            .palpate(&format!("sensor track rest.png {name} --out o"))
-            .printed();
-        assert!(
-            printed.contains(&format!("{} tracked, 0 lost", places().len())),
-            "{printed}"
-        );
+        desk.palpate(&format!("sensor track rest.png {name} --out o"))
+            .prints(&format!("{} tracked, 0 lost", places().len()));
     }
     let mut clear = rest.to_rgba8();
     clear.get_pixel_mut(7, 7).0[3] = 254;
     write(&desk, "clear.png", DynamicImage::from(clear));
-    let said = desk
-        .palpate("sensor track rest.png clear.png --out o")
-        .said(1);
-    assert!(said.contains("clear.png: has transparent pixels"), "{said}");
+    desk.palpate("sensor track rest.png clear.png --out o")
+        .fails(1, "clear.png: has transparent pixels");
 }
 
 #[test]
@@ -280,12 +266,10 @@ fn frames_that_are_none_are_refused() {
         assert!(said.contains(name) && said.contains(word), "{name}: {said}");
         assert!(desk.names("o").is_empty(), "{name}");
     }
-    let said = desk.palpate("sensor track dot.png dot.png --out o").said(1);
-    assert!(said.contains("dot.png: 1 by 1 px are too few"), "{said}");
-    let said = desk
-        .palpate("sensor track none.png rest.png --out o")
-        .said(1);
-    assert!(said.contains("none.png"), "{said}");
+    desk.palpate("sensor track dot.png dot.png --out o")
+        .fails(1, "dot.png: 1 by 1 px are too few");
+    desk.palpate("sensor track none.png rest.png --out o")
+        .fails(1, "none.png");
     // Grey, whatever it shows, has no hues.
     write(&desk, "grey.png", DynamicImage::from(rest).to_luma8());
     let ended = desk.palpate("sensor track grey.png grey.png --out o");
@@ -340,21 +324,14 @@ fn points_that_calibrate_nothing_are_refused() {
         assert!(!desk.path("c.toml").exists());
     }
     desk.write("t.csv", format!("{header}\n1,0.02\n2,0.05\n"));
-    let said = desk
-        .palpate("sensor calibrate t.csv --from size --out c.toml")
-        .said(1);
-    assert!(said.contains("no column `growth`"), "{said}");
+    desk.palpate("sensor calibrate t.csv --from size --out c.toml")
+        .fails(1, "no column `growth`");
     desk.write(
         "cm.csv",
         "tangential_displacement_cm,centroid_shift_px\n1,7\n2,14\n",
     );
-    let said = desk
-        .palpate("sensor calibrate t.csv cm.csv --out c.toml")
-        .said(1);
-    assert!(
-        said.contains("cm.csv: the header says cm, t.csv says mm"),
-        "{said}"
-    );
+    desk.palpate("sensor calibrate t.csv cm.csv --out c.toml")
+        .fails(1, "cm.csv: the header says cm, t.csv says mm");
 }
 
 #[test]
@@ -392,8 +369,7 @@ fn files_that_are_no_calibration_are_refused() {
         assert!(desk.names("o").is_empty());
     }
     // Without px per length, the camera's scale is not known.
-    let said = desk.palpate("sensor track rest.png pressed.png --calibration c.toml --sensor-radius 20 --depth 2 --out o").said(1);
-    assert!(said.contains("--px-per-rad"), "{said}");
+    desk.palpate("sensor track rest.png pressed.png --calibration c.toml --sensor-radius 20 --depth 2 --out o").fails(1, "--px-per-rad");
     assert!(desk.names("o").contains(&"markers.csv".to_owned()));
 }
 

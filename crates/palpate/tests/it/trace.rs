@@ -315,8 +315,7 @@ fn one_direction_can_be_traced_but_not_run() {
 fn a_roll_that_ends_early_is_an_error() {
     let off = "sensor = { kind = \"pads\", pitch = 1, cap_deg = 15 }\n";
     let desk = Desk::with(&format!("{SCENE}{off}"));
-    let said = desk.palpate("trace c.toml --out t").said(1);
-    assert!(said.contains("probe 0: "), "{said}");
+    desk.palpate("trace c.toml --out t").fails(1, "probe 0: ");
     assert!(!desk.path("t").exists());
 }
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::Prior;
 use super::problem::{Problem, State};
+use super::settings::Prior;
 use crate::PressError;
 use crate::markers::Sight;
 
@@ -26,7 +26,7 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<(), PressErro
     let baseline = resting(problem);
     let contact = problem.contact(state)?;
     let (mut improvement, mut most, mut marker) = (0.0, 0.0, 0);
-    for index in (0..problem.kept.len()).filter(|&index| problem.kept[index]) {
+    for index in problem.counting() {
         let squared = |residuals: [f64; 3]| residuals.iter().map(|one| one * one).sum::<f64>();
         let gain = squared(problem.readings_of(index, baseline))
             - squared(problem.residuals_at(&contact, state, index));

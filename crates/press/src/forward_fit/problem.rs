@@ -2,7 +2,8 @@
 
 use nalgebra::{SMatrix, SVector, UnitVector3, Vector2, Vector3};
 
-use super::{ForwardFit, Measured, Prior, Reading};
+use super::reading::{Measured, Reading};
+use super::settings::{ForwardFit, Prior};
 use crate::markers::Sight;
 use crate::{Contact, MarkerDisplacement, Place, PressError};
 
@@ -105,7 +106,7 @@ impl<'a> Problem<'a> {
     /// Number of equations from the markers that count.
     pub(super) fn equations(&self) -> usize {
         let each = if self.uses_tangential() { 3 } else { 1 };
-        each * self.kept.iter().filter(|&&kept| kept).count()
+        each * self.counting().count()
     }
 
     pub(super) fn unknowns(&self) -> usize {
@@ -222,7 +223,8 @@ impl<'a> Problem<'a> {
         Ok(self.counting().map(residuals).collect())
     }
 
-    fn counting(&self) -> impl Iterator<Item = usize> + '_ {
+    /// Markers that count.
+    pub(super) fn counting(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.kept.len()).filter(|&marker| self.kept[marker])
     }
 

@@ -7,8 +7,9 @@ use super::outcome::outcome;
 use super::presence::{NOTHING, on_markers, seen};
 use super::problem::{ACROSS, BASELINE, GAIN, INDENTATION, Problem, State, Sums};
 use super::profile::{Profile, profile};
+use super::reading::Reading;
+use super::settings::{ForwardFit, Prior};
 use super::start::{median, starts};
-use super::{ForwardFit, Prior, Reading};
 use crate::{Contact, Interval, PressError, PressEstimate};
 
 /// A residual beyond this many standard deviations is wrong, not noisy: chance brings one in two million.
@@ -317,7 +318,7 @@ impl<'a> Search<'a> {
         let problem = &self.problem;
         let contact = problem.contact(state)?;
         let (mut normal, mut tangential) = (Vec::new(), Vec::new());
-        for marker in (0..problem.kept.len()).filter(|&marker| problem.kept[marker]) {
+        for marker in problem.counting() {
             let [inward, x, y] = problem.residuals_at(&contact, state, marker);
             normal.push((inward * problem.normal_std).abs());
             tangential.extend([x, y].map(|along| (along * problem.tangential_std).abs()));
@@ -352,15 +353,12 @@ impl<'a> Search<'a> {
         problem.kept.fill(true);
         problem.keep_window(state);
         let contact = problem.contact(state)?;
-        let inside = problem.kept.iter().filter(|&&kept| kept).count();
+        let inside = problem.counting().count();
         let is_wrong = |marker: &usize| {
             let residuals = problem.residuals_at(&contact, state, *marker);
             residuals.iter().any(|residual| residual.abs() > WRONG)
         };
-        let wrong: Vec<usize> = (0..problem.kept.len())
-            .filter(|&marker| problem.kept[marker])
-            .filter(is_wrong)
-            .collect();
+        let wrong: Vec<usize> = problem.counting().filter(is_wrong).collect();
         let most = (MOST_WRONG * inside as f64).max(1.0) as usize;
         if wrong.len() <= most && !problem.fit.body.is_approximate() {
             for marker in wrong {
@@ -370,7 +368,7 @@ impl<'a> Search<'a> {
         let (equations, needed) = (problem.equations(), problem.unknowns());
         if equations < needed {
             return Err(PressError::TooFewMarkers {
-                markers: problem.kept.iter().filter(|&&kept| kept).count(),
+                markers: problem.counting().count(),
                 equations,
                 needed,
             });

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::Prior;
 use super::problem::{Problem, State};
+use super::settings::Prior;
 use crate::markers::Sight;
 use crate::{Displacement, Place};
 

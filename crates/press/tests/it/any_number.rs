@@ -1,11 +1,12 @@
-//! Whatever the numbers: a finite answer or a named error.
+//! Presses that are possible have a contact and an estimate; whatever the numbers, a finite answer or the error that
+//! is due.
 
 use nalgebra::Vector3;
 use palpate_press::hertz::{published_parabola, sneddon_indentation};
 use palpate_press::shear::stuck_shift;
 use palpate_press::{
-    Body, BondedLayer, Contact, ForwardFit, MarkerDisplacement, Markers, Measured, Prior, Reading,
-    Skin,
+    Body, BondedLayer, Contact, ForwardFit, MarkerDisplacement, Markers, Measured, PressError,
+    PressEstimate, Prior, Reading, Skin,
 };
 use proptest::prelude::*;
 
@@ -76,72 +77,188 @@ fn shifts_know_any_azimuth() {
     }
 }
 
+/// A power of ten, of any exponent within.
+fn power(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    exponents.prop_map(|exponent| libm::pow(10f64, exponent))
+}
+
+fn is_setting(value: f64, range: impl std::ops::RangeBounds<f64>) -> bool {
+    range.contains(&value)
+}
+
+/// What was made where the settings are good, and `bad-setting` where they are not.
+fn made<T: std::fmt::Debug>(is_good: bool, made: Result<T, PressError>) -> Option<T> {
+    if is_good {
+        return Some(made.unwrap());
+    }
+    assert_eq!(made.unwrap_err().name(), "bad-setting");
+    None
+}
+
+const POSITIVE: std::ops::RangeInclusive<f64> = 5e-324..=f64::MAX;
+
+/// Five by five markers, 3 apart, about the apex of a sensor of radius 20.
+fn square_of_markers() -> Markers {
+    let at = |index: u32| 3.0 * (f64::from(index) - 2.0);
+    let places: Vec<[f64; 2]> = (0..25)
+        .map(|index| [at(index % 5), at(index / 5)])
+        .collect();
+    Markers::new(Skin::new(20.0).unwrap(), &places).unwrap()
+}
+
+fn is_finite(found: &PressEstimate) -> bool {
+    let mut numbers = vec![found.r_squared, found.reduced_chi_squared, found.contact[0]];
+    for estimated in [
+        found.relative_curvature,
+        found.object_curvature(),
+        found.effective_radius(),
+        found.indentation,
+        found.contact_radius,
+    ] {
+        numbers.extend([estimated.value, estimated.std]);
+        numbers.extend(
+            [estimated.interval.low, estimated.interval.high]
+                .into_iter()
+                .flatten(),
+        );
+    }
+    numbers.iter().all(|number| number.is_finite())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
 
+    /// Indentations up to a fiftieth of the radius, which no contact makes wider than the sensor.
     #[test]
-    fn bodies_give_numbers_or_errors(numbers in prop::array::uniform7(any_number())) {
+    fn shallow_presses_on_any_sensor_have_a_contact(
+        radius in power(-9.0..9.0),
+        (poisson, thickness, depth) in (0.0..0.5, 0.2..0.9, 0.0..1.0),
+        (object, indentation, r) in (-0.9..20.0, power(-6.0..-1.7), -2.0..2.0),
+    ) {
+        let (thickness, depth) = (thickness * radius, depth * thickness * radius);
+        let skin = Skin::new(radius).unwrap();
+        let bodies = bodies(poisson, thickness, depth);
+        prop_assert_eq!(bodies.len(), 3);
+        for body in bodies {
+            let contact = skin.contact(&body, object / radius, indentation * radius).unwrap();
+            assert_finite(&contact, r * radius, 0.1);
+            prop_assert!(contact.radius > 0.0 && contact.radius < radius, "{contact:?}");
+            prop_assert!(contact.displacement(0.0).normal > 0.0, "{contact:?}");
+        }
+    }
+
+    #[test]
+    fn bodies_give_numbers_or_the_error_that_is_due(numbers in prop::array::uniform7(any_number())) {
         let [poisson, thickness, depth, curvature, indentation, r, young] = numbers;
+        let is_depth = is_setting(depth, 0.0..=1e50);
+        made(is_setting(poisson, 0.0..=0.5), Body::hertz(poisson));
+        made(is_setting(poisson, 0.0..=0.5) && is_depth, Body::half_space(poisson, depth));
+        let is_layer = is_setting(thickness, 1e-50..=1e50) && is_setting(depth, 0.0..=thickness);
+        made(is_layer, Body::bonded_layer(thickness, depth));
+        made(is_setting(thickness, POSITIVE), Body::gaussian(thickness));
+        let skin = made(is_setting(thickness, 1e-50..=1e50), Skin::new(thickness));
+        let due = match (curvature, indentation) {
+            (k, d) if !(k.is_finite() && d.is_finite()) => Some("out-of-range"),
+            (k, _) if k < 0.0 => Some("edge-contact"),
+            (0.0, _) => Some("conforming"),
+            (_, d) if d <= 0.0 => Some("no-indentation"),
+            _ => None,
+        };
         for body in bodies(0.5 * (libm::sin(poisson) + 1.0), thickness, depth) {
-            if let Ok(contact) = body.press(curvature, indentation) {
-                assert_finite(&contact, r, young);
+            let pressed = body.press(curvature, indentation);
+            if let Some(due) = due {
+                prop_assert_eq!(pressed.as_ref().unwrap_err().name(), due);
             }
-            if let Ok(skin) = Skin::new(thickness)
-                && let Ok(contact) = skin.contact(&body, curvature, indentation)
-            {
+            let on_skin = skin.map(|skin| skin.contact(&body, curvature, indentation));
+            for contact in [Some(pressed), on_skin].into_iter().flatten().flatten() {
                 assert_finite(&contact, r, young);
             }
         }
-        let _ = Body::hertz(poisson);
     }
 
     #[test]
-    fn layers_give_numbers_or_errors(numbers in prop::array::uniform4(any_number())) {
+    fn layers_give_numbers_or_the_error_that_is_due(numbers in prop::array::uniform4(any_number())) {
         let [thickness, depth, a, r] = numbers;
-        let Ok(layer) = BondedLayer::new(thickness, depth) else { return Ok(()) };
-        let _ = layer.contact_radius(a);
-        if let Ok(contact) = layer.contact(a) {
+        let is_layer = is_setting(thickness, 1e-50..=1e50) && is_setting(depth, 0.0..=thickness);
+        let Some(layer) = made(is_layer, BondedLayer::new(thickness, depth)) else { return Ok(()) };
+        if a.is_nan() || a <= 0.0 {
+            prop_assert_eq!(layer.contact(a).unwrap_err(), PressError::OutOfRange);
+        } else if a / thickness > 50.0 {
+            prop_assert_eq!(layer.contact(a).unwrap_err().name(), "layer-too-thin");
+        } else if let Ok(contact) = layer.contact(a) {
             let field = contact.field(r);
-            let [indentation, slope] = contact.indentation();
-            let all = [field.normal, field.radial, field.normal_per_r, field.normal_per_a,
-                field.radial_per_r, field.radial_per_a, indentation, slope, contact.force(),
-                contact.peak_pressure()];
-            prop_assert!(all.iter().all(|part| part.is_finite()), "{numbers:?}: {all:?}");
+            prop_assert!((field.normal + field.radial + contact.force()).is_finite(), "{numbers:?}");
         }
     }
 
     #[test]
-    fn skins_and_shifts_give_numbers_or_errors(numbers in prop::array::uniform7(any_number())) {
+    fn skins_and_shifts_give_numbers_or_the_error_that_is_due(numbers in prop::array::uniform7(any_number())) {
         let [radius, x, y, z, depth, a, shift] = numbers;
         prop_assert!(published_parabola(x, y, z).is_finite());
-        if let Ok(indentation) = sneddon_indentation(radius, a) {
-            prop_assert!(indentation.is_finite());
-        }
-        if let Ok(moved) = stuck_shift(0.3, depth, a, x.abs(), y) {
-            prop_assert!([moved.along, moved.across, moved.normal].iter().all(|part| part.is_finite()));
-        }
-        let Ok(skin) = Skin::new(radius) else { return Ok(()) };
+        let is_sphere = is_setting(radius, POSITIVE) && is_setting(a, 0.0..radius);
+        let indentation = made(is_sphere, sneddon_indentation(radius, a));
+        prop_assert!(indentation.is_none_or(f64::is_finite));
+        let is_contact = is_setting(depth, 0.0..=1e50) && is_setting(a, 1e-50..=1e50);
+        let is_place = is_setting(x.abs(), 0.0..=1e50) && y.is_finite();
+        let moved = made(is_contact && is_place, stuck_shift(0.3, depth, a, x.abs(), y));
+        prop_assert!(moved.is_none_or(|moved| (moved.along + moved.across + moved.normal).is_finite()));
+        let Some(skin) = made(is_setting(radius, 1e-50..=1e50), Skin::new(radius)) else { return Ok(()) };
         let place = skin.place([x, y]);
         prop_assert!((place.direction.norm() - 1.0).abs() < 1e-12);
         prop_assert!((place.x_axis.norm() - 1.0).abs() < 1e-12);
         prop_assert!(skin.chart(&Vector3::new(x, y, z)).iter().all(|part| part.is_finite()));
-        let Ok(markers) = Markers::new(skin, &[[0.0, 0.0], [x, y], [y, z]]) else { return Ok(()) };
+        let places = [[0.0, 0.0], [x, y], [y, z]];
+        let is_number = |place: &[f64; 2]| place.iter().all(|part| part.abs() <= 1e50);
+        let beyond = |[x, y]: &[f64; 2]| libm::hypot(*x, *y) > std::f64::consts::PI * radius * (1.0 + 1e-9);
+        let markers = match Markers::new(skin, &places) {
+            Ok(markers) => markers,
+            Err(PressError::NotFinite { marker }) => {
+                prop_assert_eq!(places.iter().position(|place| !is_number(place)), Some(marker));
+                return Ok(());
+            }
+            Err(PressError::OffSkin { marker, .. }) => {
+                prop_assert_eq!(places.iter().position(beyond), Some(marker));
+                return Ok(());
+            }
+            Err(error) => return Err(TestCaseError::fail(error.to_string())),
+        };
+        prop_assert!(places.iter().all(|place| is_number(place) && !beyond(place)));
         prop_assert!(markers.distances([z, x]).iter().all(|part| part.is_finite()));
-        if let Ok(moved) = markers.shifted(0.3, depth, a, [x, y], shift) {
-            prop_assert!(moved.iter().flat_map(parts).all(|part| part.is_finite()));
-        }
+        let is_shift = is_contact && is_setting(shift, -1e50..=1e50);
+        let moved = made(is_shift, markers.shifted(0.3, depth, a, [x, y], shift));
+        prop_assert!(moved.iter().flatten().flat_map(parts).all(|part| part.is_finite()));
+    }
+
+    /// Readings of any ball or plane pressed among the markers give an estimate.
+    #[test]
+    fn presses_among_the_markers_are_estimated(
+        (object, indentation) in (0.0..0.5, 0.5..2.0),
+        at in [-3.0..3.0, -3.0..3.0],
+        is_known in any::<bool>(),
+    ) {
+        let markers = square_of_markers();
+        let body = Body::half_space(0.5, 2.0).unwrap();
+        let contact = markers.skin().contact(&body, object, indentation).unwrap();
+        let normal: Vec<f64> = markers.displacements(&contact, at).iter().map(|moved| moved.normal).collect();
+        let fit = ForwardFit { normal_std: Some(0.01), ..ForwardFit::new(body.clone()) };
+        let reading = Reading {
+            markers: &markers,
+            normal: &normal,
+            tangential: None,
+            indentation: is_known.then_some(Measured { value: indentation, std: 0.0 }),
+        };
+        let found = fit.estimate(&reading).unwrap();
+        prop_assert!(is_finite(&found), "{found:?}");
+        prop_assert!((found.most_likely_curvature - 0.05 - object).abs() < 1e-4, "{found:?}");
     }
 
     #[test]
-    fn fits_give_numbers_or_errors(
-        readings in prop::collection::vec(any_number(), 9),
+    fn fits_give_numbers_or_the_error_that_is_due(
+        readings in prop::collection::vec(any_number(), 25),
         known in prop::option::of([any_number(), any_number()]),
         stds in prop::array::uniform3(prop::option::of(any_number())),
     ) {
-        let skin = Skin::new(20.0).unwrap();
-        let at = |index: usize| 5.0 * (index as f64 - 1.0);
-        let places: Vec<[f64; 2]> = (0..9).map(|index| [at(index % 3), at(index / 3)]).collect();
-        let markers = Markers::new(skin, &places).unwrap();
+        let markers = square_of_markers();
         let fit = ForwardFit {
             normal_std: stds[0],
             window: stds[1],
@@ -154,15 +271,20 @@ proptest! {
             tangential: None,
             indentation: known.map(|[value, std]| Measured { value, std }),
         };
-        if let Ok(found) = fit.estimate(&reading) {
-            let mut numbers = vec![found.r_squared, found.reduced_chi_squared, found.contact[0]];
-            for estimated in [found.relative_curvature, found.object_curvature(), found.effective_radius(),
-                found.indentation, found.contact_radius] {
-                numbers.extend([estimated.value, estimated.std]);
-                numbers.extend([estimated.interval.low, estimated.interval.high].into_iter().flatten());
-            }
-            prop_assert!(numbers.iter().all(|number| number.is_finite()), "{found:?}");
+        let found = fit.estimate(&reading);
+        let are_good = [stds[0], known.map(|[_, std]| std)].iter().flatten().all(|std| is_setting(*std, 0.0..=1e100))
+            && stds[1].is_none_or(|window| window > 0.0)
+            && stds[2].is_none_or(|std| std > 0.0 && std <= 1e100);
+        let due = match known {
+            _ if !are_good => Some("bad-setting"),
+            Some([value, _]) if !value.is_finite() => Some("out-of-range"),
+            Some([value, _]) if value <= 0.0 => Some("no-indentation"),
+            _ => readings.iter().any(|one| one.is_nan() || one.abs() > 1e50).then_some("not-finite"),
+        };
+        if let Some(due) = due {
+            prop_assert_eq!(found.as_ref().unwrap_err().name(), due);
         }
+        prop_assert!(found.is_err() || is_finite(found.as_ref().unwrap()), "{found:?}");
     }
 
     /// All lengths times a power of two: so are displacements, and curvatures through it, to the last bit.
@@ -173,11 +295,10 @@ proptest! {
             let skin = Skin::new(20.0 * scale).unwrap();
             let markers = Markers::new(skin, &[[x * scale, scale], [0.0, 3.0 * scale]]).unwrap();
             let body = Body::half_space(0.5, 2.0 * scale).unwrap();
-            let contact = skin.contact(&body, object / 20.0 / scale, 20.0 * share * scale).ok()?;
-            Some(markers.displacements(&contact, [0.5 * scale, 0.0]))
+            let contact = skin.contact(&body, object / 20.0 / scale, 20.0 * share * scale).unwrap();
+            markers.displacements(&contact, [0.5 * scale, 0.0])
         };
-        let (Some(one), Some(scaled)) = (of(1.0), of(scale)) else { return Ok(()) };
-        for (one, scaled) in one.iter().flat_map(parts).zip(scaled.iter().flat_map(parts)) {
+        for (one, scaled) in of(1.0).iter().flat_map(parts).zip(of(scale).iter().flat_map(parts)) {
             prop_assert!((one * scale - scaled).abs() <= 1e-12 * scale * (one.abs() + 1e-3 * share));
         }
     }
@@ -198,5 +319,26 @@ proptest! {
         for (still, turned) in moved(0.0).into_iter().zip(moved(angle)) {
             prop_assert!((still - turned).abs() < 1e-11, "{still} {turned}");
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn layers_of_any_size_have_any_contact_up_to_fifty_thicknesses(
+        (thickness, depth) in (power(-9.0..9.0), 0.0..1.0),
+        (width, r) in (power(-6.0..1.69), -3.0..3.0),
+    ) {
+        let layer = BondedLayer::new(thickness, depth * thickness).unwrap();
+        let contact = layer.contact(width * thickness).unwrap();
+        let field = contact.field(r * thickness);
+        let [indentation, slope] = contact.indentation();
+        let all = [field.normal, field.radial, field.normal_per_r, field.normal_per_a,
+            field.radial_per_r, field.radial_per_a, indentation, slope, contact.force(),
+            contact.peak_pressure()];
+        prop_assert!(all.iter().all(|part| part.is_finite()), "{all:?}");
+        let again = layer.contact_radius(indentation).unwrap();
+        prop_assert!((again / (width * thickness) - 1.0).abs() < 1e-9, "{again:e}");
     }
 }

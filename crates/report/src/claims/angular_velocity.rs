@@ -1,7 +1,7 @@
 //! Claims 1 and 2: noise in the angular velocity (1996 paper, section 4.1.1).
 
-use super::Finding;
 use super::evidence::{convex_rows, groups, near, numbers, percent, range, roll, short, span};
+use super::finding::Finding;
 use crate::Study;
 
 const NOISE: &str = "scene.noise.angular_velocity.fraction";
@@ -22,7 +22,7 @@ const AMPLIFICATION_AGREES: f64 = 0.05;
 /// A length that "does not matter" changes the mean error by at most this share.
 const UNAFFECTED: f64 = 0.05;
 
-/// One row: 1/RCR, noise and errors.
+/// Row of the table: 1/RCR, noise and errors.
 struct Sample {
     flatness: f64,
     noise: f64,

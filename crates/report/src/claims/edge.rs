@@ -1,8 +1,9 @@
 //! Claim 20: what a sharp object leaves (1996 paper, section 4.1.4).
 
-use super::Finding;
 use super::evidence::{convex_rows, near, numbers, short};
-use crate::{Study, words};
+use super::finding::Finding;
+use crate::Study;
+use palpate_study::number;
 
 /// Claim 20.
 pub(super) fn is_a_bound(study: &Study) -> Result<Finding, String> {
@@ -57,8 +58,8 @@ pub(super) fn is_a_bound(study: &Study) -> Result<Finding, String> {
         format!(
             "at R₂ = {} R₁ {} of {} trials are unresolved (every trial of {} of {} cells)",
             short(g.size),
-            words::count(g.unresolved),
-            words::count(g.trials),
+            number::grouped(g.unresolved),
+            number::grouped(g.trials),
             g.wholly,
             g.cells
         )

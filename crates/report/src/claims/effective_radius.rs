@@ -1,7 +1,7 @@
 //! Claim 16: the effective radius as the sensor is pressed in (2020 paper, section IV.B, Fig. 8c).
 
-use super::Finding;
 use super::evidence::{near, percent, range, short, span};
+use super::finding::Finding;
 use super::presses::{at_indentation, kind, label, millimetres, number, rows_of};
 use crate::Study;
 

@@ -1,6 +1,8 @@
 //! Finding the rows and numbers that a claim is about.
 
-use crate::{Study, words};
+use crate::Study;
+use crate::group::by_key;
+use palpate_study::number;
 
 /// Rows of `quantity` whose true value is defined and positive: convex along the direction in question.
 pub(super) fn convex_rows(study: &Study, quantity: &str) -> Result<Vec<usize>, String> {
@@ -39,14 +41,8 @@ pub(super) fn groups(study: &Study, rows: &[usize], free: &[&str]) -> Vec<Vec<us
         .iter()
         .filter(|axis| !free.iter().any(|prefix| axis.header.starts_with(prefix)))
         .collect();
-    let mut groups: Vec<(Vec<&str>, Vec<usize>)> = Vec::new();
-    for &row in rows {
-        let key: Vec<&str> = fixed.iter().map(|axis| axis.text(row)).collect();
-        match groups.iter_mut().find(|(known, _)| *known == key) {
-            Some((_, group)) => group.push(row),
-            None => groups.push((key, vec![row])),
-        }
-    }
+    let key = |row: &usize| fixed.iter().map(|axis| axis.text(*row)).collect::<Vec<_>>();
+    let groups = by_key(rows.iter().map(|row| (key(row), *row)));
     groups.into_iter().map(|(_, rows)| rows).collect()
 }
 
@@ -60,7 +56,7 @@ pub(super) fn roll(study: &Study, row: usize) -> Option<f64> {
     }
 }
 
-/// Equal up to what a decimal text loses.
+/// Whether numbers are equal up to what a decimal text loses.
 pub(super) fn near(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
 }
@@ -72,7 +68,7 @@ pub(super) fn percent(share: f64) -> String {
 
 /// A number in three digits.
 pub(super) fn short(value: f64) -> String {
-    words::significant(value, 3)
+    number::significant(value, 3)
 }
 
 /// The smallest and largest of some numbers.

@@ -1,7 +1,7 @@
 //! Claim 19: how large a marker is in the image, over the field (2020 paper, section III.C).
 
-use super::Finding;
 use super::evidence::{range, short, span};
+use super::finding::Finding;
 use super::presses::{number, rows_of, word};
 use crate::Study;
 

@@ -1,7 +1,7 @@
 //! Claim 15: a Gaussian on what a layer of skin filters (2020 paper, section IV.B, Fig. 8a).
 
-use super::Finding;
 use super::evidence::{range, short, span};
+use super::finding::Finding;
 use super::presses::{kind, label, rows_of};
 use crate::Study;
 

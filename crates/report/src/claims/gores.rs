@@ -1,7 +1,7 @@
 //! Claim 18: the number of gores and the strain of folding them (2020 paper, section III.A, Fig. 3).
 
-use super::Finding;
 use super::evidence::percent;
+use super::finding::Finding;
 use super::presses::{number, rows_of};
 use crate::Study;
 

@@ -1,10 +1,11 @@
 //! Claim 14: how a marker's picture follows its displacement (2020 paper, section IV.A, Fig. 6).
 
-use super::Finding;
 use super::evidence::{groups, near, range, short, span};
+use super::finding::Finding;
 use super::presses::{label, number, rows_of};
 use super::straight_line::{Reading, StraightLine};
 use crate::Study;
+use crate::group::distinct;
 
 /// The paper's own R² of its lines through the hue and through the centroid.
 const HUE: f64 = 0.89;
@@ -106,12 +107,7 @@ fn lines(
 fn told(lines: &Lines, unit: &str) -> String {
     let r_squared = range(lines.iter().map(|(_, line)| line.r_squared));
     let r_squared = r_squared.map_or(String::new(), |range| span(range, short));
-    let mut objects: Vec<&str> = Vec::new();
-    for (object, _) in lines {
-        if !objects.contains(&object.as_str()) {
-            objects.push(object);
-        }
-    }
+    let objects = distinct(lines.iter().map(|(object, _)| object.as_str()));
     let slope = |object: &&str| {
         let of_it = lines.iter().filter(|(name, _)| name == object);
         let slopes = range(of_it.map(|(_, line)| line.slope))?;

@@ -1,8 +1,8 @@
 //! Claims 5 to 8: the resolution of the contact sensor (1996 paper, section 4.1.3). Lengths are in
 //! probe radii, as the paper's probe has R₁ = 1 cm.
 
-use super::Finding;
 use super::evidence::{convex_rows, groups, near, numbers, percent, range, roll, short, span};
+use super::finding::Finding;
 use crate::Study;
 
 const QUANTITY: &str = "normal_curvature_u";
@@ -25,7 +25,7 @@ const REASONABLE: f64 = 0.25;
 /// An error this close to that limit, as a share of it, sits on it.
 const ON_THE_LIMIT: f64 = 0.01;
 
-/// One row of a pad study.
+/// Row of a pad study.
 #[derive(Clone, Copy)]
 struct Sample {
     row: usize,

@@ -1,6 +1,7 @@
 //! Estimates of patches in a table: what was touched, how noisily, and by which method it was fitted.
 
 use super::evidence::{near, percent, short};
+use crate::group::distinct;
 use crate::{Study, study};
 
 const OBJECT: &str = "scene.object";
@@ -202,16 +203,6 @@ impl<'a> Patches<'a> {
 
 fn told(object: &str, method: &str, noise: f64) -> String {
     format!("{object}, {method}, {} noise", percent(noise))
-}
-
-fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut distinct = Vec::new();
-    for name in names {
-        if !distinct.contains(&name) {
-            distinct.push(name);
-        }
-    }
-    distinct
 }
 
 /// A ratio in three digits: `2.5 ×`.

@@ -1,9 +1,10 @@
 //! Claim 17: regimes of contact by relative curvature (2020 paper, section III.A, Fig. 2).
 
-use super::Finding;
 use super::evidence::{groups, near, percent, range, short, span};
+use super::finding::Finding;
 use super::presses::{kind, number, rows_of};
-use crate::{Study, words};
+use crate::Study;
+use palpate_study::label::spoken_unit;
 
 /// Contact at a point is sensed if at least this share of the 95 % intervals holds the true relative curvature …
 const HONEST: f64 = 0.9;
@@ -50,7 +51,7 @@ pub(super) fn go_by_relative_curvature(study: &Study) -> Result<Finding, String>
     });
     let (versatility, falls) = versatility(&presses)?;
     let unit = study.setting("length_unit").and_then(toml::Value::as_str);
-    let unit = words::unit(unit.unwrap_or_default());
+    let unit = spoken_unit(unit.unwrap_or_default());
     let counts: Vec<String> = versatility.sensed.iter().map(usize::to_string).collect();
     let radii: Vec<String> = versatility
         .radii
@@ -86,7 +87,7 @@ enum Sign {
     Negative,
 }
 
-/// One cell.
+/// Cell of the table.
 struct Press {
     sensor_radius: f64,
     sign: Sign,
@@ -163,7 +164,7 @@ fn press(study: &Study, row: usize) -> Result<Press, String> {
     })
 }
 
-/// How many of the same number of objects sensors of rising radius sense.
+/// Numbers of objects, out of equally many, that sensors of rising radius sense.
 struct Versatility {
     objects: usize,
     radii: Vec<f64>,

@@ -1,8 +1,8 @@
 //! Claims 3 and 4: the length of the roll on a paraboloid z = −c r² (1996 paper, section 4.1.2), scored at
 //! equal arc lengths. Lengths are in probe radii.
 
-use super::Finding;
 use super::evidence::{convex_rows, near, numbers, percent, range, short, span};
+use super::finding::Finding;
 use crate::Study;
 
 /// The arc lengths at which paraboloids are compared.
@@ -17,7 +17,7 @@ const SATURATED: f64 = 0.5;
 const HOPELESS: f64 = 5.0;
 const KEPT: (f64, f64) = (0.01, 1.0);
 
-/// One row: the paraboloid, the arc length, the noise and the mean relative error.
+/// Row of the table: the paraboloid, the arc length, the noise and the mean relative error.
 struct Sample {
     c: f64,
     length: f64,

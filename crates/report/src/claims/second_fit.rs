@@ -1,7 +1,7 @@
 //! Claim 9: what the second fit adds to the first (1996 paper, sections 4.2 and 4.3).
 
-use super::Finding;
 use super::evidence::{geometric_mean, percent, range, short, span};
+use super::finding::Finding;
 use super::patches::{FIRST_PASS, GAUSSIAN, MEAN, Patches, TWO_PASS, times};
 use crate::Study;
 

@@ -1,7 +1,7 @@
 //! Claims 10 to 12: how well the classes of shape are found (1996 paper, section 4.3).
 
-use super::Finding;
 use super::evidence::{near, percent, short};
+use super::finding::Finding;
 use super::patches::{GAUSSIAN, MEAN, Patches, TWO_PASS};
 use crate::{Study, study};
 
@@ -115,7 +115,7 @@ pub(super) fn only_the_sphere_at_10_percent(study: &Study) -> Result<Finding, St
     })
 }
 
-/// One surface at strong noise.
+/// Surface at strong noise.
 struct Surface<'a> {
     object: &'a str,
     is_sphere: bool,

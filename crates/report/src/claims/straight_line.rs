@@ -2,7 +2,7 @@
 
 use super::evidence::near;
 
-/// One place along x: the mean of the readings there, and their standard deviation.
+/// Place along x: the mean of the readings there, and their standard deviation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reading {
     pub(super) x: f64,

@@ -1,7 +1,7 @@
 //! Claim 13: a cylinder across the parameters of a tensor product (1996 paper, sections 4.2 and 4.3).
 
-use super::Finding;
 use super::evidence::{geometric_mean, near, percent, short, span};
+use super::finding::Finding;
 use super::patches::{GAUSSIAN, MEAN, Patches, TWO_PASS, times};
 use crate::Study;
 

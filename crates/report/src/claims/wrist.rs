@@ -1,7 +1,7 @@
 //! Claim 21: a wrist force sensor against pads (1996 paper, section 4.1.3).
 
-use super::Finding;
 use super::evidence::{convex_rows, groups, range, short, span};
+use super::finding::Finding;
 use crate::Study;
 
 /// "Acts like" is within this factor.

@@ -3,44 +3,45 @@
 
 mod extremes;
 
-use crate::plot::{fronts_svgs, spoken_cost};
+use crate::plot;
 use crate::records::Records;
-use crate::table::finite;
 use crate::tradeoff::{Answer, Promise, Tradeoff};
-use crate::{ReportError, Study, words};
+use crate::{Files, ReportError, Study, words};
 use minijinja::context;
 use minijinja::value::Value;
-use std::path::{Path, PathBuf};
+use palpate_study::label::with_unit;
+use palpate_study::number::{self, finite};
 
 /// Folder that holds the folders of all studies, if there is such a one.
-pub(super) fn folder(studies: &[Study]) -> Option<PathBuf> {
+pub(super) fn folder(studies: &[Study]) -> Option<Files> {
     let mut parents = studies.iter().map(|study| study.dir().parent());
     let first = parents.next()??;
-    parents
-        .all(|parent| parent == Some(first))
-        .then(|| first.to_owned())
+    let is_shared = parents.all(|parent| parent == Some(first));
+    is_shared.then(|| Files::in_folder(first))
 }
 
 /// Sections for the tables that the folder holds.
 ///
 /// # Errors
 /// A table is malformed.
-pub(super) fn sections(folder: &Path) -> Result<Value, ReportError> {
-    let there = |name: &str| Some(folder.join(name)).filter(|path| path.exists());
-    let tradeoff = there("tradeoff").map(|path| tradeoff(&path)).transpose()?;
-    let extremes = there("extremes.csv")
-        .map(|path| extremes::section(&path))
-        .transpose()?;
-    let peers = there("peers.csv").map(|path| peers(&path)).transpose()?;
+pub(super) fn sections(folder: &Files) -> Result<Value, ReportError> {
+    type Section = fn(&Files) -> Result<Value, ReportError>;
+    let section = |name: &str, make: Section| {
+        let there = folder.contain(name).then(|| make(folder));
+        there.transpose()
+    };
+    let tradeoff = section("tradeoff", |folder| tradeoff(&folder.within("tradeoff")))?;
+    let extremes = section("extremes.csv", extremes::section)?;
+    let peers = section("peers.csv", peers)?;
     Ok(context! { tradeoff, extremes, peers })
 }
 
-fn tradeoff(dir: &Path) -> Result<Value, ReportError> {
-    let tradeoff = Tradeoff::read(dir)?;
-    let pictures = fronts_svgs(&tradeoff, dir)?;
+fn tradeoff(folder: &Files) -> Result<Value, ReportError> {
+    let tradeoff = Tradeoff::read(folder)?;
+    let pictures = plot::fronts(&tradeoff)?;
     let ladders = tradeoff.ladders.iter().zip(pictures);
     let ladders: Vec<Value> = ladders
-        .map(|(ladder, svg)| {
+        .map(|(ladder, picture)| {
             let targets: Vec<String> = ladder.scenes.first().map_or(Vec::new(), |scene| {
                 scene.answers.iter().map(|it| it.target.clone()).collect()
             });
@@ -56,13 +57,13 @@ fn tradeoff(dir: &Path) -> Result<Value, ReportError> {
                 title => &ladder.title,
                 error_of => &ladder.error_of,
                 evaluation => &ladder.evaluation,
-                svg => Value::from_safe_string(super::inline(&svg)),
+                svg => Value::from_safe_string(picture.svg),
                 targets,
                 scenes,
             }
         })
         .collect();
-    let stages = shown(&Records::read(&dir.join("stages.csv"), &[])?);
+    let stages = shown(Records::read(folder, "stages.csv", &[])?.into_parts());
     let promises: Vec<Value> = tradeoff.promises.iter().map(promise).collect();
     Ok(context! { ladders, stages, promises, machine => &tradeoff.machine })
 }
@@ -78,43 +79,45 @@ fn promise(promise: &Promise) -> Value {
 }
 
 fn answer(answer: &Answer) -> Value {
-    let cost = spoken_cost(answer.instructions, answer.ns);
-    context! { rung => &answer.rung, cost, error => answer.error.map(words::number) }
+    let cost = words::cost(answer.instructions, answer.ns);
+    context! { rung => &answer.rung, cost, error => answer.error.map(number::rounded) }
 }
 
+/// Header and rows of a table.
+type Parts = (Vec<String>, Vec<Vec<String>>);
+
 /// The table of peers, verdicts in its second column, and the machine where it is one.
-fn peers(path: &Path) -> Result<Value, ReportError> {
-    let mut records = Records::read(path, &[])?;
-    let machine = take_constant(&mut records, "machine");
-    let verdict = records.header.iter().position(|name| name == "verdict");
+fn peers(folder: &Files) -> Result<Value, ReportError> {
+    let mut parts = Records::read(folder, "peers.csv", &[])?.into_parts();
+    let machine = take_constant(&mut parts, "machine");
+    let (header, rows) = &mut parts;
+    let verdict = header.iter().position(|name| name == "verdict");
     if let Some(verdict) = verdict.filter(|&verdict| verdict > 1) {
-        for row in std::iter::once(&mut records.header).chain(&mut records.rows) {
+        for row in std::iter::once(header).chain(rows) {
             row[1..=verdict].rotate_right(1);
         }
     }
-    Ok(context! { table => shown(&records), machine })
+    Ok(context! { table => shown(parts), machine })
 }
 
 /// Takes a column out of a table in whose rows it is the same.
-fn take_constant(records: &mut Records, name: &str) -> Option<String> {
-    let at = records.header.iter().position(|column| column == name)?;
-    let constant = records.rows.first()?[at].clone();
-    if records.rows.iter().any(|row| row[at] != constant) {
+fn take_constant((header, rows): &mut Parts, name: &str) -> Option<String> {
+    let at = header.iter().position(|column| column == name)?;
+    let constant = rows.first()?[at].clone();
+    if rows.iter().any(|row| row[at] != constant) {
         return None;
     }
-    for row in std::iter::once(&mut records.header).chain(&mut records.rows) {
+    for row in std::iter::once(header).chain(rows) {
         row.remove(at);
     }
     Some(constant)
 }
 
 /// A table as it is, headers in words.
-fn shown(Records { header, rows, .. }: &Records) -> Value {
+fn shown((header, rows): Parts) -> Value {
     let header: Vec<String> = header.iter().map(|name| heading(name)).collect();
-    let rows: Vec<Vec<Value>> = rows
-        .iter()
-        .map(|row| row.iter().map(|cell| spoken(cell)).collect())
-        .collect();
+    let spoken = |row: &Vec<String>| row.iter().map(|cell| spoken(cell)).collect();
+    let rows: Vec<Vec<Value>> = rows.iter().map(spoken).collect();
     context! { header, rows }
 }
 
@@ -123,7 +126,7 @@ fn heading(name: &str) -> String {
     let units = [("_us", "µs"), ("_ns", "ns")];
     let split = |(suffix, unit)| Some((name.strip_suffix(suffix)?, unit));
     let (name, unit) = units.into_iter().find_map(split).unwrap_or((name, ""));
-    words::with_unit(&name.replace('_', " "), unit)
+    with_unit(&name.replace('_', " "), unit)
 }
 
 /// A cell, and whether it is a number; a long one is rounded.
@@ -131,7 +134,7 @@ fn spoken(cell: &str) -> Value {
     const LONG: usize = 6;
     match finite(cell) {
         Some(number) if cell.len() > LONG => {
-            context! { text => words::significant(number, 4), number => true }
+            context! { text => number::significant(number, 4), number => true }
         }
         Some(_) => context! { text => cell, number => true },
         None => context! { text => cell, number => false },

@@ -1,13 +1,15 @@
-//! Lines, shapes and text on any plotters backend, in pixels of the finished picture.
+//! Lines, shapes and text in pixels of the finished picture, and the SVG made of them.
 
 use super::lettering;
-use super::picture::Picture;
-use super::style::Marker;
-use crate::ReportError;
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use std::path::Path;
+use super::style::{Colour, Marker, WHITE};
+use plotters_backend::text_anchor::{HPos, Pos, VPos};
+use plotters_backend::{
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
+    FontFamily,
+};
+use plotters_svg::SVGBackend;
+use std::convert::Infallible;
+use std::io;
 
 /// Backends count in whole units; a pixel of the picture has this many, so that curves and text keep their shape.
 const DETAIL: u32 = 3;
@@ -16,13 +18,10 @@ const EM: f64 = 1.24;
 /// Shift of text downward, in ems: the SVG backend centres small letters, and capitals and digits are to be centred.
 const SINK: f64 = 0.09;
 
-/// A place in the picture, from its upper left corner.
+/// Place in the picture, from its upper left corner.
 pub(crate) type Point = (f64, f64);
 
-/// Result of a drawing step; an error holds the message of the backend.
-pub(crate) type Drawn = Result<(), String>;
-
-/// Which point of a text stands at its place.
+/// Point of a text that stands at its place.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Anchor {
     Left,
@@ -30,46 +29,54 @@ pub(crate) enum Anchor {
     Right,
 }
 
-/// Way in which text reaches a backend.
-#[derive(Debug, Clone, Copy)]
-enum Lettering {
-    /// Text elements, which the viewer sets in its own sans-serif.
-    Text,
-    /// Pixels drawn here, because plotters' own rasteriser drops the space before each letter.
-    Pixels,
+/// Shape of one colour.
+struct Shape {
+    form: Form,
+    colour: Colour,
+    /// Words that a viewer shows when pointed at it; may be empty.
+    title: String,
 }
 
-/// A drawing surface.
-pub(crate) struct Canvas<B: DrawingBackend> {
-    area: DrawingArea<B, Shift>,
-    lettering: Lettering,
+enum Form {
+    /// Line and its width.
+    Line(Vec<Point>, f64),
+    Polygon(Vec<Point>),
+    /// Centre and radius.
+    Disc(Point, f64),
+    /// Line of text with its place, size and anchor.
+    Text(String, Point, f64, Anchor),
 }
 
-impl<B: DrawingBackend> Canvas<B> {
-    fn unit(value: f64) -> i32 {
-        (value * f64::from(DETAIL)).round() as i32
+/// Shapes, from the lowest to the topmost.
+#[derive(Default)]
+pub(crate) struct Canvas {
+    shapes: Vec<Shape>,
+}
+
+impl Canvas {
+    fn push(&mut self, form: Form, colour: Colour) {
+        let title = String::new();
+        self.shapes.push(Shape {
+            form,
+            colour,
+            title,
+        });
     }
 
-    fn at((x, y): Point) -> (i32, i32) {
-        (Self::unit(x), Self::unit(y))
-    }
-
-    /// Fills the picture.
-    pub(crate) fn fill(&self, colour: RGBColor) -> Drawn {
-        self.area.fill(&colour).map_err(|e| e.to_string())
+    /// Adds to the topmost shape words that a viewer shows when pointed at it.
+    pub(crate) fn title(&mut self, words: &str) {
+        if let Some(shape) = self.shapes.last_mut() {
+            words.clone_into(&mut shape.title);
+        }
     }
 
     /// A line through `points`, `width` pixels wide.
-    pub(crate) fn line(&self, points: &[Point], colour: RGBColor, width: f64) -> Drawn {
-        let style = colour.stroke_width(Self::unit(width).max(1) as u32);
-        let path: Vec<_> = points.iter().map(|p| Self::at(*p)).collect();
-        self.area
-            .draw(&PathElement::new(path, style))
-            .map_err(|e| e.to_string())
+    pub(crate) fn line(&mut self, points: &[Point], colour: Colour, width: f64) {
+        self.push(Form::Line(points.to_vec(), width), colour);
     }
 
     /// A dashed line through `points`.
-    pub(crate) fn dashes(&self, points: &[Point], colour: RGBColor, width: f64) -> Drawn {
+    pub(crate) fn dashes(&mut self, points: &[Point], colour: Colour, width: f64) {
         const ON: f64 = 8.0;
         const PERIOD: f64 = 13.0;
         let mut done = 0.0;
@@ -81,270 +88,257 @@ impl<B: DrawingBackend> Canvas<B> {
             while dash < length {
                 let (from, to) = (dash.max(0.0), (dash + ON).min(length));
                 if to > from {
-                    self.line(&[along(from), along(to)], colour, width)?;
+                    self.line(&[along(from), along(to)], colour, width);
                 }
                 dash += PERIOD;
             }
             done += length;
         }
-        Ok(())
     }
 
     /// A filled polygon.
-    pub(crate) fn polygon(&self, points: &[Point], colour: RGBColor) -> Drawn {
-        let path: Vec<_> = points.iter().map(|p| Self::at(*p)).collect();
-        self.area
-            .draw(&Polygon::new(path, colour.filled()))
-            .map_err(|e| e.to_string())
+    pub(crate) fn polygon(&mut self, points: &[Point], colour: Colour) {
+        self.push(Form::Polygon(points.to_vec()), colour);
     }
 
     /// A filled circle.
-    pub(crate) fn disc(&self, centre: Point, radius: f64, colour: RGBColor) -> Drawn {
-        self.area
-            .draw(&Circle::new(
-                Self::at(centre),
-                Self::unit(radius),
-                colour.filled(),
-            ))
-            .map_err(|e| e.to_string())
+    pub(crate) fn disc(&mut self, centre: Point, radius: f64, colour: Colour) {
+        self.push(Form::Disc(centre, radius), colour);
     }
 
-    /// One line of text whose middle height is at `place`.
+    /// A line of text whose middle height is at `place`.
     pub(crate) fn text(
-        &self,
+        &mut self,
         text: &str,
         place: Point,
         size: f64,
         anchor: Anchor,
-        colour: RGBColor,
-    ) -> Drawn {
-        match self.lettering {
-            Lettering::Text => self.text_as_text(text, place, size, anchor, colour),
-            Lettering::Pixels => self.text_as_pixels(text, place, size, anchor, colour),
-        }
-    }
-
-    fn text_as_text(
-        &self,
-        text: &str,
-        (x, y): Point,
-        size: f64,
-        anchor: Anchor,
-        colour: RGBColor,
-    ) -> Drawn {
-        let horizontal = match anchor {
-            Anchor::Left => HPos::Left,
-            Anchor::Middle => HPos::Center,
-            Anchor::Right => HPos::Right,
-        };
-        let style = TextStyle::from(("sans-serif", size * EM * f64::from(DETAIL)).into_font())
-            .color(&colour)
-            .pos(Pos::new(horizontal, VPos::Center));
-        self.area
-            .draw_text(text, &style, Self::at((x, y + SINK * size)))
-            .map_err(|e| e.to_string())
-    }
-
-    fn text_as_pixels(
-        &self,
-        text: &str,
-        place: Point,
-        size: f64,
-        anchor: Anchor,
-        colour: RGBColor,
-    ) -> Drawn {
-        let (pixels, width) = lettering::pixels(text, size * f64::from(DETAIL));
-        let (x, y) = Self::at(place);
-        let left = match anchor {
-            Anchor::Left => x,
-            Anchor::Middle => x - (width / 2.0) as i32,
-            Anchor::Right => x - width as i32,
-        };
-        for (dx, dy, share) in pixels {
-            self.area
-                .draw_pixel((left + dx, y + dy), &colour.mix(share))
-                .map_err(|e| e.to_string())?;
-        }
-        Ok(())
+        colour: Colour,
+    ) {
+        self.push(Form::Text(text.to_owned(), place, size, anchor), colour);
     }
 
     /// A marker of about `size` pixels in radius on a white rim.
-    pub(crate) fn marker(
-        &self,
-        marker: Marker,
-        place: Point,
-        size: f64,
-        colour: RGBColor,
-    ) -> Drawn {
-        for (grow, colour) in [(1.5, WHITE), (0.0, colour)] {
-            self.shape(marker, place, size, grow, colour)?;
-        }
+    pub(crate) fn marker(&mut self, marker: Marker, place: Point, size: f64, colour: Colour) {
+        self.marker_shape(marker, place, size, 1.5, WHITE);
+        self.marker_shape(marker, place, size, 0.0, colour);
         if marker == Marker::Ring {
-            self.disc(place, 0.5 * size, WHITE)
-        } else {
-            Ok(())
+            self.disc(place, 0.5 * size, WHITE);
         }
     }
 
     /// The outline of such a marker, white within unless it is never open.
-    pub(crate) fn open_marker(
-        &self,
-        marker: Marker,
-        place: Point,
-        size: f64,
-        colour: RGBColor,
-    ) -> Drawn {
-        self.marker(marker, place, size, colour)?;
-        match marker {
-            Marker::Dot | Marker::Dash => Ok(()),
-            _ => self.shape(marker, place, 0.55 * size, 0.0, WHITE),
+    pub(crate) fn open_marker(&mut self, marker: Marker, place: Point, size: f64, colour: Colour) {
+        self.marker(marker, place, size, colour);
+        if !matches!(marker, Marker::Dot | Marker::Dash) {
+            self.marker_shape(marker, place, 0.55 * size, 0.0, WHITE);
         }
     }
 
     /// The shape of a marker of about `size + grow` pixels in radius, whose bars are those of `size`, as much wider.
-    fn shape(
-        &self,
+    fn marker_shape(
+        &mut self,
         marker: Marker,
         (x, y): Point,
         size: f64,
         grow: f64,
-        colour: RGBColor,
-    ) -> Drawn {
+        colour: Colour,
+    ) {
         let r = size + grow;
-        let corners = |corners: &[(f64, f64)]| {
-            let points: Vec<Point> = corners
-                .iter()
-                .map(|(dx, dy)| (x + r * dx, y + r * dy))
-                .collect();
-            self.polygon(&points, colour)
-        };
-        let bars = |turn: f64| -> Drawn {
-            let (r, half) = (r * 1.15, 0.35 * size + grow);
-            for (c, s) in [
-                (libm::cos(turn), libm::sin(turn)),
-                (-libm::sin(turn), libm::cos(turn)),
-            ] {
-                let corner = |a: f64, b: f64| (x + a * c - b * s, y + a * s + b * c);
-                self.polygon(
-                    &[
-                        corner(-r, -half),
-                        corner(r, -half),
-                        corner(r, half),
-                        corner(-r, half),
-                    ],
-                    colour,
-                )?;
+        let scaled = |corner: &Point| (x + r * corner.0, y + r * corner.1);
+        let corners: &[Point] = match marker {
+            Marker::Circle | Marker::Ring => return self.disc((x, y), r, colour),
+            Marker::Dot => return self.disc((x, y), 0.55 * size + grow, colour),
+            Marker::Plus => return self.bars((x, y), size, grow, 0.0, colour),
+            Marker::Cross => {
+                let turn = std::f64::consts::FRAC_PI_4;
+                return self.bars((x, y), size, grow, turn, colour);
             }
-            Ok(())
-        };
-        match marker {
-            Marker::Circle | Marker::Ring => self.disc((x, y), r, colour),
-            Marker::Dot => self.disc((x, y), 0.55 * size + grow, colour),
             Marker::Dash => {
                 let (wide, high) = (1.9 * size, 0.25 * size + grow);
                 let (left, right, top, bottom) = (x - wide, x + wide, y - high, y + high);
-                self.polygon(
-                    &[(left, top), (right, top), (right, bottom), (left, bottom)],
-                    colour,
-                )
+                let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
+                return self.polygon(&corners, colour);
             }
-            Marker::Square => corners(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
-            Marker::Up => corners(&[(-1.1, 0.85), (1.1, 0.85), (0.0, -1.15)]),
-            Marker::Down => corners(&[(-1.1, -0.85), (1.1, -0.85), (0.0, 1.15)]),
-            Marker::Diamond => corners(&[(-1.2, 0.0), (0.0, -1.2), (1.2, 0.0), (0.0, 1.2)]),
-            Marker::Plus => bars(0.0),
-            Marker::Cross => bars(std::f64::consts::FRAC_PI_4),
+            Marker::Square => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
+            Marker::Up => &[(-1.1, 0.85), (1.1, 0.85), (0.0, -1.15)],
+            Marker::Down => &[(-1.1, -0.85), (1.1, -0.85), (0.0, 1.15)],
+            Marker::Diamond => &[(-1.2, 0.0), (0.0, -1.2), (1.2, 0.0), (0.0, 1.2)],
+        };
+        self.polygon(&corners.iter().map(scaled).collect::<Vec<_>>(), colour);
+    }
+
+    /// Two bars across each other, turned by an angle.
+    fn bars(&mut self, (x, y): Point, size: f64, grow: f64, turn: f64, colour: Colour) {
+        let (r, half) = (1.15 * (size + grow), 0.35 * size + grow);
+        let (sine, cosine) = libm::sincos(turn);
+        for (c, s) in [(cosine, sine), (-sine, cosine)] {
+            let corner = |(a, b): Point| (x + a * c - b * s, y + a * s + b * c);
+            let bar = [(-r, -half), (r, -half), (r, half), (-r, half)];
+            self.polygon(&bar.map(corner), colour);
+        }
+    }
+
+    /// SVG text of the picture on a white ground, with a label for readers of screens; or the message of the backend.
+    pub(crate) fn svg(&self, (width, height): (f64, f64), label: &str) -> Result<String, String> {
+        let (width, height) = (width as u32, height as u32);
+        let units = (width * DETAIL, height * DETAIL);
+        let mut text = String::new();
+        {
+            let mut backend = SVGBackend::with_string(&mut text, units);
+            let corner = (units.0 as i32, units.1 as i32);
+            let drawn = backend
+                .draw_rect((0, 0), corner, &Pen::filling(WHITE), true)
+                .and_then(|()| {
+                    self.shapes
+                        .iter()
+                        .try_for_each(|shape| shape.draw(&mut backend))
+                })
+                .and_then(|()| backend.present());
+            drawn.map_err(|error| error.to_string())?;
+        }
+        // The backend knows one size only: give the picture its own, keep the units of its content, and name it.
+        let backend = format!("width=\"{}\" height=\"{}\" viewBox", units.0, units.1);
+        let label = escaped(label);
+        let own = format!(
+            "width=\"{width}\" height=\"{height}\" role=\"img\" aria-label=\"{label}\" viewBox"
+        );
+        Ok(self.titled(&text.replacen(&backend, &own, 1)))
+    }
+
+    /// The backend's SVG, of an element for the ground and one for each shape, with the titles of the shapes.
+    fn titled(&self, svg: &str) -> String {
+        let mut titles = std::iter::once("").chain(self.shapes.iter().map(|it| it.title.as_str()));
+        let mut titled = String::with_capacity(svg.len());
+        for line in svg.lines() {
+            let element = line
+                .strip_prefix('<')
+                .filter(|rest| !rest.starts_with(['/', '?', '!']));
+            let name = element.map(|rest| rest.split([' ', '>']).next().unwrap_or_default());
+            let title = name
+                .filter(|name| *name != "svg")
+                .and_then(|_| titles.next());
+            match (line.strip_suffix("/>"), name, title) {
+                (Some(open), Some(name), Some(title)) if !title.is_empty() => {
+                    titled += &format!("{open}><title>{}</title></{name}>\n", escaped(title));
+                }
+                _ => titled += &format!("{line}\n"),
+            }
+        }
+        titled
+    }
+}
+
+type Drawn = Result<(), DrawingErrorKind<io::Error>>;
+
+impl Shape {
+    fn draw(&self, backend: &mut SVGBackend<'_>) -> Drawn {
+        let pen = Pen::filling(self.colour);
+        let path = |points: &[Point]| points.iter().map(at).collect::<Vec<_>>();
+        match &self.form {
+            Form::Line(points, width) => {
+                let width = units(*width).max(1) as u32;
+                backend.draw_path(path(points), &Pen { width, ..pen })
+            }
+            Form::Polygon(points) => backend.fill_polygon(path(points), &pen),
+            Form::Disc(centre, radius) => {
+                backend.draw_circle(at(centre), units(*radius).max(0) as u32, &pen, true)
+            }
+            Form::Text(text, (x, y), size, anchor) => {
+                let place = at(&(*x, y + SINK * size));
+                let (size, anchor) = (*size, *anchor);
+                backend.draw_text(text, &Letters { pen, size, anchor }, place)
+            }
         }
     }
 }
 
-/// The picture as SVG text.
-pub(crate) fn svg(picture: &Picture, path: &Path) -> Result<String, ReportError> {
-    let failed = |message: String| ReportError::Draw {
-        path: path.to_owned(),
-        message,
-    };
-    let size = picture.size();
-    let (width, height) = (size.0 as u32, size.1 as u32);
-    let units = (width * DETAIL, height * DETAIL);
-    let mut text = String::new();
-    {
-        let canvas = Canvas {
-            area: SVGBackend::with_string(&mut text, units).into_drawing_area(),
-            lettering: Lettering::Text,
-        };
-        picture.draw(&canvas).map_err(failed)?;
-        canvas.area.present().map_err(|e| failed(e.to_string()))?;
+/// Units of the backend for a length in pixels.
+fn units(length: f64) -> i32 {
+    (length * f64::from(DETAIL)).round() as i32
+}
+
+fn at((x, y): &Point) -> BackendCoord {
+    (units(*x), units(*y))
+}
+
+/// Colour and width of what is drawn, in units of the backend.
+#[derive(Clone, Copy)]
+struct Pen {
+    colour: Colour,
+    width: u32,
+}
+
+impl Pen {
+    fn filling(colour: Colour) -> Self {
+        Self { colour, width: 1 }
     }
-    // The backend knows one size only: give the picture its own, keep the units of its content, and name it.
-    let backend = format!("width=\"{}\" height=\"{}\" viewBox", units.0, units.1);
-    let label = escaped(picture.title());
-    let own = format!(
-        "width=\"{width}\" height=\"{height}\" role=\"img\" aria-label=\"{label}\" viewBox"
-    );
-    Ok(picture.titled(text.replacen(&backend, &own, 1)))
+}
+
+impl BackendStyle for Pen {
+    fn color(&self) -> BackendColor {
+        let Colour(red, green, blue) = self.colour;
+        BackendColor {
+            alpha: 1.0,
+            rgb: (red, green, blue),
+        }
+    }
+
+    fn stroke_width(&self) -> u32 {
+        self.width
+    }
+}
+
+/// Style of a line of text.
+struct Letters {
+    pen: Pen,
+    /// Size in pixels.
+    size: f64,
+    anchor: Anchor,
+}
+
+impl BackendTextStyle for Letters {
+    type FontError = Infallible;
+
+    fn color(&self) -> BackendColor {
+        self.pen.color()
+    }
+
+    fn size(&self) -> f64 {
+        self.size * EM * f64::from(DETAIL)
+    }
+
+    fn anchor(&self) -> Pos {
+        let horizontal = match self.anchor {
+            Anchor::Left => HPos::Left,
+            Anchor::Middle => HPos::Center,
+            Anchor::Right => HPos::Right,
+        };
+        Pos::new(horizontal, VPos::Center)
+    }
+
+    fn family(&self) -> FontFamily<'_> {
+        FontFamily::SansSerif
+    }
+
+    fn layout_box(&self, text: &str) -> Result<(BackendCoord, BackendCoord), Infallible> {
+        Ok(((0, 0), at(&(lettering::width(text, self.size), self.size))))
+    }
+
+    /// The backend writes text as text, so that there are no pixels to draw.
+    fn draw<E, F: FnMut(i32, i32, BackendColor) -> Result<(), E>>(
+        &self,
+        _: &str,
+        _: BackendCoord,
+        _: F,
+    ) -> Result<Result<(), E>, Infallible> {
+        Ok(Ok(()))
+    }
 }
 
 /// A text as it stands in an SVG.
-pub(crate) fn escaped(text: &str) -> String {
+fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('"', "&quot;")
-}
-
-/// Writes the picture as PNG to `path`.
-pub(crate) fn png(picture: &Picture, path: &Path) -> Result<(), ReportError> {
-    let failed = |message: String| ReportError::Draw {
-        path: path.to_owned(),
-        message,
-    };
-    let size = picture.size();
-    let (width, height) = (size.0 as u32, size.1 as u32);
-    let mut fine = vec![255; (3 * width * DETAIL * height * DETAIL) as usize];
-    {
-        let backend = BitMapBackend::with_buffer(&mut fine, (width * DETAIL, height * DETAIL));
-        let canvas = Canvas {
-            area: backend.into_drawing_area(),
-            lettering: Lettering::Pixels,
-        };
-        picture.draw(&canvas).map_err(failed)?;
-        canvas.area.present().map_err(|e| failed(e.to_string()))?;
-    }
-    let pixels = shrink(&fine, width as usize);
-    let mut backend = BitMapBackend::new(path, (width, height));
-    backend
-        .blit_bitmap((0, 0), (width, height), &pixels)
-        .map_err(|e| failed(e.to_string()))?;
-    backend.present().map_err(|e| failed(e.to_string()))
-}
-
-/// The mean of each square of `DETAIL` × `DETAIL` RGB units.
-fn shrink(fine: &[u8], width: usize) -> Vec<u8> {
-    let detail = DETAIL as usize;
-    let row = 3 * width * detail;
-    let mut pixels = Vec::with_capacity(fine.len() / (detail * detail));
-    for band in fine.chunks_exact(row * detail) {
-        for x in 0..width {
-            for channel in 0..3 {
-                let units = (0..detail * detail)
-                    .map(|k| (k / detail) * row + 3 * (x * detail + k % detail) + channel);
-                let sum: usize = units.map(|at| usize::from(band[at])).sum();
-                pixels.push((sum / (detail * detail)) as u8);
-            }
-        }
-    }
-    pixels
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shrinking_averages() {
-        let detail = DETAIL as usize;
-        let mut fine = vec![0; 3 * 2 * detail * detail];
-        fine[..3].copy_from_slice(&[90, 180, 9]);
-        assert_eq!(shrink(&fine, 2), [10, 20, 1, 0, 0, 0]);
-    }
 }

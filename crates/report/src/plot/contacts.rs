@@ -1,22 +1,21 @@
 //! The contacts of gliding fingers in space: their paths, normals and readings.
 
-mod draw;
 mod table;
 mod view;
 
-use super::canvas::Point;
+use super::canvas::{Anchor, Canvas, Point};
 use super::captions;
-use super::layout::{EDGE, LEADING, TEXT, TITLE};
-use super::lettering::{width, wrap};
-use super::scale::{Scale, Spacing};
-use super::spec::Heading;
-use crate::{ReportError, Study, words};
-use table::{Contacts, Vector};
+use super::figure::Figure;
+use super::frame::{EDGE, Frame, TEXT, WIDTH};
+use super::request::Request;
+use super::scale::{Scale, Spacing, Tick};
+use super::style::{Colour, FAINT, FRAME, GRID, INK, QUIET, Style};
+use crate::ReportError;
+use palpate_study::label::{spoken_unit, with_unit};
+use palpate_study::number;
+use table::{Contacts, Finger, Touch, Vector};
 use view::View;
 
-pub(crate) use draw::draw;
-
-const WIDTH: f64 = 960.0;
 /// Room for the labels of the axes, to the left and right of the box and below it.
 const BESIDE: f64 = 66.0;
 const BELOW: f64 = 16.0;
@@ -26,68 +25,34 @@ const TALLEST: f64 = 620.0;
 const STROKE: f64 = 0.09;
 /// Length of a sample in the key.
 const SAMPLE: f64 = 34.0;
+const PATH: f64 = 2.5;
+const DOT: f64 = 5.0;
+/// Pixels per tick.
+const APART: f64 = 64.0;
+const FLOOR: Colour = Colour(248, 248, 246);
 
-/// The picture with the place of everything.
-pub(crate) struct Layout {
-    /// File stem.
-    pub(crate) name: String,
-    /// Its title in one piece.
-    pub(crate) title_text: String,
-    pub(crate) size: (f64, f64),
-    title: Vec<String>,
-    subtitle: Vec<String>,
-    /// Sample and words, from the left end of the sample at its middle height.
-    key: Vec<(Point, Sample, String)>,
-    contacts: Contacts,
-    view: View,
-    /// Length of a stroke along a normal.
-    stroke: f64,
-}
-
-/// Sample before an entry of the key.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Sample {
-    /// Path and contacts of a finger.
-    Finger(usize),
-    Normal,
-    Reading,
-    Tip,
-}
-
-/// Lays out the contacts in the study's `trace.csv` and `readings.csv`.
-pub(crate) fn layout(study: &Study, heading: &Heading) -> Result<Layout, ReportError> {
-    let contacts = table::read(study.dir())?;
-    let title_text = heading.title.as_deref().unwrap_or(study.title());
-    let title = wrap(title_text, TITLE, WIDTH - 2.0 * EDGE);
-    let subtitle = wrap(&subtitle(study, &contacts), TEXT, WIDTH - 2.0 * EDGE);
-    let line = TEXT * LEADING;
-    let top = EDGE + title.len() as f64 * TITLE * LEADING + subtitle.len() as f64 * line + 12.0;
-    let key = key(&contacts, top);
-    let top = key.last().map_or(top, |(place, ..)| place.1) + line;
-
+/// The figure that a plot asks for.
+pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
+    let contacts = table::read(of.study.files())?;
+    let words = of.words(subtitle(of, &contacts), Vec::new());
+    let mut frame = Frame::new(words, WIDTH);
+    frame.key(SAMPLE, &key(&contacts), sample);
     let (axes, stroke) = axes(&contacts);
     let room = (WIDTH - 2.0 * (EDGE + BESIDE), TALLEST);
-    let view = View::new(axes, (EDGE + BESIDE, top), room);
-    let bottom = top + view.extent().1 + BELOW;
-    Ok(Layout {
-        name: heading.name.clone(),
-        title_text: title_text.to_owned(),
-        size: (WIDTH, (bottom + EDGE - 6.0).ceil()),
-        title,
-        subtitle,
-        key,
-        contacts,
-        view,
+    let scene = Scene {
+        view: View::new(axes, (EDGE + BESIDE, frame.top), room),
+        contacts: &contacts,
         stroke,
-    })
+    };
+    scene.draw(&mut frame.canvas);
+    frame.top += scene.view.extent().1 + BELOW;
+    frame.finish()
 }
 
 /// Axes that hold everything drawn, and the length of the strokes along normals.
 fn axes(contacts: &Contacts) -> ([Scale; 3], f64) {
-    let mut places: Vec<Vector> = Vec::new();
-    for finger in &contacts.fingers {
-        places.extend(finger.touches.iter().map(|touch| touch.place));
-    }
+    let touches = || contacts.fingers.iter().flat_map(|finger| &finger.touches);
+    let mut places: Vec<Vector> = touches().map(|touch| touch.place).collect();
     let side = |axis: usize| {
         let (low, high) = around(&places, axis).ends();
         high - low
@@ -95,14 +60,10 @@ fn axes(contacts: &Contacts) -> ([Scale; 3], f64) {
     let stroke = STROKE * side(0).max(side(1));
     for finger in &contacts.fingers {
         places.extend(&finger.readings);
-        for touch in &finger.touches {
-            if contacts.tips_apart {
-                places.push(touch.tip);
-            }
-            if let Some(normal) = touch.normal {
-                places.push([0, 1, 2].map(|k| touch.place[k] + stroke * normal[k]));
-            }
-        }
+    }
+    for touch in touches() {
+        places.extend(contacts.tips_apart.then_some(touch.tip));
+        places.extend(touch.along_normal(stroke));
     }
     ([0, 1, 2].map(|axis| around(&places, axis)), stroke)
 }
@@ -112,8 +73,8 @@ fn around(places: &[Vector], axis: usize) -> Scale {
 }
 
 /// Subtitle of the plot: the object, the numbers of fingers and contacts, and the error of the readings.
-fn subtitle(study: &Study, contacts: &Contacts) -> String {
-    let mut parts: Vec<String> = captions::object(study).into_iter().collect();
+fn subtitle(of: Request<'_>, contacts: &Contacts) -> String {
+    let mut parts: Vec<String> = captions::object(of.study).into_iter().collect();
     let fingers = contacts.fingers.len();
     let mut counts: Vec<usize> = contacts.fingers.iter().map(|f| f.touches.len()).collect();
     counts.sort_unstable();
@@ -125,8 +86,8 @@ fn subtitle(study: &Study, contacts: &Contacts) -> String {
     };
     parts.push(format!("{}, {each}", plural(fingers, "finger")));
     if let Some(off) = contacts.off {
-        let unit = words::unit(&contacts.unit);
-        let off = format!("{} {unit}", words::significant(off, 3));
+        let unit = spoken_unit(&contacts.unit);
+        let off = format!("{} {unit}", number::significant(off, 3));
         parts.push(format!("readings off by {} rms", off.trim_end()));
     }
     parts.join(" · ")
@@ -136,31 +97,197 @@ fn plural(count: usize, of: &str) -> String {
     format!("{count} {of}{}", if count == 1 { "" } else { "s" })
 }
 
-fn key(contacts: &Contacts, top: f64) -> Vec<(Point, Sample, String)> {
+/// Sample before an entry of the key.
+enum Sample {
+    /// Path and contacts of a finger.
+    Finger(usize),
+    Normal,
+    Reading,
+    Tip,
+}
+
+fn key(contacts: &Contacts) -> Vec<(Sample, String)> {
     let fingers = contacts.fingers.iter().enumerate();
     let mut entries: Vec<(Sample, String)> = fingers
         .map(|(at, finger)| (Sample::Finger(at), format!("finger {}", finger.name)))
         .collect();
     entries.push((Sample::Normal, "normal".to_owned()));
-    if contacts
-        .fingers
-        .iter()
-        .any(|finger| !finger.readings.is_empty())
-    {
+    let mut fingers = contacts.fingers.iter();
+    if fingers.any(|finger| !finger.readings.is_empty()) {
         entries.push((Sample::Reading, "reading".to_owned()));
     }
     if contacts.tips_apart {
         entries.push((Sample::Tip, "tip centre".to_owned()));
     }
-    let (mut x, mut y) = (EDGE, top + TEXT / 2.0);
-    let mut placed = Vec::new();
-    for (sample, text) in entries {
-        let wide = SAMPLE + 8.0 + width(&text, TEXT);
-        if x > EDGE && x + wide > WIDTH - EDGE {
-            (x, y) = (EDGE, y + TEXT * LEADING);
+    entries
+}
+
+fn sample(canvas: &mut Canvas, (x, y): Point, sample: &Sample) {
+    let (ends, middle) = ([(x, y), (x + SAMPLE, y)], (x + SAMPLE / 2.0, y));
+    match sample {
+        Sample::Finger(at) => {
+            let Style { colour, .. } = Style::of(*at);
+            canvas.line(&ends, colour, PATH);
+            canvas.disc(middle, DOT, colour);
         }
-        placed.push(((x, y), sample, text));
-        x += wide + 26.0;
+        Sample::Normal => canvas.line(&ends, QUIET, 1.5),
+        Sample::Reading => reading(canvas, middle, QUIET, GRID),
+        Sample::Tip => canvas.dashes(&ends, QUIET, 1.5),
     }
-    placed
+}
+
+fn reading(canvas: &mut Canvas, place: Point, rim: Colour, fill: Colour) {
+    canvas.disc(place, DOT, rim);
+    canvas.disc(place, DOT - 1.4, fill);
+}
+
+/// The contacts as they are seen.
+struct Scene<'a> {
+    contacts: &'a Contacts,
+    view: View,
+    /// Length of a stroke along a normal.
+    stroke: f64,
+}
+
+impl Scene<'_> {
+    fn draw(&self, canvas: &mut Canvas) {
+        self.walls(canvas);
+        self.shadows(canvas);
+        self.links(canvas);
+        // What is near covers what is far.
+        let mut order: Vec<(usize, &Finger)> = self.contacts.fingers.iter().enumerate().collect();
+        let nearness = |finger: &Finger| {
+            let touches = finger.touches.iter();
+            let all = touches.map(|touch| self.view.nearness(touch.place));
+            all.sum::<f64>() / finger.touches.len().max(1) as f64
+        };
+        order.sort_by(|a, b| nearness(a.1).total_cmp(&nearness(b.1)));
+        for (at, finger) in order {
+            self.finger(finger, Style::of(at), canvas);
+        }
+    }
+
+    fn at(&self, place: Vector) -> Point {
+        self.view.at(place)
+    }
+
+    /// The place at these shares of the sides of the box.
+    fn inside(&self, shares: Vector) -> Point {
+        self.at(self.view.inside(shares))
+    }
+
+    /// Ticks along an axis, each with its share of the side.
+    fn ticks(&self, axis: usize) -> Vec<(f64, Tick)> {
+        let about = (self.view.side(axis) / APART).clamp(2.0, 6.0) as usize;
+        let scale = &self.view.axes[axis];
+        let ticks = scale.ticks(about).into_iter();
+        ticks.map(|tick| (scale.place(tick.at), tick)).collect()
+    }
+
+    /// Floor and the two walls behind, ruled at the ticks; then the edges with their labels.
+    fn walls(&self, canvas: &mut Canvas) {
+        let [o, x, y, z] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let (xy, yz, xyz) = ([1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0; 3]);
+        canvas.polygon(&[o, x, xy, y].map(|corner| self.inside(corner)), FLOOR);
+        let ticks = [0, 1, 2].map(|axis| self.ticks(axis));
+        let rules: [fn(f64) -> [Vector; 3]; 3] = [
+            |x| [[x, 0.0, 0.0], [x, 1.0, 0.0], [x, 1.0, 1.0]],
+            |y| [[1.0, y, 0.0], [0.0, y, 0.0], [0.0, y, 1.0]],
+            |z| [[0.0, 0.0, z], [0.0, 1.0, z], [1.0, 1.0, z]],
+        ];
+        for (ticks, rule) in ticks.iter().zip(rules) {
+            for (share, _) in ticks {
+                let ends = rule(*share).map(|end| self.inside(end));
+                canvas.line(&ends, FAINT, 1.0);
+            }
+        }
+        let edges: [(&[Vector], Colour); 5] = [
+            (&[o, x, xy], FRAME),
+            (&[o, y, xy], GRID),
+            (&[o, z, yz, xyz, xy], GRID),
+            (&[y, yz], GRID),
+            (&[o, z], FRAME),
+        ];
+        for (edge, colour) in edges {
+            let points: Vec<Point> = edge.iter().map(|corner| self.inside(*corner)).collect();
+            canvas.line(&points, colour, 1.0);
+        }
+        self.labels(&ticks, canvas);
+    }
+
+    fn labels(&self, [xs, ys, zs]: &[Vec<(f64, Tick)>; 3], canvas: &mut Canvas) {
+        let mut label = |text: &str, shares: Vector, (dx, dy): Point, anchor: Anchor| {
+            let (x, y) = self.inside(shares);
+            canvas.text(text, (x + dx, y + dy), TEXT, anchor, INK);
+        };
+        for (x, tick) in xs {
+            label(&tick.label, [*x, 0.0, 0.0], (-7.0, 17.0), Anchor::Middle);
+        }
+        for (y, tick) in ys {
+            label(&tick.label, [1.0, *y, 0.0], (10.0, 11.0), Anchor::Left);
+        }
+        for (z, tick) in zs {
+            label(&tick.label, [0.0, 0.0, *z], (-10.0, 0.0), Anchor::Right);
+        }
+        let unit = spoken_unit(&self.contacts.unit);
+        let [x, y, z] = ["x", "y", "z"].map(|axis| with_unit(axis, &unit));
+        label(&x, [0.5, 0.0, 0.0], (-36.0, 44.0), Anchor::Middle);
+        label(&y, [1.0, 0.5, 0.0], (52.0, 34.0), Anchor::Left);
+        label(&z, [0.0, 0.0, 1.0], (-10.0, -14.0), Anchor::Right);
+    }
+
+    /// The paths on the floor.
+    fn shadows(&self, canvas: &mut Canvas) {
+        let floor = self.view.axes[2].ends().0;
+        for finger in &self.contacts.fingers {
+            let places = finger.touches.iter().map(|touch| touch.place);
+            let down = places.map(|[x, y, _]| self.at([x, y, floor]));
+            canvas.line(&down.collect::<Vec<_>>(), GRID, 1.8);
+        }
+    }
+
+    /// Lines from finger to finger through contacts made at one time, which show the surface between them.
+    fn links(&self, canvas: &mut Canvas) {
+        let fingers = &self.contacts.fingers;
+        let counts = fingers.iter().map(|finger| finger.touches.len());
+        let count = counts.clone().min().unwrap_or(0);
+        if counts.max() != Some(count) {
+            return;
+        }
+        for at in 0..count {
+            let touches = fingers.iter().map(|finger| finger.touches[at]);
+            let across = touches.map(|touch| self.at(touch.place));
+            canvas.line(&across.collect::<Vec<_>>(), GRID, 1.2);
+        }
+    }
+
+    fn finger(&self, finger: &Finger, style: Style, canvas: &mut Canvas) {
+        let places = |pick: fn(&Touch) -> Vector| {
+            let touches = finger.touches.iter();
+            touches
+                .map(|touch| self.at(pick(touch)))
+                .collect::<Vec<Point>>()
+        };
+        if self.contacts.tips_apart {
+            canvas.dashes(&places(|touch| touch.tip), style.pale(), 1.5);
+        }
+        let path = places(|touch| touch.place);
+        if finger.readings.len() == finger.touches.len() {
+            for (place, read) in path.iter().zip(&finger.readings) {
+                canvas.line(&[*place, self.at(*read)], style.pale(), 1.0);
+            }
+        }
+        canvas.line(&path, style.colour, PATH);
+        for touch in &finger.touches {
+            if let Some(end) = touch.along_normal(self.stroke) {
+                canvas.line(&[self.at(touch.place), self.at(end)], QUIET, 1.5);
+            }
+        }
+        for place in path {
+            canvas.disc(place, DOT, style.colour);
+        }
+        for read in &finger.readings {
+            reading(canvas, self.at(*read), style.colour, style.pale());
+        }
+    }
 }

@@ -1,83 +1,90 @@
-//! A figure before it is drawn: what stands where, in the units shown.
+//! A drawn figure, as SVG and as PNG.
 
-use super::scale::Scale;
-use super::style::Style;
+#[cfg(feature = "png")]
+use super::lettering::{FONTS, runs};
+#[cfg(feature = "png")]
+use crate::ReportError;
+#[cfg(feature = "png")]
+use resvg::{tiny_skia, usvg};
+#[cfg(feature = "png")]
+use std::sync::{Arc, LazyLock};
 
-/// Everything a drawing needs.
-#[derive(Debug, Clone)]
-pub(crate) struct Figure {
-    /// File stem.
-    pub(crate) name: String,
-    pub(crate) title: String,
-    /// Sample size and what is held fixed.
-    pub(crate) subtitle: String,
-    pub(crate) x_label: String,
-    pub(crate) y_label: String,
-    pub(crate) x: Scale,
-    pub(crate) y: Scale,
-    /// At least one, all on the same scales.
-    pub(crate) panels: Vec<Panel>,
-    pub(crate) legend: Legend,
-    pub(crate) marks: Vec<Mark>,
-    /// Notes on the points that are not drawn, with reasons.
-    pub(crate) notes: Vec<String>,
-    /// Whether solid lines carry a marker at each point.
-    pub(crate) markers: bool,
+/// Figure as it is drawn.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Figure {
+    /// Name of its files, without an ending.
+    pub name: String,
+    /// Title, which also stands in the picture.
+    pub title: String,
+    /// The picture as SVG. Its text is text, which a viewer sets in its own sans-serif.
+    pub svg: String,
 }
 
-/// Panel of a figure, the only one or one of several on the same scales.
-#[derive(Debug, Clone)]
-pub(crate) struct Panel {
-    pub(crate) title: Option<String>,
-    pub(crate) lines: Vec<Line>,
-    pub(crate) points: Vec<PointSet>,
-}
-
-impl Panel {
-    /// Every place that is drawn in it.
-    pub(crate) fn places(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
-        let lines = self
-            .lines
-            .iter()
-            .flat_map(|line| line.runs.iter().flatten());
-        let points = self.points.iter().flat_map(|set| &set.at);
-        lines.chain(points).copied()
+#[cfg(feature = "png")]
+static LETTERING: LazyLock<Arc<usvg::fontdb::Database>> = LazyLock::new(|| {
+    let mut fonts = usvg::fontdb::Database::new();
+    FONTS
+        .iter()
+        .for_each(|font| fonts.load_font_data(font.to_vec()));
+    let family = fonts.faces().next().and_then(|face| face.families.first());
+    if let Some((family, _)) = family.cloned() {
+        fonts.set_sans_serif_family(family);
     }
-}
+    Arc::new(fonts)
+});
 
-/// Points that are no line, drawn as open markers.
-#[derive(Debug, Clone)]
-pub(crate) struct PointSet {
-    pub(crate) label: String,
-    pub(crate) style: Style,
-    pub(crate) at: Vec<(f64, f64)>,
-}
+#[cfg(feature = "png")]
+impl Figure {
+    /// Bytes of the picture as PNG: the SVG, in pixels of its own size and in the built-in fonts.
+    ///
+    /// # Errors
+    /// The SVG has been changed, and is none or too large.
+    pub fn png(&self) -> Result<Vec<u8>, ReportError> {
+        let failed = |message: String| ReportError::Draw {
+            path: format!("{}.png", self.name).into(),
+            message,
+        };
+        let options = usvg::Options {
+            fontdb: LETTERING.clone(),
+            font_resolver: usvg::FontResolver {
+                select_font: usvg::FontResolver::default_font_selector(),
+                select_fallback: Box::new(|_, _, _| None),
+            },
+            ..usvg::Options::default()
+        };
+        let svg = self.with_fonts();
+        let tree = usvg::Tree::from_str(&svg, &options).map_err(|e| failed(e.to_string()))?;
+        let size = tree.size().to_int_size();
+        let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height())
+            .ok_or_else(|| failed("the picture is too large".to_owned()))?;
+        resvg::render(
+            &tree,
+            tiny_skia::Transform::identity(),
+            &mut pixels.as_mut(),
+        );
+        pixels.encode_png().map_err(|e| failed(e.to_string()))
+    }
 
-/// One series in one panel.
-#[derive(Debug, Clone)]
-pub(crate) struct Line {
-    pub(crate) style: Style,
-    /// Drawn dashed and without markers: the statistic to compare with.
-    pub(crate) dashed: bool,
-    /// Points in order of x, broken where a value cannot be drawn.
-    pub(crate) runs: Vec<Vec<(f64, f64)>>,
-}
-
-/// The key to the lines; empty if there is one series and nothing to compare.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Legend {
-    pub(crate) title: String,
-    pub(crate) entries: Vec<(String, Style)>,
-    /// Labels of the solid and of the dashed lines, where two statistics are compared.
-    pub(crate) compared: Option<(String, String)>,
-    /// The open markers, by label.
-    pub(crate) points: Vec<(String, Style)>,
-}
-
-/// A labelled reference line.
-#[derive(Debug, Clone)]
-pub(crate) struct Mark {
-    pub(crate) on_x: bool,
-    pub(crate) at: f64,
-    pub(crate) label: String,
+    /// The SVG with the font of each letter that the first lacks: left to find it, the rasteriser would set all the letters
+    /// around it in that font too.
+    fn with_fonts(&self) -> String {
+        let families: Vec<&str> = LETTERING
+            .faces()
+            .filter_map(|face| Some(face.families.first()?.0.as_str()))
+            .collect();
+        let mut svg = String::with_capacity(self.svg.len());
+        for line in self.svg.lines() {
+            let is_text = !line.starts_with('<');
+            for (font, letters) in runs(line) {
+                match families.get(font) {
+                    Some(family) if is_text && font > 0 => {
+                        svg += &format!("<tspan font-family=\"{family}\">{letters}</tspan>");
+                    }
+                    _ => svg += letters,
+                }
+            }
+            svg.push('\n');
+        }
+        svg
+    }
 }

@@ -1,38 +1,35 @@
 //! Profiles of a press: the displacement of the skin along a radius, true and estimated.
 
-mod table;
-
-use super::along::{self, Along};
 use super::captions::{full_value, short_value};
 use super::cells::{self, Chosen};
-use super::figure::{Figure, Legend, Line, Panel};
-use super::points::Placed;
+use super::chart::{self, Chart, Legend, Line, Panel, Runs, scales};
+use super::figure::Figure;
+use super::given::{self, Along, Points};
+use super::request::{Request, nearest};
 use super::scale::{Scale, Spacing};
-use super::select::present;
-use super::spec::{Component, ProfileSpec, nearest};
 use super::style::{PLAIN, Style};
+use crate::ReportError;
+use crate::group::distinct;
+use crate::records::Records;
 use crate::table::Axis;
-use crate::{ReportError, Study, words};
-use table::{Profile, Runs};
+use palpate_study::Label;
+use palpate_study::config::Component;
+use palpate_study::label::{spoken_unit, with_unit};
 
 /// Lines without markers are told apart by colour alone.
 const MOST_LINES: usize = PLAIN;
 
-/// The figure that `spec` asks for of the study's `map.csv`.
-pub(crate) fn figure(study: &Study, spec: &ProfileSpec) -> Result<Figure, ReportError> {
-    let profiles = table::read(&study.dir().join("map.csv"), spec.component)?;
+/// The figure that a plot asks for.
+pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
+    let component = of.plot.component.unwrap_or(Component::Normal);
+    let profiles = read(of, component)?;
     let mapped: Vec<u64> = profiles.cells.iter().map(|profile| profile.cell).collect();
-    let Chosen { rows, notes } = cells::choose(study, &spec.heading, &spec.filters, &mapped)?;
-    let bad = |problem: String| ReportError::BadPlot {
-        path: study.run_toml(),
-        plot: spec.heading.name.clone(),
-        problem,
-    };
-    let axes = Axes::of(study, spec, &rows)?;
+    let Chosen { rows, notes } = cells::choose(of, &mapped)?;
+    let axes = Axes::of(of, &rows)?;
     let series = axes.series(&rows);
     if series.len() > MOST_LINES {
         let count = series.len();
-        return Err(bad(format!(
+        return Err(of.bad(format!(
             "{count} lines are told apart by colour alone; choose at most {MOST_LINES} by `where`, or spread them over `panels`"
         )));
     }
@@ -41,11 +38,10 @@ pub(crate) fn figure(study: &Study, spec: &ProfileSpec) -> Result<Figure, Report
         spacing: Spacing::Linear,
         factor: 1.0,
     });
-    let panel_values = axes.panel.map_or(Vec::new(), |axis| present(axis, &rows));
-    let placed = Placed::of(&spec.points, along, &panel_values, |name| {
-        series_named(&series, name)
-    })
-    .map_err(bad)?;
+    let panel_values = axes.panel.map_or(Vec::new(), |axis| axis.among(&rows));
+    let look = |name: &str| series_named(&series, name);
+    let points = Points::of(&of.plot.points, along, &panel_values, look);
+    let points = points.map_err(|why| of.bad(why))?;
 
     let panel = |value: Option<&str>| {
         let here = rows.iter().filter(|row| match (axes.panel, value) {
@@ -53,82 +49,58 @@ pub(crate) fn figure(study: &Study, spec: &ProfileSpec) -> Result<Figure, Report
             _ => true,
         });
         let shown = here.filter_map(|row| {
-            let cell = study.cells().cell(*row);
+            let cell = of.study.cells().cell(*row);
             let profile = profiles.cells.iter().find(|profile| profile.cell == cell)?;
             let name = axes.name(*row);
             let series = series.iter().find(|series| series.name == name)?;
             Some((series.style, profile))
         });
+        let title = axes.panel.zip(value);
         Panel {
-            title: axes
-                .panel
-                .zip(value)
-                .map(|(axis, value)| full_value(axis, value)),
+            title: title.map(|(axis, value)| full_value(axis, value)),
             lines: lines(&shown.collect::<Vec<_>>()),
-            points: placed.of_panel(value),
+            points: points.of_panel(value),
         }
     };
-    let panels: Vec<Panel> = if panel_values.is_empty() {
-        vec![panel(None)]
-    } else {
-        panel_values
+    let panels: Vec<Panel> = match panel_values.is_empty() {
+        true => vec![panel(None)],
+        false => panel_values
             .iter()
             .map(|value| panel(Some(value)))
-            .collect()
+            .collect(),
     };
-    let marks = along::marks(&spec.marks, along).map_err(bad)?;
-    let places: Vec<(f64, f64)> = panels.iter().flat_map(Panel::places).collect();
-    let marked = |on_x: bool| {
-        marks
-            .iter()
-            .filter(move |mark| mark.on_x == on_x)
-            .map(|mark| mark.at)
-    };
-    let scale = |values: &mut dyn Iterator<Item = f64>| Scale::around(Spacing::Linear, values);
-    let displacement = match spec.component {
+    let marks = given::marks(&of.plot.marks, along).map_err(|why| of.bad(why))?;
+    let [x, y] = scales(&panels, &marks, |_, places| {
+        Scale::around(Spacing::Linear, places)
+    });
+    let displacement = match component {
         Component::Normal => "displacement inward",
         Component::Radial => "displacement along the skin, outward",
     };
-    let [x_unit, y_unit] = profiles.units.each_ref().map(|unit| words::unit(unit));
-    let estimated = panels
-        .iter()
-        .flat_map(|panel| &panel.lines)
-        .any(|line| line.dashed);
-    let mut subtitle = cells::in_common(study, &rows);
-    if estimated {
-        subtitle.push("estimates of one trial each".to_owned());
-    }
-    Ok(Figure {
-        name: spec.heading.name.clone(),
-        title: spec
-            .heading
-            .title
-            .as_deref()
-            .unwrap_or(study.title())
-            .to_owned(),
-        subtitle: subtitle.join(" · "),
-        x_label: words::with_unit("radial position", &x_unit),
-        y_label: words::with_unit(displacement, &y_unit),
-        x: scale(&mut places.iter().map(|place| place.0).chain(marked(true))),
-        y: scale(&mut places.iter().map(|place| place.1).chain(marked(false))),
+    let mut shown = panels.iter().flat_map(|panel| &panel.lines);
+    let estimated = shown.any(|line| line.dashed);
+    let mut subtitle = cells::in_common(of.study, &rows);
+    subtitle.extend(estimated.then(|| "estimates of one trial each".to_owned()));
+    let named = series.iter().filter(|_| !axes.names.is_empty());
+    let [x_unit, y_unit] = profiles.units.each_ref().map(|unit| spoken_unit(unit));
+    let chart = Chart {
+        x_label: with_unit("radial position", &x_unit),
+        y_label: with_unit(displacement, &y_unit),
+        x,
+        y,
         legend: Legend {
             title: axes.title(),
-            entries: if axes.names.is_empty() {
-                Vec::new()
-            } else {
-                series
-                    .iter()
-                    .map(|series| (series.label.clone(), series.style))
-                    .collect()
-            },
+            entries: named
+                .map(|series| (series.label.clone(), series.style))
+                .collect(),
             compared: estimated.then(|| ("truth".to_owned(), "estimate".to_owned())),
-            points: placed.legend(),
+            points: points.legend(),
         },
         panels,
         marks,
-        notes,
         markers: false,
-    })
+    };
+    chart::figure(of.words(subtitle.join(" · "), notes), &[chart])
 }
 
 /// The lines of one panel: what is true, then what is estimated. A truth that several cells share is drawn once, in
@@ -149,11 +121,8 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
     let estimates = shown
         .iter()
         .map(|(style, profile)| line(*style, true, &profile.estimate));
-    truths
-        .into_iter()
-        .chain(estimates)
-        .filter(|line| !line.runs.is_empty())
-        .collect()
+    let all = truths.into_iter().chain(estimates);
+    all.filter(|line| !line.runs.is_empty()).collect()
 }
 
 /// Axes on which the chosen cells differ.
@@ -172,22 +141,13 @@ struct Series<'a> {
 }
 
 impl<'a> Axes<'a> {
-    fn of(study: &'a Study, spec: &ProfileSpec, rows: &[usize]) -> Result<Self, ReportError> {
-        let table = study.cells();
-        let find = |name: &String| {
-            table.axis(name).ok_or_else(|| ReportError::UnknownColumn {
-                path: study.run_toml(),
-                plot: spec.heading.name.clone(),
-                key: "panels".to_owned(),
-                value: name.clone(),
-                known: nearest(name, table.axes().iter().map(|axis| axis.header.as_str())),
-            })
-        };
-        let panel = spec.panels.as_ref().map(find).transpose()?;
+    fn of(of: Request<'a>, rows: &[usize]) -> Result<Self, ReportError> {
+        let panel = of.plot.panels.as_deref();
+        let panel = panel.map(|name| of.axis("panels", name)).transpose()?;
         let differ = |axis: &&Axis| {
-            panel.is_none_or(|panel| panel.header != axis.header) && present(axis, rows).len() > 1
+            panel.is_none_or(|panel| panel.header != axis.header) && axis.among(rows).len() > 1
         };
-        let names = table.axes().iter().filter(differ).collect();
+        let names = of.study.cells().axes().iter().filter(differ).collect();
         Ok(Self { panel, names })
     }
 
@@ -198,7 +158,7 @@ impl<'a> Axes<'a> {
     /// Title over the names of the series: the words of the axis, if a single one tells them apart.
     fn title(&self) -> String {
         match self.names.as_slice() {
-            [axis] => words::path(&axis.header).label(),
+            [axis] => Label::of_field(&axis.header).text(),
             _ => String::new(),
         }
     }
@@ -218,10 +178,8 @@ impl<'a> Axes<'a> {
             && axis.values().len() <= PLAIN
         {
             for series in &mut all {
-                let place = axis
-                    .values()
-                    .iter()
-                    .position(|value| series.name == [value]);
+                let mut values = axis.values().iter();
+                let place = values.position(|value| series.name == [value]);
                 series.style = Style::of(place.unwrap_or(0));
             }
         }
@@ -232,13 +190,8 @@ impl<'a> Axes<'a> {
         match (self.names.as_slice(), name) {
             ([axis], [value]) => short_value(axis, value),
             (axes, values) => {
-                let mut parts: Vec<String> = Vec::new();
-                for (axis, value) in axes.iter().zip(values) {
-                    let part = full_value(axis, value);
-                    if !parts.contains(&part) {
-                        parts.push(part);
-                    }
-                }
+                let parts = axes.iter().zip(values);
+                let parts = distinct(parts.map(|(axis, value)| full_value(axis, value)));
                 parts.join(", ")
             }
         }
@@ -247,11 +200,64 @@ impl<'a> Axes<'a> {
 
 /// The look of the series of this label, or of this value if one axis tells them apart.
 fn series_named(series: &[Series<'_>], name: &str) -> Result<Style, String> {
-    let found = series
-        .iter()
-        .find(|series| series.label == name || series.name == [name]);
+    let is_it = |series: &&Series<'_>| series.label == name || series.name == [name];
+    let found = series.iter().find(is_it);
     found.map(|series| series.style).ok_or_else(|| {
         let known = nearest(name, series.iter().map(|series| series.label.as_str())).join("; ");
         format!("no line is called {name:?}; known: {known}")
     })
+}
+
+/// Component of every cell's displacement, cells in order of appearance.
+struct Profiles {
+    /// Units of the radial position and of the displacement, as in the table; may be empty.
+    units: [String; 2],
+    cells: Vec<Profile>,
+}
+
+/// Displacement in one cell against the radial position.
+struct Profile {
+    cell: u64,
+    truth: Runs,
+    estimate: Runs,
+}
+
+/// Reads `map.csv`.
+fn read(of: Request<'_>, component: Component) -> Result<Profiles, ReportError> {
+    let columns = match component {
+        Component::Normal => ["normal_displacement", "estimated_normal_displacement"],
+        Component::Radial => ["radial_displacement", "estimated_radial_displacement"],
+    };
+    let columns = ["cell", "radial_position", columns[0], columns[1]];
+    let table = Records::read(of.study.files(), "map.csv", &columns)?.filled()?;
+    let profile = |(cell, rows): (u64, Vec<usize>)| -> Result<Profile, ReportError> {
+        for pair in rows.windows(2) {
+            if table.number(pair[0], 1)? >= table.number(pair[1], 1)? {
+                return Err(table.bad(pair[1], 1, "further out than the row before of its cell"));
+            }
+        }
+        Ok(Profile {
+            cell,
+            truth: runs(&table, &rows, 2)?,
+            estimate: runs(&table, &rows, 3)?,
+        })
+    };
+    let cells = table.by_cell(0)?.into_iter();
+    Ok(Profiles {
+        units: [1, 2].map(|column| table.unit(column).to_owned()),
+        cells: cells.map(profile).collect::<Result<_, _>>()?,
+    })
+}
+
+fn runs(table: &Records, rows: &[usize], column: usize) -> Result<Runs, ReportError> {
+    let mut runs: Runs = vec![Vec::new()];
+    for &row in rows {
+        if table.text(row, column).is_empty() {
+            runs.push(Vec::new());
+        } else if let Some(run) = runs.last_mut() {
+            run.push((table.number(row, 1)?, table.number(row, column)?));
+        }
+    }
+    runs.retain(|run| !run.is_empty());
+    Ok(runs)
 }

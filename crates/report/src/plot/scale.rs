@@ -1,6 +1,6 @@
 //! From values to places along an axis, and where the ticks stand.
 
-use crate::words;
+use palpate_study::number;
 
 /// The spacing of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub(crate) struct Scale {
 pub(crate) const LARGEST: f64 = 1e300;
 
 impl Spacing {
-    /// Why `value` has no place on such an axis, if it has none.
+    /// Reason for which `value` has no place on such an axis, if it has none.
     pub(crate) fn refusal(self, value: f64) -> Option<&'static str> {
         match self {
             _ if !value.is_finite() || value.abs() > LARGEST => Some("beyond 1 × 10³⁰⁰"),
@@ -161,9 +161,9 @@ impl Scale {
             let big = exponents.iter().any(|e| !(-3..=4).contains(e));
             let label = |e: i32| {
                 if big {
-                    format!("10{}", words::superscript(e))
+                    format!("10{}", number::superscript(e))
                 } else {
-                    words::number(power(e))
+                    number::rounded(power(e))
                 }
             };
             return exponents
@@ -179,7 +179,7 @@ impl Scale {
         let choices: [&[i32]; 3] = [&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 5], &[1, 3]];
         let tick = |value: f64| Tick {
             at: value,
-            label: words::significant(value, 3),
+            label: number::significant(value, 3),
         };
         for digits in choices {
             let values: Vec<f64> = self
@@ -208,7 +208,7 @@ impl Scale {
         let decimals = usize::try_from(-libm::log10(step).floor() as i32).unwrap_or(0);
         let label = |value: f64| {
             if decimals > 5 || value.abs() >= 1e6 {
-                words::number(value)
+                number::rounded(value)
             } else {
                 format!("{value:.decimals$}").replace('-', "−")
             }

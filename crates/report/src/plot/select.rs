@@ -1,8 +1,9 @@
-//! Which rows of the table a plot shows, and by which columns.
+//! Rows of the table that a plot shows, and the columns by which it shows them.
 
-use super::spec::{Spec, nearest};
-use crate::table::{Axis, finite};
-use crate::{ReportError, Study, Table};
+use super::captions;
+use super::request::Request;
+use crate::table::{Axis, same};
+use crate::{ReportError, Table};
 use std::collections::BTreeMap;
 
 /// A column of the table.
@@ -14,9 +15,11 @@ pub(crate) enum Column<'a> {
 
 /// The columns and rows of one plot: at least one row, and one row per panel, series and x.
 pub(crate) struct Selection<'a> {
-    pub(crate) study: &'a Study,
-    pub(crate) spec: &'a Spec,
+    pub(crate) of: Request<'a>,
+    pub(crate) table: &'a Table,
     pub(crate) x: Column<'a>,
+    /// Statistic along y.
+    pub(crate) y: &'a str,
     pub(crate) series: Option<&'a Axis>,
     pub(crate) panels: Option<&'a Axis>,
     pub(crate) rows: Vec<usize>,
@@ -46,59 +49,50 @@ impl<'a> Column<'a> {
 
 /// The axis of that name: a swept path, with or without its unit, or `quantity`.
 fn axis<'a>(table: &'a Table, name: &str) -> Option<&'a Axis> {
-    table
-        .axis(name)
-        .or_else(|| Some(table.quantities()).filter(|axis| axis.header == name))
+    let quantities = || Some(table.quantities()).filter(|axis| axis.header == name);
+    table.axis(name).or_else(quantities)
 }
 
 impl<'a> Selection<'a> {
-    /// Holds the names in `spec` against the study's table.
-    pub(crate) fn new(study: &'a Study, spec: &'a Spec) -> Result<Self, ReportError> {
-        let table = study.cells();
-        let axes = || {
-            table
-                .axes()
-                .iter()
-                .map(|axis| axis.header.as_str())
-                .chain(["quantity"])
-        };
-        let unknown = |key: &str, value: &str, known: Vec<String>| ReportError::UnknownColumn {
-            path: study.run_toml(),
-            plot: spec.name.clone(),
-            key: key.to_owned(),
-            value: value.to_owned(),
-            known,
-        };
+    /// Holds the names in the plot against the study's table.
+    pub(crate) fn new(of: Request<'a>) -> Result<Self, ReportError> {
+        let (table, plot) = (of.study.cells(), of.plot);
+        let swept = || table.axes().iter().map(|axis| axis.header.as_str());
+        let axes = || swept().chain(["quantity"]);
         let any = |key: &str, name: &'a str| {
-            Column::named(table, name)
-                .ok_or_else(|| unknown(key, name, nearest(name, axes().chain(table.statistics()))))
+            let unknown = || of.unknown(key, name, axes().chain(table.statistics()));
+            Column::named(table, name).ok_or_else(unknown)
         };
-        let optional_axis = |key: &str, name: Option<&str>| {
-            let trials = |name| Some(table.trials()).filter(|axis| axis.header == name);
-            let find = |name| {
-                axis(table, name)
-                    .or_else(|| trials(name))
-                    .ok_or_else(|| unknown(key, name, nearest(name, axes())))
+        let optional_axis = |key: &str, name: &'a Option<String>| {
+            let trials = |name: &str| Some(table.trials()).filter(|axis| axis.header == name);
+            let find = |name: &'a str| {
+                let found = axis(table, name).or_else(|| trials(name));
+                found.ok_or_else(|| of.unknown(key, name, axes()))
             };
-            name.map(find).transpose()
+            name.as_deref().map(find).transpose()
         };
-        for (key, name) in [("y", Some(&spec.y)), ("compare", spec.compare.as_ref())] {
+        let needed = |key: &str, name: &'a Option<String>| {
+            name.as_deref()
+                .ok_or_else(|| of.bad(format!("{key} is missing")))
+        };
+        let (x, y) = (needed("x", &plot.x)?, needed("y", &plot.y)?);
+        for (key, name) in [("y", Some(y)), ("compare", plot.compare.as_deref())] {
             if let Some(name) = name
                 && !table.statistics().any(|known| known == name)
             {
-                return Err(unknown(key, name, nearest(name, table.statistics())));
+                return Err(of.unknown(key, name, table.statistics()));
             }
         }
         let mut rows: Vec<usize> = (0..table.rows()).collect();
-        if let Some(wanted) = &spec.quantity {
+        if let Some(wanted) = &plot.quantity {
             rows.retain(|row| table.quantity(*row) == wanted);
             if rows.is_empty() {
                 let known = table.quantities().values().iter().map(String::as_str);
-                return Err(unknown("quantity", wanted, nearest(wanted, known)));
+                return Err(of.unknown("quantity", wanted, known));
             }
         }
         let mut absent = Vec::new();
-        for (name, values) in &spec.filters {
+        for (name, values) in plot.filters() {
             let column = any("where", name)?;
             let holds = |row: &usize, value: &str| same(value, &column.text(table, *row));
             let lost = values
@@ -108,105 +102,67 @@ impl<'a> Selection<'a> {
             rows.retain(|row| values.iter().any(|value| holds(row, value)));
         }
         let selection = Self {
-            study,
-            spec,
-            x: any("x", &spec.x)?,
-            series: optional_axis("series", spec.series.as_deref())?,
-            panels: optional_axis("panels", spec.panels.as_deref())?,
+            of,
+            table,
+            x: any("x", x)?,
+            y,
+            series: optional_axis("series", &plot.series)?,
+            panels: optional_axis("panels", &plot.panels)?,
             rows,
             absent,
         };
         if selection.rows.is_empty() {
-            let lost = selection
-                .absent
-                .iter()
-                .map(|lost| format!("; the table has no {lost}"));
-            return Err(selection.bad(format!(
-                "`where` leaves no rows{}",
-                lost.collect::<String>()
-            )));
+            let lost = captions::lost(&selection.absent);
+            return Err(of.bad(format!("`where` leaves no rows{lost}")));
         }
         selection.check_unique()?;
         Ok(selection)
     }
 
-    /// An error of this plot.
-    pub(crate) fn bad(&self, problem: String) -> ReportError {
-        ReportError::BadPlot {
-            path: self.study.run_toml(),
-            plot: self.spec.name.clone(),
-            problem,
-        }
-    }
-
-    /// One row per panel, series and x; else the error names the axes in which the rows of a point differ.
+    /// Checks that there is one row per panel, series and x; else the error names the axes in which the rows of a point differ.
     fn check_unique(&self) -> Result<(), ReportError> {
-        let table = self.study.cells();
+        let (table, plot) = (self.table, self.of.plot);
         let mut points: BTreeMap<[String; 3], Vec<usize>> = BTreeMap::new();
         for &row in &self.rows {
             let text = |axis: Option<&Axis>| axis.map_or("", |axis| axis.text(row)).to_owned();
-            let x = self.x.text(table, row);
-            points
-                .entry([text(self.panels), text(self.series), x])
-                .or_default()
-                .push(row);
+            let point = [
+                text(self.panels),
+                text(self.series),
+                self.x.text(table, row),
+            ];
+            points.entry(point).or_default().push(row);
         }
         // A statistic that is undefined is no point.
         let real = |point: &[String; 3]| matches!(self.x, Column::Axis(_)) || !point[2].is_empty();
-        let Some((point, rows)) = points
-            .into_iter()
-            .find(|(point, rows)| rows.len() > 1 && real(point))
-        else {
+        let mut crowded = points.into_iter().filter(|(_, rows)| rows.len() > 1);
+        let Some((point, rows)) = crowded.find(|(point, _)| real(point)) else {
             return Ok(());
         };
-        let names = [
-            &self.spec.panels,
-            &self.spec.series,
-            &Some(self.spec.x.clone()),
-        ];
-        let named = names.iter().zip(&point);
+        let named = [&plot.panels, &plot.series, &plot.x]
+            .into_iter()
+            .zip(&point);
         let point = named.filter_map(|(name, text)| Some(format!("{} = {text}", name.as_ref()?)));
-        let mut free: Vec<String> = table
-            .axes()
-            .iter()
-            .chain([table.quantities()])
-            .filter_map(|axis| Some(format!("{} ({})", axis.header, variety(axis, &rows)?)))
-            .collect();
-        if free.is_empty() {
-            free.push(format!("no axis differs between these {} rows", rows.len()));
-        }
+        let axes = table.axes().iter().chain([table.quantities()]);
+        let free =
+            axes.filter_map(|axis| Some(format!("{} ({})", axis.header, variety(axis, &rows)?)));
+        let free: Vec<String> = free.collect();
         Err(ReportError::NotUnique {
-            path: self.study.run_toml(),
-            plot: self.spec.name.clone(),
+            path: self.of.study.run_toml(),
+            plot: self.of.name.to_owned(),
             point: point.collect::<Vec<_>>().join(", "),
-            free: free.join(", "),
+            free: match free.is_empty() {
+                true => format!("no axis differs between these {} rows", rows.len()),
+                false => free.join(", "),
+            },
         })
     }
 }
 
-/// The values of `axis` that occur in `rows`, in the order of the study.
-pub(crate) fn present<'a>(axis: &'a Axis, rows: &[usize]) -> Vec<&'a str> {
-    let occurs = |value: &&String| rows.iter().any(|row| axis.text(*row) == **value);
-    axis.values()
-        .iter()
-        .filter(occurs)
-        .map(String::as_str)
-        .collect()
-}
-
 /// The values of `axis` among `rows`, if there are several, in words.
 fn variety(axis: &Axis, rows: &[usize]) -> Option<String> {
-    match present(axis, rows).as_slice() {
+    match axis.among(rows).as_slice() {
         [] | [_] => None,
         [a, b] => Some(format!("{a} or {b}")),
-        [a, .., b] => Some(format!("{} values, {a} … {b}", present(axis, rows).len())),
-    }
-}
-
-/// Equal as numbers, if both are numbers, else as text.
-pub(crate) fn same(a: &str, b: &str) -> bool {
-    match (finite(a), finite(b)) {
-        (Some(a), Some(b)) => (a - b).abs() <= 1e-12 * a.abs().max(b.abs()),
-        _ => a == b,
+        [a, .., b] => Some(format!("{} values, {a} … {b}", axis.among(rows).len())),
     }
 }

@@ -1,16 +1,30 @@
-//! Colours and markers: the Okabe–Ito palette, told apart by shape as well.
+//! Colours, and markers of series: the Okabe–Ito palette, told apart by shape as well.
 
-use plotters::style::RGBColor;
+/// Red, green and blue, 0 to 255.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Colour(pub(crate) u8, pub(crate) u8, pub(crate) u8);
+
+pub(crate) const INK: Colour = Colour(34, 34, 34);
+pub(crate) const QUIET: Colour = Colour(90, 90, 90);
+pub(crate) const FRAME: Colour = Colour(120, 120, 120);
+pub(crate) const GRID: Colour = Colour(210, 210, 210);
+pub(crate) const FAINT: Colour = Colour(238, 238, 238);
+pub(crate) const WHITE: Colour = Colour(255, 255, 255);
+
+/// Width of a line of numbers, and radius of its markers.
+pub(crate) const STROKE: f64 = 2.5;
+pub(crate) const MARKER: f64 = 6.0;
+pub(crate) const OPEN_MARKER: f64 = 7.0;
 
 /// Okabe and Ito's colours that carry a line on white (their yellow does not).
-const COLOURS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
+const COLOURS: [Colour; 7] = [
+    Colour(0, 114, 178),
+    Colour(213, 94, 0),
+    Colour(0, 158, 115),
+    Colour(204, 121, 167),
+    Colour(230, 159, 0),
+    Colour(86, 180, 233),
+    Colour(0, 0, 0),
 ];
 
 /// Number of lines that colours alone tell apart, without markers.
@@ -54,12 +68,12 @@ const OPEN: [Marker; 5] = [
 ];
 
 /// Colour of marks that belong to no series, or to several.
-const NEUTRAL: RGBColor = RGBColor(60, 60, 60);
+const NEUTRAL: Colour = Colour(60, 60, 60);
 
 /// The look of one series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Style {
-    pub(crate) colour: RGBColor,
+    pub(crate) colour: Colour,
     pub(crate) marker: Marker,
 }
 
@@ -81,25 +95,25 @@ impl Style {
     }
 
     /// The colour mixed half with white.
-    pub(crate) fn pale(self) -> RGBColor {
+    pub(crate) fn pale(self) -> Colour {
         let half = |channel: u8| u8::try_from((u16::from(channel) + 255) / 2).unwrap_or(u8::MAX);
-        let RGBColor(r, g, b) = self.colour;
-        RGBColor(half(r), half(g), half(b))
+        let Colour(r, g, b) = self.colour;
+        Colour(half(r), half(g), half(b))
     }
 }
 
 /// The eight classes of shape in the order of their table (K > 0, = 0, < 0 for H > 0, = 0, < 0), by the names in
 /// files, each with its one colour everywhere. Red to blue is convex to concave, which colour-blind eyes tell
 /// apart; no two are equally light, which a grey print tells apart; none is the colour of a series.
-pub(crate) const CLASSES: [(&str, RGBColor); 8] = [
-    ("peak", RGBColor(122, 31, 18)),
-    ("ridge", RGBColor(210, 79, 31)),
-    ("saddle-ridge", RGBColor(247, 166, 74)),
-    ("flat", RGBColor(211, 211, 211)),
-    ("minimal", RGBColor(255, 243, 191)),
-    ("pit", RGBColor(23, 42, 107)),
-    ("valley", RGBColor(47, 99, 173)),
-    ("saddle-valley", RGBColor(95, 168, 220)),
+pub(crate) const CLASSES: [(&str, Colour); 8] = [
+    ("peak", Colour(122, 31, 18)),
+    ("ridge", Colour(210, 79, 31)),
+    ("saddle-ridge", Colour(247, 166, 74)),
+    ("flat", Colour(211, 211, 211)),
+    ("minimal", Colour(255, 243, 191)),
+    ("pit", Colour(23, 42, 107)),
+    ("valley", Colour(47, 99, 173)),
+    ("saddle-valley", Colour(95, 168, 220)),
 ];
 
 #[cfg(test)]
@@ -107,7 +121,7 @@ mod tests {
     use super::*;
 
     /// CIE 1976 lightness, from 0 (black) to 100 (white).
-    fn lightness(RGBColor(r, g, b): RGBColor) -> f64 {
+    fn lightness(Colour(r, g, b): Colour) -> f64 {
         let linear = |channel: u8| libm::pow((f64::from(channel) / 255.0 + 0.055) / 1.055, 2.4);
         let luminance = 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
         116.0 * libm::cbrt(luminance) - 16.0

@@ -1,9 +1,7 @@
 //! `promise.csv`: whether `auto` takes a rung that errs within the tolerance and costs little more than the cheapest.
 
-use crate::ReportError;
-use crate::records::Columns;
-use crate::table::finite;
-use std::path::Path;
+use crate::records::Records;
+use crate::{Files, ReportError};
 
 /// Verdict on `auto` over random scenes of one kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,35 +20,29 @@ pub(crate) struct Promise {
 ///
 /// # Errors
 /// The table is malformed.
-pub(super) fn read(path: &Path) -> Result<Vec<Promise>, ReportError> {
-    let table = Columns::read(path, &["kind", "competitors", "ratio", "kept"])?;
-    let mut promises: Vec<Promise> = Vec::new();
-    for row in 0..table.rows() {
-        let kind = table.text(row, 0);
-        let known = promises.iter().position(|promise| promise.kind == kind);
-        let place = known.unwrap_or(promises.len());
-        if known.is_none() {
-            promises.push(Promise {
-                kind: kind.to_owned(),
-                scenes: 0,
-                kept: 0,
-                with_rivals: 0,
-                dearest: None,
-            });
+pub(super) fn read(files: &Files) -> Result<Vec<Promise>, ReportError> {
+    let columns = ["kind", "competitors", "ratio", "kept"];
+    let table = Records::read(files, "promise.csv", &columns)?.filled()?;
+    let is_kept = |row: usize| match table.text(row, 3) {
+        "yes" => Ok(true),
+        "no" => Ok(false),
+        _ => Err(table.bad(row, 3, "yes or no")),
+    };
+    let promise = |(kind, rows): (&str, Vec<usize>)| -> Result<Promise, ReportError> {
+        let mut promise = Promise {
+            kind: kind.to_owned(),
+            scenes: rows.len(),
+            kept: 0,
+            with_rivals: 0,
+            dearest: None,
+        };
+        for row in rows {
+            promise.with_rivals += usize::from(table.number(row, 1)? > 0.0);
+            promise.kept += usize::from(is_kept(row)?);
+            let ratio = table.number_or_none(row, 2)?;
+            promise.dearest = promise.dearest.into_iter().chain(ratio).reduce(f64::max);
         }
-        let promise = &mut promises[place];
-        promise.scenes += 1;
-        promise.with_rivals += usize::from(table.number(row, 1)? > 0.0);
-        promise.kept += match table.text(row, 3) {
-            "yes" => 1,
-            "no" => 0,
-            _ => return Err(table.bad(row, 3, "yes or no")),
-        };
-        let ratio = match table.text(row, 2) {
-            "" => None,
-            text => Some(finite(text).ok_or_else(|| table.bad(row, 2, "a number or nothing"))?),
-        };
-        promise.dearest = promise.dearest.into_iter().chain(ratio).reduce(f64::max);
-    }
-    Ok(promises)
+        Ok(promise)
+    };
+    table.by_text(0).into_iter().map(promise).collect()
 }

@@ -1,34 +1,15 @@
 //! Each claim on tables that show it, tables that show the opposite, and tables that show nothing.
 
-use crate::fixture::{Cells, Numbers, angular_velocity, config};
-use palpate_report::{Score, Study, Verdict, score, write_claims};
-use std::fs;
-
-fn only(study: &Study) -> Score {
-    let scores = score(std::slice::from_ref(study));
-    assert_eq!(scores.len(), 1);
-    scores.into_iter().next().unwrap()
-}
-
-#[track_caller]
-fn judged(score: &Score, verdict: Verdict, parts: &[&str]) {
-    assert_eq!(score.verdict, verdict, "{score:?}");
-    for part in parts {
-        assert!(
-            score.measured.contains(part) || score.why.contains(part),
-            "{part:?} is not in {score:?}"
-        );
-    }
-}
+use crate::fixture::{Cells, Numbers, angular_velocity, config, differs, holds, untestable};
+use palpate_report::{Study, Verdict, claims_csv, score};
 
 // ---- 1 and 2: noise in the angular velocity
 
 #[test]
 fn claim_1_holds_as_theory_has_it() {
-    let (_dir, study) = angular_velocity("claims = [1]");
-    judged(
-        &only(&study),
-        Verdict::Holds,
+    let study = angular_velocity("claims = [1]");
+    holds(
+        &study,
         &["9 of 9 steps", "11.8 to 116 ×", "is 1 × the predicted"],
     );
 }
@@ -46,15 +27,10 @@ fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
         }
         cells.study(&config("sphere", "claims = [1]"))
     };
-    judged(
-        &only(&table(|_| 0.1).1),
-        Verdict::Differs,
-        &["0 of 2 steps"],
-    );
+    differs(&table(|_| 0.1), &["0 of 2 steps"]);
     // Grows enough, but the rms error is off by a tenth.
-    judged(
-        &only(&table(|r| 0.011 * (1.0 + r) / 12f64.sqrt()).1),
-        Verdict::Differs,
+    differs(
+        &table(|r| 0.011 * (1.0 + r) / 12f64.sqrt()),
         &["1.1 × the predicted"],
     );
 }
@@ -63,12 +39,11 @@ fn claim_1_differs_if_the_error_does_not_grow_or_the_prediction_fails() {
 fn claim_1_needs_flat_objects_and_a_noise() {
     let mut cells = Cells::new("scene.object.radius_cm");
     cells.push("5", Numbers::new(0.2, 0.01));
-    let (_dir, study) = cells.study(&config("sphere", "claims = [1]"));
-    judged(&only(&study), Verdict::NotTestable, &["50"]);
+    let study = cells.study(&config("sphere", "claims = [1]"));
+    untestable(&study, &["50"]);
     let without = config("sphere", "claims = [1]").replace("fraction = 0.01", "std = 0.01");
-    judged(
-        &only(&cells.study(&without).1),
-        Verdict::NotTestable,
+    untestable(
+        &cells.study(&without),
         &["scene.noise.angular_velocity.fraction"],
     );
 }
@@ -87,29 +62,20 @@ fn claim_2_compares_lengths() {
         }
         cells.study(&config(kind, "claims = [2]"))
     };
-    judged(
-        &only(&table(0.0, "sphere").1),
-        Verdict::Holds,
+    holds(
+        &table(0.0, "sphere"),
         &["0.1 to 0.5", "0 %", "2 combinations"],
     );
-    judged(
-        &only(&table(0.001, "sphere").1),
-        Verdict::Differs,
-        &["26.7 %"],
-    );
-    judged(
-        &only(&table(0.0, "paraboloid").1),
-        Verdict::NotTestable,
-        &["paraboloid"],
-    );
-    let (_dir, study) = angular_velocity("claims = [2]");
-    judged(&only(&study), Verdict::NotTestable, &["one length"]);
+    differs(&table(0.001, "sphere"), &["26.7 %"]);
+    untestable(&table(0.0, "paraboloid"), &["paraboloid"]);
+    let study = angular_velocity("claims = [2]");
+    untestable(&study, &["one length"]);
 }
 
 // ---- 3 and 4: the length of the roll
 
 /// Noiseless errors of paraboloids rolled by their exact closed form, in table order.
-fn paraboloids(claims: &str, error: impl Fn(f64, f64) -> f64) -> (tempfile::TempDir, Study) {
+fn paraboloids(claims: &str, error: impl Fn(f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.object.c_per_cm,scene.motion.arc_length_cm,scene.noise.angular_velocity.fraction",
     );
@@ -146,16 +112,14 @@ fn exact(c: f64, length: f64) -> f64 {
 
 #[test]
 fn claims_3_and_4_hold_for_exact_paraboloids() {
-    let (_dir, study) = paraboloids("claims = [3, 4]", exact);
+    let study = paraboloids("claims = [3, 4]", exact);
     let scores = score(&[study]);
-    judged(
+    holds(
         &scores[0],
-        Verdict::Holds,
         &["27.1 % and 63 % (c = 5)", "1.93 % and 13.6 % (c = 1)"],
     );
-    judged(
+    holds(
         &scores[1],
-        Verdict::Holds,
         &[
             "13.6 %",
             "(c = 5)",
@@ -167,10 +131,10 @@ fn claims_3_and_4_hold_for_exact_paraboloids() {
 
 #[test]
 fn claims_3_and_4_differ_for_other_errors() {
-    let (_dir, study) = paraboloids("claims = [3, 4]", |_, length| 0.6 * length);
+    let study = paraboloids("claims = [3, 4]", |_, length| 0.6 * length);
     let scores = score(&[study]);
-    judged(&scores[0], Verdict::Differs, &["by 3"]);
-    judged(&scores[1], Verdict::Differs, &["18 %", "0.25 R₁ (c = 1)"]);
+    differs(&scores[0], &["by 3"]);
+    differs(&scores[1], &["18 %", "0.25 R₁ (c = 1)"]);
 }
 
 #[test]
@@ -179,16 +143,16 @@ fn claims_3_and_4_name_the_cell_they_lack() {
     cells.push("1,0.1", Numbers::new(2.0, 0.02));
     let noiseless =
         config("paraboloid", "claims = [3, 4]").replace("fraction = 0.01", "fraction = 0.0");
-    let (_dir, study) = cells.study(&noiseless);
+    let study = cells.study(&noiseless);
     let scores = score(&[study]);
-    judged(&scores[0], Verdict::NotTestable, &["c = 1", "0.3 R₁"]);
-    judged(&scores[1], Verdict::NotTestable, &["fewer than two"]);
+    untestable(&scores[0], &["c = 1", "0.3 R₁"]);
+    untestable(&scores[1], &["fewer than two"]);
 }
 
 // ---- 5 to 8 and 20: pads
 
 /// A square grid of pads: exact from a pad's centre, a smooth law for random offsets.
-fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> (tempfile::TempDir, Study) {
+fn pads(claims: &str, random: impl Fn(f64, f64, f64) -> f64) -> Study {
     let mut cells = Cells::new(
         "scene.sensor.pitch_cm,scene.object.radius_cm,scene.sensor.offset,scene.motion.rate_rad_per_s",
     );
@@ -231,30 +195,20 @@ fn rounding(pitch: f64, radius: f64, rate: f64) -> f64 {
 
 #[test]
 fn pad_claims_hold_for_a_square_grid() {
-    let (_dir, study) = pads("claims = [5, 6, 7, 8, 20]", rounding);
+    let study = pads("claims = [5, 6, 7, 8, 20]", rounding);
     let scores = score(&[study]);
-    judged(
+    holds(
         &scores[0],
-        Verdict::Holds,
         &[
             "72 of 72 steps",
             "48 of 48 steps",
             "Below R₁ it grows again",
         ],
     );
-    judged(
-        &scores[1],
-        Verdict::Holds,
-        &["19 of 24 cells", "3 of 8 at R₂ = 5 R₁"],
-    );
-    judged(
-        &scores[2],
-        Verdict::Holds,
-        &["0.1 to 1 rad", "24 of 24", "0.1 ×"],
-    );
-    judged(
+    holds(&scores[1], &["19 of 24 cells", "3 of 8 at R₂ = 5 R₁"]);
+    holds(&scores[2], &["0.1 to 1 rad", "24 of 24", "0.1 ×"]);
+    holds(
         &scores[3],
-        Verdict::Holds,
         &[
             "centred: 25 % (R₂ = 5 R₁), 0 % (R₂ = 1 R₁), 16.7 % (R₂ = 0.5 R₁), 20 %",
             "random offsets: 14.4 %",
@@ -262,32 +216,28 @@ fn pad_claims_hold_for_a_square_grid() {
             "within 1 % of that limit lies centred, R₂ = 5 R₁.",
         ],
     );
-    judged(&scores[4], Verdict::Holds, &["R₂ = 0.2 R₁ 3 of 1,616"]);
+    holds(&scores[4], &["R₂ = 0.2 R₁ 3 of 1,616"]);
 }
 
 #[test]
 fn pad_claims_differ_for_the_opposite() {
-    let (_dir, study) = pads("claims = [5, 7, 8]", |pitch, radius, rate| {
+    let study = pads("claims = [5, 7, 8]", |pitch, radius, rate| {
         0.01 * rate / pitch / radius
     });
     let scores = score(&[study]);
-    judged(&scores[0], Verdict::Differs, &["0 of 72 steps"]);
-    judged(&scores[1], Verdict::Differs, &["in 0 of 24"]);
-    let (_dir, study) = pads("claims = [8]", |_, _, _| 0.26);
-    judged(&only(&study), Verdict::Differs, &["random offsets: 26 %"]);
+    differs(&scores[0], &["0 of 72 steps"]);
+    differs(&scores[1], &["in 0 of 24"]);
+    let study = pads("claims = [8]", |_, _, _| 0.26);
+    differs(&study, &["random offsets: 26 %"]);
     // An exact hit of the shortest roll leaves nothing to divide by.
-    let (_dir, study) = pads("claims = [7]", |pitch, radius, rate| {
+    let study = pads("claims = [7]", |pitch, radius, rate| {
         if rate < 0.15 && radius == 1.0 {
             0.0
         } else {
             rounding(pitch, radius, rate)
         }
     });
-    judged(
-        &only(&study),
-        Verdict::Differs,
-        &["in 20 of 24", "(in 4 it rises from exactly 0)"],
-    );
+    differs(&study, &["in 20 of 24", "(in 4 it rises from exactly 0)"]);
 }
 
 #[test]
@@ -296,23 +246,23 @@ fn claim_6_differs_without_zeros_and_claim_20_without_bounds() {
     for radius in [50.0, 5.0] {
         cells.push(&format!("{radius},0.1"), Numbers::new(1.0 / radius, 0.5));
     }
-    let (_dir, study) = cells.study(&config("sphere", "claims = [6, 20]"));
+    let study = cells.study(&config("sphere", "claims = [6, 20]"));
     let scores = score(&[study]);
-    judged(&scores[0], Verdict::Differs, &["0 of 2 cells"]);
-    judged(&scores[1], Verdict::Differs, &["0 of 100 trials"]);
+    differs(&scores[0], &["0 of 2 cells"]);
+    differs(&scores[1], &["0 of 100 trials"]);
 }
 
 #[test]
 fn pad_claims_need_pads() {
-    let (_dir, study) = angular_velocity("claims = [5, 6, 7, 8]");
+    let study = angular_velocity("claims = [5, 6, 7, 8]");
     for score in score(&[study]) {
-        judged(&score, Verdict::NotTestable, &["scene.sensor.pitch"]);
+        untestable(&score, &["scene.sensor.pitch"]);
     }
 }
 
 // ---- 21: the wrist
 
-fn wrist(factor: f64) -> (tempfile::TempDir, Study) {
+fn wrist(factor: f64) -> Study {
     let mut cells = Cells::new("scene.sensor,scene.object.radius_cm");
     for (label, error) in [
         ("wrist 0.54 mm", 0.54 * factor),
@@ -332,38 +282,26 @@ fn wrist(factor: f64) -> (tempfile::TempDir, Study) {
 
 #[test]
 fn claim_21_holds_within_its_factor_and_finds_the_pads_it_acts_like() {
-    judged(
-        &only(&wrist(1.2).1),
-        Verdict::Holds,
-        &["1.3 ×", "pads of 0.648 mm at 2 of them"],
-    );
-    judged(
-        &only(&wrist(3.0).1),
-        Verdict::Differs,
-        &["3.24 ×", "pads of 1.62 mm"],
-    );
-    judged(
-        &only(&wrist(9.0).1),
-        Verdict::Differs,
-        &["outside what the pads span everywhere"],
-    );
+    holds(&wrist(1.2), &["1.3 ×", "pads of 0.648 mm at 2 of them"]);
+    differs(&wrist(3.0), &["3.24 ×", "pads of 1.62 mm"]);
+    differs(&wrist(9.0), &["outside what the pads span everywhere"]);
 }
 
 #[test]
 fn claim_21_needs_its_labels() {
-    let (_dir, study) = angular_velocity("claims = [21]");
-    judged(&only(&study), Verdict::NotTestable, &["scene.sensor"]);
+    let study = angular_velocity("claims = [21]");
+    untestable(&study, &["scene.sensor"]);
 }
 
 // ---- all of them
 
 #[test]
 fn unknown_claims_and_other_quantities_are_not_testable() {
-    let (_dir, study) = angular_velocity("claims = [22]");
-    judged(&only(&study), Verdict::NotTestable, &["no function"]);
+    let study = angular_velocity("claims = [22]");
+    untestable(&study, &["no function"]);
     let mut cells = Cells::new("scene.object.radius_cm");
     cells.push("5", Numbers::new(-0.2, 0.1));
-    let (_dir, study) = cells.study(&config(
+    let study = cells.study(&config(
         "dish",
         "claims = [1, 2, 3, 4, 5, 6, 7, 8, 14, 18, 19, 20, 21]",
     ));
@@ -375,13 +313,7 @@ fn unknown_claims_and_other_quantities_are_not_testable() {
 
 #[test]
 fn claims_csv_has_a_row_per_claim() {
-    let (dir, study) = angular_velocity("claims = [2, 1]");
-    let scores = write_claims(&study).unwrap();
-    assert_eq!(
-        scores.iter().map(|score| score.claim).collect::<Vec<_>>(),
-        [1, 2]
-    );
-    let text = fs::read_to_string(dir.path().join("claims.csv")).unwrap();
+    let text = claims_csv(&score(&[angular_velocity("claims = [2, 1]")]));
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "claim,verdict,paper_says,measured,why");
     assert!(lines[1].starts_with("1,holds,"), "{text}");

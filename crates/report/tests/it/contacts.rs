@@ -1,9 +1,8 @@
 //! The picture of contacts in space.
 
+use crate::fixture::{count, drawn, refused, shows};
 use crate::glides::{cells, config, study};
-use palpate_report::{Study, page, plot};
-use std::fs;
-use tempfile::TempDir;
+use palpate_report::Study;
 
 const PLOT: &str =
     "[[plot]]\nname = \"contacts\"\nkind = \"contacts\"\ntitle = \"Three fingers\"\n";
@@ -34,7 +33,7 @@ fn readings(scale: f64, by: f64) -> String {
     text
 }
 
-fn made(tables: &[(&str, &str)]) -> (TempDir, Study) {
+fn made(tables: &[(&str, &str)]) -> Study {
     study(
         &(config(0.3, "") + PLOT),
         &cells("scene.estimator", &["penalised"]),
@@ -42,32 +41,10 @@ fn made(tables: &[(&str, &str)]) -> (TempDir, Study) {
     )
 }
 
-/// The picture as it stands in the page.
-fn drawn(tables: &[(&str, &str)]) -> String {
-    let html = page(&[made(tables).1]).unwrap();
-    let (from, to) = (html.find("<svg").unwrap(), html.find("</svg>").unwrap());
-    html[from..to].to_owned()
-}
-
-#[track_caller]
-fn refused(tables: &[(&str, &str)], parts: &[&str]) {
-    let error = plot(&made(tables).1).unwrap_err().to_string();
-    for part in parts {
-        assert!(error.contains(part), "{part:?} is not in: {error}");
-    }
-}
-
-/// Discs of a colour: contacts, and the sample in the key.
-fn discs(svg: &str, colour: &str) -> usize {
-    svg.lines()
-        .filter(|line| line.starts_with("<circle") && line.contains(colour))
-        .count()
-}
-
 #[test]
 fn contacts_normals_and_axes_are_drawn() {
-    let svg = drawn(&[("trace.csv", &trace(1.0, 0.0))]);
-    for text in [
+    let svg = drawn(&made(&[("trace.csv", &trace(1.0, 0.0))]));
+    let texts = [
         "Three fingers",
         "saddle, a = 0.3 · 3 fingers, 2 contacts each",
         "finger 0",
@@ -76,75 +53,72 @@ fn contacts_normals_and_axes_are_drawn() {
         "x (cm)",
         "y (cm)",
         "z (cm)",
-    ] {
-        assert!(svg.contains(&format!("\n{text}\n")), "{text}");
-    }
+    ];
+    shows(&svg, &texts);
     assert!(!svg.contains("reading") && !svg.contains("tip"));
     // The first three of the Okabe–Ito colours.
     for colour in ["#0072B2", "#D55E00", "#009E73"] {
-        assert_eq!(discs(&svg, colour), 3, "{colour}");
+        assert_eq!(count(&svg, "circle", colour), 3, "{colour}");
     }
 }
 
 #[test]
 fn readings_are_drawn_where_they_differ_and_tips_where_they_are_apart() {
     let trace_0 = trace(1.0, 0.0);
-    let same = drawn(&[
-        ("trace.csv", &trace_0),
-        ("readings.csv", &readings(1.0, 0.0)),
-    ]);
-    assert_eq!(same, drawn(&[("trace.csv", &trace_0)]));
-    let noisy = drawn(&[
-        ("trace.csv", &trace_0),
-        ("readings.csv", &readings(1.0, 0.125)),
-    ]);
-    assert!(noisy.contains("\nreading\n") && noisy.contains("readings off by 0.125 cm rms"));
-    assert_eq!(discs(&noisy, "#0072B2"), 5);
-    let round = drawn(&[("trace.csv", &trace(1.0, 0.5))]);
-    assert!(round.contains("\ntip centre\n"));
+    let read = |by: f64| {
+        let readings = readings(1.0, by);
+        drawn(&made(&[
+            ("trace.csv", &trace_0),
+            ("readings.csv", &readings),
+        ]))
+    };
+    assert_eq!(read(0.0), drawn(&made(&[("trace.csv", &trace_0)])));
+    let noisy = read(0.125);
+    shows(&noisy, &["reading"]);
+    assert!(noisy.contains("readings off by 0.125 cm rms"));
+    assert_eq!(count(&noisy, "circle", "#0072B2"), 5);
+    shows(
+        &drawn(&made(&[("trace.csv", &trace(1.0, 0.5))])),
+        &["tip centre"],
+    );
 }
 
 #[test]
 fn patches_of_any_size_and_shape_are_drawn() {
     for scale in [0.0, 5e-324, 1e-9, 1e9, 1e99] {
-        let svg = drawn(&[
-            ("trace.csv", &trace(scale, 0.0)),
-            ("readings.csv", &readings(scale, scale)),
-        ]);
+        let (trace, readings) = (trace(scale, 0.0), readings(scale, scale));
+        let svg = drawn(&made(&[("trace.csv", &trace), ("readings.csv", &readings)]));
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{scale}");
     }
     let one = format!("{HEADER}0,1,2,3,0,0,0,1,2,3\n");
-    assert!(drawn(&[("trace.csv", &one)]).contains("1 finger, 1 contact each"));
-}
-
-#[test]
-fn the_picture_is_written_as_png_too() {
-    let (dir, study) = made(&[("trace.csv", &trace(1.0, 0.0))]);
-    let names = ["contacts.svg", "contacts.png"].map(|name| dir.path().join(name));
-    assert_eq!(plot(&study).unwrap(), names);
-    assert!(fs::read(&names[1]).unwrap().starts_with(b"\x89PNG"));
+    assert!(drawn(&made(&[("trace.csv", &one)])).contains("1 finger, 1 contact each"));
 }
 
 #[test]
 fn bad_tables_are_refused() {
     let good = trace(1.0, 0.0);
-    refused(&[], &["trace.csv"]);
-    refused(
-        &[("trace.csv", &good.replace("normal_z", "normal_w"))],
-        &["trace.csv", "\"normal_z\""],
-    );
-    refused(&[("trace.csv", HEADER)], &["trace.csv", "empty"]);
-    refused(
-        &[("trace.csv", &good.replace("0,-1,-1,0,", "0,-1,-1,inf,"))],
-        &["line 2", "z_cm", "inf"],
-    );
-    refused(
-        &[("trace.csv", &good.replace("0,-1,-1,0,", "0,1e101,-1,0,"))],
-        &["line 2", "x_cm", "1e101"],
-    );
+    refused(&made(&[]), &["trace.csv"]);
+    for (trace, parts) in [
+        (
+            good.replace("normal_z", "normal_w"),
+            &["trace.csv", "\"normal_z\""][..],
+        ),
+        (HEADER.to_owned(), &["trace.csv", "empty"]),
+        (
+            good.replace("0,-1,-1,0,", "0,-1,-1,inf,"),
+            &["line 2", "z_cm", "inf"],
+        ),
+        (
+            good.replace("0,-1,-1,0,", "0,1e101,-1,0,"),
+            &["line 2", "x_cm", "1e101"],
+        ),
+    ] {
+        refused(&made(&[("trace.csv", &trace)]), parts);
+    }
     let stray = readings(1.0, 0.1).replace("\n2,", "\n7,");
+    let tables = [("trace.csv", good.as_str()), ("readings.csv", &stray)];
     refused(
-        &[("trace.csv", &good), ("readings.csv", &stray)],
+        &made(&tables),
         &["readings.csv", "line 6", "7", "finger of trace.csv"],
     );
 }

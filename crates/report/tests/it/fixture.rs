@@ -1,8 +1,6 @@
-//! Small studies in temporary folders.
+//! Small studies in memory, and what is said of them.
 
-use palpate_report::Study;
-use std::fs;
-use tempfile::TempDir;
+use palpate_report::{Files, Score, Study, Verdict, figures, score};
 
 pub(crate) const STATISTICS: &str = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,\
     relative_rms_error,relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
@@ -92,32 +90,111 @@ impl Cells {
         format!("{}\n{}\n", self.header, self.rows.join("\n"))
     }
 
-    pub(crate) fn study(&self, config: &str) -> (TempDir, Study) {
-        let failures = format!(
-            "cell,kind,count,first_trial\n{}\n",
-            self.failures.join("\n")
-        );
-        let dir = folder(config, &self.text(), &failures);
-        let study = Study::load(dir.path()).unwrap();
-        (dir, study)
+    pub(crate) fn study(&self, config: &str) -> Study {
+        let failures = format!("{NO_FAILURES}{}\n", self.failures.join("\n"));
+        study(config, &self.text(), &failures, &[])
     }
 }
 
-/// A folder with these three files.
-pub(crate) fn folder(config: &str, cells: &str, failures: &str) -> TempDir {
-    let dir = tempfile::tempdir().unwrap();
-    for (name, text) in [
+pub(crate) const NO_FAILURES: &str = "cell,kind,count,first_trial\n";
+
+/// A study of these three files, and others by name.
+pub(crate) fn study(config: &str, cells: &str, failures: &str, others: &[(&str, &str)]) -> Study {
+    let files = [
         ("run.toml", config),
         ("cells.csv", cells),
         ("failures.csv", failures),
-    ] {
-        fs::write(dir.path().join(name), text).unwrap();
+    ];
+    Study::read(Files::in_memory(files.iter().chain(others).copied())).unwrap()
+}
+
+/// One claim's score, or the only one of a study.
+pub(crate) trait Scored {
+    fn score(&self) -> Score;
+}
+
+impl Scored for Score {
+    fn score(&self) -> Score {
+        self.clone()
     }
-    dir
+}
+
+impl Scored for Study {
+    fn score(&self) -> Score {
+        let scores = score(std::slice::from_ref(self));
+        assert_eq!(scores.len(), 1);
+        scores[0].clone()
+    }
+}
+
+#[track_caller]
+fn judged(score: &Score, verdict: Verdict, parts: &[&str]) {
+    assert_eq!(score.verdict, verdict, "{score:?}");
+    for part in parts {
+        let said = score.measured.contains(part) || score.why.contains(part);
+        assert!(said, "{part:?} is not in {score:?}");
+    }
+}
+
+#[track_caller]
+pub(crate) fn holds(of: &impl Scored, parts: &[&str]) {
+    judged(&of.score(), Verdict::Holds, parts);
+}
+
+#[track_caller]
+pub(crate) fn differs(of: &impl Scored, parts: &[&str]) {
+    judged(&of.score(), Verdict::Differs, parts);
+}
+
+#[track_caller]
+pub(crate) fn untestable(of: &impl Scored, parts: &[&str]) {
+    judged(&of.score(), Verdict::NotTestable, parts);
+}
+
+/// The study's first figure as SVG.
+#[track_caller]
+pub(crate) fn drawn(study: &Study) -> String {
+    figures(study).unwrap().remove(0).svg
+}
+
+/// A study that is not drawn: the error says all these.
+#[track_caller]
+pub(crate) fn refused(study: &Study, parts: &[&str]) {
+    says(&figures(study).unwrap_err().to_string(), parts);
+}
+
+#[track_caller]
+pub(crate) fn says(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "{part:?} is not in: {text}");
+    }
+}
+
+/// Lines of text in a picture.
+#[track_caller]
+pub(crate) fn shows(svg: &str, texts: &[&str]) {
+    for text in texts {
+        assert!(
+            svg.contains(&format!("\n{text}\n")),
+            "{text:?} is not shown"
+        );
+    }
+}
+
+/// Number of elements of a colour.
+pub(crate) fn count(svg: &str, element: &str, colour: &str) -> usize {
+    let is_one = |line: &&str| line.starts_with(&format!("<{element} ")) && line.contains(colour);
+    svg.lines().filter(is_one).count()
+}
+
+/// Number that an attribute of an element has.
+pub(crate) fn attribute(element: &str, name: &str) -> f64 {
+    let text = element.split(&format!(" {name}=\"")).nth(1).unwrap();
+    text.split('"').next().unwrap().parse().unwrap()
 }
 
 /// Three radii and three noises, errors as theory has them, and room for plots in the config.
-pub(crate) fn angular_velocity(rest: &str) -> (TempDir, Study) {
+pub(crate) fn angular_velocity(rest: &str) -> Study {
     let mut cells = Cells::new("scene.object.radius_cm,scene.noise.angular_velocity.fraction");
     for radius in [500.0, 50.0, 5.0, 0.5] {
         for noise in [0.001, 0.01, 0.1] {

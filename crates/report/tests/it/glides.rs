@@ -1,9 +1,7 @@
 //! Small studies of patches: tables of fabricated errors, maps of known layout, traces of a few contacts.
 
-use crate::fixture::{STATISTICS, folder};
+use crate::fixture::{self, NO_FAILURES, STATISTICS};
 use palpate_report::Study;
-use std::fs;
-use tempfile::TempDir;
 
 /// A config of a glide with the saddle of the given a per finger distance, and room for plots.
 pub(crate) fn config(a: f64, rest: &str) -> String {
@@ -28,7 +26,7 @@ pub(crate) const SURFACES: [&str; 4] = ["sphere", "cylinder", "turned cylinder",
 pub(crate) const METHODS: [&str; 3] = ["first pass", "two-pass", "penalised"];
 
 /// Every surface, noises of 0, 5 and 10 % and every method, with errors as `made` says: surface, noise, method.
-pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> (TempDir, Study) {
+pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> Study {
     let mut text = format!(
         "cell,scene.object,scene.noise.position.fraction_of_ifd,scene.estimator,quantity,unit,{STATISTICS}\n"
     );
@@ -78,13 +76,8 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> (
 }
 
 /// A study of these tables.
-pub(crate) fn study(config: &str, cells: &str, others: &[(&str, &str)]) -> (TempDir, Study) {
-    let dir = folder(config, cells, "cell,kind,count,first_trial\n");
-    for (name, text) in others {
-        fs::write(dir.path().join(name), text).unwrap();
-    }
-    let study = Study::load(dir.path()).unwrap();
-    (dir, study)
+pub(crate) fn study(config: &str, cells: &str, others: &[(&str, &str)]) -> Study {
+    fixture::study(config, cells, NO_FAILURES, others)
 }
 
 /// Cells 0, 1, … with one row of `class` each; `axes` and the texts of each cell as in the file.

@@ -1,10 +1,8 @@
 //! Bad input: the error names the file and the place.
 
-use crate::fixture::{Cells, Numbers, STATISTICS, config, folder};
-use palpate_report::Study;
+use crate::fixture::{Cells, NO_FAILURES, Numbers, STATISTICS, config, says, study};
+use palpate_report::{Files, Study};
 use std::fs;
-
-const NO_FAILURES: &str = "cell,kind,count,first_trial\n";
 
 fn good() -> String {
     let mut cells = Cells::new("scene.object.radius_cm");
@@ -14,29 +12,24 @@ fn good() -> String {
 }
 
 fn error(config: &str, cells: &str, failures: &str) -> String {
-    let dir = folder(config, cells, failures);
-    Study::load(dir.path()).unwrap_err().to_string()
+    let files = [
+        ("run.toml", config),
+        ("cells.csv", cells),
+        ("failures.csv", failures),
+    ];
+    Study::read(Files::in_memory(files))
+        .unwrap_err()
+        .to_string()
 }
 
 fn error_of_cells(cells: &str) -> String {
     error(&config("sphere", ""), cells, NO_FAILURES)
 }
 
-#[track_caller]
-fn says(error: &str, parts: &[&str]) {
-    for part in parts {
-        assert!(error.contains(part), "{part:?} is not in: {error}");
-    }
-}
-
 #[test]
-fn a_good_folder_loads() {
-    let dir = folder(
-        &config("sphere", "claims = [1]"),
-        &good(),
-        "cell,kind,count,first_trial\n1,unresolved,3,7\n",
-    );
-    let study = Study::load(dir.path()).unwrap();
+fn a_good_study_loads() {
+    let failures = format!("{NO_FAILURES}1,unresolved,3,7\n");
+    let study = study(&config("sphere", "claims = [1]"), &good(), &failures, &[]);
     assert_eq!(
         (study.name(), study.title(), study.source()),
         ("study", "A question?", "somewhere")
@@ -55,57 +48,65 @@ fn a_good_folder_loads() {
 #[test]
 fn a_byte_order_mark_and_crlf_do_no_harm() {
     let cells = format!("\u{feff}{}", good().replace('\n', "\r\n"));
-    let dir = folder(
-        &config("sphere", ""),
-        &cells,
-        "\u{feff}cell,kind,count,first_trial\r\n",
-    );
-    assert_eq!(Study::load(dir.path()).unwrap().cells().rows(), 2);
+    let failures = "\u{feff}cell,kind,count,first_trial\r\n";
+    let study = study(&config("sphere", ""), &cells, failures, &[]);
+    assert_eq!(study.cells().rows(), 2);
 }
 
 #[test]
 fn missing_files_are_named() {
-    for name in ["run.toml", "cells.csv", "failures.csv"] {
-        let dir = folder(&config("sphere", ""), &good(), NO_FAILURES);
-        fs::remove_file(dir.path().join(name)).unwrap();
-        says(
-            &Study::load(dir.path()).unwrap_err().to_string(),
-            &[name, "No such file"],
-        );
+    let files = [
+        ("run.toml", config("sphere", "")),
+        ("cells.csv", good()),
+        ("failures.csv", NO_FAILURES.to_owned()),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for (name, text) in &files {
+        fs::write(path(name), text).unwrap();
+    }
+    assert_eq!(Study::load(folder.path()).unwrap().dir(), folder.path());
+    for (name, text) in &files {
+        fs::remove_file(path(name)).unwrap();
+        let error = Study::load(folder.path()).unwrap_err().to_string();
+        says(&error, &[&path(name).display().to_string(), "No such file"]);
+        fs::write(path(name), text).unwrap();
+        let others = files.clone().into_iter().filter(|(other, _)| other != name);
+        let error = Study::read(Files::in_memory(others))
+            .unwrap_err()
+            .to_string();
+        says(&error, &[name, "not found"]);
     }
 }
 
 #[test]
-fn empty_tables_are_refused() {
-    says(&error_of_cells(""), &["cells.csv", "empty"]);
-    says(
-        &error_of_cells(good().lines().next().unwrap()),
-        &["cells.csv", "empty"],
-    );
-    says(
-        &error(&config("sphere", ""), &good(), ""),
-        &["failures.csv", "empty"],
-    );
-}
-
-#[test]
-fn missing_and_repeated_columns_are_named() {
-    says(
-        &error_of_cells(&good().replacen("rms_error", "rmserror", 1)),
-        &["cells.csv", "\"rms_error\"", "rmserror"],
-    );
-    says(
-        &error_of_cells(&good().replacen("quantity", "what", 1)),
-        &["\"quantity\""],
-    );
-    says(
-        &error_of_cells(&good().replacen("q50", "q05", 1)),
-        &["\"q05\"", "twice"],
-    );
-    says(
-        &error(&config("sphere", ""), &good(), "cell,kind,first_trial\n"),
-        &["failures.csv", "\"count\""],
-    );
+fn bad_tables_are_named() {
+    let change = |from: &str, to: &str| good().replacen(from, to, 1);
+    let header = good().lines().next().unwrap().to_owned();
+    for (cells, parts) in [
+        (String::new(), &["cells.csv", "empty"][..]),
+        (header, &["cells.csv", "empty"]),
+        (
+            change("rms_error", "rmserror"),
+            &["cells.csv", "\"rms_error\"", "rmserror"],
+        ),
+        (change("quantity", "what"), &["\"quantity\""]),
+        (change("quantity,unit", "unit,quantity"), &["\"unit\""]),
+        (change("q50", "q05"), &["\"q05\"", "twice"]),
+        (change("\n1,1,", "\none,1,"), &["line 3", "\"cell\"", "one"]),
+    ] {
+        says(&error_of_cells(&cells), parts);
+    }
+    for (failures, parts) in [
+        ("", &["failures.csv", "empty"][..]),
+        ("cell,kind,first_trial\n", &["failures.csv", "\"count\""]),
+        (
+            "cell,kind,count,first_trial\n0,unresolved,-1,0\n",
+            &["failures.csv", "line 2", "\"count\"", "-1"],
+        ),
+    ] {
+        says(&error(&config("sphere", ""), &good(), failures), parts);
+    }
 }
 
 #[test]
@@ -117,13 +118,6 @@ fn a_bad_number_is_named_with_its_place() {
             &["cells.csv", "line 2", "\"truth\"", value],
         );
     }
-    let cells = good().replace("\n1,1,", "\none,1,");
-    says(&error_of_cells(&cells), &["line 3", "\"cell\"", "one"]);
-    let failures = "cell,kind,count,first_trial\n0,unresolved,-1,0\n";
-    says(
-        &error(&config("sphere", ""), &good(), failures),
-        &["failures.csv", "line 2", "\"count\"", "-1"],
-    );
 }
 
 #[test]
@@ -134,20 +128,12 @@ fn a_short_row_is_named_with_its_line() {
 
 #[test]
 fn bad_configs_are_named() {
-    says(
-        &error("name = ", &good(), NO_FAILURES),
-        &["run.toml", "line 1"],
-    );
-    says(
-        &error("title = \"x\"", &good(), NO_FAILURES),
-        &["run.toml", "name", "missing"],
-    );
-    says(
-        &error("name = 3", &good(), NO_FAILURES),
-        &["run.toml", "name", "3"],
-    );
-    says(
-        &error("name = \"x\"\nclaims = [-1]", &good(), NO_FAILURES),
-        &["run.toml", "claims", "-1"],
-    );
+    for (config, parts) in [
+        ("name = ", &["run.toml", "line 1"][..]),
+        ("title = \"x\"", &["run.toml", "name", "missing"]),
+        ("name = 3", &["run.toml", "name", "3"]),
+        ("name = \"x\"\nclaims = [-1]", &["run.toml", "claims", "-1"]),
+    ] {
+        says(&error(config, &good(), NO_FAILURES), parts);
+    }
 }

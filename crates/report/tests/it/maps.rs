@@ -1,9 +1,8 @@
 //! Class maps: what is drawn and told, what is refused.
 
+use crate::fixture::{attribute, drawn, refused, shows};
 use crate::glides::{cells, config, map, study};
-use palpate_report::{Study, page, plot};
-use std::fs;
-use tempfile::TempDir;
+use palpate_report::Study;
 
 const PLOT: &str = "[[plot]]\nname = \"map\"\nkind = \"class-map\"\n";
 const AXES: &str = "scene.noise.position.fraction_of_ifd,scene.estimator";
@@ -12,39 +11,14 @@ const PLACES: [&str; 2] = ["0.05,two-pass", "0.05,penalised"];
 const TRUTH: &str = "rrrrrrrss";
 const FOUND: &str = "rrr rrpss";
 
-fn drawn(config_rest: &str, map: &str) -> (TempDir, Study) {
-    let (dir, study) = study(
-        &(config(0.3, "") + config_rest),
-        &cells(AXES, &PLACES),
-        &[("map.csv", map)],
-    );
-    plot(&study).unwrap();
-    (dir, study)
-}
-
-fn svg(dir: &TempDir) -> String {
-    fs::read_to_string(dir.path().join("map.svg")).unwrap()
-}
-
-#[track_caller]
-fn refused(plot_text: &str, map: Option<&str>, parts: &[&str]) {
-    let tables: Vec<(&str, &str)> = map.map(|text| ("map.csv", text)).into_iter().collect();
-    let (dir, study) = study(
-        &(config(0.3, "") + plot_text),
-        &cells(AXES, &PLACES),
-        &tables,
-    );
-    let error = plot(&study).unwrap_err().to_string();
-    for part in parts {
-        assert!(error.contains(part), "{part:?} is not in: {error}");
-    }
-    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 3 + tables.len());
+fn made(plots: &str, map: &str) -> Study {
+    let config = config(0.3, "") + plots;
+    study(&config, &cells(AXES, &PLACES), &[("map.csv", map)])
 }
 
 #[test]
 fn the_true_map_stands_first_and_each_panel_tells_its_cell_and_share() {
-    let (dir, study) = drawn(PLOT, &map(&[(FOUND, TRUTH), (TRUTH, TRUTH)]));
-    let text = svg(&dir);
+    let text = drawn(&made(PLOT, &map(&[(FOUND, TRUTH), (TRUTH, TRUTH)])));
     let place = |part: &str| {
         text.find(&format!("\n{part}\n"))
             .unwrap_or_else(|| panic!("{part}"))
@@ -53,7 +27,7 @@ fn the_true_map_stands_first_and_each_panel_tells_its_cell_and_share() {
     assert!(place("truth") < place("77.8 % correct"));
     assert!(place("77.8 % correct") < place("two-pass"));
     assert!(place("two-pass") < place("100 % correct"));
-    for part in [
+    let parts = [
         "penalised",
         "saddle, a = 0.3 · position noise 5 % of the IFD · 3 × 3 points · one trial per panel",
         "x (mm)",
@@ -61,9 +35,8 @@ fn the_true_map_stands_first_and_each_panel_tells_its_cell_and_share() {
         "true boundary",
         "not classified",
         "saddle ridge",
-    ] {
-        place(part);
-    }
+    ];
+    shows(&text, &parts);
     // Only the classes that occur, each in its colour: the truth, both cells and the key.
     for absent in ["minimal", "flat", "pit", "valley"] {
         assert!(!text.contains(&format!("\n{absent}\n")), "{absent}");
@@ -71,20 +44,12 @@ fn the_true_map_stands_first_and_each_panel_tells_its_cell_and_share() {
     for (colour, least) in [("#D24F1F", 4), ("#F7A64A", 4), ("#7A1F12", 2)] {
         assert!(text.matches(colour).count() >= least, "{colour}");
     }
-    let html = page(std::slice::from_ref(&study)).unwrap();
-    assert!(html.contains("77.8 % correct") && html.contains("class-map"));
-    assert!(
-        fs::read(dir.path().join("map.png"))
-            .unwrap()
-            .starts_with(b"\x89PNG")
-    );
 }
 
 #[test]
 fn squares_fill_the_panel_as_the_table_says() {
     // The one square of another class of a 2 × 2 grid is the upper right: the largest x and y.
-    let (dir, _) = drawn(PLOT, &map(&[("rrrs", "rrrr"), ("rrrr", "rrrr")]));
-    let text = svg(&dir);
+    let text = drawn(&made(PLOT, &map(&[("rrrs", "rrrr"), ("rrrr", "rrrr")])));
     let corners = |colour: &str| {
         let polygons = text
             .lines()
@@ -130,84 +95,56 @@ fn squares_fill_the_panel_as_the_table_says() {
 fn cells_are_chosen_and_those_without_a_map_are_told() {
     let filter =
         PLOT.to_owned() + "where = { \"scene.estimator\" = \"penalised\" }\nscale = \"linear\"\n";
-    let (dir, _) = drawn(&filter, &map(&[(FOUND, TRUTH), (TRUTH, TRUTH)]));
-    assert!(!svg(&dir).contains("77.8"));
-    let (dir, _) = drawn(PLOT, &map(&[(FOUND, TRUTH)]));
-    assert!(svg(&dir).contains("No map: position noise 5 % of the IFD, penalised."));
+    let both = map(&[(FOUND, TRUTH), (TRUTH, TRUTH)]);
+    assert!(!drawn(&made(&filter, &both)).contains("77.8"));
+    let text = drawn(&made(PLOT, &map(&[(FOUND, TRUTH)])));
+    shows(
+        &text,
+        &["No map: position noise 5 % of the IFD, penalised."],
+    );
 }
 
 #[test]
 fn bad_maps_are_refused() {
     let good = map(&[(FOUND, TRUTH), (TRUTH, TRUTH)]);
-    refused(PLOT, None, &["map.csv"]);
-    refused(
-        PLOT,
-        Some("cell,x,y\n"),
-        &["map.csv", "\"class\"", "cell, x, y"],
-    );
-    refused(
-        PLOT,
-        Some(&good.replace("true_class", "real_class")),
-        &["map.csv", "\"true_class\""],
-    );
-    refused(
-        PLOT,
-        Some(&good.replace("ridge", "rigde")),
-        &["line 2", "\"class\"", "rigde", "eight classes"],
-    );
-    refused(
-        PLOT,
-        Some(&good.replace("0,-0.5,", "0,NaN,")),
-        &["line 2", "x_mm", "NaN"],
-    );
-    refused(
-        PLOT,
-        Some(&good.replace("\n0,", "\nzero,")),
-        &["line 2", "\"cell\"", "zero"],
-    );
-    let short = good.lines().take(9).collect::<Vec<_>>().join("\n");
-    refused(PLOT, Some(&short), &["8 points of cell 0"]);
-    refused(
-        PLOT,
-        Some(&good.replace("0,-0.5,", "0,0.5,")),
-        &["x slowest", "cell 0"],
-    );
-    refused(
-        PLOT,
-        Some(good.lines().next().unwrap()),
-        &["map.csv", "empty"],
-    );
-}
-
-#[test]
-fn bad_specifications_are_refused() {
-    let good = map(&[(FOUND, TRUTH), (TRUTH, TRUTH)]);
-    let with = |rest: &str| PLOT.to_owned() + rest;
-    refused(
-        &with("x = \"truth\"\n"),
-        Some(&good),
-        &["plot[0].x", "class-map", "where"],
-    );
-    refused(
-        &with("scale = \"log-y\"\n"),
-        Some(&good),
-        &["plot[0].scale", "linear"],
-    );
-    refused(
-        "[[plot]]\nkind = \"heat\"\n",
-        Some(&good),
-        &["plot[0].kind", "heat", "class-map, contacts"],
-    );
-    refused(
-        &with("where = { \"scene.estimato\" = 1 }\n"),
-        Some(&good),
-        &["scene.estimato", "known: scene.estimator,"],
-    );
-    refused(
-        &with("where = { \"scene.estimator\" = \"cubic\" }\n"),
-        Some(&good),
-        &["scene.estimator = cubic"],
-    );
+    let change = |from: &str, to: &str| good.replace(from, to);
+    let lines = |count: usize| good.lines().take(count).collect::<Vec<_>>().join("\n");
+    let none = study(&(config(0.3, "") + PLOT), &cells(AXES, &PLACES), &[]);
+    refused(&none, &["map.csv"]);
+    for (map, parts) in [
+        (
+            "cell,x,y\n".to_owned(),
+            &["map.csv", "\"class\"", "cell, x, y"][..],
+        ),
+        (
+            change("true_class", "real_class"),
+            &["map.csv", "\"true_class\""],
+        ),
+        (
+            change("ridge", "rigde"),
+            &["line 2", "\"class\"", "rigde", "eight classes"],
+        ),
+        (change("0,-0.5,", "0,NaN,"), &["line 2", "x_mm", "NaN"]),
+        (change("\n0,", "\nzero,"), &["line 2", "\"cell\"", "zero"]),
+        (lines(9), &["8 points of cell 0"]),
+        (change("0,-0.5,", "0,0.5,"), &["x slowest", "cell 0"]),
+        (lines(1), &["map.csv", "empty"]),
+    ] {
+        refused(&made(PLOT, &map), parts);
+    }
+    for (rest, parts) in [
+        ("x = \"truth\"", &["plot.0.x", "class-map", "where"][..]),
+        (
+            "where = { \"scene.estimato\" = 1 }",
+            &["scene.estimato", "known: scene.estimator,"],
+        ),
+        (
+            "where = { \"scene.estimator\" = \"cubic\" }",
+            &["scene.estimator = cubic"],
+        ),
+    ] {
+        refused(&made(&format!("{PLOT}{rest}\n"), &good), parts);
+    }
 }
 
 #[test]
@@ -227,22 +164,18 @@ fn many_cells_are_laid_out_without_leaving_the_picture() {
         })
         .collect();
     let axes = "scene.object,scene.noise.normal.std_deg";
-    let (_dir, study) = study(
-        &(config(0.3, "") + PLOT),
+    let config = config(0.3, "") + PLOT;
+    let maps = map(&maps);
+    let text = drawn(&study(
+        &config,
         &cells(axes, &places),
-        &[("map.csv", &map(&maps))],
-    );
-    let html = page(&[study]).unwrap();
-    let text = &html[html.find("<svg").unwrap()..html.find("</svg>").unwrap()];
+        &[("map.csv", &maps)],
+    ));
     assert_eq!(text.matches("\ntruth\n").count(), 2);
     assert_eq!(text.matches("% correct").count(), 14);
-    let number = |line: &str, key: &str| -> f64 {
-        let rest = line.split(&format!(" {key}=\"")).nth(1).unwrap();
-        rest.split('"').next().unwrap().parse().unwrap()
-    };
-    let (width, height) = (number(text, "width"), number(text, "height"));
+    let (width, height) = (attribute(&text, "width"), attribute(&text, "height"));
     for line in text.lines().filter(|line| line.starts_with("<text")) {
-        let (x, y) = (number(line, "x") / 3.0, number(line, "y") / 3.0);
+        let (x, y) = (attribute(line, "x") / 3.0, attribute(line, "y") / 3.0);
         assert!(x > 0.0 && x < width && y > 0.0 && y < height, "{line}");
     }
 }

@@ -1,23 +1,7 @@
 //! Claims about patches on fabricated tables, both ways.
 
+use crate::fixture::{differs, holds, untestable};
 use crate::glides::{Made, cells, config, patches, study};
-use palpate_report::{Score, Study, Verdict, score};
-
-#[track_caller]
-fn judged(study: &Study, verdict: Verdict, parts: &[&str]) {
-    let scores = score(std::slice::from_ref(study));
-    let [score] = scores.as_slice() else {
-        panic!("{scores:?}")
-    };
-    let Score { measured, why, .. } = score;
-    assert_eq!(score.verdict, verdict, "{score:?}");
-    for part in parts {
-        assert!(
-            measured.contains(part) || why.contains(part),
-            "{part:?} is not in {score:?}"
-        );
-    }
-}
 
 /// All alike: errors of 1 % of the curvatures, all classes right.
 const GOOD: Made = Made {
@@ -44,9 +28,8 @@ fn claim_9_compares_the_fits() {
             }
         })
     };
-    judged(
-        &table(3.0, 3.0).1,
-        Verdict::Holds,
+    holds(
+        &table(3.0, 3.0),
         &[
             "over 4 surfaces",
             "at 5 % noise 3 (3) for K and 3 (3) for H",
@@ -54,19 +37,14 @@ fn claim_9_compares_the_fits() {
         ],
     );
     // The fourth root of 3 × 1³ is 1.32.
-    judged(
-        &table(3.0, 1.0).1,
-        Verdict::Differs,
-        &["at 10 % noise 1.32 (1 to 3) for K"],
-    );
-    judged(&table(1.9, 1.9).1, Verdict::Differs, &["at least 2"]);
+    differs(&table(3.0, 1.0), &["at 10 % noise 1.32 (1 to 3) for K"]);
+    differs(&table(1.9, 1.9), &["at least 2"]);
     let missing = patches("[9]", |_, _, method| Made {
         gaussian: if method == "first pass" { 0.0 } else { 1.0 },
         ..GOOD
     });
-    judged(
-        &missing.1,
-        Verdict::NotTestable,
+    untestable(
+        &missing,
         &["gaussian_curvature above 0 for sphere, first pass"],
     );
 }
@@ -87,26 +65,17 @@ fn claim_10_is_about_the_worst_surface() {
             }
         })
     };
-    judged(
-        &table(0.91, 0).1,
-        Verdict::Holds,
+    holds(
+        &table(0.91, 0),
         &[
             "turned cylinder 91 % (at 5 %)",
             "sphere 100 %",
             "penalised 100 %",
         ],
     );
-    judged(
-        &table(0.89, 0).1,
-        Verdict::Differs,
-        &["turned cylinder 89 %"],
-    );
+    differs(&table(0.89, 0), &["turned cylinder 89 %"]);
     // A tenth of the trials failed: 0.9 × 0.95.
-    judged(
-        &table(0.95, 20).1,
-        Verdict::Differs,
-        &["turned cylinder 85.5 %"],
-    );
+    differs(&table(0.95, 20), &["turned cylinder 85.5 %"]);
 }
 
 #[test]
@@ -129,9 +98,8 @@ fn claim_11_wants_the_sphere_alone_and_a_better_mean_curvature() {
         })
     };
     // κ is 0.2 on all of them: the saddle's from its config, 2 × 0.1.
-    judged(
-        &table(0.95, 0.3, 0.02, 0.02).1,
-        Verdict::Holds,
+    holds(
+        &table(0.95, 0.3, 0.02, 0.02),
         &[
             "sphere 95 %",
             "saddle 30 %",
@@ -141,26 +109,10 @@ fn claim_11_wants_the_sphere_alone_and_a_better_mean_curvature() {
             "penalised 4 of 4",
         ],
     );
-    judged(
-        &table(0.8, 0.3, 0.02, 0.02).1,
-        Verdict::Differs,
-        &["sphere 80 %"],
-    );
-    judged(
-        &table(0.95, 0.95, 0.02, 0.02).1,
-        Verdict::Differs,
-        &["saddle 95 %"],
-    );
-    judged(
-        &table(0.95, 0.3, 0.02, 0.06).1,
-        Verdict::Differs,
-        &["cylinder 30 %"],
-    );
-    judged(
-        &table(0.95, 0.3, 0.002, 0.02).1,
-        Verdict::Differs,
-        &["κ²: cylinder 5 %"],
-    );
+    differs(&table(0.8, 0.3, 0.02, 0.02), &["sphere 80 %"]);
+    differs(&table(0.95, 0.95, 0.02, 0.02), &["saddle 95 %"]);
+    differs(&table(0.95, 0.3, 0.02, 0.06), &["cylinder 30 %"]);
+    differs(&table(0.95, 0.3, 0.002, 0.02), &["κ²: cylinder 5 %"]);
 }
 
 #[test]
@@ -173,9 +125,8 @@ fn claim_12_is_about_the_saddle_that_has_regions() {
         );
         study(&config(a, "claims = [12]"), &text, &[])
     };
-    judged(
-        &table(0.3, 0.96).1,
-        Verdict::Holds,
+    holds(
+        &table(0.3, 0.96),
         &[
             "classifies 96 % of the patch",
             "100 % at 10 %",
@@ -183,8 +134,8 @@ fn claim_12_is_about_the_saddle_that_has_regions() {
             "one point in 20",
         ],
     );
-    judged(&table(0.3, 0.94).1, Verdict::Differs, &["94 %"]);
-    judged(&table(0.1, 0.96).1, Verdict::NotTestable, &["a = 0.3"]);
+    differs(&table(0.3, 0.94), &["94 %"]);
+    untestable(&table(0.1, 0.96), &["a = 0.3"]);
 }
 
 #[test]
@@ -199,9 +150,8 @@ fn claim_13_compares_the_cylinders() {
             _ => GOOD,
         })
     };
-    judged(
-        &table(1.5).1,
-        Verdict::Holds,
+    holds(
+        &table(1.5),
         &[
             "is 1.5 × that",
             "1 × for H",
@@ -211,7 +161,7 @@ fn claim_13_compares_the_cylinders() {
             "penalised 1 ×",
         ],
     );
-    judged(&table(1.05).1, Verdict::Differs, &["1.05 ×"]);
+    differs(&table(1.05), &["1.05 ×"]);
 }
 
 #[test]
@@ -223,12 +173,8 @@ fn tables_without_the_labels_cannot_be_judged() {
             "motion =",
             "noise = { position = { fraction_of_ifd = 0.05 } }\nmotion =",
         );
-        judged(&study(&with_noise, &text, &[]).1, Verdict::NotTestable, &[]);
+        untestable(&study(&with_noise, &text, &[]), &[]);
         let without = study(&config(0.3, &rest), &text, &[]);
-        judged(
-            &without.1,
-            Verdict::NotTestable,
-            &["scene.noise.position.fraction_of_ifd"],
-        );
+        untestable(&without, &["scene.noise.position.fraction_of_ifd"]);
     }
 }

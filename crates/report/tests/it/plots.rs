@@ -1,170 +1,153 @@
 //! Plots: what is drawn, what is said about the rest, what is refused.
 
-use crate::fixture::{Cells, Numbers, angular_velocity, config};
-use palpate_report::{Study, plot};
-use std::fs;
-use std::path::Path;
-use tempfile::TempDir;
+use crate::fixture::{
+    Cells, Numbers, angular_velocity, attribute, config, drawn, refused, says, shows,
+};
+use palpate_report::{Files, ReportError, figure, figures};
+use palpate_study::config::plots;
 
 const BASIC: &str = "[[plot]]\nx = \"scene.noise.angular_velocity.fraction\"\ny = \"relative_mean_abs_error\"\n\
     quantity = \"normal_curvature_u\"\nseries = \"scene.object.radius\"\nscale = \"log-log\"\n";
 
-/// The config's plots come after its tables.
-fn with_plots(plots: &str) -> (TempDir, Study) {
-    let (dir, _) = angular_velocity("");
-    let path = dir.path().join("run.toml");
-    let text = fs::read_to_string(&path).unwrap();
-    fs::write(&path, text + plots).unwrap();
-    let study = Study::load(dir.path()).unwrap();
-    (dir, study)
-}
-
-fn svg(dir: &Path, name: &str) -> String {
-    fs::read_to_string(dir.join(format!("{name}.svg"))).unwrap()
-}
-
-#[track_caller]
-fn refused(plots: &str, parts: &[&str]) {
-    let (dir, study) = with_plots(plots);
-    let error = plot(&study).unwrap_err().to_string();
-    for part in parts {
-        assert!(error.contains(part), "{part:?} is not in: {error}");
-    }
-    assert_eq!(
-        fs::read_dir(dir.path()).unwrap().count(),
-        3,
-        "something was written"
-    );
+#[test]
+fn figures_are_drawn_twice_the_same() {
+    let study = angular_velocity(&format!("{BASIC}{BASIC}name = \"b\"\ntitle = \"B\"\n"));
+    let drawn = figures(&study).unwrap();
+    let told = |at: usize| (drawn[at].name.as_str(), drawn[at].title.as_str());
+    assert_eq!((told(0), told(1)), (("plot-1", "A question?"), ("b", "B")));
+    assert_eq!(drawn, figures(&study).unwrap());
+    assert!(figures(&angular_velocity("")).unwrap().is_empty());
 }
 
 #[test]
-fn svg_and_png_are_written_twice_the_same() {
-    let (dir, study) = with_plots(BASIC);
-    let files = plot(&study).unwrap();
-    assert_eq!(
-        files,
-        ["plot-1.svg", "plot-1.png"].map(|name| dir.path().join(name))
-    );
-    let first: Vec<Vec<u8>> = files.iter().map(|file| fs::read(file).unwrap()).collect();
-    assert!(first[1].starts_with(b"\x89PNG"));
-    plot(&study).unwrap();
-    let second: Vec<Vec<u8>> = files.iter().map(|file| fs::read(file).unwrap()).collect();
-    assert!(first == second);
-    assert_eq!(
-        fs::read_dir(dir.path()).unwrap().count(),
-        5,
-        "a temporary file is left"
-    );
+fn a_picture_in_pixels_has_its_size_and_its_letters() {
+    let mut figure = figures(&angular_velocity(BASIC)).unwrap().remove(0);
+    let png = figure.png().unwrap();
+    assert!(png.starts_with(b"\x89PNG"));
+    assert_eq!(png, figure.png().unwrap());
+    // Width and height follow the name of the first chunk.
+    let number = |at: usize| f64::from(u32::from_be_bytes(png[at..at + 4].try_into().unwrap()));
+    let size = ["width", "height"].map(|name| attribute(&figure.svg, name));
+    assert_eq!([number(16), number(20)], size);
+    // Without its texts it is another picture: the fonts are found.
+    figure.svg = figure
+        .svg
+        .replace("<text", "<desc")
+        .replace("</text", "</desc");
+    assert!(figure.png().unwrap().len() < png.len() * 3 / 4);
+    figure.svg = "no picture".to_owned();
+    assert!(matches!(figure.png(), Err(ReportError::Draw { .. })));
 }
 
 #[test]
 fn axes_are_words_with_units_in_real_text() {
-    let (dir, study) = with_plots(BASIC);
-    plot(&study).unwrap();
-    let svg = svg(dir.path(), "plot-1");
-    for text in [
+    let svg = drawn(&angular_velocity(BASIC));
+    let texts = [
         "A question?",
         "100 trials per point",
         "angular velocity noise (%)",
         "mean |relative error| of normal curvature along u (%)",
         "object radius (cm)",
-    ] {
-        assert!(svg.contains(&format!("\n{text}\n")), "{text}");
-    }
+    ];
+    shows(&svg, &texts);
     assert!(svg.contains("font-family=\"sans-serif\""));
     assert!(!svg.contains("id=\""), "ids would clash on a page");
     assert!(svg.starts_with("<svg width=\"960\""));
 }
 
 #[test]
+fn tables_in_memory_are_enough() {
+    let mut cells = Cells::new("scene.object.radius_cm");
+    cells.push("5", Numbers::new(0.2, 0.1));
+    let plot = plots("", "[[plot]]\nx = \"scene.object.radius\"\ny = \"mean\"\n").unwrap();
+    let alone = Files::in_memory([("cells.csv", cells.text())]);
+    let made = figure(&plot[0], alone).unwrap();
+    assert_eq!(
+        (made.name.as_str(), made.title.as_str()),
+        ("plot", "figure")
+    );
+    let study = cells.study(&config(
+        "sphere",
+        "[[plot]]\nx = \"scene.object.radius\"\ny = \"mean\"",
+    ));
+    assert_eq!(made.svg.replace("figure", "A question?"), drawn(&study));
+    let none = Files::in_memory([("map.csv", "")]);
+    says(
+        &figure(&plot[0], none).unwrap_err().to_string(),
+        &["cells.csv: "],
+    );
+}
+
+#[test]
 fn colours_belong_to_values_not_to_places_in_a_plot() {
-    let one = BASIC.to_owned() + "where = { \"scene.object.radius\" = 5 }\n";
-    let (dir, study) = with_plots(&one);
-    plot(&study).unwrap();
-    let svg = svg(dir.path(), "plot-1");
+    let one = format!("{BASIC}where = {{ \"scene.object.radius\" = 5 }}\n");
+    let svg = drawn(&angular_velocity(&one));
     // Okabe and Ito's third colour, for the third radius of the study; the first does not occur.
     assert!(svg.contains("#009E73") && !svg.contains("#0072B2"));
-    assert!(svg.contains("object radius 5 cm · 100 trials per point"));
+    shows(&svg, &["object radius 5 cm · 100 trials per point"]);
 }
 
 #[test]
-fn a_free_axis_is_named() {
-    refused(
-        &BASIC.replace("series = \"scene.object.radius\"\n", ""),
-        &[
-            "run.toml",
-            "plot-1",
-            "fraction = 0.001",
-            "scene.object.radius_cm (4 values, 500 … 0.5)",
-        ],
-    );
-}
-
-#[test]
-fn unknown_names_are_answered_with_the_nearest() {
+fn what_the_table_does_not_have_is_answered_with_the_nearest() {
+    let with = |rest: &str| format!("{BASIC}{rest}\n");
+    let without = |line: &str| BASIC.replace(line, "");
     let change = |from: &str, to: &str| BASIC.replace(from, to);
-    refused(
-        &change("relative_mean_abs", "relative_mean_absolute"),
-        &[
-            "y = \"relative_mean_absolute_error\"",
-            "known: relative_mean_abs_error,",
-        ],
-    );
-    refused(
-        &change("object.radius", "object.radios"),
-        &["series", "known: scene.object.radius_cm,"],
-    );
-    refused(
-        &change("normal_curvature_u", "normal_curvature"),
-        &["quantity", "known: normal_curvature_u"],
-    );
-    refused(
-        &change("scale =", "scales ="),
-        &["plot[0].scales", "known: scale,"],
-    );
-    refused(
-        &change("log-log", "loglog"),
-        &["plot[0].scale", "loglog", "log-log"],
-    );
-    refused(
-        &(BASIC.to_owned() + "where = { \"scene.object.size\" = 5 }\n"),
-        &["where = \"scene.object.size\""],
-    );
-    refused(
-        &(BASIC.to_owned() + "where = { \"scene.object.radius\" = 7 }\n"),
-        &["no rows", "scene.object.radius = 7"],
-    );
-}
-
-#[test]
-fn malformed_plots_are_refused_and_nothing_is_written() {
-    refused("[[plot]]\nx = \"truth\"\n", &["plot[0].y", "missing"]);
-    refused(
-        &(BASIC.to_owned() + "name = \"../a\"\n"),
-        &["plot[0].name", "../a"],
-    );
-    refused(
-        &(BASIC.to_owned() + "name = \"a\"\n" + BASIC + "name = \"a\"\n"),
-        &["plot[1].name", "another plot"],
-    );
-    refused(
-        &(BASIC.to_owned() + "compare = \"rms_error\"\n"),
-        &["compare", "1/cm", "%"],
-    );
-    refused(
-        &(BASIC.to_owned() + "marks = [{ axis = \"y\", value = 0 }]\n"),
-        &["mark", "y = 0"],
-    );
-    refused(
-        &(BASIC.to_owned() + "marks = [{ axis = \"z\", value = 1 }]\n"),
-        &["marks", "axis"],
-    );
-    refused(&(BASIC.to_owned() + "where = 3\n"), &["where", "3"]);
-    // A good plot before a bad one is not drawn either.
-    refused(
-        &(BASIC.to_owned() + "[[plot]]\nx = \"truth\"\ny = \"nothing\"\n"),
-        &["plot-2", "nothing"],
-    );
+    for (plots, parts) in [
+        (
+            without("series = \"scene.object.radius\"\n"),
+            &[
+                "run.toml",
+                "plot-1",
+                "fraction = 0.001",
+                "radius_cm (4 values, 500 … 0.5)",
+            ][..],
+        ),
+        (
+            change("relative_mean_abs", "relative_mean_absolute"),
+            &[
+                "y = \"relative_mean_absolute_error\"",
+                "known: relative_mean_abs_error,",
+            ],
+        ),
+        (
+            change("object.radius", "object.radios"),
+            &["series", "known: scene.object.radius_cm,"],
+        ),
+        (
+            change("curvature_u", "curvature"),
+            &["quantity", "known: normal_curvature_u"],
+        ),
+        (
+            with("where = { \"scene.object.size\" = 5 }"),
+            &["where = \"scene.object.size\""],
+        ),
+        (
+            with("where = { \"scene.object.radius\" = 7 }"),
+            &["no rows", "scene.object.radius = 7"],
+        ),
+        (with("compare = \"rms_error\""), &["compare", "1/cm", "%"]),
+        (
+            with("marks = [{ axis = \"y\", value = 0, label = \"\" }]"),
+            &["the mark at y = 0 is exactly 0"],
+        ),
+        // A good plot before a bad one is not drawn either.
+        (
+            with("[[plot]]\nx = \"truth\"\ny = \"nothing\""),
+            &["plot-2", "nothing"],
+        ),
+        // The grammar of plots is that of configs.
+        (with("where = 3"), &["run.toml:", "plot.0.where", "table"]),
+        (
+            with("name = \"../a\""),
+            &["run.toml:", "plot.0.name", "../a"],
+        ),
+        (
+            "[[plot]]\nx = \"truth\"\n".to_owned(),
+            &["run.toml:", "plot.0.y: missing key"],
+        ),
+    ] {
+        refused(&angular_velocity(&plots), parts);
+    }
 }
 
 #[test]
@@ -173,17 +156,14 @@ fn marks_comparison_panels_and_statistics_along_x_are_drawn() {
         + "name = \"a\"\nmarks = [{ axis = \"y\", value = 0.15, label = \"fifteen\" }]\n"
         + "[[plot]]\nname = \"b\"\nx = \"truth\"\ny = \"rms_error\"\ncompare = \"mean_reported_std\"\n\
            series = \"scene.noise.angular_velocity.fraction\"\n";
-    let (dir, study) = with_plots(&plots);
-    plot(&study).unwrap();
-    let a = svg(dir.path(), "a");
-    assert!(
-        ["object radius 500 cm", "object radius 0.5 cm"]
-            .iter()
-            .all(|title| a.contains(title))
-    );
+    let drawn = figures(&angular_velocity(&plots)).unwrap();
+    let [a, b] = [&drawn[0].svg, &drawn[1].svg];
+    shows(a, &["object radius 500 cm", "object radius 0.5 cm"]);
     assert_eq!(a.matches("fifteen").count(), 1);
-    let b = svg(dir.path(), "b");
-    assert!(b.contains("mean reported std") && b.contains("true normal curvature along u (1/cm)"));
+    shows(
+        b,
+        &["mean reported std", "true normal curvature along u (1/cm)"],
+    );
 }
 
 #[test]
@@ -195,26 +175,23 @@ fn what_cannot_be_drawn_is_counted_and_explained() {
         ("0.3,5", None, 100),
         ("0.1,1", Some(0.5), 0),
     ] {
+        let numbers = Numbers::new(1.0, 0.5);
         cells.push(
             place,
             Numbers {
                 rms,
                 failures,
-                ..Numbers::new(1.0, 0.5)
+                ..numbers
             },
         );
     }
     let plots = "\n[[plot]]\nx = \"scene.sensor.pitch\"\ny = \"relative_rms_error\"\nseries = \"scene.object.radius\"\nscale = \"log-y\"\n";
-    let (dir, study) = cells.study(&(config("sphere", "") + plots));
-    plot(&study).unwrap();
-    let svg = svg(dir.path(), "plot-1");
-    for text in [
+    let notes = [
         "Not drawn: 1 point is exactly 0, which a log axis cannot show (object radius 5).",
         "Not drawn: 1 point is undefined in the table (object radius 5).",
         "Left out of every average: 103 failed trials of 400 (unresolved 103).",
-    ] {
-        assert!(svg.contains(text), "{text}");
-    }
+    ];
+    shows(&drawn(&cells.study(&config("sphere", plots))), &notes);
 }
 
 #[test]
@@ -224,17 +201,13 @@ fn labels_make_categories_and_are_escaped() {
         cells.push(&format!("\"{label}\""), Numbers::new(1.0, 0.5));
     }
     let plots = "\n[[plot]]\nx = \"scene.sensor\"\ny = \"relative_rms_error\"\ntitle = \"x < y & \\\"z\\\"\"\n";
-    let (dir, study) = cells.study(&(config("sphere", "") + plots));
-    plot(&study).unwrap();
-    let text = svg(dir.path(), "plot-1");
+    let text = drawn(&cells.study(&config("sphere", plots)));
     assert!(text.contains("&lt;b&gt;") && !text.contains("<b>"));
     assert!(text.contains("aria-label=\"x &lt; y &amp; &quot;z&quot;\""));
-    let (_dir, study) = cells.study(&(config("sphere", "") + plots + "scale = \"log-x\"\n"));
-    assert!(
-        plot(&study)
-            .unwrap_err()
-            .to_string()
-            .contains("cannot be logarithmic")
+    let log = format!("{plots}scale = \"log-x\"\n");
+    refused(
+        &cells.study(&config("sphere", &log)),
+        &["cannot be logarithmic", "a <b>"],
     );
 }
 
@@ -250,19 +223,18 @@ fn extreme_and_lone_values_are_drawn() {
         ] {
             let mut cells = Cells::new("scene.object.radius_cm");
             for (at, error) in errors.iter().enumerate() {
-                cells.push(
-                    &format!("{}", at + 1),
-                    Numbers {
-                        rms: Some(*error),
-                        ..Numbers::new(1.0, 0.5)
-                    },
-                );
+                let rms = Some(*error);
+                let numbers = Numbers::new(1.0, 0.5);
+                cells.push(&(at + 1).to_string(), Numbers { rms, ..numbers });
             }
             let plots = format!(
                 "\n[[plot]]\nx = \"scene.object.radius\"\ny = \"relative_rms_error\"\nscale = \"{scale}\"\n"
             );
-            let (_dir, study) = cells.study(&(config("sphere", "") + &plots));
-            assert_eq!(plot(&study).unwrap().len(), 2, "{scale} {errors:?}");
+            let svg = drawn(&cells.study(&config("sphere", &plots)));
+            assert!(
+                !svg.contains("NaN") && !svg.contains("inf\""),
+                "{scale} {errors:?}"
+            );
         }
     }
 }
@@ -274,37 +246,20 @@ fn a_long_legend_makes_a_taller_picture() {
         cells.push(&format!("{radius},1"), Numbers::new(1.0, f64::from(radius)));
     }
     let plots = "\n[[plot]]\nx = \"scene.sensor.pitch\"\ny = \"relative_rms_error\"\nseries = \"scene.object.radius\"\n";
-    let (dir, study) = cells.study(&(config("sphere", "") + plots));
-    plot(&study).unwrap();
-    let text = svg(dir.path(), "plot-1");
-    let number = |after: &str| -> f64 {
-        text.split(after)
-            .nth(1)
-            .unwrap()
-            .split('"')
-            .next()
-            .unwrap()
-            .parse()
-            .unwrap()
-    };
-    let height = number(" height=\"");
-    let lowest = text
-        .split(" y=\"")
-        .skip(1)
-        .map(|rest| rest.split('"').next().unwrap().parse::<f64>().unwrap() / 3.0)
+    let text = drawn(&cells.study(&config("sphere", plots)));
+    let height = attribute(&text, "height");
+    let texts = text.lines().filter(|line| line.starts_with("<text"));
+    let lowest = texts
+        .map(|line| attribute(line, "y") / 3.0)
         .fold(0.0, f64::max);
     assert!(height > 900.0 && lowest < height - 9.0, "{height} {lowest}");
 }
 
 /// Places along x, in pixels, of the lines of text that are `word`.
 fn across(svg: &str, word: &str) -> Vec<f64> {
-    let number = |line: &str| {
-        let x = line.split("x=\"").nth(1).unwrap();
-        x.split('"').next().unwrap().parse::<f64>().unwrap() / 3.0
-    };
     let lines: Vec<&str> = svg.lines().collect();
     let here = lines.windows(2).filter(|pair| pair[1] == word);
-    here.map(|pair| number(pair[0])).collect()
+    here.map(|pair| attribute(pair[0], "x") / 3.0).collect()
 }
 
 #[test]
@@ -328,9 +283,8 @@ fn names_along_x_stand_beside_each_other() {
         let plots = format!(
             "\n[[plot]]\nx = \"scene.sensor\"\ny = \"relative_rms_error\"\nscale = \"log-y\"\n{series}"
         );
-        let (dir, study) = cells.study(&(config("sphere", "") + &plots));
-        plot(&study).unwrap();
-        let places = across(&svg(dir.path(), "plot-1"), "misaligned");
+        let svg = drawn(&cells.study(&config("sphere", &plots)));
+        let places = across(&svg, "misaligned");
         assert_eq!(places.len(), if panels.is_empty() { 8 } else { 16 });
         // The word is at least 80 pixels wide in any sans-serif of 18.
         assert!(
@@ -350,22 +304,6 @@ fn many_and_long_names_make_no_endless_picture() {
         );
     }
     let plots = "\n[[plot]]\nx = \"scene.sensor\"\ny = \"relative_rms_error\"\n";
-    let (dir, study) = cells.study(&(config("sphere", "") + plots));
-    plot(&study).unwrap();
-    let text = svg(dir.path(), "plot-1");
-    let width = text.split('"').nth(1).unwrap();
-    assert!(width.parse::<f64>().unwrap() < 1700.0, "{width}");
-}
-
-#[test]
-fn a_study_without_plots_writes_none() {
-    let (_dir, study) = angular_velocity("");
-    assert!(plot(&study).unwrap().is_empty());
-}
-
-#[test]
-fn an_unwritable_folder_is_an_error() {
-    let (dir, study) = with_plots(BASIC);
-    drop(dir);
-    assert!(plot(&study).unwrap_err().to_string().contains("plot-1.svg"));
+    let width = attribute(&drawn(&cells.study(&config("sphere", plots))), "width");
+    assert!(width < 1700.0, "{width}");
 }

@@ -1,24 +1,8 @@
 //! Claims about presses on fabricated tables, both ways.
 
+use crate::fixture::{differs, holds, untestable};
 use crate::presses::{Cells, Numbers, OBJECTS, config};
-use palpate_report::{Score, Study, Verdict, score};
-use tempfile::TempDir;
-
-#[track_caller]
-pub(crate) fn judged((_dir, study): (TempDir, Study), verdict: Verdict, parts: &[&str]) {
-    let scores = score(std::slice::from_ref(&study));
-    let [score] = scores.as_slice() else {
-        panic!("{scores:?}")
-    };
-    let Score { measured, why, .. } = score;
-    assert_eq!(score.verdict, verdict, "{score:?}");
-    for part in parts {
-        assert!(
-            measured.contains(part) || why.contains(part),
-            "{part:?} is not in {score:?}"
-        );
-    }
-}
+use palpate_report::{Study, score};
 
 // ---- 15: R² of the Gaussian
 
@@ -42,23 +26,20 @@ fn claim_15_holds_if_some_weighting_gives_the_published_value() {
     let study = |found: &[(&str, f64)]| {
         profiles(found, 1, "calibrated gaussian").study(&config("[15]", ""), None)
     };
-    judged(
-        study(&[("equal steps", 0.977), ("even over the area", 0.961)]),
-        Verdict::Holds,
+    holds(
+        &study(&[("equal steps", 0.977), ("even over the area", 0.961)]),
         &[
             "0.977 (equal steps), 0.961 (even over the area)",
             "0.01 of 0.96",
         ],
     );
-    judged(
-        study(&[("equal steps", 0.977), ("even over the area", 0.9717)]),
-        Verdict::Differs,
+    differs(
+        &study(&[("equal steps", 0.977), ("even over the area", 0.9717)]),
         &["0.977 (equal steps), 0.972"],
     );
     // Every press of a weighting counts.
-    judged(
-        study(&[("equal steps", 0.961), ("equal steps", 0.98)]),
-        Verdict::Differs,
+    differs(
+        &study(&[("equal steps", 0.961), ("equal steps", 0.98)]),
         &["0.961 to 0.98 (equal steps)"],
     );
 }
@@ -67,11 +48,7 @@ fn claim_15_holds_if_some_weighting_gives_the_published_value() {
 fn claim_15_needs_a_noiseless_gaussian_on_the_half_space() {
     let found = [("equal steps", 0.96)];
     let missing = |cells: Cells, config: String| {
-        judged(
-            cells.study(&config, None),
-            Verdict::NotTestable,
-            &["r_squared"],
-        );
+        untestable(&cells.study(&config, None), &["r_squared"]);
     };
     missing(profiles(&found, 1, "half-space"), config("[15]", ""));
     missing(profiles(&found, 100, "gaussian"), config("[15]", ""));
@@ -85,7 +62,7 @@ fn claim_15_needs_a_noiseless_gaussian_on_the_half_space() {
 // ---- 16: convergence of the effective radius
 
 /// Every object, estimator and indentation: median and scatter as shares of the truth, by indentation.
-fn radii(made: impl Fn(f64) -> Option<[f64; 2]>) -> (TempDir, Study) {
+fn radii(made: impl Fn(f64) -> Option<[f64; 2]>) -> Study {
     let mut cells = Cells::new("scene.object,scene.motion.indentation_mm,scene.estimator");
     for (object, _, radius) in OBJECTS {
         for depth in [0.5, 0.75, 1.0, 1.4] {
@@ -119,9 +96,8 @@ fn claim_16_wants_an_end_near_the_truth_and_a_noisy_start() {
             _ => Some(start),
         })
     };
-    judged(
-        course(1.15, [1.2, 0.3], 0.1),
-        Verdict::Holds,
+    holds(
+        &course(1.15, [1.2, 0.3], 0.1),
         &[
             "30.7 mm for 26.7 (15 % off), 23 mm for 20 (15 % off)",
             "scatter 30 % below 1 mm",
@@ -129,38 +105,20 @@ fn claim_16_wants_an_end_near_the_truth_and_a_noisy_start() {
             "The half-space fit: medians at 1.4 mm 26.7 mm for 26.7 (0 % off)",
         ],
     );
-    judged(
-        course(1.25, [1.2, 0.3], 0.1),
-        Verdict::Differs,
-        &["25 % off"],
-    );
-    judged(
-        course(0.75, [1.2, 0.3], 0.1),
-        Verdict::Differs,
-        &["25 % off"],
-    );
-    judged(
-        course(1.15, [1.4, 0.3], 0.1),
-        Verdict::Differs,
-        &["in 0 of 6 cells"],
-    );
-    judged(
-        course(1.15, [1.2, 0.3], 0.25),
-        Verdict::Differs,
-        &["25 % at 1.4 mm"],
-    );
-    let (_dir, study) = course(1.15, [1.2, 0.3], 0.1);
+    differs(&course(1.25, [1.2, 0.3], 0.1), &["25 % off"]);
+    differs(&course(0.75, [1.2, 0.3], 0.1), &["25 % off"]);
+    differs(&course(1.15, [1.4, 0.3], 0.1), &["in 0 of 6 cells"]);
+    differs(&course(1.15, [1.2, 0.3], 0.25), &["25 % at 1.4 mm"]);
+    let study = course(1.15, [1.2, 0.3], 0.1);
     let score = score(&[study]).remove(0);
     assert!(!score.measured.contains("fail"), "{score:?}");
     // Where nothing is estimated, noise has won.
-    judged(
-        radii(|depth| (depth > 0.6).then_some(if depth < 1.0 { [1.0, 0.3] } else { [1.0, 0.1] })),
-        Verdict::Holds,
+    holds(
+        &radii(|depth| (depth > 0.6).then_some(if depth < 1.0 { [1.0, 0.3] } else { [1.0, 0.1] })),
         &["in 3 of 3 cells", "3 cells there give no estimate"],
     );
-    judged(
-        radii(|depth| (depth < 1.4).then_some([1.0, 0.3])),
-        Verdict::NotTestable,
+    untestable(
+        &radii(|depth| (depth < 1.4).then_some([1.0, 0.3])),
         &["26.7 mm has no quantiles at 1.4 mm"],
     );
 }
@@ -175,17 +133,12 @@ fn claim_16_needs_the_papers_objects_estimator_and_unit() {
     };
     let mut cells = Cells::new("scene.estimator");
     cells.push("gaussian", "effective_radius", numbers, "");
-    judged(
-        cells.study(&config("[16]", ""), None),
-        Verdict::NotTestable,
+    untestable(
+        &cells.study(&config("[16]", ""), None),
         &["gaussian with c = 1", "26.7 mm"],
     );
     let unnamed = config("[16]", "").replace("length_unit = \"mm\"\n", "");
-    judged(
-        cells.study(&unnamed, None),
-        Verdict::NotTestable,
-        &["millimetres"],
-    );
+    untestable(&cells.study(&unnamed, None), &["millimetres"]);
 }
 
 // ---- 17: regimes
@@ -230,7 +183,7 @@ fn by_sign(relative: f64) -> &'static str {
     }
 }
 
-fn of_regimes(cells: &Cells) -> (TempDir, Study) {
+fn of_regimes(cells: &Cells) -> Study {
     let objects = "[{ label = \"ball\", kind = \"sphere\", radius = 10 }, { label = \"plane\", kind = \"plane\" }, \
         { label = \"dish of 20 mm\", kind = \"dish\", radius = 20 }, { label = \"dish of 10 mm\", kind = \"dish\", radius = 10 }]";
     let sweep = format!("[[sweep]]\npath = \"scene.object\"\nvalues = {objects}\n");
@@ -243,9 +196,8 @@ fn of_regimes(cells: &Cells) -> (TempDir, Study) {
 
 #[test]
 fn claim_17_holds_by_sign_and_by_the_size_of_the_sensor() {
-    judged(
-        of_regimes(&regimes(|_| 0.94, by_sign)),
-        Verdict::Holds,
+    holds(
+        &of_regimes(&regimes(|_| 0.94, by_sign)),
         &[
             "9 of 9 are sensed (their 95 % intervals hold the truth in 94 %)",
             "at zero 2 of 2 fail as conforming",
@@ -258,19 +210,16 @@ fn claim_17_holds_by_sign_and_by_the_size_of_the_sensor() {
 #[test]
 fn claim_17_differs_if_a_regime_or_the_trend_is_another() {
     // The flattest contact is not understood: fewer objects, but a model that fails.
-    judged(
-        of_regimes(&regimes(|c| if c < 0.051 { 0.5 } else { 0.94 }, by_sign)),
-        Verdict::Differs,
+    differs(
+        &of_regimes(&regimes(|c| if c < 0.051 { 0.5 } else { 0.94 }, by_sign)),
         &["7 of 9 are sensed"],
     );
-    judged(
-        of_regimes(&regimes(|_| 0.94, |_| "conforming")),
-        Verdict::Differs,
+    differs(
+        &of_regimes(&regimes(|_| 0.94, |_| "conforming")),
         &["0 of 1 as edge-contact"],
     );
-    judged(
-        of_regimes(&regimes(|_| 0.94, |_| "undetermined")),
-        Verdict::Differs,
+    differs(
+        &of_regimes(&regimes(|_| 0.94, |_| "undetermined")),
         &["0 of 2 fail as conforming"],
     );
 }
@@ -293,16 +242,8 @@ fn claim_17_needs_all_three_signs_and_two_sensors() {
         );
         of_regimes(&cells)
     };
-    judged(
-        one("20", "ball", 0.15),
-        Verdict::NotTestable,
-        &["zero relative curvature"],
-    );
-    judged(
-        one("20", "plane", 0.0),
-        Verdict::NotTestable,
-        &["positive relative curvature"],
-    );
+    untestable(&one("20", "ball", 0.15), &["zero relative curvature"]);
+    untestable(&one("20", "plane", 0.0), &["positive relative curvature"]);
     let mut cells = Cells::new("scene.probe.radius_mm,scene.object");
     for (object, truth) in [
         ("ball", 0.15),
@@ -317,9 +258,5 @@ fn claim_17_needs_all_three_signs_and_two_sensors() {
         };
         cells.push(&format!("20,{object}"), "relative_curvature", numbers, "");
     }
-    judged(
-        of_regimes(&cells),
-        Verdict::NotTestable,
-        &["two sensor radii"],
-    );
+    untestable(&of_regimes(&cells), &["two sensor radii"]);
 }

@@ -1,9 +1,7 @@
 //! Small studies of presses: tables of fabricated estimates, profiles of known shape.
 
-use crate::fixture::{STATISTICS, folder};
+use crate::fixture::{self, NO_FAILURES, STATISTICS};
 use palpate_report::Study;
-use std::fs;
-use tempfile::TempDir;
 
 /// Objects by label, config and effective radius on a sensor of 20 mm.
 pub(crate) const OBJECTS: [(&str, &str, f64); 3] = [
@@ -57,7 +55,7 @@ impl Cells {
     pub(crate) fn new(axes: &str) -> Self {
         Self {
             text: format!("cell,{axes},quantity,unit,{STATISTICS},std_bound\n"),
-            failures: "cell,kind,count,first_trial\n".to_owned(),
+            failures: NO_FAILURES.to_owned(),
             rows: 0,
         }
     }
@@ -87,12 +85,8 @@ impl Cells {
         }
     }
 
-    pub(crate) fn study(&self, config: &str, map: Option<&str>) -> (TempDir, Study) {
-        let dir = folder(config, &self.text, &self.failures);
-        if let Some(map) = map {
-            fs::write(dir.path().join("map.csv"), map).unwrap();
-        }
-        let study = Study::load(dir.path()).unwrap();
-        (dir, study)
+    pub(crate) fn study(&self, config: &str, map: Option<&str>) -> Study {
+        let map: Vec<(&str, &str)> = map.map(|text| ("map.csv", text)).into_iter().collect();
+        fixture::study(config, &self.text, &self.failures, &map)
     }
 }

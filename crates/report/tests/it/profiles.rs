@@ -1,9 +1,8 @@
 //! Profiles of presses, points from elsewhere and the bound: what is drawn and told, what is refused.
 
+use crate::fixture::{angular_velocity, count, drawn, refused, shows};
 use crate::presses::{Cells, Numbers, OBJECTS, config};
-use palpate_report::{Study, page, plot};
-use std::fs;
-use tempfile::TempDir;
+use palpate_report::Study;
 
 const PROFILE: &str = "[[plot]]\nname = \"p\"\nkind = \"profile\"\n";
 const LINES: &str = "[[plot]]\nname = \"p\"\nx = \"scene.motion.indentation\"\ny = \"std\"\n\
@@ -54,26 +53,8 @@ fn map() -> String {
     text
 }
 
-fn made(plots: &str, map: &str) -> (TempDir, Study) {
+fn made(plots: &str, map: &str) -> Study {
     cells().study(&config("[]", plots), Some(map))
-}
-
-/// The first picture as it stands in the page.
-#[track_caller]
-fn drawn((_dir, study): (TempDir, Study)) -> String {
-    let html = page(&[study]).unwrap();
-    let (from, to) = (html.find("<svg").unwrap(), html.find("</svg>").unwrap());
-    html[from..to].to_owned()
-}
-
-#[track_caller]
-fn refused((dir, study): (TempDir, Study), parts: &[&str]) {
-    let before = fs::read_dir(dir.path()).unwrap().count();
-    let error = plot(&study).unwrap_err().to_string();
-    for part in parts {
-        assert!(error.contains(part), "{part:?} is not in: {error}");
-    }
-    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), before);
 }
 
 /// Lines of a colour without those of the legend, which are as wide as its samples.
@@ -92,8 +73,8 @@ fn says(svg: &str, text: &str) -> bool {
 #[test]
 fn a_line_per_cell_in_the_colour_of_its_object() {
     let only = "where = { \"scene.estimator\" = \"half-space\" }\n";
-    let svg = drawn(made(&(PROFILE.to_owned() + only), &map()));
-    for text in [
+    let svg = drawn(&made(&(PROFILE.to_owned() + only), &map()));
+    let texts = [
         "A question?",
         "half-space · estimates of one trial each",
         "radial position (mm)",
@@ -104,9 +85,8 @@ fn a_line_per_cell_in_the_colour_of_its_object() {
         "ball of 80 mm",
         "truth",
         "estimate",
-    ] {
-        assert!(says(&svg, text), "{text}");
-    }
+    ];
+    shows(&svg, &texts);
     // The sample in the legend, and the dashes of the estimate.
     for colour in [BLUE, VERMILION, GREEN] {
         assert!(lines(&svg, colour) > 3, "{colour}");
@@ -119,21 +99,20 @@ fn a_line_per_cell_in_the_colour_of_its_object() {
 
 #[test]
 fn a_truth_that_cells_share_is_drawn_once_and_is_nobodys() {
-    let svg = drawn(made(
+    let svg = drawn(&made(
         &(PROFILE.to_owned() + "panels = \"scene.object\"\n"),
         &map(),
     ));
     assert_eq!(lines(&svg, PALE_NEUTRAL), 3, "one in each panel");
-    for title in [
+    let titles = [
         "dish of 80 mm",
         "plane",
         "ball of 80 mm",
         "estimator",
         "half-space",
         "gaussian",
-    ] {
-        assert!(says(&svg, title), "{title}");
-    }
+    ];
+    shows(&svg, &titles);
     // Colours belong to the estimators here.
     assert!(lines(&svg, BLUE) > 3 && lines(&svg, VERMILION) > 3 && lines(&svg, GREEN) == 0);
 }
@@ -141,10 +120,11 @@ fn a_truth_that_cells_share_is_drawn_once_and_is_nobodys() {
 #[test]
 fn labels_are_made_of_what_differs() {
     let some = "where = { \"scene.object\" = [\"plane\", \"ball of 80 mm\"] }\n";
-    let svg = drawn(made(&(PROFILE.to_owned() + some), &map()));
-    for label in ["plane, half-space", "plane, gaussian", "ball of 80 mm,"] {
-        assert!(says(&svg, label), "{label}");
-    }
+    let svg = drawn(&made(&(PROFILE.to_owned() + some), &map()));
+    shows(
+        &svg,
+        &["plane, half-space", "plane, gaussian", "ball of 80 mm,"],
+    );
 }
 
 #[test]
@@ -152,9 +132,9 @@ fn the_other_component_and_estimates_that_lack_it() {
     let radial = PROFILE.to_owned() + "component = \"radial\"\n";
     let of =
         |estimator: &str| format!("{radial}where = {{ \"scene.estimator\" = \"{estimator}\" }}\n");
-    let svg = drawn(made(&of("half-space"), &map()));
+    let svg = drawn(&made(&of("half-space"), &map()));
     assert!(says(&svg, "displacement along the skin, outward (mm)") && says(&svg, "estimate"));
-    let svg = drawn(made(&of("gaussian"), &map()));
+    let svg = drawn(&made(&of("gaussian"), &map()));
     assert!(
         !svg.contains("estimate"),
         "nothing is said of estimates that are not there"
@@ -169,56 +149,55 @@ fn cells_without_a_profile_are_told() {
         .filter(|line| !line.starts_with("5,"))
         .map(|line| format!("{line}\n"))
         .collect();
-    let svg = drawn(made(PROFILE, &map));
+    let svg = drawn(&made(PROFILE, &map));
     assert!(svg.contains("No map: ball of 80 mm, gaussian."));
 }
 
 #[test]
 fn bad_profiles_are_refused() {
-    refused(cells().study(&config("[]", PROFILE), None), &["map.csv"]);
-    let bad = |from: &str, to: &str, parts: &[&str]| {
-        refused(made(PROFILE, &map().replacen(from, to, 1)), parts);
-    };
-    bad(
-        "radial_position",
-        "radius",
-        &["map.csv", "\"radial_position\"", "radius_mm"],
-    );
-    bad(
-        "\n0,1,",
-        "\n0,0,",
-        &["line 3", "radial_position_mm", "further out"],
-    );
-    bad(
-        "\n0,1,",
-        "\n0,NaN,",
-        &["line 3", "radial_position_mm", "NaN"],
-    );
-    bad(
-        "\n0,0,1,",
-        "\n0,0,inf,",
-        &["line 2", "normal_displacement_mm", "inf"],
-    );
-    bad("\n0,0,", "\nzero,0,", &["line 2", "\"cell\"", "zero"]);
-    refused(made(PROFILE, HEADER), &["map.csv", "empty"]);
-    let with = |rest: &str| made(&(PROFILE.to_owned() + rest), &map());
-    refused(
-        with("x = \"truth\"\n"),
-        &["plot[0].x", "profile", "component"],
-    );
-    refused(
-        with("component = \"shear\"\n"),
-        &["component", "shear", "normal, radial"],
-    );
-    refused(with("scale = \"log-y\"\n"), &["plot[0].scale", "linear"]);
-    refused(
-        with("panels = \"scene.objet\"\n"),
-        &["panels", "scene.objet", "scene.object"],
-    );
-    refused(
-        with("where = { \"scene.object\" = \"cube\" }\n"),
-        &["no cell", "scene.object = cube"],
-    );
+    refused(&cells().study(&config("[]", PROFILE), None), &["map.csv"]);
+    for (from, to, parts) in [
+        (
+            "radial_position",
+            "radius",
+            &["map.csv", "\"radial_position\"", "radius_mm"][..],
+        ),
+        (
+            "\n0,1,",
+            "\n0,0,",
+            &["line 3", "radial_position_mm", "further out"],
+        ),
+        (
+            "\n0,1,",
+            "\n0,NaN,",
+            &["line 3", "radial_position_mm", "NaN"],
+        ),
+        (
+            "\n0,0,1,",
+            "\n0,0,inf,",
+            &["line 2", "normal_displacement_mm", "inf"],
+        ),
+        ("\n0,0,", "\nzero,0,", &["line 2", "\"cell\"", "zero"]),
+    ] {
+        refused(&made(PROFILE, &map().replacen(from, to, 1)), parts);
+    }
+    refused(&made(PROFILE, HEADER), &["map.csv", "empty"]);
+    for (rest, parts) in [
+        (
+            "component = \"shear\"",
+            &["plot.0.component", "shear", "normal, radial"][..],
+        ),
+        (
+            "panels = \"scene.objet\"",
+            &["panels", "scene.objet", "scene.object"],
+        ),
+        (
+            "where = { \"scene.object\" = \"cube\" }",
+            &["no cell", "scene.object = cube"],
+        ),
+    ] {
+        refused(&made(&format!("{PROFILE}{rest}\n"), &map()), parts);
+    }
     // Eight lines have no eight colours.
     let mut many = Cells::new("scene.motion.indentation_mm");
     let mut table = HEADER.to_owned();
@@ -227,7 +206,7 @@ fn bad_profiles_are_refused() {
         table += &format!("{cell},0,1,0,,\n");
     }
     refused(
-        many.study(&config("[]", PROFILE), Some(&table)),
+        &many.study(&config("[]", PROFILE), Some(&table)),
         &["8 lines", "at most 7"],
     );
 }
@@ -235,10 +214,10 @@ fn bad_profiles_are_refused() {
 #[test]
 fn maps_of_other_scenes_are_refused() {
     let class_map = PROFILE.replace("profile", "class-map");
-    refused(made(&class_map, &map()), &["class-map", "glide", "press"]);
+    refused(&made(&class_map, &map()), &["class-map", "glide", "press"]);
     let glide = config("[]", PROFILE).replace("kind = \"press\"", "kind = \"glide\"");
     refused(
-        cells().study(&glide, Some(&map())),
+        &cells().study(&glide, Some(&map())),
         &["profile", "press", "glide"],
     );
 }
@@ -247,7 +226,7 @@ fn maps_of_other_scenes_are_refused() {
 fn profiles_of_any_size_are_drawn() {
     for scale in [0.0, 5e-324, 1e-9, 1e9, 1e100] {
         let text = format!("{HEADER}0,0,{scale},0,,\n0,{},0,0,{scale},\n", 1e-9);
-        let svg = drawn(made(PROFILE, &text));
+        let svg = drawn(&made(PROFILE, &text));
         assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{scale}");
     }
 }
@@ -276,43 +255,33 @@ fn spreads() -> Cells {
     cells
 }
 
-fn spread(plots: &str) -> (TempDir, Study) {
+fn spread(plots: &str) -> Study {
     spreads().study(&config("[]", plots), None)
 }
 
 #[test]
 fn the_bound_is_drawn_and_told_where_there_is_one() {
-    let svg = drawn(spread(&(LINES.to_owned() + "compare = \"std_bound\"\n")));
+    let svg = drawn(&spread(&(LINES.to_owned() + "compare = \"std_bound\"\n")));
     assert!(says(&svg, "standard deviation") && says(&svg, "Cramér–Rao bound"));
     assert!(svg.contains("Not drawn: 3 points are undefined in the table"));
-    let svg = drawn(spread(&LINES.replace("\"std\"", "\"std_bound\"")));
+    let svg = drawn(&spread(&LINES.replace("\"std\"", "\"std_bound\"")));
     assert!(says(
         &svg,
         "Cramér–Rao bound on the std of relative curvature (1/mm)"
     ));
-    let (_dir, rolls) = crate::fixture::angular_velocity("");
+    let rolls = angular_velocity("[[plot]]\nx = \"truth\"\ny = \"std_bound\"\n");
     assert!(!rolls.cells().statistics().any(|name| name == "std_bound"));
-    let (dir, _) = crate::fixture::angular_velocity("");
-    let path = dir.path().join("run.toml");
-    let text = fs::read_to_string(&path).unwrap();
-    let plots = "[[plot]]\nx = \"truth\"\ny = \"std_bound\"\n";
-    fs::write(&path, text + plots).unwrap();
-    let study = Study::load(dir.path()).unwrap();
-    refused((dir, study), &["y = \"std_bound\" is no column"]);
+    refused(&rolls, &["y = \"std_bound\" is no column"]);
 }
 
 #[test]
 fn points_are_open_markers_in_the_colour_of_their_series() {
     let plain = LINES.to_owned();
-    let svg = drawn(spread(&plain));
-    let polygons = |svg: &str, colour: &str| {
-        svg.lines()
-            .filter(|line| line.contains("<polygon") && line.contains(colour))
-            .count()
-    };
+    let svg = drawn(&spread(&plain));
+    let polygons = |svg: &str, colour: &str| count(svg, "polygon", colour);
     let (before, neutral) = (polygons(&svg, VERMILION), polygons(&svg, NEUTRAL));
     let points = format!("{plain}{POINTS}x = [0.6, 2.4]\ny = [0.02, 0.3]\nseries = \"plane\"\n");
-    let svg = drawn(spread(&points));
+    let svg = drawn(&spread(&points));
     assert!(says(&svg, "published"));
     assert_eq!(
         polygons(&svg, VERMILION),
@@ -326,7 +295,7 @@ fn points_are_open_markers_in_the_colour_of_their_series() {
         + POINTS
         + "x = [0.7]\ny = [0.01]\n"
         + "[[plot.points]]\nlabel = \"other\"\nx = [1]\ny = [0.02]\n";
-    let svg = drawn(spread(&points));
+    let svg = drawn(&spread(&points));
     assert_eq!(svg.matches("\npublished\n").count(), 1);
     assert_eq!(
         polygons(&svg, NEUTRAL),
@@ -338,15 +307,16 @@ fn points_are_open_markers_in_the_colour_of_their_series() {
 #[test]
 fn points_stand_in_their_panel() {
     let panels = LINES.replace("series", "panels");
-    let count = |points: &str| {
-        let svg = drawn(spread(&(panels.clone() + points)));
-        svg.lines()
-            .filter(|line| line.contains("<polygon") && line.contains(NEUTRAL))
-            .count()
+    let drawn = |points: &str| {
+        count(
+            &drawn(&spread(&format!("{panels}{points}"))),
+            "polygon",
+            NEUTRAL,
+        )
     };
     let all = format!("{POINTS}x = [0.6]\ny = [0.02]\n");
-    assert_eq!(count(&all), 4);
-    assert_eq!(count(&(all + "panel = \"plane\"\n")), 2);
+    assert_eq!(drawn(&all), 4);
+    assert_eq!(drawn(&(all + "panel = \"plane\"\n")), 2);
 }
 
 #[test]
@@ -355,19 +325,16 @@ fn points_of_a_profile_take_the_colour_of_a_line() {
         "{PROFILE}panels = \"scene.object\"\nmarks = [{{ axis = \"x\", value = 1, label = \"edge\" }}]\n\
         {POINTS}x = [0, 1]\ny = [0.9, 0.4]\nseries = \"gaussian\"\npanel = \"plane\"\n"
     );
-    let svg = drawn(made(&one, &map()));
-    let polygons = svg
-        .lines()
-        .filter(|line| line.contains("<polygon") && line.contains(VERMILION));
-    assert_eq!(polygons.count(), 3);
+    let svg = drawn(&made(&one, &map()));
+    assert_eq!(count(&svg, "polygon", VERMILION), 3);
     assert!(says(&svg, "edge"));
     let several = format!(
         "{PROFILE}where = {{ \"scene.object\" = [\"plane\", \"ball of 80 mm\"] }}\n\
         {POINTS}x = [1]\ny = [0.4]\nseries = \"plane, gaussian\"\n"
     );
-    assert!(drawn(made(&several, &map())).contains("\npublished\n"));
+    assert!(drawn(&made(&several, &map())).contains("\npublished\n"));
     refused(
-        made(
+        &made(
             &several.replace("series = \"plane, gaussian\"", "series = \"dish\""),
             &map(),
         ),
@@ -377,41 +344,31 @@ fn points_of_a_profile_take_the_colour_of_a_line() {
 
 #[test]
 fn bad_points_are_refused() {
-    let with = |rest: &str| spread(&format!("{LINES}{POINTS}{rest}"));
-    refused(
-        with("x = [1, 2]\ny = [1]\n"),
-        &["plot[0].points[0].y", "1 numbers", "x has 2"],
-    );
-    refused(
-        with("x = []\ny = []\n"),
-        &["points[0].x", "list of finite numbers"],
-    );
-    refused(with("x = [nan]\ny = [1]\n"), &["points[0].x", "finite"]);
-    refused(
-        with("x = [1]\ny = [1]\nz = [1]\n"),
-        &["points[0].z", "unknown"],
-    );
-    refused(
-        with("x = [1]\ny = [1]\nseries = \"cube\"\n"),
-        &["cube", "known", "plane"],
-    );
-    refused(
-        with("x = [1]\ny = [1]\npanel = \"plane\"\n"),
-        &["panel \"plane\"", "shown:"],
-    );
-    refused(
-        spread(&format!(
-            "{LINES}scale = \"log-y\"\n{POINTS}x = [1]\ny = [0]\n"
-        )),
-        &["point at y = 0", "log axis"],
-    );
-    refused(
-        spread(&format!("{LINES}points = 3\n")),
-        &["plot[0].points", "3"],
-    );
     let labels = "[[plot]]\nx = \"scene.object\"\ny = \"std\"\nwhere = { \"scene.motion.indentation\" = 1 }\n";
-    refused(
-        spread(&format!("{labels}{POINTS}x = [1]\ny = [1]\n")),
-        &["numbers along x", "scene.object"],
-    );
+    let log = format!("{LINES}scale = \"log-y\"\n");
+    for (plot, points, parts) in [
+        (
+            LINES,
+            "x = [1, 2]\ny = [1]",
+            &["plot.0.points.0.y", "1 values", "`x` has 2"][..],
+        ),
+        (
+            LINES,
+            "x = [1]\ny = [1]\nseries = \"cube\"",
+            &["cube", "known", "plane"],
+        ),
+        (
+            LINES,
+            "x = [1]\ny = [1]\npanel = \"plane\"",
+            &["panel \"plane\"", "shown:"],
+        ),
+        (&log, "x = [1]\ny = [0]", &["point at y = 0", "log axis"]),
+        (
+            labels,
+            "x = [1]\ny = [1]",
+            &["numbers along x", "scene.object"],
+        ),
+    ] {
+        refused(&spread(&format!("{plot}{POINTS}{points}\n")), parts);
+    }
 }

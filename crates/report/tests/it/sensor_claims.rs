@@ -1,9 +1,8 @@
 //! Claims about the camera and the skin on fabricated tables, both ways.
 
-use crate::press_claims::judged;
+use crate::fixture::{differs, holds, untestable};
 use crate::presses::{Cells, Numbers, OBJECTS, config};
-use palpate_report::{Study, Verdict};
-use tempfile::TempDir;
+use palpate_report::Study;
 
 fn mean(mean: f64) -> Numbers {
     Numbers {
@@ -33,16 +32,15 @@ fn lines(hue: impl Fn(usize, f64) -> Numbers, centroid: impl Fn(usize, f64) -> f
     cells
 }
 
-fn of_lines(cells: &Cells) -> (TempDir, Study) {
+fn of_lines(cells: &Cells) -> Study {
     cells.study(&config("[14]", ""), None)
 }
 
 #[test]
 fn claim_14_holds_for_straight_lines_of_any_slope() {
     let hue = |at: usize, depth: f64| mean([0.02, 0.025, 0.03][at] * depth);
-    judged(
-        of_lines(&lines(hue, |_, shift| 7.0 * shift)),
-        Verdict::Holds,
+    holds(
+        &of_lines(&lines(hue, |_, shift| 7.0 * shift)),
         &[
             "Hue against indentation: R² 1, slope 0.02 (dish of 80 mm), 0.025 (plane), 0.03 (ball of 80 mm) turns/mm",
             "which differ by ±20 %",
@@ -57,9 +55,8 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
     let straight = |_: usize, depth: f64| mean(0.025 * depth);
     // Through 0, 0, 1: R² = 3/4. Through 0, 0.41, 1: just under 0.99.
     let bent = |at: usize, depth: f64| mean(if at == 2 && depth < 1.0 { 0.0 } else { depth });
-    judged(
-        of_lines(&lines(bent, |_, shift| 7.0 * shift)),
-        Verdict::Differs,
+    differs(
+        &of_lines(&lines(bent, |_, shift| 7.0 * shift)),
         &["R² 0.75 to 1"],
     );
     let sagging = |at: usize, shift: f64| {
@@ -69,24 +66,18 @@ fn claim_14_differs_for_bent_or_scattered_lines() {
             shift
         }
     };
-    judged(
-        of_lines(&lines(straight, sagging)),
-        Verdict::Differs,
-        &["R² 0.98"],
-    );
+    differs(&of_lines(&lines(straight, sagging)), &["R² 0.98"]);
     // Sums of squares 0.0002 of the means, and 3 × 0.005² of the scatter: R² = 0.73.
     let scattered = |_: usize, depth: f64| Numbers {
         std: Some(0.005),
         ..mean(0.025 * depth)
     };
-    judged(
-        of_lines(&lines(scattered, |_, shift| 7.0 * shift)),
-        Verdict::Differs,
+    differs(
+        &of_lines(&lines(scattered, |_, shift| 7.0 * shift)),
         &["R² 0.727,"],
     );
-    judged(
-        of_lines(&lines(|_, _| mean(0.0), |_, shift| 7.0 * shift)),
-        Verdict::Differs,
+    differs(
+        &of_lines(&lines(|_, _| mean(0.0), |_, shift| 7.0 * shift)),
         &["R² 0, slope 0"],
     );
 }
@@ -98,9 +89,8 @@ fn claim_14_allows_the_paper_s_scatter_of_hues() {
         std: Some(0.0025),
         ..mean(0.025 * depth)
     };
-    judged(
-        of_lines(&lines(scattered, |_, shift| 7.0 * shift)),
-        Verdict::Holds,
+    holds(
+        &of_lines(&lines(scattered, |_, shift| 7.0 * shift)),
         &["R² 0.914,"],
     );
 }
@@ -114,9 +104,8 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
         }
         of_lines(&cells)
     };
-    judged(
-        few("hue_change", "indentation"),
-        Verdict::NotTestable,
+    untestable(
+        &few("hue_change", "indentation"),
         &["hue_change", "three indentations"],
     );
     // Hues, but no shift anywhere.
@@ -125,16 +114,12 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
         cells.push(depth, "hue_change", mean(depth.parse().unwrap()), "");
         cells.push(depth, "centroid_shift", mean(0.1), "");
     }
-    judged(
-        of_lines(&cells),
-        Verdict::NotTestable,
-        &["centroid_shift", "three shifts"],
-    );
+    untestable(&of_lines(&cells), &["centroid_shift", "three shifts"]);
 }
 
 // ---- 18: gores
 
-fn gores(greatest: &[(u32, f64)], rms: &[(u32, f64)]) -> (TempDir, Study) {
+fn gores(greatest: &[(u32, f64)], rms: &[(u32, f64)]) -> Study {
     let mut cells = Cells::new("scene.probe.layout.gores");
     for (quantity, strains) in [("greatest_fold_strain", greatest), ("rms_fold_strain", rms)] {
         for (count, strain) in strains {
@@ -148,9 +133,8 @@ fn gores(greatest: &[(u32, f64)], rms: &[(u32, f64)]) -> (TempDir, Study) {
 fn claim_18_wants_both_strains_to_fall() {
     let published = [(4, 0.47), (5, 0.37), (6, 0.30), (8, 0.22)];
     let rms = [(4, 0.2), (6, 0.1), (8, 0.05)];
-    judged(
-        gores(&published, &rms),
-        Verdict::Holds,
+    holds(
+        &gores(&published, &rms),
         &[
             "Folding 4, 6, 8 gores strains them by at most 47 %, 30 %, 22 %, by 20 %, 10 %, 5 % in the rms",
         ],
@@ -160,12 +144,8 @@ fn claim_18_wants_both_strains_to_fall() {
         [(4, 0.2), (6, 0.1), (8, 0.15)],
         [(4, 0.2), (6, 0.1), (8, 0.3)],
     ] {
-        judged(gores(&published, &strains), Verdict::Differs, &["47 %"]);
-        judged(
-            gores(&strains, &rms),
-            Verdict::Differs,
-            &["20 %, 10 %, 5 %"],
-        );
+        differs(&gores(&published, &strains), &["47 %"]);
+        differs(&gores(&strains, &rms), &["20 %, 10 %, 5 %"]);
     }
 }
 
@@ -173,21 +153,17 @@ fn claim_18_wants_both_strains_to_fall() {
 fn claim_18_needs_each_number_of_gores_once() {
     let all = [(4, 0.4), (6, 0.3), (8, 0.2)];
     let missing = &["no greatest_fold_strain of 8 gores"];
-    judged(gores(&all[..2], &all), Verdict::NotTestable, missing);
+    untestable(&gores(&all[..2], &all), missing);
     let missing = &["no rms_fold_strain of 4 gores"];
-    judged(gores(&all, &[]), Verdict::NotTestable, missing);
+    untestable(&gores(&all, &[]), missing);
     let twice = [(4, 0.4), (4, 0.4), (6, 0.3), (8, 0.2)];
-    judged(
-        gores(&twice, &all),
-        Verdict::NotTestable,
-        &["several rows", "of 4 gores"],
-    );
+    untestable(&gores(&twice, &all), &["several rows", "of 4 gores"]);
 }
 
 // ---- 19: the fisheye
 
 /// Areas at 0, 30 and 60°, of each lens.
-fn areas(lenses: &[(&str, [Option<f64>; 3])]) -> (TempDir, Study) {
+fn areas(lenses: &[(&str, [Option<f64>; 3])]) -> Study {
     let mut cells = Cells::new("scene.sensor.lens,scene.view.polar_deg");
     for (lens, areas) in lenses {
         for (polar, area) in [0, 30, 60].iter().zip(areas) {
@@ -205,40 +181,26 @@ fn areas(lenses: &[(&str, [Option<f64>; 3])]) -> (TempDir, Study) {
 fn claim_19_wants_an_even_fisheye_beside_an_uneven_pinhole() {
     let even = ("fisheye", [100.0, 105.0, 120.0].map(Some));
     let uneven = ("pinhole", [Some(100.0), Some(154.0), None]);
-    judged(
-        areas(&[even, uneven]),
-        Verdict::Holds,
+    holds(
+        &areas(&[even, uneven]),
         &["fisheye 1.2 over polar angles of 0 to 60°; pinhole 1.54 over polar angles of 0 to 30°"],
     );
     let stretched = ("fisheye", [100.0, 105.0, 126.0].map(Some));
-    judged(
-        areas(&[stretched, uneven]),
-        Verdict::Differs,
-        &["fisheye 1.26"],
-    );
+    differs(&areas(&[stretched, uneven]), &["fisheye 1.26"]);
     let as_even = ("pinhole", [100.0, 110.0, 125.0].map(Some));
-    judged(areas(&[even, as_even]), Verdict::Differs, &["pinhole 1.25"]);
+    differs(&areas(&[even, as_even]), &["pinhole 1.25"]);
 }
 
 #[test]
 fn claim_19_needs_both_lenses_at_several_angles() {
     let even = ("fisheye", [100.0, 105.0, 120.0].map(Some));
-    judged(
-        areas(&[even]),
-        Verdict::NotTestable,
-        &["marker_area of a pinhole"],
-    );
+    untestable(&areas(&[even]), &["marker_area of a pinhole"]);
     let lone = ("pinhole", [Some(100.0), None, None]);
-    judged(
-        areas(&[even, lone]),
-        Verdict::NotTestable,
-        &["marker_area of a pinhole"],
-    );
+    untestable(&areas(&[even, lone]), &["marker_area of a pinhole"]);
     // What has no area has no ratio.
     let none = ("fisheye", [Some(0.0), Some(0.0), Some(-1.0)]);
-    judged(
-        areas(&[none, ("pinhole", even.1)]),
-        Verdict::NotTestable,
+    untestable(
+        &areas(&[none, ("pinhole", even.1)]),
         &["marker_area of a fisheye"],
     );
 }

@@ -1,7 +1,7 @@
 //! Tables of speed against accuracy, and what the page makes of the tables beside the studies.
 
-use crate::fixture::{Cells, Numbers, config};
-use palpate_report::{ReportError, Study, draw_tradeoff, page};
+use crate::fixture::{Cells, NO_FAILURES, Numbers, config, says};
+use palpate_report::{Files, ReportError, Study, page, tradeoff_figures};
 use std::fs;
 use std::path::Path;
 
@@ -26,35 +26,41 @@ roll,ideal,40,0
 roll,noise,90,16
 ";
 
+/// Tables with these rungs, by name.
+fn tables(rungs: &str) -> [(&'static str, String); 4] {
+    [
+        ("ladders.csv", LADDERS.to_owned()),
+        ("rungs.csv", rungs.to_owned()),
+        ("answers.csv", ANSWERS.to_owned()),
+        ("stages.csv", STAGES.to_owned()),
+    ]
+}
+
 fn fill(folder: &Path) {
     fs::create_dir_all(folder).unwrap();
-    for (name, text) in [
-        ("ladders.csv", LADDERS),
-        ("rungs.csv", RUNGS),
-        ("answers.csv", ANSWERS),
-        ("stages.csv", STAGES),
-    ] {
+    for (name, text) in tables(RUNGS) {
         fs::write(folder.join(name), text).unwrap();
     }
 }
 
+/// The only ladder as SVG.
+fn drawn(rungs: &str) -> String {
+    let mut figures = tradeoff_figures(&Files::in_memory(tables(rungs))).unwrap();
+    assert_eq!((figures.len(), figures[0].name.as_str()), (1, "rolling"));
+    figures.remove(0).svg
+}
+
 #[test]
 fn a_picture_names_the_front_and_nothing_else() {
-    let folder = tempfile::tempdir().unwrap();
-    fill(folder.path());
-    let files = draw_tradeoff(folder.path()).unwrap();
-    let names: Vec<_> = files.iter().map(|file| file.file_name().unwrap()).collect();
-    assert_eq!(names, ["rolling.svg", "rolling.png"]);
-    let svg = fs::read_to_string(&files[0]).unwrap();
-    for text in [
+    let svg = drawn(RUNGS);
+    let texts = [
         "easy: a ball",
         "hard: an ellipsoid",
         "cost of one roll, instructions",
         "closed form",
         "RK4 × 8",
-    ] {
-        assert!(svg.contains(text), "{text}");
-    }
+    ];
+    says(&svg, &texts);
     // Beaten on the easy scene, where it is a title only; on the front of the hard one.
     assert_eq!(svg.matches("RK4 × 1\n").count(), 1, "{svg}");
     assert_eq!(svg.matches("><title>RK4 × 1</title></circle>").count(), 1);
@@ -64,45 +70,32 @@ fn a_picture_names_the_front_and_nothing_else() {
 
 #[test]
 fn a_rung_off_the_scale_is_shown_as_such() {
-    let folder = tempfile::tempdir().unwrap();
-    fill(folder.path());
     let rungs = RUNGS.replace(",1e-3,", ",345.6,").replace(",0.2,", ",12,");
-    fs::write(folder.path().join("rungs.csv"), rungs).unwrap();
-    let files = draw_tradeoff(folder.path()).unwrap();
-    let svg = fs::read_to_string(&files[0]).unwrap();
-    for text in [
+    let texts = [
         "triangles: off the scale, more than 10",
         "><title>RK4 × 1, errs by 346</title></polygon>",
         "RK4 × 1, errs by 12\n",
-    ] {
-        assert!(svg.contains(text), "{text}\n{svg}");
-    }
+    ];
+    says(&drawn(&rungs), &texts);
 }
 
 #[test]
 fn without_instructions_the_axis_is_time() {
-    let folder = tempfile::tempdir().unwrap();
-    fill(folder.path());
-    let rungs = RUNGS.replace(",6000,", ",,");
-    fs::write(folder.path().join("rungs.csv"), rungs).unwrap();
-    let files = draw_tradeoff(folder.path()).unwrap();
-    let svg = fs::read_to_string(&files[0]).unwrap();
-    assert!(svg.contains("cost of one roll, ns"), "{svg}");
+    says(
+        &drawn(&RUNGS.replace(",6000,", ",,")),
+        &["cost of one roll, ns"],
+    );
 }
 
 #[test]
 fn an_error_that_a_log_axis_cannot_show_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    fill(folder.path());
     for value in ["0", "-1", "NaN", "inf", ""] {
         let rungs = RUNGS.replace(",0.2,", &format!(",{value},"));
-        fs::write(folder.path().join("rungs.csv"), rungs).unwrap();
-        let error = draw_tradeoff(folder.path()).unwrap_err();
+        let error = tradeoff_figures(&Files::in_memory(tables(&rungs))).unwrap_err();
         let named =
             matches!(&error, ReportError::BadCell { line: 4, column, .. } if column == "error");
         assert!(named, "{value}: {error}");
     }
-    assert!(!folder.path().join("rolling.svg").exists());
 }
 
 #[test]
@@ -184,12 +177,14 @@ fn the_page_tells_whether_auto_keeps_its_word() {
 fn study_in(results: &Path) -> Study {
     let mut cells = Cells::new("scene.object.radius_cm");
     cells.push("5", Numbers::new(0.2, 0.1));
-    let (made, _) = cells.study(&config("sphere", ""));
     let folder = results.join("study");
     fs::create_dir_all(&folder).unwrap();
-    for file in fs::read_dir(made.path()).unwrap() {
-        let file = file.unwrap();
-        fs::copy(file.path(), folder.join(file.file_name())).unwrap();
+    for (name, text) in [
+        ("run.toml", config("sphere", "")),
+        ("cells.csv", cells.text()),
+        ("failures.csv", NO_FAILURES.to_owned()),
+    ] {
+        fs::write(folder.join(name), text).unwrap();
     }
     Study::load(&folder).unwrap()
 }

@@ -7,9 +7,9 @@
 use nalgebra::Vector2;
 use palpate_geometry::{Shape, Surface};
 
-use super::GlideError;
 use super::foot::Foot;
 use super::search::ACCEPTED_MISS;
+use super::touch::GlideError;
 
 /// The surface on which the centre of a round tip lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,11 +42,7 @@ impl Offset {
                 let axis = cylinder.axis().xy();
                 (Kind::Cylinder(axis), cylinder.radius(), tip_radius)
             }
-            Shape::Ellipsoid(_)
-            | Shape::Torus(_)
-            | Shape::Paraboloid(_)
-            | Shape::Saddle(_)
-            | Shape::HeightField(_) => return None,
+            _ => return None,
         };
         Some(Self {
             kind,

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_geometry::{CurvatureForm, Surface, SurfaceError};
 
-use super::{GlideError, Touch};
+use super::touch::{GlideError, Touch};
 
 /// A point of the object with its normal, and its curvature along the level line and up the slope.
 #[derive(Clone, Copy, Debug)]

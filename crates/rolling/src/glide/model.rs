@@ -1,14 +1,12 @@
 //! Models by which the contact of a gliding fingertip is found.
 
 use palpate_geometry::{InvalidShape, Shape};
+use palpate_number::Number;
 use thiserror::Error;
 
 use super::closed_form::Offset;
-use super::{Fingertip, Glider};
-use crate::{Choice, Model};
-
-/// Error of a closed form, away from the object's rim.
-const CLOSED_FORM_ERROR: f64 = 1e-14;
+use super::touch::Fingertip;
+use crate::Model;
 
 /// A model by which the contact of a fingertip is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,8 +58,9 @@ pub enum InvalidTouch {
     /// A tolerance that means nothing.
     #[error(
         "tolerance is {tolerance}; it must be from {} to {}",
-        Model::SMALLEST_TOLERANCE,
-        Model::LARGEST_TOLERANCE
+        Number(Model::SMALLEST_TOLERANCE),
+        Number(Model::LARGEST_TOLERANCE),
+        tolerance = Number(*tolerance)
     )]
     Tolerance {
         /// Its value.
@@ -93,7 +92,11 @@ impl TouchRung {
     }
 
     /// The rung that `model` takes.
-    fn of(model: TouchModel, object: &Shape, fingertip: Fingertip) -> Result<Self, InvalidTouch> {
+    pub(super) fn of(
+        model: TouchModel,
+        object: &Shape,
+        fingertip: Fingertip,
+    ) -> Result<Self, InvalidTouch> {
         let unsupported = |rung, reason| Err(InvalidTouch::Unsupported { rung, reason });
         let tolerance = match model {
             TouchModel::Auto { tolerance } | TouchModel::Newton { tolerance } => tolerance,
@@ -118,52 +121,6 @@ impl TouchRung {
                 Ok(Self::Newton { radius, tolerance })
             }
             (TouchModel::Auto { .. } | TouchModel::ClosedForm, _, cheapest) => Ok(cheapest),
-        }
-    }
-}
-
-impl Glider {
-    /// A glider with this fingertip and object whose contacts are found by `model`.
-    ///
-    /// # Errors
-    /// [`InvalidTouch`] where the tolerance is out of range, or the rung cannot do it.
-    pub fn on(&self, model: TouchModel) -> Result<Self, InvalidTouch> {
-        let rung = TouchRung::of(model, &self.object, self.fingertip)?;
-        Ok(Self {
-            object: self.object.clone(),
-            fingertip: self.fingertip,
-            rung,
-        })
-    }
-
-    /// The way in which contacts are found, and the reason for it.
-    pub fn choice(&self) -> Choice<TouchModel> {
-        let name = self.object.name();
-        let (rung, model, reason, bound) = match self.rung {
-            TouchRung::Point => (
-                "closed form: points".to_owned(),
-                TouchModel::ClosedForm,
-                "they touch straight below".to_owned(),
-                CLOSED_FORM_ERROR,
-            ),
-            TouchRung::Offset(_) => (
-                format!("closed form: a round tip on a {name}"),
-                TouchModel::ClosedForm,
-                "the offset surface is of the same kind".to_owned(),
-                CLOSED_FORM_ERROR,
-            ),
-            TouchRung::Newton { tolerance, .. } => (
-                format!("Newton's method on the offset surface, tolerance {tolerance:e}"),
-                TouchModel::Newton { tolerance },
-                format!("a round tip on a {name} has no closed form"),
-                tolerance,
-            ),
-        };
-        Choice {
-            rung,
-            model,
-            reason,
-            error_bound: Some(bound),
         }
     }
 }

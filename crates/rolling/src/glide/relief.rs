@@ -3,8 +3,6 @@
 use nalgebra::Vector2;
 use palpate_geometry::Surface;
 
-use super::search::Search;
-
 /// Grid lines on each side of the middle.
 const HALF: usize = 12;
 const SIDE: usize = 2 * HALF + 1;
@@ -18,20 +16,21 @@ pub(super) struct Relief {
 }
 
 impl Relief {
-    pub(super) fn under<S: Surface>(search: &Search<'_, S>) -> Self {
+    /// The relief about `centre`, as far as a tip of `radius` covers.
+    pub(super) fn under<S: Surface>(object: &S, centre: Vector2<f64>, radius: f64) -> Self {
         let mut relief = Self {
-            centre: search.centre,
-            spacing: search.radius / HALF as f64,
+            centre,
+            spacing: radius / HALF as f64,
             heights: [[f64::NEG_INFINITY; SIDE]; SIDE],
         };
         for row in 0..SIDE {
             for column in 0..SIDE {
                 let at = relief.place(row, column);
-                let aside = (at - search.centre).norm();
-                if aside <= search.radius
-                    && let Ok(place) = search.object.contact_at(at.x, at.y)
+                let aside = (at - centre).norm();
+                if aside <= radius
+                    && let Ok(place) = object.contact_at(at.x, at.y)
                 {
-                    let rise = (search.radius - aside) * (search.radius + aside);
+                    let rise = (radius - aside) * (radius + aside);
                     relief.heights[row][column] = place.z + rise.sqrt();
                 }
             }

@@ -9,9 +9,9 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use nalgebra::{Point3, Vector2};
 use palpate_geometry::{Surface, SurfaceError};
 
-use super::GlideError;
 use super::foot::Foot;
 use super::relief::Relief;
+use super::touch::GlideError;
 
 /// Newton steps before giving up, and lengths tried of each.
 const STEPS: usize = 100;
@@ -198,7 +198,7 @@ impl<S: Surface> Search<'_, S> {
 
     /// The contact with the highest tip among those near the tops of a relief, and `first`.
     fn highest(&self, first: Result<Foot, GlideError>) -> Result<Foot, GlideError> {
-        let relief = Relief::under(self);
+        let relief = Relief::under(self.object, self.centre, self.radius);
         let reached = relief
             .tops()
             .filter_map(|at| self.settle(self.foot(at).ok()?, 0.0).ok());

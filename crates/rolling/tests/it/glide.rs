@@ -414,6 +414,9 @@ proptest! {
         for (unit, object) in scaled(1.0).iter().zip(&scaled(scale)) {
             let reference = touch(unit, radius, x, y);
             let found = touch(object, radius * scale, x * scale, y * scale);
+            // Within the rim of each, the hole of the torus aside.
+            let is_inside = libm::hypot(x, y) < 0.99 && radius < 1.0 && unit.name() != "torus";
+            prop_assert!(found.is_ok() || !is_inside, "{found:?}");
             match (reference, found) {
                 (Ok(reference), Ok(found)) => {
                     prop_assert_eq!(reference.point * scale, found.point);

@@ -3,7 +3,7 @@
 use palpate_rolling::{Glider, InvalidTouch, Model, Touch, TouchModel};
 
 use super::plan::{glider, middle, tip, touches};
-use super::{FingerTouch, GlideScene};
+use super::scene::{FingerTouch, GlideScene};
 use crate::ladder::{Ladder, Rung};
 use crate::plan::PlanError;
 use palpate_study::config::{GlideConfig, GlideModelConfig, ModelConfig};
@@ -30,8 +30,9 @@ impl GlideScene {
         Ok(touches.into_iter().map(|one| one.touch).collect())
     }
 
-    /// The rungs of the scene of `config`.
-    pub(crate) fn ladder(config: &GlideConfig) -> Result<Ladder, PlanError> {
+    /// The rungs of the scene.
+    pub(super) fn measured_ladder(&self) -> Result<Ladder, PlanError> {
+        let config = &self.config;
         let glider = glider(config)?;
         let middle = middle(config, glider.object())?;
         let (_, radius) = tip(config);
@@ -75,23 +76,12 @@ impl GlideScene {
             });
             rung(model, outcome)
         }));
+        let (reason, tolerance) = match config.model {
+            GlideModelConfig::Auto { tolerance } => (choice.reason, Some(tolerance)),
+            _ => ("named in the config".to_owned(), None),
+        };
         let taken = ModelConfig::Glide(named(choice.model).1);
-        Ok(Ladder {
-            taken: rungs
-                .iter()
-                .position(|rung| rung.model == taken)
-                .expect("what is named or chosen is among the rungs"),
-            reference: None,
-            reason: match config.model {
-                GlideModelConfig::Auto { .. } => choice.reason,
-                _ => "named in the config".to_owned(),
-            },
-            tolerance: match config.model {
-                GlideModelConfig::Auto { tolerance } => Some(tolerance),
-                _ => None,
-            },
-            rungs,
-        })
+        Ok(Ladder::new(rungs, &taken, reason, tolerance))
     }
 }
 

@@ -26,8 +26,13 @@ impl Method for AnyMethod {
 }
 
 impl AnyMethod {
-    /// The method of a config, with the inter-finger distance as the unit of two-pass.
-    pub(super) fn of(config: &GlideEstimatorConfig, inter_finger_distance: f64) -> Self {
+    /// The method of a config, with the inter-finger distance as the unit of two-pass; by default that follows from the
+    /// contacts.
+    pub(crate) fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
+        let noise = |position_std, normal_std_deg: Option<f64>| Noise {
+            position_std,
+            normal_std_rad: normal_std_deg.map(f64::to_radians),
+        };
         match *config {
             GlideEstimatorConfig::Penalised {
                 intervals,
@@ -42,10 +47,7 @@ impl AnyMethod {
                     CriterionName::Gcv => Criterion::Gcv,
                     CriterionName::Reml => Criterion::Reml,
                 },
-                noise: Noise {
-                    position_std,
-                    normal_std_rad: normal_std_deg.map(f64::to_radians),
-                },
+                noise: noise(position_std, normal_std_deg),
             }),
             GlideEstimatorConfig::TwoPass {
                 first_degree,
@@ -67,7 +69,7 @@ impl AnyMethod {
                     NormalsOf::Measured => TangentNormals::Measured,
                     NormalsOf::FirstFit => TangentNormals::FirstFit,
                 },
-                unit_length: Some(inter_finger_distance),
+                unit_length: inter_finger_distance,
                 passes: if passes == 1 {
                     Passes::One
                 } else {
@@ -75,7 +77,12 @@ impl AnyMethod {
                 },
                 ..TwoPass::default()
             }),
-            GlideEstimatorConfig::Quadric {} => Self::Quadric(Quadric::default()),
+            GlideEstimatorConfig::Quadric {
+                position_std,
+                normal_std_deg,
+            } => Self::Quadric(Quadric {
+                noise: noise(position_std, normal_std_deg),
+            }),
         }
     }
 

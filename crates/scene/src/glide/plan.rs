@@ -1,7 +1,8 @@
 //! Plan of a glide: from its config to a [`GlideScene`].
 
-use palpate_ep2::{Contact, Ep2Error};
+use palpate_ep2::Contact;
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
+use palpate_number::Number;
 use palpate_rolling::{Fingertip, GlideError, Glider, InvalidTouch, TouchModel};
 use palpate_sensing::{
     BeyondPads, Channel, Distribution, InvalidSensor, NormalError, PadOffset, Pads, PositionAxes,
@@ -9,8 +10,9 @@ use palpate_sensing::{
 };
 
 use super::method::AnyMethod;
+use super::scene::{ContactNoise, FingerTouch, GlideScene, TrueGrid, TruePlace};
 use super::sensor::{GlideSensor, SensorKind};
-use super::{FingerTouch, GlideScene, ReadingNoise, TrueGrid, TruePlace};
+
 use crate::plan::{PlanError, pad_layout, shape};
 use palpate_study::config::{
     EvaluateConfig, FingertipConfig, GlideConfig, GlideModelConfig, GlideMotionConfig,
@@ -30,7 +32,7 @@ impl GlideScene {
         let sensor = sensor(&config.sensor, radius)?;
         let sensed = sensed(&sensor, &touches, radius)?;
         let noise = noise(&config.noise, config.motion.inter_finger_distance)?;
-        let method = AnyMethod::of(&config.estimator, config.motion.inter_finger_distance);
+        let method = AnyMethod::of(&config.estimator, Some(config.motion.inter_finger_distance));
         let grid = grid(&config.evaluate, glider.object(), middle)?;
         let mut needs = vec![need(&glider)];
         needs.extend(noise.need());
@@ -39,6 +41,7 @@ impl GlideScene {
         needs.extend(beyond(config));
         Ok(Self {
             seed,
+            config: config.clone(),
             touches,
             sensed,
             noise,
@@ -85,25 +88,8 @@ fn need(glider: &Glider) -> String {
 }
 
 fn of_tip(error: InvalidShape) -> PlanError {
-    let message = format!("must be {}, is {}", error.expected, error.value);
+    let message = format!("must be {}, is {}", error.expected, Number(error.value));
     PlanError::at("scene.probe.radius", message)
-}
-
-/// The field that keeps noiseless contacts from telling a patch.
-pub(super) fn of_fit(error: &Ep2Error) -> PlanError {
-    let path = match error {
-        Ep2Error::BadSetting { setting, .. } => match *setting {
-            "normal_std" => "scene.estimator.normal_std_deg".to_owned(),
-            "unit_length" => "scene.motion.inter_finger_distance".to_owned(),
-            setting => format!("scene.estimator.{setting}"),
-        },
-        Ep2Error::TooFewContacts { .. }
-        | Ep2Error::Coincident { .. }
-        | Ep2Error::Collinear { .. }
-        | Ep2Error::Undetermined { .. } => "scene.motion".to_owned(),
-        _ => "scene".to_owned(),
-    };
-    PlanError::at(path, error)
 }
 
 pub(super) fn middle(config: &GlideConfig, object: &Shape) -> Result<(f64, f64), PlanError> {
@@ -201,7 +187,7 @@ fn sensed(
         .collect()
 }
 
-fn noise(config: &GlideNoiseConfig, inter_finger_distance: f64) -> Result<ReadingNoise, PlanError> {
+fn noise(config: &GlideNoiseConfig, inter_finger_distance: f64) -> Result<ContactNoise, PlanError> {
     let position = config.position.as_ref().map(|position| {
         let (distribution, fraction, axis) = match *position {
             PositionNoise::Gaussian {
@@ -227,7 +213,7 @@ fn noise(config: &GlideNoiseConfig, inter_finger_distance: f64) -> Result<Readin
         let path = path.to_owned();
         move |error: InvalidSensor| PlanError::at(path, error)
     };
-    Ok(ReadingNoise {
+    Ok(ContactNoise {
         position: position
             .transpose()
             .map_err(at("scene.noise.position.fraction_of_ifd"))?
@@ -239,7 +225,7 @@ fn noise(config: &GlideNoiseConfig, inter_finger_distance: f64) -> Result<Readin
     })
 }
 
-impl ReadingNoise {
+impl ContactNoise {
     fn need(&self) -> Option<String> {
         let position = self.position.map(|error| {
             let distribution = match error.distribution() {

@@ -2,24 +2,16 @@
 
 use palpate_ep2::Contact;
 
-use super::GlideScene;
+use super::scene::GlideScene;
+use crate::trace::{Trace, counted};
 use palpate_study::Table;
 use palpate_study::config::LengthUnit;
-
-/// The contacts of one pass, and what the sensor says of them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GlideTrace {
-    /// Truth: `finger,x,y,z,normal_x,normal_y,normal_z,tip_x,tip_y,tip_z`, the tip being its centre.
-    pub contacts: Table,
-    /// Readings, in the form that `estimate glide` accepts.
-    pub readings: Table,
-}
 
 const NORMAL: [&str; 3] = ["normal_x", "normal_y", "normal_z"];
 
 impl GlideScene {
     /// Follows every finger: noiseless, or as in trial number `trial`.
-    pub fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> GlideTrace {
+    pub(super) fn followed(&self, trial: Option<u64>, unit: LengthUnit) -> Trace {
         let header = std::iter::once("finger".to_owned())
             .chain(lengths(["x", "y", "z"], unit))
             .chain(NORMAL.map(str::to_owned))
@@ -30,9 +22,15 @@ impl GlideScene {
             let row = touch.point.iter().chain(touch.normal.iter());
             contacts.push(one.finger, row.chain(touch.tip_centre.iter()).copied());
         }
-        GlideTrace {
+        let of_fingers = counted(self.fingers(), "finger");
+        Trace {
+            what: format!(
+                "{} of {of_fingers}",
+                counted(contacts.rows.len(), "contact")
+            ),
             contacts,
             readings: readings_table(&self.readings(trial), unit),
+            seen: None,
         }
     }
 }

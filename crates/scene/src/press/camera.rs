@@ -7,7 +7,10 @@ use palpate_tracking::{
     match_markers,
 };
 
-use super::PressFailure;
+use super::failure::PressFailure;
+
+/// The number of the trial whose errors the first frame at rest has; further ones count down from here.
+pub(super) const AT_REST: u64 = u64::MAX;
 
 /// A camera, what it sees at rest, and what it was calibrated to.
 #[derive(Clone, Debug)]
@@ -27,15 +30,15 @@ pub(super) struct Eye {
     pub(super) optics: Optics,
     /// The lens, as far as tracking knows it.
     pub(super) lens: Equidistant,
-    pub(super) rung: Rung,
+    pub(super) model: CameraModel,
     /// Whether looks at the same markers differ: whether the picture has errors.
     pub(super) is_random: bool,
     pub(super) seed: u64,
 }
 
-/// Rung of the camera: how far its work is followed.
+/// Model of the camera: how far its work is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Rung {
+pub(super) enum CameraModel {
     /// The picture of each marker, without pixels.
     Projected(SightError),
     /// Frames, in which markers are found and tracked.
@@ -57,6 +60,14 @@ impl SightError {
     pub(super) fn is_random(&self) -> bool {
         self.hue.is_random() || self.centroid.is_random() || self.size.is_random()
     }
+
+    pub(super) fn averaged(self, frames: u32) -> Self {
+        Self {
+            hue: self.hue.averaged(frames),
+            centroid: self.centroid.averaged(frames),
+            size: self.size.averaged(frames),
+        }
+    }
 }
 
 /// Markers of the layout as they were seen in a press.
@@ -73,9 +84,9 @@ impl Eye {
     pub(super) fn at_rest(&self, draw: Option<u64>) -> Result<Vec<Option<Marker>>, PressFailure> {
         let motions = vec![Some(MarkerMotion::default()); self.optics.array().len()];
         let images = self.images(&motions)?;
-        match self.rung {
-            Rung::Projected(error) => Ok(self.erring(images, error, draw)),
-            Rung::Rendered => {
+        match self.model {
+            CameraModel::Projected(error) => Ok(self.erring(images, error, draw)),
+            CameraModel::Rendered => {
                 let found = self.found(&motions, draw)?;
                 let mut rest = vec![None; motions.len()];
                 for marker in found {
@@ -96,8 +107,8 @@ impl Eye {
         draw: Option<u64>,
     ) -> Result<Sight, PressFailure> {
         let images = self.images(motions)?;
-        match self.rung {
-            Rung::Projected(error) => {
+        match self.model {
+            CameraModel::Projected(error) => {
                 let seen = self.erring(images, error, draw);
                 let tracks = rest.iter().zip(seen);
                 Ok(Sight {
@@ -107,7 +118,7 @@ impl Eye {
                     wrong_matches: 0,
                 })
             }
-            Rung::Rendered => {
+            CameraModel::Rendered => {
                 let known: Vec<usize> =
                     (0..rest.len()).filter(|&one| rest[one].is_some()).collect();
                 let at_rest: Vec<Marker> = rest.iter().flatten().copied().collect();
@@ -133,9 +144,9 @@ impl Eye {
 
     /// Pixels that are rendered for one look.
     pub(super) fn pixels(&self) -> f64 {
-        match self.rung {
-            Rung::Projected(_) => 0.0,
-            Rung::Rendered => f64::from(self.optics.camera().size_px()).powi(2),
+        match self.model {
+            CameraModel::Projected(_) => 0.0,
+            CameraModel::Rendered => f64::from(self.optics.camera().size_px()).powi(2),
         }
     }
 

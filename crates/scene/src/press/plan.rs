@@ -2,27 +2,25 @@
 
 mod calibrated;
 mod camera;
+mod discs;
+mod estimator;
 
-pub(super) use camera::AT_REST;
-pub(crate) use camera::{disc_depths, discs, of_optics};
+use palpate_number::Number;
+use palpate_press::{Body, Contact, Markers, PressError, Skin};
 
-use palpate_chromatouch::{Layout, LayoutError};
-use palpate_press::{
-    Body, Bounds, Contact, ForwardFit, Markers, PressError, Prior, Skin, calibrated_c,
-};
-use palpate_sensing::{GaussianError, InvalidSensor};
-
-use super::ladder;
-use super::noise::ReadingNoise;
+use self::camera::CameraPlan;
+use self::discs::DiscMarkers;
+use self::estimator::EstimatorPlan;
+use super::ladder::{Choice, PressRungs};
+use super::method;
+use super::pressed::Pressed;
+use super::readings::MarkerNoise;
+use super::scene::{PressScene, PressSensor, TruePress};
+use super::soft_body::SoftBody;
 use super::words;
-use super::{PressMethod, PressScene, PressSensor, PressedObject, TruePress};
+use crate::marker_sphere::{LAYOUT, MarkerSphere};
 use crate::plan::PlanError;
-pub(super) use camera::{Pressed, shifted};
-use palpate_study::config::{
-    Baseline, GainNoise, Indentation, LayoutConfig, LayoutTable, LengthNoise, NamedLayout,
-    NoiseKnown, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
-    PressObjectConfig, PressProbeConfig, PressSensorConfig,
-};
+use palpate_study::config::{CameraConfig, PressConfig, PressEstimatorConfig, PressSensorConfig};
 
 /// Error of displacements by a layer's tables, relative to the largest.
 const OF_TABLES: f64 = 1e-7;
@@ -35,77 +33,47 @@ impl PressScene {
     /// # Errors
     /// [`PlanError`] with the path of the field that makes no scene.
     pub fn new(config: &PressConfig, seed: u64) -> Result<Self, PlanError> {
-        let PressProbeConfig::MarkerSphere {
-            radius,
-            marker_depth,
-            layout,
-            ..
-        } = &config.probe;
-        let skin =
-            Skin::new(*radius).map_err(|error| PlanError::at("scene.probe.radius", error))?;
-        below_radius("scene.probe.marker_depth", *marker_depth, *radius)?;
-        let layout_path = "scene.probe.layout";
-        let places = layout_of(layout)
-            .places(*radius)
-            .map_err(|error| of_layout(layout_path, &error))?;
-        let markers =
-            Markers::new(skin, &places).map_err(|error| PlanError::at(layout_path, error))?;
-        let object = object(&config.object);
-        let at = contact_place(config.motion.contact_deg, *radius)?;
-        let pressed = Pressed {
-            object_curvature: object.curvature,
-            indentation: config.motion.indentation,
-            at,
-            shift: config.motion.shift,
+        let sphere = MarkerSphere::of(&config.probe);
+        let (markers, places) = markers(&sphere)?;
+        let pressed = Pressed::of(&config.object, &config.motion, sphere.radius)?;
+        let look = Look::of(&config.sensor);
+        let rungs = PressRungs::of(&config.model, &sphere, look.camera.is_some())?;
+        let choice = rungs.choice(&markers, &pressed)?;
+        let shared = tables(config, &choice, places.len());
+        let layer = match shared {
+            Some(_) => Body::bonded_layer,
+            None => Body::solved_layer,
         };
-        let asked = config;
-        let choice = ladder::choice(config, &markers, &pressed)?;
-        let config = &PressConfig {
-            model: choice.model.clone(),
-            ..config.clone()
-        };
-        let has_tables = takes_tables(asked, choice.tolerance, places.len());
-        let layer = match has_tables {
-            true => Body::bonded_layer,
-            false => Body::solved_layer,
-        };
-        let body = body_of(&config.model, *radius, *marker_depth, layer)?;
-        let (tangential, frames) = match &config.sensor {
-            PressSensorConfig::Direct { tangential, frames } => (*tangential, *frames),
-            PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
-                (camera.tangential, camera.frames)
-            }
-        };
-        let noise = noise(&config.noise, frames, places.len())?;
-        let contact = skin.contact(&body, object.curvature, config.motion.indentation);
-        let truth = contact
-            .as_ref()
-            .map_err(|error| *error)
-            .and_then(|contact| true_press(config, &markers, contact, &pressed));
-        let sensor = match &config.sensor {
-            PressSensorConfig::Direct { .. } => PressSensor::Direct,
-            PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
-                let planned = camera::Planned {
-                    config,
+        let body = SoftBody::of(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
+        let noise = MarkerNoise::of(&config.noise, look.frames, places.len())?;
+        let contact = body.contact(&markers, &pressed);
+        let truth = true_press(&body, &markers, &pressed, &contact);
+        let sensor = match look.camera {
+            None => PressSensor::Direct,
+            Some(camera) => PressSensor::Camera(match &truth {
+                Ok(_) => CameraPlan {
+                    sphere: &sphere,
                     camera,
+                    is_rendered: look.is_rendered,
+                    noise: &config.noise,
                     seed,
                     places: &places,
-                    markers: &markers,
-                    body: &body,
-                };
+                    discs: DiscMarkers::of(&sphere, &choice.model, &markers, &body)?,
+                }
+                .press(&pressed)?
+                .map(Box::new),
                 // If the contact failed there is nothing to image: keep the contact's error.
-                let seen = match &truth {
-                    Ok(_) => planned.press(&pressed)?,
-                    Err(error) => Err(*error),
-                };
-                PressSensor::Camera(seen.map(Box::new))
-            }
+                Err(error) => Err(*error),
+            }),
         };
-        let method = Planned {
-            config: asked,
+        let estimator = EstimatorPlan {
+            estimator: &config.estimator,
+            model: &config.model,
+            sphere: &sphere,
             body: &body,
-            shared: has_tables.then(|| config.model.thickness()).flatten(),
+            shared,
             markers: &markers,
+            pressed: &pressed,
             noise: &noise,
             sensed: sensed_stds(&sensor),
         };
@@ -114,64 +82,109 @@ impl PressScene {
             .as_ref()
             .ok()
             .filter(|_| matches!(sensor, PressSensor::Direct))
-            .and_then(|contact| method.bounds(contact, at, tangential));
-        let method = method.method(*radius, *marker_depth)?;
-        let mut needs = words::of_model(&config.model, &object, &skin, &contact);
-        if let Some(first) = needs.first_mut().filter(|_| choice.tolerance.is_some()) {
-            *first += &format!(" ({})", choice.reason);
-        }
-        let is_seen = matches!(&sensor, PressSensor::Camera(Ok(seen)) if seen.is_random());
-        needs.extend(
-            noise
-                .need()
-                .or_else(|| (!is_seen).then(|| "no noise: no random numbers are drawn".to_owned())),
-        );
-        needs.extend(words::of_sensor(places.len(), &sensor, tangential, config));
-        let is_direct = matches!(sensor, PressSensor::Direct);
-        if is_direct && tangential && noise.normal.is_random() && !noise.tangential.is_random() {
-            needs.push(words::EXACT_TANGENTIAL.to_owned());
-        }
-        needs.extend(words::of_estimator(config, &method));
+            .and_then(|contact| estimator.bounds(contact, look.tangential));
+        let method = estimator.method()?;
+        let resolved = &PressConfig {
+            model: choice.model.clone(),
+            ..config.clone()
+        };
+        let needs = [
+            words::of_model(&choice, &pressed.object, markers.skin(), &contact),
+            words::of_readings(&noise, &sensor, look.tangential, places.len(), resolved),
+            words::of_estimator(resolved, &method),
+        ];
         Ok(Self {
             seed,
             truth,
             places,
-            at,
-            object,
-            indentation: config.motion.indentation,
+            pressed,
             sensor,
-            tangential,
+            tangential: look.tangential,
             noise,
             method,
             bounds,
-            needs,
+            rungs,
+            needs: needs.concat(),
             markers,
             body,
         })
     }
 }
 
-/// Truth of a press: the contact and the displacements of the markers.
+/// What a sensor reads of a press.
+struct Look<'a> {
+    /// Camera before the markers; `None` where these are read directly.
+    camera: Option<&'a CameraConfig>,
+    /// Whether the camera renders frames.
+    is_rendered: bool,
+    /// Whether displacements along the skin are read.
+    tangential: bool,
+    /// Number of readings that are averaged.
+    frames: u32,
+}
+
+impl<'a> Look<'a> {
+    fn of(config: &'a PressSensorConfig) -> Self {
+        let by = |camera: &'a CameraConfig, is_rendered: bool| Self {
+            camera: Some(camera),
+            is_rendered,
+            tangential: camera.tangential,
+            frames: camera.frames,
+        };
+        match config {
+            PressSensorConfig::Direct { tangential, frames } => Self {
+                camera: None,
+                is_rendered: false,
+                tangential: *tangential,
+                frames: *frames,
+            },
+            PressSensorConfig::Projected(camera) => by(camera, false),
+            PressSensorConfig::Rendered(camera) => by(camera, true),
+        }
+    }
+}
+
+/// The markers of a sensor, and their chart coordinates.
+fn markers(sphere: &MarkerSphere<'_>) -> Result<(Markers, Vec<[f64; 2]>), PlanError> {
+    let (radius, depth) = (sphere.radius, sphere.marker_depth);
+    let skin = Skin::new(radius).map_err(|error| PlanError::at("scene.probe.radius", error))?;
+    if depth >= radius {
+        let message = format!(
+            "must be less than the sensor's radius {}, is {}",
+            Number(radius),
+            Number(depth)
+        );
+        return Err(PlanError::at("scene.probe.marker_depth", message));
+    }
+    let places = sphere.places()?;
+    let markers = Markers::new(skin, &places).map_err(|error| PlanError::at(LAYOUT, error))?;
+    Ok((markers, places))
+}
+
+/// Thickness of the layer whose truth is read off tables: where the fit is of the same layer and shares them, or there are
+/// many markers, unless more is asked than they hold.
+fn tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> {
+    let of_model = config.model.thickness();
+    let is_shared = matches!(config.estimator, PressEstimatorConfig::BondedLayer { .. })
+        && method::thickness(&config.estimator, &config.model) == of_model;
+    let is_good = choice
+        .tolerance
+        .is_none_or(|tolerance| tolerance >= OF_TABLES);
+    let layer = choice.model.thickness();
+    layer.filter(|_| is_good && (is_shared || markers > MANY_MARKERS))
+}
+
+/// The contact, and the displacements of the markers.
 fn true_press(
-    config: &PressConfig,
+    body: &SoftBody,
     markers: &Markers,
-    contact: &Contact<'_>,
     pressed: &Pressed,
+    contact: &Result<Contact<'_>, PressError>,
 ) -> Result<TruePress, PressError> {
-    let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
-    let mut moved = markers.displacements(contact, pressed.at);
-    let radius = contact.radius;
-    camera::shifted(
-        &config.model,
-        markers,
-        marker_depth,
-        radius,
-        pressed,
-        &mut moved,
-    )?;
+    let contact = contact.as_ref().map_err(|error| *error)?;
     Ok(TruePress {
-        contact_radius: radius,
-        markers: moved,
+        contact_radius: contact.radius,
+        markers: body.moved(markers, pressed, contact)?,
     })
 }
 
@@ -180,322 +193,5 @@ fn sensed_stds(sensor: &PressSensor) -> [Option<f64>; 2] {
     match sensor {
         PressSensor::Camera(Ok(camera)) => camera.sensor.stds,
         PressSensor::Camera(Err(_)) | PressSensor::Direct => [None; 2],
-    }
-}
-
-fn below_radius(path: &str, depth: f64, radius: f64) -> Result<(), PlanError> {
-    if depth < radius {
-        return Ok(());
-    }
-    let message = format!("must be less than the sensor's radius {radius}, is {depth}");
-    Err(PlanError::at(path, message))
-}
-
-pub(crate) fn layout_of(config: &LayoutConfig) -> Layout {
-    match config {
-        LayoutConfig::Named(NamedLayout::Published) => Layout::published(),
-        LayoutConfig::Table(LayoutTable::Gores {
-            gores,
-            rows,
-            row_spacing_deg,
-        }) => Layout::Gores {
-            gores: *gores,
-            rows: rows.clone(),
-            row_spacing_deg: *row_spacing_deg,
-        },
-        LayoutConfig::Table(LayoutTable::Lattice { pitch, cap_deg }) => Layout::Lattice {
-            pitch: *pitch,
-            cap_deg: *cap_deg,
-        },
-        LayoutConfig::Table(LayoutTable::Line { markers, length }) => Layout::Line {
-            markers: *markers,
-            length: *length,
-        },
-        LayoutConfig::Table(LayoutTable::Radius { markers, length }) => Layout::Radius {
-            markers: *markers,
-            length: *length,
-        },
-    }
-}
-
-pub(crate) fn of_layout(path: &str, error: &LayoutError) -> PlanError {
-    match error.setting() {
-        Some(setting) => PlanError::at(format!("{path}.{setting}"), error),
-        None => PlanError::at(path, error),
-    }
-}
-
-fn object(config: &PressObjectConfig) -> PressedObject {
-    let of_radius = |radius: f64| PressedObject {
-        curvature: radius.recip(),
-        radius: Some(radius),
-    };
-    match *config {
-        PressObjectConfig::Sphere { radius } => of_radius(radius),
-        PressObjectConfig::Dish { radius } => of_radius(-radius),
-        PressObjectConfig::Plane {} => PressedObject {
-            curvature: 0.0,
-            radius: None,
-        },
-    }
-}
-
-/// Chart coordinates of a polar angle and an azimuth.
-fn contact_place([polar, azimuth]: [f64; 2], radius: f64) -> Result<[f64; 2], PlanError> {
-    if !(0.0..=180.0).contains(&polar) {
-        let message = format!("the polar angle must be from 0 to 180, is {polar}");
-        return Err(PlanError::at("scene.motion.contact_deg", message));
-    }
-    let distance = radius * polar.to_radians();
-    let (sine, cosine) = libm::sincos(azimuth.to_radians());
-    Ok([distance * cosine, distance * sine])
-}
-
-/// Body under the skin that moves the markers, by the model of the config.
-fn body(config: &PressConfig, radius: f64, marker_depth: f64) -> Result<Body, PlanError> {
-    body_of(&config.model, radius, marker_depth, Body::bonded_layer)
-}
-
-/// The body of a model, with a layer made by `layer`.
-pub(super) fn body_of(
-    model: &PressModelConfig,
-    radius: f64,
-    depth: f64,
-    layer: fn(f64, f64) -> Result<Body, PressError>,
-) -> Result<Body, PlanError> {
-    if let Some(thickness) = model.thickness() {
-        within_sensor("scene.model.thickness", thickness, radius)?;
-    }
-    match (model, model.thickness()) {
-        (PressModelConfig::Hertz { poisson }, _) => Body::hertz(*poisson),
-        (_, Some(thickness)) => layer(thickness, depth),
-        (_, None) => Body::half_space(model.poisson(), depth),
-    }
-    .map_err(|error| of_body("scene.model", error))
-}
-
-/// Whether the truth of a layer is read off tables: where the fit is of the same layer and shares them, or there are many
-/// markers, unless more is asked than they hold.
-fn takes_tables(config: &PressConfig, tolerance: Option<f64>, markers: usize) -> bool {
-    let of_model = config.model.thickness();
-    let is_shared = match config.estimator {
-        PressEstimatorConfig::BondedLayer { thickness, .. } => {
-            thickness.is_none_or(|thickness| Some(thickness) == of_model)
-        }
-        PressEstimatorConfig::HalfSpace { .. } | PressEstimatorConfig::Gaussian { .. } => false,
-    };
-    let is_good = tolerance.is_none_or(|tolerance| tolerance >= OF_TABLES);
-    is_good && (is_shared || markers > MANY_MARKERS)
-}
-
-fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), PlanError> {
-    if thickness <= radius {
-        return Ok(());
-    }
-    let message = format!("must be at most the sensor's radius {radius}, is {thickness}");
-    Err(PlanError::at(path, message))
-}
-
-/// Error at the setting of a body that is out of its range.
-fn of_body(table: &str, error: PressError) -> PlanError {
-    match error {
-        PressError::BadSetting {
-            setting: "depth", ..
-        } => PlanError::at("scene.probe.marker_depth", error),
-        PressError::BadSetting { setting, .. } => {
-            PlanError::at(format!("{table}.{setting}"), error)
-        }
-        _ => PlanError::at(table, error),
-    }
-}
-
-fn noise(
-    config: &PressNoiseConfig,
-    frames: u32,
-    markers: usize,
-) -> Result<ReadingNoise, PlanError> {
-    let error = |std: Option<f64>, key: &str| {
-        GaussianError::new(std.unwrap_or(0.0))
-            .map_err(|error: InvalidSensor| PlanError::at(format!("scene.noise.{key}.std"), error))
-    };
-    let length = |noise: &Option<LengthNoise>, key: &str| {
-        let std = noise.as_ref().map(|LengthNoise::Gaussian { std }| *std);
-        error(std, key)
-    };
-    let wrong = config.wrong_markers.as_ref();
-    let count = wrong.map_or(0, |wrong| wrong.count as usize);
-    if count > markers {
-        let message = format!("must be at most the number of markers {markers}, is {count}");
-        return Err(PlanError::at("scene.noise.wrong_markers.count", message));
-    }
-    let gain = config.gain.as_ref();
-    Ok(ReadingNoise {
-        normal: length(&config.normal_displacement, "normal_displacement")?.averaged(frames),
-        tangential: length(&config.tangential_displacement, "tangential_displacement")?
-            .averaged(frames),
-        indentation: length(&config.indentation, "indentation")?,
-        gain: error(gain.map(|GainNoise::Gaussian { std }| *std), "gain")?,
-        wrong_markers: count,
-        wrong: error(wrong.map(|wrong| wrong.std), "wrong_markers")?,
-    })
-}
-
-/// Parts that an estimator is made of.
-struct Planned<'a> {
-    config: &'a PressConfig,
-    body: &'a Body,
-    /// Thickness of its layer, where that has tables for fits to share.
-    shared: Option<f64>,
-    markers: &'a Markers,
-    noise: &'a ReadingNoise,
-    /// Standard deviations that a camera adds to the noise: normal, tangential.
-    sensed: [Option<f64>; 2],
-}
-
-/// Settings that all estimators have.
-struct Nuisances {
-    known_indentation: Option<f64>,
-    baseline: Prior,
-    /// Prior of the factor on all displacements; `None` for the Gaussian, where the amplitude takes its place.
-    gain: Option<Prior>,
-    noise: NoiseKnown,
-}
-
-impl Nuisances {
-    fn of(config: &PressEstimatorConfig) -> Self {
-        let (indentation, indentation_std, baseline, gain_std, noise) = match *config {
-            PressEstimatorConfig::HalfSpace {
-                indentation,
-                indentation_std,
-                baseline,
-                gain_std,
-                noise,
-                ..
-            }
-            | PressEstimatorConfig::BondedLayer {
-                indentation,
-                indentation_std,
-                baseline,
-                gain_std,
-                noise,
-                ..
-            } => (
-                indentation,
-                indentation_std,
-                baseline,
-                Some(gain_std),
-                noise,
-            ),
-            PressEstimatorConfig::Gaussian {
-                indentation,
-                indentation_std,
-                baseline,
-                noise,
-                ..
-            } => (indentation, indentation_std, baseline, None, noise),
-        };
-        Self {
-            known_indentation: match indentation {
-                Indentation::Known => Some(indentation_std),
-                Indentation::Fitted => None,
-            },
-            baseline: match baseline {
-                Baseline::Known => Prior::Exact,
-                Baseline::Fitted => Prior::Free,
-            },
-            gain: gain_std.map(within),
-            noise,
-        }
-    }
-}
-
-fn within(std: f64) -> Prior {
-    if std > 0.0 {
-        Prior::Within(std)
-    } else {
-        Prior::Exact
-    }
-}
-
-impl Planned<'_> {
-    fn method(&self, radius: f64, marker_depth: f64) -> Result<PressMethod, PlanError> {
-        let nuisances = Nuisances::of(&self.config.estimator);
-        let stated = |error: GaussianError, sensed: Option<f64>| {
-            let std = libm::hypot(error.std(), sensed.unwrap_or(0.0));
-            Some(std).filter(|&std| nuisances.noise == NoiseKnown::Stated && std > 0.0)
-        };
-        let fit = self
-            .assumed_body(radius, marker_depth)?
-            .map(|body| ForwardFit {
-                // The amplitude of a Gaussian is fitted, unless it is the indentation.
-                gain: nuisances.gain.unwrap_or(match nuisances.known_indentation {
-                    Some(_) => Prior::Free,
-                    None => Prior::Exact,
-                }),
-                baseline: nuisances.baseline,
-                normal_std: stated(self.noise.normal, self.sensed[0]),
-                tangential_std: stated(self.noise.tangential, self.sensed[1]),
-                window: match self.config.estimator {
-                    PressEstimatorConfig::Gaussian { window, .. } => window,
-                    _ => None,
-                },
-                ..ForwardFit::new(body)
-            });
-        Ok(PressMethod {
-            fit,
-            known_indentation: nuisances.known_indentation,
-        })
-    }
-
-    /// The body that the estimator assumes; the inner error where a Gaussian cannot be calibrated.
-    fn assumed_body(
-        &self,
-        radius: f64,
-        marker_depth: f64,
-    ) -> Result<Result<Body, PressError>, PlanError> {
-        let model = &self.config.model;
-        match self.config.estimator {
-            PressEstimatorConfig::HalfSpace { poisson, .. } => {
-                Body::half_space(poisson.unwrap_or(model.poisson()), marker_depth)
-            }
-            PressEstimatorConfig::BondedLayer { thickness, .. } => {
-                let of_model = model.thickness();
-                let Some(thickness) = thickness.or(of_model) else {
-                    let message = "`thickness` is missing";
-                    return Err(PlanError::at("scene.estimator", message));
-                };
-                within_sensor("scene.estimator.thickness", thickness, radius)?;
-                if self.shared == Some(thickness) {
-                    Ok(self.body.clone())
-                } else {
-                    Body::bonded_layer(thickness, marker_depth)
-                }
-            }
-            PressEstimatorConfig::Gaussian { c: Some(c), .. } => Body::gaussian(c),
-            PressEstimatorConfig::Gaussian { window, .. } => {
-                let indentation = self.config.motion.indentation;
-                return Ok(calibrated_c(self.markers, self.body, indentation, window)
-                    .and_then(Body::gaussian));
-            }
-        }
-        .map(Ok)
-        .map_err(|error| of_body("scene.estimator", error))
-    }
-
-    /// The bounds on what the readings can tell by the model's own body.
-    fn bounds(&self, contact: &Contact<'_>, at: [f64; 2], tangential: bool) -> Option<Bounds> {
-        let nuisances = Nuisances::of(&self.config.estimator);
-        let drawn = |error: GaussianError| error.is_random().then(|| error.std());
-        let fit = ForwardFit {
-            baseline: nuisances.baseline,
-            gain: drawn(self.noise.gain).map_or(nuisances.gain?, within),
-            normal_std: drawn(self.noise.normal),
-            tangential_std: drawn(self.noise.tangential),
-            ..ForwardFit::new(self.body.clone())
-        };
-        let indentation_std = nuisances
-            .known_indentation
-            .map(|told| drawn(self.noise.indentation).unwrap_or(told));
-        fit.bounds(self.markers, contact, at, tangential, indentation_std)
     }
 }

@@ -1,71 +1,37 @@
 //! Displacements along a radius, true and estimated, written down.
 
-use std::fmt::Write;
-
-use palpate_press::Displacement;
-
-use super::{PressFailure, PressScene};
+use super::failure::PressFailure;
+use super::scene::PressScene;
+use crate::map::MapTable;
 use palpate_study::config::LengthUnit;
-
-/// Profiles as CSV: displacements against the distance from the contact, of the model and of an estimate. What an
-/// estimate does not know is empty.
-#[derive(Clone, Debug)]
-pub struct ProfileTable {
-    csv: String,
-}
 
 /// Places of a profile, from the contact's middle to three times its radius.
 const PLACES: u32 = 121;
 const REACH: f64 = 3.0;
 
-impl ProfileTable {
-    /// A table of the profiles of a study's cells.
-    pub fn of_cells(unit: LengthUnit) -> Self {
-        let unit = unit.as_str();
-        let csv = format!(
-            "cell,radial_position_{unit},normal_displacement_{unit},radial_displacement_{unit},\
-             estimated_normal_displacement_{unit},estimated_radial_displacement_{unit}\n"
-        );
-        Self { csv }
-    }
-
-    /// The table as CSV text.
-    pub fn into_csv(self) -> String {
-        self.csv
-    }
-
-    fn push(
-        &mut self,
-        cell: usize,
-        position: f64,
-        truth: Displacement,
-        estimate: [Option<f64>; 2],
-    ) {
-        let _ = write!(self.csv, "{cell}");
-        let numbers = [position, truth.normal, truth.radial].map(Some);
-        for number in numbers.into_iter().chain(estimate) {
-            self.csv.push(',');
-            if let Some(number) = number {
-                // Zero without a sign.
-                let _ = write!(self.csv, "{}", number + 0.0);
-            }
-        }
-        self.csv.push('\n');
-    }
-}
-
 impl PressScene {
+    /// Table of profiles: displacements against the distance from the contact, of the model and of an estimate. What an
+    /// estimate does not know is empty.
+    pub(super) fn profile_table(unit: LengthUnit) -> MapTable {
+        let unit = unit.as_str();
+        let header = format!(
+            "cell,radial_position_{unit},normal_displacement_{unit},radial_displacement_{unit},\
+             estimated_normal_displacement_{unit},estimated_radial_displacement_{unit}"
+        );
+        MapTable::new(&header, "estimates of cells")
+    }
+
     /// Adds the profile of this scene, with the estimate of trial number `trial`.
     ///
     /// # Errors
     /// Why there is no press, and so no row; or why the trial failed, and rows have the truth alone.
-    pub fn profile(
+    pub(super) fn push_profile(
         &self,
         cell: usize,
         trial: u64,
-        table: &mut ProfileTable,
+        table: &mut MapTable,
     ) -> Result<(), PressFailure> {
-        let contact = self.contact()?;
+        let contact = self.body.contact(&self.markers, &self.pressed)?;
         let estimated = self.estimated_displacement(trial);
         for place in 0..PLACES {
             let share = f64::from(place) / f64::from(PLACES - 1);
@@ -74,7 +40,13 @@ impl PressScene {
                 Ok(displacement) => displacement(position),
                 Err(_) => [None, None],
             };
-            table.push(cell, position, contact.displacement(position), estimate);
+            let truth = contact.displacement(position);
+            table.text(cell);
+            let numbers = [position, truth.normal, truth.radial].map(Some);
+            for number in numbers.into_iter().chain(estimate) {
+                table.number(number);
+            }
+            table.end_row();
         }
         estimated.map(drop)
     }

@@ -3,8 +3,9 @@
 use palpate_chromatouch::MarkerMotion;
 use palpate_sensing::{Channel, Stream};
 
-use super::camera::{CameraSensor, Eye, Rung, Sight};
-use super::{PressFailure, PressReadings};
+use super::camera::{AT_REST, CameraModel, CameraSensor, Eye, Sight};
+use super::failure::PressFailure;
+use super::readings::MarkerReadings;
 
 /// A press before a camera.
 #[derive(Clone, Debug)]
@@ -43,7 +44,7 @@ impl CameraPress {
     /// Replaces the true displacements by those that the camera tells.
     pub(super) fn read(
         &self,
-        readings: &mut PressReadings,
+        readings: &mut MarkerReadings,
         trial: Option<u64>,
     ) -> Result<(), PressFailure> {
         let sight = self.sight(trial)?;
@@ -72,10 +73,10 @@ impl CameraPress {
     ) -> Result<Option<[image::RgbImage; 2]>, PressFailure> {
         let eye = &self.sensor.eye;
         let rest = vec![Some(MarkerMotion::default()); self.motions.len()];
-        if !matches!(eye.rung, Rung::Rendered) {
+        if !matches!(eye.model, CameraModel::Rendered) {
             return Ok(None);
         }
-        let at_rest = trial.map(|_| super::plan::AT_REST);
+        let at_rest = trial.map(|_| AT_REST);
         let pressed = eye.frame(&self.motions(trial), trial)?;
         Ok(Some([eye.frame(&rest, at_rest)?, pressed]))
     }

@@ -1,60 +1,28 @@
 //! One press, written down.
 
-use image::RgbImage;
-
-use super::{PressFailure, PressReadings, PressScene, PressSensor};
+use super::failure::PressFailure;
+use super::readings::MarkerReadings;
+use super::scene::{PressScene, PressSensor};
+use crate::trace::{SeenPress, Trace, counted};
 use crate::tracks::of_tracks;
 use palpate_study::Table;
 use palpate_study::config::LengthUnit;
 
-/// Trace of a press: the true displacements of the markers, and the readings of the sensor.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PressTrace {
-    /// Truth: `marker,x,y,radial_position,normal_displacement,tangential_x,tangential_y`, the radial position counted
-    /// from the contact.
-    pub contacts: Table,
-    /// Readings, in the form that `estimate press` accepts.
-    pub readings: Table,
-    /// Pictures of a camera; `None` with a direct sensor.
-    pub seen: Option<SeenPress>,
-}
-
-/// Pictures of a press that a camera took.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SeenPress {
-    /// The sight of each marker: `marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status`.
-    pub markers: Table,
-    /// The frames at rest and pressed, if they were rendered.
-    pub frames: Option<[RgbImage; 2]>,
-}
-
 impl PressScene {
-    /// The indentation that an estimator is given where it is known: the truth, or in trial number `trial`.
-    pub fn told_indentation(&self, trial: Option<u64>) -> f64 {
-        let error = trial.map_or(0.0, |trial| self.noise.of_indentation(self.seed, trial));
-        self.indentation + error
-    }
-
-    /// Pixels per radian of the camera, if there is one.
-    pub fn px_per_rad(&self) -> Option<f64> {
-        match &self.sensor {
-            PressSensor::Camera(Ok(camera)) => Some(camera.sensor.eye.lens.px_per_rad()),
-            PressSensor::Camera(Err(_)) | PressSensor::Direct => None,
-        }
-    }
-
     /// Presses once: noiseless, or as in trial number `trial`.
-    ///
-    /// # Errors
-    /// [`PressFailure`] where there is no press, or none to be seen.
-    pub fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<PressTrace, PressFailure> {
+    pub(super) fn followed(
+        &self,
+        trial: Option<u64>,
+        unit: LengthUnit,
+    ) -> Result<Trace, PressFailure> {
         let truth = self.truth.as_ref().map_err(|error| *error)?;
-        let named = |name: &&str| format!("{name}_{}", unit.as_str());
+        let unit = unit.as_str();
+        let named = |name: &&str| format!("{name}_{unit}");
         let truths = ["x", "y", "radial_position", "normal_displacement"];
         let tangential = ["tangential_x", "tangential_y"];
         let header = truths.iter().chain(&tangential).map(named);
         let mut contacts = Table::new(std::iter::once("marker".to_owned()).chain(header));
-        let distances = self.markers.distances(self.at);
+        let distances = self.markers.distances(self.pressed.at);
         let rows = self.places.iter().zip(distances).zip(&truth.markers);
         for (marker, (([x, y], distance), moved)) in rows.enumerate() {
             let [along_x, along_y] = moved.tangential;
@@ -77,7 +45,23 @@ impl PressScene {
             }
             readings.push_numbers(row);
         }
-        Ok(PressTrace {
+        let camera = match &self.sensor {
+            PressSensor::Camera(Ok(camera)) => {
+                let px_per_rad = camera.sensor.eye.lens.px_per_rad();
+                format!(", seen with {px_per_rad:.3} px per rad")
+            }
+            PressSensor::Camera(Err(_)) | PressSensor::Direct => String::new(),
+        };
+        let some = match readings.rows.len() {
+            all if all == contacts.rows.len() => String::new(),
+            some => format!("{some} of "),
+        };
+        Ok(Trace {
+            what: format!(
+                "{some}{} under an indentation told as {} {unit}{camera}",
+                counted(contacts.rows.len(), "marker"),
+                read.indentation
+            ),
             contacts,
             readings,
             seen: self.seen(&read, trial)?,
@@ -86,7 +70,7 @@ impl PressScene {
 
     fn seen(
         &self,
-        read: &PressReadings,
+        read: &MarkerReadings,
         trial: Option<u64>,
     ) -> Result<Option<SeenPress>, PressFailure> {
         match (&self.sensor, &read.sight) {

@@ -3,23 +3,26 @@
 use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
 use palpate_press::{Contact, ContactRegime, PressError, Skin};
 
-use super::{PressMethod, PressSensor, PressedObject};
-use crate::legible::legible;
+use super::ladder::Choice;
+use super::method::assumed_body;
+use super::pressed::TouchedObject;
+use super::readings::MarkerNoise;
+use super::scene::{PressMethod, PressSensor};
 use palpate_study::config::{
     Baseline, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown, NormalFrom,
-    PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
-    PressProbeConfig, PressSensorConfig, SizeNoise,
+    PixelNoise, PressConfig, PressModelConfig, PressNoiseConfig, PressProbeConfig,
+    PressSensorConfig, SizeNoise,
 };
 
 /// The model, the regime of the contact, and what is doubtful about either.
 pub(super) fn of_model(
-    model: &PressModelConfig,
-    object: &PressedObject,
+    choice: &Choice,
+    object: &TouchedObject,
     skin: &Skin,
     contact: &Result<Contact<'_>, PressError>,
 ) -> Vec<String> {
     let mut needs = vec![
-        match model.reference() {
+        match choice.model.reference() {
             PressModelConfig::Hertz { .. } => "Hertz contact, seen at the surface: closed form",
             PressModelConfig::HalfSpace { .. } | PressModelConfig::Auto { .. } => {
                 "Hertz contact on a half-space, at the markers' depth: closed form"
@@ -30,6 +33,9 @@ pub(super) fn of_model(
         }
         .to_owned(),
     ];
+    if choice.tolerance.is_some() {
+        needs[0] += &format!(" ({})", choice.reason);
+    }
     let regime = ContactRegime::of(skin.curvature(), object.curvature);
     match contact {
         Ok(contact) => {
@@ -41,7 +47,7 @@ pub(super) fn of_model(
                 ContactRegime::Flat | ContactRegime::Conforming | ContactRegime::Edge => "",
             };
             needs.push(format!("{} contact{what}", regime.name()));
-            let is_layer = matches!(model, PressModelConfig::BondedLayer { .. });
+            let is_layer = matches!(choice.model, PressModelConfig::BondedLayer { .. });
             let large = large_contact(
                 contact.relative_curvature,
                 contact.radius,
@@ -50,10 +56,10 @@ pub(super) fn of_model(
             );
             needs.extend(large.map(|large| format!("warning: {large}")));
         }
-        Err(error) => needs.push(legible(&format!(
+        Err(error) => needs.push(format!(
             "warning: no press; every trial fails as `{}`: {error}",
             error.name()
-        ))),
+        )),
     }
     needs
 }
@@ -82,10 +88,29 @@ pub(crate) fn large_contact(
     ))
 }
 
-pub(super) const EXACT_TANGENTIAL: &str = "warning: displacements along the skin have no error and outweigh all \
+const EXACT_TANGENTIAL: &str = "warning: displacements along the skin have no error and outweigh all \
     others; give `noise.tangential_displacement`, or set `sensor.tangential` = false";
 
-pub(super) fn of_sensor(
+/// The errors of what is read, and the sensor that reads it.
+pub(super) fn of_readings(
+    noise: &MarkerNoise,
+    sensor: &PressSensor,
+    tangential: bool,
+    markers: usize,
+    config: &PressConfig,
+) -> Vec<String> {
+    let is_seen = matches!(sensor, PressSensor::Camera(Ok(seen)) if seen.is_random());
+    let none = || (!is_seen).then(|| "no noise: no random numbers are drawn".to_owned());
+    let mut needs: Vec<String> = noise.need().or_else(none).into_iter().collect();
+    needs.extend(of_sensor(markers, sensor, tangential, config));
+    let is_direct = matches!(sensor, PressSensor::Direct);
+    if is_direct && tangential && noise.normal.is_random() && !noise.tangential.is_random() {
+        needs.push(EXACT_TANGENTIAL.to_owned());
+    }
+    needs
+}
+
+fn of_sensor(
     markers: usize,
     sensor: &PressSensor,
     tangential: bool,
@@ -165,44 +190,17 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
 
 /// The estimator, and what is doubtful about it.
 pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<String> {
-    let (what, indentation, baseline, noise) = match &config.estimator {
-        PressEstimatorConfig::HalfSpace {
-            indentation,
-            baseline,
-            noise,
-            ..
-        } => ("a half-space", indentation, baseline, noise),
-        PressEstimatorConfig::BondedLayer {
-            indentation,
-            baseline,
-            noise,
-            ..
-        } => ("a bonded layer", indentation, baseline, noise),
-        PressEstimatorConfig::Gaussian {
-            c,
-            indentation,
-            baseline,
-            noise,
-            ..
-        } => match c {
-            Some(_) => ("a Gaussian with a given c", indentation, baseline, noise),
-            None => (
-                "a Gaussian calibrated on a plane",
-                indentation,
-                baseline,
-                noise,
-            ),
-        },
-    };
-    let indentation = match indentation {
+    let (what, has_depth) = assumed_body(&config.estimator);
+    let priors = config.estimator.priors();
+    let indentation = match priors.indentation {
         Indentation::Known => "indentation given",
         Indentation::Fitted => "indentation fitted",
     };
-    let baseline = match baseline {
+    let baseline = match priors.baseline {
         Baseline::Known => "",
         Baseline::Fitted => ", baseline fitted",
     };
-    let noise = match noise {
+    let noise = match priors.noise {
         NoiseKnown::Stated => "noise as stated",
         NoiseKnown::Found => "noise found from the residuals",
     };
@@ -210,15 +208,14 @@ pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<St
         "least-squares fit of {what}, {indentation}{baseline}, {noise}"
     )];
     if let Err(error) = &method.fit {
-        needs.push(legible(&format!(
+        needs.push(format!(
             "warning: no estimator; every trial fails as `{}`: {error}",
             error.name()
-        )));
+        ));
     }
     let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
     let at_surface = matches!(config.model, PressModelConfig::Hertz { .. });
-    let at_depth = !matches!(config.estimator, PressEstimatorConfig::Gaussian { .. });
-    if at_surface && at_depth && marker_depth > 0.0 {
+    if at_surface && has_depth && marker_depth > 0.0 {
         needs.push(
             "warning: the model moves markers as at the surface, the estimator takes them to be at their depth"
                 .to_owned(),

@@ -10,7 +10,6 @@ use palpate_tracking::{
 use super::RecordedFile;
 use super::calibration_report::{CalibrationReport, Fitted};
 use super::sheet::{Column, RecordedError, Sheet, header};
-use crate::legible::legible;
 use palpate_study::config::LengthUnit;
 
 /// A point of a calibration.
@@ -339,7 +338,7 @@ impl<P: Copy> Pooled<P> {
 
     /// The error with the file and the line that is at fault.
     fn refused(&self, all: &[CalibrationPoints], error: &CalibrationError) -> RecordedError {
-        let message = legible(&error.to_string());
+        let message = error.to_string();
         if let CalibrationError::NotFinite { point } = error
             && let Some((file, _, Some(line))) = self.sources.get(*point)
         {

@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 
 use super::RecordedFile;
 use super::sheet::RecordedError;
-use crate::legible::legible;
 use palpate_study::config::LengthUnit;
 
 const HEADER: &str = "\
@@ -143,7 +142,7 @@ pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit
     let unit = parsed.length_unit;
     let calibration = parsed
         .calibration()
-        .map_err(|error| file.error(legible(&error.to_string())))?;
+        .map_err(|error| file.error(error.to_string()))?;
     Ok((calibration, unit))
 }
 

@@ -36,6 +36,13 @@ pub struct GlideReadings {
     pub(super) unit: Option<LengthUnit>,
 }
 
+impl GlideReadings {
+    /// The unit of lengths that the header states.
+    pub fn unit(&self) -> Option<LengthUnit> {
+        self.unit
+    }
+}
+
 /// Reads recorded contacts: one row each, with normals or without; the contacts of a finger stand
 /// in the order in which it made them.
 ///

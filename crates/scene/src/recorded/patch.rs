@@ -1,52 +1,23 @@
 //! The curvature of a patch from recorded glides.
 
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::{
-    Curvature, Ep2Error, Fit, Method, Noise, Patch, Penalised, Quadric, Status, TwoPass,
-    Uncertainty, regions,
-};
+use palpate_ep2::{Curvature, Ep2Error, Fit, Method, Patch, Status, Uncertainty, regions};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
+use palpate_number::BadSetting;
 
 use super::Value;
 use super::glide::GlideReadings;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::sheet::{RecordedError, agreed_unit};
 use crate::glide::AnyMethod;
-use crate::legible::legible;
 use palpate_study::Unit;
-use palpate_study::config::LengthUnit;
-
-/// How to estimate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum GlideMethod {
-    /// A penalised spline through heights and slopes.
-    #[default]
-    Penalised,
-    /// The two passes of the 1996 paper.
-    TwoPass,
-    /// A least-squares quadric.
-    Quadric,
-}
-
-impl GlideMethod {
-    /// All methods, the default first.
-    pub const ALL: [Self; 3] = [Self::Penalised, Self::TwoPass, Self::Quadric];
-
-    /// The name used in configs.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Penalised => "penalised",
-            Self::TwoPass => "two-pass",
-            Self::Quadric => "quadric",
-        }
-    }
-}
+use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
 /// Settings of an estimate that the readings do not state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct GlideOptions {
-    /// The estimator.
-    pub method: GlideMethod,
+    /// The estimator; lengths in the readings' unit.
+    pub estimator: GlideEstimatorConfig,
     /// The unit of lengths, where the header does not state it.
     pub length_unit: Option<LengthUnit>,
     /// Out of the object; only its side of the patch matters, and only without normals.
@@ -58,11 +29,6 @@ pub struct GlideOptions {
     /// When curvatures count as zero, in the unit of the readings; `None` takes them from the size
     /// of the patch.
     pub thresholds: Option<ShapeThresholds>,
-    /// Standard deviation of a position along each axis, length; `None` finds it from the contacts.
-    /// Two-pass has no use for it.
-    pub position_std: Option<f64>,
-    /// Standard deviation of a normal's tilt about each tangent; likewise.
-    pub normal_std_rad: Option<f64>,
     /// The length that the settings of two-pass count in; `None` for the mean distance between
     /// neighbouring fingers. Only two-pass has use for it.
     pub inter_finger_distance: Option<f64>,
@@ -71,14 +37,12 @@ pub struct GlideOptions {
 impl Default for GlideOptions {
     fn default() -> Self {
         Self {
-            method: GlideMethod::default(),
+            estimator: GlideEstimatorConfig::default(),
             length_unit: None,
             outward: [0.0, 0.0, 1.0],
             grid: 30,
             map_at_contacts: false,
             thresholds: None,
-            position_std: None,
-            normal_std_rad: None,
             inter_finger_distance: None,
         }
     }
@@ -96,7 +60,7 @@ pub fn estimate_glide(
     let unit = agreed_unit(&recorded.file, recorded.unit, options.length_unit)?;
     let refused = |error| refused(recorded, &error);
     let patch = Patch::new(&recorded.contacts, &Vector3::from(options.outward)).map_err(refused)?;
-    let method = method(options);
+    let method = AnyMethod::of(&options.estimator, options.inter_finger_distance);
     let fit = method.fit(&patch).map_err(refused)?;
     let centre = fit.centre().map_err(refused)?;
     let points = fit.map(options.grid).map_err(refused)?;
@@ -113,7 +77,7 @@ pub fn estimate_glide(
     let stds = curvature.uncertainty;
     let [min_std, max_std] = principal_stds(&curvature);
     let estimate = GlideEstimate {
-        method: options.method.name(),
+        method: options.estimator.name(),
         contacts: recorded.contacts.len(),
         fingers: recorded.fingers,
         with_normals: patch.has_normals(),
@@ -178,24 +142,6 @@ pub fn estimate_glide(
     Ok((estimate, map))
 }
 
-fn method(options: &GlideOptions) -> AnyMethod {
-    let noise = Noise {
-        position_std: options.position_std,
-        normal_std_rad: options.normal_std_rad,
-    };
-    match options.method {
-        GlideMethod::Penalised => AnyMethod::Penalised(Penalised {
-            noise,
-            ..Penalised::default()
-        }),
-        GlideMethod::TwoPass => AnyMethod::TwoPass(TwoPass {
-            unit_length: options.inter_finger_distance,
-            ..TwoPass::default()
-        }),
-        GlideMethod::Quadric => AnyMethod::Quadric(Quadric { noise }),
-    }
-}
-
 /// The error with the line of the contact that is at fault, if it is one.
 fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
     let contact = match error {
@@ -219,23 +165,20 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
 
 /// The error in the words of the command line, with the option that helps where there is one.
 fn remedied(error: &Ep2Error) -> String {
-    let message = match error {
-        Ep2Error::BadSetting {
-            setting: "unit_length",
-            value: 0.0,
-            ..
-        } => "the contacts are of one finger, which has no distance to another: two-pass needs \
-              --inter-finger-distance"
-            .to_owned(),
-        Ep2Error::BadSetting {
-            setting: "unit_length",
-            value,
-            expected,
-        } => format!("--inter-finger-distance is {value}; it must be {expected}"),
+    match error {
+        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
+            "the contacts are of one finger, which has no distance to another: two-pass needs \
+             --inter-finger-distance"
+                .to_owned()
+        }
+        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" => BadSetting {
+            setting: "--inter-finger-distance",
+            ..*bad
+        }
+        .to_string(),
         Ep2Error::NoSide { .. } => format!("{error}; give another with --outward X,Y,Z"),
         _ => error.to_string(),
-    };
-    legible(&message)
+    }
 }
 
 /// The thresholds of the 1996 paper, 0.005 and 0.03 on a patch of 3 × 3, scaled to this patch by

@@ -8,7 +8,7 @@ use palpate_geometry::ShapeThresholds;
 use serde::Serialize;
 
 use super::Value;
-use crate::glide::MapTable;
+use crate::map::MapTable;
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 
@@ -100,7 +100,7 @@ impl GlideMap {
     pub fn to_csv(&self) -> String {
         let mut table = MapTable::of_readings(self.unit);
         table.push_map(&self.points, self.regions.as_ref(), &self.thresholds);
-        table.into_csv()
+        table.table.to_csv()
     }
 }
 

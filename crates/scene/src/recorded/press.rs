@@ -39,6 +39,11 @@ pub struct PressReadings {
 }
 
 impl PressReadings {
+    /// The unit of lengths that the header states.
+    pub fn unit(&self) -> Option<LengthUnit> {
+        self.unit
+    }
+
     /// Whether displacements along the skin were sensed.
     pub const fn has_tangential(&self) -> bool {
         self.tangential.is_some()

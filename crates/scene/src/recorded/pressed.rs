@@ -1,79 +1,33 @@
 //! The curvature of an object from a recorded press.
 
+use palpate_number::{BadSetting, Number};
 use palpate_press::{
     Body, ContactRegime, Estimated, ForwardFit, Markers, Measured, PressError, PressEstimate,
-    Prior, Reading, Skin, calibrated_c,
+    Reading, Skin,
 };
 
 use super::Value;
 use super::press::PressReadings;
 use super::pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
 use super::sheet::{RecordedError, agreed_unit};
-use crate::legible::legible;
-use crate::press::large_contact;
+use crate::press::{Assumed, body_of, large_contact};
 use palpate_study::Unit;
-use palpate_study::config::LengthUnit;
+use palpate_study::config::{LengthUnit, PressEstimatorConfig, PressModelConfig};
 
-/// A body that is pressed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PressBody {
-    /// An elastic half-space.
-    HalfSpace {
-        /// Poisson's ratio.
-        poisson: f64,
-        /// Depth of the markers under the skin, length.
-        depth: f64,
-    },
-    /// An incompressible layer bonded to a rigid core.
-    BondedLayer {
-        /// Thickness of the layer, length.
-        thickness: f64,
-        /// Depth of the markers under the skin, length.
-        depth: f64,
-    },
-}
-
-/// How to estimate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PressMethod {
-    /// A fit of what a body does.
-    Body(PressBody),
-    /// A fit of the 2020 paper's Gaussian, R = c σ²/δ.
-    Gaussian {
-        /// The c; `None` takes what gives the sensor's own radius on a plane pressed as deep.
-        c: Option<f64>,
-        /// The body that is then pressed.
-        calibrated_on: PressBody,
-        /// Distance from the contact within which markers count, length.
-        window: Option<f64>,
-    },
-}
-
-impl PressMethod {
-    /// The name used in configs.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Body(PressBody::HalfSpace { .. }) => "half-space",
-            Self::Body(PressBody::BondedLayer { .. }) => "bonded-layer",
-            Self::Gaussian { .. } => "gaussian",
-        }
-    }
-}
-
-/// Settings of an estimate that the readings do not state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Settings of an estimate that the readings do not state; lengths in the readings' unit.
+#[derive(Clone, Debug, PartialEq)]
 pub struct PressOptions {
     /// Radius of the skin, length.
     pub sensor_radius: f64,
-    /// The estimator.
-    pub method: PressMethod,
-    /// The indentation and its standard deviation, if something else tells it; length.
-    pub indentation: Option<(f64, f64)>,
-    /// Whether all normal displacements may be off by the same, which is then fitted.
-    pub fits_baseline: bool,
-    /// Standard deviation of the factor on all normal displacements; 0 where it is 1. Of no use to a Gaussian, whose
-    /// amplitude is fitted.
-    pub gain_std: f64,
+    /// Depth of the markers under the skin, length.
+    pub marker_depth: f64,
+    /// Model of the sensor's soft body: what the estimator leaves out is its, and a Gaussian is calibrated on it.
+    pub model: PressModelConfig,
+    /// The estimator. Whether it is given the indentation is told by [`Self::indentation`] and not by its own setting: a
+    /// study knows the indentation of its presses, a reading does not.
+    pub estimator: PressEstimatorConfig,
+    /// The indentation, if something else tells it; length. The estimator ascribes its `indentation_std` to it.
+    pub indentation: Option<f64>,
     /// Standard deviation of normal displacements, length; `None` finds it from the residuals.
     pub normal_std: Option<f64>,
     /// Standard deviation of displacements along the skin, length; `None` finds it from the residuals.
@@ -87,14 +41,14 @@ pub struct PressOptions {
 }
 
 impl PressOptions {
-    /// Options with nothing known but the sensor and the body.
-    pub const fn new(sensor_radius: f64, method: PressMethod) -> Self {
+    /// Options with nothing known but the sensor's radius: a half-space with its markers at the surface.
+    pub fn new(sensor_radius: f64) -> Self {
         Self {
             sensor_radius,
-            method,
+            marker_depth: 0.0,
+            model: PressModelConfig::default(),
+            estimator: PressEstimatorConfig::default(),
             indentation: None,
-            fits_baseline: false,
-            gain_std: 0.0,
             normal_std: None,
             tangential_std: None,
             radial_scale: 1.0,
@@ -124,9 +78,10 @@ pub fn estimate_press(
         markers: &markers,
         normal: &recorded.normal,
         tangential: recorded.tangential.as_deref(),
-        indentation: options
-            .indentation
-            .map(|(value, std)| Measured { value, std }),
+        indentation: options.indentation.map(|value| Measured {
+            value,
+            std: options.estimator.priors().indentation_std,
+        }),
     };
     let estimate = fit.estimate(&reading).map_err(refused)?;
     let told = |estimated, power| Told::new(&estimated, power, unit);
@@ -138,7 +93,7 @@ pub fn estimate_press(
     };
     let [force, peak_pressure] = stresses(&fit.body, &estimate, options, unit).map_err(refused)?;
     Ok(PressedObject {
-        method: options.method.name(),
+        method: options.estimator.name(),
         c,
         markers: recorded.places.len(),
         with_tangential: recorded.tangential.is_some(),
@@ -183,50 +138,20 @@ pub fn estimate_press(
 
 /// The fit, and the c of a Gaussian.
 fn fit(options: &PressOptions, markers: &Markers) -> Result<(ForwardFit, Option<f64>), PressError> {
-    let (body, c, gain, window) = match options.method {
-        PressMethod::Body(body) => {
-            let gain = match options.gain_std {
-                std if std > 0.0 => Prior::Within(std),
-                _ => Prior::Exact,
-            };
-            (self::body(body)?, None, gain, None)
-        }
-        PressMethod::Gaussian {
-            c,
-            calibrated_on,
-            window,
-        } => {
-            let c = match (c, options.indentation) {
-                (Some(c), _) => c,
-                (None, Some((indentation, _))) => {
-                    calibrated_c(markers, &self::body(calibrated_on)?, indentation, window)?
-                }
-                (None, None) => {
-                    return Err(PressError::Undetermined {
-                        what: "the c of a Gaussian is calibrated at a known indentation",
-                    });
-                }
-            };
-            // The amplitude is fitted, unless it is the indentation.
-            let gain = match options.indentation {
-                Some(_) => Prior::Free,
-                None => Prior::Exact,
-            };
-            (Body::gaussian(c)?, Some(c), gain, window)
-        }
+    let model = options.model.reference();
+    let assumed = Assumed {
+        estimator: &options.estimator,
+        model: &model,
+        body: &body_of(&model, options.marker_depth, Body::bonded_layer)?,
+        shared: model.thickness(),
+        markers,
+        marker_depth: options.marker_depth,
+        calibrated_at: options.indentation,
+        knows_indentation: options.indentation.is_some(),
+        stds: [options.normal_std, options.tangential_std],
     };
-    let fit = ForwardFit {
-        baseline: if options.fits_baseline {
-            Prior::Free
-        } else {
-            Prior::Exact
-        },
-        gain,
-        normal_std: options.normal_std,
-        tangential_std: options.tangential_std,
-        window,
-        ..ForwardFit::new(body)
-    };
+    let fit = assumed.fit()??;
+    let c = fit.body.c();
     Ok((fit, c))
 }
 
@@ -255,13 +180,6 @@ fn stresses(
     ])
 }
 
-fn body(body: PressBody) -> Result<Body, PressError> {
-    match body {
-        PressBody::HalfSpace { poisson, depth } => Body::half_space(poisson, depth),
-        PressBody::BondedLayer { thickness, depth } => Body::bonded_layer(thickness, depth),
-    }
-}
-
 /// Past this ratio of the residuals to the noise that is stated, the intervals are too narrow.
 const LARGE_RESIDUALS: f64 = 1.5;
 
@@ -269,10 +187,7 @@ const LARGE_RESIDUALS: f64 = 1.5;
 const LITTLE: f64 = 0.5;
 
 fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
-    let is_layer = matches!(
-        options.method,
-        PressMethod::Body(PressBody::BondedLayer { .. })
-    );
+    let is_layer = matches!(options.estimator, PressEstimatorConfig::BondedLayer { .. });
     let large = large_contact(
         estimate.relative_curvature.value,
         estimate.contact_radius.value,
@@ -301,23 +216,23 @@ fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
 /// The error in the words of the command line, with the line of the marker that is at fault, if it is one.
 fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError) -> RecordedError {
     let file = recorded.file.clone();
-    let message = legible(&match error {
-        PressError::BadSetting {
+    let message = match error {
+        PressError::BadSetting(BadSetting {
             setting,
             value,
             expected,
-        } => {
+        }) => {
             let option = match *setting {
                 "radius" => "sensor-radius".to_owned(),
                 setting => setting.replace('_', "-"),
             };
-            format!("--{option} is {value}; it must be {expected}")
+            format!("--{option} is {}; it must be {expected}", Number(*value))
         }
         PressError::Undetermined { .. } if options.indentation.is_none() => {
             format!("{error}; give the indentation with --indentation D if it is known")
         }
         _ => error.to_string(),
-    });
+    };
     match error {
         PressError::NotFinite { marker }
         | PressError::OffSkin { marker, .. }

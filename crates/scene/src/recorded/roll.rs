@@ -6,13 +6,14 @@ use std::path::Path;
 
 use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, LeastSquares, Measured, ProbeReading, ReadingNoise};
+use palpate_number::Number;
+use palpate_sensing::PadOffset;
 use serde::Serialize;
 
 use super::RecordedFile;
 use super::Value;
 use super::sheet::{Column, RecordedError, Sheet, agreed_unit, header};
-use crate::legible::legible;
-use palpate_study::config::LengthUnit;
+use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 use palpate_study::{Table, Unit};
 
 /// One row per probe.
@@ -34,25 +35,39 @@ const SERIES: [Column; 6] = [
     Column::length("pad_v"),
 ];
 
-/// How to estimate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum RollMethod {
-    /// The least squares of the 1996 paper.
-    #[default]
-    LeastSquares,
-}
-
 /// Settings of an estimate that the readings do not state.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RollOptions {
     /// The probe's radius, in the readings' length unit.
     pub probe_radius: f64,
+    /// The estimator.
+    pub estimator: RollEstimatorConfig,
     /// The unit of lengths, where the header does not state it.
     pub length_unit: Option<LengthUnit>,
-    /// Pitch of the pads, in the same unit: how well shifts are known.
-    pub pitch: Option<f64>,
-    /// The estimator.
-    pub method: RollMethod,
+    /// Noise and resolution of the readings, lengths in the same unit; standard deviations follow from the residuals
+    /// where none is stated.
+    pub noise: ReadingNoise,
+}
+
+impl RollOptions {
+    /// Options with nothing known but the probe's radius.
+    pub fn new(probe_radius: f64) -> Self {
+        Self {
+            probe_radius,
+            estimator: RollEstimatorConfig::default(),
+            length_unit: None,
+            noise: ReadingNoise::default(),
+        }
+    }
+
+    /// Noise of pads that start anywhere under the first contact.
+    pub fn noise_of_pads(pitch: f64) -> ReadingNoise {
+        ReadingNoise {
+            shift_std: PadOffset::Random.shift_std(pitch),
+            shift_resolution: PadOffset::Random.resolution(pitch),
+            ..ReadingNoise::default()
+        }
+    }
 }
 
 /// Recorded readings of a roll.
@@ -66,6 +81,13 @@ pub struct RollReadings {
     readings: Vec<ProbeReading>,
     /// The unit that the header states.
     unit: Option<LengthUnit>,
+}
+
+impl RollReadings {
+    /// The unit of lengths that the header states.
+    pub fn unit(&self) -> Option<LengthUnit> {
+        self.unit
+    }
 }
 
 /// A probe whose contact did not move.
@@ -189,22 +211,17 @@ fn last_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError
 
 /// Estimates the object's curvature from recorded rolls.
 ///
-/// Standard deviations follow from the pitch where it is given, else from the residuals, where
+/// Standard deviations follow from the noise that is stated, else from the residuals, where
 /// there are more readings than unknowns.
 ///
 /// ```
-/// use palpate_scene::recorded::{RecordedFile, RollMethod, RollOptions, estimate_roll, parse_roll};
+/// use palpate_scene::recorded::{RecordedFile, RollOptions, estimate_roll, parse_roll};
 ///
 /// // A probe of radius 10 that is turned by 0.3 on a ball of radius 20 rolls over 0.3 / (1/10 + 1/20) = 2.
 /// let csv = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,0,-0.3,2,0\n1,0.3,0,0,2\n";
 /// let readings = parse_roll(RecordedFile::new("readings.csv", csv.as_bytes().to_vec()))?;
-/// let options = RollOptions {
-///     probe_radius: 10.0,
-///     length_unit: None,
-///     pitch: None,
-///     method: RollMethod::LeastSquares,
-/// };
-/// let estimate = serde_json::to_value(estimate_roll(&readings, &options)?)?;
+/// let estimate = estimate_roll(&readings, &RollOptions::new(10.0))?;
+/// let estimate = serde_json::to_value(estimate)?;
 /// let curvature = estimate["mean_curvature"]["value"].as_f64().ok_or("no number")?;
 /// assert!((curvature - 0.05).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -219,7 +236,7 @@ pub fn estimate_roll(
 ) -> Result<RollEstimate, RecordedError> {
     let fail = |message: String| RecordedError::Readings {
         file: recorded.file.clone(),
-        message: legible(&message),
+        message,
     };
     let unit = agreed_unit(&recorded.file, recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;
@@ -229,8 +246,9 @@ pub fn estimate_roll(
         if shift > half_way * (1.0 + 1e-9) {
             let unit = unit.as_str();
             return Err(fail(format!(
-                "probe {probe}: a shift of {shift} {unit} passes half way round the probe \
-                 ({half_way} {unit})"
+                "probe {probe}: a shift of {} {unit} passes half way round the probe ({} {unit})",
+                Number(shift),
+                Number(half_way)
             )));
         }
     }
@@ -252,18 +270,20 @@ pub fn estimate_roll(
         })
     };
 
-    let pitch = options.pitch.unwrap_or(0.0);
-    // Both ends of a shift are quantised, and a contact may sit anywhere on its first pad.
-    let stated = ReadingNoise {
-        shift_std: pitch / 6.0_f64.sqrt(),
-        shift_resolution: pitch,
-        ..ReadingNoise::default()
-    };
-    let RollMethod::LeastSquares = options.method;
+    let RollEstimatorConfig::LeastSquares {} = options.estimator;
+    let stated = options.noise;
     let fit = |noise| LeastSquares::of(options.probe_radius, noise, readings).map_err(refused);
     let mut estimate = fit(stated)?;
     let (residual, freedom) = estimate.residual(readings);
-    let mut std_from = "the pads' pitch";
+    let mut std_from = match stated {
+        ReadingNoise {
+            relative_rotation_std: 0.0,
+            rotation_std_rad: 0.0,
+            shift_resolution,
+            ..
+        } if shift_resolution > 0.0 => "the pads' pitch",
+        _ => "the stated noise",
+    };
     if !stated.is_stated() {
         std_from = "none: the residuals are zero and no pitch is given";
         if freedom > 0 && residual > 0.0 {
@@ -294,7 +314,12 @@ pub fn estimate_roll(
         amplification_v: estimate.amplification(FRAC_PI_2),
         residual_rms: bare(residual, Unit::Length),
         std_from,
-        unresolved_probes: unresolved(recorded, options.probe_radius, pitch, unit),
+        unresolved_probes: unresolved(
+            recorded,
+            options.probe_radius,
+            stated.shift_resolution,
+            unit,
+        ),
     })
 }
 
@@ -302,7 +327,7 @@ pub fn estimate_roll(
 fn unresolved(
     recorded: &RollReadings,
     probe_radius: f64,
-    pitch: f64,
+    resolution: f64,
     unit: LengthUnit,
 ) -> Vec<UnresolvedProbe> {
     let still = |reading: &ProbeReading| {
@@ -314,9 +339,9 @@ fn unresolved(
         .zip(&recorded.readings)
         .filter(|(_, reading)| still(reading))
         .map(|(&probe, reading)| {
-            let radius = 1.0 / (reading.rotation.norm() / pitch - 1.0 / probe_radius);
+            let radius = 1.0 / (reading.rotation.norm() / resolution - 1.0 / probe_radius);
             let radius_below =
-                (pitch > 0.0 && radius > 0.0 && radius.is_finite()).then_some(radius);
+                (resolution > 0.0 && radius > 0.0 && radius.is_finite()).then_some(radius);
             UnresolvedProbe {
                 probe,
                 radius_below,

@@ -9,7 +9,6 @@ use super::pressed::{PressOptions, estimate_press};
 use super::pressed_object::PressedObject;
 use super::sheet::RecordedError;
 use super::tracked::{Fates, TrackedFrames};
-use crate::legible::legible;
 use palpate_study::config::LengthUnit;
 use palpate_study::{Table, Unit};
 
@@ -62,7 +61,7 @@ impl Sensed {
             file: file.clone(),
             message,
         };
-        let refused = |error: CalibrationError| fail(legible(&error.to_string()));
+        let refused = |error: CalibrationError| fail(error.to_string());
         calibration.fits(frames.at_rest()).map_err(refused)?;
         if calibration.normal_part().is_none() {
             return Err(fail(

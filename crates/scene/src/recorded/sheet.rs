@@ -1,8 +1,8 @@
 //! A CSV file of numbers, with errors that say where.
 
+use palpate_number::Number;
 use thiserror::Error;
 
-use crate::legible::legible;
 use palpate_study::config::LengthUnit;
 
 /// Readings that cannot be read.
@@ -168,8 +168,11 @@ impl Sheet {
         if number >= 0.0 && number.fract() == 0.0 && number < 1e15 {
             return Ok(number as u64);
         }
-        let message = format!("column `{column}`: must be a whole number from 0, is {number}");
-        Err(self.fail(line, legible(&message)))
+        let message = format!(
+            "column `{column}`: must be a whole number from 0, is {}",
+            Number(number)
+        );
+        Err(self.fail(line, message))
     }
 }
 

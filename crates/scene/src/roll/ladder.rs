@@ -1,11 +1,11 @@
 //! The ladder of a roll.
 
-use palpate_rolling::{Chart, MeasuredRung, Model, Motion, Rolls};
+use palpate_rolling::{Chart, Model, Motion, Rolls};
 
-use super::RollScene;
-use super::plan::{chart, cut};
+use super::plan::cut;
+use super::scene::RollScene;
 use crate::ladder::{Ladder, Rung};
-use palpate_study::config::{self, ModelConfig, RollAxis, RollConfig, RollModelConfig};
+use palpate_study::config::{self, ModelConfig, RollModelConfig};
 
 impl RollScene {
     /// Commanded motion of each probe without noise, in as many pieces as noise would change it.
@@ -15,37 +15,23 @@ impl RollScene {
         commands.map(|command| cut(command, pieces)).collect()
     }
 
-    /// The rungs of this scene, which is that of `config`.
-    pub(crate) fn ladder(&self, config: &RollConfig) -> Ladder {
+    /// The rungs of this scene.
+    pub(super) fn measured_ladder(&self) -> Ladder {
         let rolls = self.noiseless();
-        let form = config.model.chart().unwrap_or(match config.motion.axis {
-            RollAxis::Transported => config::Chart::Free,
-            RollAxis::Chart => config::Chart::Montana,
-        });
-        let chart = chart(form, config.motion.axis);
-        let measured = self.roller.ladder(chart, Rolls { rolls: &rolls });
+        let measured = self.roller.ladder(self.chart, Rolls { rolls: &rolls });
         let choice = self.roller.choice();
-        let taken = |rung: &MeasuredRung| rung.model == choice.model;
-        Ladder {
-            taken: measured
-                .iter()
-                .position(taken)
-                .expect("what is named or chosen is among the rungs"),
-            reference: None,
-            reason: choice.reason.clone(),
-            tolerance: match config.model {
-                RollModelConfig::Auto { tolerance, .. } => Some(tolerance),
-                _ => None,
-            },
-            rungs: measured
-                .into_iter()
-                .map(|rung| Rung {
-                    name: rung.name,
-                    model: ModelConfig::Roll(named(rung.model)),
-                    outcome: rung.outcome,
-                })
-                .collect(),
-        }
+        let rungs = measured.into_iter().map(|rung| Rung {
+            name: rung.name,
+            model: ModelConfig::Roll(named(rung.model)),
+            outcome: rung.outcome,
+        });
+        let taken = ModelConfig::Roll(named(choice.model));
+        Ladder::new(
+            rungs.collect(),
+            &taken,
+            choice.reason.clone(),
+            self.tolerance,
+        )
     }
 }
 

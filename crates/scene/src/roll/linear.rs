@@ -178,8 +178,7 @@ impl LinearRolls {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Scenes;
-    use crate::{Arch, LANES, RollScene, Scene};
+    use crate::{Arch, LANES, RollScene, Scene, Scenes};
     use palpate_study::config;
 
     fn scene(duration_s: f64, noise: &str) -> RollScene {

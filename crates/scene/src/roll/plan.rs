@@ -2,17 +2,18 @@
 
 use palpate_ep1::{LeastSquares, ReadingNoise};
 use palpate_geometry::{Shape, Surface};
+use palpate_number::Number;
 use palpate_rolling::{Chart, HeldAxis, InvalidRoll, Model, Motion, Probe, Roller, Rolls};
-use palpate_sensing::{AngularVelocityError, Distribution, Encoder, PadOffset, Pads, Wrist};
+use palpate_sensing::{AngularVelocityError, Distribution, Encoder};
 
 use super::linear::LinearRolls;
 use super::noise::MotionNoise;
+use super::scene::{RollScene, Truth};
 use super::sensor::RollSensor;
-use super::{RollScene, Truth};
-use crate::plan::{PlanError, pad_layout, shape};
+use crate::plan::{PlanError, shape};
 use palpate_study::config::{
     self, AngularVelocityNoise, ObjectConfig, ProbeConfig, RollAxis, RollConfig,
-    RollEstimatorConfig, RollModelConfig, RollMotionConfig, RollSensorConfig, Side, When,
+    RollEstimatorConfig, RollModelConfig, RollMotionConfig, Side, When,
 };
 
 impl PlanError {
@@ -40,12 +41,12 @@ impl RollScene {
         let probe = Probe::new(radius).map_err(|error| {
             PlanError::at(
                 "scene.probe.radius",
-                format!("must be {}, is {}", error.expected, error.value),
+                format!("must be {}, is {}", error.expected, Number(error.value)),
             )
         })?;
         let object = shape(&config.object)?;
         let noise = motion_noise(config)?;
-        let sensor = sensor(&config.sensor, radius)?;
+        let sensor = RollSensor::new(&config.sensor, radius)?;
         let encoder = config
             .noise
             .encoder
@@ -88,6 +89,11 @@ impl RollScene {
             encoder,
             reading_noise,
             truth,
+            tolerance: match config.model {
+                RollModelConfig::Auto { tolerance, .. } => Some(tolerance),
+                _ => None,
+            },
+            chart: ladder_chart(config),
         })
     }
 }
@@ -96,20 +102,22 @@ fn motion_noise(config: &RollConfig) -> Result<MotionNoise, PlanError> {
     let Some(noise) = &config.noise.angular_velocity else {
         return Ok(MotionNoise::None);
     };
-    let (distribution, fraction, when, side, instants) = match *noise {
-        AngularVelocityNoise::Uniform {
-            fraction,
-            when,
-            side,
-            instants,
-        } => (Distribution::Uniform, fraction, when, side, instants),
-        AngularVelocityNoise::Gaussian {
-            fraction,
-            when,
-            side,
-            instants,
-        } => (Distribution::Gaussian, fraction, when, side, instants),
+    let distribution = match noise {
+        AngularVelocityNoise::Uniform { .. } => Distribution::Uniform,
+        AngularVelocityNoise::Gaussian { .. } => Distribution::Gaussian,
     };
+    let (AngularVelocityNoise::Uniform {
+        fraction,
+        when,
+        side,
+        instants,
+    }
+    | AngularVelocityNoise::Gaussian {
+        fraction,
+        when,
+        side,
+        instants,
+    }) = *noise;
     let error = AngularVelocityError::new(distribution, fraction)
         .map_err(|error| PlanError::of_sensor("scene.noise.angular_velocity", error))?;
     if fraction == 0.0 {
@@ -132,28 +140,17 @@ fn motion_noise(config: &RollConfig) -> Result<MotionNoise, PlanError> {
     }
 }
 
-fn sensor(config: &RollSensorConfig, radius: f64) -> Result<RollSensor, PlanError> {
-    match config {
-        RollSensorConfig::Ideal {} => Ok(RollSensor::Ideal),
-        RollSensorConfig::Wrist { std } => Wrist::new(*std, radius).map(RollSensor::Wrist),
-        RollSensorConfig::Pads {
-            pitch,
-            layout,
-            offset,
-            cap_deg,
-        } => {
-            let layout = pad_layout(*layout);
-            let offset = match offset {
-                config::PadOffset::Centred => PadOffset::Centred,
-                config::PadOffset::Random => PadOffset::Random,
-            };
-            Pads::new(radius, *pitch, layout, offset, cap_deg.to_radians()).map(RollSensor::Pads)
-        }
-    }
-    .map_err(|error| PlanError::of_sensor("scene.sensor", error))
+/// Chart of the integrators on the ladder: that of the model, else the one that keeps the axis as the motion does.
+fn ladder_chart(config: &RollConfig) -> Chart {
+    let axis = config.motion.axis;
+    let form = config.model.chart().unwrap_or(match axis {
+        RollAxis::Transported => config::Chart::Free,
+        RollAxis::Chart => config::Chart::Montana,
+    });
+    chart(form, axis)
 }
 
-pub(super) fn chart(chart: config::Chart, axis: RollAxis) -> Chart {
+fn chart(chart: config::Chart, axis: RollAxis) -> Chart {
     match chart {
         config::Chart::Free => Chart::Free,
         config::Chart::Montana => Chart::Montana(match axis {

@@ -1,7 +1,10 @@
 //! Sensors of the contact on the probe.
 
 use nalgebra::Vector2;
-use palpate_sensing::{BeyondPads, Channel, PadPlacement, Pads, Stream, Wrist};
+use palpate_sensing::{BeyondPads, Channel, PadOffset, PadPlacement, Pads, Stream, Wrist};
+use palpate_study::config::{self, RollSensorConfig};
+
+use crate::plan::{PlanError, pad_layout};
 
 #[derive(Clone, Debug)]
 pub(super) enum RollSensor {
@@ -18,6 +21,28 @@ pub(super) enum SensorTrial<'a> {
 }
 
 impl RollSensor {
+    /// Sensor of a config on a probe of this radius.
+    pub(super) fn new(config: &RollSensorConfig, radius: f64) -> Result<Self, PlanError> {
+        match config {
+            RollSensorConfig::Ideal {} => Ok(Self::Ideal),
+            RollSensorConfig::Wrist { std } => Wrist::new(*std, radius).map(Self::Wrist),
+            RollSensorConfig::Pads {
+                pitch,
+                layout,
+                offset,
+                cap_deg,
+            } => {
+                let layout = pad_layout(*layout);
+                let offset = match offset {
+                    config::PadOffset::Centred => PadOffset::Centred,
+                    config::PadOffset::Random => PadOffset::Random,
+                };
+                Pads::new(radius, *pitch, layout, offset, cap_deg.to_radians()).map(Self::Pads)
+            }
+        }
+        .map_err(|error| PlanError::of_sensor("scene.sensor", error))
+    }
+
     pub(super) fn is_random(&self) -> bool {
         match self {
             Self::Ideal => false,

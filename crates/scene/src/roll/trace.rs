@@ -1,55 +1,26 @@
 //! One pass of a roll, written down.
 
 use palpate_ep1::ProbeReading;
-use palpate_rolling::{Contact, Motion, RollError};
-use palpate_sensing::BeyondPads;
-use thiserror::Error;
+use palpate_rolling::{Contact, Motion};
 
 use super::noise::{MotionNoise, NoiseTrial};
-use super::{RollScene, sensor::RollSensor};
+use super::scene::RollScene;
+use super::sensor::RollSensor;
 use crate::recorded::roll_readings_table;
+use crate::trace::{Trace, TraceError, counted};
 use palpate_study::Table;
 use palpate_study::config::LengthUnit;
 
 /// How many samples of each roll are written, besides the first contact.
 const SAMPLES: usize = 100;
 
-/// The contacts of one pass, and what the sensor says of them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RollTrace {
-    /// Truth: `probe,t_s,object_x…,probe_x…,normal_x…,arc_length`.
-    pub contacts: Table,
-    /// Readings, in the form that `estimate roll` accepts.
-    pub readings: Table,
-}
-
-/// A pass that could not be completed.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum TraceError {
-    /// A roll ended early.
-    #[error("probe {probe}: {error}")]
-    Roll {
-        /// Which probe, from 0.
-        probe: usize,
-        /// Reason, with the time and the place.
-        error: RollError,
-    },
-    /// The sensor cannot read a contact.
-    #[error("probe {probe}: {error}")]
-    Sensor {
-        /// Which probe, from 0.
-        probe: usize,
-        /// Reason in words.
-        error: BeyondPads,
-    },
-}
-
 impl RollScene {
     /// Follows every probe: noiseless, or as in trial number `trial`.
-    ///
-    /// # Errors
-    /// [`TraceError`] where a roll ends early or the sensor cannot read it.
-    pub fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<RollTrace, TraceError> {
+    pub(super) fn followed(
+        &self,
+        trial: Option<u64>,
+        unit: LengthUnit,
+    ) -> Result<Trace, TraceError> {
         let noiseless = self.sensor.noiseless();
         let sensor: &RollSensor = if trial.is_some() {
             &self.sensor
@@ -102,9 +73,12 @@ impl RollScene {
                 .map_or(rotation, |encoder| encoder.read(&rotation));
             readings.push(ProbeReading { rotation, shift });
         }
-        Ok(RollTrace {
+        let of_probes = counted(readings.len(), "probe");
+        Ok(Trace {
+            what: format!("{} of {of_probes}", counted(contacts.rows.len(), "contact")),
             contacts,
             readings: roll_readings_table(&readings, unit),
+            seen: None,
         })
     }
 }

@@ -189,9 +189,7 @@ fn an_estimate_knows_what_its_camera_errs_by() {
 
 #[test]
 fn a_trace_has_what_the_camera_saw() {
-    let Scene::Press(press) = scene(&text(r#"kind = "rendered", size_px = 265"#, "")) else {
-        panic!("not a press");
-    };
+    let press = scene(&text(r#"kind = "rendered", size_px = 265"#, ""));
     let trace = press.trace(None, LengthUnit::Mm).unwrap();
     let seen = trace.seen.unwrap();
     assert_eq!(

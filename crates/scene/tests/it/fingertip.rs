@@ -1,8 +1,6 @@
 //! Fingertips that touch nothing: strain of folding, image areas, and the patterns they are cut from.
 
-use palpate_scene::Scene;
-use palpate_scene::Scenes;
-use palpate_scene::fingertip::CutPattern;
+use palpate_scene::{CutPattern, Scene, Scenes};
 use palpate_study::config::{Study, parse};
 
 const GORES: &str =
@@ -89,7 +87,7 @@ fn a_marker_beyond_the_field_is_told() {
         .estimable_scene(0)
         .unwrap();
     assert_eq!(scene.trial(0, |_, _| ()), Err("out-of-field"));
-    assert!(matches!(scene, Scene::Fingertip(_)));
+    assert!(matches!(scene, Scene::Sensor(_)));
 }
 
 #[test]

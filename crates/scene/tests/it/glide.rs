@@ -1,7 +1,6 @@
 //! Scenes of a glide: what they estimate, and what does not change it.
 
-use palpate_scene::Scene;
-use palpate_scene::Scenes;
+use palpate_scene::{Scene, Scenes};
 use palpate_study::config::{LengthUnit, parse};
 
 /// The scene of three fingers on the paper's patch; lines without an equal of theirs replace the defaults.
@@ -124,10 +123,7 @@ fn trials_differ_and_can_be_replayed_and_methods_share_draws() {
     assert_eq!(quadric.trials(1000), 1000);
     assert_eq!(trial(&quadric, 4), trial(&quadric, 4));
     assert_ne!(trial(&quadric, 4), trial(&quadric, 5));
-    let readings = |scene: &Scene| match scene {
-        Scene::Glide(glide) => glide.trace(Some(4), LengthUnit::Unit).readings,
-        _ => panic!("not a glide"),
-    };
+    let readings = |scene: &Scene| scene.trace(Some(4), LengthUnit::Unit).unwrap().readings;
     assert_eq!(
         readings(&quadric),
         readings(&noisy(r#"{ kind = "two-pass", passes = 1 }"#))
@@ -142,12 +138,9 @@ fn noise_has_the_stated_size() {
         r#"noise = { position = { kind = "uniform", fraction_of_ifd = 0.3, axis = "z" } }
 "#,
     );
-    let Scene::Glide(glide) = &scene else {
-        panic!("not a glide");
-    };
     let (mut square, mut count) = (0.0, 0);
     for trial in 0..100 {
-        let table = glide.trace(Some(trial), LengthUnit::Unit).readings;
+        let table = scene.trace(Some(trial), LengthUnit::Unit).unwrap().readings;
         for row in &table.rows {
             let number = |column: usize| row[column].parse::<f64>().unwrap();
             assert!(number(3).abs() <= 0.3);
@@ -185,10 +178,7 @@ fn pads_quantise_position_and_normal_alike() {
             &format!("sensor = {{ kind = \"pads\", pitch = {pitch} }}"),
         );
         assert_eq!(scene.trials(10), 1);
-        let Scene::Glide(glide) = scene else {
-            panic!("not a glide");
-        };
-        glide.trace(None, LengthUnit::Unit)
+        scene.trace(None, LengthUnit::Unit).unwrap()
     };
     let numbers =
         |row: &[String]| -> Vec<f64> { row.iter().map(|field| field.parse().unwrap()).collect() };
@@ -281,12 +271,9 @@ fn scenes_that_cannot_be() {
 #[test]
 fn maps_hold_truth_and_estimate_of_every_place() {
     let scene = scene(POINT, r#"{ kind = "saddle", a = 0.3 }"#, NOISE);
-    let Scene::Glide(glide) = &scene else {
-        panic!("not a glide");
-    };
-    let mut table = palpate_scene::glide::MapTable::of_cells(LengthUnit::Mm);
-    glide.map(3, 0, &mut table).unwrap();
-    let csv = table.into_csv();
+    let mut table = scene.map_table(LengthUnit::Mm).unwrap();
+    scene.map(3, 0, &mut table).unwrap();
+    let csv = table.table.to_csv();
     let mut lines = csv.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     assert_eq!(header.len(), 31);

@@ -5,6 +5,7 @@ mod camera;
 mod fingertip;
 mod glide;
 mod ladder;
+mod names;
 mod press;
 mod recorded;
 mod roll;

@@ -1,7 +1,6 @@
 //! Scenes of a press: what they do to markers, what they estimate, and what does not change it.
 
-use palpate_scene::Scenes;
-use palpate_scene::{Outcome, PressScene, Scene};
+use palpate_scene::{Outcome, PressScene, Scene, Scenes, Trials};
 use palpate_study::Table;
 use palpate_study::config::{LengthUnit, parse};
 

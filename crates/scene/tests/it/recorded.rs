@@ -2,18 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_scene::recorded::{
-    RecordedError, RollEstimate, RollMethod, RollOptions, estimate_roll, read_roll,
-};
+use palpate_scene::recorded::{RecordedError, RollEstimate, RollOptions, estimate_roll, read_roll};
 use palpate_study::config::LengthUnit;
 use tempfile::TempDir;
 
-const OPTIONS: RollOptions = RollOptions {
-    probe_radius: 10.0,
-    length_unit: None,
-    pitch: None,
-    method: RollMethod::LeastSquares,
-};
+fn options() -> RollOptions {
+    RollOptions::new(10.0)
+}
 
 const HEADER: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm";
 
@@ -67,7 +62,7 @@ fn convex_flat_hollow_and_saddle_shaped() {
         (0.0, 5.0),
     ] {
         for directions in [3, 4, 8, 31] {
-            let estimate = estimate(&rows(u, v, directions), &OPTIONS).unwrap();
+            let estimate = estimate(&rows(u, v, directions), &options()).unwrap();
             let value = |quantity| measured(&estimate, quantity).0;
             assert!(
                 close(value("normal_curvature_u"), u),
@@ -100,7 +95,7 @@ fn convex_flat_hollow_and_saddle_shaped() {
 #[test]
 fn the_principal_direction_is_that_of_the_largest_curvature() {
     for (u, v, direction) in [(0.04, 0.01, 0.0), (0.01, 0.04, 90.0)] {
-        let estimate = estimate(&rows(u, v, 8), &OPTIONS).unwrap();
+        let estimate = estimate(&rows(u, v, 8), &options()).unwrap();
         let json = serde_json::to_value(&estimate).unwrap();
         let found = json["principal_direction_max_deg"].as_f64().unwrap();
         assert!((found.abs() - direction).abs() < 1e-9, "{found}");
@@ -111,7 +106,7 @@ fn the_principal_direction_is_that_of_the_largest_curvature() {
 #[test]
 fn a_flat_object_has_no_amplification() {
     let rows = "0,0,-0.5,5,0\n1,0.5,0,0,5\n";
-    let json = serde_json::to_value(estimate(rows, &OPTIONS).unwrap()).unwrap();
+    let json = serde_json::to_value(estimate(rows, &options()).unwrap()).unwrap();
     assert_eq!(json["normal_curvature_u"]["value"], 0.0);
     assert!(json["amplification_u"].is_null());
 }
@@ -124,7 +119,7 @@ fn curvatures_scale_with_lengths() {
         let rows = format!("0,0,-0.5,{a},{c}\n1,0.5,0,{c},{b}\n2,0,0.25,-{c},0\n");
         let options = RollOptions {
             probe_radius: 10.0 * scale,
-            ..OPTIONS
+            ..options()
         };
         estimate(&rows, &options).unwrap()
     };
@@ -143,7 +138,7 @@ fn more_scatter_gives_more_deviation() {
         let [more, less] = [4.0 + scatter, 4.0 - scatter];
         let rows =
             format!("0,0,-0.5,{more},0\n1,0,-0.5,{less},0\n2,0.5,0,0,{more}\n3,0.5,0,0,{less}\n");
-        measured(&estimate(&rows, &OPTIONS).unwrap(), "normal_curvature_u")
+        measured(&estimate(&rows, &options()).unwrap(), "normal_curvature_u")
             .1
             .unwrap()
     };
@@ -176,7 +171,7 @@ fn errors_have_a_kind() {
         read(HEADER.as_bytes()),
         RecordedError::Readings { .. }
     ));
-    let parallel = estimate("0,0,-0.5,4,0\n1,0,-0.5,4,0\n", &OPTIONS).unwrap_err();
+    let parallel = estimate("0,0,-0.5,4,0\n1,0,-0.5,4,0\n", &options()).unwrap_err();
     assert!(matches!(parallel, RecordedError::Readings { .. }));
 }
 
@@ -184,7 +179,7 @@ fn errors_have_a_kind() {
 fn the_unit_of_an_option_must_be_that_of_the_header() {
     let with = |length_unit| RollOptions {
         length_unit,
-        ..OPTIONS
+        ..options()
     };
     let rows = "0,0,-0.5,4,0\n1,0.5,0,0,4\n";
     assert!(estimate(rows, &with(Some(LengthUnit::Mm))).is_ok());
@@ -211,8 +206,8 @@ fn extremes() {
                     .replace("--", "");
                 let options = RollOptions {
                     probe_radius: radius,
-                    pitch,
-                    ..OPTIONS
+                    noise: pitch.map(RollOptions::noise_of_pads).unwrap_or_default(),
+                    ..options()
                 };
                 let Ok(estimate) = estimate(&rows, &options) else {
                     continue;

@@ -2,7 +2,7 @@
 
 use palpate_scene::Scene;
 use palpate_scene::Scenes;
-use palpate_scene::recorded::{RollMethod, RollOptions, estimate_roll, read_roll};
+use palpate_scene::recorded::{RollOptions, estimate_roll, read_roll};
 use palpate_study::config::{LengthUnit, parse};
 
 /// The scene of a probe of radius 1 that rolls for 0.1 rad; more lines continue it.
@@ -136,19 +136,14 @@ fn readings_of_a_trace_give_the_estimate_of_the_trial() {
     let lines = r#"noise = { angular_velocity = { kind = "gaussian", fraction = 0.02, side = "measurement" }, encoder = { step_rad = 0.001 } }
 sensor = { kind = "wrist", std = 0.001 }"#;
     let scene = scene(r#"{ kind = "ellipsoid", semi_axes = [5, 4, 3] }"#, lines);
-    let Scene::Roll(roll) = &scene else {
-        panic!("not a roll");
-    };
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("readings.csv");
     for number in 0..5 {
-        let trace = roll.trace(Some(number), LengthUnit::Cm).unwrap();
+        let trace = scene.trace(Some(number), LengthUnit::Cm).unwrap();
         std::fs::write(&path, trace.readings.to_csv()).unwrap();
         let options = RollOptions {
-            probe_radius: 1.0,
             length_unit: Some(LengthUnit::Cm),
-            pitch: None,
-            method: RollMethod::LeastSquares,
+            ..RollOptions::new(1.0)
         };
         let estimate = estimate_roll(&read_roll(&path).unwrap(), &options).unwrap();
         let json = serde_json::to_value(estimate).unwrap();

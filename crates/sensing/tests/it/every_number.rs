@@ -2,9 +2,9 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 use palpate_sensing::{
-    AngularVelocityError, Channel, Distribution, Encoder, GaussianError, NormalError, PadLayout,
-    PadOffset, Pads, PositionAxes, PositionError, Stream, UniformLattice, Wrist, direction_at,
-    displacement_between,
+    AngularVelocityError, Channel, Distribution, Encoder, GaussianError, InvalidSensor,
+    NormalError, PadLayout, PadOffset, Pads, PositionAxes, PositionError, Stream, UniformLattice,
+    Wrist, direction_at, displacement_between,
 };
 use proptest::prelude::*;
 
@@ -23,6 +23,18 @@ fn is_tame(value: f64) -> bool {
     value.abs() <= 1e150
 }
 
+/// Whether so wide pads, rad, make a lattice of 2 pads or more, and not more than can be counted.
+fn is_lattice(pitch_rad: f64) -> bool {
+    let pads = (4.0 * std::f64::consts::PI / (pitch_rad * pitch_rad)).round();
+    pitch_rad > 0.0 && (2.0..=1e15).contains(&pads)
+}
+
+/// What was made where the settings are good; a refusal is due where they are not.
+fn made_if<T: std::fmt::Debug>(is_good: bool, made: Result<T, InvalidSensor>) -> Option<T> {
+    assert_eq!(made.is_ok(), is_good, "{made:?}");
+    made.ok()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..Default::default() })]
 
@@ -36,9 +48,11 @@ proptest! {
         let [radius, share, cap] = made;
         for layout in [PadLayout::Square, PadLayout::Uniform] {
             for offset in [PadOffset::Centred, PadOffset::Random] {
-                let Ok(pads) = Pads::new(radius, share * radius, layout, offset, cap) else {
-                    continue;
-                };
+                let pitch = share * radius;
+                let is_good = radius > 0.0 && radius.is_finite() && pitch > 0.0 && pitch <= radius
+                    && pitch / radius >= 1e-15 && cap > 0.0 && cap <= std::f64::consts::PI
+                    && (layout == PadLayout::Square || is_lattice(pitch / radius));
+                let Some(pads) = made_if(is_good, Pads::new(radius, pitch, layout, offset, cap)) else { continue };
                 let placement = pads.place(|| Stream::new(1, trial, Channel::PadOffset));
                 let displacement = Vector2::from(moved) * radius;
                 if let Ok(read) = pads.read(&placement, &displacement) {
@@ -60,7 +74,7 @@ proptest! {
         pitch in number(),
         towards in [number(), number(), number()],
     ) {
-        if let Ok(lattice) = UniformLattice::with_pitch(pitch) {
+        if let Some(lattice) = made_if(is_lattice(pitch), UniformLattice::with_pitch(pitch)) {
             let pad = lattice.nearest(&Vector3::from(towards));
             prop_assert!(pad < lattice.pads());
             prop_assert!((lattice.direction(pad).norm() - 1.0).abs() < 1e-12);
@@ -75,27 +89,29 @@ proptest! {
         trial in any::<u64>(),
     ) {
         let mut stream = Stream::new(2, trial, Channel::Position);
+        let is_size = (0.0..=1e150).contains(&size);
+        let is_wrist = (0.0..f64::INFINITY).contains(&size) && radius > 0.0 && radius.is_finite() && size / radius <= 1e150;
         prop_assume!(place.iter().all(|&x| is_tame(x)));
         for distribution in [Distribution::Uniform, Distribution::Gaussian] {
-            if let Ok(error) = AngularVelocityError::new(distribution, size) {
+            if let Some(error) = made_if(is_size, AngularVelocityError::new(distribution, size)) {
                 let drawn = error.draw(&mut stream, place[0]);
                 prop_assert!(drawn.iter().all(|rate| rate.is_finite()), "{error:?}: {drawn}");
                 prop_assert!(error.relative_std().is_finite());
             }
-            if let Ok(error) = PositionError::new(distribution, size, PositionAxes::Xyz) {
+            if let Some(error) = made_if(is_size, PositionError::new(distribution, size, PositionAxes::Xyz)) {
                 let read = error.read(&mut stream, &Point3::from(place));
                 prop_assert!(read.iter().all(|x| x.is_finite()), "{error:?}: {read}");
             }
         }
-        if let Ok(error) = GaussianError::new(size) {
+        if let Some(error) = made_if(is_size, GaussianError::new(size)) {
             prop_assert!(error.draw(&mut stream).is_finite());
             prop_assert!(error.averaged(3).std().is_finite());
         }
-        if let Ok(error) = NormalError::new(size) {
+        if let Some(error) = made_if((0.0..=std::f64::consts::PI).contains(&size), NormalError::new(size)) {
             let read = error.read(&mut stream, &Vector3::x());
             prop_assert!((read.norm() - 1.0).abs() < 1e-14);
         }
-        if let Ok(wrist) = Wrist::new(size, radius) {
+        if let Some(wrist) = made_if(is_wrist, Wrist::new(size, radius)) {
             let far = Vector2::new(place[0], place[1]) * radius;
             if far.iter().all(|x| is_tame(x / radius)) {
                 let read = wrist.read(&mut stream, &far);
@@ -103,7 +119,7 @@ proptest! {
                 prop_assert!(angle <= 3.15 || radius < 1e-300, "{wrist:?}: {read}");
             }
         }
-        if let Ok(encoder) = Encoder::new(size) {
+        if let Some(encoder) = made_if(size > 0.0 && size.is_finite(), Encoder::new(size)) {
             let read = encoder.read(&Vector2::new(place[0], place[1]));
             prop_assert!(read.iter().all(|angle| angle.is_finite()), "{encoder:?}: {read}");
         }
@@ -142,18 +158,4 @@ fn displacements_too_small_to_be_squared_are_on_the_cap_and_large_ones_are_not()
         assert!(read(0.5).is_ok() && read(1e-100).is_ok());
         assert_eq!(read(1.1).unwrap_err().angle_rad, 1.1);
     }
-}
-
-#[test]
-fn a_pitch_that_no_double_resolves_is_refused() {
-    for pitch in [5e-324, 1e-310, 1e-16] {
-        let made = Pads::new(1.0, pitch, PadLayout::Square, PadOffset::Centred, 1.0);
-        assert_eq!(made.unwrap_err().parameter, "pitch");
-    }
-}
-
-#[test]
-fn noise_beyond_the_range_of_numbers_is_refused() {
-    assert!(Wrist::new(1e300, 1e-300).is_err());
-    assert!(AngularVelocityError::new(Distribution::Gaussian, 1e300).is_err());
 }

@@ -71,26 +71,12 @@ fn quantisation_error_has_the_stated_size() {
 }
 
 #[test]
-fn impossible_pads_are_refused() {
-    let make =
-        |radius, pitch, cap| Pads::new(radius, pitch, PadLayout::Uniform, PadOffset::Centred, cap);
+fn a_refusal_says_what_is_allowed() {
+    let made = Pads::new(10.0, 11.0, PadLayout::Uniform, PadOffset::Centred, 1.0);
     assert_eq!(
-        make(10.0, 11.0, 1.0).unwrap_err().to_string(),
+        made.unwrap_err().to_string(),
         "pitch is 11; it must be > 0 and at most the probe's radius, 10"
     );
-    for (radius, pitch, cap) in [
-        (0.0, 0.1, 1.0),
-        (f64::NAN, 0.1, 1.0),
-        (f64::INFINITY, 0.1, 1.0),
-        (10.0, 0.0, 1.0),
-        (10.0, f64::NAN, 1.0),
-        (10.0, 0.1, 0.0),
-        (10.0, 0.1, 4.0),
-        (10.0, 0.1, f64::NAN),
-        (1.0, 1e-9, 1.0),
-    ] {
-        assert!(make(radius, pitch, cap).is_err(), "{radius} {pitch} {cap}");
-    }
 }
 
 #[test]

@@ -47,7 +47,10 @@ impl GlideConfig {
                 "scene.sensor",
                 "pads need a round tip: `scene.probe` with kind = \"sphere\"",
             )),
-            _ => self.estimator.check(),
+            _ => self
+                .estimator
+                .check()
+                .map_err(|message| ("scene.estimator.gamma", message)),
         }
     }
 }

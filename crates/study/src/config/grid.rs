@@ -1,7 +1,7 @@
 //! The cells of a study: every combination of its axes' rows, the first axis slowest.
 
 use super::error::Fault;
-use super::sweep::{Axis, Setting, Target};
+use super::sweep::{Axis, SweptValue, Target};
 use super::tree::Node;
 
 /// The tree without its `sweep` and `plot` sections, and the axes.
@@ -22,7 +22,7 @@ impl Grid {
     }
 
     /// Fields that a cell sets, with its value for each, in the order of [`Grid::targets`].
-    fn settings(&self, cell: usize) -> impl Iterator<Item = (&Target, &Setting)> {
+    fn settings(&self, cell: usize) -> impl Iterator<Item = (&Target, &SweptValue)> {
         let mut faster = self.cells();
         self.axes.iter().flat_map(move |axis| {
             faster /= axis.rows.len();

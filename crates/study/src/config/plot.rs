@@ -2,34 +2,28 @@
 
 mod check;
 
-use super::study::Output;
+use super::output::Output;
+use super::validate::NAME;
+use crate::{Statistic, number};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-pub(super) use check::check;
+pub(super) use check::{check, check_alone};
 
-/// The columns of a table of cells that hold numbers of a quantity, in their order.
-pub const STATISTICS: [&str; 15] = [
-    "truth",
-    "trials",
-    "failures",
-    "mean",
-    "std",
-    "bias",
-    "rms_error",
-    "mean_abs_error",
-    "relative_rms_error",
-    "relative_mean_abs_error",
-    "q05",
-    "q50",
-    "q95",
-    "mean_reported_std",
-    "coverage95",
-];
+/// Names of the columns of a table of cells that hold numbers of a quantity, in their order.
+pub const STATISTICS: [&str; 15] = {
+    let mut names = [""; 15];
+    let mut at = 0;
+    while at < names.len() {
+        names[at] = Statistic::ALL[at].name();
+        at += 1;
+    }
+    names
+};
 
-/// The column after [`STATISTICS`] in the table of a press: the Cramér–Rao bound on a quantity's standard deviation.
-pub const STD_BOUND: &str = "std_bound";
+/// Name of the column after [`STATISTICS`] in the table of a press.
+pub const STD_BOUND: &str = Statistic::StdBound.name();
 
 /// A plot. Columns are named by the path of a swept field or by a statistic of the table of cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -37,7 +31,7 @@ pub const STD_BOUND: &str = "std_bound";
 pub struct PlotConfig {
     /// Name of the plot's file, by default made from its columns.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("pattern" = super::schema::NAME, "maxLength" = 100))]
+    #[schemars(extend("pattern" = NAME, "maxLength" = 100))]
     pub name: Option<String>,
     /// Title, by default that of the study.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -82,6 +76,24 @@ pub struct PlotConfig {
     pub points: Vec<Points>,
 }
 
+impl PlotConfig {
+    /// Columns of `where`, each with the texts that a row may have there.
+    pub fn filters(&self) -> impl Iterator<Item = (&str, Vec<String>)> {
+        let text = |value: &toml::Value| match value {
+            toml::Value::String(text) => text.clone(),
+            toml::Value::Integer(integer) => integer.to_string(),
+            toml::Value::Float(float) => number::exact(*float),
+            other => other.to_string(),
+        };
+        self.where_.iter().map(move |(path, value)| {
+            let values = value
+                .as_array()
+                .map_or(std::slice::from_ref(value), Vec::as_slice);
+            (path.as_str(), values.iter().map(text).collect())
+        })
+    }
+}
+
 /// Kind of a plot: the result that it draws.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -113,13 +125,18 @@ impl PlotKind {
         }
     }
 
-    /// The kind of the scenes whose tables it is drawn from; `None`: all.
-    fn scene(self) -> Option<&'static str> {
+    /// Kind of the scenes whose tables it is drawn from; `None`: all.
+    pub fn scene(self) -> Option<&'static str> {
         match self {
             Self::Lines => None,
             Self::ClassMap | Self::Contacts => Some("glide"),
             Self::Profile => Some("press"),
         }
+    }
+
+    /// Its name in configs.
+    pub fn name(self) -> &'static str {
+        self.keys().0
     }
 
     /// Its name in configs, and the keys besides `kind` that a plot of this kind may have.
@@ -174,6 +191,16 @@ pub enum Scale {
     LogY,
     /// Both.
     LogLog,
+}
+
+impl Scale {
+    /// Whether x, and whether y is logarithmic.
+    pub fn logs(self) -> [bool; 2] {
+        [
+            matches!(self, Self::LogX | Self::LogLog),
+            matches!(self, Self::LogY | Self::LogLog),
+        ]
+    }
 }
 
 /// A line across a plot.

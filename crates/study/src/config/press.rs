@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use camera::{CalibrationConfig, CameraConfig, NormalFrom, ShownMarkers};
-pub use estimator::{Baseline, Indentation, NoiseKnown, PressEstimatorConfig};
+pub use estimator::{Baseline, Indentation, NoiseKnown, PressEstimatorConfig, PressPriors};
 pub use layout::{LayoutConfig, LayoutTable, NamedLayout};
 
 /// A sensor is pressed onto an object, and the object's curvature is estimated from how its markers move.

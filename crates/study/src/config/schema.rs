@@ -1,12 +1,11 @@
 //! The JSON Schema of a config: what editors complete from, what configs are validated against, and where units stand.
 
-use super::study::{LengthUnit, StudyConfig};
+use super::length_unit::LengthUnit;
+use super::study::StudyConfig;
 use super::validate::kind_of;
+use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value as Json, json};
-
-/// The pattern of a name that is fit for a file.
-pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
@@ -22,14 +21,27 @@ pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 /// assert_eq!(schema["properties"]["length_unit"]["default"], "unit");
 /// ```
 pub fn schema() -> Json {
+    let mut schema = schema_of::<StudyConfig>();
+    schema["title"] = json!("palpate study");
+    schema
+}
+
+/// The JSON Schema of a part of a config, without references.
+pub(super) fn schema_of<T: JsonSchema>() -> Json {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings
         .into_generator()
-        .into_root_schema_for::<StudyConfig>()
+        .into_root_schema_for::<T>()
         .to_value();
     tidy(&mut schema);
-    schema["title"] = json!("palpate study");
     schema
+}
+
+/// The schemas of a value's kinds or words; the schema itself where there are none.
+pub(super) fn variants(schema: &Json) -> &[Json] {
+    schema["oneOf"]
+        .as_array()
+        .map_or(std::slice::from_ref(schema), Vec::as_slice)
 }
 
 /// Leaves out what TOML cannot write (null) and writes the range of 32 bits as a limit.
@@ -82,6 +94,13 @@ fn flattened(variants: Vec<Json>) -> Vec<Json> {
     variants.into_iter().flat_map(alone).collect()
 }
 
+/// The schema of a table of this kind; of one without kinds, if none is asked for.
+pub(super) fn variant<'a>(schema: &'a Json, kind: Option<&str>) -> Option<&'a Json> {
+    variants(schema)
+        .iter()
+        .find(|variant| kind_of(variant) == kind)
+}
+
 /// The header of a swept field's column: its path with its unit, e.g. `scene.object.c_per_cm`.
 pub(super) fn column(schema: &Json, path: &str, unit: LengthUnit) -> String {
     let keys: Vec<&str> = path.split('.').collect();
@@ -102,43 +121,7 @@ fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     if schema["type"] == "array" {
         return schema["x-unit"].as_str();
     }
-    let variants = schema["oneOf"]
-        .as_array()
-        .map_or(std::slice::from_ref(schema), Vec::as_slice);
-    variants
+    variants(schema)
         .iter()
         .find_map(|variant| unit_of(variant["properties"].get(key)?, rest))
-}
-
-/// Leaves out those keys of the tagged table at a path that equal their default.
-pub(super) fn drop_defaults(schema: &Json, table: &mut toml::Table, path: &str) {
-    let (mut schema, mut table) = (schema, table);
-    for key in path.split('.') {
-        let variants = schema["oneOf"]
-            .as_array()
-            .map_or(std::slice::from_ref(schema), Vec::as_slice);
-        let kind = table.get("kind").and_then(toml::Value::as_str);
-        let Some(variant) = variants.iter().find(|variant| kind_of(variant) == kind) else {
-            return;
-        };
-        let Some(toml::Value::Table(inner)) = table.get_mut(key) else {
-            return;
-        };
-        (schema, table) = (&variant["properties"][key], inner);
-    }
-    let kind = table
-        .get("kind")
-        .and_then(toml::Value::as_str)
-        .map(String::from);
-    let variants = schema["oneOf"].as_array().into_iter().flatten();
-    let Some(variant) = variants
-        .into_iter()
-        .find(|variant| kind_of(variant) == kind.as_deref())
-    else {
-        return;
-    };
-    table.retain(|key, value| {
-        let default = variant["properties"][key].get("default");
-        default.is_none() || serde_json::to_value(&*value).ok().as_ref() != default
-    });
 }

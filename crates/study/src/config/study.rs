@@ -2,11 +2,13 @@
 
 use super::fingertip::BareFingertipConfig;
 use super::glide::GlideConfig;
+use super::length_unit::LengthUnit;
+use super::output::Output;
 use super::plot::PlotConfig;
 use super::press::PressConfig;
 use super::roll::RollConfig;
-use super::schema;
 use super::sweep::SweepConfig;
+use super::validate::NAME;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +17,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct StudyConfig {
     /// Name of the study and of its folder of results: lower-case words joined by hyphens.
-    #[schemars(extend("pattern" = schema::NAME, "maxLength" = 100))]
+    #[schemars(extend("pattern" = NAME, "maxLength" = 100))]
     pub name: String,
     /// The question that the study answers.
     #[serde(default)]
@@ -60,48 +62,6 @@ fn cells_only() -> Vec<Output> {
     vec![Output::Cells]
 }
 
-/// The unit of every length of a study. Curvatures are in its inverse.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum LengthUnit {
-    /// Metre.
-    M,
-    /// Centimetre.
-    Cm,
-    /// Millimetre.
-    Mm,
-    /// Micrometre.
-    Um,
-    /// Lengths are multiples of a length that the study does not state.
-    #[default]
-    Unit,
-}
-
-impl LengthUnit {
-    /// The unit as it stands in configs and column names.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::M => "m",
-            Self::Cm => "cm",
-            Self::Mm => "mm",
-            Self::Um => "um",
-            Self::Unit => "unit",
-        }
-    }
-}
-
-/// A kind of result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Output {
-    /// The table of cells and quantities.
-    Cells,
-    /// One noiseless pass of the first cell.
-    Trace,
-    /// The estimated curvatures over a patch; of a press, the true and the estimated displacement along a radius.
-    Map,
-}
-
 /// A scene, by the way in which its bodies touch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
@@ -117,6 +77,16 @@ pub enum SceneConfig {
 }
 
 impl SceneConfig {
+    /// Name of the kind, as configs have it.
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::Roll(_) => "roll",
+            Self::Glide(_) => "glide",
+            Self::Press(_) => "press",
+            Self::Fingertip(_) => "fingertip",
+        }
+    }
+
     /// Rules that join several fields; the error names the field and says what is wrong.
     pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
         match self {
@@ -125,45 +95,5 @@ impl SceneConfig {
             Self::Press(press) => press.check(),
             Self::Fingertip(_) => Ok(()),
         }
-    }
-}
-
-/// A config as TOML, defaults filled in, which parses back to the same config.
-///
-/// Where a sweep varies a `kind`, keys of that table that equal their default are left out, because another kind may
-/// not know them.
-///
-/// ```
-/// use palpate_study::config::{parse, to_toml};
-///
-/// let text = r#"
-///     name = "roll-on-a-ball"
-///     scene.kind = "roll"
-///     scene.probe = { kind = "sphere", radius = 1.0 }
-///     scene.object = { kind = "sphere", radius = 4.0 }
-///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
-/// "#;
-/// let study = parse("study.toml", text)?;
-/// let resolved = to_toml(&study.config);
-/// assert!(resolved.contains("seed = 0"));
-/// assert_eq!(parse("run.toml", &resolved)?.config, study.config);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub fn to_toml(config: &StudyConfig) -> String {
-    let text =
-        toml::to_string(config).expect("strings, numbers, arrays and tables all have a TOML form");
-    let paths = config.sweep.iter().flat_map(SweepConfig::targets);
-    let swept: Vec<&str> = paths
-        .filter_map(|path| path.strip_suffix(".kind"))
-        .collect();
-    match text.parse::<toml::Table>() {
-        Ok(mut table) if !swept.is_empty() => {
-            let root = schema();
-            swept
-                .iter()
-                .for_each(|path| schema::drop_defaults(&root, &mut table, path));
-            table.to_string()
-        }
-        _ => text,
     }
 }

@@ -66,7 +66,7 @@ const MAX_CELLS: u64 = 1_000_000;
 pub(super) struct Axis {
     pub(super) targets: Vec<Target>,
     /// One value per target.
-    pub(super) rows: Vec<Vec<Setting>>,
+    pub(super) rows: Vec<Vec<SweptValue>>,
 }
 
 /// A field that an axis sets, and where its path is written.
@@ -78,7 +78,7 @@ pub(super) struct Target {
 
 /// A value of an axis and the text that stands for it in results.
 #[derive(Debug, Clone)]
-pub(super) struct Setting {
+pub(super) struct SweptValue {
     pub(super) node: Node,
     pub(super) text: String,
 }
@@ -208,7 +208,7 @@ fn check_target<'a>(
     }
 }
 
-fn list(values: &Node, targets: &[Target], together: bool) -> Result<Vec<Vec<Setting>>, Fault> {
+fn list(values: &Node, targets: &[Target], together: bool) -> Result<Vec<Vec<SweptValue>>, Fault> {
     let row = |(index, value): (usize, &Node)| {
         let row = match (&value.value, together) {
             (_, false) => setting(value).map(|setting| vec![setting]),
@@ -237,10 +237,10 @@ fn list(values: &Node, targets: &[Target], together: bool) -> Result<Vec<Vec<Set
 }
 
 /// A table gives up its label, which then stands for it.
-fn setting(value: &Node) -> Result<Setting, Fault> {
+fn setting(value: &Node) -> Result<SweptValue, Fault> {
     let mut node = value.clone();
     let Value::Table(_) = node.value else {
-        return Ok(Setting {
+        return Ok(SweptValue {
             text: node.text(),
             node,
         });
@@ -249,7 +249,7 @@ fn setting(value: &Node) -> Result<Setting, Fault> {
         Some(Node {
             value: Value::Text(text),
             ..
-        }) if !text.is_empty() => Ok(Setting { node, text }),
+        }) if !text.is_empty() => Ok(SweptValue { node, text }),
         Some(label) => {
             let message = format!(
                 "expected a text that is not empty, found {}",
@@ -264,7 +264,7 @@ fn setting(value: &Node) -> Result<Setting, Fault> {
     }
 }
 
-fn range(table: &Node) -> Result<Vec<Vec<Setting>>, Fault> {
+fn range(table: &Node) -> Result<Vec<Vec<SweptValue>>, Fault> {
     let (Some(from), Some(to), Some(count)) =
         (table.get("from"), table.get("to"), table.get("count"))
     else {
@@ -315,7 +315,7 @@ fn range(table: &Node) -> Result<Vec<Vec<Setting>>, Fault> {
             value,
             span: origin.span.clone(),
         };
-        vec![Setting {
+        vec![SweptValue {
             text: node.text(),
             node,
         }]

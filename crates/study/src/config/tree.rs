@@ -1,6 +1,7 @@
 //! A TOML document as a tree that knows where each key and value stands in the text.
 
 use super::error::{Fault, Span};
+use palpate_number::Number;
 use toml::de::{DeTable, DeValue};
 
 /// A value and the bytes it was read from. Where a sweep has put it in, the bytes are those of the sweep.
@@ -264,14 +265,10 @@ impl Node {
 
 /// The shortest form that reads back as the same number; whole numbers without a point.
 pub(super) fn number_text(number: f64) -> String {
-    if number == 0.0 {
-        return "0".into();
-    }
     if number.is_nan() {
         return "nan".into();
     }
-    let text = format!("{number:?}");
-    text.strip_suffix(".0").map_or(text.clone(), String::from)
+    Number(number).to_string()
 }
 
 /// The known word that looks most like the given one, if any comes near.

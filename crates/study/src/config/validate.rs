@@ -4,6 +4,9 @@ use super::error::Fault;
 use super::tree::{Node, Value, nearest, number_text, suggest};
 use serde_json::Value as Json;
 
+/// The pattern of a name that is fit for a file.
+pub(super) const NAME: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
+
 /// Checks a tree against a schema as [`super::schema()`] makes them: tagged tables (`oneOf` told apart by `kind`),
 /// choices of words, choices of either, objects, arrays, numbers and strings; no references. The first fault in the order of the text is reported.
 pub(super) fn validate(schema: &Json, node: &Node) -> Result<(), Fault> {
@@ -207,7 +210,7 @@ fn string(schema: &Json, node: &Node) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whether a text matches [`super::schema::NAME`] and is fit for a file's name.
+/// Whether a text matches [`NAME`] and is fit for a file's name.
 fn is_kebab_case(text: &str) -> bool {
     text.len() <= 100
         && text.split('-').all(|part| {

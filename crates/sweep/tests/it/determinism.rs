@@ -1,5 +1,6 @@
 //! Threads, blocks and waves leave no trace in the results.
 
+use std::convert::Infallible;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -145,16 +146,14 @@ fn a_cancelled_run_begins_no_more_trials_and_gives_nothing() {
         }
         observation(0.0, 0.0, None)
     });
-    let cells = [Cell {
-        trials: 1000 * BLOCK,
-        trial: &trial,
-    }; 2];
+    let set_up = |_| Ok::<_, Infallible>(&trial);
     for threads in [1, 2] {
         begun.store(0, Ordering::Relaxed);
         cancelled.store(false, Ordering::Relaxed);
         let threads = NonZeroUsize::new(threads);
         let runner = Runner::new(&RunOptions { threads }).unwrap();
-        let error = runner.run_until(&cancelled, &cells, &|_| ()).unwrap_err();
+        let error = runner.run_until(&cancelled, &[1000 * BLOCK; 2], set_up, &|_| ());
+        let error = error.unwrap_err();
         assert!(matches!(error, SweepError::Cancelled), "{error}");
         let begun = begun.load(Ordering::Relaxed);
         match threads.map(NonZeroUsize::get) {
@@ -167,10 +166,77 @@ fn a_cancelled_run_begins_no_more_trials_and_gives_nothing() {
     cancelled.store(false, Ordering::Relaxed);
     begun.store(100, Ordering::Relaxed);
     let runner = Runner::new(&RunOptions::default()).unwrap();
-    assert_eq!(
-        runner.run_until(&cancelled, &cells, &|_| ()).unwrap().len(),
-        2
+    let done = runner.run_until(&cancelled, &[1000 * BLOCK; 2], set_up, &|_| ());
+    assert_eq!(done.unwrap().len(), 2);
+}
+
+/// Experiment that counts those that are alive, and the most that were.
+struct Alive<'a>(&'a [AtomicU64; 2]);
+
+impl<'a> Alive<'a> {
+    fn new(counts: &'a [AtomicU64; 2]) -> Self {
+        let alive = 1 + counts[0].fetch_add(1, Ordering::Relaxed);
+        counts[1].fetch_max(alive, Ordering::Relaxed);
+        Self(counts)
+    }
+}
+
+impl Drop for Alive<'_> {
+    fn drop(&mut self) {
+        self.0[0].fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+impl Trial for Alive<'_> {
+    fn quantities(&self) -> usize {
+        1
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        record.observe(0, observation(normal(trial), 0.0, None));
+        Ok(())
+    }
+}
+
+#[test]
+fn cells_are_set_up_once_each_and_few_are_alive() {
+    const CELLS: usize = 600;
+    let trials: Vec<u64> = (0..CELLS as u64).map(|cell| cell % 3 * BLOCK).collect();
+    for threads in [1, 2] {
+        let counts = [0, 0].map(AtomicU64::new);
+        let set_ups = AtomicU64::new(0);
+        let set_up = |_| {
+            set_ups.fetch_add(1, Ordering::Relaxed);
+            Ok::<_, Infallible>(Alive::new(&counts))
+        };
+        let threads = NonZeroUsize::new(threads);
+        let runner = Runner::new(&RunOptions { threads }).unwrap();
+        let never = AtomicBool::new(false);
+        let cells = runner.run_until(&never, &trials, set_up, &|_| ()).unwrap();
+        let trials_of = cells.iter().map(|cell| cell.trials);
+        assert!(trials_of.eq(trials.iter().copied()));
+        let [alive, most] = counts.map(AtomicU64::into_inner);
+        assert_eq!((set_ups.into_inner(), alive), (CELLS as u64, 0));
+        // One per thread, and those that lie in two jobs.
+        assert!((1..60).contains(&most), "{most}");
+    }
+}
+
+#[test]
+fn a_cell_that_cannot_be_set_up_ends_the_run() {
+    let counts = [0, 0].map(AtomicU64::new);
+    let set_up = |cell: usize| match cell {
+        70 => Err("off the object"),
+        _ => Ok(Alive::new(&counts)),
+    };
+    let runner = Runner::new(&RunOptions::default()).unwrap();
+    let error = runner.run_until(&AtomicBool::new(false), &[5; 100], set_up, &|_| ());
+    let error = error.unwrap_err();
+    assert!(
+        matches!(error, SweepError::SetUp("off the object")),
+        "{error}"
     );
+    assert_eq!(counts[0].load(Ordering::Relaxed), 0);
 }
 
 #[test]

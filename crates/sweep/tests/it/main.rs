@@ -3,6 +3,8 @@
 
 mod any_number;
 mod determinism;
+mod extremes;
+mod plan;
 mod statistics;
 
 use std::num::NonZeroUsize;

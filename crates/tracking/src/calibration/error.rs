@@ -1,9 +1,12 @@
 //! Errors of calibrations.
 
+use palpate_number::Number;
+use strum::IntoStaticStr;
 use thiserror::Error;
 
 /// Why there is no calibration, or why one does not apply.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
 pub enum CalibrationError {
     /// Fewer points than a line needs.
     #[error("{count} {what}; a calibration needs at least {needed}")]
@@ -17,7 +20,8 @@ pub enum CalibrationError {
     },
     /// All points show the same displacement.
     #[error(
-        "all {count} points have a {what} displacement of {displacement}; a slope needs at least two"
+        "all {count} points have a {what} displacement of {displacement}; a slope needs at least two",
+        displacement = Number(*displacement)
     )]
     OneDisplacement {
         /// Normal or tangential.
@@ -40,7 +44,7 @@ pub enum CalibrationError {
         what: &'static str,
     },
     /// A number of a calibration or of a camera makes no sense, or leaves the range of doubles.
-    #[error("{what} is {value}; it must be {needed}")]
+    #[error("{what} is {value}; it must be {needed}", value = Number(*value))]
     OutOfRange {
         /// Which number.
         what: &'static str,
@@ -63,14 +67,7 @@ pub enum CalibrationError {
 
 impl CalibrationError {
     /// The stable name.
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::TooFewPoints { .. } => "too-few-points",
-            Self::OneDisplacement { .. } => "one-displacement",
-            Self::NotFinite { .. } => "not-finite",
-            Self::NoSlope { .. } => "no-slope",
-            Self::OutOfRange { .. } => "out-of-range",
-            Self::AnotherLayout { .. } => "another-layout",
-        }
+    pub fn name(&self) -> &'static str {
+        self.into()
     }
 }

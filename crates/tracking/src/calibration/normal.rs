@@ -3,13 +3,15 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Matrix2, Vector2};
+use strum::IntoStaticStr;
 
 use super::CalibrationError;
 use super::line::{Line, Words, finite, fit};
 use crate::Change;
 
 /// Feature of a marker's picture that tells its normal displacement.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Eq, IntoStaticStr, PartialEq)]
+#[strum(serialize_all = "kebab-case")]
 pub enum NormalFrom {
     /// Its mean hue: the overlap of the two discs, and so the difference between the displacements at their depths.
     #[default]
@@ -27,12 +29,8 @@ impl NormalFrom {
     pub const ALL: [Self; 3] = [Self::Hue, Self::Size, Self::Both];
 
     /// The stable name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Hue => "hue",
-            Self::Size => "size",
-            Self::Both => "both",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 
     const fn words(self) -> Words {

@@ -1,12 +1,14 @@
-//! Whatever the numbers and the pixels: a finite answer or a named error.
+//! What can be tracked is tracked; whatever the numbers and the pixels, a finite answer or the error that is due.
 
 use image::RgbImage;
 use palpate_tracking::{
-    Calibration, Change, Displaced, Equidistant, Field, Finder, FinderSettings, Ground, HueWindow,
-    LateralCalibration, LateralPoint, Line, Marker, Mask, NormalCalibration, NormalFrom,
-    NormalPoint, Status, Track, match_markers,
+    Calibration, CalibrationError, Change, Displaced, Equidistant, Field, FieldError, Finder,
+    FinderSettings, Ground, HueWindow, LateralCalibration, LateralPoint, Line, Marker, Mask,
+    NormalCalibration, NormalFrom, NormalPoint, Status, Track, match_markers,
 };
 use proptest::prelude::*;
+
+use crate::frames::{self, Bright};
 
 /// Any double, those of everyday size as often as all the others.
 fn any_number() -> impl Strategy<Value = f64> {
@@ -35,6 +37,15 @@ fn markers() -> impl Strategy<Value = Vec<Marker>> {
 fn parts(change: &Change) -> [f64; 4] {
     let [x, y] = change.shift_px;
     [x, y, change.hue_turns, change.growth]
+}
+
+fn pair_within(most: f64) -> impl Strategy<Value = [f64; 2]> {
+    [-most..most, -most..most]
+}
+
+fn is_sound(marker: &Marker) -> bool {
+    let [x, y] = marker.centroid_px;
+    (x + y + marker.size_px2).is_finite() && (0.0..1.0).contains(&marker.hue_turns)
 }
 
 fn assert_line(line: &Line) {
@@ -89,7 +100,10 @@ proptest! {
         prop_assert!(tracks.iter().filter(|track| track.rest.is_some()).count() == rest.len());
         let changes: Vec<Change> = tracks.iter().filter_map(Track::change).collect();
         prop_assert!(changes.iter().flat_map(parts).all(|number| number.is_finite()), "{changes:?}");
-        if let Ok(camera) = Equidistant::new(centre, scale) {
+        let camera = Equidistant::new(centre, scale);
+        let is_good = centre.iter().all(|one| one.abs() <= 1e12) && (1e-6..=1e12).contains(&scale);
+        prop_assert_eq!(camera.err().map(|error| error.name()), (!is_good).then_some("out-of-range"));
+        if let Ok(camera) = camera {
             let changes: Vec<Change> = tracks.iter().filter_map(|track| camera.change(track)).collect();
             prop_assert!(changes.iter().flat_map(parts).all(|number| number.is_finite()), "{changes:?}");
             for marker in &rest {
@@ -99,8 +113,29 @@ proptest! {
         }
     }
 
+    /// Markers of any displacements, each in a square of its own, have a field over their hull.
     #[test]
-    fn any_field(
+    fn markers_apart_have_a_field(
+        numbers in prop::collection::vec((pair_within(0.1), pair_within(2.0), -2.0..2.0), 4..16),
+        std in 0.0..1.0,
+    ) {
+        let displaced = |(index, (off, tangential, normal)): (usize, &([f64; 2], [f64; 2], f64))| Displaced {
+            place: [0, 1].map(|axis| 0.5 * (index / [1, 4][axis] % 4) as f64 - 0.75 + off[axis]),
+            tangential: *tangential,
+            normal: *normal,
+        };
+        let markers: Vec<Displaced> = numbers.iter().enumerate().map(displaced).collect();
+        let field = Field::new(&markers).unwrap();
+        prop_assert_eq!(field.markers().len(), markers.len());
+        prop_assert_eq!(field.smoothed(std).unwrap().markers().len(), markers.len());
+        for marker in &markers {
+            let there = field.at(marker.place).unwrap();
+            prop_assert!((there.normal - marker.normal).abs() < 1e-9, "{there:?} is not {marker:?}");
+        }
+    }
+
+    #[test]
+    fn any_field_gives_numbers_or_the_error_that_is_due(
         numbers in prop::collection::vec((pair(), pair(), any_number()), 0..20),
         place in pair(),
         std in any_number(),
@@ -109,26 +144,83 @@ proptest! {
             Displaced { place, tangential, normal }
         };
         let markers: Vec<Displaced> = numbers.iter().map(displaced).collect();
-        let Ok(field) = Field::new(&markers) else { return Ok(()) };
+        let is_sound = |one: &Displaced| {
+            let lengths = [one.tangential[0], one.tangential[1], one.normal];
+            lengths.iter().all(|length| length.abs() <= 1e100)
+                && libm::hypot(one.place[0], one.place[1]) <= std::f64::consts::PI
+        };
+        let found = Field::new(&markers);
+        let unsound = markers.iter().position(|one| !is_sound(one));
+        match &found {
+            Ok(_) => prop_assert!(!markers.is_empty() && unsound.is_none()),
+            Err(FieldError::NoMarkers) => prop_assert!(markers.is_empty()),
+            Err(FieldError::OutOfRange { marker }) => prop_assert_eq!(Some(*marker), unsound),
+            Err(FieldError::Coincident { marker }) => {
+                let [x, y] = markers[*marker].place;
+                let is_there = |one: &Displaced| libm::hypot(one.place[0] - x, one.place[1] - y) < 1e-29;
+                prop_assert!(markers[..*marker].iter().any(is_there), "{markers:?}");
+            }
+            Err(error) => return Err(TestCaseError::fail(error.to_string())),
+        }
+        let Ok(field) = found else { return Ok(()) };
         let mut found = field.grid(4);
         found.extend(field.at(place));
-        if let Ok(smooth) = field.smoothed(std) {
-            found.extend_from_slice(smooth.markers());
-        }
+        let smooth = field.smoothed(std);
+        prop_assert_eq!(smooth.is_ok(), std >= 0.0 && std.is_finite());
+        found.extend(smooth.iter().flat_map(|smooth| smooth.markers().to_vec()));
         prop_assert!(found.iter().all(|one| (one.normal + one.tangential[0]).is_finite()), "{found:?}");
         let outward = field.outward();
         prop_assert!(outward.of_marker.iter().chain(&outward.mean).all(|one| one.is_finite()));
     }
 
+    /// Sights that follow the displacement, with errors of up to a tenth, are calibrated in any unit.
     #[test]
-    fn any_calibration(
+    fn sights_that_follow_the_displacement_are_calibrated(
+        errors in prop::collection::vec(pair_within(0.1), 6..20),
+        (power, slope) in (-9.0..9.0_f64, 0.5..2.0),
+        which in 0..3_usize,
+    ) {
+        let unit = libm::pow(10.0, power);
+        let moved = |index: usize| index as f64 / errors.len() as f64;
+        let sight = |index: usize, axis: usize| 0.05 * (slope * moved(index) + 0.1 * errors[index][axis]);
+        let normal: Vec<NormalPoint> = (0..errors.len()).map(|index| NormalPoint {
+            marker: Some(index % 2),
+            normal: moved(index) * unit,
+            hue_turns: sight(index, 0),
+            growth: sight(index, 1),
+        }).collect();
+        let lateral: Vec<LateralPoint> = (0..errors.len()).map(|index| LateralPoint {
+            tangential: [moved(index) * unit, 0.0],
+            shift_px: [sight(index, 0), 0.0],
+            normal: None,
+        }).collect();
+        let pairs: Vec<[f64; 2]> = (0..errors.len()).map(|index| [moved(index) * unit, sight(index, 0)]).collect();
+        assert_line(&Line::with_intercept(&pairs).unwrap());
+        assert_line(&Line::through_rest(&pairs).unwrap());
+        let normal = NormalCalibration::fit(&normal, NormalFrom::ALL[which]).unwrap();
+        let lateral = LateralCalibration::fit(&lateral).unwrap();
+        assert_line(&lateral.line);
+        let calibration = Calibration::new(Some(normal), Some(lateral), None).unwrap();
+        let change = Change { shift_px: [0.02, 0.0], hue_turns: 0.02, growth: 0.02 };
+        prop_assert!(calibration.normal(0, &change).unwrap() > 0.0);
+        prop_assert!(calibration.tangential(change.shift_px, 0.0).unwrap()[0] > 0.0);
+    }
+
+    #[test]
+    fn any_calibration_gives_numbers_or_the_error_that_is_due(
         points in prop::collection::vec((any_number(), any_number(), any_number(), 0..3_usize), 0..12),
         change in prop::array::uniform4(any_number()),
         which in 0..3_usize,
     ) {
         let pairs: Vec<[f64; 2]> = points.iter().map(|&(x, y, ..)| [x, y]).collect();
-        for line in [Line::with_intercept(&pairs), Line::through_rest(&pairs)].into_iter().flatten() {
-            assert_line(&line);
+        let bad = pairs.iter().position(|pair| pair.iter().any(|one| one.is_nan() || one.abs() > 1e100));
+        for line in [Line::with_intercept(&pairs), Line::through_rest(&pairs)] {
+            match (&line, bad) {
+                (found, Some(point)) => prop_assert_eq!(found, &Err(CalibrationError::NotFinite { point })),
+                (Err(error), None) if pairs.len() < 2 => prop_assert_eq!(error.name(), "too-few-points"),
+                (found, None) => prop_assert!(found.is_err() || pairs.len() >= 2),
+            }
+            line.iter().for_each(assert_line);
         }
         let normal: Vec<NormalPoint> = points.iter().map(|&(normal, hue_turns, growth, marker)| {
             NormalPoint { marker: Some(marker), normal, hue_turns, growth }
@@ -142,7 +234,10 @@ proptest! {
             assert_line(&lateral.line);
             prop_assert!(lateral.slope(change[3]).is_finite());
         }
-        let Ok(calibration) = Calibration::new(normal, lateral, None) else { return Ok(()) };
+        let has_parts = normal.is_some() || lateral.is_some();
+        let calibration = Calibration::new(normal, lateral, None);
+        prop_assert_eq!(calibration.as_ref().err().map(|error| error.name()), (!has_parts).then_some("too-few-points"));
+        let Ok(calibration) = calibration else { return Ok(()) };
         let [x, y, hue_turns, growth] = change;
         let change = Change { shift_px: [x, y], hue_turns, growth };
         let mut read = calibration.tangential([x, y], growth).map_or(vec![], Vec::from);
@@ -151,7 +246,7 @@ proptest! {
     }
 
     #[test]
-    fn any_frame(
+    fn any_frame_gives_numbers_or_the_error_that_is_due(
         bytes in prop::collection::vec(any::<u8>(), 64),
         (width, height) in (1..80_u32, 1..80_u32),
         mask in prop::option::of((pair(), any_number())),
@@ -164,17 +259,36 @@ proptest! {
             hues: [HueWindow::ByGround, HueWindow::Any, HueWindow::MagentaToYellow][hues],
             marker_diameter_px: diameter,
         };
-        let Ok(mut finder) = Finder::new(settings) else { return Ok(()) };
+        let finder = Finder::new(settings);
+        let is_good = diameter.is_none_or(|diameter| (3.0..=32_768.0).contains(&diameter));
+        prop_assert_eq!(finder.as_ref().err().map(|error| error.name()), (!is_good).then_some("marker-diameter"));
+        let Ok(mut finder) = finder else { return Ok(()) };
         let frame = RgbImage::from_fn(width, height, |x, y| {
             let at = ((x / 5) * 7 + (y / 5) * 13) as usize;
             image::Rgb([0, 1, 2].map(|channel| bytes[(at + channel) % bytes.len()]))
         });
-        if let Ok(found) = finder.find(&frame) {
-            for marker in found.markers.iter().chain(&found.cut) {
-                let [x, y] = marker.centroid_px;
-                prop_assert!((x + y + marker.size_px2).is_finite(), "{marker:?}");
-                prop_assert!((0.0..1.0).contains(&marker.hue_turns));
-            }
+        match finder.find(&frame) {
+            Ok(found) => prop_assert!(found.markers.iter().chain(&found.cut).all(is_sound), "{found:?}"),
+            Err(error) if width.min(height) < 16 => prop_assert_eq!(error.name(), "too-small"),
+            Err(error) => prop_assert!(["no-markers", "mask-outside"].contains(&error.name()), "{error}"),
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Nineteen discs on white, of any such size, blur and noise, are found, and nothing else.
+    #[test]
+    fn discs_on_white_are_found(
+        (disc_px, spacing) in (11.0..15.0, 26.0..32.0),
+        (apart, blur_px, noise) in (0.0..0.2, 0.0..1.0, 0.5..2.0),
+        seed in any::<u64>(),
+    ) {
+        let how = Bright { size: 160, disc_px, apart, blur_px, falloff: 0.0, noise };
+        let (frame, truth) = frames::bright(how, &frames::rings(160, spacing, 2), seed);
+        let found = Finder::new(FinderSettings::default()).unwrap().find(&frame).unwrap();
+        prop_assert_eq!((found.markers.len(), found.cut.len()), (truth.len(), 0));
+        prop_assert!(found.markers.iter().all(is_sound), "{found:?}");
     }
 }

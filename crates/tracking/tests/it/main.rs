@@ -6,6 +6,6 @@ mod calibration;
 mod extremes;
 mod field;
 mod finder;
-#[path = "../frames/mod.rs"]
-mod frames;
 mod matching;
+
+use palpate_frames as frames;

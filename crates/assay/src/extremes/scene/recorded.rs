@@ -1,9 +1,9 @@
 //! Recorded readings: files of extreme numbers.
 
 use palpate_scene::recorded::{
-    CalibrateOptions, GlideOptions, PressBody, PressMethod, PressOptions, RecordedError,
-    RecordedFile, RollMethod, RollOptions, calibrate, estimate_glide, estimate_press,
-    estimate_roll, parse_calibration_points, parse_glide, parse_press, parse_roll,
+    CalibrateOptions, GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions,
+    calibrate, estimate_glide, estimate_press, estimate_roll, parse_calibration_points,
+    parse_glide, parse_press, parse_roll,
 };
 use serde_json::Value;
 
@@ -138,10 +138,8 @@ fn estimated_roll_of(
          0,0,-0.4,{number},0\n1,0,-0.4,{number},0\n2,-0.4,0,0,{other:e}\n3,-0.4,0,0,{other:e}\n"
     );
     let options = RollOptions {
-        probe_radius,
-        length_unit: None,
-        pitch,
-        method: RollMethod::default(),
+        noise: pitch.map(RollOptions::noise_of_pads).unwrap_or_default(),
+        ..RollOptions::new(probe_radius)
     };
     let estimate = estimate_roll(&parse_roll(file(text))?, &options)?;
     Ok(finite(&estimate))
@@ -173,13 +171,10 @@ fn estimated_press(number: &str, sensor_radius: f64) -> Result<Answer, RecordedE
         };
         text += &format!("{x},{y},{moved}\n");
     }
-    let body = PressBody::HalfSpace {
-        poisson: 0.5,
-        depth: 2.0,
-    };
     let options = PressOptions {
-        indentation: Some((1.2, 0.02)),
-        ..PressOptions::new(sensor_radius, PressMethod::Body(body))
+        marker_depth: 2.0,
+        indentation: Some(1.2),
+        ..PressOptions::new(sensor_radius)
     };
     let estimate = estimate_press(&parse_press(file(text))?, &options)?;
     Ok(finite(&estimate))

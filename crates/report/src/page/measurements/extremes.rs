@@ -1,11 +1,11 @@
 //! `extremes.csv`: how many cases of each entry point ended how, and the worst error.
 
-use crate::records::Columns;
-use crate::table::finite;
-use crate::{ReportError, words};
+use crate::group::distinct;
+use crate::records::Records;
+use crate::{Files, ReportError};
 use minijinja::context;
 use minijinja::value::Value;
-use std::path::Path;
+use palpate_study::number;
 
 /// A case at the extremes.
 struct Case<'a> {
@@ -17,8 +17,9 @@ struct Case<'a> {
 
 /// Cases of each entry point by verdict, and its worst error; entry points and verdicts in the order in which they
 /// appear.
-pub(super) fn section(path: &Path) -> Result<Value, ReportError> {
-    let table = Columns::read(path, &["entry", "verdict", "error", "bound"])?;
+pub(super) fn section(folder: &Files) -> Result<Value, ReportError> {
+    let columns = ["entry", "verdict", "error", "bound"];
+    let table = Records::read(folder, "extremes.csv", &columns)?.filled()?;
     let cases: Vec<Case<'_>> = (0..table.rows())
         .map(|row| case(&table, row))
         .collect::<Result<_, _>>()?;
@@ -30,7 +31,7 @@ pub(super) fn section(path: &Path) -> Result<Value, ReportError> {
                 .filter(|case| case.verdict == *verdict && wanted(case));
             match found.count() {
                 0 => String::new(),
-                count => words::count(count as u64),
+                count => number::grouped(count as u64),
             }
         };
         verdicts.iter().map(of).collect()
@@ -41,29 +42,24 @@ pub(super) fn section(path: &Path) -> Result<Value, ReportError> {
             let is_mine = |case: &Case<'_>| case.entry == name;
             let worst = worst(cases.iter().filter(|case| is_mine(case)));
             let [error, bound] = worst.map_or([const { String::new() }; 2], |(error, bound)| {
-                [error, bound].map(|number| words::significant(number, 2))
+                [error, bound].map(|error| number::significant(error, 2))
             });
             context! { name, counts => counts(&is_mine), error, bound }
         })
         .collect();
     let totals = counts(&|_| true);
-    let all = words::count(cases.len() as u64);
+    let all = number::grouped(cases.len() as u64);
     let verdicts: Vec<String> = verdicts.iter().map(|&name| name.to_owned()).collect();
     Ok(context! { verdicts, entries, totals, all })
 }
 
-fn case(table: &Columns, row: usize) -> Result<Case<'_>, ReportError> {
-    let number = |column: usize| match table.text(row, column) {
-        "" => Ok(None),
-        text => match finite(text) {
-            Some(number) => Ok(Some(number)),
-            None => Err(table.bad(row, column, "a number or nothing")),
-        },
-    };
+fn case(table: &Records, row: usize) -> Result<Case<'_>, ReportError> {
     Ok(Case {
         entry: table.text(row, 0),
         verdict: table.text(row, 1),
-        error: number(2)?.zip(number(3)?),
+        error: table
+            .number_or_none(row, 2)?
+            .zip(table.number_or_none(row, 3)?),
     })
 }
 
@@ -78,14 +74,4 @@ fn worst<'a>(cases: impl Iterator<Item = &'a Case<'a>>) -> Option<(f64, f64)> {
             worst
         }
     })
-}
-
-fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut known = Vec::new();
-    for name in names {
-        if !known.contains(&name) {
-            known.push(name);
-        }
-    }
-    known
 }

@@ -1,9 +1,9 @@
-//! Which panels stand where: the true map first, then the cells it is true of, row by row.
+//! Order of the panels: the true map first, then the cells it is true of, row by row.
 
-use super::super::captions::full_value;
-use super::super::select::present;
 use super::table::CellMap;
 use crate::Table;
+use crate::group::by_key;
+use crate::plot::captions::full_value;
 use crate::table::Axis;
 
 /// At most this many cells in a row of panels.
@@ -28,19 +28,13 @@ pub(crate) struct Row<'a> {
     pub(crate) cells: Vec<(String, &'a CellMap)>,
 }
 
-/// Cells of one true map, by what runs down.
-struct Group<'a> {
-    first: Shown<'a>,
-    lines: Vec<(String, Vec<Shown<'a>>)>,
-}
-
 /// Rows of panels for `shown` (at least one).
 pub(crate) fn rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<Row<'a>> {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
     let varying: Vec<&Axis> = table
         .axes()
         .iter()
-        .filter(|axis| present(axis, &rows).len() > 1)
+        .filter(|axis| axis.among(&rows).len() > 1)
         .collect();
     let across = across(&varying, &rows);
     let down: Vec<&Axis> = varying
@@ -49,7 +43,7 @@ pub(crate) fn rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<Row<'a>> {
         .copied()
         .collect();
     let per_row = across
-        .map(|axis| present(axis, &rows).len())
+        .map(|axis| axis.among(&rows).len())
         .filter(|count| *count <= PER_ROW)
         .unwrap_or(OTHERWISE);
     let words = |axes: &[&Axis], row: usize| {
@@ -57,29 +51,14 @@ pub(crate) fn rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<Row<'a>> {
         values.collect::<Vec<_>>().join(" · ")
     };
 
-    let mut groups: Vec<Group<'a>> = Vec::new();
-    for &cell in shown {
-        let at = groups
-            .iter()
-            .position(|group| of_one_object(table, &group.first, &cell))
-            .unwrap_or_else(|| {
-                groups.push(Group {
-                    first: cell,
-                    lines: Vec::new(),
-                });
-                groups.len() - 1
-            });
-        let lines = &mut groups[at].lines;
-        let heading = words(&down, cell.row);
-        match lines.iter_mut().find(|(known, _)| *known == heading) {
-            Some((_, cells)) => cells.push(cell),
-            None => lines.push((heading, vec![cell])),
-        }
-    }
+    // One true map stands for all cells of an object.
+    let mut axes = table.axes().iter();
+    let object = axes.find(|axis| axis.header.starts_with("scene.object"));
+    let truth = |cell: &Shown<'a>| (&cell.map.truth, object.map(|axis| axis.text(cell.row)));
     let mut arranged = Vec::new();
-    for Group { first, lines } in groups {
-        let mut truth = Some(first.map);
-        for (heading, cells) in lines {
+    for (_, cells) in by_key(shown.iter().map(|cell| (truth(cell), *cell))) {
+        let mut truth = Some(cells[0].map);
+        for (heading, cells) in by_key(cells.iter().map(|cell| (words(&down, cell.row), *cell))) {
             for chunk in cells.chunks(per_row) {
                 let title = |cell: &Shown<'a>| (words(across.as_slice(), cell.row), cell.map);
                 arranged.push(Row {
@@ -93,17 +72,10 @@ pub(crate) fn rows<'a>(table: &Table, shown: &[Shown<'a>]) -> Vec<Row<'a>> {
     arranged
 }
 
-/// Whether one true map stands for both cells.
-fn of_one_object(table: &Table, a: &Shown<'_>, b: &Shown<'_>) -> bool {
-    let mut axes = table.axes().iter();
-    let object = axes.find(|axis| axis.header.starts_with("scene.object"));
-    a.map.truth == b.map.truth && object.is_none_or(|axis| axis.text(a.row) == axis.text(b.row))
-}
-
 /// The axis whose values stand side by side: of those that fit into a row the one with the most values, the
 /// last of several; else the last.
 fn across<'a>(varying: &[&'a Axis], rows: &[usize]) -> Option<&'a Axis> {
-    let count = |axis: &&&Axis| present(axis, rows).len();
+    let count = |axis: &&&Axis| axis.among(rows).len();
     let fitting = varying.iter().filter(|axis| count(axis) <= PER_ROW);
     fitting.max_by_key(count).or(varying.last()).copied()
 }

@@ -1,10 +1,9 @@
 //! `map.csv`: the classes of shape over the grid of each cell.
 
-use super::super::style::CLASSES;
 use crate::ReportError;
-use crate::records::Columns;
-use std::collections::BTreeMap;
-use std::path::Path;
+use crate::plot::request::Request;
+use crate::plot::style::CLASSES;
+use crate::records::Records;
 
 /// Columns read, in this order; the others are not for a picture of classes.
 const COLUMNS: [&str; 5] = ["cell", "x", "y", "class", "true_class"];
@@ -20,7 +19,7 @@ pub(crate) struct Maps {
     pub(crate) cells: Vec<CellMap>,
 }
 
-/// One cell's map: `side` × `side` points, x slowest.
+/// Map of one cell: `side` × `side` points, x slowest.
 #[derive(Debug)]
 pub(crate) struct CellMap {
     pub(crate) cell: u64,
@@ -43,50 +42,32 @@ impl CellMap {
     }
 }
 
-/// Problem with a map: with the file, or with the points in it.
-#[derive(Debug)]
-pub(crate) enum MapProblem {
-    File(ReportError),
-    Points(String),
-}
-
 /// Reads `map.csv`.
-pub(crate) fn read(path: &Path) -> Result<Maps, MapProblem> {
-    let table = Columns::read(path, &COLUMNS).map_err(MapProblem::File)?;
-    let mut order: Vec<u64> = Vec::new();
-    let mut rows_of: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
-    for row in 0..table.rows() {
-        let cell = table
-            .text(row, 0)
-            .parse()
-            .map_err(|_| MapProblem::File(table.bad(row, 0, "the number of a cell")))?;
-        let rows = rows_of.entry(cell).or_default();
-        if rows.is_empty() {
-            order.push(cell);
-        }
-        rows.push(row);
-    }
-    let cells = order
-        .into_iter()
-        .map(|cell| cell_map(&table, cell, &rows_of[&cell]))
-        .collect::<Result<_, _>>()?;
+pub(super) fn read(of: Request<'_>) -> Result<Maps, ReportError> {
+    let table = Records::read(of.study.files(), "map.csv", &COLUMNS)?.filled()?;
+    let cells = table.by_cell(0)?;
+    let map = |(cell, rows): &(u64, Vec<usize>)| cell_map(of, &table, *cell, rows);
     Ok(Maps {
         unit: table.unit(1).to_owned(),
-        cells,
+        cells: cells.iter().map(map).collect::<Result<_, _>>()?,
     })
 }
 
-fn cell_map(table: &Columns, cell: u64, rows: &[usize]) -> Result<CellMap, MapProblem> {
+fn cell_map(
+    of: Request<'_>,
+    table: &Records,
+    cell: u64,
+    rows: &[usize],
+) -> Result<CellMap, ReportError> {
     let side = rows.len().isqrt();
     if side * side != rows.len() {
         let count = rows.len();
-        return Err(MapProblem::Points(format!(
+        return Err(of.bad(format!(
             "map.csv has {count} points of cell {cell}, which is no square grid"
         )));
     }
-    let column = |at: usize| -> Result<Vec<f64>, MapProblem> {
-        let numbers = rows.iter().map(|row| table.number(*row, at));
-        numbers.collect::<Result<_, _>>().map_err(MapProblem::File)
+    let column = |at: usize| -> Result<Vec<f64>, ReportError> {
+        rows.iter().map(|row| table.number(*row, at)).collect()
     };
     let (x, y) = (column(1)?, column(2)?);
     let mean = |line: &dyn Fn(usize) -> f64| (0..side).map(|k| line(k) / side as f64).sum::<f64>();
@@ -94,12 +75,12 @@ fn cell_map(table: &Columns, cell: u64, rows: &[usize]) -> Result<CellMap, MapPr
     let y: Vec<f64> = (0..side).map(|j| mean(&|i| y[i * side + j])).collect();
     for (name, lines) in [("x", &x), ("y", &y)] {
         if lines.windows(2).any(|pair| pair[0] >= pair[1]) {
-            return Err(MapProblem::Points(format!(
+            return Err(of.bad(format!(
                 "the points of cell {cell} in map.csv are no grid of {side} × {side} with x slowest: {name} does not rise"
             )));
         }
     }
-    let classes = |at: usize| -> Result<Vec<Class>, MapProblem> {
+    let classes = |at: usize| -> Result<Vec<Class>, ReportError> {
         rows.iter().map(|row| class(table, *row, at)).collect()
     };
     Ok(CellMap {
@@ -112,15 +93,11 @@ fn cell_map(table: &Columns, cell: u64, rows: &[usize]) -> Result<CellMap, MapPr
     })
 }
 
-fn class(table: &Columns, row: usize, column: usize) -> Result<Class, MapProblem> {
+fn class(table: &Records, row: usize, column: usize) -> Result<Class, ReportError> {
     let text = table.text(row, column);
     let known = CLASSES.iter().position(|(name, _)| *name == text);
-    if known.is_none() && !text.is_empty() {
-        return Err(MapProblem::File(table.bad(
-            row,
-            column,
-            "one of the eight classes of shape",
-        )));
+    match (known, text) {
+        (None, "") | (Some(_), _) => Ok(known),
+        (None, _) => Err(table.bad(row, column, "one of the eight classes of shape")),
     }
-    Ok(known)
 }

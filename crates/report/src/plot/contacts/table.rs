@@ -1,8 +1,7 @@
 //! `trace.csv` and `readings.csv` of a glide: where the fingers touched, and what they said of it.
 
-use crate::ReportError;
-use crate::records::Columns;
-use std::path::Path;
+use crate::records::Records;
+use crate::{Files, ReportError};
 
 /// Columns of `trace.csv`, in the order read.
 const TRACE: [&str; 10] = [
@@ -17,7 +16,7 @@ const SAME: f64 = 1e-6;
 /// A place or a direction.
 pub(crate) type Vector = [f64; 3];
 
-/// One true contact.
+/// True contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
     pub(crate) place: Vector,
@@ -28,7 +27,7 @@ pub(crate) struct Touch {
 }
 
 /// Contacts of one finger, and its readings where they differ from the contacts.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Finger {
     /// Name of the finger in the table.
     pub(crate) name: String,
@@ -50,26 +49,42 @@ pub(crate) struct Contacts {
     pub(crate) tips_apart: bool,
 }
 
-/// Reads `trace.csv` and, if there is one, `readings.csv` in `dir`.
-pub(crate) fn read(dir: &Path) -> Result<Contacts, ReportError> {
-    let table = Columns::read(&dir.join("trace.csv"), &TRACE)?;
-    let mut fingers: Vec<Finger> = Vec::new();
-    for row in 0..table.rows() {
-        let at = finger(&mut fingers, table.text(row, 0));
-        fingers[at].touches.push(Touch {
+impl Touch {
+    /// End of a stroke of this length along the normal.
+    pub(crate) fn along_normal(&self, length: f64) -> Option<Vector> {
+        let normal = self.normal?;
+        Some([0, 1, 2].map(|k| self.place[k] + length * normal[k]))
+    }
+}
+
+/// Reads `trace.csv` and, if there is one, `readings.csv`.
+pub(crate) fn read(files: &Files) -> Result<Contacts, ReportError> {
+    let table = Records::read(files, "trace.csv", &TRACE)?.filled()?;
+    let touch = |row: usize| -> Result<Touch, ReportError> {
+        Ok(Touch {
             place: vector(&table, row, 1)?,
             normal: unit(vector(&table, row, 4)?),
             tip: vector(&table, row, 7)?,
-        });
-    }
+        })
+    };
+    let finger = |(name, rows): (&str, Vec<usize>)| -> Result<Finger, ReportError> {
+        Ok(Finger {
+            name: name.to_owned(),
+            touches: rows
+                .into_iter()
+                .map(touch)
+                .collect::<Result<_, ReportError>>()?,
+            readings: Vec::new(),
+        })
+    };
+    let fingers = table.by_text(0).into_iter().map(finger);
+    let mut fingers = fingers.collect::<Result<Vec<Finger>, _>>()?;
     let size = size(&fingers);
     let touches = || fingers.iter().flat_map(|finger| &finger.touches);
     let tips_apart = touches().any(|touch| distance(touch.place, touch.tip) > SAME * size);
-    let path = dir.join("readings.csv");
-    let off = if path.exists() {
-        add_readings(&path, &mut fingers, size)?
-    } else {
-        None
+    let off = match files.contain("readings.csv") {
+        true => add_readings(files, &mut fingers, size)?,
+        false => None,
     };
     Ok(Contacts {
         unit: table.unit(1).to_owned(),
@@ -81,11 +96,11 @@ pub(crate) fn read(dir: &Path) -> Result<Contacts, ReportError> {
 
 /// Adds the readings to their fingers, unless they are the contacts.
 fn add_readings(
-    path: &Path,
+    files: &Files,
     fingers: &mut [Finger],
     size: f64,
 ) -> Result<Option<f64>, ReportError> {
-    let table = Columns::read(path, &READINGS)?;
+    let table = Records::read(files, "readings.csv", &READINGS)?.filled()?;
     let mut readings: Vec<Vec<Vector>> = vec![Vec::new(); fingers.len()];
     for row in 0..table.rows() {
         let at = fingers
@@ -114,21 +129,7 @@ fn add_readings(
     Ok(paired.then(|| mean.sqrt()))
 }
 
-/// The place of the finger of that name, which is added if it is not yet there.
-fn finger(fingers: &mut Vec<Finger>, name: &str) -> usize {
-    match fingers.iter().position(|known| known.name == name) {
-        Some(at) => at,
-        None => {
-            fingers.push(Finger {
-                name: name.to_owned(),
-                ..Finger::default()
-            });
-            fingers.len() - 1
-        }
-    }
-}
-
-fn vector(table: &Columns, row: usize, first: usize) -> Result<Vector, ReportError> {
+fn vector(table: &Records, row: usize, first: usize) -> Result<Vector, ReportError> {
     Ok([
         table.number(row, first)?,
         table.number(row, first + 1)?,

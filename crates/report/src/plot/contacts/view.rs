@@ -68,7 +68,7 @@ impl View {
         )
     }
 
-    /// How near to the eye a place is.
+    /// Nearness of a place to the eye.
     pub(crate) fn nearness(&self, place: Vector) -> f64 {
         self.along(place, self.toward)
     }
@@ -81,7 +81,7 @@ impl View {
         })
     }
 
-    /// How long a side of the box is in the picture, in pixels.
+    /// Length of a side of the box in the picture, in pixels.
     pub(crate) fn side(&self, axis: usize) -> f64 {
         let (mut from, mut to) = ([0.0; 3], [0.0; 3]);
         (from[axis], to[axis]) = (0.0, 1.0);

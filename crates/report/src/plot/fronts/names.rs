@@ -1,9 +1,10 @@
 //! Placement of names beside points, so that none hides another name or a point.
 
-use super::NAME;
 use crate::plot::canvas::Point;
 use crate::plot::lettering::width;
 
+/// Size of a name.
+pub(super) const NAME: f64 = 15.0;
 /// Distances from its point at which a name may stand, pixels.
 const DISTANCES: [f64; 9] = [9.0, 18.0, 30.0, 45.0, 62.0, 82.0, 105.0, 130.0, 160.0];
 /// Distance from which on a line leads from the point to its name, pixels.

@@ -1,4 +1,4 @@
-//! Which way is outward: away from the contact, whose place a trace tells only by the markers' distances from it.
+//! Direction outward: away from the contact, whose place a trace tells only by the markers' distances from it.
 
 /// Steps of the search for the curvature of the skin, and bisections of the step found.
 const STEPS: u32 = 60;

@@ -1,56 +1,48 @@
 //! Displacements against the distance from the contact: normal, and along the skin if they were read.
 
 use super::contact::outward;
-use super::subtitle;
 use super::table::{Displacement, Trace};
-use crate::plot::figure::{Figure, Legend, Panel, PointSet};
-use crate::plot::layout::Layout;
+use crate::ReportError;
+use crate::plot::chart::{self, Chart, Legend, Panel, PointSet};
+use crate::plot::figure::Figure;
+use crate::plot::frame::Words;
 use crate::plot::scale::{Scale, Spacing};
 use crate::plot::style::{Marker, Style};
-use crate::words;
+use palpate_study::label::{spoken_unit, with_unit};
 
-/// The figures, from the top, and where they stand.
-pub(super) fn stack(trace: &Trace) -> Vec<(Figure, Layout)> {
+/// The charts, the normal displacement on top.
+pub(super) fn figure(trace: &Trace) -> Result<Figure, ReportError> {
+    let label = |text: &str| with_unit(text, &spoken_unit(&trace.unit));
+    let distances: Vec<f64> = trace.markers.iter().map(|marker| marker.radial).collect();
+    let x = Scale::around(Spacing::Linear, distances.iter().copied());
     let normal = places(trace, |_, moved| Some(moved.normal));
-    let x = Scale::around(
-        Spacing::Linear,
-        trace.markers.iter().map(|marker| marker.radial),
-    );
-    let label = |text: &str| words::with_unit(text, &words::unit(&trace.unit));
-    let mut figures = vec![Figure {
-        name: "trace-profile".to_owned(),
-        title: "Displacement of the markers away from the contact".to_owned(),
-        subtitle: subtitle(trace),
-        legend: Legend {
-            points: normal
-                .iter()
-                .map(|set| (set.label.clone(), set.style))
-                .collect(),
-            ..Legend::default()
-        },
-        ..figure(normal, &x, label("displacement inward"))
-    }];
+    let samples = normal.iter().map(|set| (set.label.clone(), set.style));
+    let samples = samples.collect();
+    let mut charts = vec![chart(normal, &x, label("displacement inward"))];
+    charts[0].legend.points = samples;
     if trace.reads_tangential {
         let places_of = trace.markers.iter().map(|marker| marker.place);
-        let distances = trace.markers.iter().map(|marker| marker.radial);
-        let away = outward(
-            &places_of.collect::<Vec<_>>(),
-            &distances.collect::<Vec<_>>(),
-        );
+        let away = outward(&places_of.collect::<Vec<_>>(), &distances);
         let along = places(trace, |at, moved| {
             let ([x, y], [east, north]) = (moved.tangential?, away[at]?);
             Some(x * east + y * north)
         });
-        figures.push(figure(
+        charts.push(chart(
             along,
             &x,
             label("displacement along the skin, outward"),
         ));
     }
-    if let Some(last) = figures.last_mut() {
+    if let Some(last) = charts.last_mut() {
         last.x_label = label("distance from the contact");
     }
-    Layout::stack(figures)
+    let words = Words {
+        name: "trace-profile".to_owned(),
+        title: "Displacement of the markers away from the contact".to_owned(),
+        subtitle: trace.subtitle(),
+        notes: Vec::new(),
+    };
+    chart::figure(words, &charts)
 }
 
 /// Points of a component of each marker's displacement, true and read.
@@ -74,24 +66,19 @@ fn places(trace: &Trace, component: impl Fn(usize, &Displacement) -> Option<f64>
     ]
 }
 
-fn figure(points: Vec<PointSet>, x: &Scale, y_label: String) -> Figure {
+fn chart(points: Vec<PointSet>, x: &Scale, y_label: String) -> Chart {
     let values = points.iter().flat_map(|set| &set.at).map(|place| place.1);
-    Figure {
-        name: String::new(),
-        title: String::new(),
-        subtitle: String::new(),
+    Chart {
         x_label: String::new(),
         y_label,
         x: x.clone(),
         y: Scale::around(Spacing::Linear, values),
         panels: vec![Panel {
-            title: None,
-            lines: Vec::new(),
             points,
+            ..Panel::default()
         }],
         legend: Legend::default(),
         marks: Vec::new(),
-        notes: Vec::new(),
         markers: true,
     }
 }

@@ -1,8 +1,9 @@
 //! `trace.csv` and `readings.csv` of a press: how the markers moved, and what the sensor says of it.
 
-use crate::ReportError;
-use crate::records::Columns;
-use std::path::Path;
+use crate::records::Records;
+use crate::{Files, ReportError};
+use palpate_study::label::spoken_unit;
+use palpate_study::number;
 
 /// Columns of `trace.csv`, in the order read.
 const TRACE: [&str; 6] = [
@@ -24,7 +25,7 @@ const READINGS: [&str; 5] = [
 /// Places that differ by less than this share of the largest coordinate are one.
 const SAME: f64 = 1e-6;
 
-/// How a marker moves.
+/// Displacement of a marker.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Displacement {
     /// Inward.
@@ -33,7 +34,7 @@ pub(super) struct Displacement {
     pub(super) tangential: Option<[f64; 2]>,
 }
 
-/// One marker.
+/// Marker on the skin.
 #[derive(Debug, Clone)]
 pub(super) struct Marker {
     /// Place of the marker on the skin at rest.
@@ -56,9 +57,9 @@ pub(super) struct Trace {
     pub(super) reads_tangential: bool,
 }
 
-/// Reads both files in `dir`.
-pub(super) fn read(dir: &Path) -> Result<Trace, ReportError> {
-    let trace = Columns::read(&dir.join("trace.csv"), &TRACE)?;
+/// Reads both files.
+pub(super) fn read(files: &Files) -> Result<Trace, ReportError> {
+    let trace = Records::read(files, "trace.csv", &TRACE)?.filled()?;
     one_unit(&trace, trace.unit(0), TRACE.len())?;
     let mut markers = (0..trace.rows())
         .map(|row| {
@@ -74,18 +75,15 @@ pub(super) fn read(dir: &Path) -> Result<Trace, ReportError> {
         })
         .collect::<Result<Vec<Marker>, ReportError>>()?;
 
-    let path = dir.join("readings.csv");
-    let (readings, reads_tangential) = match Columns::read_any(&path, &READINGS) {
+    let read = |columns| Records::read(files, "readings.csv", columns);
+    let (readings, reads_tangential) = match read(&READINGS) {
         Err(ReportError::MissingColumn { column, .. }) if column == READINGS[3] => {
-            (Columns::read_any(&path, &READINGS[..3])?, false)
+            (read(&READINGS[..3])?, false)
         }
         other => (other?, true),
     };
-    one_unit(
-        &readings,
-        trace.unit(0),
-        if reads_tangential { 5 } else { 3 },
-    )?;
+    let columns = if reads_tangential { 5 } else { 3 };
+    one_unit(&readings, trace.unit(0), columns)?;
     add_readings(&readings, reads_tangential, &mut markers)?;
     Ok(Trace {
         unit: trace.unit(0).to_owned(),
@@ -94,21 +92,21 @@ pub(super) fn read(dir: &Path) -> Result<Trace, ReportError> {
     })
 }
 
-/// All of the first `columns` are in this unit.
-fn one_unit(table: &Columns, unit: &str, columns: usize) -> Result<(), ReportError> {
+/// Checks that all of the first `columns` are in this unit.
+fn one_unit(table: &Records, unit: &str, columns: usize) -> Result<(), ReportError> {
     match (0..columns).find(|column| table.unit(*column) != unit) {
         None => Ok(()),
         Some(column) => Err(table.in_another_unit(column, unit)),
     }
 }
 
-fn pair(table: &Columns, row: usize, first: usize) -> Result<[f64; 2], ReportError> {
+fn pair(table: &Records, row: usize, first: usize) -> Result<[f64; 2], ReportError> {
     Ok([table.number(row, first)?, table.number(row, first + 1)?])
 }
 
 /// Gives every reading to the marker at its place, each marker at most one.
 fn add_readings(
-    table: &Columns,
+    table: &Records,
     with_tangential: bool,
     markers: &mut [Marker],
 ) -> Result<(), ReportError> {
@@ -138,7 +136,7 @@ fn add_readings(
 }
 
 impl Trace {
-    /// How many markers have no reading.
+    /// Number of markers without a reading.
     pub(super) fn lost(&self) -> usize {
         let lost = |marker: &&Marker| marker.reading.is_none();
         self.markers.iter().filter(lost).count()
@@ -157,6 +155,35 @@ impl Trace {
             Some(libm::hypot(read_x - x, read_y - y))
         });
         (rms(normal), rms(tangential))
+    }
+}
+
+impl Trace {
+    /// Numbers of markers and of lost ones, and the error of the others, in words.
+    pub(super) fn subtitle(&self) -> String {
+        let count = self.markers.len();
+        let mut markers = format!("{count} marker{}", if count == 1 { "" } else { "s" });
+        if self.lost() > 0 {
+            markers += &format!(", {} without a reading", self.lost());
+        }
+        let (normal, tangential) = self.off();
+        let told = |off: Option<f64>, of: &str| Some(format!("{} {of}", self.length(off?, 3)));
+        let off = [told(normal, "inward"), told(tangential, "along the skin")];
+        let off: Vec<String> = off.into_iter().flatten().collect();
+        match off.is_empty() {
+            true => markers,
+            false => format!("{markers} · rms error {}", off.join(", ")),
+        }
+    }
+
+    /// A length with its unit.
+    pub(super) fn length(&self, length: f64, digits: usize) -> String {
+        let text = format!(
+            "{} {}",
+            number::significant(length, digits),
+            spoken_unit(&self.unit)
+        );
+        text.trim_end().to_owned()
     }
 }
 

@@ -1,15 +1,17 @@
 //! The calibration of a camera sensor, by presses on a plane.
 
+use palpate_number::Number;
 use palpate_press::{MarkerDisplacement, PressError};
 use palpate_tracking::{
-    Calibration, Change, LateralCalibration, LateralPoint, Marker, NormalCalibration, NormalFrom,
-    NormalPoint,
+    Calibration, CalibrationError, Change, LateralCalibration, LateralPoint, Marker,
+    NormalCalibration, NormalFrom, NormalPoint,
 };
 
-use super::super::camera::Eye;
-use super::camera::{AT_REST, DiscBodies, Planned, Pressed};
+use super::super::camera::{AT_REST, Eye};
+use super::super::pressed::Pressed;
+use super::discs::DiscMarkers;
 use crate::plan::PlanError;
-use palpate_study::config::{self, ShownMarkers};
+use palpate_study::config::{self, CameraConfig, ShownMarkers};
 
 const PATH: &str = "scene.sensor.calibration";
 
@@ -17,7 +19,7 @@ const PATH: &str = "scene.sensor.calibration";
 const FIRST: u64 = AT_REST - 1000;
 
 /// A calibration, and what displacements err by with it.
-pub(super) struct Calibrated {
+pub(super) struct CalibratedCamera {
     pub(super) calibration: Calibration,
     /// Standard deviations of normal and tangential displacements near a contact.
     pub(super) stds: [Option<f64>; 2],
@@ -30,53 +32,50 @@ struct Shown {
     change: Change,
 }
 
-impl Planned<'_> {
+/// Presses on a plane that calibrate a camera.
+pub(super) struct CalibrationPresses<'a> {
+    pub(super) camera: &'a CameraConfig,
+    pub(super) discs: &'a DiscMarkers<'a>,
+    pub(super) eye: &'a Eye,
+    /// Markers at rest.
+    pub(super) rest: &'a [Option<Marker>],
+    /// Indentation of the deepest press where the config gives none.
+    pub(super) indentation: f64,
+}
+
+impl CalibrationPresses<'_> {
     /// Presses on a plane, apex down, whose displacements are known, calibrate the sensor.
-    pub(super) fn calibrated(
-        &self,
-        bodies: &DiscBodies,
-        eye: &Eye,
-        rest: &[Option<Marker>],
-    ) -> Result<Calibrated, PlanError> {
+    pub(super) fn calibrated(&self) -> Result<CalibratedCamera, PlanError> {
         let presses = self.camera.calibration.presses;
         let shown: Vec<Vec<Shown>> = (1..=presses)
-            .map(|press| self.shown(bodies, eye, rest, press))
+            .map(|press| self.shown(press))
             .collect::<Result<_, _>>()?;
         let calibration = self
             .fit(&shown)
             .map_err(|error| PlanError::at(PATH, error))?;
         let stds = residuals(&calibration, &shown);
-        Ok(Calibrated { calibration, stds })
+        Ok(CalibratedCamera { calibration, stds })
     }
 
     /// Markers of one of the calibration presses, with the changes of their pictures.
-    fn shown(
-        &self,
-        bodies: &DiscBodies,
-        eye: &Eye,
-        rest: &[Option<Marker>],
-        press: u32,
-    ) -> Result<Vec<Shown>, PlanError> {
+    fn shown(&self, press: u32) -> Result<Vec<Shown>, PlanError> {
         let calibration = &self.camera.calibration;
-        let deepest = calibration
-            .indentation
-            .unwrap_or(self.config.motion.indentation);
+        let deepest = calibration.indentation.unwrap_or(self.indentation);
         let indentation = deepest * f64::from(press) / f64::from(calibration.presses);
-        let plane = Pressed {
-            object_curvature: 0.0,
-            indentation,
-            at: [0.0; 2],
-            shift: 0.0,
-        };
+        let plane = Pressed::on_plane(indentation);
         let refused = |error: PressError| {
-            let message = format!("a press on a plane, {indentation} deep, fails: {error}");
+            let message = format!(
+                "a press on a plane, {} deep, fails: {error}",
+                Number(indentation)
+            );
             PlanError::at(PATH, message)
         };
-        let motions = bodies.motions(self, &plane).map_err(refused)?;
+        let motions = self.discs.motions(&plane).map_err(refused)?;
         let motions: Vec<_> = motions.into_iter().map(Some).collect();
-        let known = self.displacements(&plane).map_err(refused)?;
-        let sight = eye
-            .sight(rest, &motions, Some(FIRST - u64::from(press)))
+        let known = self.discs.displacements(&plane).map_err(refused)?;
+        let sight = self
+            .eye
+            .sight(self.rest, &motions, Some(FIRST - u64::from(press)))
             .map_err(|error| PlanError::at(PATH, error))?;
         let tracks = sight.tracks.iter().zip(known).enumerate();
         Ok(tracks
@@ -84,16 +83,16 @@ impl Planned<'_> {
                 Some(Shown {
                     marker,
                     known,
-                    change: eye.lens.change(track.as_ref()?)?,
+                    change: self.eye.lens.change(track.as_ref()?)?,
                 })
             })
             .collect())
     }
 
-    fn fit(&self, shown: &[Vec<Shown>]) -> Result<Calibration, palpate_tracking::CalibrationError> {
+    fn fit(&self, shown: &[Vec<Shown>]) -> Result<Calibration, CalibrationError> {
         let only = match self.camera.calibration.markers {
             ShownMarkers::All => None,
-            ShownMarkers::UnderContact => self.nearest([0.0; 2]),
+            ShownMarkers::UnderContact => self.discs.nearest([0.0; 2]),
         };
         let all = || shown.iter().flatten();
         let normal: Vec<NormalPoint> = all()
@@ -120,13 +119,6 @@ impl Planned<'_> {
         let normal = NormalCalibration::fit(&normal, from)?;
         let lateral = LateralCalibration::fit(&lateral)?;
         Calibration::new(Some(normal), Some(lateral), None)
-    }
-
-    /// Displacements of the markers, midway between their discs.
-    fn displacements(&self, pressed: &Pressed) -> Result<Vec<MarkerDisplacement>, PressError> {
-        let skin = self.markers.skin();
-        let contact = skin.contact(self.body, pressed.object_curvature, pressed.indentation)?;
-        Ok(self.markers.displacements(&contact, pressed.at))
     }
 }
 

@@ -65,7 +65,16 @@ pub enum GlideEstimatorConfig {
         passes: u32,
     },
     /// The weighted least-squares quadric.
-    Quadric {},
+    Quadric {
+        /// Standard deviation of a position along each axis; by default found from the contacts.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        position_std: Option<f64>,
+        /// Standard deviation of a normal's tilt about each tangent; by default found from the contacts.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        normal_std_deg: Option<f64>,
+    },
 }
 
 fn gamma() -> f64 {
@@ -93,17 +102,29 @@ fn twentieth() -> f64 {
 }
 
 impl GlideEstimatorConfig {
-    pub(in crate::config) fn check(&self) -> Result<(), (&'static str, &'static str)> {
+    /// Rules that join several settings; the error is in words.
+    ///
+    /// # Errors
+    /// A gamma beside a criterion that has none.
+    pub fn check(&self) -> Result<(), &'static str> {
         match *self {
             Self::Penalised {
                 criterion: CriterionName::Gcv | CriterionName::Reml,
                 gamma: given,
                 ..
-            } if given != gamma() => Err((
-                "scene.estimator.gamma",
+            } if given != gamma() => Err(
                 "only criterion \"robust-gcv\" has a gamma; leave it out with \"gcv\" and \"reml\"",
-            )),
+            ),
             _ => Ok(()),
+        }
+    }
+
+    /// Name of the kind, as configs have it.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Penalised { .. } => "penalised",
+            Self::TwoPass { .. } => "two-pass",
+            Self::Quadric { .. } => "quadric",
         }
     }
 }

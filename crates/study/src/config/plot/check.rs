@@ -3,24 +3,42 @@
 use super::{PlotKind, STATISTICS, STD_BOUND};
 use crate::config::error::Fault;
 use crate::config::grid::Grid;
-use crate::config::study::Output;
+use crate::config::output::Output;
 use crate::config::tree::{Entry, Node, Value, suggest};
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::StrDeserializer;
 
-/// Checks that the plots of a `plot` section, which has been validated against the schema, have the keys of their kind,
-/// are drawn from tables that are written, and name columns that exist; and that their points are pairs.
+/// Checks that the plots of a `plot` section, which has been validated against the schema, stand for themselves, are
+/// drawn from tables that are written, and name columns that exist.
 pub(in crate::config) fn check(
     section: &Node,
     grid: &Grid,
     outputs: &[Output],
 ) -> Result<(), Fault> {
+    each(section, |plot, kind| {
+        keys(plot, kind)?;
+        written(plot, kind, grid, outputs)?;
+        columns(plot, kind, grid)?;
+        points(plot, |set| places(set, plot, kind, grid))
+    })
+}
+
+/// Checks as much of the plots of a `plot` section, which has been validated against the schema, as they say alone: that
+/// they have the keys of their kind and names of their own, and that their points are pairs.
+pub(in crate::config) fn check_alone(section: &Node) -> Result<(), Fault> {
+    each(section, |plot, kind| {
+        keys(plot, kind)?;
+        points(plot, |_| Ok(()))
+    })
+}
+
+/// Holds every plot against `rules`, and its name against those before it.
+fn each(section: &Node, rules: impl Fn(&Node, PlotKind) -> Result<(), Fault>) -> Result<(), Fault> {
     let mut names = Vec::new();
     for (index, plot) in section.items().iter().enumerate() {
         let under = |fault: Fault| fault.under(index).under("plot");
-        let kind = kind_of(plot);
-        keys(plot, kind).map_err(under)?;
-        written(plot, kind, grid, outputs).map_err(under)?;
-        columns(plot, kind, grid).map_err(under)?;
-        points(plot, kind, grid).map_err(under)?;
+        rules(plot, kind_of(plot)).map_err(under)?;
         if let Some(name) = plot.get("name") {
             if names.contains(&&name.value) {
                 return Err(under(
@@ -34,12 +52,12 @@ pub(in crate::config) fn check(
 }
 
 fn kind_of(plot: &Node) -> PlotKind {
-    match plot.get("kind").and_then(Node::as_text) {
-        Some("class-map") => PlotKind::ClassMap,
-        Some("contacts") => PlotKind::Contacts,
-        Some("profile") => PlotKind::Profile,
-        _ => PlotKind::Lines,
-    }
+    let kind = plot.get("kind").and_then(Node::as_text);
+    let named = |name: &str| {
+        let name: StrDeserializer<'_, serde::de::value::Error> = name.into_deserializer();
+        PlotKind::deserialize(name).ok()
+    };
+    kind.and_then(named).unwrap_or_default()
 }
 
 fn keys(plot: &Node, kind: PlotKind) -> Result<(), Fault> {
@@ -145,9 +163,8 @@ fn value_of(value: &Node, texts: Option<Vec<&str>>) -> Result<(), Fault> {
     }
 }
 
-/// Checks that points have as many y as x, and belong to a series and a panel that the plot has. The lines of a
-/// profile have labels that only its table tells.
-fn points(plot: &Node, kind: PlotKind, grid: &Grid) -> Result<(), Fault> {
+/// Checks that points have as many y as x, and follow more `rules`.
+fn points(plot: &Node, rules: impl Fn(&Node) -> Result<(), Fault>) -> Result<(), Fault> {
     let sets = plot.get("points").map_or(&[][..], Node::items);
     for (index, set) in sets.iter().enumerate() {
         let under = |fault: Fault| fault.under(index).under("points");
@@ -156,17 +173,23 @@ fn points(plot: &Node, kind: PlotKind, grid: &Grid) -> Result<(), Fault> {
             let message = format!("has {} values, and `x` has {}", length("y"), length("x"));
             return Err(under(Fault::at(&y.span, message).under("y")));
         }
-        let columns = [("series", "series"), ("panel", "panels")];
-        for (key, column) in columns {
-            let Some(value) = set.get(key) else { continue };
-            let under = |fault: Fault| under(fault.under(key));
-            match plot.get(column).and_then(Node::as_text) {
-                Some(path) => value_of(value, grid.texts(path)).map_err(under)?,
-                None if kind == PlotKind::Profile && key == "series" => {}
-                None => {
-                    let message = format!("the plot has no `{column}`");
-                    return Err(under(Fault::at(&value.span, message)));
-                }
+        rules(set).map_err(under)?;
+    }
+    Ok(())
+}
+
+/// Checks that points belong to a series and a panel that the plot has. The lines of a profile have labels that only
+/// its table tells.
+fn places(set: &Node, plot: &Node, kind: PlotKind, grid: &Grid) -> Result<(), Fault> {
+    for (key, column) in [("series", "series"), ("panel", "panels")] {
+        let Some(value) = set.get(key) else { continue };
+        let under = |fault: Fault| fault.under(key);
+        match plot.get(column).and_then(Node::as_text) {
+            Some(path) => value_of(value, grid.texts(path)).map_err(under)?,
+            None if kind == PlotKind::Profile && key == "series" => {}
+            None => {
+                let message = format!("the plot has no `{column}`");
+                return Err(under(Fault::at(&value.span, message)));
             }
         }
     }

@@ -95,6 +95,83 @@ impl Default for PressEstimatorConfig {
     }
 }
 
+/// Settings that all press estimators have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PressPriors {
+    /// Whether the indentation is given.
+    pub indentation: Indentation,
+    /// Standard deviation ascribed to an indentation that is given, length.
+    pub indentation_std: f64,
+    /// Whether displacements are known to be 0 without a press.
+    pub baseline: Baseline,
+    /// Standard deviation ascribed to the factor on all normal displacements; `None` of a Gaussian, whose amplitude
+    /// takes its place.
+    pub gain_std: Option<f64>,
+    /// Whether the noise of displacements is told.
+    pub noise: NoiseKnown,
+}
+
+impl PressEstimatorConfig {
+    /// Settings that all kinds have.
+    pub const fn priors(&self) -> PressPriors {
+        match *self {
+            Self::HalfSpace {
+                indentation,
+                indentation_std,
+                baseline,
+                gain_std,
+                noise,
+                ..
+            }
+            | Self::BondedLayer {
+                indentation,
+                indentation_std,
+                baseline,
+                gain_std,
+                noise,
+                ..
+            } => PressPriors {
+                indentation,
+                indentation_std,
+                baseline,
+                gain_std: Some(gain_std),
+                noise,
+            },
+            Self::Gaussian {
+                indentation,
+                indentation_std,
+                baseline,
+                noise,
+                ..
+            } => PressPriors {
+                indentation,
+                indentation_std,
+                baseline,
+                gain_std: None,
+                noise,
+            },
+        }
+    }
+
+    /// Writes into the settings what they leave to a model of this thickness, if it has one, and Poisson's ratio.
+    pub(in crate::config) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
+        match self {
+            Self::HalfSpace { poisson, .. } => *poisson = poisson.or(Some(of_poisson)),
+            Self::BondedLayer { thickness, .. } => *thickness = thickness.or(of_thickness),
+            Self::Gaussian { .. } => {}
+        }
+    }
+
+    /// Name of the kind, as configs have it.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::HalfSpace { .. } => "half-space",
+            Self::BondedLayer { .. } => "bonded-layer",
+            Self::Gaussian { .. } => "gaussian",
+        }
+    }
+}
+
 /// Whether the indentation is given.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

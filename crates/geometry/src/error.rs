@@ -1,0 +1,103 @@
+//! Errors of surfaces.
+
+use nalgebra::Point3;
+use palpate_number::Number;
+use strum::{IntoStaticStr, VariantNames};
+use thiserror::Error;
+
+use crate::reach::SQUARABLE;
+
+/// Reasons for which a surface has no answer at a place.
+#[derive(Clone, Copy, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
+pub enum SurfaceError {
+    /// The surface does not reach there, or its formula is undefined there.
+    #[error(
+        "the surface is not defined, or not smooth, at x = {x}, y = {y}",
+        x = Number(*x), y = Number(*y)
+    )]
+    OffDomain {
+        /// Coordinate in the surface's frame.
+        x: f64,
+        /// Coordinate in the surface's frame.
+        y: f64,
+    },
+    /// The chart (not the surface) is singular there, or does not reach that far.
+    #[error("the chart is singular at u = {u}, v = {v}", u = Number(*u), v = Number(*v))]
+    ChartSingular {
+        /// First parameter.
+        u: f64,
+        /// Second parameter.
+        v: f64,
+    },
+    /// No single closest point: the centre of a sphere, the axis of a cylinder.
+    #[error(
+        "no single closest point to ({x}, {y}, {z})",
+        x = Number(*x), y = Number(*y), z = Number(*z)
+    )]
+    NoClosestPoint {
+        /// Coordinate of the query point.
+        x: f64,
+        /// Coordinate of the query point.
+        y: f64,
+        /// Coordinate of the query point.
+        z: f64,
+    },
+}
+
+impl SurfaceError {
+    /// The stable name of this kind of error.
+    pub fn name(&self) -> &'static str {
+        self.into()
+    }
+
+    pub(crate) fn no_closest_point(point: &Point3<f64>) -> Self {
+        Self::NoClosestPoint {
+            x: point.x,
+            y: point.y,
+            z: point.z,
+        }
+    }
+}
+
+/// A parameter that makes no surface.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{parameter} is {value}; it must be {expected}", value = Number(*value))]
+pub struct InvalidShape {
+    /// Name of the parameter, as in the config.
+    pub parameter: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Values that the parameter may have, in words that follow "must be".
+    pub expected: &'static str,
+}
+
+impl InvalidShape {
+    pub(crate) fn unless_length(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
+        if SQUARABLE.contains(&value) {
+            return Ok(value);
+        }
+        let expected = if value > 0.0 && value.is_finite() {
+            "between 1e-150 and 1e150"
+        } else {
+            "finite and > 0"
+        };
+        Err(InvalidShape {
+            parameter,
+            value,
+            expected,
+        })
+    }
+
+    pub(crate) fn unless_finite(parameter: &'static str, value: f64) -> Result<f64, InvalidShape> {
+        if value.is_finite() {
+            return Ok(value);
+        }
+        let expected = "finite";
+        Err(InvalidShape {
+            parameter,
+            value,
+            expected,
+        })
+    }
+}

@@ -1,0 +1,93 @@
+//! Numbers as messages show them, and the error of a setting that is out of its range.
+
+use std::fmt;
+
+use thiserror::Error;
+
+/// Number as messages show it: the fewest digits that read back the same, with an exponent from 1e16 up and below 1e-4
+/// instead of a row of zeros; zero without a sign. With a precision, as in `{:.4}`, only large numbers get an exponent.
+///
+/// ```
+/// use palpate_number::Number;
+///
+/// let shown = [0.1, -3.0, 1e15, 1e16, 2.5e-300, -0.0].map(|number| Number(number).to_string());
+/// assert_eq!(shown, ["0.1", "-3", "1000000000000000", "1e16", "2.5e-300", "0"]);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Number(pub f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let number = self.0 + 0.0;
+        let size = number.abs();
+        let is_long = size >= 1e16 || (size > 0.0 && size < 1e-4 && f.precision().is_none());
+        if is_long && size.is_finite() {
+            fmt::LowerExp::fmt(&number, f)
+        } else {
+            fmt::Display::fmt(&number, f)
+        }
+    }
+}
+
+/// Setting that is out of its range. `Words` is the type of the text that says which values are allowed.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error("{setting} is {value}; it must be {expected}", value = Number(*value))]
+pub struct BadSetting<Words = &'static str> {
+    /// Name of the setting, as in the config.
+    pub setting: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Values that the setting may have, in words that follow "must be".
+    pub expected: Words,
+}
+
+impl<Words> BadSetting<Words> {
+    /// The value of a setting, where it is within its range.
+    ///
+    /// # Errors
+    /// [`BadSetting`] unless `holds`.
+    pub fn unless(
+        holds: bool,
+        setting: &'static str,
+        value: f64,
+        expected: impl Into<Words>,
+    ) -> Result<f64, Self> {
+        if holds {
+            return Ok(value);
+        }
+        let expected = expected.into();
+        Err(Self {
+            setting,
+            value,
+            expected,
+        })
+    }
+}
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_shown_reads_back_the_same_and_is_short() {
+        for exponent in -323..=308 {
+            let number: f64 = format!("-1.2345678901234567e{exponent}")
+                .parse()
+                .unwrap_or(0.0);
+            let shown = Number(number).to_string();
+            assert_eq!(shown.parse(), Ok(number));
+            assert!(shown.len() <= 24, "{shown}");
+        }
+        let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+        assert_eq!(
+            odd.map(|odd| Number(odd).to_string()),
+            ["NaN", "inf", "-inf"]
+        );
+        let shown = [1.0 / 3.0, 1e-9, 1e40 / 3.0].map(|number| format!("{:.2}", Number(number)));
+        assert_eq!(shown, ["0.33", "0.00", "3.33e39"]);
+    }
+}

@@ -1,0 +1,174 @@
+//! `--budget` and `--target-error`: the choice that they make, in words.
+
+use std::num::NonZeroUsize;
+use std::time::Instant;
+
+use anyhow::anyhow;
+use palpate::config::SceneConfig;
+use palpate::{ConfigError, Goal, Plan, PlanError, RunOptions, Runner, SHARE_OF_MODEL, Study};
+
+use crate::cli::RunArgs;
+use crate::duration::{exact, roughly, two_digits};
+use crate::failure::Failure;
+
+/// Study whose trials and model have been chosen, with the lines and warnings to print about the choice.
+pub(crate) struct Allowed {
+    pub(crate) study: Study,
+    pub(crate) lines: Vec<String>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Chooses trials and model for `args`; `None` where they ask for no choice. The study's cells `numbers` are run.
+/// `start` is when planning began.
+pub(crate) fn choose(
+    study: &Study,
+    numbers: &[usize],
+    args: &RunArgs,
+    start: Instant,
+) -> Result<Option<Allowed>, Failure> {
+    let goal = Goal {
+        budget: args.budget,
+        target_error: args.target_error,
+    };
+    if goal == Goal::default() {
+        return Ok(None);
+    }
+    let runner = runner(args.threads)?;
+    let plan = palpate::plan(study, numbers, &goal, &runner, &|| start.elapsed());
+    let (study, plan) = plan.map_err(|error| refused(study, numbers, args.target_error, error))?;
+    Ok(Some(Allowed {
+        lines: lines(&study, &plan, args.target_error),
+        warnings: warnings(&plan, numbers),
+        study,
+    }))
+}
+
+/// Threads that really run at the same time: those asked for, but no more than there are processors.
+pub(crate) fn runner(asked: Option<NonZeroUsize>) -> Result<Runner, Failure> {
+    let processors = std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    let threads = asked.map_or(processors, |asked| asked.min(processors));
+    Runner::new(&RunOptions {
+        threads: Some(threads),
+    })
+    .map_err(Failure::work)
+}
+
+/// The error in the words of the command line, at the field that is concerned.
+fn refused(
+    study: &Study,
+    numbers: &[usize],
+    target: Option<f64>,
+    error: PlanError<ConfigError>,
+) -> Failure {
+    let at = |cell: usize, field, error| {
+        let target = exact(target.unwrap_or_default());
+        let message = format!("--target-error {target}: {error}");
+        Failure::usage(study.error_at(numbers[cell], field, message))
+    };
+    match error {
+        PlanError::SetUp(error) => Failure::usage(error),
+        PlanError::Timing(error) => Failure::work(error),
+        PlanError::AllFail(failing) => at(failing.cell, "scene", error),
+        PlanError::TooManyTrials { cell, .. } => at(cell, "trials", error),
+        PlanError::DoesNotFit {
+            budget,
+            least_s,
+            threads,
+        } => Failure::usage(anyhow!(
+            "--budget: one trial of each cell does not fit into {} s; the least is about {} on {threads} threads, \
+             planning included",
+            exact(budget.as_secs_f64()),
+            roughly(least_s),
+        )),
+    }
+}
+
+fn lines(study: &Study, plan: &Plan, target: Option<f64>) -> Vec<String> {
+    let trials = match plan.trials() {
+        Some(trials) => Some(format!(
+            "trials  {trials} per random cell: {}",
+            reason(plan, target)
+        )),
+        None if plan.is_random => None,
+        None => Some("trials  1: no cell is random".to_owned()),
+    };
+    let shift = target.map_or_else(String::new, |target| {
+        let share = percent(SHARE_OF_MODEL * target);
+        format!(": shifts no estimate by more than {share} of its rms error")
+    });
+    let model = shown(&study.config.scene).filter(|_| plan.chooses_model);
+    let model = model.map(|model| format!("model   {model}{shift}"));
+    trials.into_iter().chain(model).collect()
+}
+
+fn warnings(plan: &Plan, numbers: &[usize]) -> Vec<String> {
+    let failing = plan.failing.iter().map(|failing| {
+        format!(
+            "all {} trials of a pilot fail ({}) in cell {}: it is ignored when the number of trials is chosen",
+            failing.trials, failing.kind, numbers[failing.cell]
+        )
+    });
+    let heavy_tails = plan.heavy_tails.iter().map(|(cell, quantity)| {
+        format!(
+            "the errors of {quantity} in cell {} have heavy tails: a few trials decide their root mean square, \
+             and how well it is known is itself known roughly",
+            numbers[*cell]
+        )
+    });
+    failing.chain(heavy_tails).collect()
+}
+
+/// Reason for the number of trials: which of target and budget decides it, and the error to be expected of the
+/// figures.
+fn reason(plan: &Plan, target: Option<f64>) -> String {
+    let expected = match plan.expected_error {
+        Some(error) => format!("rms errors to {} are expected", percent(error)),
+        None => "how well that tells the rms errors is not known".to_owned(),
+    };
+    let rule = match (plan.by_target, plan.by_budget) {
+        (Some(error), Some(time)) if time < error => {
+            format!("the budget rules, the target error needs {error}")
+        }
+        (Some(_), Some(time)) => {
+            format!("the target error rules, the budget has time for {time}")
+        }
+        (Some(_), None) => "the target error".to_owned(),
+        (None, Some(_)) if target.is_some() => {
+            "the budget rules, and leaves no time for a pilot".to_owned()
+        }
+        (None, _) => "the budget".to_owned(),
+    };
+    format!("{rule}; {expected}")
+}
+
+/// Model of a scene as one line of TOML, `kind` first.
+fn shown(scene: &SceneConfig) -> Option<String> {
+    let model = serde_json::to_value(scene.model()?).ok()?;
+    let (kind, settings): (Vec<_>, Vec<_>) = model
+        .as_object()?
+        .iter()
+        .partition(|(key, _)| *key == "kind");
+    let keys: Vec<String> = kind
+        .into_iter()
+        .chain(settings)
+        .map(|(key, value)| format!("{key} = {value}"))
+        .collect();
+    Some(format!("{{ {} }}", keys.join(", ")))
+}
+
+/// A share to two digits.
+fn percent(share: f64) -> String {
+    format!("{} %", two_digits(100.0 * share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_have_two_digits() {
+        assert_eq!(percent(0.01), "1 %");
+        assert_eq!(percent(0.00123), "0.12 %");
+        assert_eq!(percent(1.5), "150 %");
+    }
+}

@@ -1,0 +1,124 @@
+//! `palpate check`.
+
+use std::fmt::Write;
+use std::time::Instant;
+
+use palpate::config::ModelConfig;
+use palpate::{Check, Cost, Ladder, Rungs, load};
+
+use crate::budget::runner;
+use crate::cli::CheckArgs;
+use crate::duration::{roughly, short, two_digits};
+use crate::failure::Failure;
+use crate::output;
+
+pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
+    let start = Instant::now();
+    let study = load(&args.config).map_err(Failure::usage)?;
+    let check = palpate::check(&study, &runner(None)?, &|| start.elapsed());
+    let check = check.map_err(Failure::of_sweep)?;
+    output::print(&text(&study.config.name, &check))
+}
+
+fn text(name: &str, check: &Check) -> String {
+    let mut text = String::new();
+    let (mut not_set_up, mut at_most) = (String::new(), "");
+    if check.set_up < check.cells {
+        not_set_up = format!("; {} were set up, to be quick", check.set_up);
+        at_most = "at most ";
+    }
+    let _ = writeln!(text, "study   {name}");
+    let _ = writeln!(
+        text,
+        "cells   {}, of which {} run a single trial{not_set_up}",
+        check.cells, check.single
+    );
+    let _ = writeln!(text, "trials  {at_most}{}", check.trials);
+    let _ = writeln!(text, "models");
+    for group in &check.groups {
+        let _ = writeln!(text, "  {} of {} cells", group.cells, check.cells);
+        let needless = (!group.needless.is_empty())
+            .then(|| format!("needs no {}", group.needless.join(", no ")));
+        let lines = group.needs.iter().chain(&needless);
+        for line in lines.cloned().chain(rungs(&group.rungs)) {
+            let _ = writeln!(text, "    {line}");
+        }
+    }
+    let _ = write!(
+        text,
+        "time    about {} on {} threads, planning included",
+        roughly(check.seconds),
+        check.threads
+    );
+    text
+}
+
+fn rungs(rungs: &Rungs) -> Vec<String> {
+    match rungs {
+        Rungs::None => Vec::new(),
+        Rungs::NotMeasured => vec!["rungs of the model: not measured, to be quick".to_owned()],
+        Rungs::AsIn(cell) => vec![format!("rungs of the model: as in cell {cell}")],
+        Rungs::Measured {
+            cell,
+            ladder,
+            costs,
+        } => {
+            let errors = errors_of(ladder);
+            let first = format!("rungs of the model, in cell {cell}; errors: {errors}");
+            let chosen = match ladder.tolerance {
+                Some(tolerance) => format!("chosen for a tolerance of {tolerance:e}: "),
+                None => String::new(),
+            };
+            let reason = format!("  {chosen}{}", ladder.reason);
+            let costs = measured(ladder, costs);
+            [first, reason].into_iter().chain(costs).collect()
+        }
+    }
+}
+
+/// Words for the quantity whose errors are shown and the scale that they are relative to.
+fn errors_of(ladder: &Ladder) -> &'static str {
+    match ladder.taken().model {
+        ModelConfig::Roll(_) => {
+            "places of the contacts at the end, relative to the first contact's length scale"
+        }
+        ModelConfig::Glide(_) => "places of contacts, relative to the tip's radius",
+        ModelConfig::Press(_) => "displacements of markers, relative to the largest",
+    }
+}
+
+/// Line of each rung with its error and its cost, that of the others beside the cost of the rung that is taken.
+fn measured(ladder: &Ladder, costs: &[(usize, Option<Cost>)]) -> impl Iterator<Item = String> {
+    let name = |place: usize| ladder.rungs[place].name.as_str();
+    let widths = costs.iter().map(|(place, _)| name(*place).chars().count());
+    let width = widths.max().unwrap_or(0);
+    let taken = costs.iter().find(|(place, _)| *place == ladder.taken);
+    let of_taken = taken.and_then(|(_, cost)| *cost);
+    costs.iter().map(move |&(place, cost)| {
+        let is_taken = place == ladder.taken;
+        let mark = if is_taken { '>' } else { ' ' };
+        let cost = cost.map_or_else(String::new, |cost| {
+            words(cost, of_taken.filter(|_| !is_taken))
+        });
+        let said = match &ladder.rungs[place].outcome {
+            Err(why) => format!("cannot: {why}"),
+            Ok(_) if ladder.reference == Some(place) => {
+                format!("what errors are held against{cost}")
+            }
+            Ok(error) => format!("error {error:.1e}{cost}"),
+        };
+        format!("  {mark} {:width$}  {said}", name(place))
+    })
+}
+
+/// Words for a cost, with its ratio to that of another.
+fn words(cost: Cost, other: Option<Cost>) -> String {
+    let seconds = short(cost.seconds());
+    let ratio = other.map_or_else(String::new, |other| {
+        format!(" ({} x)", two_digits(cost.seconds() / other.seconds()))
+    });
+    match cost {
+        Cost::EachTrial(_) => format!(", {seconds} per trial{ratio}"),
+        Cost::SettingUp(_) => format!(", {seconds} once for all trials{ratio}"),
+    }
+}

@@ -1,0 +1,165 @@
+//! The arguments of the commands.
+
+mod estimate;
+mod number;
+mod sensor;
+mod settings;
+
+use std::num::{NonZeroU64, NonZeroUsize};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::duration;
+
+pub(crate) use estimate::{
+    EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs, SensorArgs,
+};
+pub(crate) use sensor::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};
+pub(crate) use settings::Settings;
+
+/// Simulate a fingertip exploring a surface, model what its sensors really deliver, and estimate
+/// the surface's curvature from that.
+#[derive(Debug, Parser)]
+#[command(name = "palpate", version, about, max_term_width = 100)]
+#[command(after_help = "Example:
+  palpate check my.toml && palpate run my.toml && palpate report out/my-study")]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run a study: all cells of a config, all trials; writes cells.csv, failures.csv and run.toml.
+    #[command(after_help = "Examples:
+  palpate run sim-configs/ep1-angular-velocity-error.toml
+  palpate run my.toml --trials 200 --out out/quick-look
+  palpate run my.toml --budget 30s
+  palpate run my.toml --target-error 0.01
+  palpate run my.toml --target-error 0.001 --budget 1.5h
+
+A budget or a target error becomes a number of trials and, where all cells take the same, a rung of the
+model. They are written to run.toml before the first trial: `palpate run` of that file needs neither a
+clock nor a pilot, and gives the same bytes.
+
+A run that is interrupted leaves run.toml and no tables. Where the directory has tables of another
+config, they and their run.toml stay until the run is done; meanwhile its config is next-run.toml.
+What palpate did not write is not replaced: where the directory has a run.toml by hand, or tables
+without one, the run is refused.")]
+    Run(RunArgs),
+    /// Follow one pass of a scene: writes trace.csv (truth) and readings.csv (what `estimate` accepts).
+    #[command(after_help = "Examples:
+  palpate trace my.toml --out out/trace
+  palpate trace my.toml --out out/trace --cell 3 --trial 17")]
+    Trace(TraceArgs),
+    /// Estimate curvature from recorded readings; prints JSON.
+    #[command(subcommand)]
+    #[command(after_help = "Examples:
+  palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5
+  palpate estimate glide examples/glide-readings.csv --map map.csv
+  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1.5")]
+    Estimate(Estimator),
+    /// Design, calibrate and read a camera sensor with colour markers.
+    #[command(subcommand)]
+    #[command(after_help = "Example:
+  palpate sensor pattern examples/press-with-a-camera.toml --out out/pattern
+  palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv --out calibration.toml
+  palpate sensor track rest.png pressed.png --out out/track")]
+    Sensor(SensorCommand),
+    /// Validate a config; prints cells, trials, the models that it needs and an estimate of the time.
+    #[command(after_help = "Example:
+  palpate check sim-configs/ep1-roll-length.toml")]
+    Check(CheckArgs),
+    /// Draw the plots of a study's results, as SVG and PNG beside its tables.
+    #[command(after_help = "Example:
+  palpate plot out/my-study")]
+    Plot(PlotArgs),
+    /// Score the papers' claims on the results of studies and write a self-contained page.
+    #[command(after_help = "Example:
+  palpate report results/ep1-roll-length results/ep1-pad-resolution --out report.html")]
+    Report(ReportArgs),
+    /// Print the JSON Schema of configs, for editors.
+    #[command(after_help = "Example:
+  palpate schema > palpate.schema.json")]
+    Schema,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    /// The study's config, a TOML file.
+    pub(crate) config: PathBuf,
+    /// Where to write the results [default: out/ and the name of the study].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Use this seed instead of the config's.
+    #[arg(long, value_name = "S")]
+    pub(crate) seed: Option<u64>,
+    /// Run this many trials per cell instead of the config's.
+    #[arg(long, value_name = "N")]
+    pub(crate) trials: Option<NonZeroU64>,
+    /// Choose the number of trials per cell so that planning and run together take about this long on
+    /// the given threads: 30s, 5m, 1.5h, or a plain number of seconds.
+    #[arg(long, value_name = "DURATION", value_parser = duration::parse, allow_hyphen_values = true, conflicts_with = "trials")]
+    pub(crate) budget: Option<Duration>,
+    /// Choose the number of trials per cell so that every rms error has a relative standard error of at
+    /// most E, and the tolerance of an `auto` model so that it shifts no estimate by more than E/10 of
+    /// its rms error. With --budget, take no more trials than fit into it.
+    #[arg(long, value_name = "E", value_parser = share, allow_negative_numbers = true, conflicts_with = "trials")]
+    pub(crate) target_error: Option<f64>,
+    /// Use this many threads instead of all cores; results do not depend on it.
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Run only every N-th cell, from the first; the rows keep their cell numbers.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(crate) every_nth_cell: NonZeroUsize,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TraceArgs {
+    /// The study's config, a TOML file.
+    pub(crate) config: PathBuf,
+    /// Where to write the tables.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Number of the cell to follow, counted from 0.
+    #[arg(long, value_name = "I", default_value_t = 0)]
+    pub(crate) cell: usize,
+    /// Replay this trial with its noise [default: a pass without noise].
+    #[arg(long, value_name = "J")]
+    pub(crate) trial: Option<u64>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CheckArgs {
+    /// The study's config, a TOML file.
+    pub(crate) config: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PlotArgs {
+    /// A directory that `palpate run` wrote.
+    pub(crate) dir: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ReportArgs {
+    /// Directories that `palpate run` wrote.
+    #[arg(required = true)]
+    pub(crate) dirs: Vec<PathBuf>,
+    /// The page to write.
+    #[arg(long, value_name = "FILE", default_value = "report.html")]
+    pub(crate) out: PathBuf,
+}
+
+/// Smallest target error that is accepted; a smaller one would need more trials than can be counted.
+const SMALLEST_SHARE: f64 = 1e-9;
+
+fn share(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if (SMALLEST_SHARE..1.0).contains(&number) => Ok(number),
+        Ok(_) => Err(format!("must be >= {SMALLEST_SHARE:e} and < 1, is {text}")),
+        Err(_) => Err("is not a number".to_owned()),
+    }
+}

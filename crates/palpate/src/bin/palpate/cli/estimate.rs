@@ -1,0 +1,219 @@
+//! The arguments of `palpate estimate`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use palpate_study::config::{
+    GlideEstimatorConfig, LengthUnit, PressEstimatorConfig, RollEstimatorConfig,
+};
+
+use super::number::{Direction, direction, length_unit, not_negative, positive};
+use super::settings::Settings;
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Estimator {
+    /// Curvature at a point from small rolls (EP1).
+    #[command(after_help = "The readings have one row per probe,
+  probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
+or a time series per probe, whose last row counts,
+  probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
+with rotations summed in the probe's contact frame (z out of the probe; a contact moving to +u has
+rotation_y < 0) and shifts as great-circle displacements on the probe from its first contact.
+
+With --like STUDY.toml probe, noise and estimator are those of a study of kind roll, in the readings'
+unit; flags override them.
+
+Examples:
+  palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5
+  palpate estimate roll examples/roll-readings.csv --like examples/pads-for-a-ball.toml --pitch 0.5")]
+    Roll(EstimateRollArgs),
+    /// Curvature over a patch from sliding fingers (EP2).
+    #[command(
+        after_help = "The readings have one row per contact, the contacts of a finger in the order in which it made them,
+  finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z
+or without normals,
+  finger,x_mm,y_mm,z_mm
+
+The JSON tells the curvature in the middle of the patch and the regions of one shape class; --map
+writes the curvature all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
+
+With --like STUDY.toml the estimator, the distance between fingers and the thresholds are those of a
+study of kind glide, in the readings' unit; flags override them.
+
+Examples:
+  palpate estimate glide examples/glide-readings.csv --map map.csv
+  palpate estimate glide examples/glide-readings.csv --map map.csv --at-contacts
+  palpate estimate glide examples/glide-readings.csv --method two-pass --smoothing 500
+  palpate estimate glide examples/glide-readings.csv --criterion gcv --intervals 6
+  palpate estimate glide examples/glide-readings.csv --like examples/fingers-over-a-mug.toml
+  palpate estimate glide examples/glide-readings.csv --gaussian-threshold 0.0005 --mean-threshold 0.01"
+    )]
+    Glide(EstimateGlideArgs),
+    /// Curvature of an object from one press of a soft sphere with markers.
+    #[command(after_help = PRESS_HELP)]
+    Press(EstimatePressArgs),
+}
+
+const PRESS_HELP: &str = "The readings have one row per marker,
+  x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm
+or without the last two; or one row per marker of a row of them through the apex, along x,
+  radial_position_mm,normal_displacement_mm
+A place (x, y) lies sqrt(x^2 + y^2) along the skin from its apex, in the direction (x, y); normal
+displacements are positive inward, tangential ones count along the axes of the apex, carried along
+the meridian. Of a row of markers the contact is sought along the row.
+
+The JSON tells curvatures, radii and the indentation, each with its 95 % interval (an end that is
+null: no bound); object_radius is negative for a dish and null for a plane, and has one interval of
+radii in case the object is convex and one in case it is concave, in which null is flat. `verdict`
+is what the interval leaves open: convex, concave, flat-within-noise or not-resolved.
+`wrong_markers` are the rows that contradict the others and were left out.
+
+With --like STUDY.toml the sensor, the noise of its readings and the estimator are those of a study of
+kind press, in the readings' unit; flags override them. The indentation of the study's presses is not
+taken over: it is fitted unless --indentation tells it.
+
+Examples:
+  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1.5 --indentation-std 0.02
+  palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --method bonded-layer --thickness 5
+  palpate estimate press examples/chromatouch-2020/profile-dish.csv --sensor-radius 20 --depth 2 --radial-scale 2.19
+  palpate estimate press examples/press-readings.csv --like examples/press-a-ball.toml --indentation 1.5";
+
+/// Study whose settings stand for those that are not given.
+#[derive(Debug, Args)]
+pub(crate) struct LikeArgs {
+    /// Take the settings below from this study; a flag overrides them.
+    #[arg(long, value_name = "STUDY.toml")]
+    pub(crate) like: Option<PathBuf>,
+    /// Number of the study's cell whose settings are taken, counted from 0.
+    #[arg(long, value_name = "I", default_value_t = 0, requires = "like")]
+    pub(crate) cell: usize,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct EstimateRollArgs {
+    /// The recorded readings, a CSV file.
+    pub(crate) readings: PathBuf,
+    #[command(flatten)]
+    pub(crate) like: LikeArgs,
+    /// The probe's radius, in the readings' length unit.
+    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(required_unless_present = "like")]
+    pub(crate) probe_radius: Option<f64>,
+    #[command(flatten)]
+    pub(crate) estimator: Settings<RollEstimatorConfig>,
+    /// Pitch of the pads, in the readings' length unit. With it the estimates have standard deviations,
+    /// and a roll whose contact did not move bounds the object's radius from above.
+    #[arg(long, value_name = "P", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) pitch: Option<f64>,
+    /// Standard deviation of each component of a shift, of a sensor without pads, in the readings'
+    /// length unit.
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, conflicts_with = "pitch")]
+    pub(crate) shift_std: Option<f64>,
+    /// Standard deviation of each component of a rotation.
+    #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
+    pub(crate) rotation_std_rad: Option<f64>,
+    /// Standard deviation of each component of a rotation, as a fraction of its magnitude.
+    #[arg(long, value_name = "F", value_parser = not_negative, allow_negative_numbers = true)]
+    pub(crate) relative_rotation_std: Option<f64>,
+    /// The unit of lengths, if the header does not state it (shift_u_mm).
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    pub(crate) length_unit: Option<LengthUnit>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct EstimateGlideArgs {
+    /// The recorded readings, a CSV file.
+    pub(crate) readings: PathBuf,
+    #[command(flatten)]
+    pub(crate) like: LikeArgs,
+    #[command(flatten)]
+    pub(crate) estimator: Settings<GlideEstimatorConfig>,
+    /// Points along each side of the map's grid.
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) grid: u32,
+    /// Write the curvature all over the patch to this CSV file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) map: Option<PathBuf>,
+    /// Give the map one row per reading, in their order, instead of a grid; it then has no regions.
+    #[arg(long, requires = "map")]
+    pub(crate) at_contacts: bool,
+    /// The direction out of the object, for readings without normals [default: 0,0,1].
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
+    pub(crate) outward: Option<Direction>,
+    /// The unit of lengths, if the header does not state it (x_mm).
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    pub(crate) length_unit: Option<LengthUnit>,
+    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square
+    /// of the mean threshold [default: from the patch's size].
+    #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true, requires = "mean_threshold")]
+    pub(crate) gaussian_threshold: Option<f64>,
+    /// Magnitude of the mean curvature below which it counts as zero, 1/length [default: from the
+    /// patch's size].
+    #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true, requires = "gaussian_threshold")]
+    pub(crate) mean_threshold: Option<f64>,
+    /// Distance between fingers, in the readings' length unit; the unit of length of the settings of
+    /// two-pass [default: the mean distance between neighbouring fingers].
+    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) inter_finger_distance: Option<f64>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct EstimatePressArgs {
+    /// The recorded readings, a CSV file.
+    pub(crate) readings: PathBuf,
+    #[command(flatten)]
+    pub(crate) sensor: SensorArgs,
+    /// Multiply the positions of the markers by this factor.
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) radial_scale: f64,
+    /// The unit of lengths, if the header does not state it (x_mm).
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    pub(crate) length_unit: Option<LengthUnit>,
+}
+
+/// A soft sensor with markers, and the estimator of what is pressed on it.
+#[derive(Debug, Args)]
+pub(crate) struct SensorArgs {
+    #[command(flatten)]
+    pub(crate) like: LikeArgs,
+    /// Radius of the sensor's skin, in the readings' length unit; needed without --like.
+    #[arg(long, value_name = "R", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) sensor_radius: Option<f64>,
+    /// Depth of the markers under the skin; `sensor track` needs it without --like, `estimate press`
+    /// takes 0.
+    #[arg(long, value_name = "Z", value_parser = not_negative, allow_negative_numbers = true)]
+    pub(crate) depth: Option<f64>,
+    /// Thickness and Poisson's ratio among them are those of the body that a Gaussian is calibrated on.
+    #[command(flatten)]
+    pub(crate) estimator: Settings<PressEstimatorConfig>,
+    /// Indentation, where it is known from elsewhere, such as a robot's pose [default: fitted].
+    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) indentation: Option<f64>,
+    /// Standard deviation of each normal displacement [default: found from the residuals].
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) normal_std: Option<f64>,
+    /// Standard deviation of each component of the tangential displacements [default: found from the
+    /// residuals].
+    #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) tangential_std: Option<f64>,
+    /// Young's modulus of the soft body, force per squared length unit. With it the output has the force
+    /// and the highest pressure, which are proportional to it.
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) young: Option<f64>,
+}
+
+impl SensorArgs {
+    /// Flag of this struct's own that was given, if any was.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        let given = [
+            ("--sensor-radius", self.sensor_radius),
+            ("--depth", self.depth),
+            ("--indentation", self.indentation),
+            ("--normal-std", self.normal_std),
+            ("--tangential-std", self.tangential_std),
+            ("--young", self.young),
+        ];
+        let mut given = given.into_iter().filter(|(_, value)| value.is_some());
+        given.next().map(|(flag, _)| flag)
+    }
+}

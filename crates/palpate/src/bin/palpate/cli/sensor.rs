@@ -1,0 +1,154 @@
+//! The arguments of `palpate sensor`.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, Subcommand};
+use palpate_scene::recorded::NormalFrom;
+use palpate_study::config::{LengthUnit, PressEstimatorConfig};
+
+use super::estimate::SensorArgs;
+use super::number::{length_unit, not_negative, positive};
+use super::settings::Flagged;
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum SensorCommand {
+    /// Draw the flat pattern that a sensor's skin is cut from: writes pattern.svg, pattern.dxf and the strain of
+    /// folding.
+    #[command(
+        after_help = "The config is that of a press or of a fingertip whose layout has gores and whose probe has discs.
+pattern.svg and pattern.dxf are in millimetres, with the outlines of the gores (CUT), fold and seam marks
+(FOLD) and the discs of both layers (MAGENTA, YELLOW). strain.csv is the strain of folding over half a
+gore, strain-by-gores.csv its greatest value and its rms for 3 to 12 gores.
+
+Example:
+  palpate sensor pattern examples/press-with-a-camera.toml --out out/pattern"
+    )]
+    Pattern(PatternArgs),
+    /// Calibrate hue, size and centroid of markers against known displacements.
+    #[command(after_help = CALIBRATE_HELP)]
+    Calibrate(CalibrateArgs),
+    /// Match the markers of a pressed frame with those of a frame at rest, and estimate what pressed them.
+    #[command(after_help = TRACK_HELP)]
+    #[command(mut_group("LikeArgs", |group| group.requires("calibration")))]
+    #[command(mut_group(PressEstimatorConfig::GROUP, |group| group.requires("calibration")))]
+    Track(TrackArgs),
+}
+
+const CALIBRATE_HELP: &str = "Tables have one row per known displacement, of a marker that is displaced inward,
+  normal_displacement_mm,hue_turns,growth
+with the changes of its hue and of the logarithm of its diameter, of which one may be missing; or of one that
+is displaced along the skin,
+  tangential_displacement_mm,centroid_shift_px
+or all of these. Columns `series` and `marker` may tell which series of presses and which marker it was;
+several tables are fitted together. With a normal_displacement beside the tangential one, px per length
+follow the normal displacement.
+
+Frames are PNG images, the first at rest; --normal and --tangential tell the displacement of the marker that
+changes the most in each of the others.
+
+Prints slope, its standard error, R^2 and residual, of all and of each series: of the line with an intercept,
+as the 2020 paper draws it, and of the line through rest, from which `track` reads displacements.
+
+Examples:
+  palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv examples/chromatouch-2020/calibration-tangential.csv --out calibration.toml
+  palpate sensor calibrate rest.png pressed-1.png pressed-2.png --normal 0.5,1.0 --length-unit mm --from size --out calibration.toml";
+
+const TRACK_HELP: &str = "Frames are PNG images of one size: 8 or 16 bits, grey, palette or RGB; an alpha channel is allowed if nothing
+is transparent. Writes to DIR
+  markers.csv     marker,x_px,y_px,hue_turns,dx_px,dy_px,dhue_turns,status
+  overlay.png     the pressed frame with a circle around each marker: blue tracked, red lost, orange merged,
+                  violet split, cyan new, grey cut by the rim at rest; arrows are 5 times the shifts
+  difference.png  where green light was lost magenta, where it was gained green
+and with a calibration
+  readings.csv    what `palpate estimate press` accepts, of the markers that were tracked
+  field.csv       the same on a regular grid, by natural-neighbour interpolation
+and prints the estimate of `palpate estimate press` as JSON, with counts of the markers and the mean
+displacement outward from the contact. A soft layer on a rigid core is no half-space: give it as --method
+bonded-layer --thickness H. With --like STUDY.toml sensor and estimator are those of a study of kind press;
+flags override them. Where there is no estimate, the tables are written all the same, and the status
+is 1.
+
+The camera is taken to look at the apex from the sensor's centre, through a fisheye with r = f angle, columns
+along x, rows against y.
+
+Examples:
+  palpate sensor track rest.png pressed.png --out out/track
+  palpate sensor track rest.png pressed.png --calibration calibration.toml --sensor-radius 20 --depth 2 --indentation 1.4 --out out/track";
+
+#[derive(Debug, Args)]
+pub(crate) struct PatternArgs {
+    /// The study's config, a TOML file; if it has a sweep, its first cell is drawn.
+    pub(crate) config: PathBuf,
+    /// Where to write the files.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CalibrateArgs {
+    /// Tables of known displacements, or frames of which the first is at rest.
+    #[arg(required = true, value_name = "TABLE.csv|FRAME.png")]
+    pub(crate) inputs: Vec<PathBuf>,
+    /// The calibration to write, a TOML file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// Inward displacements of the marker under the contact, one per pressed frame.
+    #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
+    pub(crate) normal: Option<Vec<f64>>,
+    /// Displacements of the same marker along the skin, one per pressed frame.
+    #[arg(long, value_name = "D,D,...", value_delimiter = ',', value_parser = not_negative, allow_negative_numbers = true)]
+    pub(crate) tangential: Option<Vec<f64>>,
+    /// Property of a marker from which its normal displacement is read.
+    #[arg(long, default_value = NormalFrom::default().name(), value_parser = normal_from())]
+    pub(crate) from: NormalFrom,
+    /// Read each marker that was seen at 3 or more displacements with a slope of its own.
+    #[arg(long)]
+    pub(crate) per_marker: bool,
+    /// Focal length of the fisheye that took the frames, px per rad [default: the scale in the middle of
+    /// the frames is taken to hold everywhere].
+    #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) px_per_rad: Option<f64>,
+    /// The unit of lengths, if no header states it.
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    pub(crate) length_unit: Option<LengthUnit>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct TrackArgs {
+    /// The frame at rest.
+    pub(crate) rest: PathBuf,
+    /// The pressed frame.
+    pub(crate) pressed: PathBuf,
+    /// Where to write the files.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// A calibration that `palpate sensor calibrate` wrote; lengths below are in its unit.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) calibration: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) sensor: SensorArgs,
+    /// Focal length of the fisheye, px per rad [default: the calibration's px per length, times R - Z].
+    #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
+    pub(crate) px_per_rad: Option<f64>,
+    /// Points along each side of the field's grid.
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1000), requires = "calibration")]
+    pub(crate) grid: u32,
+    /// Smooth the field with a Gaussian of this standard deviation, a length along the skin.
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true, requires = "calibration")]
+    pub(crate) filter: f64,
+}
+
+fn normal_from() -> impl TypedValueParser<Value = NormalFrom> {
+    let described = NormalFrom::ALL.map(|from| {
+        PossibleValue::new(from.name()).help(match from {
+            NormalFrom::Hue => "Its hue: the overlap of its discs, which stand at two depths",
+            NormalFrom::Size => "Its size: it looks larger nearer to the camera",
+            NormalFrom::Both => "Both, with the weights that fit best",
+        })
+    });
+    PossibleValuesParser::new(described).try_map(|name| {
+        let mut all = NormalFrom::ALL.into_iter();
+        all.find(|from| from.name() == name).ok_or("is no sight")
+    })
+}

@@ -1,0 +1,173 @@
+//! Settings of an estimator as flags: one for each key of its config.
+
+use std::fmt::Debug;
+use std::marker::PhantomData;
+
+use anyhow::anyhow;
+use clap::builder::{
+    PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser, ValueParser,
+};
+use clap::error::Error;
+use clap::{Arg, ArgGroup, ArgMatches, Args, Command, FromArgMatches, Id};
+use palpate_study::config::{
+    Accepts, GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig, Setting,
+    SettingError, settings, with_settings,
+};
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value as Json};
+
+use crate::failure::Failure;
+
+/// Estimator whose settings are flags; its `kind` is `--method`.
+pub(crate) trait Flagged: Default + Serialize + DeserializeOwned + JsonSchema {
+    /// Name of the group of flags.
+    const GROUP: &'static str;
+    /// Keys of the config that are no flags, because recorded readings have other means to tell them.
+    const NO_FLAGS: &'static [&'static str] = &[];
+}
+
+impl Flagged for RollEstimatorConfig {
+    const GROUP: &'static str = "roll estimator";
+}
+
+impl Flagged for GlideEstimatorConfig {
+    const GROUP: &'static str = "glide estimator";
+}
+
+impl Flagged for PressEstimatorConfig {
+    const GROUP: &'static str = "press estimator";
+    // Told by a flag with the indentation itself.
+    const NO_FLAGS: &'static [&'static str] = &["indentation"];
+}
+
+/// Settings of an estimator that were given as flags, by their keys.
+#[derive(Clone, Debug)]
+pub(crate) struct Settings<T> {
+    pub(crate) given: Map<String, Json>,
+    of: PhantomData<T>,
+}
+
+impl<T: Flagged> Settings<T> {
+    /// Kind that was asked for, if any.
+    pub(crate) fn kind(&self) -> Option<&str> {
+        self.given.get("kind").and_then(Json::as_str)
+    }
+
+    /// Estimator with these settings in place of a base's.
+    pub(crate) fn over(&self, base: &T) -> Result<T, Failure> {
+        with_settings(base, &self.given).map_err(|error| {
+            Failure::Usage(match error {
+                SettingError::Useless { key, kinds } => {
+                    let kinds = kinds.join(" or ");
+                    anyhow!("--{} is of use only to --method {kinds}", flag(&key))
+                }
+                SettingError::Bad { key, message } => anyhow!("--{}: {message}", flag(&key)),
+            })
+        })
+    }
+}
+
+/// Name of the flag of a key.
+pub(crate) fn flag(key: &str) -> String {
+    match key {
+        "kind" => "method".to_owned(),
+        key => key.replace('_', "-"),
+    }
+}
+
+fn flagged<T: Flagged>() -> impl Iterator<Item = Setting> {
+    let all = settings::<T>().into_iter();
+    all.filter(|setting| !T::NO_FLAGS.contains(&setting.key.as_str()))
+}
+
+/// Kind of the estimator that is taken if none is asked for.
+fn default_kind<T: Flagged>() -> Option<String> {
+    let default = serde_json::to_value(T::default()).ok()?;
+    default["kind"].as_str().map(str::to_owned)
+}
+
+fn argument(setting: &Setting, all_kinds: usize, default: Option<String>) -> Arg {
+    let flag = flag(&setting.key);
+    let only = match setting.kinds.len() < all_kinds {
+        true => format!(" (--method {})", setting.kinds.join(" or ")),
+        false => String::new(),
+    };
+    let default = default.map_or(String::new(), |default| format!(" [default: {default}]"));
+    let help = setting.help.trim_end_matches('.');
+    let (name, parser) = match &setting.accepts {
+        Accepts::Number(range) => {
+            let (range, is_whole) = (*range, range.is_whole);
+            let parser = StringValueParser::new().try_map(move |text| {
+                range.parse(&text).map(|number| match is_whole {
+                    true => Json::from(number as u64),
+                    false => Json::from(number),
+                })
+            });
+            let name = match (is_whole, setting.is_length) {
+                (true, _) => "N",
+                (false, true) => "LENGTH",
+                (false, false) => "X",
+            };
+            (name.to_owned(), ValueParser::new(parser))
+        }
+        Accepts::Word(words) => {
+            let words = words.iter().map(|(word, help)| {
+                PossibleValue::new(word.clone()).help(help.trim_end_matches('.').to_owned())
+            });
+            let parser = PossibleValuesParser::new(words).map(Json::String);
+            (flag.to_uppercase(), ValueParser::new(parser))
+        }
+    };
+    Arg::new(setting.key.clone())
+        .long(flag)
+        .help(format!("{help}{only}{default}"))
+        .value_name(name)
+        .value_parser(parser)
+        .allow_negative_numbers(true)
+}
+
+impl<T: Flagged> Args for Settings<T> {
+    fn group_id() -> Option<Id> {
+        Some(Id::from(T::GROUP))
+    }
+
+    fn augment_args(command: Command) -> Command {
+        let kinds = flagged::<T>().next().map_or(0, |kind| kind.kinds.len());
+        let arguments: Vec<Arg> = flagged::<T>()
+            .map(|setting| {
+                let default = match setting.key.as_str() {
+                    "kind" => default_kind::<T>(),
+                    _ => setting.default.clone(),
+                };
+                argument(&setting, kinds, default)
+            })
+            .collect();
+        let ids = arguments.iter().map(Arg::get_id).cloned();
+        let group = ArgGroup::new(T::GROUP).multiple(true).args(ids);
+        command.args(arguments).group(group)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<T: Flagged> FromArgMatches for Settings<T> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
+        let given = flagged::<T>().filter_map(|setting| {
+            let value = matches.get_one::<Json>(&setting.key)?;
+            Some((setting.key, value.clone()))
+        });
+        Ok(Self {
+            given: given.collect(),
+            of: PhantomData,
+        })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}

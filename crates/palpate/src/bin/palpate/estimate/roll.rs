@@ -1,0 +1,38 @@
+//! `palpate estimate roll`.
+
+use palpate_scene::recorded::{ReadingNoise, RollOptions, estimate_roll, read_roll};
+
+use super::like::like;
+use crate::cli::EstimateRollArgs;
+use crate::failure::Failure;
+use crate::output;
+
+pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
+    let readings = read_roll(&args.readings).map_err(Failure::work)?;
+    let unit = readings.unit().or(args.length_unit);
+    let base = like(&args.like, unit, RollOptions::like)?;
+    let base = base.unwrap_or_else(|| RollOptions::new(args.probe_radius.unwrap_or_default()));
+    let shifts = match (args.pitch, args.shift_std) {
+        (Some(pitch), _) => RollOptions::noise_of_pads(pitch),
+        (None, Some(shift_std)) => ReadingNoise {
+            shift_std,
+            ..ReadingNoise::default()
+        },
+        (None, None) => base.noise,
+    };
+    let rotations = base.noise;
+    let options = RollOptions {
+        probe_radius: args.probe_radius.unwrap_or(base.probe_radius),
+        estimator: args.estimator.over(&base.estimator)?,
+        noise: ReadingNoise {
+            rotation_std_rad: args.rotation_std_rad.unwrap_or(rotations.rotation_std_rad),
+            relative_rotation_std: args
+                .relative_rotation_std
+                .unwrap_or(rotations.relative_rotation_std),
+            ..shifts
+        },
+        length_unit: args.length_unit.or(base.length_unit),
+    };
+    let estimate = estimate_roll(&readings, &options).map_err(Failure::work)?;
+    output::print(&output::json(&estimate)?)
+}

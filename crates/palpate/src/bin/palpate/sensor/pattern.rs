@@ -1,0 +1,33 @@
+//! `palpate sensor pattern`.
+
+use palpate_scene::CutPattern;
+use palpate_study::config;
+
+use crate::cli::PatternArgs;
+use crate::failure::Failure;
+use crate::output;
+
+pub(crate) fn pattern(args: &PatternArgs) -> Result<(), Failure> {
+    let study = config::load(&args.config).map_err(Failure::usage)?;
+    let pattern = CutPattern::of(&study).map_err(Failure::usage)?;
+    let percent = |strain: f64| 100.0 * strain;
+    let summary = format!(
+        "{}: {} gores with {} markers; folding stretches them by {:.1} % at most, {:.1} % rms -> {}",
+        study.config.name,
+        pattern.gores,
+        pattern.markers,
+        percent(pattern.fold_strain.greatest()),
+        percent(pattern.fold_strain.rms()),
+        args.out.display()
+    );
+    output::write_files(
+        &args.out,
+        &[
+            ("pattern.svg", pattern.svg),
+            ("pattern.dxf", pattern.dxf),
+            ("strain.csv", pattern.strain),
+            ("strain-by-gores.csv", pattern.strain_by_gores),
+        ],
+    )?;
+    output::print(&summary)
+}

@@ -1,0 +1,58 @@
+//! `palpate trace`.
+
+use palpate::{Trace, TraceError, load};
+
+use palpate_report::{Files, press_figures};
+
+use crate::cli::TraceArgs;
+use crate::failure::Failure;
+use crate::output;
+use crate::results::write_figures;
+
+/// Names of the files of a pass.
+pub(crate) const TRACE: &str = "trace.csv";
+pub(crate) const READINGS: &str = "readings.csv";
+pub(crate) const MARKERS: &str = "markers.csv";
+pub(crate) const FRAMES: [&str; 2] = ["rest.png", "pressed.png"];
+
+pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
+    let study = load(&args.config).map_err(Failure::usage)?;
+    if args.cell >= study.cell_count() {
+        return Err(Failure::no_cell(args.cell, &study));
+    }
+    let trace = palpate::trace(&study, args.cell, args.trial).map_err(refused)?;
+    output::write_files(&args.out, &files(&trace)?)?;
+    if trace.seen.is_some() {
+        let figures = press_figures(&Files::in_folder(&args.out)).map_err(Failure::work)?;
+        write_figures(&args.out, &figures)?;
+    }
+    output::print(&format!(
+        "{}: {} -> {}",
+        study.config.name,
+        trace.what,
+        args.out.display()
+    ))
+}
+
+/// Names and contents of the files of a pass.
+pub(crate) fn files(trace: &Trace) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
+    let mut files = vec![
+        (TRACE, trace.contacts.to_csv().into_bytes()),
+        (READINGS, trace.readings.to_csv().into_bytes()),
+    ];
+    if let Some(seen) = &trace.seen {
+        files.push((MARKERS, seen.markers.to_csv().into_bytes()));
+        for (name, frame) in FRAMES.into_iter().zip(seen.frames.iter().flatten()) {
+            files.push((name, output::png(frame)?));
+        }
+    }
+    Ok(files)
+}
+
+/// A config that has no such pass is bad usage; a pass that ends early is not.
+pub(crate) fn refused(error: TraceError) -> Failure {
+    match error {
+        TraceError::Config(error) => Failure::usage(error),
+        error => Failure::work(error),
+    }
+}

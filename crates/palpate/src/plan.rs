@@ -1,0 +1,244 @@
+//! Choice of trials and of a model's rung for cells of a study.
+
+use palpate_scene::{Scene, Scenes, TOLERANCES};
+use palpate_study::Quantity;
+use palpate_study::config::{
+    self, ConfigError, GlideModelConfig, GlideSensorConfig, ModelConfig, PressModelConfig,
+    PressSensorConfig, RollModelConfig, RollSensorConfig, SceneConfig, Study, StudyConfig,
+};
+use palpate_sweep::{
+    Clock, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable, Runner,
+};
+
+use crate::trial::SceneTrial;
+
+/// Chooses the number of trials of cells of a study, and where all take the same, the rung of their model. The study comes
+/// back as it is to be run: it states the choice, and running it again needs no plan.
+///
+/// ```
+/// use std::time::{Duration, Instant};
+/// use palpate::{Goal, RunOptions, Runner};
+///
+/// let text = r#"
+/// name = "a-ball"
+/// [scene]
+/// kind = "roll"
+/// probe = { kind = "sphere", radius = 10.0 }
+/// object = { kind = "sphere", radius = 30.0 }
+/// motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// noise = { angular_velocity = { kind = "uniform", fraction = 0.05 } }
+/// "#;
+/// let study = palpate::parse("a-ball.toml", text)?;
+/// let runner = Runner::new(&RunOptions::default())?;
+/// let goal = Goal { target_error: Some(0.05), budget: None };
+/// // Without a budget the clock decides nothing.
+/// let start = Instant::now();
+/// let (study, plan) = palpate::plan(&study, &[0], &goal, &runner, &|| start.elapsed())?;
+/// // Gaussian errors need 1/(2 · 0.05²) = 200 trials, and the margin adds to that.
+/// assert!((150..400).contains(&study.config.trials));
+/// assert_eq!(plan.trials().map(u64::from), Some(study.config.trials));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`PlanError`], whose cells are indices of `numbers`; [`PlanError::SetUp`] also where the number of trials is swept.
+pub fn plan(
+    study: &Study,
+    numbers: &[usize],
+    goal: &Goal,
+    runner: &Runner,
+    clock: &Clock<'_>,
+) -> Result<(Study, Plan), PlanError<ConfigError>> {
+    if study.paths.iter().any(|path| path == "trials") {
+        let message = "is swept, so that neither a budget nor a target error can choose it";
+        return Err(PlanError::SetUp(study.error_at(0, "trials", message)));
+    }
+    let cells = Chosen::new(study.clone(), numbers.to_vec());
+    let (planned, plan) = palpate_sweep::plan(&cells, goal, runner, clock)?;
+    let mut study = planned.study;
+    if let Some(trials) = plan.trials() {
+        let chosen = study.override_trials(trials.get());
+        chosen.map_err(PlanError::SetUp)?;
+    }
+    Ok((study, plan))
+}
+
+/// Cells of a study that are planned together.
+struct Chosen {
+    study: Study,
+    /// Numbers of the cells.
+    numbers: Vec<usize>,
+    /// Whether every cell of the study has the model `auto` with a tolerance that no sweep sets.
+    is_auto: bool,
+}
+
+impl Chosen {
+    fn new(study: Study, numbers: Vec<usize>) -> Self {
+        let swept = |path: &String| path == "scene" || path.starts_with("scene.model");
+        let is_auto = |cell: config::Cell| with_tolerance(&cell.config.scene, 0.1).is_some();
+        Self {
+            is_auto: !study.paths.iter().any(swept) && study.cells().all(is_auto),
+            study,
+            numbers,
+        }
+    }
+}
+
+impl Plannable for Chosen {
+    type Trial = SceneTrial;
+    type Error = ConfigError;
+
+    fn cells(&self) -> usize {
+        self.numbers.len()
+    }
+
+    fn set_up(&self, cell: usize) -> Result<SceneTrial, ConfigError> {
+        let scene = self.study.estimable_scene(self.numbers[cell]);
+        scene.map(SceneTrial::new)
+    }
+
+    fn quantity(trial: &SceneTrial, quantity: usize) -> &'static str {
+        trial.scene.quantities()[quantity].name
+    }
+
+    fn tolerances(&self) -> &[f64] {
+        match self.is_auto {
+            true => &TOLERANCES,
+            false => &[],
+        }
+    }
+
+    fn pass(&self, cell: usize, trial: &SceneTrial, tolerance: f64) -> Option<Pass> {
+        let cell = self.study.cell(self.numbers[cell]).ok()?;
+        pass(&cell.config, trial.scene.quantities(), tolerance)
+    }
+
+    /// Cells with `tolerance` for `auto`. Where they are all cells of the study and `auto` takes the same rung in each, that
+    /// rung stands in place of `auto`.
+    fn with_tolerance(&self, tolerance: Option<f64>) -> Result<Self, ConfigError> {
+        let parsed = |config: &StudyConfig| config::parse("run.toml", &config::to_toml(config));
+        let mut config = self.study.config.clone();
+        if let Some(scene) = tolerance.and_then(|one| with_tolerance(&config.scene, one)) {
+            config.scene = scene;
+        }
+        let mut study = parsed(&config)?;
+        let is_whole = self.numbers.len() == self.study.cell_count();
+        if is_whole
+            && self.is_auto
+            && let Some(rung) = common_rung(&study)?
+            && let Some(scene) = config.scene.with_model(&rung)
+        {
+            config.scene = scene;
+            study = parsed(&config)?;
+        }
+        Ok(Self {
+            study,
+            numbers: self.numbers.clone(),
+            is_auto: self.is_auto,
+        })
+    }
+}
+
+/// Rung that `auto` takes in every cell of a study, if it is the same in all.
+fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
+    let mut common = None;
+    for cell in 0..study.cell_count() {
+        let taken = study.ladder(cell)?;
+        let taken = taken.map(|ladder| ladder.taken().model.clone());
+        match (&common, taken) {
+            (None, Some(taken)) => common = Some(taken),
+            (Some(known), Some(taken)) if *known == taken => {}
+            (_, _) => return Ok(None),
+        }
+    }
+    Ok(common)
+}
+
+/// Noiseless pass of a cell that estimates the quantities `in_cell`, with this tolerance; `None` where the scene cannot be
+/// set up or its trial fails.
+fn pass(config: &StudyConfig, in_cell: &[Quantity], tolerance: f64) -> Option<Pass> {
+    let scene = with_tolerance(&config.scene, tolerance)?;
+    let scene = Scene::new(&bare(&scene), config.seed).ok()?;
+    let quantities = scene.quantities();
+    let mut values = Vec::new();
+    let mut truths = vec![0.0_f64; quantities.len()];
+    scene
+        .trial(0, |quantity, outcome| {
+            // A class is not a number that could be shifted.
+            if quantities[quantity].name != "class" {
+                truths[quantity] = truths[quantity].max(outcome.truth.abs());
+                values.push(PassValue {
+                    quantity,
+                    estimate: outcome.estimate,
+                    truth: outcome.truth,
+                });
+            }
+        })
+        .ok()?;
+    // Where all truths of a quantity are 0, the largest of any quantity in the same unit.
+    let of_unit = |place: usize| {
+        let alike = (0..truths.len()).filter(|&one| quantities[one].unit == quantities[place].unit);
+        alike.map(|one| truths[one]).fold(0.0, f64::max)
+    };
+    let quantities = (0..truths.len()).map(|place| PassQuantity {
+        scale: match truths[place] {
+            0.0 => of_unit(place),
+            truth => truth,
+        },
+        in_cell: in_cell
+            .iter()
+            .position(|one| one.name == quantities[place].name),
+    });
+    Some(Pass {
+        quantities: quantities.collect(),
+        values,
+    })
+}
+
+/// Copy of a scene without noise and with an ideal sensor, which makes it cheap to set up.
+pub(crate) fn bare(scene: &SceneConfig) -> SceneConfig {
+    let mut scene = scene.clone();
+    match &mut scene {
+        SceneConfig::Roll(roll) => {
+            roll.noise = Default::default();
+            roll.sensor = RollSensorConfig::default();
+        }
+        SceneConfig::Glide(glide) => {
+            glide.noise = Default::default();
+            if matches!(glide.sensor, GlideSensorConfig::Pads { .. }) {
+                glide.sensor = GlideSensorConfig::default();
+            }
+        }
+        SceneConfig::Press(press) => {
+            press.noise = Default::default();
+            if !matches!(press.sensor, PressSensorConfig::Direct { .. }) {
+                press.sensor = PressSensorConfig::default();
+            }
+        }
+        SceneConfig::Fingertip(_) => {}
+    }
+    scene
+}
+
+/// Copy of a scene with this tolerance of `auto`; `None` where the scene's model is another than `auto`, or there is
+/// none.
+fn with_tolerance(scene: &SceneConfig, tolerance: f64) -> Option<SceneConfig> {
+    let mut scene = scene.clone();
+    let of_auto = match &mut scene {
+        SceneConfig::Roll(roll) => match &mut roll.model {
+            RollModelConfig::Auto { tolerance, .. } => Some(tolerance),
+            _ => None,
+        },
+        SceneConfig::Glide(glide) => match &mut glide.model {
+            GlideModelConfig::Auto { tolerance } => Some(tolerance),
+            _ => None,
+        },
+        SceneConfig::Press(press) => match &mut press.model {
+            PressModelConfig::Auto { tolerance, .. } => Some(tolerance),
+            _ => None,
+        },
+        SceneConfig::Fingertip(_) => None,
+    };
+    *of_auto? = tolerance;
+    Some(scene)
+}

@@ -1,0 +1,48 @@
+//! Readings and frames that are numbers in memory, not files.
+
+use image::RgbImage;
+use palpate_scene::recorded::{Frame, RecordedFile};
+use palpate_study::Table;
+
+/// Readings with these columns, as a file of them would be read by [`recorded`](crate::recorded); `file` is the name that
+/// messages give.
+///
+/// ```
+/// use palpate::recorded::parse_press;
+///
+/// // Three markers of a sensor that is pressed by 1 mm.
+/// let header = ["x_mm", "y_mm", "normal_displacement_mm"];
+/// let markers = [[0.0, 0.0, 1.0], [2.0, 0.0, 0.8], [0.0, 2.0, 0.8]];
+/// let readings = parse_press(palpate::readings("a press", header, &markers))?;
+/// assert!(!readings.has_tangential());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn readings<const N: usize>(file: &str, header: [&str; N], rows: &[[f64; N]]) -> RecordedFile {
+    let mut table = Table::new(header.map(str::to_owned));
+    for row in rows {
+        table.push_numbers(*row);
+    }
+    RecordedFile::new(file, table.to_csv().into_bytes())
+}
+
+/// Frame of a camera from its pixels, three bytes of red, green and blue each, row by row from the top left; `file` is the
+/// name that messages give. `None` where there are not `width` times `height` pixels.
+///
+/// ```
+/// use palpate::{frame, recorded};
+///
+/// // Two frames without a marker.
+/// let [rest, pressed] = ["rest", "pressed"].map(|name| frame(name, 64, 48, vec![90; 3 * 64 * 48]));
+/// let [rest, pressed] = [rest, pressed].map(|frame| frame.ok_or("too few pixels"));
+/// let error = recorded::track_frames(&rest?, &pressed?).expect_err("nothing to track");
+/// assert!(error.to_string().starts_with("rest: "));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn frame(file: &str, width: u32, height: u32, rgb: Vec<u8>) -> Option<Frame> {
+    let pixels = u64::from(width) * u64::from(height);
+    let image = RgbImage::from_raw(width, height, rgb)?;
+    (image.as_raw().len() as u64 == 3 * pixels).then(|| Frame {
+        file: file.to_owned(),
+        image,
+    })
+}

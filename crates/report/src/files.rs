@@ -1,0 +1,93 @@
+//! Files of a study, by name: in a folder, or in memory.
+
+use crate::ReportError;
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Files of a study by their names: in a folder, or in memory. They are read, never written.
+///
+/// ```
+/// use palpate_report::Files;
+///
+/// let files = Files::in_memory([("trace.csv", "x,y\n1,2\n")]);
+/// assert!(files.contain("trace.csv") && !files.contain("map.csv"));
+/// ```
+#[derive(Debug, Clone)]
+pub struct Files {
+    folder: PathBuf,
+    texts: Option<BTreeMap<String, String>>,
+}
+
+impl Files {
+    /// Files of a folder, read when they are needed.
+    pub fn in_folder(folder: impl AsRef<Path>) -> Self {
+        Self {
+            folder: folder.as_ref().to_owned(),
+            texts: None,
+        }
+    }
+
+    /// Files in memory, as names with texts.
+    pub fn in_memory<N: Into<String>, T: Into<String>>(
+        texts: impl IntoIterator<Item = (N, T)>,
+    ) -> Self {
+        let texts = texts.into_iter();
+        Self {
+            folder: PathBuf::new(),
+            texts: Some(
+                texts
+                    .map(|(name, text)| (name.into(), text.into()))
+                    .collect(),
+            ),
+        }
+    }
+
+    /// Whether there is a file of this name.
+    pub fn contain(&self, name: &str) -> bool {
+        match &self.texts {
+            Some(texts) => texts.contains_key(name),
+            None => self.path(name).exists(),
+        }
+    }
+
+    /// Files in memory with `others` as far as none of these has their names; a folder stays as it is.
+    pub(crate) fn or<const N: usize>(mut self, others: [(&str, &str); N]) -> Self {
+        for (name, text) in others {
+            if let Some(texts) = &mut self.texts {
+                texts.entry(name.to_owned()).or_insert(text.to_owned());
+            }
+        }
+        self
+    }
+
+    /// Files of a folder in this one.
+    pub(crate) fn within(&self, name: &str) -> Self {
+        Self::in_folder(self.path(name))
+    }
+
+    /// The folder; empty in memory.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Path of a file, as errors name it.
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// The whole of a text file.
+    pub(crate) fn read(&self, name: &str) -> Result<String, ReportError> {
+        let text = match &self.texts {
+            Some(texts) => texts
+                .get(name)
+                .cloned()
+                .ok_or(io::ErrorKind::NotFound.into()),
+            None => std::fs::read_to_string(self.path(name)),
+        };
+        text.map_err(|source| ReportError::Io {
+            path: self.path(name),
+            source,
+        })
+    }
+}

@@ -1,0 +1,325 @@
+//! Statistics of `cells.csv` as lines.
+
+use super::captions::{self, full_value, short_value};
+use super::chart::{self, Chart, Legend, Line, Mark, Panel, Runs, scales};
+use super::figure::Figure;
+use super::given::{self, Along, Points};
+use super::request::{Request, nearest};
+use super::scale::{Scale, Spacing};
+use super::select::{Column, Selection};
+use super::style::Style;
+use crate::table::{Axis, same};
+use crate::{ReportError, words};
+use palpate_study::{Label, number};
+use std::collections::BTreeMap;
+
+/// The figure that a plot asks for.
+pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
+    let selection = Selection::new(of)?;
+    Lines::new(&selection)?.figure()
+}
+
+/// Points left out, by reason: how many, and of which series.
+type Skipped<'a> = BTreeMap<&'static str, (usize, Vec<&'a str>)>;
+
+/// A selection with the meaning of its columns.
+struct Lines<'a> {
+    of: &'a Selection<'a>,
+    x: Label,
+    y: Label,
+    spacing: [Spacing; 2],
+    /// Names along x, if it is not numeric.
+    categories: Option<Vec<&'a str>>,
+}
+
+impl<'a> Lines<'a> {
+    fn new(of: &'a Selection<'a>) -> Result<Self, ReportError> {
+        let y = label(of, of.y)?;
+        if let Some(compare) = &of.of.plot.compare {
+            let unit = label(of, compare)?.unit;
+            if unit != y.unit {
+                return Err(of.of.bad(format!(
+                    "compare = {compare:?} (in {unit:?}) has another unit than y = {:?} (in {:?})",
+                    of.y, y.unit
+                )));
+            }
+        }
+        let (x, categories) = match of.x {
+            Column::Statistic(name) => (label(of, name)?, None),
+            Column::Axis(axis) => {
+                let names = (!axis.is_numeric()).then(|| axis.among(&of.rows));
+                (Label::of_field(&axis.header), names)
+            }
+        };
+        let logs = of.of.plot.scale.logs();
+        if logs[0]
+            && let Some(names) = &categories
+        {
+            let mut names = names.iter();
+            let label = names.find(|name| number::finite(name).is_none());
+            return Err(of.of.bad(format!(
+                "x = {:?} cannot be logarithmic: it holds {:?}",
+                of.of.plot.x.as_deref().unwrap_or_default(),
+                label.unwrap_or(&"")
+            )));
+        }
+        Ok(Self {
+            of,
+            x,
+            y,
+            spacing: logs.map(|log| if log { Spacing::Log } else { Spacing::Linear }),
+            categories,
+        })
+    }
+
+    fn figure(&self) -> Result<Figure, ReportError> {
+        let Selection { of, rows, .. } = self.of;
+        let mut skipped = Skipped::new();
+        let points = self.points()?;
+        let values: Vec<Option<&str>> = match self.of.panels {
+            None => vec![None],
+            Some(axis) => axis.among(rows).into_iter().map(Some).collect(),
+        };
+        let panel = |value: Option<&'a str>| {
+            let value = self.of.panels.zip(value);
+            let here = value.map_or(rows.clone(), |(axis, value)| with(rows, axis, value));
+            Panel {
+                title: value.map(|(axis, value)| full_value(axis, value)),
+                lines: self.lines(&here, &mut skipped),
+                points: points.of_panel(value.map(|(_, value)| value)),
+            }
+        };
+        let panels: Vec<Panel> = values.into_iter().map(panel).collect();
+        let marks = given::marks(&of.plot.marks, self.along()).map_err(|why| of.bad(why))?;
+        let [x, y] = self.scales(&panels, &marks);
+        let words = of.words(self.subtitle(), self.notes(skipped));
+        let legend = Legend {
+            points: points.legend(),
+            ..self.legend()
+        };
+        let chart = Chart {
+            x_label: self.x.text(),
+            y_label: self.y.text(),
+            x,
+            y,
+            panels,
+            legend,
+            marks,
+            markers: true,
+        };
+        chart::figure(words, &[chart])
+    }
+
+    fn scales(&self, panels: &[Panel], marks: &[Mark]) -> [Scale; 2] {
+        let [x, y] = scales(panels, marks, |axis, places| {
+            Scale::around(self.spacing[axis], places)
+        });
+        let named = self.categories.as_ref().map(|names| {
+            Scale::of_categories(names.iter().map(|name| (*name).to_owned()).collect())
+        });
+        [named.unwrap_or(x), y]
+    }
+
+    /// The lines of one panel in the order of the legend, each followed by its dashed companion.
+    fn lines(&self, rows: &[usize], skipped: &mut Skipped<'a>) -> Vec<Line> {
+        let series: Vec<(Style, Vec<usize>)> = match self.of.series {
+            None => vec![(Style::of(0), rows.to_vec())],
+            Some(axis) => axis
+                .among(rows)
+                .into_iter()
+                .map(|value| (style(axis, value), with(rows, axis, value)))
+                .collect(),
+        };
+        let statistics = [Some(self.of.y), self.of.of.plot.compare.as_deref()];
+        let mut lines = Vec::new();
+        for (style, rows) in series {
+            for (statistic, dashed) in statistics.into_iter().flatten().zip([false, true]) {
+                lines.push(Line {
+                    style,
+                    dashed,
+                    runs: self.runs(&rows, statistic, skipped),
+                });
+            }
+        }
+        lines
+    }
+
+    fn runs(&self, rows: &[usize], statistic: &str, skipped: &mut Skipped<'a>) -> Runs {
+        let mut points: Vec<(f64, Option<f64>)> = Vec::new();
+        for &row in rows {
+            let x = self.across(row);
+            let y = self
+                .of
+                .table
+                .statistic(row, statistic)
+                .map(|y| y * self.y.factor);
+            let refused = match (x, y) {
+                (None, _) => Some("without a defined x"),
+                (_, None) => Some("undefined in the table"),
+                (Some(x), Some(y)) => {
+                    let [across, up] = self.spacing;
+                    across.refusal(x).or_else(|| up.refusal(y))
+                }
+            };
+            if let Some(why) = refused {
+                let (count, series) = skipped.entry(why).or_default();
+                *count += 1;
+                let name = self.of.series.map(|axis| axis.text(row));
+                series.extend(name.filter(|name| !series.contains(name)));
+            }
+            if let Some(x) = x {
+                points.push((x, y.filter(|_| refused.is_none())));
+            }
+        }
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let runs = points.split(|(_, y)| y.is_none());
+        let drawn = |run: &[(f64, Option<f64>)]| {
+            let places = run.iter().filter_map(|(x, y)| Some((*x, (*y)?)));
+            places.collect::<Vec<_>>()
+        };
+        runs.map(drawn).filter(|run| !run.is_empty()).collect()
+    }
+
+    /// Place of `row` along x.
+    fn across(&self, row: usize) -> Option<f64> {
+        match (self.of.x, &self.categories) {
+            (Column::Axis(axis), Some(names)) => {
+                let mut names = names.iter();
+                let at = names.position(|name| *name == axis.text(row))?;
+                Some(at as f64)
+            }
+            (Column::Axis(axis), None) => Some(axis.number(row)? * self.x.factor),
+            (Column::Statistic(name), _) => {
+                Some(self.of.table.statistic(row, name)? * self.x.factor)
+            }
+        }
+    }
+
+    fn along(&self) -> [Along; 2] {
+        let axis = |name, spacing, label: &Label| Along {
+            name,
+            spacing,
+            factor: label.factor,
+        };
+        let [x, y] = self.spacing;
+        [axis('x', x, &self.x), axis('y', y, &self.y)]
+    }
+
+    /// The points of the config in their places.
+    fn points(&self) -> Result<Points, ReportError> {
+        let Selection {
+            of,
+            series,
+            panels,
+            rows,
+            ..
+        } = self.of;
+        if self.categories.is_some() && !of.plot.points.is_empty() {
+            let x = of.plot.x.as_deref().unwrap_or_default();
+            return Err(of.bad(format!(
+                "points need numbers along x, and {x:?} holds labels"
+            )));
+        }
+        let panels = panels.map_or(Vec::new(), |axis| axis.among(rows));
+        let style_of = |name: &str| {
+            let axis = series.ok_or("the plot has no `series`")?;
+            let values = || axis.values().iter().map(String::as_str);
+            let found = values().find(|value| same(value, name));
+            found.map(|value| style(axis, value)).ok_or_else(|| {
+                let known = nearest(name, values()).join(", ");
+                format!("no series {name:?}; known: {known}")
+            })
+        };
+        Points::of(&of.plot.points, self.along(), &panels, style_of).map_err(|why| of.bad(why))
+    }
+
+    fn legend(&self) -> Legend {
+        let compare = self.of.of.plot.compare.as_deref();
+        let compared = compare.map(|name| [self.of.y, name].map(words::short_statistic).into());
+        let Some(axis) = self.of.series else {
+            return Legend {
+                compared,
+                ..Legend::default()
+            };
+        };
+        let entry = |value| (short_value(axis, value), style(axis, value));
+        Legend {
+            title: Label::of_field(&axis.header).text(),
+            entries: axis.among(&self.of.rows).into_iter().map(entry).collect(),
+            compared,
+            ..Legend::default()
+        }
+    }
+
+    /// The settings held fixed, and the number of trials behind a point.
+    fn subtitle(&self) -> String {
+        let Selection {
+            of, table, rows, ..
+        } = self.of;
+        let fixed = of.plot.filters().filter_map(|(path, values)| {
+            let axis = table.axis(path)?;
+            match values.as_slice() {
+                [value] => Some(full_value(axis, value)),
+                _ => None,
+            }
+        });
+        let mut parts: Vec<String> = fixed.collect();
+        let trials = rows
+            .iter()
+            .filter_map(|row| table.statistic(*row, "trials"));
+        parts.push(words::sample(trials, "point"));
+        parts.join(" · ")
+    }
+
+    /// Notes on the points that are not drawn or not counted, with reasons.
+    fn notes(&self, skipped: Skipped<'_>) -> Vec<String> {
+        let note = |(why, (count, series)): (&str, (usize, Vec<&str>))| {
+            let points = match count {
+                1 => "1 point is".to_owned(),
+                n => format!("{} points are", number::grouped(n as u64)),
+            };
+            let of_which = match (self.of.series, series.len()) {
+                (Some(axis), 1..=6) => {
+                    let values = series.iter().map(|value| short_value(axis, value));
+                    let values = values.collect::<Vec<_>>().join(", ");
+                    format!(" ({} {values})", Label::of_field(&axis.header).words)
+                }
+                _ => String::new(),
+            };
+            format!("Not drawn: {points} {why}{of_which}.")
+        };
+        let failed = captions::failed(self.of.of.study, &self.of.rows);
+        let notes = skipped.into_iter().map(note).chain(failed);
+        notes.chain(captions::absent(&self.of.absent)).collect()
+    }
+}
+
+/// Label of the statistic of all rows.
+fn label(of: &Selection<'_>, name: &str) -> Result<Label, ReportError> {
+    let table = of.table;
+    let of_row = |row: &usize| words::statistic(name, &[table.quantity(*row)], table.unit(*row));
+    let first = of_row(&of.rows[0]);
+    let mut others = of.rows.iter().map(of_row);
+    match others.find(|other| other.unit != first.unit) {
+        None => {
+            let quantities = table.quantities().among(&of.rows);
+            Ok(words::statistic(name, &quantities, table.unit(of.rows[0])))
+        }
+        Some(other) => Err(of.of.bad(format!(
+            "{name} is in {} and in {}; choose one quantity",
+            first.unit, other.unit
+        ))),
+    }
+}
+
+/// The rows in which `axis` has `value`.
+fn with(rows: &[usize], axis: &Axis, value: &str) -> Vec<usize> {
+    let rows = rows.iter().copied();
+    rows.filter(|row| axis.text(*row) == value).collect()
+}
+
+/// The style of a value, by its place in the study's own axis: the same in every plot of the study.
+fn style(axis: &Axis, value: &str) -> Style {
+    let place = axis.values().iter().position(|known| known == value);
+    Style::of(place.unwrap_or(0))
+}

@@ -1,0 +1,207 @@
+//! A glide that is ready to run, and its trials.
+
+use nalgebra::Vector3;
+use palpate_ep2::{Contact, Ep2Error, Fit, Method, Patch};
+use palpate_geometry::{ShapeClass, ShapeThresholds};
+use palpate_number::BadSetting;
+use palpate_rolling::Touch;
+use palpate_sensing::{Channel, NormalError, PositionError, Stream};
+
+use super::method::AnyMethod;
+use crate::ladder::Ladder;
+use crate::map::MapTable;
+use crate::plan::PlanError;
+use crate::trace::{Trace, TraceError};
+use crate::trials::{Outcome, Trials};
+use palpate_study::Quantity;
+use palpate_study::config::{GlideConfig, LengthUnit};
+
+/// Quantities that a glide estimates, at every place of its grid.
+const QUANTITIES: [Quantity; 3] = [
+    Quantity::GAUSSIAN_CURVATURE,
+    Quantity::MEAN_CURVATURE,
+    Quantity::CLASS,
+];
+
+/// A glide that is ready to run: the truth, the sensor, the noise and the method of a cell.
+#[derive(Clone, Debug)]
+pub struct GlideScene {
+    pub(super) seed: u64,
+    pub(super) config: GlideConfig,
+    /// The true contacts.
+    pub(super) touches: Vec<FingerTouch>,
+    /// Contacts as the sensor reports them, without noise.
+    pub(super) sensed: Vec<Contact>,
+    pub(super) noise: ContactNoise,
+    pub(super) method: AnyMethod,
+    pub(super) grid: TrueGrid,
+    pub(super) needs: Vec<String>,
+}
+
+/// A contact of a finger.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FingerTouch {
+    pub(super) finger: usize,
+    pub(super) touch: Touch,
+}
+
+/// Errors of positions and normals; `None` where they have none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct ContactNoise {
+    pub(super) position: Option<PositionError>,
+    pub(super) normal: Option<NormalError>,
+}
+
+/// Places at which estimates are held against the truth.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TrueGrid {
+    /// Places along each side.
+    pub(super) side: usize,
+    /// The true surface there, x slowest.
+    pub(super) places: Vec<TruePlace>,
+    pub(super) thresholds: ShapeThresholds,
+}
+
+/// A place of the true surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TruePlace {
+    pub(super) point: nalgebra::Point3<f64>,
+    pub(super) gaussian: f64,
+    pub(super) mean: f64,
+    pub(super) class: ShapeClass,
+}
+
+impl TruePlace {
+    /// True value of a quantity.
+    fn value(&self, quantity: Quantity) -> Option<f64> {
+        match quantity {
+            Quantity::GAUSSIAN_CURVATURE => Some(self.gaussian),
+            Quantity::MEAN_CURVATURE => Some(self.mean),
+            Quantity::CLASS => Some(1.0),
+            _ => None,
+        }
+    }
+}
+
+impl GlideScene {
+    /// How many fingers slide.
+    pub(super) fn fingers(&self) -> usize {
+        self.touches.last().map_or(0, |last| last.finger + 1)
+    }
+
+    /// Contacts as the fingers report them: without noise, or in trial number `trial`.
+    pub(super) fn readings(&self, trial: Option<u64>) -> Vec<Contact> {
+        let mut contacts = self.sensed.clone();
+        let Some(trial) = trial else {
+            return contacts;
+        };
+        if let Some(error) = &self.noise.position {
+            let mut stream = Stream::new(self.seed, trial, Channel::Position);
+            for contact in &mut contacts {
+                contact.position = error.read(&mut stream, &contact.position);
+            }
+        }
+        if let Some(error) = &self.noise.normal {
+            let mut stream = Stream::new(self.seed, trial, Channel::Normal);
+            for normal in contacts.iter_mut().filter_map(|one| one.normal.as_mut()) {
+                *normal = error.read(&mut stream, normal);
+            }
+        }
+        contacts
+    }
+
+    /// The surface that the method makes of these readings.
+    pub(super) fn fit(&self, trial: Option<u64>) -> Result<Fit, Ep2Error> {
+        let patch = Patch::new(&self.readings(trial), &Vector3::z())?;
+        self.method.fit(&patch)
+    }
+}
+
+impl Trials for GlideScene {
+    fn quantities(&self) -> &'static [Quantity] {
+        &QUANTITIES
+    }
+
+    fn is_random(&self) -> bool {
+        self.noise.position.is_some() || self.noise.normal.is_some()
+    }
+
+    fn estimable(&self) -> Result<(), PlanError> {
+        self.fit(None).map(drop).map_err(|error| of_fit(&error))
+    }
+
+    fn trial(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Outcome),
+    ) -> Result<(), &'static str> {
+        let fit = self.fit(Some(trial)).map_err(|error| error.name())?;
+        for place in &self.grid.places {
+            let curvature = fit
+                .curvature_at(&place.point)
+                .map_err(|error| error.name())?;
+            let uncertainty = curvature.uncertainty;
+            let is_right = curvature.class(&self.grid.thresholds) == place.class;
+            let outcomes = [
+                Outcome {
+                    std: uncertainty.map(|one| one.gaussian_std),
+                    ..Outcome::plain(curvature.gaussian, place.gaussian)
+                },
+                Outcome {
+                    std: uncertainty.map(|one| one.mean_std),
+                    ..Outcome::plain(curvature.mean, place.mean)
+                },
+                Outcome::plain(f64::from(u8::from(is_right)), 1.0),
+            ];
+            for (quantity, outcome) in outcomes.into_iter().enumerate() {
+                observe(quantity, outcome);
+            }
+        }
+        Ok(())
+    }
+
+    fn truth(&self, quantity: usize) -> Option<f64> {
+        let quantity = *QUANTITIES.get(quantity)?;
+        let mut values = self.grid.places.iter().map(|place| place.value(quantity));
+        let first = values.next()??;
+        values.all(|value| value == Some(first)).then_some(first)
+    }
+
+    fn needs(&self) -> Vec<String> {
+        self.needs.clone()
+    }
+
+    fn ladder(&self) -> Result<Option<Ladder>, PlanError> {
+        self.measured_ladder().map(Some)
+    }
+
+    fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
+        Ok(self.followed(trial, unit))
+    }
+
+    fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str> {
+        Ok(Self::true_map_table(unit))
+    }
+
+    fn map(&self, cell: usize, trial: u64, table: &mut MapTable) -> Result<(), &'static str> {
+        self.push_true_map(cell, trial, table)
+            .map_err(|error| error.name())
+    }
+}
+
+/// The field that keeps noiseless contacts from telling a patch.
+fn of_fit(error: &Ep2Error) -> PlanError {
+    let path = match error {
+        Ep2Error::BadSetting(BadSetting { setting, .. }) => match *setting {
+            "normal_std" => "scene.estimator.normal_std_deg".to_owned(),
+            "unit_length" => "scene.motion.inter_finger_distance".to_owned(),
+            setting => format!("scene.estimator.{setting}"),
+        },
+        Ep2Error::TooFewContacts { .. }
+        | Ep2Error::Coincident { .. }
+        | Ep2Error::Collinear { .. }
+        | Ep2Error::Undetermined { .. } => "scene.motion".to_owned(),
+        _ => "scene".to_owned(),
+    };
+    PlanError::at(path, error)
+}

@@ -1,0 +1,42 @@
+//! Tables of maps.
+
+use std::fmt::Display;
+
+use palpate_study::{Table, number};
+
+/// Map, field by field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapTable {
+    /// Rows so far.
+    pub table: Table,
+    /// Name of what is missing where a trial fails: "cells" or "estimates of cells".
+    pub lacks: &'static str,
+    /// Fields of the row that has not ended.
+    row: Vec<String>,
+}
+
+impl MapTable {
+    /// Table without rows, from the names of its columns with commas between them.
+    pub(crate) fn new(header: &str, lacks: &'static str) -> Self {
+        Self {
+            table: Table::new(header.split(',').map(str::to_owned)),
+            lacks,
+            row: Vec::new(),
+        }
+    }
+
+    /// Adds a field to the row.
+    pub(crate) fn text(&mut self, field: impl Display) {
+        self.row.push(field.to_string());
+    }
+
+    /// Adds a number to the row, or an empty field.
+    pub(crate) fn number(&mut self, value: Option<f64>) {
+        self.row.push(value.map_or_else(String::new, number));
+    }
+
+    /// Ends the row.
+    pub(crate) fn end_row(&mut self) {
+        self.table.rows.push(std::mem::take(&mut self.row));
+    }
+}

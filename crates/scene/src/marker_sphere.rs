@@ -1,0 +1,161 @@
+//! Plan of a sensor with markers, pressed or not: its skin, its layout and its discs.
+
+use palpate_chromatouch::{
+    DiscDepths, Discs, Layout, LayoutError, MarkerArray, OpticsError, Seams,
+};
+use palpate_study::config::{
+    DiscsConfig, LayoutConfig, LayoutTable, NamedLayout, PressProbeConfig,
+};
+
+use crate::plan::PlanError;
+
+/// Path of the layout in a config.
+pub(crate) const LAYOUT: &str = "scene.probe.layout";
+
+/// A soft sphere with markers under its skin.
+#[derive(Clone, Debug)]
+pub(crate) struct MarkerSphere<'a> {
+    pub(crate) radius: f64,
+    /// Depth of the markers under the skin; of discs, the mean.
+    pub(crate) marker_depth: f64,
+    pub(crate) layout: Layout,
+    /// Number of steps in which a gore's outline is drawn.
+    pub(crate) outline_samples: u32,
+    /// Discs that each marker is made of.
+    pub(crate) discs: Option<&'a DiscsConfig>,
+}
+
+impl<'a> MarkerSphere<'a> {
+    pub(crate) fn of(config: &'a PressProbeConfig) -> Self {
+        let PressProbeConfig::MarkerSphere {
+            radius,
+            marker_depth,
+            layout,
+            discs,
+            outline_samples,
+        } = config;
+        Self {
+            radius: *radius,
+            marker_depth: *marker_depth,
+            layout: layout_of(layout),
+            outline_samples: *outline_samples,
+            discs: discs.as_ref(),
+        }
+    }
+
+    /// Chart coordinates of the markers.
+    pub(crate) fn places(&self) -> Result<Vec<[f64; 2]>, PlanError> {
+        self.layout
+            .places(self.radius)
+            .map_err(|error| of_layout(&error))
+    }
+
+    fn discs(&self) -> Result<&'a DiscsConfig, PlanError> {
+        self.discs.ok_or_else(|| {
+            PlanError::at(
+                "scene.probe",
+                "`discs` is missing: the markers that a camera sees are made of two discs",
+            )
+        })
+    }
+
+    /// Diameters of the discs.
+    pub(crate) fn diameters(&self) -> Result<Discs, PlanError> {
+        let discs = self.discs()?;
+        Ok(Discs {
+            magenta: discs.magenta_diameter,
+            yellow: discs.yellow_diameter,
+        })
+    }
+
+    /// How deep each disc lies.
+    pub(crate) fn disc_depths(&self) -> Result<DiscDepths, PlanError> {
+        let half = 0.5 * self.discs()?.separation;
+        if half > self.marker_depth {
+            let message = format!(
+                "the yellow discs would lie {} above the skin: must be at most twice `scene.probe.marker_depth`, {}",
+                half - self.marker_depth,
+                2.0 * self.marker_depth
+            );
+            return Err(PlanError::at("scene.probe.discs.separation", message));
+        }
+        Ok(DiscDepths {
+            magenta: self.marker_depth + half,
+            yellow: self.marker_depth - half,
+        })
+    }
+
+    /// Markers at these places, as they are meant to be.
+    pub(crate) fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, PlanError> {
+        let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
+        MarkerArray::new(self.radius, places, diameters, depths).map_err(|error| of_optics(&error))
+    }
+
+    /// Markers at these places, as they were made.
+    pub(crate) fn made(&self, places: &[[f64; 2]], seed: u64) -> Result<MarkerArray, PlanError> {
+        let array = self.array(places)?;
+        match self.discs()?.misalignment {
+            0.0 => Ok(array),
+            most => array
+                .misaligned(most, seed)
+                .map_err(|error| of_optics(&error)),
+        }
+    }
+
+    /// Seams of this width between the gores, if there are any.
+    pub(crate) fn seams(&self, width: f64) -> Option<Seams> {
+        match self.layout {
+            Layout::Gores { gores, .. } if width > 0.0 => Some(Seams { gores, width }),
+            _ => None,
+        }
+    }
+}
+
+fn layout_of(config: &LayoutConfig) -> Layout {
+    match config {
+        LayoutConfig::Named(NamedLayout::Published) => Layout::published(),
+        LayoutConfig::Table(LayoutTable::Gores {
+            gores,
+            rows,
+            row_spacing_deg,
+        }) => Layout::Gores {
+            gores: *gores,
+            rows: rows.clone(),
+            row_spacing_deg: *row_spacing_deg,
+        },
+        LayoutConfig::Table(LayoutTable::Lattice { pitch, cap_deg }) => Layout::Lattice {
+            pitch: *pitch,
+            cap_deg: *cap_deg,
+        },
+        LayoutConfig::Table(LayoutTable::Line { markers, length }) => Layout::Line {
+            markers: *markers,
+            length: *length,
+        },
+        LayoutConfig::Table(LayoutTable::Radius { markers, length }) => Layout::Radius {
+            markers: *markers,
+            length: *length,
+        },
+    }
+}
+
+fn of_layout(error: &LayoutError) -> PlanError {
+    match error.setting() {
+        Some(setting) => PlanError::at(format!("{LAYOUT}.{setting}"), error),
+        None => PlanError::at(LAYOUT, error),
+    }
+}
+
+/// Error at the setting of markers or of a camera that is out of its range.
+pub(crate) fn of_optics(error: &OpticsError) -> PlanError {
+    let path = match error.setting() {
+        Some(
+            setting @ ("magenta_diameter" | "yellow_diameter" | "separation" | "misalignment"),
+        ) => {
+            format!("scene.probe.discs.{setting}")
+        }
+        Some("pixel_std") => "scene.noise.pixel.std".to_owned(),
+        Some(setting) => format!("scene.sensor.{setting}"),
+        None => "scene.probe.discs".to_owned(),
+    };
+    PlanError::at(path, error)
+}

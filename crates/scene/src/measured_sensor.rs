@@ -1,0 +1,117 @@
+//! A sensor by itself: how its skin folds, and how large a camera sees its markers.
+
+use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
+use palpate_study::Quantity;
+use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName};
+
+use crate::map::MapTable;
+use crate::marker_sphere::{LAYOUT, MarkerSphere, of_optics};
+use crate::plan::PlanError;
+use crate::trials::{Outcome, Trials};
+
+/// A sensor that touches nothing, and what is measured of it: nothing is estimated, and nothing is random.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredSensor {
+    quantities: &'static [Quantity],
+    /// Values of the quantities, in their order; `None` where the camera does not see the place.
+    values: Vec<Option<f64>>,
+    needs: Vec<String>,
+}
+
+impl MeasuredSensor {
+    /// The sensor that a config describes.
+    ///
+    /// # Errors
+    /// [`PlanError`] with the path of the field that makes no sensor.
+    pub fn new(config: &BareFingertipConfig) -> Result<Self, PlanError> {
+        let sphere = MarkerSphere::of(&config.probe);
+        let markers = sphere.places()?.len();
+        let mut needs = vec![format!("{markers} markers, touching nothing")];
+        let mut values = Vec::new();
+        let has_discs = sphere.discs.is_some();
+        let has_folds = if let Layout::Gores { gores, .. } = sphere.layout {
+            let strain = FoldStrain::of(gores)
+                .map_err(|error| PlanError::at(format!("{LAYOUT}.gores"), error))?;
+            values.extend([strain.greatest(), strain.rms()].map(Some));
+            needs.push(format!("strain of folding {gores} gores: closed form"));
+            true
+        } else {
+            false
+        };
+        if has_discs {
+            values.push(area(&sphere, config)?);
+            needs.push("image area of a marker: closed form, no pixels".to_owned());
+        }
+        let quantities: &'static [Quantity] = match (has_folds, has_discs) {
+            (true, true) => &[
+                Quantity::GREATEST_FOLD_STRAIN,
+                Quantity::RMS_FOLD_STRAIN,
+                Quantity::MARKER_AREA,
+            ],
+            (true, false) => &[Quantity::GREATEST_FOLD_STRAIN, Quantity::RMS_FOLD_STRAIN],
+            (false, true) => &[Quantity::MARKER_AREA],
+            (false, false) => {
+                let message =
+                    "has neither `discs` nor a layout with gores: there is nothing to tell";
+                return Err(PlanError::at("scene.probe", message));
+            }
+        };
+        Ok(Self {
+            quantities,
+            values,
+            needs,
+        })
+    }
+}
+
+impl Trials for MeasuredSensor {
+    fn quantities(&self) -> &'static [Quantity] {
+        self.quantities
+    }
+
+    fn is_random(&self) -> bool {
+        false
+    }
+
+    fn trial(
+        &self,
+        _trial: u64,
+        observe: &mut dyn FnMut(usize, Outcome),
+    ) -> Result<(), &'static str> {
+        for (quantity, value) in self.values.iter().enumerate() {
+            observe(quantity, Outcome::exact(value.ok_or("out-of-field")?));
+        }
+        Ok(())
+    }
+
+    fn truth(&self, quantity: usize) -> Option<f64> {
+        self.values.get(quantity).copied().flatten()
+    }
+
+    fn needs(&self) -> Vec<String> {
+        self.needs.clone()
+    }
+
+    fn map_table(&self, _unit: LengthUnit) -> Result<MapTable, &'static str> {
+        Err("a fingertip that touches nothing has no map; \"cells\" is possible")
+    }
+}
+
+/// Image area of the larger disc of a marker, px²; `None` where it is not wholly seen.
+fn area(sphere: &MarkerSphere<'_>, config: &BareFingertipConfig) -> Result<Option<f64>, PlanError> {
+    let (diameters, depths) = (sphere.diameters()?, sphere.disc_depths()?);
+    let lens = match config.sensor.lens {
+        LensName::Fisheye => Lens::Fisheye,
+        LensName::Pinhole => Lens::Pinhole,
+    };
+    let camera = Camera::new(lens, config.sensor.size_px, config.sensor.field_deg)
+        .map_err(|error| of_optics(&error))?;
+    // Fails unless such discs can be made in the skin.
+    sphere.array(&[[0.0; 2]])?;
+    let seen = |diameter: f64, depth: f64| libm::atan2(0.5 * diameter, sphere.radius - depth);
+    let larger = f64::max(
+        seen(diameters.magenta, depths.magenta),
+        seen(diameters.yellow, depths.yellow),
+    );
+    Ok(camera.disc_area(larger, config.view.polar_deg.to_radians()))
+}

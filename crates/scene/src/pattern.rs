@@ -1,0 +1,154 @@
+//! Flat pattern that the skin of a sensor is cut from.
+
+use std::fmt::Write;
+
+use palpate_chromatouch::{FoldStrain, Layout, Pattern, PatternError};
+use palpate_study::config::{
+    BareFingertipConfig, ConfigError, LengthUnit, PressConfig, SceneConfig, Study,
+};
+
+use crate::marker_sphere::{LAYOUT, MarkerSphere};
+use crate::plan::PlanError;
+
+/// The flat pattern of a study's sensor, ready to be cut.
+///
+/// ```
+/// use palpate_study::config::parse;
+/// use palpate_scene::CutPattern;
+///
+/// let text = r#"
+///     name = "fingertip"
+///     length_unit = "mm"
+///     scene.kind = "fingertip"
+///     scene.probe.kind = "marker-sphere"
+///     scene.probe.radius = 20.0
+///     scene.probe.marker_depth = 2.0
+///     scene.probe.discs = { magenta_diameter = 2.0, yellow_diameter = 2.0 }
+/// "#;
+/// let pattern = CutPattern::of(&parse("study.toml", text)?)?;
+/// assert_eq!((pattern.gores, pattern.markers), (4, 77));
+/// assert!(pattern.svg.contains("YELLOW") && pattern.dxf.contains("YELLOW"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct CutPattern {
+    /// The drawing as SVG, in millimetres.
+    pub svg: String,
+    /// The drawing as DXF, with the layers `CUT`, `FOLD`, `MAGENTA` and `YELLOW`.
+    pub dxf: String,
+    /// How many gores make the turn.
+    pub gores: u32,
+    /// How many markers are printed on them.
+    pub markers: usize,
+    /// The greatest strain of folding, and the root of its mean square.
+    pub fold_strain: FoldStrain,
+    /// Strain of folding: `longitude_deg,latitude_deg,strain` over the half of a gore, from its middle meridian.
+    pub strain: String,
+    /// Strain of folding by the number of gores: `gores,greatest_fold_strain,rms_fold_strain`, from 3 to 12.
+    pub strain_by_gores: String,
+}
+
+impl CutPattern {
+    /// The pattern of the sensor of a study's first cell.
+    ///
+    /// # Errors
+    /// [`ConfigError`] at the field that makes no pattern: a scene without a marker sensor, a layout without gores, no
+    /// discs, no unit, discs that overlap or would be cut.
+    pub fn of(study: &Study) -> Result<Self, ConfigError> {
+        let refuse = |error: PlanError| study.error_at(0, &error.path, error.message);
+        let config = &study.config;
+        let probe = match &config.scene {
+            SceneConfig::Press(PressConfig { probe, .. })
+            | SceneConfig::Fingertip(BareFingertipConfig { probe, .. }) => probe,
+            SceneConfig::Roll(_) | SceneConfig::Glide(_) => {
+                let message = "has no sensor with markers; a press and a fingertip have";
+                return Err(study.error_at(0, "scene.kind", message));
+            }
+        };
+        let unit_mm = millimetres(config.length_unit).ok_or_else(|| {
+            let message = "a cutting file is in millimetres: must be m, cm, mm or um";
+            study.error_at(0, "length_unit", message)
+        })?;
+        planned(&MarkerSphere::of(probe), unit_mm).map_err(refuse)
+    }
+}
+
+fn millimetres(unit: LengthUnit) -> Option<f64> {
+    match unit {
+        LengthUnit::M => Some(1e3),
+        LengthUnit::Cm => Some(10.0),
+        LengthUnit::Mm => Some(1.0),
+        LengthUnit::Um => Some(1e-3),
+        LengthUnit::Unit => None,
+    }
+}
+
+fn planned(sphere: &MarkerSphere<'_>, unit_mm: f64) -> Result<CutPattern, PlanError> {
+    let Layout::Gores { gores, .. } = sphere.layout else {
+        let message = "has no gores: a skin is cut along them";
+        return Err(PlanError::at(LAYOUT, message));
+    };
+    let diameters = sphere.diameters()?;
+    sphere.disc_depths()?;
+    let refused = |error: PatternError| of_pattern(&error);
+    let sheet = Pattern::new(gores, sphere.outline_samples, sphere.radius)
+        .and_then(|pattern| pattern.sheet(&sphere.layout, diameters))
+        .map_err(refused)?;
+    Ok(CutPattern {
+        svg: sheet.svg(unit_mm).map_err(refused)?,
+        dxf: sheet.dxf(unit_mm).map_err(refused)?,
+        gores,
+        markers: sphere.places()?.len(),
+        fold_strain: FoldStrain::of(gores).map_err(refused)?,
+        strain: strain_over_gore(gores).map_err(refused)?,
+        strain_by_gores: strain_by_gores().map_err(refused)?,
+    })
+}
+
+fn of_pattern(error: &PatternError) -> PlanError {
+    let path = match error {
+        PatternError::Layout(error) => match error.setting() {
+            Some("samples") => "scene.probe.outline_samples".to_owned(),
+            Some("radius") => "scene.probe.radius".to_owned(),
+            Some(disc @ ("magenta" | "yellow")) => format!("scene.probe.discs.{disc}_diameter"),
+            _ => LAYOUT.to_owned(),
+        },
+        PatternError::TooFewGores { .. } | PatternError::TooManyGores { .. } => {
+            format!("{LAYOUT}.gores")
+        }
+        PatternError::DiscsOverlap { .. } | PatternError::DiscAcrossEdge { .. } => {
+            "scene.probe.discs".to_owned()
+        }
+        PatternError::NotDrawable { .. } => "scene.probe.radius".to_owned(),
+        PatternError::BeyondTheEquator { .. } => LAYOUT.to_owned(),
+    };
+    PlanError::at(path, error)
+}
+
+/// Steps of the strain's table, from the middle meridian to the edge and from the equator to the apex.
+const STEPS: u32 = 18;
+
+fn strain_over_gore(gores: u32) -> Result<String, PatternError> {
+    let strain = FoldStrain::of(gores)?;
+    let mut csv = "longitude_deg,latitude_deg,strain\n".to_owned();
+    for along in 0..=STEPS {
+        for across in 0..=STEPS {
+            let share = |step: u32| f64::from(step) / f64::from(STEPS);
+            let longitude = std::f64::consts::PI / f64::from(gores) * share(across);
+            let latitude = std::f64::consts::FRAC_PI_2 * share(along);
+            let here = strain.at(longitude, latitude)?;
+            let degrees = [longitude.to_degrees(), latitude.to_degrees()];
+            let _ = writeln!(csv, "{},{},{here}", degrees[0], degrees[1]);
+        }
+    }
+    Ok(csv)
+}
+
+fn strain_by_gores() -> Result<String, PatternError> {
+    let mut csv = "gores,greatest_fold_strain,rms_fold_strain\n".to_owned();
+    for gores in 3..=12 {
+        let strain = FoldStrain::of(gores)?;
+        let _ = writeln!(csv, "{gores},{},{}", strain.greatest(), strain.rms());
+    }
+    Ok(csv)
+}

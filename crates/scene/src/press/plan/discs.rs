@@ -1,0 +1,68 @@
+//! Markers of two discs, and the bodies that move them.
+
+use palpate_chromatouch::{DiscMotion, MarkerMotion};
+use palpate_press::{Body, MarkerDisplacement, Markers, PressError};
+use palpate_study::config::PressModelConfig;
+
+use super::super::pressed::Pressed;
+use super::super::soft_body::SoftBody;
+use crate::marker_sphere::MarkerSphere;
+use crate::plan::PlanError;
+
+/// Markers of two discs, and the bodies that move them.
+pub(super) struct DiscMarkers<'a> {
+    pub(super) markers: &'a Markers,
+    /// Body that moves the markers, midway between their discs.
+    midway: &'a SoftBody,
+    magenta: SoftBody,
+    yellow: SoftBody,
+}
+
+impl<'a> DiscMarkers<'a> {
+    pub(super) fn of(
+        sphere: &MarkerSphere<'_>,
+        model: &PressModelConfig,
+        markers: &'a Markers,
+        midway: &'a SoftBody,
+    ) -> Result<Self, PlanError> {
+        let depths = sphere.disc_depths()?;
+        let body = |depth: f64| SoftBody::of(model, sphere.radius, depth, Body::bonded_layer);
+        Ok(Self {
+            markers,
+            midway,
+            magenta: body(depths.magenta)?,
+            yellow: body(depths.yellow)?,
+        })
+    }
+
+    /// Displacements of the markers, midway between their discs.
+    pub(super) fn displacements(
+        &self,
+        pressed: &Pressed,
+    ) -> Result<Vec<MarkerDisplacement>, PressError> {
+        self.midway.displacements(self.markers, pressed)
+    }
+
+    /// Displacements of the discs of each marker.
+    pub(super) fn motions(&self, pressed: &Pressed) -> Result<Vec<MarkerMotion>, PressError> {
+        let magenta = self.magenta.displacements(self.markers, pressed)?;
+        let yellow = self.yellow.displacements(self.markers, pressed)?;
+        let motion = |moved: MarkerDisplacement| DiscMotion {
+            normal: moved.normal,
+            tangential: moved.tangential,
+        };
+        let pairs = magenta.into_iter().zip(yellow);
+        Ok(pairs
+            .map(|(magenta, yellow)| MarkerMotion {
+                magenta: motion(magenta),
+                yellow: motion(yellow),
+            })
+            .collect())
+    }
+
+    /// The marker nearest to a place on the skin.
+    pub(super) fn nearest(&self, place: [f64; 2]) -> Option<usize> {
+        let distances = self.markers.distances(place);
+        (0..distances.len()).min_by(|one, other| distances[*one].total_cmp(&distances[*other]))
+    }
+}

@@ -1,0 +1,95 @@
+//! Plan of the estimator of a press.
+
+use palpate_press::{Bounds, Contact, ForwardFit, Markers};
+use palpate_sensing::GaussianError;
+use palpate_study::config::{Indentation, NoiseKnown, PressEstimatorConfig, PressModelConfig};
+
+use super::super::method::{self, Assumed};
+use super::super::pressed::Pressed;
+use super::super::readings::MarkerNoise;
+use super::super::scene::PressMethod;
+use super::super::soft_body::{SoftBody, of_body, within_sensor};
+use crate::marker_sphere::MarkerSphere;
+use crate::plan::PlanError;
+
+/// Settings of an estimator, and the press and the sensor that it is used on.
+pub(super) struct EstimatorPlan<'a> {
+    pub(super) estimator: &'a PressEstimatorConfig,
+    /// Model of the config, which may be `auto`.
+    pub(super) model: &'a PressModelConfig,
+    pub(super) sphere: &'a MarkerSphere<'a>,
+    pub(super) body: &'a SoftBody,
+    /// Thickness of its layer, where that has tables for fits to share.
+    pub(super) shared: Option<f64>,
+    pub(super) markers: &'a Markers,
+    pub(super) pressed: &'a Pressed,
+    pub(super) noise: &'a MarkerNoise,
+    /// Standard deviations that a camera adds to the noise: normal, tangential.
+    pub(super) sensed: [Option<f64>; 2],
+}
+
+impl EstimatorPlan<'_> {
+    /// The method that follows from the settings and from what is known of the sensor.
+    pub(super) fn method(&self) -> Result<PressMethod, PlanError> {
+        let Self {
+            estimator, model, ..
+        } = *self;
+        let priors = estimator.priors();
+        let stated = |error: GaussianError, sensed: Option<f64>| {
+            let std = libm::hypot(error.std(), sensed.unwrap_or(0.0));
+            Some(std).filter(|&std| priors.noise == NoiseKnown::Stated && std > 0.0)
+        };
+        match method::thickness(estimator, model) {
+            Some(thickness) => {
+                within_sensor("scene.estimator.thickness", thickness, self.sphere.radius)?;
+            }
+            None if matches!(estimator, PressEstimatorConfig::BondedLayer { .. }) => {
+                return Err(PlanError::at("scene.estimator", "`thickness` is missing"));
+            }
+            None => {}
+        }
+        let knows_indentation = priors.indentation == Indentation::Known;
+        let assumed = Assumed {
+            estimator,
+            model,
+            body: &self.body.body,
+            shared: self.shared,
+            markers: self.markers,
+            marker_depth: self.sphere.marker_depth,
+            calibrated_at: Some(self.pressed.indentation),
+            knows_indentation,
+            stds: [
+                stated(self.noise.normal, self.sensed[0]),
+                stated(self.noise.tangential, self.sensed[1]),
+            ],
+        };
+        Ok(PressMethod {
+            fit: assumed
+                .fit()
+                .map_err(|error| of_body("scene.estimator", error))?,
+            known_indentation: knows_indentation.then_some(priors.indentation_std),
+        })
+    }
+
+    /// The bounds on what the readings can tell by the model's own body.
+    pub(super) fn bounds(&self, contact: &Contact<'_>, tangential: bool) -> Option<Bounds> {
+        let priors = self.estimator.priors();
+        let drawn = |error: GaussianError| error.is_random().then(|| error.std());
+        let fit = ForwardFit {
+            baseline: method::baseline(priors.baseline),
+            gain: method::within(drawn(self.noise.gain).unwrap_or(priors.gain_std?)),
+            normal_std: drawn(self.noise.normal),
+            tangential_std: drawn(self.noise.tangential),
+            ..ForwardFit::new(self.body.body.clone())
+        };
+        let indentation_std = (priors.indentation == Indentation::Known)
+            .then(|| drawn(self.noise.indentation).unwrap_or(priors.indentation_std));
+        fit.bounds(
+            self.markers,
+            contact,
+            self.pressed.at,
+            tangential,
+            indentation_std,
+        )
+    }
+}

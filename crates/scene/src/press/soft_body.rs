@@ -1,0 +1,104 @@
+//! The soft body of a sensor: what a press does to points at a depth under its skin.
+
+use palpate_number::{BadSetting, Number};
+use palpate_press::{Body, Contact, MarkerDisplacement, Markers, PressError};
+use palpate_study::config::PressModelConfig;
+
+use super::method::body_of;
+use super::pressed::Pressed;
+use crate::plan::PlanError;
+
+/// Soft body that moves points at one depth, by one model.
+#[derive(Clone, Debug)]
+pub(super) struct SoftBody {
+    pub(super) body: Body,
+    /// Poisson's ratio, and the depth of the points as the model has it, where the body can be moved sideways.
+    sideways: Option<(f64, f64)>,
+}
+
+impl SoftBody {
+    /// The body of a model of a sensor of `radius`, with a layer made by `layer`.
+    pub(super) fn of(
+        model: &PressModelConfig,
+        radius: f64,
+        depth: f64,
+        layer: fn(f64, f64) -> Result<Body, PressError>,
+    ) -> Result<Self, PlanError> {
+        if let Some(thickness) = model.thickness() {
+            within_sensor("scene.model.thickness", thickness, radius)?;
+        }
+        let sideways = match model.reference() {
+            PressModelConfig::HalfSpace { poisson } => Some((poisson, depth)),
+            PressModelConfig::Hertz { poisson } => Some((poisson, 0.0)),
+            PressModelConfig::BondedLayer { .. } | PressModelConfig::Auto { .. } => None,
+        };
+        let body = body_of(model, depth, layer).map_err(|error| of_body("scene.model", error))?;
+        Ok(Self { body, sideways })
+    }
+
+    /// The contact of a press with the skin of these markers.
+    pub(super) fn contact(
+        &self,
+        markers: &Markers,
+        pressed: &Pressed,
+    ) -> Result<Contact<'_>, PressError> {
+        let object = pressed.object.curvature;
+        markers
+            .skin()
+            .contact(&self.body, object, pressed.indentation)
+    }
+
+    /// Displacements of the markers by a press with this contact, whose object then sticks to the skin and moves sideways.
+    pub(super) fn moved(
+        &self,
+        markers: &Markers,
+        pressed: &Pressed,
+        contact: &Contact<'_>,
+    ) -> Result<Vec<MarkerDisplacement>, PressError> {
+        let Pressed { at, shift, .. } = *pressed;
+        let mut moved = markers.displacements(contact, at);
+        if let Some((poisson, depth)) = self.sideways.filter(|_| shift != 0.0) {
+            let sideways = markers.shifted(poisson, depth, contact.radius, at, shift)?;
+            for (moved, more) in moved.iter_mut().zip(sideways) {
+                moved.normal += more.normal;
+                moved.tangential =
+                    [0, 1].map(|axis| moved.tangential[axis] + more.tangential[axis]);
+            }
+        }
+        Ok(moved)
+    }
+
+    /// Displacements of the markers by a press.
+    pub(super) fn displacements(
+        &self,
+        markers: &Markers,
+        pressed: &Pressed,
+    ) -> Result<Vec<MarkerDisplacement>, PressError> {
+        self.moved(markers, pressed, &self.contact(markers, pressed)?)
+    }
+}
+
+pub(super) fn within_sensor(path: &str, thickness: f64, radius: f64) -> Result<(), PlanError> {
+    if thickness <= radius {
+        return Ok(());
+    }
+    let message = format!(
+        "must be at most the sensor's radius {}, is {}",
+        Number(radius),
+        Number(thickness)
+    );
+    Err(PlanError::at(path, message))
+}
+
+/// Error at the setting of a body that is out of its range.
+pub(super) fn of_body(table: &str, error: PressError) -> PlanError {
+    match error {
+        PressError::BadSetting(BadSetting {
+            setting: "depth", ..
+        }) => PlanError::at("scene.probe.marker_depth", error),
+        PressError::BadSetting(BadSetting { setting, .. }) => {
+            PlanError::at(format!("{table}.{setting}"), error)
+        }
+        _ => PlanError::at(table, error),
+    }
+}

@@ -1,0 +1,160 @@
+//! Options of estimates from recorded readings, as a study has them.
+
+use palpate_study::config::{
+    GlideConfig, LengthUnit, PressConfig, PressProbeConfig, ProbeConfig, RollConfig, SceneConfig,
+    StudyConfig, in_unit,
+};
+
+use super::patch::GlideOptions;
+use super::pressed::PressOptions;
+use super::roll::RollOptions;
+use crate::plan::PlanError;
+use crate::{PressScene, RollScene};
+use palpate_ep1::ReadingNoise;
+use palpate_geometry::ShapeThresholds;
+
+/// Why readings cannot be taken as a study takes them.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LikeError {
+    /// A scene of another kind.
+    #[error("must be {needed:?} for these readings, is {found:?}")]
+    Kind {
+        /// Kind of scene that has such readings.
+        needed: &'static str,
+        /// The study's kind.
+        found: &'static str,
+    },
+    /// Lengths that cannot be converted.
+    #[error("is {}, but the readings are in {}", study.as_str(), readings.as_str())]
+    Unit {
+        /// The study's unit.
+        study: LengthUnit,
+        /// The readings'.
+        readings: LengthUnit,
+    },
+    /// A field that makes no scene.
+    #[error("{}", .0.message)]
+    Plan(PlanError),
+}
+
+impl LikeError {
+    /// Path of the field that is at fault.
+    pub fn path(&self) -> &str {
+        match self {
+            Self::Kind { .. } => "scene.kind",
+            Self::Unit { .. } => "length_unit",
+            Self::Plan(error) => &error.path,
+        }
+    }
+}
+
+impl From<PlanError> for LikeError {
+    fn from(error: PlanError) -> Self {
+        Self::Plan(error)
+    }
+}
+
+/// Factor on the study's lengths.
+fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, LikeError> {
+    study.length_unit.to(unit).ok_or(LikeError::Unit {
+        study: study.length_unit,
+        readings: unit,
+    })
+}
+
+fn of_kind<'a, T>(
+    study: &'a StudyConfig,
+    needed: &'static str,
+    pick: fn(&'a SceneConfig) -> Option<&'a T>,
+) -> Result<&'a T, LikeError> {
+    pick(&study.scene).ok_or(LikeError::Kind {
+        needed,
+        found: study.scene.kind(),
+    })
+}
+
+impl RollOptions {
+    /// Options with the probe, the noise and the estimator of a study, its lengths converted to `unit`.
+    ///
+    /// # Errors
+    /// [`LikeError`] for a scene that is no roll, a unit that cannot be converted, and a config that makes no scene.
+    pub fn like(study: &StudyConfig, unit: LengthUnit) -> Result<Self, LikeError> {
+        let config: &RollConfig = of_kind(study, "roll", |scene| match scene {
+            SceneConfig::Roll(roll) => Some(roll),
+            _ => None,
+        })?;
+        let factor = factor(study, unit)?;
+        let ProbeConfig::Sphere { radius } = config.probe;
+        let noise = RollScene::new(config, study.seed)?.reading_noise();
+        Ok(Self {
+            estimator: in_unit(&config.estimator, factor),
+            length_unit: Some(unit),
+            noise: ReadingNoise {
+                shift_std: noise.shift_std * factor,
+                shift_resolution: noise.shift_resolution * factor,
+                ..noise
+            },
+            ..Self::new(radius * factor)
+        })
+    }
+}
+
+impl GlideOptions {
+    /// Options with the estimator of a study, its inter-finger distance and its thresholds, lengths converted to `unit`.
+    ///
+    /// # Errors
+    /// [`LikeError`] for a scene that is no glide, a unit that cannot be converted, and thresholds that contradict each
+    /// other.
+    pub fn like(study: &StudyConfig, unit: LengthUnit) -> Result<Self, LikeError> {
+        let config: &GlideConfig = of_kind(study, "glide", |scene| match scene {
+            SceneConfig::Glide(glide) => Some(glide),
+            _ => None,
+        })?;
+        let factor = factor(study, unit)?;
+        let evaluate = &config.evaluate;
+        let thresholds = ShapeThresholds::new(
+            evaluate.gaussian_threshold / (factor * factor),
+            evaluate.mean_threshold / factor,
+        )
+        .map_err(|error| PlanError::at("scene.evaluate", error))?;
+        Ok(Self {
+            estimator: in_unit(&config.estimator, factor),
+            length_unit: Some(unit),
+            thresholds: Some(thresholds),
+            inter_finger_distance: Some(config.motion.inter_finger_distance * factor),
+            ..Self::default()
+        })
+    }
+}
+
+impl PressOptions {
+    /// Options with the sensor, the noise that its estimator is told and the estimator of a study, lengths converted to
+    /// `unit`. The indentation of the study's presses is not that of the readings.
+    ///
+    /// # Errors
+    /// [`LikeError`] for a scene that is no press, a unit that cannot be converted, and a config that makes no scene.
+    pub fn like(study: &StudyConfig, unit: LengthUnit) -> Result<Self, LikeError> {
+        let config: &PressConfig = of_kind(study, "press", |scene| match scene {
+            SceneConfig::Press(press) => Some(press),
+            _ => None,
+        })?;
+        let factor = factor(study, unit)?;
+        let PressProbeConfig::MarkerSphere {
+            radius,
+            marker_depth,
+            ..
+        } = config.probe;
+        let [normal_std, tangential_std] = PressScene::new(config, study.seed)?
+            .told_stds()
+            .map(|std| std.map(|std| std * factor));
+        Ok(Self {
+            marker_depth: marker_depth * factor,
+            model: in_unit(&config.model, factor),
+            estimator: in_unit(&config.estimator, factor),
+            normal_std,
+            tangential_std,
+            length_unit: Some(unit),
+            ..Self::new(radius * factor)
+        })
+    }
+}

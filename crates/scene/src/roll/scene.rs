@@ -1,0 +1,350 @@
+//! A roll that is ready to run, and its trials.
+
+use std::ops::Range;
+
+use nalgebra::Vector2;
+use palpate_ep1::{
+    Ep1Error, Estimate, Estimates, LANES, Lanes, LeastSquares, Measured, Moments, ProbeReading,
+    ReadingNoise,
+};
+use palpate_geometry::CurvatureForm;
+use palpate_rolling::{Chart, Motion, Roller};
+use palpate_sensing::Encoder;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::linear::LinearRolls;
+use super::noise::MotionNoise;
+use super::sensor::RollSensor;
+use crate::ladder::Ladder;
+use crate::map::MapTable;
+use crate::plan::PlanError;
+use crate::trace::{Trace, TraceError};
+use crate::trials::{Outcome, Trials};
+use palpate_study::Quantity;
+use palpate_study::config::LengthUnit;
+
+/// Quantities that a roll estimates.
+const QUANTITIES: [Quantity; 5] = [
+    Quantity::NORMAL_CURVATURE_U,
+    Quantity::NORMAL_CURVATURE_V,
+    Quantity::GAUSSIAN_CURVATURE,
+    Quantity::MEAN_CURVATURE,
+    Quantity::ARC_LENGTH,
+];
+
+/// A roll that is ready to run: the truth, the noise, the sensor and the estimator of a cell.
+#[derive(Clone, Debug)]
+pub struct RollScene {
+    pub(super) seed: u64,
+    pub(super) roller: Roller,
+    /// Commanded motion of each probe.
+    pub(super) commands: Vec<Motion>,
+    /// The rotations that are commanded, summed in the contact frame.
+    pub(super) rotations: Vec<Vector2<f64>>,
+    pub(super) noise: MotionNoise,
+    pub(super) sensor: RollSensor,
+    pub(super) encoder: Option<Encoder>,
+    pub(super) reading_noise: ReadingNoise,
+    /// The fit for what is reported of `rotations`, which may not tell the curvature; `trace` does not need it to.
+    pub(super) fit: Result<LeastSquares, Ep1Error>,
+    /// Set where all rolls are linear and report the same rotations in every trial.
+    pub(super) linear: Option<LinearRolls>,
+    pub(super) truth: Truth,
+    /// Tolerance of `auto`; `None` where the config names a rung.
+    pub(super) tolerance: Option<f64>,
+    /// Coordinates in which integrators of the ladder run.
+    pub(super) chart: Chart,
+}
+
+/// The object's curvature at the first contact, and the noiseless length of the rolls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Truth {
+    pub(super) curvature: CurvatureForm,
+    pub(super) arc_length: f64,
+}
+
+/// Outcomes of one quantity in [`LANES`] trials side by side, trial by trial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideBySide {
+    /// The estimates.
+    pub estimates: [f64; LANES],
+    /// The true value in all of them.
+    pub truth: f64,
+    /// The standard deviations that the estimator claims; `None` if no noise was stated.
+    pub stds: Option<[f64; LANES]>,
+}
+
+/// Trials side by side, compiled once for every width of vectors.
+struct Together<'a, F> {
+    scene: &'a RollScene,
+    linear: &'a LinearRolls,
+    fit: &'a LeastSquares,
+    trials: Range<u64>,
+    take: F,
+}
+
+impl<F: FnMut(&[SideBySide; QUANTITIES.len()]) -> bool> WithSimd for Together<'_, F> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _: S) -> u64 {
+        let Range { start, end } = self.trials;
+        let truths = self.scene.truths();
+        let mut trial = start;
+        while end.saturating_sub(trial) >= LANES as u64
+            && let Some(moments) = self.linear.side_by_side(self.scene.seed, trial)
+            && let Some(estimates) = self.fit.estimates(&moments)
+            && (self.take)(&side_by_side(&estimates, &truths))
+        {
+            trial += LANES as u64;
+        }
+        trial - start
+    }
+}
+
+#[inline(always)]
+fn side_by_side(
+    estimates: &Estimates<Lanes>,
+    truths: &[f64; QUANTITIES.len()],
+) -> [SideBySide; QUANTITIES.len()] {
+    let Estimates {
+        curvatures: [u, v, gaussian, mean],
+        stds,
+        arc_length,
+    } = estimates;
+    let values = [u, v, gaussian, mean, arc_length];
+    let quantity = |index: usize| SideBySide {
+        estimates: values[index].0,
+        truth: truths[index],
+        stds: stds.and_then(|stds| stds.get(index).map(|stds| stds.0)),
+    };
+    [
+        quantity(0),
+        quantity(1),
+        quantity(2),
+        quantity(3),
+        quantity(4),
+    ]
+}
+
+impl RollScene {
+    /// Noise of the readings, as the estimator is told it.
+    pub(crate) const fn reading_noise(&self) -> ReadingNoise {
+        self.reading_noise
+    }
+
+    /// The forward law, on the rung that was taken.
+    pub const fn roller(&self) -> &Roller {
+        &self.roller
+    }
+
+    /// Commanded motion of each probe.
+    pub fn commands(&self) -> &[Motion] {
+        &self.commands
+    }
+
+    /// The true values, in the order of [`Trials::quantities`].
+    #[inline]
+    pub fn truths(&self) -> [f64; QUANTITIES.len()] {
+        let Truth {
+            curvature,
+            arc_length,
+        } = &self.truth;
+        [
+            curvature.k_uu,
+            curvature.k_vv,
+            curvature.gaussian_curvature(),
+            curvature.mean_curvature(),
+            *arc_length,
+        ]
+    }
+
+    /// The outcomes of one trial, in the order of [`Trials::quantities`].
+    ///
+    /// # Errors
+    /// The stable name of what went wrong.
+    #[inline(always)]
+    pub fn outcomes(&self, trial: u64) -> Result<[Outcome; QUANTITIES.len()], &'static str> {
+        if let Some(linear) = &self.linear
+            && let RollSensor::Ideal = self.sensor
+            && let Some(moments) = linear.short(self.seed, trial)
+        {
+            let fit = self.fit.as_ref().map_err(Ep1Error::name)?;
+            let estimate = fit.estimate(&moments).map_err(|error| error.name())?;
+            return Ok(self.compare(&estimate));
+        }
+        self.sensed_trial(trial)
+            .map(|estimate| self.compare(&estimate))
+    }
+
+    /// Runs the first of `trials`, [`LANES`] at a time, and gives what they say to `take`, in the order of
+    /// [`Trials::quantities`]: to the last bit what [`RollScene::outcomes`] says, only quicker, and quicker still on a processor
+    /// with wide vectors. Goes on until trials can only be run one by one, or `take` refuses some; tells how many were
+    /// taken.
+    pub fn side_by_side(
+        &self,
+        arch: Arch,
+        trials: Range<u64>,
+        take: impl FnMut(&[SideBySide; QUANTITIES.len()]) -> bool,
+    ) -> u64 {
+        let (Some(linear), Ok(fit), RollSensor::Ideal) = (&self.linear, &self.fit, &self.sensor)
+        else {
+            return 0;
+        };
+        arch.dispatch(Together {
+            scene: self,
+            linear,
+            fit,
+            trials,
+            take,
+        })
+    }
+
+    /// An estimate beside the truth.
+    #[inline(always)]
+    fn compare(&self, estimate: &Estimate) -> [Outcome; QUANTITIES.len()] {
+        let outcome = |measured: Measured, truth: f64| Outcome {
+            std: measured.std,
+            ..Outcome::plain(measured.value, truth)
+        };
+        let [u, v, gaussian, mean, length] = self.truths();
+        let arc_length = Measured {
+            value: estimate.arc_length,
+            std: None,
+        };
+        [
+            outcome(estimate.normal_curvature_u, u),
+            outcome(estimate.normal_curvature_v, v),
+            outcome(estimate.gaussian_curvature, gaussian),
+            outcome(estimate.mean_curvature, mean),
+            outcome(arc_length, length),
+        ]
+    }
+
+    /// A trial of any scene.
+    #[inline(never)]
+    fn sensed_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
+        match (&self.linear, &self.noise) {
+            (Some(linear), _) => self.linear_trial(linear, trial),
+            (None, MotionNoise::Measurement { .. }) => self.measured_trial(trial),
+            (None, MotionNoise::None | MotionNoise::Motion { .. }) => self.general_trial(trial),
+        }
+    }
+
+    /// All rolls are linear: no motion is made up, no state carried.
+    fn linear_trial(&self, linear: &LinearRolls, trial: u64) -> Result<Estimate, &'static str> {
+        let fit = self.fit.as_ref().map_err(Ep1Error::name)?;
+        let mut sensor = self.sensor.begin(self.seed, trial);
+        let moments = linear
+            .sensed(self.seed, trial, |displacement| sensor.read(&displacement))
+            .map_err(|error| error.name())?;
+        fit.estimate(&moments).map_err(|error| error.name())
+    }
+
+    /// The rotations that are reported are the same in every trial.
+    fn general_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
+        let fit = self.fit.as_ref().map_err(Ep1Error::name)?;
+        let mut moments = Moments::default();
+        self.readings(trial, |reading| {
+            moments.add(self.roller.probe().radius(), &reading)
+        })?;
+        fit.estimate(&moments).map_err(|error| error.name())
+    }
+
+    /// The rotations that are reported err.
+    fn measured_trial(&self, trial: u64) -> Result<Estimate, &'static str> {
+        let mut readings = Vec::with_capacity(self.commands.len());
+        self.readings(trial, |reading| readings.push(reading))?;
+        LeastSquares::of(self.roller.probe().radius(), self.reading_noise, &readings)
+            .map_err(|error| error.name())
+    }
+
+    /// Calls `report` with the reading of each probe in a trial, one after the other.
+    fn readings(
+        &self,
+        trial: u64,
+        mut report: impl FnMut(ProbeReading),
+    ) -> Result<(), &'static str> {
+        let mut noise = self.noise.begin(self.seed, trial);
+        let mut sensor = self.sensor.begin(self.seed, trial);
+        for (command, rotation) in self.commands.iter().zip(&self.rotations) {
+            let (shift, mut rotation) = noise
+                .roll(&self.roller, command, rotation)
+                .map_err(|error| error.fault.name())?;
+            if let Some(encoder) = &self.encoder {
+                rotation = encoder.read(&rotation);
+            }
+            let shift = sensor
+                .read(&shift.displacement)
+                .map_err(|error| error.name())?;
+            report(ProbeReading { rotation, shift });
+        }
+        Ok(())
+    }
+}
+
+impl Trials for RollScene {
+    fn quantities(&self) -> &'static [Quantity] {
+        &QUANTITIES
+    }
+
+    fn is_random(&self) -> bool {
+        self.noise.is_random() || self.sensor.is_random()
+    }
+
+    fn estimable(&self) -> Result<(), PlanError> {
+        match &self.fit {
+            Ok(_) => Ok(()),
+            Err(error) => Err(PlanError::at("scene.motion.directions_deg", error)),
+        }
+    }
+
+    fn trial(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Outcome),
+    ) -> Result<(), &'static str> {
+        let outcomes = self.outcomes(trial)?.into_iter().enumerate();
+        outcomes.for_each(|(quantity, outcome)| observe(quantity, outcome));
+        Ok(())
+    }
+
+    fn truth(&self, quantity: usize) -> Option<f64> {
+        self.truths().get(quantity).copied()
+    }
+
+    fn needs(&self) -> Vec<String> {
+        let choice = self.roller.choice();
+        let bound = choice.error_bound.map_or_else(String::new, |bound| {
+            format!(", error at most {bound:.0e} of the contact's scale")
+        });
+        let mut lines = vec![format!("{} ({}{bound})", choice.rung, choice.reason)];
+        lines.extend(self.noise.need());
+        lines.push(self.sensor.need());
+        if self.encoder.is_some() {
+            lines.push("encoders: the rotation is reported in steps".to_owned());
+        }
+        lines.push(format!("least squares over {} probes", self.commands.len()));
+        let half_turn = std::f64::consts::PI * self.roller.probe().radius();
+        if self.truth.arc_length > half_turn {
+            lines.push(
+                "warning: the contact passes half way round the probe, where a shift no longer \
+                 tells the length of the roll"
+                    .to_owned(),
+            );
+        }
+        lines
+    }
+
+    fn ladder(&self) -> Result<Option<Ladder>, PlanError> {
+        Ok(Some(self.measured_ladder()))
+    }
+
+    fn trace(&self, trial: Option<u64>, unit: LengthUnit) -> Result<Trace, TraceError> {
+        self.followed(trial, unit)
+    }
+
+    fn map_table(&self, _unit: LengthUnit) -> Result<MapTable, &'static str> {
+        Err("a roll has no map; \"cells\" and \"trace\" are possible")
+    }
+}

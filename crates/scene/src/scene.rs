@@ -1,0 +1,163 @@
+//! Scenes of any kind, and those of a study's cells.
+
+use std::ops::Deref;
+
+use palpate_study::config::{ConfigError, SceneConfig, Study};
+
+use crate::glide::GlideScene;
+use crate::ladder::{Ladder, Rung};
+use crate::measured_sensor::MeasuredSensor;
+use crate::plan::PlanError;
+use crate::press::PressScene;
+use crate::roll::RollScene;
+use crate::trials::{Outcome, Trials};
+
+/// A scene that is ready to run: [`Trials`] of one kind.
+///
+/// ```
+/// use palpate_scene::Scenes;
+/// use palpate_study::config::parse;
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let scene = parse("study.toml", text)?.estimable_scene(0)?;
+/// assert_eq!(scene.quantities()[0].name, "normal_curvature_u");
+/// // Without noise the curvature of a ball is exact: 1/4.
+/// let mut estimates = Vec::new();
+/// scene.trial(0, |_, outcome| estimates.push(outcome.estimate))?;
+/// assert!((estimates[0] - 0.25).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one per cell")]
+pub enum Scene {
+    /// A probe rolls on an object.
+    Roll(RollScene),
+    /// Fingers slide over a patch.
+    Glide(GlideScene),
+    /// A soft sphere is pressed onto an object.
+    Press(PressScene),
+    /// A sensor by itself, of which quantities are measured.
+    Sensor(MeasuredSensor),
+}
+
+impl Deref for Scene {
+    type Target = dyn Trials;
+
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Self::Roll(roll) => roll,
+            Self::Glide(glide) => glide,
+            Self::Press(press) => press,
+            Self::Sensor(sensor) => sensor,
+        }
+    }
+}
+
+impl Scene {
+    /// The scene that a config describes, with the random numbers of `seed`.
+    ///
+    /// # Errors
+    /// [`PlanError`] with the path of the field that makes no scene.
+    pub fn new(config: &SceneConfig, seed: u64) -> Result<Self, PlanError> {
+        match config {
+            SceneConfig::Roll(roll) => RollScene::new(roll, seed).map(Self::Roll),
+            SceneConfig::Glide(glide) => GlideScene::new(glide, seed).map(Self::Glide),
+            SceneConfig::Press(press) => PressScene::new(press, seed).map(Self::Press),
+            SceneConfig::Fingertip(sensor) => MeasuredSensor::new(sensor).map(Self::Sensor),
+        }
+    }
+
+    /// Runs a trial as [`Trials::trial`] does.
+    ///
+    /// # Errors
+    /// The stable name of what went wrong; nothing of a failed trial counts.
+    pub fn trial(
+        &self,
+        trial: u64,
+        mut observe: impl FnMut(usize, Outcome),
+    ) -> Result<(), &'static str> {
+        (**self).trial(trial, &mut observe)
+    }
+}
+
+/// Scenes of a study's cells.
+pub trait Scenes {
+    /// Builds the scene of a cell.
+    ///
+    /// # Errors
+    /// A [`ConfigError`] at the field that makes no scene: a pitch larger than the probe, a formula
+    /// with a syntax error, a first contact off the object; for a number that no cell has.
+    fn scene(&self, cell: usize) -> Result<Scene, ConfigError>;
+
+    /// Builds the scene of a cell, if it can be estimated from. A trace needs no such scene.
+    ///
+    /// # Errors
+    /// Errors of [`Scenes::scene`], and those of [`Trials::estimable`].
+    fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError>;
+
+    /// Builds the scene of a cell on another rung of its ladder.
+    ///
+    /// # Errors
+    /// Errors of [`Scenes::scene`]: where the rung cannot do the scene, at `scene.model`.
+    fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError>;
+
+    /// Measures the ladder of a cell's scene, where it has one.
+    ///
+    /// # Errors
+    /// Errors of [`Scenes::estimable_scene`].
+    fn ladder(&self, cell: usize) -> Result<Option<Ladder>, ConfigError> {
+        self.ladder_of(cell, &self.estimable_scene(cell)?)
+    }
+
+    /// Measures the ladder of a cell whose scene has been made.
+    ///
+    /// # Errors
+    /// Errors of [`Trials::ladder`], in the text of the cell.
+    fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError>;
+}
+
+impl Scenes for Study {
+    fn scene(&self, cell: usize) -> Result<Scene, ConfigError> {
+        let config = self.cell(cell)?.config;
+        Scene::new(&config.scene, config.seed).map_err(|error| located(self, cell, error))
+    }
+
+    fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError> {
+        let scene = self.scene(cell)?;
+        match scene.estimable() {
+            Ok(()) => Ok(scene),
+            Err(error) => Err(located(self, cell, error)),
+        }
+    }
+
+    fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError> {
+        let config = self.cell(cell)?.config;
+        match config.scene.with_model(&rung.model) {
+            Some(scene) => {
+                Scene::new(&scene, config.seed).map_err(|error| located(self, cell, error))
+            }
+            None => {
+                let message = format!("{} is no model of this kind of scene", rung.name);
+                Err(self.error_at(cell, "scene.model", message))
+            }
+        }
+    }
+
+    fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError> {
+        scene.ladder().map_err(|error| located(self, cell, error))
+    }
+}
+
+/// Error of a plan with its place in the config's text.
+fn located(study: &Study, cell: usize, error: PlanError) -> ConfigError {
+    match error.part {
+        Some(part) => study.error_in_text(cell, &error.path, part, error.message),
+        None => study.error_at(cell, &error.path, error.message),
+    }
+}

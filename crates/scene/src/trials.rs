@@ -1,0 +1,142 @@
+//! Trials that can be repeated, whatever kind of scene they are of.
+
+use palpate_study::Quantity;
+use palpate_study::config::LengthUnit;
+
+use crate::ladder::Ladder;
+use crate::map::MapTable;
+use crate::plan::PlanError;
+use crate::trace::{Trace, TraceError};
+
+/// One trial's estimate of a quantity, and its truth, in the quantity's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// The estimate; of a quantity that is measured, its value.
+    pub estimate: f64,
+    /// The truth.
+    pub truth: f64,
+    /// The standard deviation that the estimator states; `None` if it states none.
+    pub std: Option<f64>,
+    /// Whether the 95 % interval that the estimator states holds the truth; `None` where it is the
+    /// estimate ± 1.96 std.
+    pub interval_holds: Option<bool>,
+}
+
+impl Outcome {
+    /// An estimate that comes without a standard deviation.
+    pub(crate) const fn plain(estimate: f64, truth: f64) -> Self {
+        Self {
+            estimate,
+            truth,
+            std: None,
+            interval_holds: None,
+        }
+    }
+
+    /// A value that is exact: nothing is estimated, and nothing errs.
+    pub(crate) const fn exact(value: f64) -> Self {
+        Self::plain(value, value)
+    }
+}
+
+/// Trials of a scene: from a truth over a reading to estimates.
+///
+/// ```
+/// use palpate_scene::Scenes;
+/// use palpate_study::config::parse;
+///
+/// let text = r#"
+///     name = "roll-on-a-ball"
+///     scene.kind = "roll"
+///     scene.probe = { kind = "sphere", radius = 1.0 }
+///     scene.object = { kind = "sphere", radius = 4.0 }
+///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+/// "#;
+/// let scene = parse("study.toml", text)?.estimable_scene(0)?;
+/// // Nothing is random: one trial tells all.
+/// assert_eq!(scene.trials(1000), 1);
+/// let last = scene.quantities().len() - 1;
+/// assert_eq!(scene.quantities()[last].name, "arc_length");
+/// assert!((scene.truth(last).ok_or("the same everywhere")? - 0.08).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Trials {
+    /// Quantities that a trial tells, in the order of the indices that [`Trials::trial`] reports.
+    fn quantities(&self) -> &'static [Quantity];
+
+    /// Whether trials differ.
+    fn is_random(&self) -> bool;
+
+    /// How many trials make sense: `wanted`, or one if nothing is random.
+    fn trials(&self, wanted: u64) -> u64 {
+        if self.is_random() { wanted } else { 1 }
+    }
+
+    /// Whether the readings can tell the quantities at all, without noise.
+    ///
+    /// # Errors
+    /// [`PlanError`] at what keeps them from it: fewer than two probes, or all parallel; too few contacts, or all on a
+    /// line; too few markers.
+    fn estimable(&self) -> Result<(), PlanError> {
+        Ok(())
+    }
+
+    /// Runs trial number `trial` and reports outcomes with their quantity's index: one of each
+    /// quantity, or one at each place of a patch.
+    ///
+    /// # Errors
+    /// The stable name of what went wrong; nothing of a failed trial counts.
+    fn trial(
+        &self,
+        trial: u64,
+        observe: &mut dyn FnMut(usize, Outcome),
+    ) -> Result<(), &'static str>;
+
+    /// The true value of the quantity with this index, where it is the same everywhere.
+    fn truth(&self, quantity: usize) -> Option<f64>;
+
+    /// Whether bounds on standard deviations are stated of this kind of scene.
+    fn states_bounds(&self) -> bool {
+        false
+    }
+
+    /// The Cramér–Rao bound on the standard deviation of an estimate of the quantity with this
+    /// index, where it is known: of presses with noise.
+    fn std_bound(&self, _quantity: usize) -> Option<f64> {
+        None
+    }
+
+    /// The models that the scene needs and why, one line each.
+    fn needs(&self) -> Vec<String>;
+
+    /// Measures the models by which the truth can be computed; `None` where there is nothing to choose.
+    ///
+    /// # Errors
+    /// [`PlanError`] where a model cannot do what the scene asks for.
+    fn ladder(&self) -> Result<Option<Ladder>, PlanError> {
+        Ok(None)
+    }
+
+    /// Follows one pass: noiseless, or as in trial number `trial`.
+    ///
+    /// # Errors
+    /// [`TraceError`] where there is no pass to follow, or it ends early.
+    fn trace(&self, _trial: Option<u64>, _unit: LengthUnit) -> Result<Trace, TraceError> {
+        Err(TraceError::Untouched)
+    }
+
+    /// Empty table for the maps of scenes of this kind.
+    ///
+    /// # Errors
+    /// Reason why there is no map, in words.
+    fn map_table(&self, unit: LengthUnit) -> Result<MapTable, &'static str>;
+
+    /// Adds the map of trial number `trial` to a table made with [`Trials::map_table`], in rows that begin with the number
+    /// of their cell.
+    ///
+    /// # Errors
+    /// The stable name of what went wrong; the map then lacks what [`MapTable::lacks`] says.
+    fn map(&self, _cell: usize, _trial: u64, _table: &mut MapTable) -> Result<(), &'static str> {
+        Ok(())
+    }
+}

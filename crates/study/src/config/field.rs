@@ -1,0 +1,218 @@
+//! Columns of swept fields: name, unit and words from their headers.
+
+use super::{LengthUnit, schema};
+use crate::label::{Label, split_unit, spoken_unit};
+use serde_json::Value as Json;
+use std::sync::LazyLock;
+
+impl Label {
+    /// Label of a swept field, from the header of its column.
+    pub fn of_field(header: &str) -> Self {
+        let (stem, tail) = field(header);
+        let spaced = stem.replace('_', " ");
+        let segments: Vec<&str> = spaced
+            .strip_prefix("scene.")
+            .unwrap_or(&spaced)
+            .split('.')
+            .collect();
+        let leaf = segments.last().copied().unwrap_or_default();
+        let gain = "gain error the estimator allows for, std";
+        match segments.as_slice() {
+            ["noise", channel, "fraction of ifd"] => {
+                Self::in_percent(format!("{channel} noise"), "% of the IFD")
+            }
+            ["noise", "gain", "std"] => Self::in_percent("gain error of a press, std", "%"),
+            ["noise", "size", "std"] => Self::in_percent("marker size noise, std", "%"),
+            ["noise", "pixel", "std"] => Self::in_unit("pixel noise, std", "levels of 255"),
+            ["noise", "hue", "std"] => Self::in_unit("hue noise, std", "turns"),
+            ["noise", "centroid", "std"] => Self::in_unit("centroid noise, std", "px"),
+            ["estimator", "gain std"] => Self::in_percent(gain, "%"),
+            ["sensor", "light at rim"] => Self::in_percent("light at the rim", "% of the middle's"),
+            ["motion", "contact deg", "0"] => Self::in_unit("polar angle of the contact", "°"),
+            ["motion", "contact deg", _] => Self::in_unit("azimuth of the contact", "°"),
+            all if leaf.starts_with("fraction") => Self::in_percent(plain(all), "%"),
+            all => Self::in_unit(plain(all), &spoken_unit(tail)),
+        }
+    }
+}
+
+/// The words of a path that is shown in the unit of its header.
+fn plain(segments: &[&str]) -> String {
+    match segments {
+        ["noise", "wrong markers", "count"] => "wrong markers".to_owned(),
+        ["noise", "wrong markers", "std"] => "error of wrong markers, std".to_owned(),
+        ["noise", "lost markers", "count"] => "lost markers".to_owned(),
+        ["noise", channel, "std"] => format!("{channel} noise, std"),
+        ["noise", channel, "fraction" | "bound"] => format!("{channel} noise"),
+        ["noise", channel, leaf] if leaf.starts_with("fraction") => {
+            format!("{channel} noise, {leaf}")
+        }
+        ["noise", rest @ ..] => format!("{} noise", rest.join(" ")),
+        ["motion", "rate"] => "rolling rate".to_owned(),
+        ["motion", "shift"] => "shift along the skin".to_owned(),
+        ["motion", rest @ ..] if !rest.is_empty() => rest.join(" "),
+        ["probe", "layout"] => "marker layout".to_owned(),
+        ["probe", "layout", leaf @ ("markers" | "gores")] => (*leaf).to_owned(),
+        ["probe", "layout", rest @ ..] => format!("marker {}", rest.join(" ")),
+        ["probe", "marker depth"] => "marker depth".to_owned(),
+        ["probe", "discs", leaf @ ("separation" | "misalignment")] => {
+            format!("{leaf} of the two discs")
+        }
+        ["probe", "discs", leaf] => match leaf.strip_suffix(" diameter") {
+            Some(colour) => format!("diameter of the {colour} discs"),
+            None => format!("{leaf} of the discs"),
+        },
+        ["model", "thickness"] => "layer thickness".to_owned(),
+        ["model", "poisson"] => "Poisson's ratio".to_owned(),
+        ["estimator", "thickness"] => "layer thickness of the estimator".to_owned(),
+        ["estimator", "poisson"] => "Poisson's ratio of the estimator".to_owned(),
+        ["sensor", "kind"] => "sensor".to_owned(),
+        ["sensor", "size"] => "image size".to_owned(),
+        ["sensor", "field"] => "field of view, from its middle".to_owned(),
+        ["sensor", "tangential"] => "tangential readings".to_owned(),
+        ["sensor", "normal from"] => "normal displacement from".to_owned(),
+        ["sensor", "frames"] => "frames averaged".to_owned(),
+        ["sensor", leaf @ ("lens" | "blur" | "seam width")] => (*leaf).to_owned(),
+        ["sensor", "calibration", leaf] => format!("calibration {leaf}"),
+        ["view", "polar"] => "polar angle of the marker".to_owned(),
+        [group, "parameters", name] => format!("{group} {name}"),
+        all => all.join(" "),
+    }
+}
+
+/// Name of a swept field without its unit, and the unit as the header of its column has it: by the schema of configs, or as
+/// the header looks ([`split_unit`]) where no field has such a column.
+///
+/// ```
+/// use palpate_study::config::field;
+///
+/// assert_eq!(field("scene.object.c_per_cm"), ("scene.object.c", "per_cm"));
+/// assert_eq!(field("scene.motion.rate_rad_per_s"), ("scene.motion.rate", "rad_per_s"));
+/// assert_eq!(field("scene.object.parameters.half_s"), ("scene.object.parameters.half_s", ""));
+/// assert_eq!(field("weather_cm"), ("weather", "cm"));
+/// ```
+pub fn field(header: &str) -> (&str, &str) {
+    in_schema(header).unwrap_or_else(|| split_unit(header))
+}
+
+fn in_schema(header: &str) -> Option<(&str, &str)> {
+    static SCHEMA: LazyLock<Json> = LazyLock::new(schema::schema);
+    const LENGTHS: [LengthUnit; 5] = [
+        LengthUnit::M,
+        LengthUnit::Cm,
+        LengthUnit::Mm,
+        LengthUnit::Um,
+        LengthUnit::Unit,
+    ];
+    let is_column = |stem: &str| {
+        LENGTHS
+            .iter()
+            .any(|unit| schema::column(&SCHEMA, stem, *unit) == header)
+    };
+    let keys: Vec<&str> = header.split('.').collect();
+    let known = known(&SCHEMA, &keys);
+    let in_key = |unit: &&str| header.ends_with(&format!("_{unit}"));
+    let end = match known {
+        // A length's unit is no part of the key.
+        None => {
+            let mut ends = header.match_indices('_').map(|(at, _)| at);
+            ends.find(|at| is_column(&header[..*at]))?
+        }
+        Some(true) => {
+            let unit = IN_KEYS.into_iter().find(in_key);
+            unit.map_or(header.len(), |unit| header.len() - unit.len() - 1)
+        }
+        Some(false) => header.len(),
+    };
+    Some((&header[..end], header.get(end + 1..).unwrap_or_default()))
+}
+
+/// Units that stand in keys.
+const IN_KEYS: [&str; 5] = ["rad_per_s", "rad", "deg", "s", "px"];
+
+/// Whether a field is named by the schema, rather than by the one who writes the config; `None` if there is no such field.
+fn known(schema: &Json, keys: &[&str]) -> Option<bool> {
+    let Some((key, rest)) = keys.split_first() else {
+        return Some(true);
+    };
+    if schema["type"] == "array" {
+        return Some(true);
+    }
+    let variants = schema["oneOf"]
+        .as_array()
+        .map_or(std::slice::from_ref(schema), Vec::as_slice);
+    let named = variants
+        .iter()
+        .find_map(|variant| known(variant["properties"].get(key)?, rest));
+    let free = || {
+        variants
+            .iter()
+            .any(|variant| variant["additionalProperties"].is_object())
+    };
+    named.or_else(|| free().then_some(false))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_are_words_with_units() {
+        let table = "\
+            scene.object.radius_cm: object radius (cm)
+            scene.motion.rate_rad_per_s: rolling rate (rad/s)
+            scene.motion.arc_length_cm: arc length (cm)
+            scene.object.c_per_cm: object c (1/cm)
+            scene.noise.angular_velocity.fraction: angular velocity noise (%)
+            scene.sensor: sensor
+            scene.noise.position.fraction_of_ifd: position noise (% of the IFD)
+            scene.noise.normal.std_deg: normal noise, std (°)
+            scene.motion.indentation_mm: indentation (mm)
+            scene.motion.contact_deg.0: polar angle of the contact (°)
+            scene.noise.normal_displacement.std_mm: normal displacement noise, std (mm)
+            scene.noise.indentation.std_mm: indentation noise, std (mm)
+            scene.noise.gain.std: gain error of a press, std (%)
+            scene.noise.wrong_markers.count: wrong markers
+            scene.probe.layout: marker layout
+            scene.probe.layout.pitch_mm: marker pitch (mm)
+            scene.probe.marker_depth_mm: marker depth (mm)
+            scene.probe.radius_mm: probe radius (mm)
+            scene.model: model
+            scene.model.thickness_mm: layer thickness (mm)
+            scene.estimator: estimator
+            scene.estimator.indentation: estimator indentation
+            scene.sensor.frames: frames averaged
+            scene.sensor.kind: sensor
+            scene.sensor.size_px: image size (px)
+            scene.sensor.field_deg: field of view, from its middle (°)
+            scene.sensor.lens: lens
+            scene.sensor.light_at_rim: light at the rim (% of the middle's)
+            scene.sensor.blur_px: blur (px)
+            scene.sensor.tangential: tangential readings
+            scene.sensor.normal_from: normal displacement from
+            scene.probe.discs.magenta_diameter_mm: diameter of the magenta discs (mm)
+            scene.probe.discs.yellow_diameter_mm: diameter of the yellow discs (mm)
+            scene.probe.discs.separation_mm: separation of the two discs (mm)
+            scene.probe.discs.misalignment_mm: misalignment of the two discs (mm)
+            scene.probe.layout.gores: gores
+            scene.noise.pixel.std: pixel noise, std (levels of 255)
+            scene.noise.hue.std: hue noise, std (turns)
+            scene.noise.centroid.std: centroid noise, std (px)
+            scene.noise.size.std: marker size noise, std (%)
+            scene.noise.lost_markers.count: lost markers
+            scene.motion.shift_mm: shift along the skin (mm)
+            scene.view.polar_deg: polar angle of the marker (°)";
+        for row in table.lines() {
+            let (header, label) = row.trim().split_once(": ").unwrap();
+            assert_eq!(Label::of_field(header).text(), label);
+        }
+        assert_eq!(
+            Label::of_field("scene.noise.angular_velocity.fraction").value("0.07"),
+            "7 %"
+        );
+        assert_eq!(
+            Label::of_field("scene.noise.normal.std_deg").value("2.50"),
+            "2.5°"
+        );
+    }
+}

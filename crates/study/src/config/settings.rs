@@ -1,0 +1,320 @@
+//! Settings of a config's table one by one, as a command line or a form offers them, and a table with some of them
+//! replaced.
+
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value as Json};
+
+use super::schema::{schema_of, variant, variants};
+use super::validate::kind_of;
+
+/// Setting of a table that has kinds.
+///
+/// ```
+/// use palpate_study::config::{Accepts, PressEstimatorConfig, settings};
+///
+/// let settings = settings::<PressEstimatorConfig>();
+/// let window = settings.iter().find(|setting| setting.key == "window").ok_or("a window")?;
+/// assert_eq!(window.kinds, ["gaussian"]);
+/// assert!(window.is_length);
+/// let Accepts::Number(range) = &window.accepts else {
+///     return Err("a number".into());
+/// };
+/// assert_eq!(range.parse("2.5"), Ok(2.5));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    /// The key in a config. `kind` itself is a setting, the first.
+    pub key: String,
+    /// Kinds that have it.
+    pub kinds: Vec<String>,
+    /// Meaning in words.
+    pub help: String,
+    /// Values that it may have.
+    pub accepts: Accepts,
+    /// Value that stands for none, where one is stated.
+    pub default: Option<String>,
+    /// Whether it is a length in the config's unit.
+    pub is_length: bool,
+}
+
+/// Values that a setting may have.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Accepts {
+    /// A number of a range.
+    Number(Range),
+    /// One of these words, each with its meaning.
+    Word(Vec<(String, String)>),
+}
+
+/// Range of a finite number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Range {
+    /// Bound that it exceeds.
+    pub above: Option<f64>,
+    /// Least value.
+    pub least: Option<f64>,
+    /// Greatest value.
+    pub most: Option<f64>,
+    /// Whether it is a whole number.
+    pub is_whole: bool,
+}
+
+impl Range {
+    /// Numbers greater than 0.
+    pub const POSITIVE: Self = Self {
+        above: Some(0.0),
+        least: None,
+        most: None,
+        is_whole: false,
+    };
+
+    /// Numbers from 0.
+    pub const NOT_NEGATIVE: Self = Self {
+        above: None,
+        least: Some(0.0),
+        ..Self::POSITIVE
+    };
+
+    /// Number that a text states, if it is in the range.
+    ///
+    /// # Errors
+    /// The expectation that it does not meet, in words that follow the name of the setting.
+    pub fn parse(&self, text: &str) -> Result<f64, String> {
+        let number: f64 = text.parse().map_err(|_| "is not a number".to_owned())?;
+        let is_good = number.is_finite()
+            && (!self.is_whole || number == libm::trunc(number))
+            && self.above.is_none_or(|bound| number > bound)
+            && self.least.is_none_or(|least| number >= least)
+            && self.most.is_none_or(|most| number <= most);
+        if is_good {
+            Ok(number)
+        } else {
+            Err(format!("must be {self}, is {text}"))
+        }
+    }
+
+    fn of(schema: &Json) -> Self {
+        let limit = |key: &str| schema[key].as_f64();
+        Self {
+            above: limit("exclusiveMinimum"),
+            least: limit("minimum"),
+            most: limit("maximum"),
+            is_whole: schema["type"] == "integer",
+        }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let number = if self.is_whole { "a whole number " } else { "" };
+        match (self.above, self.least, self.most) {
+            (None, Some(least), Some(most)) => write!(f, "{number}from {least} to {most}"),
+            (Some(above), _, Some(most)) => write!(f, "{number}> {above} and <= {most}"),
+            (Some(above), _, None) => write!(f, "finite and > {above}"),
+            (None, Some(least), None) => write!(f, "finite and >= {least}"),
+            (None, None, Some(most)) => write!(f, "finite and <= {most}"),
+            (None, None, None) => f.write_str("finite"),
+        }
+    }
+}
+
+/// All settings of a table that has kinds, in the order in which its kinds state them.
+pub fn settings<T: JsonSchema>() -> Vec<Setting> {
+    let schema = schema_of::<T>();
+    let mut settings: Vec<Setting> = vec![Setting {
+        key: "kind".to_owned(),
+        kinds: Vec::new(),
+        help: text(&schema["description"]),
+        accepts: Accepts::Word(Vec::new()),
+        default: None,
+        is_length: false,
+    }];
+    for variant in variants(&schema) {
+        let Some(kind) = kind_of(variant) else {
+            continue;
+        };
+        settings[0].kinds.push(kind.to_owned());
+        if let Accepts::Word(words) = &mut settings[0].accepts {
+            words.push((kind.to_owned(), text(&variant["description"])));
+        }
+        let properties = variant["properties"].as_object().into_iter().flatten();
+        for (key, schema) in properties.filter(|(key, _)| *key != "kind") {
+            match settings.iter_mut().find(|setting| setting.key == *key) {
+                Some(setting) => setting.kinds.push(kind.to_owned()),
+                None => settings.push(Setting::of(key, kind, schema)),
+            }
+        }
+    }
+    settings
+}
+
+impl Setting {
+    fn of(key: &str, kind: &str, schema: &Json) -> Self {
+        let words: Vec<_> = variants(schema)
+            .iter()
+            .filter_map(|word| {
+                Some((
+                    word["const"].as_str()?.to_owned(),
+                    text(&word["description"]),
+                ))
+            })
+            .collect();
+        Self {
+            key: key.to_owned(),
+            kinds: vec![kind.to_owned()],
+            help: text(&schema["description"]),
+            accepts: match words.is_empty() {
+                true => Accepts::Number(Range::of(schema)),
+                false => Accepts::Word(words),
+            },
+            default: match &schema["default"] {
+                Json::Null => None,
+                Json::String(word) => Some(word.clone()),
+                number => Some(
+                    number
+                        .as_f64()
+                        .map_or(number.to_string(), |number| number.to_string()),
+                ),
+            },
+            is_length: schema["x-unit"] == "length",
+        }
+    }
+}
+
+fn text(json: &Json) -> String {
+    json.as_str().unwrap_or_default().replace('\n', " ")
+}
+
+/// Why a table cannot have a setting.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SettingError {
+    /// A setting that the table's kind does not have.
+    #[error("`{key}` is of use only to kind {}", kinds.join(" or "))]
+    Useless {
+        /// Key of the setting.
+        key: String,
+        /// Kinds that have it.
+        kinds: Vec<String>,
+    },
+    /// A value that the setting cannot have.
+    #[error("`{key}`: {message}")]
+    Bad {
+        /// Key of the setting, or empty where several do not fit together.
+        key: String,
+        /// Problem in words.
+        message: String,
+    },
+}
+
+/// Table with some settings replaced. With another `kind` among them, settings that both kinds have keep their values.
+///
+/// ```
+/// use palpate_study::config::{GlideEstimatorConfig, with_settings};
+///
+/// let given = serde_json::json!({ "gamma": 2.0 });
+/// let given = given.as_object().ok_or("a table")?;
+/// let smoother = with_settings(&GlideEstimatorConfig::default(), given)?;
+/// assert!(matches!(smoother, GlideEstimatorConfig::Penalised { gamma: 2.0, .. }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`SettingError`] names the setting that the kind does not have, or whose value is none of its.
+pub fn with_settings<T>(base: &T, given: &Map<String, Json>) -> Result<T, SettingError>
+where
+    T: Serialize + DeserializeOwned + JsonSchema,
+{
+    let schema = schema_of::<T>();
+    let bad = |key: &str, message: String| SettingError::Bad {
+        key: key.to_owned(),
+        message,
+    };
+    let mut table = match serde_json::to_value(base) {
+        Ok(Json::Object(table)) => table,
+        Ok(_) => Map::new(),
+        Err(error) => return Err(bad("", error.to_string())),
+    };
+    if let Some(kind) = given.get("kind") {
+        table.insert("kind".to_owned(), kind.clone());
+    }
+    let kind = table.get("kind").and_then(Json::as_str);
+    let variant = variant(&schema, kind);
+    let properties = variant.and_then(|variant| variant["properties"].as_object());
+    let knows = |key: &str| properties.is_some_and(|properties| properties.contains_key(key));
+    table.retain(|key, _| knows(key));
+    for (key, value) in given {
+        if !knows(key) {
+            let all = settings::<T>();
+            let kinds = all.into_iter().find(|setting| setting.key == *key);
+            return Err(SettingError::Useless {
+                key: key.clone(),
+                kinds: kinds.map(|setting| setting.kinds).unwrap_or_default(),
+            });
+        }
+        table.insert(key.clone(), value.clone());
+    }
+    serde_path_to_error::deserialize(Json::Object(table))
+        .map_err(|error| bad(&error.path().to_string(), error.inner().to_string()))
+}
+
+/// Table with all its lengths multiplied by a factor, curvatures divided by it: the table in another unit of length.
+///
+/// ```
+/// use palpate_study::config::{PressModelConfig, in_unit};
+///
+/// let layer = PressModelConfig::BondedLayer { thickness: 5.0 };
+/// assert_eq!(in_unit(&layer, 0.1), PressModelConfig::BondedLayer { thickness: 0.5 });
+/// ```
+pub fn in_unit<T>(table: &T, factor: f64) -> T
+where
+    T: Clone + Serialize + DeserializeOwned + JsonSchema,
+{
+    let scaled = serde_json::to_value(table).ok().and_then(|mut json| {
+        scale(&schema_of::<T>(), &mut json, factor);
+        serde_json::from_value(json).ok()
+    });
+    scaled.unwrap_or_else(|| table.clone())
+}
+
+fn scale(schema: &Json, json: &mut Json, factor: f64) {
+    let by = match schema["x-unit"].as_str() {
+        Some("length") => factor,
+        Some("1/length") => factor.recip(),
+        Some("1/length^2") => (factor * factor).recip(),
+        _ => 1.0,
+    };
+    match json {
+        Json::Number(number) if by != 1.0 => {
+            if let Some(scaled) = number
+                .as_f64()
+                .and_then(|number| serde_json::Number::from_f64(number * by))
+            {
+                *number = scaled;
+            }
+        }
+        Json::Array(items) => {
+            // The items of an array have the array's unit.
+            let of_items = match by == 1.0 {
+                true => &schema["items"],
+                false => schema,
+            };
+            items
+                .iter_mut()
+                .for_each(|item| scale(of_items, item, factor));
+        }
+        Json::Object(table) => {
+            let kind = table.get("kind").and_then(Json::as_str);
+            if let Some(variant) = variant(schema, kind) {
+                for (key, value) in table.iter_mut() {
+                    scale(&variant["properties"][key], value, factor);
+                }
+            }
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,186 @@
+//! Columns, quantities and units in the words of a reader.
+
+use crate::number;
+use crate::quantity::Quantity;
+
+/// Words of a column, its unit as a reader writes it, and the factor from the numbers in the table to those shown (shares
+/// are shown in percent).
+///
+/// ```
+/// use palpate_study::Label;
+///
+/// let noise = Label::of_field("scene.noise.angular_velocity.fraction");
+/// assert_eq!(noise.text(), "angular velocity noise (%)");
+/// assert_eq!(noise.value("0.05"), "5 %");
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Label {
+    /// Words without the unit.
+    pub words: String,
+    /// Unit as a reader writes it; empty for a pure number.
+    pub unit: String,
+    /// Factor from the numbers in the table to those shown.
+    pub factor: f64,
+}
+
+impl Label {
+    /// Label of numbers that are shown as they are; `unit` as a reader writes it.
+    pub fn in_unit(words: impl Into<String>, unit: &str) -> Self {
+        Self {
+            words: words.into(),
+            unit: unit.to_owned(),
+            factor: 1.0,
+        }
+    }
+
+    /// Label of shares; `unit` holds a percent sign and may say of what.
+    pub fn in_percent(words: impl Into<String>, unit: &str) -> Self {
+        Self {
+            words: words.into(),
+            unit: unit.to_owned(),
+            factor: 100.0,
+        }
+    }
+
+    /// Words and unit, as on an axis.
+    pub fn text(&self) -> String {
+        with_unit(&self.words, &self.unit)
+    }
+
+    /// Value of the table as shown, with its unit: `0.05` of a share is `5 %`; text stays as it is.
+    pub fn value(&self, text: &str) -> String {
+        let bare = self.bare_value(text);
+        match self.unit.as_str() {
+            _ if number::finite(text).is_none() => bare,
+            "" => bare,
+            "°" => format!("{bare}°"),
+            unit => format!("{bare} {unit}"),
+        }
+    }
+
+    /// Value of the table as shown, without its unit.
+    pub fn bare_value(&self, text: &str) -> String {
+        number::finite(text).map_or_else(
+            || text.to_owned(),
+            |value| number::rounded(value * self.factor),
+        )
+    }
+}
+
+/// Words of the quantity of this name; of one that no study has, its name with spaces.
+///
+/// ```
+/// use palpate_study::label;
+///
+/// assert_eq!(label::quantity("gaussian_curvature"), "Gaussian curvature");
+/// assert_eq!(label::quantity("rolling_speed"), "rolling speed");
+/// ```
+pub fn quantity(name: &str) -> String {
+    let known = Quantity::named(name);
+    known.map_or_else(
+        || name.replace('_', " "),
+        |quantity| quantity.words.to_owned(),
+    )
+}
+
+/// Units a header may end in, alone (`_cm`), squared (`_cm2`), inverse (`_per_cm`) or in a ratio (`_rad_per_s`).
+const UNITS: [&str; 9] = ["m", "cm", "mm", "um", "unit", "rad", "deg", "s", "px"];
+
+/// Name and unit of a column, split at the end of its header: `scene.object.radius_cm` is `scene.object.radius` in `cm`,
+/// `scene.motion.rate_rad_per_s` is `scene.motion.rate` in `rad_per_s`. A header without a unit keeps its whole name.
+pub fn split_unit(header: &str) -> (&str, &str) {
+    let leaf = header.rfind('.').map_or(0, |dot| dot + 1);
+    let tokens: Vec<&str> = header[leaf..].split('_').collect();
+    let is_unit = |token: &str| UNITS.contains(&token.strip_suffix(['2', '3']).unwrap_or(token));
+    // The longest unit wins, and a name must be left.
+    for length in (1..=3.min(tokens.len() - 1)).rev() {
+        let found = match tokens[tokens.len() - length..] {
+            [a, "per", b] => is_unit(a) && is_unit(b),
+            ["per", b] | [b] => is_unit(b),
+            _ => false,
+        };
+        if found {
+            let unit: usize = tokens[tokens.len() - length..]
+                .iter()
+                .map(|token| token.len() + 1)
+                .sum();
+            let cut = header.len() - unit;
+            return (&header[..cut], &header[cut + 1..]);
+        }
+    }
+    (header, "")
+}
+
+/// Text of a unit as a reader writes it: `per_cm2` is `1/cm²`, `rad_per_s` is `rad/s`, `turn` is `turns`. Nothing for a pure
+/// number.
+pub fn spoken_unit(text: &str) -> String {
+    let text = text.trim();
+    if text.is_empty() || text == "1" || text == "-" {
+        return String::new();
+    }
+    let text = match text.strip_prefix("per_") {
+        Some(rest) => format!("1/{rest}"),
+        None => text.replace("_per_", "/"),
+    };
+    let plural = |part: &str| if part == "turn" { "turns" } else { part }.to_owned();
+    let text = text.split('/').map(plural).collect::<Vec<_>>().join("/");
+    text.replace("um", "µm")
+        .replace("deg", "°")
+        .replace("^2", "²")
+        .replace('2', "²")
+        .replace('3', "³")
+}
+
+/// Text of a label with its unit in brackets, if it has one.
+pub fn with_unit(label: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        label.to_owned()
+    } else {
+        format!("{label} ({unit})")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_come_off_headers() {
+        for (stem, unit) in [
+            ("scene.object.radius", "cm"),
+            ("scene.motion.rate", "rad_per_s"),
+            ("scene.motion.duration", "s"),
+            ("scene.object.c", "per_cm"),
+            ("gaussian_curvature", "per_cm2"),
+            ("scene.object.m", "per_cm"),
+        ] {
+            let header = format!("{stem}_{unit}");
+            assert_eq!(split_unit(&header), (stem, unit), "{header}");
+        }
+        for bare in [
+            "scene.noise.angular_velocity.fraction",
+            "scene.object.s",
+            "a.A",
+            "",
+        ] {
+            assert_eq!(split_unit(bare), (bare, ""));
+        }
+    }
+
+    #[test]
+    fn units_are_as_a_reader_writes_them() {
+        for (written, shown) in [
+            ("per_cm2", "1/cm²"),
+            ("rad_per_s", "rad/s"),
+            ("1/mm^2", "1/mm²"),
+            ("um", "µm"),
+            ("deg", "°"),
+            ("turn", "turns"),
+            ("turn_per_mm", "turns/mm"),
+            ("px^2", "px²"),
+            ("1", ""),
+        ] {
+            assert_eq!(spoken_unit(written), shown);
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Statistics over the trials of a cell, as columns of `cells.csv` and in words.
+
+use crate::label::{self, Label, spoken_unit};
+use crate::quantity::{Quantity, QuantityKind};
+
+/// Statistic of a quantity over the trials of a cell; in the order of the columns of `cells.csv`.
+///
+/// ```
+/// use palpate_study::Statistic;
+///
+/// assert_eq!(Statistic::named("rms_error"), Some(Statistic::RmsError));
+/// assert_eq!(Statistic::ALL[0].name(), "truth");
+/// assert_eq!(Statistic::Q50.short(), "median estimate");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Statistic {
+    /// True value.
+    Truth,
+    /// Number of trials.
+    Trials,
+    /// Number of trials that failed.
+    Failures,
+    /// Mean of the estimates.
+    Mean,
+    /// Standard deviation of the estimates.
+    Std,
+    /// Mean of the errors.
+    Bias,
+    /// Root mean square of the errors.
+    RmsError,
+    /// Mean of the errors' sizes.
+    MeanAbsError,
+    /// Root mean square of the errors as shares of the true value.
+    RelativeRmsError,
+    /// Mean of the errors' sizes as shares of the true value.
+    RelativeMeanAbsError,
+    /// 5 % quantile of the estimates.
+    Q05,
+    /// Median of the estimates.
+    Q50,
+    /// 95 % quantile of the estimates.
+    Q95,
+    /// Mean of the standard deviations that the estimator reports.
+    MeanReportedStd,
+    /// Share of the estimator's 95 % intervals that hold the true value.
+    Coverage95,
+    /// Cramér–Rao bound on the standard deviation; only presses have it.
+    StdBound,
+}
+
+impl Statistic {
+    /// Statistics that every `cells.csv` has, in the order of its columns.
+    pub const ALL: [Self; 15] = [
+        Self::Truth,
+        Self::Trials,
+        Self::Failures,
+        Self::Mean,
+        Self::Std,
+        Self::Bias,
+        Self::RmsError,
+        Self::MeanAbsError,
+        Self::RelativeRmsError,
+        Self::RelativeMeanAbsError,
+        Self::Q05,
+        Self::Q50,
+        Self::Q95,
+        Self::MeanReportedStd,
+        Self::Coverage95,
+    ];
+
+    /// Name of its column.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Truth => "truth",
+            Self::Trials => "trials",
+            Self::Failures => "failures",
+            Self::Mean => "mean",
+            Self::Std => "std",
+            Self::Bias => "bias",
+            Self::RmsError => "rms_error",
+            Self::MeanAbsError => "mean_abs_error",
+            Self::RelativeRmsError => "relative_rms_error",
+            Self::RelativeMeanAbsError => "relative_mean_abs_error",
+            Self::Q05 => "q05",
+            Self::Q50 => "q50",
+            Self::Q95 => "q95",
+            Self::MeanReportedStd => "mean_reported_std",
+            Self::Coverage95 => "coverage95",
+            Self::StdBound => "std_bound",
+        }
+    }
+
+    /// Short name, for a legend that already says of what.
+    pub const fn short(self) -> &'static str {
+        match self {
+            Self::Truth => "true value",
+            Self::Trials => "trials",
+            Self::Failures => "failures",
+            Self::Mean => "mean estimate",
+            Self::Std => "standard deviation",
+            Self::Bias => "bias",
+            Self::RmsError => "rms error",
+            Self::MeanAbsError => "mean |error|",
+            Self::RelativeRmsError => "rms relative error",
+            Self::RelativeMeanAbsError => "mean |relative error|",
+            Self::Q05 => "q05",
+            Self::Q50 => "median estimate",
+            Self::Q95 => "q95",
+            Self::MeanReportedStd => "mean reported std",
+            Self::Coverage95 => "coverage of 95 % intervals",
+            Self::StdBound => "Cramér–Rao bound",
+        }
+    }
+
+    /// Words, in which the quantity goes for `{}`.
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Truth => "true {}",
+            Self::Trials => "trials",
+            Self::Failures => "failed trials",
+            Self::Mean => "mean estimate of {}",
+            Self::Std => "standard deviation of {}",
+            Self::Bias => "bias of {}",
+            Self::RmsError => "rms error of {}",
+            Self::MeanAbsError => "mean |error| of {}",
+            Self::RelativeRmsError => "rms relative error of {}",
+            Self::RelativeMeanAbsError => "mean |relative error| of {}",
+            Self::Q05 => "5 % quantile of the estimates of {}",
+            Self::Q50 => "median estimate of {}",
+            Self::Q95 => "95 % quantile of the estimates of {}",
+            Self::MeanReportedStd => "mean reported std of {}",
+            Self::Coverage95 => "share of 95 % intervals that hold the true {}",
+            Self::StdBound => "Cramér–Rao bound on the std of {}",
+        }
+    }
+
+    /// The statistic whose column has this name.
+    pub fn named(name: &str) -> Option<Self> {
+        let all = Self::ALL.into_iter().chain([Self::StdBound]);
+        all.into_iter().find(|statistic| statistic.name() == name)
+    }
+
+    /// Label of the statistic of several quantities at once (at least one), which are all like the first and in `unit`,
+    /// as in the `unit` column.
+    pub fn label(self, quantities: &[&str], unit: &str) -> Label {
+        let first = quantities.first().and_then(|name| Quantity::named(name));
+        let is_measured = first.is_some_and(|first| first.kind != QuantityKind::Estimated);
+        // A reader sees strains in percent too.
+        let is_strain = |first: Quantity| first.name.ends_with("_strain");
+        let is_share =
+            first.is_some_and(|first| first.kind == QuantityKind::Share || is_strain(first));
+        let quantity = in_common(quantities);
+        let words = match self {
+            // A mean of what was seen is no mean estimate.
+            Self::Mean if is_measured => quantity,
+            _ => self.words().replace("{}", &quantity),
+        };
+        match self {
+            Self::Trials | Self::Failures => Label::in_unit(words, ""),
+            Self::RelativeRmsError | Self::RelativeMeanAbsError | Self::Coverage95 => {
+                Label::in_percent(words, "%")
+            }
+            _ if is_share => Label::in_percent(words, "%"),
+            _ => Label::in_unit(words, &spoken_unit(unit)),
+        }
+    }
+}
+
+/// The words in which the names of some quantities end: `strain of folding` of the greatest and the rms one.
+fn in_common(quantities: &[&str]) -> String {
+    let words: Vec<String> = quantities
+        .iter()
+        .map(|name| label::quantity(name))
+        .collect();
+    let Some((first, others)) = words.split_first() else {
+        return String::new();
+    };
+    let mut shared = first.as_str();
+    while !shared.is_empty() {
+        let end = |other: &String| other == shared || other.ends_with(&format!(" {shared}"));
+        if others.iter().all(end) {
+            return shared.to_owned();
+        }
+        shared = shared.split_once(' ').map_or("", |(_, rest)| rest);
+    }
+    "each quantity".to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statistics_stand_in_the_order_of_the_columns() {
+        for (place, statistic) in Statistic::ALL
+            .into_iter()
+            .chain([Statistic::StdBound])
+            .enumerate()
+        {
+            assert_eq!(statistic as usize, place);
+            assert_eq!(Statistic::named(statistic.name()), Some(statistic));
+        }
+        assert_eq!(Statistic::named("variance"), None);
+    }
+
+    #[test]
+    fn statistics_are_words_with_units() {
+        let table = "\
+            rms_error; gaussian_curvature; per_cm2; rms error of Gaussian curvature (1/cm²)
+            relative_mean_abs_error; normal_curvature_u; 1/cm; mean |relative error| of normal curvature along u (%)
+            mean; class; ; share classified correctly (%)
+            std_bound; relative_curvature; 1/mm; Cramér–Rao bound on the std of relative curvature (1/mm)
+            mean; r_squared; 1; mean estimate of R² of the fit
+            mean; hue_change; turn; hue change (turns)
+            mean; centroid_shift; px; centroid shift (px)
+            mean; marker_area; px^2; image area of a marker (px²)
+            mean; greatest_fold_strain; 1; greatest strain of folding (%)
+            mean; rms_fold_strain; 1; rms strain of folding (%)
+            mean; markers_tracked; 1; markers tracked
+            mean; wrong_matches; 1; wrong matches
+            mean; pixels; 1; pixels evaluated per press
+            rms_error; normal_displacement; mm; rms error of normal displacement (mm)
+            rms_error; tangential_displacement; mm; rms error of tangential displacement (mm)
+            mean; greatest_fold_strain,rms_fold_strain; 1; strain of folding (%)
+            mean; hue_change,marker_area; %; each quantity (%)";
+        for row in table.lines() {
+            let [name, quantities, unit, label] =
+                row.split(';').map(str::trim).collect::<Vec<_>>()[..]
+            else {
+                panic!("{row}")
+            };
+            let quantities: Vec<&str> = quantities.split(',').collect();
+            let statistic = Statistic::named(name).unwrap();
+            assert_eq!(statistic.label(&quantities, unit).text(), label);
+        }
+        let strain = Statistic::Mean.label(&["rms_fold_strain"], "1");
+        assert_eq!(strain.value("0.47"), "47 %");
+    }
+}

@@ -1,0 +1,72 @@
+//! Estimates of trials beside their truths.
+
+/// Estimate of one quantity by one trial beside its true value, both in the quantity's unit.
+///
+/// ```
+/// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
+///
+/// /// Claims an interval of its own, which misses the truth in one trial of four.
+/// struct Intervals;
+/// impl Trial for Intervals {
+///     fn quantities(&self) -> usize { 1 }
+///     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+///         let interval_holds = Some(trial % 4 != 0);
+///         record.observe(0, Observation { estimate: 1.0, truth: 1.0, std: None, interval_holds });
+///         Ok(())
+///     }
+/// }
+/// let statistics = run(&[Cell { trials: 8, trial: &Intervals }], &RunOptions::default(), &|_| ())?;
+/// assert_eq!(statistics[0].quantities[0].coverage95, Some(0.75));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observation {
+    /// The estimate.
+    pub estimate: f64,
+    /// The true value; may differ from one observation to the next.
+    pub truth: f64,
+    /// The standard deviation the estimator claims, at least 0; `None` where it claims none.
+    pub std: Option<f64>,
+    /// Whether the 95 % interval that the estimator claims holds the truth; `None` where it is estimate ± 1.96 std.
+    pub interval_holds: Option<bool>,
+}
+
+impl Observation {
+    /// Whether the error is finite and the standard deviation, if any, is finite and at least 0.
+    #[inline]
+    pub(crate) fn is_sound(&self) -> bool {
+        let sound_std = |std| (0.0..f64::INFINITY).contains(&std);
+        (self.estimate - self.truth).is_finite() && self.std.is_none_or(sound_std)
+    }
+}
+
+/// Observations of one quantity by `N` trials that ran together, trial by trial; see [`Observation`].
+///
+/// ```
+/// use palpate_sweep::{Observation, Observations};
+///
+/// let one = Observation { estimate: 2.5, truth: 2.0, std: Some(0.5), interval_holds: None };
+/// let alone = Observations { estimates: [2.5], truth: 2.0, stds: Some([0.5]) };
+/// assert_eq!(Observations::<1>::from(one), alone);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observations<const N: usize> {
+    /// The estimates.
+    pub estimates: [f64; N],
+    /// The true value in all of them.
+    pub truth: f64,
+    /// The standard deviations the estimator claims; `None` where it claims none.
+    pub stds: Option<[f64; N]>,
+}
+
+/// Conversion of a single observation; `interval_holds` is dropped, as [`Observations`] have none.
+impl From<Observation> for Observations<1> {
+    #[inline]
+    fn from(observation: Observation) -> Self {
+        Self {
+            estimates: [observation.estimate],
+            truth: observation.truth,
+            stds: observation.std.map(|std| [std]),
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! Time that trials take, and from it that of a run.
+
+use std::num::{NonZeroU64, NonZeroUsize};
+use std::time::Duration;
+
+use super::clock::Clock;
+use crate::jobs::blocks_of_job;
+use crate::run::{Runner, SweepError};
+use crate::trial::{BLOCK, Cell, Trial, blocks};
+
+/// Longest and shortest time for which trials of a cell are repeated; a single trial always runs to its end.
+const LONGEST: Duration = Duration::from_millis(10);
+const SHORTEST: Duration = Duration::from_millis(1);
+/// Time above which the waking of threads no longer matters, so that a measurement is not repeated.
+const SLOW: Duration = Duration::from_millis(100);
+/// Most trials of a cell that are timed together.
+const MOST_TIMED: u64 = 1 << 20;
+/// Time per trial of each of some cells, s, on one thread while the others are busy too.
+///
+/// ```
+/// use std::time::{Duration, Instant};
+/// use palpate_sweep::{Pace, Record, RunOptions, Runner, Trial};
+///
+/// struct Sleeping;
+/// impl Trial for Sleeping {
+///     fn quantities(&self) -> usize { 0 }
+///     fn run(&self, _trial: u64, _record: &mut Record) -> Result<(), &'static str> {
+///         std::thread::sleep(Duration::from_millis(2));
+///         Ok(())
+///     }
+/// }
+/// let runner = Runner::new(&RunOptions::default())?;
+/// let start = Instant::now();
+/// let pace = Pace::of(&runner, &[&Sleeping], Duration::from_millis(5), &|| start.elapsed())?;
+/// assert!(pace.seconds_per_trial(0) >= 0.002);
+/// assert!(pace.run_seconds(&[100], runner.threads()) >= 0.2 / runner.threads().get() as f64);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Pace {
+    seconds: Vec<f64>,
+}
+
+impl Pace {
+    /// Times a few trials of as many cells as fit into about `limit`, spread evenly over all; at least one cell. A cell
+    /// that is not timed gets the largest time measured.
+    ///
+    /// # Errors
+    /// [`SweepError::TooManyTrials`] on more threads than trials can be counted on.
+    pub fn of<T: Trial>(
+        runner: &Runner,
+        cells: &[T],
+        limit: Duration,
+        clock: &Clock<'_>,
+    ) -> Result<Self, SweepError> {
+        let each = (limit / cells.len().max(1) as u32).clamp(SHORTEST, LONGEST);
+        let start = clock();
+        let mut seconds = vec![None; cells.len()];
+        for cell in spread(cells.len()) {
+            if clock().saturating_sub(start) >= limit && seconds.iter().any(Option::is_some) {
+                break;
+            }
+            seconds[cell] = Some(seconds_per_trial(runner, &cells[cell], each, clock)?);
+        }
+        let dearest = seconds.iter().flatten().copied().fold(0.0, f64::max);
+        Ok(Self {
+            seconds: seconds
+                .into_iter()
+                .map(|one| one.unwrap_or(dearest))
+                .collect(),
+        })
+    }
+
+    /// Seconds per trial of a cell, on one thread.
+    pub fn seconds_per_trial(&self, cell: usize) -> f64 {
+        self.seconds[cell]
+    }
+
+    /// Bound on the seconds that a run with these trials of each cell takes on `threads` (Graham's bound on list
+    /// scheduling, 1966): no thread is idle before the last job has been handed out.
+    pub fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
+        let blocks = trials.iter().map(|&trials| blocks(trials)).sum();
+        let job = blocks_of_job(blocks, threads.get());
+        let (mut sum, mut longest) = (0.0, 0.0_f64);
+        for (&trials, &seconds) in trials.iter().zip(&self.seconds) {
+            sum += trials as f64 * seconds;
+            longest = longest.max(trials.min(job * BLOCK) as f64 * seconds);
+        }
+        let threads = threads.get() as f64;
+        sum / threads + longest * (1.0 - 1.0 / threads)
+    }
+
+    /// Largest number of trials of each random cell, up to `most`, with which a run takes at most `seconds`; cells that
+    /// are not random run once. `None` where even one trial takes longer.
+    pub(super) fn most_trials(
+        &self,
+        is_random: &[bool],
+        threads: NonZeroUsize,
+        seconds: f64,
+        most: NonZeroU64,
+    ) -> Option<NonZeroU64> {
+        let fits = |trials: u64| {
+            let trials: Vec<u64> = is_random
+                .iter()
+                .map(|&is_random| if is_random { trials } else { 1 })
+                .collect();
+            self.run_seconds(&trials, threads) <= seconds
+        };
+        if !fits(1) {
+            return None;
+        }
+        if fits(most.get()) {
+            return Some(most);
+        }
+        let (mut fit, mut unfit) = (1, most.get());
+        while unfit - fit > 1 {
+            let middle = fit + (unfit - fit) / 2;
+            if fits(middle) {
+                fit = middle;
+            } else {
+                unfit = middle;
+            }
+        }
+        NonZeroU64::new(fit)
+    }
+}
+
+/// Numbers below `count` in the order of their reversed bits, so that the first few of them are spread over the whole
+/// range.
+pub fn spread(count: usize) -> impl Iterator<Item = usize> {
+    let bits = count.next_power_of_two().trailing_zeros();
+    (0..count.next_power_of_two())
+        .map(move |number| match bits {
+            0 => number,
+            bits => number.reverse_bits() >> (usize::BITS - bits),
+        })
+        .filter(move |&number| number < count)
+}
+
+/// Seconds per trial of a cell, run by the runner on all threads at once.
+///
+/// The number of trials doubles until they take `long_enough` or there are [`MOST_TIMED`] of them, even if the cell has
+/// fewer: with few trials the waking of the threads would count for most of the time. The last number is run twice and
+/// the shorter time counts, unless it takes longer than [`SLOW`].
+fn seconds_per_trial(
+    runner: &Runner,
+    trial: &dyn Trial,
+    long_enough: Duration,
+    clock: &Clock<'_>,
+) -> Result<f64, SweepError> {
+    let time = |trials: u64| -> Result<Duration, SweepError> {
+        let start = clock();
+        let timed = vec![Cell { trials, trial }; runner.threads().get()];
+        std::hint::black_box(runner.run(&timed, &|_| ())?);
+        Ok(clock().saturating_sub(start))
+    };
+    let mut trials = 1;
+    loop {
+        let mut elapsed = time(trials)?;
+        if (long_enough..SLOW).contains(&elapsed) {
+            elapsed = elapsed.min(time(trials)?);
+        }
+        if elapsed >= long_enough || trials >= MOST_TIMED {
+            return Ok(elapsed.as_secs_f64() / trials as f64);
+        }
+        trials *= 2;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicU64, Ordering};
+    use std::time::Instant;
+
+    use super::*;
+    use crate::record::Record;
+    use crate::run::RunOptions;
+
+    const ONE: NonZeroUsize = NonZeroUsize::MIN;
+
+    /// Counts its trials.
+    struct Counted(AtomicU64);
+
+    impl Trial for Counted {
+        fn quantities(&self) -> usize {
+            0
+        }
+
+        fn run(&self, _: u64, _: &mut Record) -> Result<(), &'static str> {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_quick_cell_is_timed_by_many_trials() {
+        let counted = Counted(AtomicU64::new(0));
+        let options = RunOptions { threads: Some(ONE) };
+        let runner = Runner::new(&options).unwrap();
+        let long_enough = Duration::from_millis(50);
+        let start = Instant::now();
+        let seconds = seconds_per_trial(&runner, &counted, long_enough, &|| start.elapsed());
+        let seconds = seconds.unwrap();
+        assert!(seconds > 0.0);
+        assert!(counted.0.into_inner() > 1000);
+    }
+
+    #[test]
+    fn first_numbers_are_spread() {
+        assert_eq!(spread(8).collect::<Vec<_>>(), [0, 4, 2, 6, 1, 5, 3, 7]);
+        assert_eq!(spread(3).collect::<Vec<_>>(), [0, 2, 1]);
+        assert_eq!(spread(1).collect::<Vec<_>>(), [0]);
+        assert_eq!(spread(0).count(), 0);
+    }
+
+    #[test]
+    fn one_thread_takes_the_sum_and_many_no_less_than_the_longest_job() {
+        let pace = Pace {
+            seconds: vec![1.0, 10.0],
+        };
+        assert_eq!(pace.run_seconds(&[3, 2], ONE), 23.0);
+        // Two threads, one cell each: at most 23/2 + 20/2, and 20 in truth.
+        let two = NonZeroUsize::new(2).unwrap_or(ONE);
+        assert_eq!(pace.run_seconds(&[3, 2], two), 21.5);
+    }
+
+    #[test]
+    fn as_many_trials_as_fit() {
+        let pace = Pace {
+            seconds: vec![1.0, 10.0],
+        };
+        let most = NonZeroU64::MAX;
+        let trials = |seconds| pace.most_trials(&[true, false], ONE, seconds, most);
+        assert_eq!(trials(10.9), None);
+        assert_eq!(trials(11.0), NonZeroU64::new(1));
+        assert_eq!(trials(20.5), NonZeroU64::new(10));
+        let few = NonZeroU64::MIN;
+        assert_eq!(
+            pace.most_trials(&[true, false], ONE, 20.5, few),
+            NonZeroU64::new(1)
+        );
+    }
+}

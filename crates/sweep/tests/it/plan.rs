@@ -1,0 +1,181 @@
+//! Plans from a target error or a budget, by a clock that counts trials.
+
+use std::convert::Infallible;
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use palpate_sweep::{
+    FailingCell, Goal, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable, Record,
+    RunOptions, Runner, Trial, plan,
+};
+
+use crate::{normal, observation};
+
+/// Trials run by all cells; each takes a microsecond.
+type Run = AtomicU64;
+
+/// Cells that estimate 1 with normal errors of 0.1, a model's error on top; of each cell so many trials of ten succeed.
+#[derive(Clone, Debug)]
+struct Cells<'a> {
+    run: &'a Run,
+    successes: Vec<u64>,
+    model_error: f64,
+}
+
+struct Experiment<'a> {
+    run: &'a Run,
+    successes: u64,
+}
+
+impl Trial for Experiment<'_> {
+    fn quantities(&self) -> usize {
+        1
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        self.run.fetch_add(1, Ordering::Relaxed);
+        record.observe(0, observation(1.0 + 0.1 * normal(trial), 1.0, None));
+        (trial % 10 < self.successes).then_some(()).ok_or("slipped")
+    }
+}
+
+impl<'a> Plannable for Cells<'a> {
+    type Trial = Experiment<'a>;
+    type Error = Infallible;
+
+    fn cells(&self) -> usize {
+        self.successes.len()
+    }
+
+    fn set_up(&self, cell: usize) -> Result<Experiment<'a>, Infallible> {
+        let Self { run, successes, .. } = self;
+        let successes = successes[cell];
+        Ok(Experiment { run, successes })
+    }
+
+    fn quantity(_: &Experiment<'a>, _: usize) -> &'static str {
+        "height"
+    }
+
+    fn tolerances(&self) -> &[f64] {
+        &[1e-1, 1e-2, 1e-3, 1e-4, 1e-5]
+    }
+
+    fn pass(&self, _: usize, _: &Experiment<'a>, tolerance: f64) -> Option<Pass> {
+        let (scale, in_cell) = (1.0, Some(0));
+        Some(Pass {
+            quantities: vec![PassQuantity { scale, in_cell }],
+            values: vec![PassValue {
+                quantity: 0,
+                estimate: 1.0 + tolerance,
+                truth: 1.0,
+            }],
+        })
+    }
+
+    fn with_tolerance(&self, tolerance: Option<f64>) -> Result<Self, Infallible> {
+        Ok(Self {
+            model_error: tolerance.unwrap_or(self.model_error),
+            ..self.clone()
+        })
+    }
+}
+
+/// Model error and plan of cells of which so many trials of ten succeed.
+fn planned(successes: &[u64], goal: Goal) -> Result<(f64, Plan), PlanError<Infallible>> {
+    let run = Run::default();
+    let cells = Cells {
+        run: &run,
+        successes: successes.to_vec(),
+        model_error: 0.0,
+    };
+    let threads = NonZeroUsize::new(1);
+    let runner = Runner::new(&RunOptions { threads }).unwrap();
+    let clock = || Duration::from_micros(run.load(Ordering::Relaxed));
+    let (cells, plan) = plan(&cells, &goal, &runner, &clock)?;
+    Ok((cells.model_error, plan))
+}
+
+const fn target(error: f64) -> Goal {
+    Goal {
+        target_error: Some(error),
+        budget: None,
+    }
+}
+
+const fn budget(seconds: u64) -> Goal {
+    Goal {
+        target_error: None,
+        budget: Some(Duration::from_secs(seconds)),
+    }
+}
+
+#[test]
+fn a_target_decides_trials_and_tolerance() {
+    // Normal errors need 1/(2 · 0.02²) = 1250 trials, twice as many where half of them fail, and the margin adds to that.
+    for (successes, least) in [(10, 1250), (5, 2500)] {
+        let (model_error, plan) = planned(&[successes], target(0.02)).unwrap();
+        let trials = plan.trials().unwrap().get();
+        assert!((least..least * 3 / 2).contains(&trials), "{trials}");
+        // A tenth of 0.02 of the rms error of 0.1 is 2e-4.
+        assert_eq!((model_error, plan.by_budget), (1e-4, None));
+        assert!(plan.expected_error.unwrap() <= 0.02);
+    }
+}
+
+#[test]
+fn a_budget_leaves_time_for_planning() {
+    let (model_error, plan) = planned(&[10, 10], budget(10)).unwrap();
+    let trials = plan.trials().unwrap().get();
+    // Two cells of a microsecond per trial in nine tenths of what planning leaves of ten seconds.
+    assert!((3_500_000..4_500_000).contains(&trials), "{trials}");
+    assert_eq!((model_error, plan.by_target), (0.0, None));
+    let both = Goal {
+        budget: budget(10).budget,
+        ..target(0.02)
+    };
+    let (_, plan) = planned(&[10, 10], both).unwrap();
+    assert_eq!(plan.trials(), plan.by_target);
+    assert!(plan.by_budget > plan.by_target);
+}
+
+#[test]
+fn cells_that_always_fail_are_named() {
+    let (_, plan) = planned(&[10, 0], target(0.1)).unwrap();
+    let [FailingCell { cell, trials, kind }] = plan.failing[..] else {
+        panic!("{plan:?}");
+    };
+    assert_eq!((cell, kind), (1, "slipped"));
+    assert!(trials >= 64);
+    let error = planned(&[0, 0], target(0.1)).unwrap_err();
+    assert!(
+        matches!(error, PlanError::AllFail(FailingCell { cell: 0, .. })),
+        "{error}"
+    );
+}
+
+#[test]
+fn what_cannot_be_reached_is_refused() {
+    let error = planned(&[10, 5], target(1e-6)).unwrap_err();
+    let text = error.to_string();
+    let PlanError::TooManyTrials {
+        cell: 1,
+        quantity,
+        reached,
+        ..
+    } = error
+    else {
+        panic!("{text}");
+    };
+    assert!(
+        quantity == "height" && (1e-5..2e-4).contains(&reached),
+        "{text}"
+    );
+    let goal = Goal {
+        budget: Some(Duration::from_nanos(1500)),
+        target_error: None,
+    };
+    let error = planned(&[10; 3], goal).unwrap_err();
+    assert!(matches!(error, PlanError::DoesNotFit { .. }), "{error}");
+}

@@ -1,0 +1,35 @@
+//! The command line of the tasks.
+
+use clap::{Parser, Subcommand};
+
+use crate::{bench_check, extremes, fuzz, peers, reproduce, same_bytes, tradeoff};
+
+/// Development tasks of palpate.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) task: Task,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Task {
+    /// Check all that must hold before a change is taken: format, lints, tests, docs, licences, results, README.
+    Ci,
+    /// Run the studies in sim-configs/, draw their figures and score the papers' claims.
+    Reproduce(reproduce::Options),
+    /// Run shortened studies on every host that this machine can be, and compare their tables' SHA-256.
+    SameBytes(same_bytes::Options),
+    /// Measure every ladder of models: error against cost, into results/tradeoff/.
+    Tradeoff(tradeoff::Options),
+    /// Try every public entry point at its extremes, into results/extremes.csv.
+    Extremes(extremes::Options),
+    /// Compare instruction counts and accuracy with the committed baseline.
+    BenchCheck(bench_check::Options),
+    /// Run what a user would pick instead beside our benchmarks, into results/peers.csv.
+    Peers(peers::Options),
+    /// Feed the readers of files what nobody would write.
+    Fuzz(fuzz::Options),
+    /// Check which file imports which, and which crate which: no circles.
+    House,
+}
