@@ -4,7 +4,6 @@ mod answer;
 mod case;
 mod scene;
 mod table;
-mod tracking;
 
 use std::path::Path;
 
@@ -16,7 +15,7 @@ pub use palpate_verdict::Precise;
 
 /// All cases, in the order of their crates.
 pub fn cases() -> Vec<Case> {
-    let crates = [tracking::cases(), scene::cases()];
+    let crates = [scene::cases()];
     crates.into_iter().flatten().collect()
 }
 
