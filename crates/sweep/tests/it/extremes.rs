@@ -23,36 +23,6 @@ const IN_TURN: [(&str, f64, f64); 5] = [
     ("1e300 and 1", 1e300, 1.0),
     ("subnormal", f64::from_bits(1), f64::from_bits(2)),
 ];
-/// Observations that fail: words, estimate, truth and standard deviation, kind.
-const FAILING: [(&str, [f64; 3], &str); 7] = [
-    ("an estimate of NaN", [f64::NAN, 0.0, 0.0], NOT_FINITE),
-    (
-        "an infinite estimate",
-        [f64::INFINITY, 0.0, 0.0],
-        NOT_FINITE,
-    ),
-    ("a truth of NaN", [0.0, f64::NAN, 0.0], NOT_FINITE),
-    (
-        "an error beyond the doubles",
-        [f64::MAX, -f64::MAX, 0.0],
-        NOT_FINITE,
-    ),
-    (
-        "a standard deviation of NaN",
-        [0.0, 0.0, f64::NAN],
-        NOT_FINITE,
-    ),
-    (
-        "a negative standard deviation",
-        [0.0, 0.0, -1.0],
-        NEGATIVE_STD,
-    ),
-    (
-        "a subnormal negative one",
-        [0.0, 0.0, -f64::from_bits(1)],
-        NEGATIVE_STD,
-    ),
-];
 
 rows! {
     RUN, "errors of 1 to {trials} times {unit:e}" => sequence(unit, trials),
@@ -63,8 +33,13 @@ rows! {
     RUN, "{trials} errors, {name} in turn: mean" => in_turn(trials, one, other),
         for (name, one, other) in IN_TURN, for trials in [1, 2, 3000];
     RUN, "estimates of half a truth of {truth:e}: bias and stated deviation" => half(truth), for truth in TRUTHS;
-    OBSERVE, "{input}: trials fail by kind" => failures(observation(estimate, truth, Some(std)), 0, kind),
-        for (input, [estimate, truth, std], kind) in FAILING;
+    OBSERVE, "an estimate of NaN: trials fail by kind" => failing([f64::NAN, 0.0, 0.0], NOT_FINITE);
+    OBSERVE, "an infinite estimate: trials fail by kind" => failing([f64::INFINITY, 0.0, 0.0], NOT_FINITE);
+    OBSERVE, "a truth of NaN: trials fail by kind" => failing([0.0, f64::NAN, 0.0], NOT_FINITE);
+    OBSERVE, "an error beyond the doubles: trials fail by kind" => failing([f64::MAX, -f64::MAX, 0.0], NOT_FINITE);
+    OBSERVE, "a standard deviation of NaN: trials fail by kind" => failing([0.0, 0.0, f64::NAN], NOT_FINITE);
+    OBSERVE, "a negative standard deviation: trials fail by kind" => failing([0.0, 0.0, -1.0], NEGATIVE_STD);
+    OBSERVE, "a subnormal negative one: trials fail by kind" => failing([0.0, 0.0, -f64::from_bits(1)], NEGATIVE_STD);
     OBSERVE, "quantity {quantity} of one: trials fail by kind" =>
         failures(observation(1.0, 1.0, None), quantity, UNKNOWN_QUANTITY), for quantity in [1, usize::MAX];
     RUN, "no trial: nothing is defined" => undefined();
@@ -211,6 +186,11 @@ fn in_turn(trials: u64, one: f64, other: f64) -> Answer {
     Answer::at_scale(value(found.bias), truth, scale)
         .within(BOUND)
         .also(numbers(&found))
+}
+
+/// Failures of an estimate of a truth with a standard deviation.
+fn failing([estimate, truth, std]: [f64; 3], kind: &'static str) -> Answer {
+    failures(observation(estimate, truth, Some(std)), 0, kind)
 }
 
 /// Every other trial fails by this kind and leaves nothing.

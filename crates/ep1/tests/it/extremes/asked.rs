@@ -8,18 +8,6 @@ use crate::readings;
 
 const NEW: &str = "ep1::LeastSquares::new";
 const OF: &str = "ep1::LeastSquares::of";
-const READING: [(usize, &str); 4] = [
-    (0, "rotation x"),
-    (1, "rotation y"),
-    (2, "shift u"),
-    (3, "shift v"),
-];
-const NOISE: [(usize, &str); 4] = [
-    (0, "relative"),
-    (1, "rotation"),
-    (2, "shift"),
-    (3, "resolution"),
-];
 /// Number of the 61 sizes of each noise with which probes of three radii tell the curvature; beyond them the
 /// deviations leave the doubles.
 const ANSWERED: [[usize; 3]; 4] = [[59, 61, 61], [59, 61, 61], [59, 46, 47], [61, 61, 61]];
@@ -28,9 +16,11 @@ rows! {
     NEW, "radius {bad:e}", if bad == f64::MAX { "unresolved" } else { "out-of-range" } =>
         estimate(bad, none(), &good()), for bad in NO_LENGTHS;
     OF, "{name} {bad:e}", "not-finite" => estimate(1.0, none(), &with(part, bad)),
-        for bad in NOT_FINITE, for (part, name) in READING;
+        for bad in NOT_FINITE,
+        for (part, name) in ["rotation x", "rotation y", "shift u", "shift v"].into_iter().enumerate();
     NEW, "noise {name} {bad:e}", "out-of-range" => estimate(1.0, noise(part, bad), &good()),
-        for bad in NOT_FINITE, for (part, name) in NOISE;
+        for bad in NOT_FINITE,
+        for (part, name) in ["relative", "rotation", "shift", "resolution"].into_iter().enumerate();
     NEW, "noise {part} of -1", "out-of-range" => estimate(1.0, noise(part, -1.0), &good()), for part in 0..4;
     OF, "noise {part} from 1e-300 to 1e300, radius {radius:e}: the curvature's error over its bound" =>
         noises(part, radius, answered),

@@ -7,14 +7,6 @@ use palpate_verdict::{Answer, Precise, rows};
 
 const OF: &str = "ep1::LeastSquares::of";
 const RATIOS: [f64; 9] = [1e-12, 1e-9, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9, 1e11];
-/// Shares of their way by which contacts move on a plane, along and across, that are too little to tell.
-const STILL: [[f64; 2]; 4] = [
-    [1e-14, 1e-14],
-    [1e-14, -1e-14],
-    [-1e-14, -1e-14],
-    [0.5, -1e-14],
-];
-const BACKWARDS: [[f64; 2]; 3] = [[1e-12, -0.5], [0.5, -0.5], [-0.5, -0.5]];
 
 rows! {
     OF, "probe {radius:e}, curvature of {ratio:e} times its" => isotropic(radius, ratio, 0.1),
@@ -33,9 +25,9 @@ rows! {
     OF, "probes that turn {across:e} times as far across as along", "unresolvable" => lopsided(across),
         for across in [0.0, 1e-9, 1e-7];
     OF, "contacts that move by {along:e} and {across:e} of their way on a plane", "unresolved" => moved(along, across),
-        for [along, across] in STILL;
+        for [along, across] in [[1e-14, 1e-14], [1e-14, -1e-14], [-1e-14, -1e-14], [0.5, -1e-14]];
     OF, "contacts that move by {along:e} and {across:e} of their way on a plane", "not-rolling" => moved(along, across),
-        for [along, across] in BACKWARDS;
+        for [along, across] in [[1e-12, -0.5], [0.5, -0.5], [-0.5, -0.5]];
     OF, "curvature of {ratio:e} times the probe's: not resolved", "unresolved" => isotropic(1.0, ratio, 0.1),
         for ratio in [1e13, 1e16, 1e100];
 }

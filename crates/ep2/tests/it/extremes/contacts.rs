@@ -14,11 +14,6 @@ const UP: Option<[f64; 3]> = Some([0.0, 0.0, 1.0]);
 const BAD: [f64; 4] = [NOT_FINITE[0], NOT_FINITE[1], NOT_FINITE[2], 1e200];
 const NO_WEIGHTS: [f64; 4] = [0.0, -0.0, -1.0, f64::NEG_INFINITY];
 const ANGLES: [f64; 4] = [1e-5, 1e-3, 0.5, 1.2];
-const CRITERIA: [Criterion; 3] = [
-    Criterion::Gcv,
-    Criterion::Reml,
-    Criterion::RobustGcv { gamma: 100.0 },
-];
 
 rows! {
     PATCH, "{input}", "too-few-contacts" => patch(&vec![contact(0.0, 0.0, 0.0, UP); count]),
@@ -56,7 +51,9 @@ rows! {
     PENALISED, "gamma {gamma}", "bad-setting" => centre(&by(Criterion::RobustGcv { gamma }), &fingers(0.5)),
         for gamma in [f64::NAN, f64::INFINITY, 0.0, -1.0, 101.0];
     PENALISED, "{criterion:?}, two fingers {distance:e} of their way apart: whether its numbers fit together" =>
-        centre(&by(criterion), &fingers(distance)), for criterion in CRITERIA, for distance in [1e-3, 1.0];
+        centre(&by(criterion), &fingers(distance)),
+        for criterion in [Criterion::Gcv, Criterion::Reml, Criterion::RobustGcv { gamma: 100.0 }],
+        for distance in [1e-3, 1.0];
     PENALISED, "{intervals} intervals", "bad-setting" =>
         centre(&Penalised { intervals: Some(intervals), ..Penalised::default() }, &fingers(0.5)),
         for intervals in [0, 25, usize::MAX];

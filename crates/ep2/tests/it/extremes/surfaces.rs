@@ -15,12 +15,6 @@ const POINTS_AT: &str = "ep2::Fit::points_at";
 /// Relative error that the documentation of `Fit::curvature_at` allows for contacts on a paraboloid.
 const EXACT: f64 = 1e-11;
 const TURNS: [[f64; 3]; 3] = [[3.0, 0.0, 0.0], [1e-9, 1.0, 2.0], [1.57, 1e-6, 3.1]];
-const NO_STDS: [(&str, f64); 4] = [
-    ("NaN", f64::NAN),
-    ("0", 0.0),
-    ("-1", -1.0),
-    ("infinite", f64::INFINITY),
-];
 const STDS: [f64; 4] = [f64::from_bits(1), 1e-300, 1e-12, 1e12];
 const NOWHERE: [f64; 5] = [1e50, 1e300, f64::MAX, f64::INFINITY, f64::NAN];
 
@@ -49,7 +43,8 @@ rows! {
     POINTS_AT, "{name}, a place {far:e} from a patch of size 1", "out-of-range" => at(&*method, far),
         for (name, method) in methods(), for far in NOWHERE;
     "ep2::Quadric::fit", "noise that is {name}", "bad-setting" =>
-        Quadric { noise: noise(std, None) }.fit(&PLAIN.patch().unwrap()), for (name, std) in NO_STDS;
+        Quadric { noise: noise(std, None) }.fit(&PLAIN.patch().unwrap()),
+        for (name, std) in [("NaN", f64::NAN), ("0", 0.0), ("-1", -1.0), ("infinite", f64::INFINITY)];
     METHOD, "quadric, noise stated as {std:e}: the curvature all the same" =>
         stated(&Quadric { noise: noise(std, Some(std)) }), for std in STDS;
     METHOD, "quadric, noise stated as {std:e}", "out-of-range" => stated(&Quadric { noise: noise(std, Some(std)) }),

@@ -4,14 +4,8 @@ use palpate_geometry::ShapeThresholds;
 use palpate_geometry::surfaces::{Cylinder, Dish, Ellipsoid, Graph, Sphere, Torus};
 use palpate_verdict::{NO_LENGTHS, NOT_FINITE, rows};
 
+const THRESHOLDS: &str = "geometry::ShapeThresholds::new";
 const REFUSED: &str = "invalid-shape";
-const NO_THRESHOLDS: [(f64, f64); 5] = [
-    (f64::NAN, 0.0),
-    (0.0, f64::NAN),
-    (f64::INFINITY, 0.0),
-    (1.0, f64::INFINITY),
-    (-1e-310, 0.0),
-];
 
 rows! {
     "geometry::Sphere::new", "radius {bad:e}", REFUSED => Sphere::new(bad), for bad in NO_LENGTHS;
@@ -28,8 +22,10 @@ rows! {
         for bad in NO_LENGTHS;
     "geometry::Graph::paraboloid", "{bad:e}", REFUSED => Graph::paraboloid(bad), for bad in NOT_FINITE;
     "geometry::Graph::saddle", "{bad:e}", REFUSED => Graph::saddle(bad), for bad in NOT_FINITE;
-    "geometry::ShapeThresholds::new", "gaussian {gaussian:e}, mean {mean:e}", "out-of-range" =>
-        ShapeThresholds::new(gaussian, mean), for (gaussian, mean) in NO_THRESHOLDS;
-    "geometry::ShapeThresholds::new", "gaussian {gaussian:e}, mean {mean:e}", "impossible-class" =>
-        ShapeThresholds::new(gaussian, mean), for (gaussian, mean) in [(0.0, 1e-9), (1e300, 1e200)];
+    THRESHOLDS, "gaussian {bad:e}, mean 0e0", "out-of-range" => ShapeThresholds::new(bad, 0.0),
+        for bad in [f64::NAN, f64::INFINITY, -1e-310];
+    THRESHOLDS, "gaussian {gaussian:e}, mean {bad:e}", "out-of-range" => ShapeThresholds::new(gaussian, bad),
+        for (gaussian, bad) in [(0.0, f64::NAN), (1.0, f64::INFINITY)];
+    THRESHOLDS, "gaussian {gaussian:e}, mean {mean:e}", "impossible-class" => ShapeThresholds::new(gaussian, mean),
+        for (gaussian, mean) in [(0.0, 1e-9), (1e300, 1e200)];
 }

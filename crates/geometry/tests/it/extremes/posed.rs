@@ -8,13 +8,6 @@ use palpate_verdict::{Answer, NOT_FINITE, rows};
 const NEW: &str = "geometry::Posed::new";
 const CLOSEST: &str = "geometry::Posed::closest_point";
 const LEVEL_SET: &str = "geometry::Posed::level_set";
-const TOO_FAR: [f64; 5] = [
-    f64::NAN,
-    f64::INFINITY,
-    f64::NEG_INFINITY,
-    1.1e150,
-    -f64::MAX,
-];
 const FAR: [f64; 7] = [0.0, -0.0, f64::from_bits(1), 1e-300, 1e-9, 1.0, 1e9];
 const RADII: [f64; 3] = [1e-9, 1.0, 1e9];
 /// Away from all axes.
@@ -22,7 +15,7 @@ const TURN: Vector3<f64> = Vector3::new(0.3, -1.1, 0.7);
 
 rows! {
     NEW, "moved by {bad:e} along axis {axis}", "invalid-shape" => posed(1.0, Isometry3::new(along(axis, bad), TURN)),
-        for bad in TOO_FAR, for axis in 0..3;
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1.1e150, -f64::MAX], for axis in 0..3;
     NEW, "part {part} of the turn is {bad:e}", "invalid-shape" => mistaken(part, bad),
         for bad in NOT_FINITE, for part in 0..4;
     CLOSEST, "a sphere of {radius:e}, moved by {far:e} of it and turned: on the line to its centre" =>

@@ -2,7 +2,7 @@
 
 use palpate_geometry::Shape;
 use palpate_rolling::{Fingertip, Glider, InvalidTouch, Touch, TouchModel};
-use palpate_verdict::{Answer, rows};
+use palpate_verdict::{Answer, NO_LENGTHS, rows};
 
 use crate::scenes::{cylinder, paraboloid, plane, sphere};
 
@@ -10,24 +10,10 @@ const ON: &str = "rolling::Glider::on";
 const TOUCH: &str = "rolling::Glider::touch";
 const TIP: Fingertip = Fingertip::Sphere { radius: 0.5 };
 const TOLERANCES: [f64; 5] = [1e-14, 1e-12, 1e-6, 1e-3, 0.1];
-const NO_TOLERANCES: [f64; 10] = [
-    f64::NAN,
-    f64::INFINITY,
-    f64::NEG_INFINITY,
-    -1.0,
-    -0.0,
-    0.0,
-    f64::from_bits(1),
-    1e-15,
-    0.11,
-    f64::MAX,
-];
 
 rows! {
-    ON, "auto, tolerance {tolerance:e}", "tolerance" => glider(sphere(1.0), TIP, TouchModel::Auto { tolerance }),
-        for tolerance in NO_TOLERANCES;
-    ON, "Newton, tolerance {tolerance:e}", "tolerance" => glider(sphere(1.0), TIP, TouchModel::Newton { tolerance }),
-        for tolerance in NO_TOLERANCES;
+    ON, "{name}, tolerance {tolerance:e}", "tolerance" => glider(sphere(1.0), TIP, model),
+        for tolerance in NO_LENGTHS.into_iter().chain([1e-15, 0.11]), for (name, model) in models(tolerance);
     ON, "closed form of a round tip on a hill", "unsupported" => glider(paraboloid(0.5), TIP, TouchModel::ClosedForm);
     ON, "Newton of a point", "unsupported" =>
         glider(sphere(1.0), Fingertip::Point, TouchModel::Newton { tolerance: 1e-9 });
@@ -46,6 +32,13 @@ fn glider(object: Shape, tip: Fingertip, model: TouchModel) -> Result<Glider, &'
         InvalidTouch::Unsupported { .. } => "unsupported",
         InvalidTouch::Tolerance { .. } => "tolerance",
     })
+}
+
+const fn models(tolerance: f64) -> [(&'static str, TouchModel); 2] {
+    [
+        ("auto", TouchModel::Auto { tolerance }),
+        ("Newton", TouchModel::Newton { tolerance }),
+    ]
 }
 
 fn touched(glider: &Glider, x: f64, y: f64) -> Result<Touch, &'static str> {

@@ -12,63 +12,28 @@ use palpate_verdict::{Answer, EXTREME, Precise, rows};
 const READ: &str = "sensing::Encoder::read";
 const DRAWS: u64 = 2000;
 const LEVELS: [f64; 8] = [0.0, 1e-300, 1e-9, 0.01, 1.0, 10.0, 1e9, 1e150];
-const STEPS: [f64; 8] = [
-    f64::from_bits(1),
-    1e-310,
-    1e-12,
-    1e-3,
-    0.1,
-    1.0,
-    1e9,
-    f64::MAX,
-];
 const SEEDS: [(u64, u64); 4] = [(0, 0), (u64::MAX, 0), (0, u64::MAX), (u64::MAX, u64::MAX)];
 
 rows! {
-    channel, "size {level:e}: root mean square of {DRAWS} draws" => root_mean_square(level, draw),
-        for (channel, draw) in CHANNELS, for level in LEVELS;
+    "sensing::AngularVelocityError::draw, Gaussian", "size {level:e}: root mean square of {DRAWS} draws" =>
+        turned(Distribution::Gaussian, level, 1.0), for level in LEVELS;
+    "sensing::AngularVelocityError::draw, uniform", "size {level:e}: root mean square of {DRAWS} draws" =>
+        turned(Distribution::Uniform, level, 3f64.sqrt()), for level in LEVELS;
+    "sensing::GaussianError::draw", "size {level:e}: root mean square of {DRAWS} draws" => drawn(level),
+        for level in LEVELS;
+    "sensing::PositionError::read", "size {level:e}: root mean square of {DRAWS} draws" => placed(level),
+        for level in LEVELS;
     "sensing::NormalError::read", "{std_rad:e} rad: unit vectors all the same" => unit_normals(std_rad),
         for std_rad in [0.0, 1e-300, 1e-9, 0.1, PI];
     "sensing::Wrist::read", "std of {level:e} radii: at most half a turn away" => wrist(level),
         for level in [0.0, 1e-12, 0.01, 1.0, 10.0, 1e9, 1e150];
-    READ, "step {step:e}, 1/π rad: the nearest whole number of steps" => encoded(step), for step in STEPS;
+    READ, "step {step:e}, 1/π rad: the nearest whole number of steps" => encoded(step),
+        for step in [f64::from_bits(1), 1e-310, 1e-12, 1e-3, 0.1, 1.0, 1e9, f64::MAX];
     READ, "steps and angles of all extremes: off, in steps or the angle itself if they are finer than it" =>
         all_encoded();
     "sensing::Stream::symmetric_uniform", "seed {seed}, trial {trial}: mean of {DRAWS} uniform draws" =>
         mean(seed, trial), for (seed, trial) in SEEDS;
 }
-
-/// Sizes of the draws of one channel at one level.
-type Drawn = fn(f64, &mut Stream) -> Vec<f64>;
-
-const CHANNELS: [(&str, Drawn); 4] = [
-    (
-        "sensing::AngularVelocityError::draw, Gaussian",
-        |level, stream| {
-            let error = AngularVelocityError::new(Distribution::Gaussian, level).unwrap();
-            let drawn = error.draw(stream, 1.0);
-            vec![drawn.x, drawn.y]
-        },
-    ),
-    (
-        "sensing::AngularVelocityError::draw, uniform",
-        |level, stream| {
-            let error = AngularVelocityError::new(Distribution::Uniform, level).unwrap();
-            // Of the standard deviation stated.
-            let scale = 3f64.sqrt();
-            let drawn = error.draw(stream, 1.0) * scale;
-            vec![drawn.x, drawn.y]
-        },
-    ),
-    ("sensing::GaussianError::draw", |level, stream| {
-        vec![GaussianError::new(level).unwrap().draw(stream)]
-    }),
-    ("sensing::PositionError::read", |level, stream| {
-        let error = PositionError::new(Distribution::Gaussian, level, PositionAxes::Xyz);
-        let read = error.unwrap().read(stream, &Point3::origin());
-        vec![read.x, read.y, read.z]
-    }),
-];
 
 fn mean(seed: u64, trial: u64) -> Answer {
     let mut stream = Stream::new(seed, trial, Channel::Pixel);
@@ -78,11 +43,36 @@ fn mean(seed: u64, trial: u64) -> Answer {
     Answer::at_scale(sum / DRAWS as f64, 0.0, 1.0).within(bound)
 }
 
+/// Draws of a rate, times what makes their standard deviation the level.
+fn turned(distribution: Distribution, level: f64, scale: f64) -> Answer {
+    let error = AngularVelocityError::new(distribution, level).unwrap();
+    root_mean_square(level, |stream| {
+        let drawn = error.draw(stream, 1.0) * scale;
+        [drawn.x, drawn.y]
+    })
+}
+
+fn drawn(level: f64) -> Answer {
+    let error = GaussianError::new(level).unwrap();
+    root_mean_square(level, |stream| [error.draw(stream)])
+}
+
+fn placed(level: f64) -> Answer {
+    let error = PositionError::new(Distribution::Gaussian, level, PositionAxes::Xyz).unwrap();
+    root_mean_square(level, |stream| {
+        let read = error.read(stream, &Point3::origin());
+        [read.x, read.y, read.z]
+    })
+}
+
 /// It is the stated one within five standard deviations of its own, `√(1/2n)` of a Gaussian.
-fn root_mean_square(level: f64, draw: Drawn) -> Answer {
+fn root_mean_square<N: IntoIterator<Item = f64>>(
+    level: f64,
+    draw: impl Fn(&mut Stream) -> N,
+) -> Answer {
     let mut stream = Stream::new(7, 0, Channel::Position);
     let scale = if level > 0.0 { level } else { 1.0 };
-    let drawn: Vec<f64> = (0..DRAWS).flat_map(|_| draw(level, &mut stream)).collect();
+    let drawn: Vec<f64> = (0..DRAWS).flat_map(|_| draw(&mut stream)).collect();
     let squares: f64 = drawn.iter().map(|drawn| (drawn / scale).powi(2)).sum();
     let found = (squares / drawn.len() as f64).sqrt();
     let stated = if level > 0.0 { 1.0 } else { 0.0 };
