@@ -8,7 +8,7 @@ pub(crate) struct Assumed<'a> {
     pub(crate) estimator: &'a PressEstimatorConfig,
     /// The sensor's own soft body, which has what the settings leave out.
     pub(crate) model: &'a PressModelConfig,
-    /// The same as a body under these markers.
+    /// Body of that model under these markers.
     pub(crate) body: &'a Body,
     /// Thickness of its layer, where that has tables for fits to share.
     pub(crate) shared: Option<f64>,

@@ -111,7 +111,7 @@ impl PressScene {
     }
 }
 
-/// What a sensor reads of a press.
+/// Readings that a sensor takes of a press.
 struct Look<'a> {
     /// Camera before the markers; `None` where these are read directly.
     camera: Option<&'a CameraConfig>,

@@ -77,7 +77,7 @@ fn sums(std: f64, correlation: f64) -> Option<Answer> {
     )
 }
 
-/// What is told where one number is this.
+/// Answer where one number is this.
 fn with(number: f64) -> [(&'static str, Option<Probabilities>); 4] {
     [
         (

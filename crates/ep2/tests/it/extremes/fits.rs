@@ -1,4 +1,4 @@
-//! What a fit tells at one place, for the tables.
+//! Answers of a fit at one place, for the tables.
 
 use palpate_ep2::{Contact, Ep2Error, MapPoint, Method, Patch, Penalised, Quadric, TwoPass};
 use palpate_verdict::Answer;
