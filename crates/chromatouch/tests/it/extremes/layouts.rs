@@ -94,7 +94,10 @@ fn named(error: PatternError) -> &'static str {
 
 /// Subnormal places are whole multiples of the least number.
 fn published(radius: f64) -> Result<Answer, LayoutError> {
-    let numbers = |radius| Ok(Layout::published().places(radius)?.into_iter().flatten());
+    let numbers = |radius| {
+        let places = Layout::published().places(radius);
+        places.map(|places| places.into_iter().flatten())
+    };
     let truths = numbers(1.0)?.map(|of_one| of_one * radius);
     let pairs = numbers(radius)?.zip(truths);
     Ok(Answer::all_at_scale(pairs, radius.max(f64::MIN_POSITIVE)).within(1e-14))
