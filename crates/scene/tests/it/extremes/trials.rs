@@ -56,7 +56,7 @@ rows! {
         trials(&layered(1e6));
     TRIAL, "{kind} on a sphere whose radius is {radius}", RADIUS => trials(&text),
         for radius in NO_RADII, for (kind, text) in on_spheres(radius);
-    TRIAL, "{kind} on a sphere whose radius is {radius}", RADIUS => trials(&text),
+    TRIAL, "{kind} on a sphere whose radius is {radius}", RADIUS => trials(text),
         for radius in ["5e-324", "1e308"], for (kind, text) in &on_spheres(radius)[..2];
     TRIAL, "press on a sphere whose radius is 5e-324", "out-of-range" => trials(&on_spheres("5e-324")[2].1);
     TRIAL, "press on a sphere whose radius is 1e308" => exact(&on_spheres("1e308")[2].1, 1.0);
