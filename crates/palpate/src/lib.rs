@@ -8,6 +8,7 @@
 //! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
 //! | follow one pass of a cell | [`trace`] |
 //! | take tables apart | [`columns`] |
+//! | draw a figure of tables as SVG text | [`figure`] of [`Files`] |
 //! | estimate from recorded readings, track camera images | [`recorded`], with [`readings`] for numbers and [`frame`] for pixels |
 //!
 //! Nothing here prints, exits, reads a clock or writes a file; only files that the caller names are read. It runs where
@@ -48,6 +49,7 @@ pub use check::{CellGroup, Check, Rungs, check};
 pub use columns::{Column, Values, columns};
 pub use costs::Cost;
 pub use map::Map;
+pub use palpate_report::{Figure, Files, ReportError, figure};
 pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, SeenPress, Trace, recorded};
 pub use palpate_study::Table;
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
