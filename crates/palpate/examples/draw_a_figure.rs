@@ -33,6 +33,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ran = palpate::run(&study)?;
     let plot = study.config.plot.first().ok_or("no plot")?;
     let figure = figure(plot, Files::in_memory([("cells.csv", ran.cells.to_csv())]))?;
-    println!("{}: {} bytes of SVG", figure.title, figure.svg.len());
+    println!("{}: {} bytes of SVG", figure.name, figure.svg.len());
     Ok(())
 }
