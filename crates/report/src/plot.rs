@@ -12,6 +12,8 @@ mod fronts;
 mod given;
 mod lettering;
 mod lines;
+#[cfg(feature = "png")]
+mod pixels;
 mod press_trace;
 mod profile;
 mod request;

@@ -16,13 +16,13 @@ const DETAIL: u32 = 3;
 /// The SVG backend divides a font's size by this to get the size of its em.
 const EM: f64 = 1.24;
 /// Shift of text downward, in ems: the SVG backend centres small letters, and capitals and digits are to be centred.
-const SINK: f64 = 0.09;
+pub(crate) const SINK: f64 = 0.09;
 
 /// Place in the picture, from its upper left corner.
 pub(crate) type Point = (f64, f64);
 
 /// Point of a text that stands at its place.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Anchor {
     Left,
     Middle,
@@ -30,14 +30,16 @@ pub(crate) enum Anchor {
 }
 
 /// Shape of one colour.
-struct Shape {
-    form: Form,
-    colour: Colour,
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Shape {
+    pub(crate) form: Form,
+    pub(crate) colour: Colour,
     /// Words that a viewer shows when pointed at it; may be empty.
     title: String,
 }
 
-enum Form {
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Form {
     /// Line and its width.
     Line(Vec<Point>, f64),
     Polygon(Vec<Point>),
@@ -48,12 +50,18 @@ enum Form {
 }
 
 /// Shapes, from the lowest to the topmost.
-#[derive(Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Canvas {
     shapes: Vec<Shape>,
 }
 
 impl Canvas {
+    /// The shapes, from the lowest to the topmost.
+    #[cfg(feature = "png")]
+    pub(crate) fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
     fn push(&mut self, form: Form, colour: Colour) {
         let title = String::new();
         self.shapes.push(Shape {

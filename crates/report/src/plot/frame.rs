@@ -119,14 +119,7 @@ impl Frame {
             .for_each(|note| self.paragraph(note, TEXT, QUIET));
         let size = (self.width.ceil(), (self.top + EDGE - 6.0).ceil());
         let Words { name, title, .. } = self.words;
-        let svg = self
-            .canvas
-            .svg(size, &title)
-            .map_err(|message| ReportError::Draw {
-                path: format!("{name}.svg").into(),
-                message,
-            })?;
-        Ok(Figure { name, title, svg })
+        Figure::new(name, title, self.canvas, size)
     }
 }
 
