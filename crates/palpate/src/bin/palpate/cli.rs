@@ -114,6 +114,9 @@ pub(crate) struct RunArgs {
     /// Run only every N-th cell, from the first; the rows keep their cell numbers.
     #[arg(long, value_name = "N", default_value = "1")]
     pub(crate) every_nth_cell: NonZeroUsize,
+    /// Replace files that palpate did not write, and inputs.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -129,6 +132,9 @@ pub(crate) struct TraceArgs {
     /// Replay this trial with its noise [default: a pass without noise].
     #[arg(long, value_name = "J")]
     pub(crate) trial: Option<u64>,
+    /// Replace files that palpate did not write, and inputs.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -141,6 +147,9 @@ pub(crate) struct CheckArgs {
 pub(crate) struct PlotArgs {
     /// A directory that `palpate run` wrote.
     pub(crate) dir: PathBuf,
+    /// Replace files that palpate did not write, and inputs.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -151,6 +160,9 @@ pub(crate) struct ReportArgs {
     /// The page to write.
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     pub(crate) out: PathBuf,
+    /// Replace files that palpate did not write, and inputs.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// Smallest target error that is accepted; a smaller one would need more trials than can be counted.

@@ -155,6 +155,9 @@ pub(crate) struct EstimateGlideArgs {
     /// two-pass [default: the mean distance between neighbouring fingers].
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) inter_finger_distance: Option<f64>,
+    /// Replace files that palpate did not write, and inputs.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]

@@ -83,6 +83,9 @@ pub(crate) struct PatternArgs {
     /// Where to write the files.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    /// Replace files that palpate did not write, and inputs.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -112,6 +115,9 @@ pub(crate) struct CalibrateArgs {
     /// The unit of lengths, if no header states it.
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub(crate) length_unit: Option<LengthUnit>,
+    /// Replace files that palpate did not write, and inputs.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -137,6 +143,9 @@ pub(crate) struct TrackArgs {
     /// Smooth the field with a Gaussian of this standard deviation, a length along the skin.
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) filter: f64,
+    /// Replace files that palpate did not write, and inputs.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 fn normal_from() -> impl TypedValueParser<Value = NormalFrom> {
