@@ -5,7 +5,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-use crate::{bench_check, house, palpate, readme, reproduce, same_bytes, tools};
+use crate::{bench_check, extremes, house, palpate, readme, reproduce, same_bytes, tools};
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
@@ -49,9 +49,12 @@ fn clippy(shell: &Shell) -> Result<()> {
     .run()?)
 }
 
-/// Doc tests included, benchmarks not.
+/// Doc tests included, benchmarks not. The tables that the tests write are compared with the committed one.
 fn tests(shell: &Shell) -> Result<()> {
-    Ok(cmd!(shell, "cargo test --workspace").run()?)
+    let tables = extremes::empty_folder(shell)?;
+    let tests = cmd!(shell, "cargo test --workspace");
+    tests.env(extremes::FOLDER, tables).run()?;
+    extremes::check(shell)
 }
 
 /// Programs that use the library, each run to its end.
@@ -72,7 +75,7 @@ fn licences(shell: &Shell) -> Result<()> {
     Ok(cmd!(shell, "cargo deny --offline check licenses bans sources").run()?)
 }
 
-/// Extremes, promises and the corpus of the fuzz targets are among the tests.
+/// Promises and the corpus of the fuzz targets are among the tests.
 fn bench(shell: &Shell) -> Result<()> {
     bench_check::run(shell, &bench_check::Options { accept: false })
 }

@@ -53,6 +53,6 @@ fn run(cli: Cli) -> Result<()> {
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),
         Task::Fuzz(options) => fuzz::run(&shell, &options),
-        Task::House => house::run(&shell),
+        Task::House => house::check(&shell),
     }
 }

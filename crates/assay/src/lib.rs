@@ -1,12 +1,9 @@
-//! Harnesses over the whole of palpate. They measure the cost and the error of each rung ([`tradeoff`]), call every
-//! public entry point with extreme inputs (`extremes`), and check that `auto` takes an adequate and cheap rung
-//! ([`promise`]). The instructions of the [`hot`] paths and the errors in [`accuracy`] must not grow. [`ours`] times
+//! Harnesses over the whole of palpate. They measure the cost and the error of each rung ([`tradeoff`]), and check that
+//! `auto` takes an adequate and cheap rung ([`promise`]). The instructions of the [`hot`] paths and the errors in [`accuracy`] must not grow. [`ours`] times
 //! palpate on the tasks of its peers. The truths come from independent computations: [`pressed`] for presses,
 //! [`touched`] for fingertips with a radius.
 
 pub mod accuracy;
-#[cfg(feature = "extremes")]
-pub mod extremes;
 pub mod hot;
 pub mod measured;
 pub mod ours;

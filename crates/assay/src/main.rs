@@ -18,13 +18,6 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Harness {
-    /// Tries every public entry point at its extremes; fails if a row breaks a promise.
-    #[cfg(feature = "extremes")]
-    Extremes {
-        /// The table to write.
-        #[arg(long)]
-        out: PathBuf,
-    },
     /// Judges the rungs that `auto` takes on random scenes; fails if one errs by more than the tolerance, or costs more
     /// than twice the cheapest that would do.
     Promise {
@@ -89,11 +82,6 @@ fn limit(text: &str) -> Result<(String, f64), String> {
 
 fn main() -> Result<()> {
     match Cli::parse().harness {
-        #[cfg(feature = "extremes")]
-        Harness::Extremes { out } => {
-            println!("{}", palpate_assay::extremes::run(&out)?);
-            Ok(())
-        }
         Harness::Promise { out, counted } => {
             println!("{}", palpate_assay::promise::run(&out, counted)?);
             Ok(())

@@ -26,7 +26,7 @@ values = [20.0, 40.0, 80.0]
 fn main() -> Result<(), Box<dyn Error>> {
     let study = palpate::parse("balls.toml", STUDY)?;
     let runner = Runner::new(&RunOptions::default())?;
-    let simulation = Simulation::new(&study, 0..study.cells.len(), &runner)?;
+    let simulation = Simulation::new(&study, 0..study.cell_count(), &runner)?;
 
     // Another thread may set this to end the run.
     let cancelled = AtomicBool::new(false);
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ran = simulation.run(&cancelled, &progress)?;
     println!("{} of {} trials", done.into_inner(), simulation.trials());
 
-    for (cell, statistics) in study.cells.iter().zip(&ran.statistics) {
+    for (cell, statistics) in study.cells().zip(&ran.statistics) {
         let radius = &cell.coordinates[0];
         let curvature = statistics.quantities[0];
         let error = curvature.relative_rms_error.ok_or("a ball is not flat")?;

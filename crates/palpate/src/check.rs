@@ -3,9 +3,9 @@
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
-use palpate_scene::{Ladder, Scenes};
+use palpate_scene::{Ladder, Scene, Scenes};
 use palpate_study::config::{
-    ConfigError, ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study,
+    ConfigError, ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study, StudyConfig,
 };
 use palpate_sweep::{Clock, Pace, Runner, SweepError, Trial, spread};
 
@@ -108,28 +108,26 @@ pub fn check(
     clock: &Clock<'_>,
 ) -> Result<Check, SweepError<ConfigError>> {
     let start = clock();
-    let bare = bare_presses(study);
-    let scenes = scenes(study, &bare, clock).map_err(SweepError::SetUp)?;
-    let share = study.cells.len() as f64 / scenes.len() as f64;
+    let scenes = scenes(study, clock).map_err(SweepError::SetUp)?;
+    let share = study.cell_count() as f64 / scenes.len() as f64;
     let planning = clock().saturating_sub(start).as_secs_f64() * share;
-    let wanted = |cell: usize| study.cells[cell].config.trials;
-    let trials: Vec<u64> = scenes
-        .iter()
-        .map(|(cell, trial)| trial.scene.trials(wanted(*cell)))
-        .collect();
+    let trials: Vec<u64> = scenes.iter().map(CellScene::trials).collect();
     let known: u64 = trials.iter().sum();
-    let unknown: u64 = (0..study.cells.len())
-        .filter(|cell| scenes.iter().all(|(known, _)| known != cell))
-        .map(wanted)
-        .sum();
-    let groups = groups(study, &bare, &scenes, clock).map_err(SweepError::SetUp)?;
-    let timed: Vec<&SceneTrial> = scenes.iter().map(|(_, trial)| trial).collect();
+    let is_unknown = |number: &usize| {
+        let place = scenes.binary_search_by_key(number, |one| one.number);
+        place.is_err()
+    };
+    let unknown = (0..study.cell_count()).filter(is_unknown);
+    let unknown = unknown.filter_map(|number| study.cell(number).ok());
+    let unknown: u64 = unknown.map(|cell| cell.config.trials).sum();
+    let groups = groups(study, &scenes, clock).map_err(SweepError::SetUp)?;
+    let timed: Vec<&SceneTrial> = scenes.iter().map(|one| &one.trial).collect();
     let pace = Pace::of(runner, &timed, TIMING, clock)
         .map_err(|error| error.map_set_up(|never| match never {}))?;
     let of_all = (known + unknown) as f64 / known as f64;
     let threads = runner.threads();
     Ok(Check {
-        cells: study.cells.len(),
+        cells: study.cell_count(),
         set_up: scenes.len(),
         single: trials.iter().filter(|&&trials| trials == 1).count(),
         trials: known + unknown,
@@ -139,49 +137,70 @@ pub fn check(
     })
 }
 
-/// Study whose presses are read without a camera, so that scenes are quick to set up.
-fn bare_presses(study: &Study) -> Study {
-    let mut study = study.clone();
-    for cell in &mut study.cells {
-        if matches!(cell.config.scene, SceneConfig::Press(_)) {
-            cell.config.scene = bare(&cell.config.scene);
-        }
-    }
-    study
+/// Cell that has been set up.
+struct CellScene {
+    number: usize,
+    config: StudyConfig,
+    trial: SceneTrial,
 }
 
-/// Scenes of the cells, in order, as many as there is time for; once the time is up, cells are set up without a camera.
-fn scenes(
-    study: &Study,
-    bare: &Study,
-    clock: &Clock<'_>,
-) -> Result<Vec<(usize, SceneTrial)>, ConfigError> {
-    let start = clock();
-    let mut scenes = Vec::new();
-    for cell in spread(study.cells.len()) {
-        let is_press = matches!(study.cells[cell].config.scene, SceneConfig::Press(_));
-        let is_late = clock().saturating_sub(start) >= SETTING_UP;
-        if is_press && !scenes.is_empty() && is_late {
-            bare.scene(cell)?;
-        } else {
-            scenes.push((cell, SceneTrial::new(study.estimable_scene(cell)?)));
+impl CellScene {
+    fn trials(&self) -> u64 {
+        self.trial.scene.trials(self.config.trials)
+    }
+
+    /// Scene whose costs are measured: of a press, one that is read without a camera, so that it is quick to set up.
+    fn measured(&self) -> SceneConfig {
+        match &self.config.scene {
+            scene @ SceneConfig::Press(_) => bare(scene),
+            scene => scene.clone(),
         }
     }
-    scenes.sort_by_key(|(cell, _)| *cell);
+
+    /// Whether a camera reads a press: it sees markers at other depths than those at which displacements are read
+    /// without one.
+    fn has_camera(&self) -> bool {
+        match &self.config.scene {
+            SceneConfig::Press(press) => !matches!(press.sensor, PressSensorConfig::Direct { .. }),
+            _ => false,
+        }
+    }
+}
+
+/// Scenes of the cells, in order, as many as there is time for; once the time is up, presses are set up without a camera,
+/// and dropped.
+fn scenes(study: &Study, clock: &Clock<'_>) -> Result<Vec<CellScene>, ConfigError> {
+    let start = clock();
+    let mut scenes = Vec::new();
+    for number in spread(study.cell_count()) {
+        let config = study.cell(number)?.config;
+        let is_press = matches!(config.scene, SceneConfig::Press(_));
+        let is_late = clock().saturating_sub(start) >= SETTING_UP;
+        if is_press && !scenes.is_empty() && is_late {
+            Scene::new(&bare(&config.scene), config.seed)
+                .map_err(|error| study.error_at(number, &error.path, error.message))?;
+        } else {
+            scenes.push(CellScene {
+                number,
+                config,
+                trial: SceneTrial::new(study.estimable_scene(number)?),
+            });
+        }
+    }
+    scenes.sort_by_key(|one| one.number);
     Ok(scenes)
 }
 
 /// Groups of cells that need the same models, with the rungs of their ladders.
 fn groups(
     study: &Study,
-    bare: &Study,
-    scenes: &[(usize, SceneTrial)],
+    scenes: &[CellScene],
     clock: &Clock<'_>,
 ) -> Result<Vec<CellGroup>, ConfigError> {
     let mut groups: Vec<CellGroup> = Vec::new();
     let mut firsts = Vec::new();
-    for one @ (_, trial) in scenes {
-        let needs = trial.scene.needs();
+    for one in scenes {
+        let needs = one.trial.scene.needs();
         match groups.iter_mut().find(|known| known.needs == needs) {
             Some(known) => known.cells += 1,
             None => {
@@ -196,33 +215,31 @@ fn groups(
         }
     }
     let deadline = clock() + LADDERS;
-    let mut told: Vec<(&SceneConfig, bool, usize)> = Vec::new();
-    for (group, (cell, trial)) in groups.iter_mut().zip(firsts) {
-        let scene = &bare.cells[*cell].config.scene;
-        // The camera sees markers at other depths than those at which displacements are read without one.
-        let by_camera = match &study.cells[*cell].config.scene {
-            SceneConfig::Press(press) => !matches!(press.sensor, PressSensorConfig::Direct { .. }),
-            _ => false,
-        };
-        let like = |known: &&(&SceneConfig, bool, usize)| (known.0, known.1) == (scene, by_camera);
+    let mut told: Vec<(SceneConfig, bool, usize)> = Vec::new();
+    for (group, one) in groups.iter_mut().zip(firsts) {
+        let cell = one.number;
+        let (scene, has_camera) = (one.measured(), one.has_camera());
+        let like = |known: &&(SceneConfig, bool, usize)| known.0 == scene && known.1 == has_camera;
         if let Some((.., other)) = told.iter().find(like) {
             group.rungs = Rungs::AsIn(*other);
             continue;
         }
         let in_time = clock() < deadline;
         let ladder = match in_time {
-            true => study.ladder_of(*cell, &trial.scene)?,
+            true => study.ladder_of(cell, &one.trial.scene)?,
             false => None,
         };
         let taken = ladder.as_ref().map(|ladder| &ladder.taken().model);
-        group.needless = needless(trial, &study.cells[*cell].config.scene, taken);
+        group.needless = needless(&one.trial, &one.config.scene, taken);
         group.rungs = match ladder {
             Some(ladder) => {
-                told.push((scene, by_camera, *cell));
+                let measured = (&scene, one.config.seed);
+                let costs = costs::of_neighbours(measured, &ladder, deadline, clock);
+                told.push((scene, has_camera, cell));
                 Rungs::Measured {
-                    cell: *cell,
-                    costs: costs::of_neighbours(bare, *cell, &ladder, deadline, clock),
+                    cell,
                     ladder,
+                    costs,
                 }
             }
             None if in_time => Rungs::None,

@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene, Scenes};
-use palpate_study::config::Study;
+use palpate_scene::{Arch, Ladder, RollScene, Rung, Scene};
+use palpate_study::config::SceneConfig;
 use palpate_sweep::Clock;
 
 /// Time for which a rung is measured again and again.
@@ -32,17 +32,16 @@ impl Cost {
     }
 }
 
-/// Rungs from the next usable one below that which is taken to the next usable one above it, with their costs as far as
-/// they are measured until `deadline`.
+/// Rungs of a scene's ladder from the next usable one below that which is taken to the next usable one above it, with their
+/// costs as far as they are measured until `deadline`.
 pub(crate) fn of_neighbours(
-    study: &Study,
-    cell: usize,
+    (scene, seed): (&SceneConfig, u64),
     ladder: &Ladder,
     deadline: Duration,
     clock: &Clock<'_>,
 ) -> Vec<(usize, Option<Cost>)> {
     let cost = |place: usize| match clock() < deadline {
-        true => cost(study, cell, &ladder.rungs[place], clock),
+        true => cost(scene, seed, &ladder.rungs[place], clock),
         false => None,
     };
     // First the one that others are held against.
@@ -63,16 +62,18 @@ fn neighbours(ladder: &Ladder) -> RangeInclusive<usize> {
 }
 
 /// Measured cost of the scene on a rung; `None` where the rung cannot do the scene.
-fn cost(study: &Study, cell: usize, rung: &Rung, clock: &Clock<'_>) -> Option<Cost> {
-    // Once to fill caches and tables.
-    let scene = match &rung.outcome {
-        Ok(_) => study.with_model(cell, rung).ok()?,
+fn cost(scene: &SceneConfig, seed: u64, rung: &Rung, clock: &Clock<'_>) -> Option<Cost> {
+    let config = match &rung.outcome {
+        Ok(_) => scene.with_model(&rung.model)?,
         Err(_) => return None,
     };
+    let set_up = || Scene::new(&config, seed).ok();
+    // Once to fill caches and tables.
+    let scene = set_up()?;
     let Scene::Roll(roll) = &scene else {
         let timed = || {
             let start = clock();
-            std::hint::black_box(study.with_model(cell, rung).ok()?);
+            std::hint::black_box(set_up()?);
             Some(clock().saturating_sub(start).as_secs_f64())
         };
         return least(timed, clock).map(Cost::SettingUp);

@@ -2,10 +2,13 @@
 
 use palpate_scene::Scene;
 use palpate_study::Quantity;
+use palpate_study::config::Cell;
 
 /// Facts about a scene that its trials do not change.
 #[derive(Debug)]
 pub(crate) struct Facts {
+    /// Swept values of the cell, one per column.
+    pub(crate) coordinates: Vec<String>,
     /// Number of trials that are run.
     pub(crate) trials: u64,
     pub(crate) quantities: &'static [Quantity],
@@ -18,12 +21,13 @@ pub(crate) struct Facts {
 }
 
 impl Facts {
-    /// Facts about a scene of which `trials` trials are wanted.
-    pub(crate) fn of(scene: &Scene, trials: u64) -> Self {
+    /// Facts about a cell and its scene.
+    pub(crate) fn of(scene: &Scene, cell: Cell) -> Self {
         let quantities = scene.quantities();
         let places = 0..quantities.len();
         Self {
-            trials: scene.trials(trials),
+            coordinates: cell.coordinates,
+            trials: scene.trials(cell.config.trials),
             quantities,
             truths: places.clone().map(|place| scene.truth(place)).collect(),
             std_bounds: places.map(|place| scene.std_bound(place)).collect(),

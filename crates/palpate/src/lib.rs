@@ -8,6 +8,7 @@
 //! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
 //! | follow one pass of a cell | [`trace`] |
 //! | take tables apart | [`columns`] |
+//! | draw a figure of tables as SVG text | [`figure`] of [`Files`] |
 //! | estimate from recorded readings, track camera images | [`recorded`], with [`readings`] for numbers and [`frame`] for pixels |
 //!
 //! Nothing here prints, exits, reads a clock or writes a file; only files that the caller names are read. It runs where
@@ -35,7 +36,6 @@
 mod check;
 mod columns;
 mod costs;
-mod error;
 mod facts;
 mod map;
 mod plan;
@@ -48,18 +48,18 @@ mod trial;
 pub use check::{CellGroup, Check, Rungs, check};
 pub use columns::{Column, Values, columns};
 pub use costs::Cost;
-pub use error::{CellError, RunError};
 pub use map::Map;
+pub use palpate_report::{Figure, Files, ReportError, figure};
 pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, SeenPress, Trace, recorded};
 pub use palpate_study::Table;
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_sweep::{
-    CellStatistics, Clock, FailingCell, Goal, Plan, PlanError, RunOptions, Runner, SHARE_OF_MODEL,
-    Summary, SweepError,
+    CellStatistics, Clock, FailingCell, Goal, NoThreads, Plan, PlanError, RunOptions, Runner,
+    SHARE_OF_MODEL, Summary, SweepError,
 };
 pub use plan::plan;
 pub use readings::{frame, readings};
-pub use simulation::{Ran, Simulation, run};
+pub use simulation::{Ran, RunError, Simulation, run};
 pub use trace::{TraceError, trace};
 pub use trial::SceneTrial;
 

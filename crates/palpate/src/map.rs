@@ -37,16 +37,17 @@ impl CellMap {
 impl Map {
     /// Map of cells that share a table.
     pub(crate) fn of_cells(cells: impl Iterator<Item = CellMap>) -> Self {
-        let fields = |line: &str| line.split(',').map(str::to_owned).collect();
         let mut map = Self::default();
-        for cell in cells {
-            // No field of a map is quoted.
-            map.lacks = cell.table.lacks;
-            let csv = cell.table.into_csv();
-            let mut lines = csv.lines();
-            map.table.header = lines.next().map(fields).unwrap_or_default();
-            map.table.rows.extend(lines.map(fields));
-            map.failed.extend(cell.failed.map(|name| (cell.cell, name)));
+        for CellMap {
+            cell,
+            table: MapTable { table, lacks, .. },
+            failed,
+        } in cells
+        {
+            map.table.header = table.header;
+            map.table.rows.extend(table.rows);
+            map.lacks = lacks;
+            map.failed.extend(failed.map(|name| (cell, name)));
         }
         map
     }

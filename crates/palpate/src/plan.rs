@@ -53,10 +53,7 @@ pub fn plan(
         let message = "is swept, so that neither a budget nor a target error can choose it";
         return Err(PlanError::SetUp(study.error_at(0, "trials", message)));
     }
-    let cells = Chosen {
-        study: study.clone(),
-        numbers: numbers.to_vec(),
-    };
+    let cells = Chosen::new(study.clone(), numbers.to_vec());
     let (planned, plan) = palpate_sweep::plan(&cells, goal, runner, clock)?;
     let mut study = planned.study;
     if let Some(trials) = plan.trials() {
@@ -71,6 +68,20 @@ struct Chosen {
     study: Study,
     /// Numbers of the cells.
     numbers: Vec<usize>,
+    /// Whether every cell of the study has the model `auto` with a tolerance that no sweep sets.
+    is_auto: bool,
+}
+
+impl Chosen {
+    fn new(study: Study, numbers: Vec<usize>) -> Self {
+        let swept = |path: &String| path == "scene" || path.starts_with("scene.model");
+        let is_auto = |cell: config::Cell| with_tolerance(&cell.config.scene, 0.1).is_some();
+        Self {
+            is_auto: !study.paths.iter().any(swept) && study.cells().all(is_auto),
+            study,
+            numbers,
+        }
+    }
 }
 
 impl Plannable for Chosen {
@@ -91,18 +102,15 @@ impl Plannable for Chosen {
     }
 
     fn tolerances(&self) -> &[f64] {
-        let swept = |path: &String| path == "scene" || path.starts_with("scene.model");
-        let is_auto = |cell: &config::Cell| with_tolerance(&cell.config.scene, 0.1).is_some();
-        let study = &self.study;
-        match !study.paths.iter().any(swept) && study.cells.iter().all(is_auto) {
+        match self.is_auto {
             true => &TOLERANCES,
             false => &[],
         }
     }
 
     fn pass(&self, cell: usize, trial: &SceneTrial, tolerance: f64) -> Option<Pass> {
-        let config = &self.study.cells[self.numbers[cell]].config;
-        pass(config, trial.scene.quantities(), tolerance)
+        let cell = self.study.cell(self.numbers[cell]).ok()?;
+        pass(&cell.config, trial.scene.quantities(), tolerance)
     }
 
     /// Cells with `tolerance` for `auto`. Where they are all cells of the study and `auto` takes the same rung in each, that
@@ -114,9 +122,9 @@ impl Plannable for Chosen {
             config.scene = scene;
         }
         let mut study = parsed(&config)?;
-        let is_whole = self.numbers.len() == self.study.cells.len();
+        let is_whole = self.numbers.len() == self.study.cell_count();
         if is_whole
-            && !self.tolerances().is_empty()
+            && self.is_auto
             && let Some(rung) = common_rung(&study)?
             && let Some(scene) = config.scene.with_model(&rung)
         {
@@ -126,6 +134,7 @@ impl Plannable for Chosen {
         Ok(Self {
             study,
             numbers: self.numbers.clone(),
+            is_auto: self.is_auto,
         })
     }
 }
@@ -133,7 +142,7 @@ impl Plannable for Chosen {
 /// Rung that `auto` takes in every cell of a study, if it is the same in all.
 fn common_rung(study: &Study) -> Result<Option<ModelConfig>, ConfigError> {
     let mut common = None;
-    for cell in 0..study.cells.len() {
+    for cell in 0..study.cell_count() {
         let taken = study.ladder(cell)?;
         let taken = taken.map(|ladder| ladder.taken().model.clone());
         match (&common, taken) {

@@ -7,9 +7,9 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use palpate_scene::{Arch, MapTable, Scene, Scenes};
 use palpate_study::Table;
 use palpate_study::config::{ConfigError, Output, Study};
-use palpate_sweep::{CellStatistics, RunOptions, Runner, SweepError};
+use palpate_sweep::{CellStatistics, NoThreads, RunOptions, Runner, SweepError};
+use thiserror::Error;
 
-use crate::error::{CellError, RunError, known_cell};
 use crate::facts::Facts;
 use crate::map::{CellMap, Map};
 use crate::tables::{self, Row};
@@ -72,26 +72,24 @@ impl<'a> Simulation<'a> {
     /// Sets up the cells with these numbers one by one, each on any of the runner's threads, and keeps few of them.
     ///
     /// # Errors
-    /// [`CellError::NoCell`]; a [`ConfigError`] at the field that makes no scene, that leaves nothing to estimate from, or
-    /// that asks for a map of what has none, of the first cell that has such a field.
+    /// [`ConfigError`] at the field that makes no scene, that leaves nothing to estimate from, or that asks for a map of
+    /// what has none, of the first cell that has such a field; for a number that no cell has.
     pub fn new(
         study: &'a Study,
         numbers: impl IntoIterator<Item = usize>,
         runner: &'a Runner,
-    ) -> Result<Self, CellError> {
+    ) -> Result<Self, ConfigError> {
         let numbers: Vec<usize> = numbers.into_iter().collect();
-        for &number in &numbers {
-            known_cell(study, number)?;
-        }
         let unit = study.config.length_unit;
         let has_maps = study.config.outputs.contains(&Output::Map);
         let checked: Vec<OnceLock<Ready>> = numbers.iter().map(|_| OnceLock::new()).collect();
         runner.check(numbers.len(), |place| {
             let number = numbers[place];
+            let cell = study.cell(number)?;
             let scene = study.estimable_scene(number)?;
             checked[place].get_or_init(|| Ready {
                 number,
-                facts: Facts::of(&scene, study.cells[number].config.trials),
+                facts: Facts::of(&scene, cell),
                 warnings: warnings_of(&scene),
                 maps: has_maps.then(|| scene.map_table(unit)),
                 kept: Mutex::new(Some(scene).filter(|_| place < KEPT)),
@@ -242,6 +240,20 @@ pub struct Ran {
     pub map: Option<Map>,
 }
 
+/// Study that cannot be run.
+#[derive(Debug, Error)]
+pub enum RunError {
+    /// Lack of threads.
+    #[error(transparent)]
+    NoThreads(#[from] NoThreads),
+    /// Field of a cell's config that makes no scene.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// Trials that cannot be run.
+    #[error(transparent)]
+    Sweep(#[from] SweepError<ConfigError>),
+}
+
 /// Runs all cells of a study on all processors.
 ///
 /// ```
@@ -268,7 +280,7 @@ pub struct Ran {
 /// # Errors
 /// [`RunError`], before any trial is run.
 pub fn run(study: &Study) -> Result<Ran, RunError> {
-    let runner = Runner::new(&RunOptions::default()).map_err(SweepError::from)?;
-    let simulation = Simulation::new(study, 0..study.cells.len(), &runner)?;
+    let runner = Runner::new(&RunOptions::default())?;
+    let simulation = Simulation::new(study, 0..study.cell_count(), &runner)?;
     Ok(simulation.run(&AtomicBool::new(false), &|_| ())?)
 }

@@ -41,9 +41,8 @@ pub(crate) fn cells(study: &Study, ran: &[Row<'_>]) -> Table {
             // Where every trial failed, the scene still knows.
             let truth = summary.truth.or(facts.truths[place]);
             let statistics = statistics_of(statistics, &Summary { truth, ..*summary });
-            let coordinates = &study.cells[*cell].coordinates;
             let mut row = vec![cell.to_string()];
-            row.extend(swept.iter().map(|&place| coordinates[place].clone()));
+            row.extend(swept.iter().map(|&place| facts.coordinates[place].clone()));
             let unit = quantity.unit.of(study.config.length_unit);
             row.extend([quantity.name.to_owned(), unit.to_string()]);
             row.extend(statistics);

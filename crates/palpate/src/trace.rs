@@ -4,23 +4,15 @@ use palpate_scene::{Scenes, Trace, TraceError as PassError};
 use palpate_study::config::{ConfigError, Study};
 use thiserror::Error;
 
-use crate::error::{CellError, known_cell};
-
 /// Pass that cannot be followed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TraceError {
-    /// Cell without a scene, or whose scene touches nothing.
+    /// Field that makes no scene, or one that touches nothing; a number that no cell has.
     #[error(transparent)]
-    Cell(#[from] CellError),
+    Config(#[from] ConfigError),
     /// Pass that ends early or that the sensor cannot read.
     #[error(transparent)]
     Pass(PassError),
-}
-
-impl From<ConfigError> for TraceError {
-    fn from(error: ConfigError) -> Self {
-        Self::Cell(error.into())
-    }
 }
 
 /// Follows one pass of a cell: noiseless, or as in trial number `trial`.
@@ -45,7 +37,6 @@ impl From<ConfigError> for TraceError {
 /// # Errors
 /// [`TraceError`].
 pub fn trace(study: &Study, cell: usize, trial: Option<u64>) -> Result<Trace, TraceError> {
-    known_cell(study, cell)?;
     let unit = study.config.length_unit;
     let trace = study.scene(cell)?.trace(trial, unit);
     trace.map_err(|error| match error {

@@ -27,8 +27,8 @@ pub fn tables(name: &str, config: &str, extent: Extent, arch: Arch) -> Result<St
         let shortened = study.override_trials(extent.trials);
         shortened.map_err(|error| error.to_string())?;
     }
-    let stride = study.cells.len().div_ceil(extent.cells.max(1)).max(1);
-    let cells = (0..study.cells.len()).step_by(stride);
+    let stride = study.cell_count().div_ceil(extent.cells.max(1)).max(1);
+    let cells = (0..study.cell_count()).step_by(stride);
     let runner = Runner::new(&RunOptions::default()).map_err(|error| error.to_string())?;
     let simulation = Simulation::new(&study, cells, &runner).map_err(|error| error.to_string())?;
     let ran = simulation

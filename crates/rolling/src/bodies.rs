@@ -41,7 +41,7 @@ pub(crate) struct Bodies<'a, S> {
 }
 
 impl<'a, S> Bodies<'a, S> {
-    /// The same probe on an object of another type.
+    /// Probe on an object of another type.
     pub(crate) fn with<T>(&self, object: &'a T) -> Bodies<'a, T> {
         Bodies {
             probe: self.probe,

@@ -1,43 +1,42 @@
 //! Tables of maps.
 
-use std::fmt::{Display, Write};
+use std::fmt::Display;
 
-/// Map as CSV text, row by row.
+use palpate_study::{Table, number};
+
+/// Map, field by field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapTable {
-    csv: String,
+    /// Rows so far.
+    pub table: Table,
     /// Name of what is missing where a trial fails: "cells" or "estimates of cells".
     pub lacks: &'static str,
+    /// Fields of the row that has not ended.
+    row: Vec<String>,
 }
 
 impl MapTable {
-    pub(crate) fn new(header: impl Display, lacks: &'static str) -> Self {
-        let csv = format!("{header}\n");
-        Self { csv, lacks }
+    /// Table without rows, from the names of its columns with commas between them.
+    pub(crate) fn new(header: &str, lacks: &'static str) -> Self {
+        Self {
+            table: Table::new(header.split(',').map(str::to_owned)),
+            lacks,
+            row: Vec::new(),
+        }
     }
 
-    /// The table as CSV text.
-    pub fn into_csv(self) -> String {
-        self.csv
-    }
-
-    /// Adds a field to the row; one without commas.
+    /// Adds a field to the row.
     pub(crate) fn text(&mut self, field: impl Display) {
-        let _ = write!(self.csv, "{field},");
+        self.row.push(field.to_string());
     }
 
     /// Adds a number to the row, or an empty field.
     pub(crate) fn number(&mut self, value: Option<f64>) {
-        match value {
-            // Zero without a sign.
-            Some(value) => self.text(value + 0.0),
-            None => self.text(""),
-        }
+        self.row.push(value.map_or_else(String::new, number));
     }
 
     /// Ends the row.
     pub(crate) fn end_row(&mut self) {
-        self.csv.pop();
-        self.csv.push('\n');
+        self.table.rows.push(std::mem::take(&mut self.row));
     }
 }

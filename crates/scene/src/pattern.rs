@@ -56,7 +56,7 @@ impl CutPattern {
     /// discs, no unit, discs that overlap or would be cut.
     pub fn of(study: &Study) -> Result<Self, ConfigError> {
         let refuse = |error: PlanError| study.error_at(0, &error.path, error.message);
-        let config = &study.cells[0].config;
+        let config = &study.config;
         let probe = match &config.scene {
             SceneConfig::Press(PressConfig { probe, .. })
             | SceneConfig::Fingertip(BareFingertipConfig { probe, .. }) => probe,

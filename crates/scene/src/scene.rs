@@ -92,37 +92,25 @@ pub trait Scenes {
     ///
     /// # Errors
     /// A [`ConfigError`] at the field that makes no scene: a pitch larger than the probe, a formula
-    /// with a syntax error, a first contact off the object.
-    ///
-    /// # Panics
-    /// If `cell` is not the index of a cell.
+    /// with a syntax error, a first contact off the object; for a number that no cell has.
     fn scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
     /// Builds the scene of a cell, if it can be estimated from. A trace needs no such scene.
     ///
     /// # Errors
     /// Errors of [`Scenes::scene`], and those of [`Trials::estimable`].
-    ///
-    /// # Panics
-    /// If `cell` is not the index of a cell.
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
     /// Builds the scene of a cell on another rung of its ladder.
     ///
     /// # Errors
     /// Errors of [`Scenes::scene`]: where the rung cannot do the scene, at `scene.model`.
-    ///
-    /// # Panics
-    /// If `cell` is not the index of a cell.
     fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError>;
 
     /// Measures the ladder of a cell's scene, where it has one.
     ///
     /// # Errors
     /// Errors of [`Scenes::estimable_scene`].
-    ///
-    /// # Panics
-    /// If `cell` is not the index of a cell.
     fn ladder(&self, cell: usize) -> Result<Option<Ladder>, ConfigError> {
         self.ladder_of(cell, &self.estimable_scene(cell)?)
     }
@@ -131,15 +119,12 @@ pub trait Scenes {
     ///
     /// # Errors
     /// Errors of [`Trials::ladder`], in the text of the cell.
-    ///
-    /// # Panics
-    /// If `cell` is not the index of a cell.
     fn ladder_of(&self, cell: usize, scene: &Scene) -> Result<Option<Ladder>, ConfigError>;
 }
 
 impl Scenes for Study {
     fn scene(&self, cell: usize) -> Result<Scene, ConfigError> {
-        let config = &self.cells[cell].config;
+        let config = self.cell(cell)?.config;
         Scene::new(&config.scene, config.seed).map_err(|error| located(self, cell, error))
     }
 
@@ -152,7 +137,7 @@ impl Scenes for Study {
     }
 
     fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError> {
-        let config = &self.cells[cell].config;
+        let config = self.cell(cell)?.config;
         match config.scene.with_model(&rung.model) {
             Some(scene) => {
                 Scene::new(&scene, config.seed).map_err(|error| located(self, cell, error))

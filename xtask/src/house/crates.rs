@@ -12,7 +12,7 @@ enum May {
 
 use May::{Anything, Import, Nothing};
 
-/// The table of README, "The crates".
+/// The table of ARCHITECTURE.md, "The crates".
 const CRATES: &[(&str, May)] = &[
     ("geometry", Import(&[])),
     ("study", Import(&[])),
@@ -44,6 +44,7 @@ const CRATES: &[(&str, May)] = &[
     ("tally", Import(&[])),
     ("frames", Import(&[])),
     ("number", Import(&[])),
+    ("verdict", Import(&[])),
     ("assay", Anything),
     ("fuzz", Import(&["geometry", "study", "scene", "tracking"])),
     ("xtask", Nothing),

@@ -15,7 +15,7 @@ pub(super) type Computation = Box<dyn FnMut() -> Result<usize>>;
 
 /// The truth of the first cell's scene on a rung.
 pub(super) fn truth(study: &Study, rung: &Rung) -> Result<Computation> {
-    let scene = &study.cells[0].config.scene;
+    let scene = &study.config.scene;
     match (scene.with_model(&rung.model), &rung.model) {
         (Some(SceneConfig::Roll(_)), _) => rolls(study.with_model(0, rung)?),
         (Some(SceneConfig::Glide(config)), _) => {

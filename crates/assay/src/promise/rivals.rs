@@ -46,7 +46,7 @@ pub(super) struct Rivals {
 
 impl Rivals {
     pub(super) fn of(study: &Study, ladder: &Ladder) -> Result<Self> {
-        match &study.cells[0].config.scene {
+        match &study.config.scene {
             SceneConfig::Roll(_) => of_roll(study),
             SceneConfig::Glide(config) => of_glide(config, ladder),
             SceneConfig::Press(config) => of_press(config, ladder),

@@ -1,8 +1,6 @@
 //! Promises of the harnesses, as tests.
 #![allow(clippy::unwrap_used)]
 
-#[cfg(feature = "extremes")]
-mod extremes;
 #[cfg(feature = "count")]
 mod promise;
 #[cfg(feature = "count")]

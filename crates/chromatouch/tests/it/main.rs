@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod any_number;
+mod extremes;
 mod frames;
 mod optics;
 mod optics_limits;

@@ -121,16 +121,3 @@ proptest! {
         prop_assert!((found.matrix() - form.matrix()).amax() <= bound, "{found:?}, not {form:?}");
     }
 }
-
-#[test]
-fn deviations_beyond_the_range_of_numbers_are_an_error() {
-    let good = readings(1.0, &CurvatureForm::isotropic(0.5), &crate::eight(0.1));
-    let noise = ReadingNoise {
-        shift_std: 1e200,
-        ..ReadingNoise::default()
-    };
-    assert_eq!(
-        LeastSquares::of(1.0, noise, &good),
-        Err(Ep1Error::OutOfRange)
-    );
-}

@@ -4,6 +4,7 @@
 mod covariance;
 mod every_number;
 mod exact;
+mod extremes;
 mod refusals;
 
 use nalgebra::{Matrix2, Vector2};

@@ -79,6 +79,13 @@ pub struct HeightField {
     formula: Formula,
 }
 
+impl<H> Graph<H> {
+    /// The graph of a height.
+    pub const fn of_height(height: H) -> Self {
+        Self { height }
+    }
+}
+
 impl Graph<Paraboloid> {
     /// The graph `z = −c (x² + y²)`.
     ///
@@ -86,9 +93,7 @@ impl Graph<Paraboloid> {
     /// [`InvalidShape`] unless `c` (1/length) is finite.
     pub fn paraboloid(c: f64) -> Result<Self, InvalidShape> {
         let c = InvalidShape::unless_finite("c", c)?;
-        Ok(Self {
-            height: Paraboloid { c },
-        })
+        Ok(Self::of_height(Paraboloid { c }))
     }
 }
 
@@ -99,18 +104,14 @@ impl Graph<Saddle> {
     /// [`InvalidShape`] unless `a` (1/length) is finite.
     pub fn saddle(a: f64) -> Result<Self, InvalidShape> {
         let a = InvalidShape::unless_finite("a", a)?;
-        Ok(Self {
-            height: Saddle { a },
-        })
+        Ok(Self::of_height(Saddle { a }))
     }
 }
 
 impl Graph<HeightField> {
     /// The graph of a formula.
     pub const fn of_formula(formula: Formula) -> Self {
-        Self {
-            height: HeightField { formula },
-        }
+        Self::of_height(HeightField { formula })
     }
 }
 

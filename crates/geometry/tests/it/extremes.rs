@@ -1,5 +1,14 @@
 //! Sizes, ratios and questions at and past the end of what numbers hold: a right answer or an error.
 
+mod asked;
+mod closest;
+mod curvature;
+mod formula;
+mod made;
+mod meridian;
+mod places;
+mod posed;
+
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 

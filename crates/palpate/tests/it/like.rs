@@ -168,7 +168,7 @@ fn a_flag_overrides_the_study() {
         .fails(2, "--window is of use only to --method gaussian");
 }
 
-/// What an indentation is known to is no property of the readings.
+/// Knowledge of an indentation is no property of the readings.
 #[test]
 fn the_indentation_of_a_study_is_not_taken_over() {
     let desk = traced(&edited(

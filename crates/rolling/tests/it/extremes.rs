@@ -1,5 +1,14 @@
 //! Scales from 1e-9 to 1e9, ratios from 1e-12 to 1e12, many turns, no turn.
 
+mod asked;
+mod conforming;
+mod glide;
+mod integrated;
+mod meridian;
+mod rolled;
+mod round;
+mod touch_model;
+
 use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
 use palpate_geometry::Shape;
 use palpate_rolling::{
@@ -12,42 +21,6 @@ use crate::scenes::{
     DOP853, cylinder, difference, dish, ellipsoid, height_field, paraboloid, plane, roll, roller,
     saddle, sphere, torus,
 };
-
-#[test]
-fn ratios_from_sharp_to_flat() {
-    for exponent in -12..=12 {
-        let radius = 10.0_f64.powi(exponent);
-        for (theta, model) in [(0.1, DOP853), (0.1, Model::ClosedForm), (1e-12, DOP853)] {
-            let end = roll(
-                1.0,
-                &sphere(radius),
-                (0.0, 0.0),
-                model,
-                Motion::rolling(0.0, 1.0, theta),
-            );
-            let truth = theta / (1.0 + 1.0 / radius);
-            let off = (end.arc_length / truth - 1.0).abs();
-            assert!(
-                off < 1e-11,
-                "R₂ = {radius:e}, θ = {theta:e}, {model:?}: {off:e}"
-            );
-        }
-    }
-}
-
-#[test]
-fn a_thousand_turns() {
-    let theta = 1000.0 * std::f64::consts::TAU;
-    let motion = Motion::rolling(0.3, 1.0, theta);
-    let model = Model::Dop853 {
-        tolerance: 1e-9,
-        chart: Chart::Free,
-    };
-    let end = roll(1.0, &plane(), (0.0, 0.0), model, motion);
-    assert!((end.arc_length / theta - 1.0).abs() < 1e-9);
-    let end = roll(1.0, &sphere(3.0), (0.0, 0.0), Model::ClosedForm, motion);
-    assert!((end.arc_length / (0.75 * theta) - 1.0).abs() < 1e-13);
-}
 
 #[test]
 fn nothing_moves_without_a_motion() {
@@ -317,22 +290,6 @@ fn a_thousand_motions_are_one() {
         let off = difference(&parts.unwrap(), &whole, 1.0);
         assert!(off < 1e-11, "{} {model:?}: {off:e}", object.name());
     }
-}
-
-#[test]
-fn a_dish_that_hardly_fits() {
-    // One radian of the probe carries the contact a million radians round the dish.
-    let motion = Motion::rolling(0.3, 1.0, 1e-5);
-    let model = Model::Dop853 {
-        tolerance: 1e-9,
-        chart: Chart::Free,
-    };
-    let end = roll(1.0, &dish(1.000_001), (0.0, 0.0), model, motion);
-    assert!(
-        (end.arc_length / (1e-5 * 1_000_001.0) - 1.0).abs() < 1e-9,
-        "{}",
-        end.arc_length
-    );
 }
 
 #[test]

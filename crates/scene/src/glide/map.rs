@@ -31,7 +31,7 @@ fn header(unit: LengthUnit, of_study: bool) -> String {
 impl MapTable {
     /// A table of one map of recorded readings.
     pub(crate) fn of_readings(unit: LengthUnit) -> Self {
-        Self::new(header(unit, false), "cells")
+        Self::new(&header(unit, false), "cells")
     }
 
     /// Adds the places of a map, and their regions where they are known.
@@ -102,7 +102,7 @@ const fn probability_column(class: ShapeClass) -> &'static str {
 impl GlideScene {
     /// A table of the maps of a study's cells.
     pub(super) fn true_map_table(unit: LengthUnit) -> MapTable {
-        MapTable::new(header(unit, true), "cells")
+        MapTable::new(&header(unit, true), "cells")
     }
 
     /// Adds the map of trial number `trial`: one row per place of the grid, x slowest.

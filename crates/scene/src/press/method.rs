@@ -8,7 +8,7 @@ pub(crate) struct Assumed<'a> {
     pub(crate) estimator: &'a PressEstimatorConfig,
     /// The sensor's own soft body, which has what the settings leave out.
     pub(crate) model: &'a PressModelConfig,
-    /// The same as a body under these markers.
+    /// Body of that model under these markers.
     pub(crate) body: &'a Body,
     /// Thickness of its layer, where that has tables for fits to share.
     pub(crate) shared: Option<f64>,
@@ -77,6 +77,18 @@ impl Assumed<'_> {
             }
         }
         .map(Ok)
+    }
+}
+
+/// Body that an estimator assumes, in words, and whether it knows what happens below its surface.
+pub(super) const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static str, bool) {
+    match estimator {
+        PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),
+        PressEstimatorConfig::BondedLayer { .. } => ("a bonded layer", true),
+        PressEstimatorConfig::Gaussian { c: Some(_), .. } => ("a Gaussian with a given c", false),
+        PressEstimatorConfig::Gaussian { c: None, .. } => {
+            ("a Gaussian calibrated on a plane", false)
+        }
     }
 }
 

@@ -6,7 +6,7 @@ mod discs;
 mod estimator;
 
 use palpate_number::Number;
-use palpate_press::{Body, Markers, Skin};
+use palpate_press::{Body, Contact, Markers, PressError, Skin};
 
 use self::camera::CameraPlan;
 use self::discs::DiscMarkers;
@@ -47,15 +47,7 @@ impl PressScene {
         let body = SoftBody::of(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
         let noise = MarkerNoise::of(&config.noise, look.frames, places.len())?;
         let contact = body.contact(&markers, &pressed);
-        let truth = contact
-            .as_ref()
-            .map_err(|error| *error)
-            .and_then(|contact| {
-                Ok(TruePress {
-                    contact_radius: contact.radius,
-                    markers: body.moved(&markers, &pressed, contact)?,
-                })
-            });
+        let truth = true_press(&body, &markers, &pressed, &contact);
         let sensor = match look.camera {
             None => PressSensor::Direct,
             Some(camera) => PressSensor::Camera(match &truth {
@@ -96,15 +88,11 @@ impl PressScene {
             model: choice.model.clone(),
             ..config.clone()
         };
-        let mut needs = words::of_model(&choice, &pressed.object, markers.skin(), &contact);
-        needs.extend(words::of_readings(
-            &noise,
-            &sensor,
-            look.tangential,
-            places.len(),
-            resolved,
-        ));
-        needs.extend(words::of_estimator(resolved, &method));
+        let needs = [
+            words::of_model(&choice, &pressed.object, markers.skin(), &contact),
+            words::of_readings(&noise, &sensor, look.tangential, places.len(), resolved),
+            words::of_estimator(resolved, &method),
+        ];
         Ok(Self {
             seed,
             truth,
@@ -116,14 +104,14 @@ impl PressScene {
             method,
             bounds,
             rungs,
-            needs,
+            needs: needs.concat(),
             markers,
             body,
         })
     }
 }
 
-/// What a sensor reads of a press.
+/// Readings that a sensor takes of a press.
 struct Look<'a> {
     /// Camera before the markers; `None` where these are read directly.
     camera: Option<&'a CameraConfig>,
@@ -184,6 +172,20 @@ fn tables(config: &PressConfig, choice: &Choice, markers: usize) -> Option<f64> 
         .is_none_or(|tolerance| tolerance >= OF_TABLES);
     let layer = choice.model.thickness();
     layer.filter(|_| is_good && (is_shared || markers > MANY_MARKERS))
+}
+
+/// The contact, and the displacements of the markers.
+fn true_press(
+    body: &SoftBody,
+    markers: &Markers,
+    pressed: &Pressed,
+    contact: &Result<Contact<'_>, PressError>,
+) -> Result<TruePress, PressError> {
+    let contact = contact.as_ref().map_err(|error| *error)?;
+    Ok(TruePress {
+        contact_radius: contact.radius,
+        markers: body.moved(markers, pressed, contact)?,
+    })
 }
 
 /// Standard deviations of a camera's normal and tangential displacements, as its calibration tells them.

@@ -1,4 +1,4 @@
-//! What a sensor is pressed on, how deep, and with which part of its skin.
+//! Object that a sensor is pressed on, how deep, and with which part of its skin.
 
 use palpate_number::Number;
 use palpate_study::config::{PressMotionConfig, PressObjectConfig};

@@ -18,7 +18,7 @@ impl PressScene {
             "cell,radial_position_{unit},normal_displacement_{unit},radial_displacement_{unit},\
              estimated_normal_displacement_{unit},estimated_radial_displacement_{unit}"
         );
-        MapTable::new(header, "estimates of cells")
+        MapTable::new(&header, "estimates of cells")
     }
 
     /// Adds the profile of this scene, with the estimate of trial number `trial`.

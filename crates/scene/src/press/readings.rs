@@ -6,7 +6,7 @@ use palpate_study::config::{GainNoise, LengthNoise, PressNoiseConfig};
 use super::camera::Sight;
 use crate::plan::PlanError;
 
-/// What a sensor tells of one press, and what the estimator is told with it.
+/// Readings of one press, and the inputs that the estimator is told with them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MarkerReadings {
     /// Indices of the tracked markers, in ascending order; `None` if all are tracked.

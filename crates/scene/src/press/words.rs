@@ -4,13 +4,14 @@ use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
 use palpate_press::{Contact, ContactRegime, PressError, Skin};
 
 use super::ladder::Choice;
+use super::method::assumed_body;
 use super::pressed::TouchedObject;
 use super::readings::MarkerNoise;
 use super::scene::{PressMethod, PressSensor};
 use palpate_study::config::{
     Baseline, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown, NormalFrom,
-    PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
-    PressProbeConfig, PressSensorConfig, SizeNoise,
+    PixelNoise, PressConfig, PressModelConfig, PressNoiseConfig, PressProbeConfig,
+    PressSensorConfig, SizeNoise,
 };
 
 /// The model, the regime of the contact, and what is doubtful about either.
@@ -189,12 +190,7 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
 
 /// The estimator, and what is doubtful about it.
 pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<String> {
-    let what = match config.estimator {
-        PressEstimatorConfig::HalfSpace { .. } => "a half-space",
-        PressEstimatorConfig::BondedLayer { .. } => "a bonded layer",
-        PressEstimatorConfig::Gaussian { c: Some(_), .. } => "a Gaussian with a given c",
-        PressEstimatorConfig::Gaussian { c: None, .. } => "a Gaussian calibrated on a plane",
-    };
+    let (what, has_depth) = assumed_body(&config.estimator);
     let priors = config.estimator.priors();
     let indentation = match priors.indentation {
         Indentation::Known => "indentation given",
@@ -219,8 +215,7 @@ pub(super) fn of_estimator(config: &PressConfig, method: &PressMethod) -> Vec<St
     }
     let PressProbeConfig::MarkerSphere { marker_depth, .. } = config.probe;
     let at_surface = matches!(config.model, PressModelConfig::Hertz { .. });
-    let at_depth = !matches!(config.estimator, PressEstimatorConfig::Gaussian { .. });
-    if at_surface && at_depth && marker_depth > 0.0 {
+    if at_surface && has_depth && marker_depth > 0.0 {
         needs.push(
             "warning: the model moves markers as at the surface, the estimator takes them to be at their depth"
                 .to_owned(),

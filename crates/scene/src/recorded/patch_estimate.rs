@@ -100,7 +100,7 @@ impl GlideMap {
     pub fn to_csv(&self) -> String {
         let mut table = MapTable::of_readings(self.unit);
         table.push_map(&self.points, self.regions.as_ref(), &self.thresholds);
-        table.into_csv()
+        table.table.to_csv()
     }
 }
 

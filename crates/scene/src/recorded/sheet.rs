@@ -124,7 +124,10 @@ impl Sheet {
             message,
         };
         if let Some(line) = unclosed(text) {
-            return Err(fail(line, "a quotation mark is not closed".to_owned()));
+            return Err(fail(
+                line,
+                "a quotation mark is not closed before the comma or the end of the line".to_owned(),
+            ));
         }
         let rows = text.lines().count();
         if rows > MOST_LINES {

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod camera;
+mod extremes;
 mod fingertip;
 mod glide;
 mod ladder;

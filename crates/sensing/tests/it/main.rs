@@ -2,5 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod every_number;
+mod extremes;
 mod lattice;
 mod pads;

@@ -4,7 +4,7 @@ use super::error::{ConfigError, Fault, Source};
 use super::grid::Grid;
 use super::model::ModelConfig;
 use super::plot::PlotConfig;
-use super::study::StudyConfig;
+use super::study::{SceneConfig, StudyConfig};
 use super::tree::{Node, Value};
 use super::{plot, schema, sweep, tree, validate};
 use crate::limited::read_limited;
@@ -16,7 +16,7 @@ use std::path::Path;
 /// Largest config that is read, MiB.
 const MOST_MIB: u64 = 16;
 
-/// A study: a valid config and all its cells.
+/// A study: a valid config, of which all cells are known to be valid.
 #[derive(Debug, Clone)]
 pub struct Study {
     /// The config of the first cell, defaults filled in, with the sweeps and plots of the study: what `run.toml` holds.
@@ -26,8 +26,8 @@ pub struct Study {
     pub paths: Vec<String>,
     /// The columns of the swept fields: their paths with the unit appended where they have one.
     pub columns: Vec<String>,
-    /// The cells; the first axis varies slowest.
-    pub cells: Vec<Cell>,
+    /// Model of all cells, where it has been replaced.
+    model: Option<ModelConfig>,
     source: Source,
     grid: Grid,
 }
@@ -88,7 +88,8 @@ pub fn load(path: &Path) -> Result<Study, ConfigError> {
 ///     sweep = [{ path = "scene.object.radius", values = [2.0, 4.0] }]
 /// "#;
 /// let study = parse("study.toml", text)?;
-/// assert_eq!(study.cells.len(), 2);
+/// assert_eq!(study.cell_count(), 2);
+/// assert_eq!(study.cell(1)?.coordinates, ["4"]);
 /// assert_eq!(study.columns, ["scene.object.radius_cm"]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -113,8 +114,8 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
     let axes = sweep::axes(&sweeps).map_err(faulty)?;
     let grid = Grid { base, axes };
 
-    let cell = |index| -> Result<Cell, ConfigError> {
-        let config = cell_config(&schema, &grid, index).map_err(|fault| {
+    let cell = |index| {
+        cell_config(&schema, &grid, index).map_err(|fault| {
             // The cell is named only when its swept values matter: the config without them is fine, or fails otherwise.
             let alone = check(&schema, &grid.base);
             let of_cell = alone.as_ref() != Err(&fault) && !grid.axes.is_empty();
@@ -124,19 +125,18 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
             } else {
                 error
             }
-        })?;
-        Ok(Cell {
-            coordinates: grid.coordinates(index),
-            config,
         })
     };
-    let cells = (0..grid.cells()).map(cell).collect::<Result<Vec<_>, _>>()?;
-    plot::check(&plots, &grid, &cells[0].config.outputs).map_err(faulty)?;
+    let first = cell(0)?;
+    for index in 1..grid.cells() {
+        cell(index)?;
+    }
+    plot::check(&plots, &grid, &first.outputs).map_err(faulty)?;
 
     let config = StudyConfig {
         sweep: deserialise(&sweeps).map_err(faulty)?,
         plot: deserialise(&plots).map_err(faulty)?,
-        ..cells[0].config.clone()
+        ..first
     };
     let paths: Vec<String> = grid.targets().map(|target| target.path.clone()).collect();
     let columns = paths
@@ -147,7 +147,7 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
         config,
         paths,
         columns,
-        cells,
+        model: None,
         source,
         grid,
     })
@@ -233,6 +233,49 @@ fn deserialise<T: serde::de::DeserializeOwned>(tree: &Node) -> Result<T, Fault> 
 }
 
 impl Study {
+    /// Number of cells.
+    pub fn cell_count(&self) -> usize {
+        self.grid.cells()
+    }
+
+    /// Cell with this number, counted from 0; the first axis varies slowest. It is made from the config each time.
+    ///
+    /// # Errors
+    /// When there is no cell of this number.
+    pub fn cell(&self, number: usize) -> Result<Cell, ConfigError> {
+        let count = self.cell_count();
+        if number >= count {
+            let message = format!("there is no cell {number}: the study has {count}");
+            return Err(ConfigError::of_file(&self.source.file, message));
+        }
+        let faulty = |fault| self.source.error(fault);
+        let tree = self.grid.tree(number).map_err(|(_, fault)| faulty(fault))?;
+        let mut config: StudyConfig = deserialise(&tree).map_err(faulty)?;
+        let is_swept = |key: &str| self.paths.iter().any(|path| path == key);
+        if !is_swept("seed") {
+            config.seed = self.config.seed;
+        }
+        if !is_swept("trials") {
+            config.trials = self.config.trials;
+        }
+        if let Some(scene) = self
+            .model
+            .as_ref()
+            .and_then(|model| config.scene.with_model(model))
+        {
+            config.scene = scene;
+        }
+        Ok(Cell {
+            coordinates: self.grid.coordinates(number),
+            config,
+        })
+    }
+
+    /// Cells in the order of their numbers, each made when it is asked for.
+    pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
+        (0..self.cell_count()).filter_map(|number| self.cell(number).ok())
+    }
+
     /// An error in a field of a cell that shows only when the config is used, e.g. a pitch larger than the probe. It
     /// points at the field, at the sweep where that has set it, or at the nearest parent that is written down.
     pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
@@ -289,9 +332,6 @@ impl Study {
     pub fn override_seed(&mut self, seed: u64) -> Result<(), ConfigError> {
         self.check_override("seed", seed, 0)?;
         self.config.seed = seed;
-        self.cells
-            .iter_mut()
-            .for_each(|cell| cell.config.seed = seed);
         Ok(())
     }
 
@@ -302,9 +342,6 @@ impl Study {
     pub fn override_trials(&mut self, trials: u64) -> Result<(), ConfigError> {
         self.check_override("trials", trials, 1)?;
         self.config.trials = trials;
-        self.cells
-            .iter_mut()
-            .for_each(|cell| cell.config.trials = trials);
         Ok(())
     }
 
@@ -325,15 +362,16 @@ impl Study {
         if let Some(target) = self.grid.targets().find(|target| is_of_model(&target.path)) {
             return fault(Some(target.span.clone()), "is swept, and so cannot be set");
         }
-        let configs = std::iter::once(&mut self.config)
-            .chain(self.cells.iter_mut().map(|cell| &mut cell.config));
-        for config in configs {
-            match config.scene.with_model(model) {
-                Some(scene) => config.scene = scene,
-                None => return fault(None, "is of another kind of scene"),
+        let fits = |scene: &SceneConfig| scene.with_model(model);
+        let is_of_all = self.cells().all(|cell| fits(&cell.config.scene).is_some());
+        match fits(&self.config.scene) {
+            Some(scene) if is_of_all => {
+                self.config.scene = scene;
+                self.model = Some(model.clone());
+                Ok(())
             }
+            _ => fault(None, "is of another kind of scene"),
         }
-        Ok(())
     }
 
     fn check_override(&self, key: &str, value: u64, least: u64) -> Result<(), ConfigError> {

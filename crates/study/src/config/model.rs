@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::glide::GlideModelConfig;
-use super::press::{PressEstimatorConfig, PressModelConfig};
+use super::press::PressModelConfig;
 use super::roll::RollModelConfig;
 use super::study::SceneConfig;
 
@@ -39,17 +39,8 @@ impl SceneConfig {
             (Self::Roll(roll), ModelConfig::Roll(model)) => roll.model = model.clone(),
             (Self::Glide(glide), ModelConfig::Glide(model)) => glide.model = model.clone(),
             (Self::Press(press), ModelConfig::Press(model)) => {
-                // Settings that the estimator takes from the model: it keeps them.
-                let (old_thickness, old_poisson) = (press.model.thickness(), press.model.poisson());
-                match &mut press.estimator {
-                    PressEstimatorConfig::BondedLayer { thickness, .. } => {
-                        *thickness = thickness.or(old_thickness);
-                    }
-                    PressEstimatorConfig::HalfSpace { poisson, .. } => {
-                        *poisson = poisson.or(Some(old_poisson));
-                    }
-                    PressEstimatorConfig::Gaussian { .. } => {}
-                }
+                let (thickness, poisson) = (press.model.thickness(), press.model.poisson());
+                press.estimator.keep(thickness, poisson);
                 press.model = model.clone();
             }
             _ => return None,

@@ -47,7 +47,7 @@ pub struct Setting {
 pub enum Accepts {
     /// A number of a range.
     Number(Range),
-    /// One of these words, each with its meaning.
+    /// Words to choose from, each with its meaning.
     Word(Vec<(String, String)>),
 }
 

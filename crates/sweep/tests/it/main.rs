@@ -3,6 +3,7 @@
 
 mod any_number;
 mod determinism;
+mod extremes;
 mod plan;
 mod statistics;
 

@@ -3,6 +3,7 @@
 
 mod any_number;
 mod calibration;
+mod extremes;
 mod field;
 mod finder;
 mod matching;

@@ -4,7 +4,7 @@ use std::fmt;
 use std::process::ExitCode;
 
 use anyhow::{Error, anyhow};
-use palpate::{CellError, ConfigError, SweepError};
+use palpate::{ConfigError, Study, SweepError};
 
 /// Reason why a command failed, and so its status.
 #[derive(Debug)]
@@ -24,14 +24,10 @@ impl Failure {
         Self::Work(error.into())
     }
 
-    /// Failure of a cell, the number of which is an argument.
-    pub(crate) fn of_cell(error: CellError) -> Self {
-        match error {
-            CellError::NoCell { cell, last } => {
-                Self::Usage(anyhow!("--cell is {cell}; the study has cells 0 to {last}"))
-            }
-            CellError::Config(error) => Self::usage(error),
-        }
+    /// Failure of `--cell` with a number that no cell of the study has.
+    pub(crate) fn no_cell(cell: usize, study: &Study) -> Self {
+        let last = study.cell_count() - 1;
+        Self::Usage(anyhow!("--cell is {cell}; the study has cells 0 to {last}"))
     }
 
     /// Failure of trials: bad usage where a config makes no scene.

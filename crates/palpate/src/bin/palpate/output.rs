@@ -22,8 +22,13 @@ pub(crate) use single::Single;
 
 /// Prints a text and a newline; a closed pipe is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    put(format!("{text}\n").as_bytes())
+}
+
+/// Writes to standard output; a closed pipe is no error.
+fn put(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
-    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::work(
             Error::new(error).context("cannot write to standard output"),
         )),

@@ -9,11 +9,17 @@ use palpate_report::{
 
 use crate::cli::{PlotArgs, ReportArgs};
 use crate::failure::Failure;
-use crate::output::names::{CLAIMS, CONFIG, MARKERS};
+use crate::output::names::{CLAIMS, CONFIG, MARKERS, text_of};
 use crate::output::{self, Folder, Guard, Single, StudyId};
 
 pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
-    let study = Study::load(&args.dir).map_err(Failure::work)?;
+    let study = || Study::load(&args.dir).map_err(Failure::work);
+    // No other process writes there from here on.
+    let mut folder = match args.dir.is_dir() {
+        true => Folder::open(&args.dir, Guard::new([], args.force))?,
+        false => return study().map(drop),
+    };
+    let study = study()?;
     let mut drawn = figures(&study).map_err(Failure::work)?;
     // What a camera saw of the pass that was traced.
     if args.dir.join(MARKERS).is_file() {
@@ -23,20 +29,19 @@ pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
         let name = study.name();
         return output::print(&format!("{name} has no [[plot]]; nothing drawn"));
     }
-    let mut folder = Folder::open(&args.dir, Guard::new([], args.force))?;
     for name in write_figures(&mut folder, &drawn, &id_of(&study)?)? {
         output::print(&args.dir.join(name).display().to_string())?;
     }
     Ok(())
 }
 
-/// The study as manifests name it.
+/// The study as manifests name it, with its table.
 fn id_of(study: &Study) -> Result<StudyId, Failure> {
     let path = study.dir().join(CONFIG);
-    let config = std::fs::read_to_string(&path)
+    let config = text_of(&path)
         .with_context(|| format!("cannot read {}", path.display()))
         .map_err(Failure::work)?;
-    Ok(StudyId::new(study.name(), &config))
+    Ok(StudyId::new(study.name(), &config).with_cells_in(study.dir()))
 }
 
 /// Writes figures of a study, each as SVG and PNG, and returns their names.

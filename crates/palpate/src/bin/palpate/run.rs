@@ -12,10 +12,10 @@ use palpate::{CellStatistics, Map, RunOptions, Runner, Simulation, Study, load};
 use crate::cli::RunArgs;
 use crate::failure::Failure;
 use crate::output::names::{
-    CELLS, CONFIG, FAILURES, FRAMES, MAP, MARKERS, READINGS, TRACE, WARNINGS,
+    CELLS, CONFIG, FAILURES, FRAMES, MAP, MARKERS, NEXT_CONFIG, READINGS, TRACE, WARNINGS,
 };
-use crate::output::{Folder, Guard, StudyId};
-use crate::{budget, foreign, output, progress, trace};
+use crate::output::{Folder, Guard, Owned, StudyId};
+use crate::{budget, output, progress, trace};
 
 /// More threads than this only cost their setting up.
 const MOST_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
@@ -37,8 +37,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         .unwrap_or_else(|| PathBuf::from("out").join(&study.config.name));
     let guard = Guard::new([&args.config], args.force);
     let tables = tables_of(&study);
-    foreign::refuse(&out, &tables, &guard)?;
-    let numbers: Vec<usize> = (0..study.cells.len())
+    // Before the planning, and once more when no other process writes there.
+    let refuse = |owned: &Owned, config: &str| {
+        owned.refuse(CONFIG, Some(config.as_bytes()))?;
+        tables.iter().try_for_each(|name| owned.refuse(name, None))
+    };
+    refuse(&Owned::read(&out, guard.clone())?, &trace::resolved(&study))?;
+    let numbers: Vec<usize> = (0..study.cell_count())
         .step_by(args.every_nth_cell.get())
         .collect();
     let allowed = budget::choose(&study, &numbers, args, start)?;
@@ -51,10 +56,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     })
     .map_err(Failure::work)?;
     let first = numbers[0];
-    let simulation = Simulation::new(&study, numbers, &runner).map_err(Failure::of_cell)?;
+    let simulation = Simulation::new(&study, numbers, &runner).map_err(Failure::usage)?;
 
     let mut folder = Folder::open(&out, guard)?;
-    folder.refuse(&tables)?;
+    let config = trace::resolved(&study);
+    refuse(folder.owned(), &config)?;
     // Before the work, which would be lost where there is no pass to follow.
     let traced = study.config.outputs.contains(&Output::Trace);
     let traced = traced
@@ -63,7 +69,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             trace::files(&trace)
         })
         .transpose()?;
-    let config = trace::resolved(&study);
     let of_study = StudyId::new(&study.config.name, &config);
     folder.begin(&config, &of_study)?;
     let told: Vec<String> = simulation
@@ -116,9 +121,9 @@ fn failed(cell: &CellStatistics) -> u64 {
     cell.failures.iter().map(|failure| failure.count).sum()
 }
 
-/// All that a run of the study may write.
+/// All that a run of the study may write besides its config.
 fn tables_of(study: &Study) -> Vec<&'static str> {
-    let mut names = vec![CONFIG, CELLS, FAILURES, WARNINGS];
+    let mut names = vec![NEXT_CONFIG, CELLS, FAILURES, WARNINGS];
     if study.config.outputs.contains(&Output::Trace) {
         names.extend([TRACE, READINGS, MARKERS]);
         names.extend(FRAMES);

@@ -13,6 +13,9 @@ use crate::results::write_figures;
 
 pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let study = load(&args.config).map_err(Failure::usage)?;
+    if args.cell >= study.cell_count() {
+        return Err(Failure::no_cell(args.cell, &study));
+    }
     let trace = palpate::trace(&study, args.cell, args.trial).map_err(refused)?;
     let of_study = StudyId::new(&study.config.name, &resolved(&study));
     let mut folder = Folder::open(&args.out, Guard::new([&args.config], args.force))?;
@@ -55,7 +58,7 @@ pub(crate) fn files(trace: &Trace) -> Result<Vec<(&'static str, Vec<u8>)>, Failu
 /// A config that has no such pass is bad usage; a pass that ends early is not.
 pub(crate) fn refused(error: TraceError) -> Failure {
     match error {
-        TraceError::Cell(error) => Failure::of_cell(error),
+        TraceError::Config(error) => Failure::usage(error),
         error => Failure::work(error),
     }
 }

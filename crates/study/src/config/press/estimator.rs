@@ -153,6 +153,15 @@ impl PressEstimatorConfig {
         }
     }
 
+    /// Writes into the settings what they leave to a model of this thickness, if it has one, and Poisson's ratio.
+    pub(in crate::config) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
+        match self {
+            Self::HalfSpace { poisson, .. } => *poisson = poisson.or(Some(of_poisson)),
+            Self::BondedLayer { thickness, .. } => *thickness = thickness.or(of_thickness),
+            Self::Gaussian { .. } => {}
+        }
+    }
+
     /// Name of the kind, as configs have it.
     pub const fn name(&self) -> &'static str {
         match self {

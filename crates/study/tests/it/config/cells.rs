@@ -3,35 +3,34 @@
 use super::{BASE, edited, study};
 use palpate_study::config::{ObjectConfig, SceneConfig, Study, parse};
 
-fn coordinates(study: &Study) -> Vec<Vec<&str>> {
-    study
-        .cells
-        .iter()
-        .map(|cell| cell.coordinates.iter().map(String::as_str).collect())
-        .collect()
+fn coordinates(study: &Study) -> Vec<Vec<String>> {
+    study.cells().map(|cell| cell.coordinates).collect()
 }
 
-fn objects(study: &Study) -> Vec<&ObjectConfig> {
-    fn object(scene: &SceneConfig) -> &ObjectConfig {
+fn objects(study: &Study) -> Vec<ObjectConfig> {
+    fn object(scene: SceneConfig) -> ObjectConfig {
         match scene {
-            SceneConfig::Roll(roll) => &roll.object,
-            SceneConfig::Glide(glide) => &glide.object,
+            SceneConfig::Roll(roll) => roll.object,
+            SceneConfig::Glide(glide) => glide.object,
             SceneConfig::Press(_) | SceneConfig::Fingertip(_) => panic!("no object of a surface"),
         }
     }
     study
-        .cells
-        .iter()
-        .map(|cell| object(&cell.config.scene))
+        .cells()
+        .map(|cell| object(cell.config.scene))
         .collect()
 }
 
 #[test]
 fn no_sweep_is_one_cell() {
     let study = study("");
-    assert_eq!(study.cells.len(), 1);
-    assert!(study.columns.is_empty() && study.cells[0].coordinates.is_empty());
-    assert_eq!(study.cells[0].config, study.config);
+    assert_eq!(study.cell_count(), 1);
+    assert_eq!(
+        study.cell(1).unwrap_err().to_string(),
+        "study.toml: there is no cell 1: the study has 1"
+    );
+    assert!(study.columns.is_empty() && study.cell(0).unwrap().coordinates.is_empty());
+    assert_eq!(study.cell(0).unwrap().config, study.config);
 }
 
 #[test]
@@ -60,9 +59,9 @@ fn axes_multiply_and_the_first_is_slowest() {
             ["0.5", "1e-9"]
         ]
     );
-    assert_eq!(objects(&study)[3], &ObjectConfig::Sphere { radius: 5.0 });
+    assert_eq!(objects(&study)[3], ObjectConfig::Sphere { radius: 5.0 });
     assert_eq!(study.config.sweep.len(), 2);
-    assert!(study.cells.iter().all(|cell| cell.config.sweep.is_empty()));
+    assert!(study.cells().all(|cell| cell.config.sweep.is_empty()));
 }
 
 #[test]
@@ -85,8 +84,8 @@ fn rows_move_together_and_labels_stand_for_tables() {
         radius: 5.0,
         direction_deg: 45.0,
     };
-    assert_eq!(objects(&study), [&cylinder, &ObjectConfig::Plane {}]);
-    assert_eq!(study.cells[1].config.seed, 8);
+    assert_eq!(objects(&study), [cylinder, ObjectConfig::Plane {}]);
+    assert_eq!(study.cell(1).unwrap().config.seed, 8);
 }
 
 #[test]
@@ -106,8 +105,8 @@ fn ranges_keep_their_ends_and_round_between() {
         count = 5"#,
     );
     let all = coordinates(&study);
-    let slow: Vec<_> = all.iter().step_by(5).map(|pair| pair[0]).collect();
-    let fast: Vec<_> = all[..5].iter().map(|pair| pair[1]).collect();
+    let slow: Vec<_> = all.iter().step_by(5).map(|pair| pair[0].as_str()).collect();
+    let fast: Vec<_> = all[..5].iter().map(|pair| pair[1].as_str()).collect();
     assert_eq!(slow, ["0.01", "0.1", "1", "10", "100"]);
     assert_eq!(fast, ["0", "0.1", "0.2", "0.3", "0.4"]);
 }
@@ -140,8 +139,7 @@ fn a_range_of_one_value_and_of_counts() {
     let counts = study("[[sweep]]\npath = \"trials\"\nfrom = 100.0\nto = 300\ncount = 3");
     assert_eq!(
         counts
-            .cells
-            .iter()
+            .cells()
             .map(|cell| cell.config.trials)
             .collect::<Vec<_>>(),
         [100, 200, 300]
@@ -174,7 +172,7 @@ fn paths_reach_array_items_parameters_and_absent_options() {
         ]
     );
     assert_eq!(coordinates(&study), [["0.5", "[0, 0.25]", "3"]]);
-    let SceneConfig::Roll(roll) = &study.cells[0].config.scene else {
+    let SceneConfig::Roll(roll) = &study.cell(0).unwrap().config.scene else {
         panic!("not a roll");
     };
     assert_eq!(roll.object_contact, Some([3.0, 0.25]));
@@ -192,7 +190,7 @@ fn the_base_may_lack_what_a_sweep_sets() {
     let sweep = "[[sweep]]\npath = \"scene.object.c\"\nvalues = [5, -0.01]";
     let study = parse("study.toml", &(text + sweep)).unwrap();
     assert_eq!(study.columns, ["scene.object.c_per_cm"]);
-    assert_eq!(objects(&study)[1], &ObjectConfig::Paraboloid { c: -0.01 });
+    assert_eq!(objects(&study)[1], ObjectConfig::Paraboloid { c: -0.01 });
 }
 
 #[test]
@@ -277,15 +275,9 @@ fn overrides_reach_every_cell() {
     let mut study = study("[[sweep]]\npath = \"scene.object.radius\"\nvalues = [4, 3]\n");
     study.override_seed(42).unwrap();
     study.override_trials(7).unwrap();
-    let all = study
-        .cells
-        .iter()
-        .map(|cell| &cell.config)
-        .chain([&study.config]);
-    assert!(
-        all.into_iter()
-            .all(|config| (config.seed, config.trials) == (42, 7))
-    );
+    let all = study.cells().map(|cell| cell.config);
+    let mut all = all.chain([study.config.clone()]);
+    assert!(all.all(|config| (config.seed, config.trials) == (42, 7)));
 }
 
 #[test]

@@ -83,7 +83,7 @@ pub(crate) struct PatternArgs {
     /// Where to write the files.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Replace files that palpate did not write, and inputs.
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -93,7 +93,7 @@ pub(crate) struct CalibrateArgs {
     /// Tables of known displacements, or frames of which the first is at rest.
     #[arg(required = true, value_name = "TABLE.csv|FRAME.png")]
     pub(crate) inputs: Vec<PathBuf>,
-    /// The calibration to write, a TOML file.
+    /// The calibration to write, a TOML file; - is standard output.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
     /// Inward displacements of the marker under the contact, one per pressed frame.
@@ -115,7 +115,7 @@ pub(crate) struct CalibrateArgs {
     /// The unit of lengths, if no header states it.
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub(crate) length_unit: Option<LengthUnit>,
-    /// Replace files that palpate did not write, and inputs.
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -143,7 +143,7 @@ pub(crate) struct TrackArgs {
     /// Smooth the field with a Gaussian of this standard deviation, a length along the skin.
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) filter: f64,
-    /// Replace files that palpate did not write, and inputs.
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
     #[arg(long)]
     pub(crate) force: bool,
 }

@@ -1,6 +1,5 @@
 //! Settings of a study for recorded readings.
 
-use anyhow::anyhow;
 use palpate_scene::recorded::LikeError;
 use palpate_study::config::{self, LengthUnit, StudyConfig};
 
@@ -18,12 +17,8 @@ pub(crate) fn like<T>(
         return Ok(None);
     };
     let study = config::load(file).map_err(Failure::usage)?;
-    let Some(cell) = study.cells.get(args.cell) else {
-        let last = study.cells.len().saturating_sub(1);
-        return Err(Failure::Usage(anyhow!(
-            "--cell is {}; the study has cells 0 to {last}",
-            args.cell
-        )));
+    let Ok(cell) = study.cell(args.cell) else {
+        return Err(Failure::no_cell(args.cell, &study));
     };
     let unit = unit.unwrap_or(cell.config.length_unit);
     options(&cell.config, unit)

@@ -11,7 +11,7 @@ use super::lock::Lock;
 use super::manifest::{Entry, MANIFEST, Manifest, StudyId, digest};
 use super::names::{CELLS, CONFIG, NEXT_CONFIG, WARNINGS};
 use super::owned::{Guard, Owned};
-use super::stage::{Staged, sweep};
+use super::stage::{Staged, is_stream, sweep};
 use crate::failure::Failure;
 
 /// Directory that this process alone writes into, with the manifest of what palpate wrote there.
@@ -23,6 +23,11 @@ pub(crate) struct Folder {
 /// Makes `dir` if it is missing, and sees that files can be written there: before the work, not
 /// after it.
 pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
+    if dir == Path::new("-") {
+        return Err(Failure::usage(anyhow!(
+            "`-` is standard output, and this command writes a directory: `./-` is one of that name"
+        )));
+    }
     let is_file = |place: &&Path| fs::metadata(place).is_ok_and(|found| !found.is_dir());
     if let Some(file) = dir.ancestors().find(is_file) {
         let (dir, file) = (dir.display(), file.display());
@@ -51,11 +56,9 @@ impl Folder {
         Ok(Self { owned, _lock: lock })
     }
 
-    /// Refuses to replace files of these names that palpate did not write.
-    pub(crate) fn refuse(&self, names: &[&str]) -> Result<(), Failure> {
-        names
-            .iter()
-            .try_for_each(|name| self.owned.refuse(name, None))
+    /// Rights over the files that are there.
+    pub(crate) fn owned(&self) -> &Owned {
+        &self.owned
     }
 
     /// Writes the config of a run that begins: beside no tables but its own. Where the directory has those of another
@@ -97,10 +100,13 @@ impl Folder {
     ) -> Result<Vec<String>, Failure> {
         let manifest = self.owned.manifest.as_ref();
         let entries = manifest.iter().flat_map(|manifest| &manifest.files);
+        let cells = files.iter().find(|(name, _)| *name == CELLS);
+        let cells = cells.map(|(_, contents)| digest(contents.as_ref()));
         let is_written = |name: &str| files.iter().any(|(written, _)| *written == name);
         let stale: Vec<String> = entries
             .filter(|(name, entry)| {
-                let is_other = entry.study.as_ref().is_some_and(|of| of != study);
+                let of = entry.study.as_ref();
+                let is_other = of.is_some_and(|of| !of.is_of(study, cells.as_ref()));
                 (is_other || *name == WARNINGS) && !is_written(name) && *name != NEXT_CONFIG
             })
             .map(|(name, _)| name.clone())
@@ -164,7 +170,8 @@ impl Folder {
         let mut manifest = manifest.unwrap_or_else(|| Manifest::new([].into()));
         // A process that is killed while it renames leaves files of both contents.
         let mut between = manifest.clone();
-        for (name, contents) in files {
+        let listed = files.iter().filter(|(name, _)| !is_stream(&dir.join(name)));
+        for (name, contents) in listed {
             let digest = digest(contents.as_ref());
             let study = study.cloned();
             let entry = |sha256| Entry { sha256, study };
@@ -181,10 +188,10 @@ impl Folder {
                 .files
                 .insert((*name).to_owned(), entry(vec![digest]));
         }
-        let stage = |manifest: &Manifest| {
-            Staged::new(&dir.join(MANIFEST), manifest.to_toml()?.as_bytes()).map_err(Failure::work)
-        };
-        let (first, last) = (stage(&between)?, stage(&manifest)?);
+        let (between, after) = (between.to_toml()?, manifest.to_toml()?);
+        let place = dir.join(MANIFEST);
+        let first = Staged::new(&place, between.as_bytes()).map_err(Failure::work)?;
+        let last = Staged::new(&place, after.as_bytes()).map_err(Failure::work)?;
         let staged = [first].into_iter().chain(staged).chain([last]);
         for file in staged {
             file.persist().map_err(Failure::work)?;

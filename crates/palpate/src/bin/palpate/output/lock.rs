@@ -28,8 +28,13 @@ impl Lock {
     pub(crate) fn of(dir: &Path) -> Result<Self, Failure> {
         let path = dir.join(NAME);
         let shown = path.display();
-        if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file()) {
-            return Err(Failure::work(anyhow!("{shown} is no regular file")));
+        let is_other = |text: String| !text.bytes().all(|byte| byte.is_ascii_digit());
+        if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file())
+            || fs::read_to_string(&path).is_ok_and(is_other)
+        {
+            return Err(Failure::work(anyhow!(
+                "{shown} is no lock of palpate: move it away"
+            )));
         }
         let start = Instant::now();
         loop {

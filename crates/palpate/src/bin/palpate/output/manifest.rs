@@ -6,9 +6,11 @@ use std::io;
 use std::path::{Component, Path};
 
 use anyhow::{Context, anyhow};
+use palpate_study::read_limited;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::names::{CELLS, MOST_MIB};
 use crate::failure::Failure;
 
 /// Name of the manifest.
@@ -43,6 +45,9 @@ pub(crate) struct StudyId {
     study: String,
     /// SHA-256 of its config as `run.toml` has it.
     config: String,
+    /// SHA-256 of the `cells.csv` that a figure or a score is of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cells: Option<String>,
 }
 
 impl StudyId {
@@ -51,7 +56,20 @@ impl StudyId {
         Self {
             study: name.to_owned(),
             config: digest(config.as_bytes()),
+            cells: None,
         }
+    }
+
+    /// The study with the `cells.csv` in a directory, if it can be read.
+    pub(crate) fn with_cells_in(self, dir: &Path) -> Self {
+        let cells = digest_of(&dir.join(CELLS)).ok();
+        Self { cells, ..self }
+    }
+
+    /// Whether a file of this study is one of `other` too, whose `cells.csv` has this SHA-256.
+    pub(crate) fn is_of(&self, other: &Self, cells: Option<&String>) -> bool {
+        let is_same = (&self.study, &self.config) == (&other.study, &other.config);
+        is_same && (self.cells.is_none() || self.cells.as_ref() == cells)
     }
 }
 
@@ -64,8 +82,8 @@ impl Manifest {
     /// Manifest of a directory, if it has one.
     pub(crate) fn read(dir: &Path) -> Result<Option<Self>, Failure> {
         let path = dir.join(MANIFEST);
-        let text = match fs::read_to_string(&path) {
-            Ok(text) => text,
+        let text = match read_limited(&path, MOST_MIB) {
+            Ok(bytes) => String::from_utf8(bytes).unwrap_or_default(),
             Err(error)
                 if matches!(
                     error.kind(),
@@ -115,7 +133,9 @@ impl Manifest {
 impl Entry {
     /// Whether the file at `path` is as palpate wrote it.
     pub(crate) fn is_of(&self, path: &Path) -> bool {
-        digest_of(path).is_ok_and(|digest| self.sha256.contains(&digest))
+        // A pipe in its place is not read.
+        let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
+        is_file && digest_of(path).is_ok_and(|digest| self.sha256.contains(&digest))
     }
 }
 

@@ -1,12 +1,13 @@
 //! Names of the files that palpate writes into a directory.
 
-use std::fs;
 use std::path::Path;
 
-use palpate_study::config;
+use palpate_study::{config, read_limited};
 use toml_parser::Source;
 use toml_parser::lexer::{Token, TokenKind};
 
+/// Largest config or manifest that is read, MiB.
+pub(crate) const MOST_MIB: u64 = 16;
 /// Config of a run, beside its tables.
 pub(crate) const CONFIG: &str = "run.toml";
 /// Config of a run while tables of another config stand there.
@@ -29,13 +30,18 @@ const FIGURES: [&str; 2] = ["quiver", "trace-profile"];
 
 /// Whether a run wrote this config: it states the version of palpate and has no comment, which a run never writes.
 pub(crate) fn is_of_a_run(path: &Path) -> bool {
-    fs::read_to_string(path).is_ok_and(|text| {
+    text_of(path).is_some_and(|text| {
         let is_comment = |token: Token| token.kind() == TokenKind::Comment;
         let has_version = text
             .lines()
             .any(|line| line.starts_with("crate_version = "));
         has_version && !Source::new(&text).lex().any(is_comment)
     })
+}
+
+/// Text of a config, if it can be read.
+pub(crate) fn text_of(path: &Path) -> Option<String> {
+    String::from_utf8(read_limited(path, MOST_MIB).ok()?).ok()
 }
 
 /// Name of the study of a run's config, and names of the files that commands may have written beside it.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
@@ -9,6 +10,7 @@ use same_file::is_same_file;
 
 use super::manifest::{Entry, Manifest, StudyId, digest_of};
 use super::names;
+use super::stage::{is_stream, unwritable};
 use crate::failure::Failure;
 
 /// Rights of a command over the files of a directory.
@@ -85,47 +87,37 @@ impl Owned {
     /// Refuses to replace what palpate did not write. Of a file whose contents are not known yet, only the manifest tells.
     pub(crate) fn refuse(&self, name: &str, contents: Option<&[u8]>) -> Result<(), Failure> {
         let path = self.dir.join(name);
-        let Ok(found) = fs::metadata(&path) else {
-            return Ok(());
-        };
-        if !found.is_file() {
-            let what = if found.is_dir() {
-                "a directory"
-            } else {
-                "no regular file"
-            };
+        if let Some(why) = unwritable(&path) {
             let path = path.display();
-            return Err(Failure::work(anyhow!("cannot write {path}: is {what}")));
+            return Err(Failure::work(anyhow!("cannot write {path}: {why}")));
         }
-        let is_config = name == names::CONFIG;
-        if self.guard.force || contents.is_some_and(|contents| holds(&path, contents)) {
+        let is_kept = contents.is_some_and(|contents| holds(&path, contents));
+        if self.guard.force || is_kept || is_stream(&path) || fs::metadata(&path).is_err() {
             return Ok(());
         }
         // A run may begin with the config that another run left.
-        if !is_config {
+        if name != names::CONFIG {
             self.guard.refuse(&path)?;
         }
-        let Some(manifest) = &self.manifest else {
-            return match contents {
-                Some(contents) if !begins_as(&path, contents) => {
-                    Err(refusal(&path, "is not a file that palpate wrote"))
-                }
-                _ => Ok(()),
-            };
-        };
-        match manifest.files.get(name) {
+        let is_lone = self.manifest.is_none();
+        match self.entry(name) {
             Some(entry) if entry.is_of(&path) => Ok(()),
             Some(_) => Err(refusal(&path, "was changed since palpate wrote it")),
+            None if is_lone && contents.is_some_and(|contents| begins_as(&path, contents)) => {
+                Ok(())
+            }
             None => Err(refusal(&path, "is not a file that palpate wrote")),
         }
     }
 
+    /// What the manifest has of a file.
+    fn entry(&self, name: &str) -> Option<&Entry> {
+        self.manifest.as_ref()?.files.get(name)
+    }
+
     /// Whether the manifest lists the file, and it is as palpate wrote it.
     pub(crate) fn lists(&self, name: &str) -> bool {
-        let entry = self
-            .manifest
-            .as_ref()
-            .and_then(|known| known.files.get(name));
+        let entry = self.entry(name);
         entry.is_some_and(|entry| entry.is_of(&self.dir.join(name)))
     }
 
@@ -150,16 +142,16 @@ pub(crate) fn holds(path: &Path, contents: &[u8]) -> bool {
         || length == contents.len() as u64 && fs::read(path).is_ok_and(|known| known == contents)
 }
 
-/// Whether a lone file begins as the one to be written: with the same first line, a page with the same title. A picture
-/// tells nothing of the program that drew it.
+/// Whether a lone file begins as the one to be written: with the same header or first comment, a page with the same
+/// title. A picture tells nothing of the program that drew it.
 pub(crate) fn begins_as(path: &Path, contents: &[u8]) -> bool {
     let Some(head) = head_of(contents) else {
         return false;
     };
     let mut known = Vec::new();
     let read = fs::File::open(path).and_then(|file| {
-        use std::io::Read;
-        file.take(head.len() as u64).read_to_end(&mut known)
+        let mut start = file.take(head.len() as u64);
+        start.read_to_end(&mut known)
     });
     read.is_ok() && known == head
 }
@@ -172,11 +164,9 @@ fn head_of(contents: &[u8]) -> Option<&[u8]> {
         let mut places = contents.windows(TITLE.len());
         return Some(&contents[..places.position(|place| place == TITLE)?]);
     }
-    if is(b"<") || is(b"\x89PNG") {
-        return None;
-    }
     let end = contents.iter().position(|&byte| byte == b'\n')?;
-    Some(&contents[..=end])
+    let line = &contents[..=end];
+    (is(b"#") || line.contains(&b',')).then_some(line)
 }
 
 /// Manifest of a directory that has a config of a run and no manifest: of the files whose names palpate knows.
@@ -185,14 +175,15 @@ fn known_files(dir: &Path) -> Option<Manifest> {
     if !names::is_of_a_run(&config) {
         return None;
     }
-    let text = fs::read_to_string(&config).ok()?;
+    let text = names::text_of(&config)?;
     let (name, known) = names::of_a_run(&config, &text);
     let study = StudyId::new(&name, &text);
     let files: BTreeMap<String, Entry> = known
         .into_iter()
         .filter_map(|name| {
             let path = dir.join(&name);
-            let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
+            let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file())
+                && (name != names::NEXT_CONFIG || names::is_of_a_run(&path));
             let sha256 = vec![digest_of(&path).ok().filter(|_| is_file)?];
             let study = Some(study.clone());
             Some((name, Entry { sha256, study }))
@@ -209,7 +200,14 @@ mod tests {
     fn heads_are_first_lines_and_titles() {
         assert_eq!(head_of(b"a,b\n1,2\n"), Some(&b"a,b\n"[..]));
         assert_eq!(head_of(b"a,b"), None);
-        assert_eq!(head_of(b"<svg>\n"), None);
+        for other in [
+            &b"<svg>\n"[..],
+            b"  0\nSECTION\n",
+            b"name = \"a\"\n",
+            b"\x89PNG\n",
+        ] {
+            assert_eq!(head_of(other), None);
+        }
         let page = b"<!DOCTYPE html>\n<title>palpate</title>\n";
         assert_eq!(head_of(page), Some(&page[..page.len() - 9]));
     }

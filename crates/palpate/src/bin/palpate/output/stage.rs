@@ -1,7 +1,7 @@
 //! Contents under temporary names, locked by the process that writes them.
 
-use std::fs::{self, File, Permissions};
-use std::io::{self, Write};
+use std::fs::{self, File, OpenOptions, Permissions};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, anyhow};
@@ -14,46 +14,90 @@ const RANDOM: usize = 6;
 /// Symbolic links that are followed one after another.
 const MOST_LINKS: usize = 40;
 
-/// Contents that are on disk and wait for their name.
-pub(crate) struct Staged {
-    file: NamedTempFile,
+/// Contents that wait for their place.
+pub(crate) struct Staged<'a> {
     /// Path as messages name it.
     shown: PathBuf,
-    /// The file itself, to which links lead.
-    target: PathBuf,
+    place: Place<'a>,
 }
 
-impl Staged {
-    /// Writes contents beside the file at `path`, or beside that to which links lead from there.
-    pub(crate) fn new(path: &Path, contents: &[u8]) -> Result<Self, Error> {
-        let stage = || -> io::Result<Self> {
+enum Place<'a> {
+    /// Contents on disk, and the file itself, to which links lead.
+    File(NamedTempFile, PathBuf),
+    /// Pipe, device or open file, and what is written into it.
+    Stream(&'a [u8]),
+}
+
+impl<'a> Staged<'a> {
+    /// Writes contents beside the file at `path`, or beside that to which links lead from there; a stream waits.
+    pub(crate) fn new(path: &Path, contents: &'a [u8]) -> Result<Self, Error> {
+        let shown = path.to_owned();
+        if is_stream(path) {
+            let place = Place::Stream(contents);
+            return Ok(Self { shown, place });
+        }
+        let stage = || -> io::Result<Place<'a>> {
             let target = followed(path)?;
             let mut file = locked(folder_of(&target))?;
             file.as_file_mut().write_all(contents)?;
             file.as_file().sync_all()?;
             let known = fs::metadata(&target).ok().map(|found| found.permissions());
             set_readable(file.as_file(), known)?;
-            Ok(Self {
-                file,
-                shown: path.to_owned(),
-                target,
-            })
+            Ok(Place::File(file, target))
         };
-        stage().with_context(|| format!("cannot write {}", path.display()))
+        let place = stage().with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(Self { shown, place })
     }
 
-    /// Gives the contents their name.
+    /// Gives the contents their name, or writes them into the stream; a reader that closes a pipe early is no error.
     pub(crate) fn persist(self) -> Result<(), Error> {
-        let cannot = || format!("cannot write {}", self.shown.display());
-        if fs::metadata(&self.target).is_ok_and(|found| !found.is_file()) {
-            return Err(anyhow!("is no regular file")).with_context(cannot);
+        let Self { shown, place } = self;
+        let cannot = || format!("cannot write {}", shown.display());
+        match place {
+            Place::File(_, target) if fs::metadata(&target).is_ok_and(|found| !found.is_file()) => {
+                Err(anyhow!("is no regular file")).with_context(cannot)
+            }
+            Place::File(file, target) => {
+                let persisted = file.persist(&target).map_err(|error| error.error);
+                persisted.map(drop).with_context(cannot)
+            }
+            Place::Stream(contents) => {
+                // What an open file holds stays.
+                let file = OpenOptions::new().append(true).open(&shown);
+                match file.and_then(|mut file| file.write_all(contents)) {
+                    Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+                    wrote => wrote.with_context(cannot),
+                }
+            }
         }
-        let persisted = self.file.persist(&self.target);
-        persisted
-            .map(drop)
-            .map_err(|error| error.error)
-            .with_context(|| format!("cannot write {}", self.shown.display()))
     }
+}
+
+/// Whether a path leads to a pipe, a device or an open file, which is written into and keeps its name.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    const OPEN: [&str; 3] = ["/dev/fd", "/dev/stderr", "/proc"];
+    let is_open = OPEN.iter().any(|root| path.starts_with(root));
+    fs::metadata(path).is_ok_and(|found| !found.is_dir() && (is_open || !found.is_file()))
+}
+
+/// Why nothing is written to a path, if it is one of a directory or of a disk.
+pub(crate) fn unwritable(path: &Path) -> Option<&'static str> {
+    let found = fs::metadata(path).ok()?;
+    if found.is_dir() {
+        return Some("is a directory");
+    }
+    is_disk(&found).then_some("is a disk")
+}
+
+#[cfg(unix)]
+fn is_disk(found: &fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    found.file_type().is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_disk(_: &fs::Metadata) -> bool {
+    false
 }
 
 /// Folder in which a file lies.

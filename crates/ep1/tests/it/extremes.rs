@@ -1,0 +1,4 @@
+//! Entry points at their extremes, a row each.
+
+mod asked;
+mod exact;

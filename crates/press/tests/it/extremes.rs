@@ -1,0 +1,7 @@
+//! Presses of all sizes and ratios: a displacement or curvature within its stated bound, or the named error.
+
+mod fit;
+mod half_space;
+mod layer;
+mod shear;
+mod skin;
