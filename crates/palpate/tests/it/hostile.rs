@@ -3,6 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -11,6 +12,8 @@ use super::desk::{Desk, STUDY};
 use super::frames::{frame, write};
 
 const TABLE: &str = include_str!("hostile.txt");
+/// Bytes of a file that are compared; a file of more has its length compared too.
+const MOST_BYTES: u64 = 1 << 24;
 /// Fewer rows than this are not the table.
 const LEAST: usize = 250;
 const PLOT: &str = "\n[[plot]]\nname = \"error\"\nx = \"scene.object.radius\"\ny = \"rms_error\"\nquantity = \
@@ -104,18 +107,18 @@ fn kept(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u8>> {
         let inner = Path::new(within).join(&name).to_str().unwrap().to_owned();
         let is_ours =
             (is_ours || inner == "o" || inner.starts_with("o.")) && !name.starts_with("mine");
-        let kind = fs::symlink_metadata(&entry).unwrap().file_type();
-        if kind.is_dir() {
+        let about = fs::symlink_metadata(&entry).unwrap();
+        if about.is_dir() {
             found.extend(kept(dir, &inner, is_ours));
         } else if !is_ours {
-            let bytes = match (kind.is_file(), fs::read_link(&entry)) {
-                (true, _) => fs::read(&entry).unwrap(),
-                (false, link) => link
-                    .unwrap_or_default()
-                    .into_os_string()
-                    .into_encoded_bytes(),
-            };
-            found.insert(inner, [format!("{kind:?}").into_bytes(), bytes].concat());
+            let link = fs::read_link(&entry).unwrap_or_default();
+            let mut bytes =
+                format!("{:?} {} {link:?}", about.file_type(), about.len()).into_bytes();
+            if about.is_file() {
+                let mut start = fs::File::open(&entry).unwrap().take(MOST_BYTES);
+                start.read_to_end(&mut bytes).unwrap();
+            }
+            found.insert(inner, bytes);
         }
     }
     found
