@@ -13,6 +13,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use xshell::{Shell, cmd};
 
+use crate::palpate;
 use crate::peers::replace;
 use baseline::{Comparison, Figures, Limits};
 
@@ -70,8 +71,8 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
 
 /// Errors of palpate on fixed scenes, which are the same in every build profile.
 fn accuracy(shell: &Shell) -> Result<Figures> {
-    let run = cmd!(shell, "cargo run --quiet -p palpate-assay -- accuracy");
-    Figures::read(&run.quiet().read()?)
+    let assay = palpate::build(shell, "palpate-assay")?;
+    Figures::read(&cmd!(shell, "{assay} accuracy").quiet().read()?)
 }
 
 /// Compares with the baseline and prints what differs.

@@ -12,7 +12,7 @@ type Step = (&'static str, fn(&Shell) -> Result<()>);
 const STEPS: [Step; 12] = [
     ("tools", tools::prepare),
     ("format", format),
-    ("house", house::check),
+    ("house", house),
     ("clippy", clippy),
     ("tests", tests),
     ("examples", examples),
@@ -41,6 +41,11 @@ fn format(shell: &Shell) -> Result<()> {
     Ok(cmd!(shell, "cargo fmt --all --check").run()?)
 }
 
+fn house(shell: &Shell) -> Result<()> {
+    house::check(shell)?;
+    same_bytes::refuse_powers(shell)
+}
+
 fn clippy(shell: &Shell) -> Result<()> {
     Ok(cmd!(
         shell,
@@ -57,11 +62,12 @@ fn tests(shell: &Shell) -> Result<()> {
     extremes::check(shell)
 }
 
-/// Programs that use the library, each run to its end.
+/// Programs that use the library, built with the tests, each run to its end.
 fn examples(shell: &Shell) -> Result<()> {
     for file in shell.read_dir("crates/palpate/examples")? {
         let name = file.file_stem().unwrap_or_default();
-        cmd!(shell, "cargo run --quiet -p palpate --example {name}").run()?;
+        let program = palpate::target_dir(shell).join("debug/examples").join(name);
+        cmd!(shell, "{program}").run()?;
     }
     Ok(())
 }
@@ -81,8 +87,7 @@ fn bench(shell: &Shell) -> Result<()> {
 }
 
 fn same_bytes(shell: &Shell) -> Result<()> {
-    same_bytes::refuse_powers(shell)?;
-    same_bytes::refuse_imports(shell, &palpate::build(shell)?)?;
+    same_bytes::refuse_imports(shell, &palpate::build(shell, "palpate")?)?;
     same_bytes::run(shell, &same_bytes::Options { quick: true })
 }
 

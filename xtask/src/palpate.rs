@@ -13,23 +13,31 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
     shell.current_dir().join(target)
 }
 
-/// Builds the release binary and says where it lies.
-pub(crate) fn build(shell: &Shell) -> Result<PathBuf> {
-    cmd!(shell, "cargo build --release -p palpate")
-        .quiet()
-        .run()?;
-    let binary = format!("palpate{}", env::consts::EXE_SUFFIX);
-    Ok(target_dir(shell).join("release").join(binary))
-}
+/// Arguments that select what tasks build of the release profile, all of it together: cargo joins the features of
+/// what is built at once, so that other selections would build most crates again. Without counters, as users have
+/// palpate.
+pub(crate) const RELEASED: [&str; 10] = [
+    "-p",
+    "palpate",
+    "-p",
+    "palpate-assay",
+    "-p",
+    "palpate-replica",
+    "--no-default-features",
+    "--features",
+    "palpate/cli",
+    "--quiet",
+];
 
-/// Builds the harnesses without counters, as users have palpate, and says where they lie.
-pub(crate) fn build_uncounted_assay(shell: &Shell) -> Result<PathBuf> {
-    cmd!(
+/// Builds the released programs and says where one lies.
+pub(crate) fn build(shell: &Shell, program: &str) -> Result<PathBuf> {
+    // With the bench of instructions, whose libraries have features of their own.
+    let build = cmd!(
         shell,
-        "cargo build --release -p palpate-assay --no-default-features"
-    )
-    .run()?;
-    let binary = format!("palpate-assay{}", env::consts::EXE_SUFFIX);
+        "cargo build --release {RELEASED...} --bins --bench instructions"
+    );
+    build.quiet().run()?;
+    let binary = format!("{program}{}", env::consts::EXE_SUFFIX);
     Ok(target_dir(shell).join("release").join(binary))
 }
 

@@ -102,7 +102,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     }
     let directory = palpate::target_dir(shell).join("peers");
     shell.create_dir(&directory)?;
-    let ours = palpate::build_uncounted_assay(shell)?;
+    let ours = palpate::build(shell, "palpate-assay")?;
     let inputs = directory.join("inputs");
     cmd!(shell, "{ours} ours --inputs {inputs}").quiet().run()?;
     let workshop = Workshop::new(shell, &directory)?;

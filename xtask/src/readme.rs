@@ -22,7 +22,7 @@ const OUTPUT: &str = "out";
 /// Commands of cargo are not run, for this is run by them; but `cargo xtask …` must parse.
 pub(crate) fn check(shell: &Shell) -> Result<()> {
     let readme = shell.read_file("README.md")?;
-    let binary = palpate::build(shell)?;
+    let binary = palpate::build(shell, "palpate")?;
     let directory = tempfile::tempdir()?;
     for name in COPIED {
         let source = shell.current_dir().join(name);

@@ -61,7 +61,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let start = Instant::now();
     let known = known_studies(shell)?;
     let studies = chosen(&known, &options.studies)?;
-    let palpate = palpate::build(shell)?;
+    let palpate = palpate::build(shell, "palpate")?;
     if options.check {
         check(shell, &palpate, studies, options)?;
     } else {

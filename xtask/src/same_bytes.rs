@@ -9,7 +9,7 @@ use clap::Args;
 use sha2::{Digest, Sha256};
 use xshell::{Shell, cmd};
 
-use crate::palpate::target_dir;
+use crate::palpate::{self, target_dir};
 use crate::tools::{WASM, has};
 
 /// Status of the program where the processor lacks the instructions that are asked for.
@@ -143,12 +143,7 @@ fn configs(shell: &Shell, quick: bool) -> Result<Vec<PathBuf>> {
 /// Builds the program and lists the hosts that this machine can be.
 fn hosts(shell: &Shell, quick: bool) -> Result<Vec<Host>> {
     let package = "palpate-replica";
-    // With the program, whose build it shares.
-    cmd!(
-        shell,
-        "cargo build --quiet --release -p palpate -p {package}"
-    )
-    .run()?;
+    let program = palpate::build(shell, package)?;
     // No vectors there, so that an unoptimised module tells as much.
     let (profile, folder) = if quick {
         ("dev", "debug")
@@ -163,7 +158,6 @@ fn hosts(shell: &Shell, quick: bool) -> Result<Vec<Host>> {
     .with_context(|| format!("is the target there? rustup target add {WASM}"))?;
     let target = target_dir(shell);
     let text = |path: PathBuf| path.display().to_string();
-    let program = target.join("release").join(package);
     refuse_imports(shell, &program)?;
     let program = text(program);
     let module = text(target.join(WASM).join(folder).join("palpate_replica.wasm"));

@@ -25,7 +25,7 @@ pub(crate) struct Options {
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let start = Instant::now();
-    let assay = palpate::build_uncounted_assay(shell)?;
+    let assay = palpate::build(shell, "palpate-assay")?;
     if options.draw {
         cmd!(shell, "{assay} fronts {RESULTS}").quiet().run()?;
         return Ok(());

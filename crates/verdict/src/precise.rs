@@ -54,7 +54,7 @@ impl Precise {
         // word only tells a tie from more than one.
         let (&upper, lower) = words.split_last().unwrap_or((&0, &[]));
         let sticky = u64::from(lower.iter().any(|&word| word != 0));
-        let magnitude = scaled((upper | sticky) as f64, exponent - 64);
+        let magnitude = libm::scalbn((upper | sticky) as f64, exponent - 64);
         match sign {
             Sign::Pos => magnitude,
             Sign::Neg => -magnitude,
@@ -179,14 +179,6 @@ impl Neg for Precise {
 
 fn with_constants(function: impl FnOnce(&mut Consts) -> BigFloat) -> Precise {
     CONSTANTS.with_borrow_mut(|constants| Precise(function(constants)))
-}
-
-/// `mantissa · 2^exponent`, where the mantissa is 0 or between 2⁶³ and 2⁶⁴. Rounded once more only
-/// where it is subnormal.
-fn scaled(mantissa: f64, exponent: i32) -> f64 {
-    // Within these halves no power of two leaves the doubles; beyond them the product is 0 or ∞ anyhow.
-    let half = exponent.clamp(-1300, 1300) / 2;
-    mantissa * 2f64.powi(half) * 2f64.powi(exponent.clamp(-1300, 1300) - half)
 }
 
 #[cfg(test)]

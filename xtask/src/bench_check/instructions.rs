@@ -5,7 +5,7 @@ use serde_json::Value;
 use xshell::{Shell, cmd};
 
 use super::baseline::Figures;
-use crate::palpate::target_dir;
+use crate::palpate::{RELEASED, target_dir};
 use crate::tools::has;
 
 /// Counts every hot path, or says what is missing on this machine.
@@ -21,7 +21,7 @@ pub(crate) fn count(shell: &Shell) -> Result<Result<Figures, &'static str>> {
     let home = target_dir(shell).join("gungraun");
     let bench = cmd!(
         shell,
-        "cargo bench --quiet -p palpate-assay --no-default-features --bench instructions -- --output-format=json"
+        "cargo bench {RELEASED...} --bench instructions -- --output-format=json"
     );
     let lines = bench.quiet().env("GUNGRAUN_HOME", home).read()?;
     read(&lines).map(Ok)
