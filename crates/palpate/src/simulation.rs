@@ -139,7 +139,7 @@ impl<'a> Simulation<'a> {
             }
         }
         let words = |(line, first, count)| match (count, self.cells.len()) {
-            (_, 1) => format!("{line}"),
+            (_, 1) => line.to_owned(),
             (1, _) => format!("{line} (cell {first})"),
             (_, all) => format!("{line} ({count} of {all} cells, the first is {first})"),
         };
