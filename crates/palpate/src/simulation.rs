@@ -138,7 +138,7 @@ impl<'a> Simulation<'a> {
                 None => cells.push((line, number, 1)),
             }
         }
-        let words = |(line, first, count)| match (count, self.cells.len()) {
+        let words = |(line, first, count): (&str, usize, usize)| match (count, self.cells.len()) {
             (_, 1) => line.to_owned(),
             (1, _) => format!("{line} (cell {first})"),
             (_, all) => format!("{line} ({count} of {all} cells, the first is {first})"),
