@@ -10,6 +10,8 @@ use anyhow::{Context, Result, bail};
 const CELLS: &str = "cells.csv";
 /// Table that a report writes, not a run.
 const SCORED: &str = "claims.csv";
+/// List that palpate keeps of the files that it wrote, which is not committed.
+pub(crate) const MANIFEST: &str = ".palpate.toml";
 /// Column by which a partial run's rows are found among the committed ones.
 const CELL: &str = "cell";
 /// Numbers smaller than this are held to the tolerance of this one.
@@ -103,8 +105,9 @@ fn cells_run(folder: &Path) -> Result<BTreeSet<String>> {
 fn texts(folder: &Path) -> Result<BTreeSet<String>> {
     let names = fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().into_string().ok()));
     let names: Vec<Option<String>> = names.collect::<Result<_>>()?;
-    let is_text =
-        |name: &String| (name.ends_with(".csv") || name.ends_with(".toml")) && name != SCORED;
+    let is_text = |name: &String| {
+        (name.ends_with(".csv") || name.ends_with(".toml")) && name != SCORED && name != MANIFEST
+    };
     Ok(names.into_iter().flatten().filter(is_text).collect())
 }
 

@@ -86,6 +86,8 @@ fn draw(
     for study in studies {
         let start = Instant::now();
         let out = results.join(study);
+        // Committed results are palpate's, whatever was checked out since.
+        shell.remove_path(out.join(compare::MANIFEST))?;
         simulate(shell, palpate, study, &out, quick)?;
         cmd!(shell, "{palpate} plot {out}")
             .quiet()
@@ -98,9 +100,17 @@ fn draw(
         .filter(|directory| shell.path_exists(directory.join("cells.csv")))
         .collect();
     let page = results.join("index.html");
-    Ok(cmd!(shell, "{palpate} report {scored...} --out {page}")
+    let scored = &scored;
+    for directory in scored {
+        shell.remove_path(directory.join(compare::MANIFEST))?;
+    }
+    cmd!(shell, "{palpate} report {scored...} --out {page}")
         .quiet()
-        .run()?)
+        .run()?;
+    for directory in scored {
+        shell.remove_path(directory.join(compare::MANIFEST))?;
+    }
+    Ok(())
 }
 
 /// Runs the studies elsewhere and compares their tables with the committed ones.

@@ -1,5 +1,6 @@
 //! The trials of a study's cells, and the tables that they give.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -59,6 +60,8 @@ pub struct Simulation<'a> {
 struct Ready {
     number: usize,
     facts: Facts,
+    /// Lines that warn of the cell.
+    warnings: Vec<String>,
     /// Empty table for maps of scenes of its kind, or why there are none; `None` where the config asks for no maps.
     maps: Option<Result<MapTable, &'static str>>,
     /// Its scene, if it has been kept, until the first run takes it.
@@ -87,6 +90,7 @@ impl<'a> Simulation<'a> {
             checked[place].get_or_init(|| Ready {
                 number,
                 facts: Facts::of(&scene, cell),
+                warnings: warnings_of(&scene),
                 maps: has_maps.then(|| scene.map_table(unit)),
                 kept: Mutex::new(Some(scene).filter(|_| place < KEPT)),
             });
@@ -116,6 +120,30 @@ impl<'a> Simulation<'a> {
     pub fn trials(&self) -> u64 {
         let trials = self.cells.iter().map(|cell| cell.facts.trials);
         trials.fold(0, u64::saturating_add)
+    }
+
+    /// Lines that warn of cells in which the theory or the estimator does not hold, as `check` has them; each once, with
+    /// the cells that it is of.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut cells: Vec<(&str, usize, usize)> = Vec::new();
+        let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+        let lines = self.cells.iter().flat_map(|cell| {
+            let lines = cell.warnings.iter();
+            lines.map(|line| (cell.number, line.as_str()))
+        });
+        for (number, line) in lines {
+            let place = *places.entry(line).or_insert(cells.len());
+            match cells.get_mut(place) {
+                Some((.., count)) => *count += 1,
+                None => cells.push((line, number, 1)),
+            }
+        }
+        let words = |(line, first, count): (&str, usize, usize)| match (count, self.cells.len()) {
+            (_, 1) => line.to_owned(),
+            (1, _) => format!("{line} (cell {first})"),
+            (_, all) => format!("{line} ({count} of {all} cells, the first is {first})"),
+        };
+        cells.into_iter().map(words).collect()
     }
 
     /// Runs all trials, until another thread sets `cancelled`: then no trial begins. `progress` is told by any thread how
@@ -180,6 +208,13 @@ impl<'a> Simulation<'a> {
         };
         Err(self.study.error_at(0, "outputs", message))
     }
+}
+
+/// Lines of what a scene needs that warn.
+fn warnings_of(scene: &Scene) -> Vec<String> {
+    let mut needs = scene.needs();
+    needs.retain(|line| line.starts_with("warning: "));
+    needs
 }
 
 impl<'a> From<(&'a Ready, &'a CellStatistics)> for Row<'a> {

@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// Largest table that is read, MiB; of the most cells that a study has, none is larger.
+const MOST_MIB: u64 = 4096;
+
 /// Files of a study by their names: in a folder, or in memory. They are read, never written.
 ///
 /// ```
@@ -83,7 +86,10 @@ impl Files {
                 .get(name)
                 .cloned()
                 .ok_or(io::ErrorKind::NotFound.into()),
-            None => std::fs::read_to_string(self.path(name)),
+            None => palpate_study::read_limited(&self.path(name), MOST_MIB).and_then(|bytes| {
+                let text = String::from_utf8(bytes);
+                text.map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+            }),
         };
         text.map_err(|source| ReportError::Io {
             path: self.path(name),

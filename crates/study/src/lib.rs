@@ -6,12 +6,14 @@
 
 pub mod config;
 pub mod label;
+mod limited;
 pub mod number;
 mod quantity;
 mod statistic;
 mod table;
 
 pub use label::Label;
+pub use limited::read_limited;
 pub use number::shortest as number;
 pub use quantity::{Quantity, QuantityKind, Unit};
 pub use statistic::Statistic;

@@ -373,8 +373,11 @@ fn killed_after(desk: &Desk, mut run: Child, file: &str) {
 fn an_interrupted_run_leaves_its_config_and_no_tables() {
     let desk = Desk::with(STUDY);
     killed_after(&desk, endless(&desk, "o"), "o/run.toml");
-    assert_eq!(desk.names("o"), ["run.toml"]);
+    // The lock is free, though its file is there.
+    assert_eq!(desk.names("o"), [".palpate-lock", "run.toml"]);
     assert_eq!(setting(&desk.read("o/run.toml"), "trials"), 1e12);
+    desk.palpate("run c.toml --out o").printed();
+    assert_eq!(desk.names("o"), RUN_FILES);
 }
 
 #[test]

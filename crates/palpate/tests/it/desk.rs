@@ -72,13 +72,14 @@ impl Desk {
         Table::parse(&self.read(name))
     }
 
-    /// The names in a directory, sorted; none if it is missing.
+    /// The names in a directory, sorted, but for the manifest; none if it is missing.
     pub(crate) fn names(&self, dir: &str) -> Vec<String> {
         let Ok(entries) = std::fs::read_dir(self.path(dir)) else {
             return Vec::new();
         };
         let mut names: Vec<String> = entries
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| name != ".palpate.toml")
             .collect();
         names.sort();
         names

@@ -46,8 +46,8 @@ fn a_config_by_hand_is_not_replaced() {
             assert_eq!(
                 said,
                 format!(
-                    "error: mine/{name} is no config that palpate wrote: the run would replace it; \
-                     give another --out, or move it away\n"
+                    "error: mine/{name} is not a file that palpate wrote, and would be replaced: \
+                     write elsewhere, move it away, or give --force\n"
                 )
             );
             assert_eq!(desk.names("mine"), [name]);
@@ -80,7 +80,7 @@ fn tables_without_a_config_beside_them_are_not_replaced() {
         std::fs::create_dir(desk.path("o")).unwrap();
         desk.write(&format!("o/{name}"), "mine");
         let said = desk.palpate("run c.toml --out o").said(2);
-        let start = format!("error: o/{name} has no run.toml of palpate beside it: ");
+        let start = format!("error: o/{name} is not a file that palpate wrote, ");
         assert!(said.starts_with(&start), "{said}");
         assert_eq!(desk.names("o"), [name]);
         assert_eq!(desk.read(&format!("o/{name}")), "mine");

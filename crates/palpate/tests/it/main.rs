@@ -12,6 +12,8 @@ mod estimate_refused;
 mod frames;
 mod glide;
 mod help;
+#[cfg(unix)]
+mod hostile;
 mod like;
 mod objects;
 mod press;

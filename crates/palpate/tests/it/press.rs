@@ -48,9 +48,12 @@ fn a_run_writes_cells_trace_and_profiles() {
     );
     assert_eq!(
         ended.stderr,
-        "warning: map.csv lacks estimates of cells whose trial 0 failed: 3 (edge-contact)\n"
+        "warning: no press; every trial fails as `edge-contact`: the relative curvature is -0.05, below 0: the contact \
+         is at the edge (cell 3)\n\
+         warning: map.csv lacks estimates of cells whose trial 0 failed: 3 (edge-contact)\n"
     );
-    let mut names = [&RUN_FILES[..], &["trace.csv", "readings.csv", "map.csv"]].concat();
+    let others = ["trace.csv", "readings.csv", "map.csv", "warnings.txt"];
+    let mut names = [&RUN_FILES[..], &others].concat();
     names.sort_unstable();
     assert_eq!(desk.names("o"), names);
 

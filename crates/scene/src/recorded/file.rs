@@ -2,7 +2,12 @@
 
 use std::path::Path;
 
+use palpate_study::read_limited;
+
 use super::RecordedError;
+
+/// Largest recorded file that is read, MiB.
+const MOST_MIB: u64 = 256;
 
 /// A recorded file: its name, for messages, and its bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,7 +29,7 @@ impl RecordedFile {
     /// [`RecordedError::File`] if there is none, or it cannot be read.
     pub fn read(path: &Path) -> Result<Self, RecordedError> {
         let name = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|error| RecordedError::File {
+        let bytes = read_limited(path, MOST_MIB).map_err(|error| RecordedError::File {
             file: name.clone(),
             message: match error.kind() {
                 std::io::ErrorKind::NotFound => "no such file".to_owned(),

@@ -55,6 +55,9 @@ impl Column {
     }
 }
 
+/// Most lines of a table.
+const MOST_LINES: usize = 5_000_000;
+
 /// A header and rows of numbers, in the order of the columns asked for.
 pub(super) struct Sheet {
     pub(super) file: String,
@@ -97,6 +100,21 @@ fn fields(line: &str) -> Vec<&str> {
         .collect()
 }
 
+/// First line, from 1, with a quotation mark that is not one of a pair around a field.
+fn unclosed(text: &str) -> Option<usize> {
+    let is_unclosed = |field: &str| {
+        let field = field.trim();
+        let quoted = field
+            .strip_prefix('"')
+            .and_then(|rest| rest.strip_suffix('"'));
+        quoted.unwrap_or(field).contains('"')
+    };
+    let mut lines = text.lines();
+    lines
+        .position(|line| line.contains('"') && line.split(',').any(is_unclosed))
+        .map(|index| index + 1)
+}
+
 impl Sheet {
     /// Reads the `columns` of a text, which may come in any order but must be all.
     pub(super) fn parse(file: &str, text: &str, columns: &[Column]) -> Result<Self, RecordedError> {
@@ -105,6 +123,19 @@ impl Sheet {
             line,
             message,
         };
+        if let Some(line) = unclosed(text) {
+            return Err(fail(
+                line,
+                "a quotation mark is not closed before the comma or the end of the line".to_owned(),
+            ));
+        }
+        let rows = text.lines().count();
+        if rows > MOST_LINES {
+            return Err(RecordedError::File {
+                file: file.to_owned(),
+                message: format!("has {rows} lines; at most {MOST_LINES} are read"),
+            });
+        }
         let mut records = records(text);
         let (line, header) = records.next().unwrap_or((1, Vec::new()));
         let (places, unit) = places(&header, columns).map_err(|message| fail(line, message))?;

@@ -7,10 +7,14 @@ use super::plot::PlotConfig;
 use super::study::{SceneConfig, StudyConfig};
 use super::tree::{Node, Value};
 use super::{plot, schema, sweep, tree, validate};
+use crate::limited::read_limited;
 use serde_json::Value as Json;
 use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::Path;
+
+/// Largest config that is read, MiB.
+const MOST_MIB: u64 = 16;
 
 /// A study: a valid config, of which all cells are known to be valid.
 #[derive(Debug, Clone)]
@@ -43,7 +47,7 @@ pub struct Cell {
 /// When the file cannot be read, is not UTF-8, or as [`parse`].
 pub fn load(path: &Path) -> Result<Study, ConfigError> {
     let file = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| {
+    let bytes = read_limited(path, MOST_MIB).map_err(|error| {
         let message = match error.kind() {
             ErrorKind::NotFound => "no such file".to_string(),
             ErrorKind::IsADirectory => "is a directory, not a config".to_string(),

@@ -46,8 +46,9 @@ clock nor a pilot, and gives the same bytes.
 
 A run that is interrupted leaves run.toml and no tables. Where the directory has tables of another
 config, they and their run.toml stay until the run is done; meanwhile its config is next-run.toml.
-What palpate did not write is not replaced: where the directory has a run.toml by hand, or tables
-without one, the run is refused.")]
+What palpate wrote there of another study is removed; what it did not write, or what was changed since,
+is not replaced without --force. Warnings are in warnings.txt. A run in which every trial fails has
+status 1.")]
     Run(RunArgs),
     /// Follow one pass of a scene: writes trace.csv (truth) and readings.csv (what `estimate` accepts).
     #[command(after_help = "Examples:
@@ -77,8 +78,12 @@ without one, the run is refused.")]
   palpate plot out/my-study")]
     Plot(PlotArgs),
     /// Score the papers' claims on the results of studies and write a self-contained page.
-    #[command(after_help = "Example:
-  palpate report results/ep1-roll-length results/ep1-pad-resolution --out report.html")]
+    #[command(
+        after_help = "The scores of each study are written to claims.csv in its directory.
+
+Example:
+  palpate report results/ep1-roll-length results/ep1-pad-resolution --out report.html"
+    )]
     Report(ReportArgs),
     /// Print the JSON Schema of configs, for editors.
     #[command(after_help = "Example:
@@ -114,6 +119,9 @@ pub(crate) struct RunArgs {
     /// Run only every N-th cell, from the first; the rows keep their cell numbers.
     #[arg(long, value_name = "N", default_value = "1")]
     pub(crate) every_nth_cell: NonZeroUsize,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -129,6 +137,9 @@ pub(crate) struct TraceArgs {
     /// Replay this trial with its noise [default: a pass without noise].
     #[arg(long, value_name = "J")]
     pub(crate) trial: Option<u64>,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -141,6 +152,9 @@ pub(crate) struct CheckArgs {
 pub(crate) struct PlotArgs {
     /// A directory that `palpate run` wrote.
     pub(crate) dir: PathBuf,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -148,9 +162,12 @@ pub(crate) struct ReportArgs {
     /// Directories that `palpate run` wrote.
     #[arg(required = true)]
     pub(crate) dirs: Vec<PathBuf>,
-    /// The page to write.
+    /// The page to write; - is standard output.
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     pub(crate) out: PathBuf,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// Smallest target error that is accepted; a smaller one would need more trials than can be counted.

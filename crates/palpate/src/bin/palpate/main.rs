@@ -12,7 +12,6 @@ mod cli;
 mod duration;
 mod estimate;
 mod failure;
-mod foreign;
 mod output;
 mod progress;
 mod results;

@@ -2,33 +2,54 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use palpate_report::{
     Figure, Files, Study, claims_csv, figures, page, press_figures, score, scorecard_text,
 };
 
 use crate::cli::{PlotArgs, ReportArgs};
 use crate::failure::Failure;
-use crate::output;
+use crate::output::names::{CLAIMS, CONFIG, MARKERS, text_of};
+use crate::output::{self, Folder, Guard, Single, StudyId};
 
 pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
-    let study = Study::load(&args.dir).map_err(Failure::work)?;
+    let study = || Study::load(&args.dir).map_err(Failure::work);
+    // No other process writes there from here on.
+    let mut folder = match args.dir.is_dir() {
+        true => Folder::open(&args.dir, Guard::new([], args.force))?,
+        false => return study().map(drop),
+    };
+    let study = study()?;
     let mut drawn = figures(&study).map_err(Failure::work)?;
     // What a camera saw of the pass that was traced.
-    if args.dir.join("markers.csv").is_file() {
+    if args.dir.join(MARKERS).is_file() {
         drawn.extend(press_figures(&Files::in_folder(&args.dir)).map_err(Failure::work)?);
     }
     if drawn.is_empty() {
         let name = study.name();
         return output::print(&format!("{name} has no [[plot]]; nothing drawn"));
     }
-    for file in write_figures(&args.dir, &drawn)? {
-        output::print(&file.display().to_string())?;
+    for name in write_figures(&mut folder, &drawn, &id_of(&study)?)? {
+        output::print(&args.dir.join(name).display().to_string())?;
     }
     Ok(())
 }
 
-/// Writes figures into `dir`, each as SVG and PNG, and returns their paths.
-pub(crate) fn write_figures(dir: &Path, figures: &[Figure]) -> Result<Vec<PathBuf>, Failure> {
+/// The study as manifests name it, with its table.
+fn id_of(study: &Study) -> Result<StudyId, Failure> {
+    let path = study.dir().join(CONFIG);
+    let config = text_of(&path)
+        .with_context(|| format!("cannot read {}", path.display()))
+        .map_err(Failure::work)?;
+    Ok(StudyId::new(study.name(), &config).with_cells_in(study.dir()))
+}
+
+/// Writes figures of a study, each as SVG and PNG, and returns their names.
+pub(crate) fn write_figures(
+    folder: &mut Folder,
+    figures: &[Figure],
+    of_study: &StudyId,
+) -> Result<Vec<String>, Failure> {
     let mut files = Vec::new();
     for figure in figures {
         let png = figure.png().map_err(Failure::work)?;
@@ -42,11 +63,14 @@ pub(crate) fn write_figures(dir: &Path, figures: &[Figure]) -> Result<Vec<PathBu
         .iter()
         .map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
         .collect();
-    output::write_files(dir, &named)?;
-    Ok(files.iter().map(|(name, _)| dir.join(name)).collect())
+    folder.write(&named, Some(of_study))?;
+    Ok(files.into_iter().map(|(name, _)| name).collect())
 }
 
 pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
+    let inputs: Vec<PathBuf> = args.dirs.iter().flat_map(|dir| files_of(dir)).collect();
+    let guard = || Guard::new(&inputs, args.force);
+    let out = Single::new("--out", &args.out, guard())?;
     let studies = args
         .dirs
         .iter()
@@ -55,10 +79,21 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
         .map_err(Failure::work)?;
     for study in &studies {
         let claims = claims_csv(&score(std::slice::from_ref(study)));
-        output::write_files(study.dir(), &[("claims.csv", claims)])?;
+        let mut folder = Folder::open(study.dir(), Guard::new([], args.force))?;
+        folder.write(&[(CLAIMS, claims)], Some(&id_of(study)?))?;
     }
     let page = page(&studies).map_err(Failure::work)?;
-    output::write_file(&args.out, &page)?;
-    output::print(&scorecard_text(&score(&studies)))?;
-    output::print(&format!("page -> {}", args.out.display()))
+    out.write(page.as_bytes())?;
+    out.print(&scorecard_text(&score(&studies)))?;
+    out.print(&format!("page -> {}", args.out.display()))
+}
+
+/// Files of a study, which its page is made from.
+fn files_of(dir: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+    let is_page = |path: &PathBuf| path.extension().is_some_and(|kind| kind == "html");
+    entries
+        .map(|entry| entry.path())
+        .filter(|path| !is_page(path))
+        .collect()
 }

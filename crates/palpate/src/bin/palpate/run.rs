@@ -5,18 +5,18 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use palpate::config::{self, Output, StudyConfig};
+use anyhow::anyhow;
+use palpate::config::Output;
 use palpate::{CellStatistics, Map, RunOptions, Runner, Simulation, Study, load};
 
 use crate::cli::RunArgs;
 use crate::failure::Failure;
-use crate::trace::{self, FRAMES, MARKERS, READINGS, TRACE};
-use crate::{budget, foreign, output, progress};
+use crate::output::names::{
+    CELLS, CONFIG, FAILURES, FRAMES, MAP, MARKERS, NEXT_CONFIG, READINGS, TRACE, WARNINGS,
+};
+use crate::output::{Folder, Guard, Owned, StudyId};
+use crate::{budget, output, progress, trace};
 
-/// Names of the files that a run writes.
-const CELLS: &str = "cells.csv";
-const FAILURES: &str = "failures.csv";
-const MAP: &str = "map.csv";
 /// More threads than this only cost their setting up.
 const MOST_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
@@ -35,7 +35,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(&study.config.name));
-    foreign::refuse(&out, &tables_of(&study))?;
+    let guard = Guard::new([&args.config], args.force);
+    let tables = tables_of(&study);
+    // Before the planning, and once more when no other process writes there.
+    let refuse = |owned: &Owned, config: &str| {
+        owned.refuse(CONFIG, Some(config.as_bytes()))?;
+        tables.iter().try_for_each(|name| owned.refuse(name, None))
+    };
+    refuse(&Owned::read(&out, guard.clone())?, &trace::resolved(&study))?;
     let numbers: Vec<usize> = (0..study.cell_count())
         .step_by(args.every_nth_cell.get())
         .collect();
@@ -51,7 +58,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let first = numbers[0];
     let simulation = Simulation::new(&study, numbers, &runner).map_err(Failure::usage)?;
 
-    output::make_directory(&out)?;
+    let mut folder = Folder::open(&out, guard)?;
+    let config = trace::resolved(&study);
+    refuse(folder.owned(), &config)?;
     // Before the work, which would be lost where there is no pass to follow.
     let traced = study.config.outputs.contains(&Output::Trace);
     let traced = traced
@@ -60,8 +69,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             trace::files(&trace)
         })
         .transpose()?;
-    let config = resolved(&study);
-    output::begin(&out, &config)?;
+    let of_study = StudyId::new(&study.config.name, &config);
+    folder.begin(&config, &of_study)?;
+    let told: Vec<String> = simulation
+        .warnings()
+        .iter()
+        .map(|line| format!("{line}\n"))
+        .collect();
+    eprint!("{}", told.concat());
     if let Some((lines, warnings)) = said {
         for warning in warnings {
             eprintln!("warning: {warning}");
@@ -77,23 +92,38 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut files: Vec<(&str, Vec<u8>)> = vec![
         (CELLS, ran.cells.to_csv().into()),
         (FAILURES, ran.failures.to_csv().into()),
-        (output::CONFIG, config.into()),
+        (CONFIG, config.into()),
     ];
     files.extend(traced.into_iter().flatten());
     if let Some(map) = &ran.map {
         warn_of_missing(map);
         files.push((MAP, map.table.to_csv().into()));
     }
-    let written = output::write_files(&out, &files);
-    let ended = output::end(&out);
-    written?;
+    if !told.is_empty() {
+        files.push((WARNINGS, told.concat().into()));
+    }
+    let written = folder.replace(&files, &of_study);
+    let ended = folder.end();
+    for line in written? {
+        eprintln!("note: {line}");
+    }
     ended?;
-    output::print(&summary(&study, &ran.statistics, &out))
+    let summary = summary(&study, &ran.statistics, &out);
+    let mut cells = ran.statistics.iter();
+    if cells.all(|cell| failed(cell) == cell.trials) {
+        return Err(Failure::work(anyhow!("every trial failed: {summary}")));
+    }
+    output::print(&summary)
 }
 
-/// All that a run of the study may write beside its config.
+/// Number of the trials of a cell that failed.
+fn failed(cell: &CellStatistics) -> u64 {
+    cell.failures.iter().map(|failure| failure.count).sum()
+}
+
+/// All that a run of the study may write besides its config.
 fn tables_of(study: &Study) -> Vec<&'static str> {
-    let mut names = vec![CELLS, FAILURES];
+    let mut names = vec![NEXT_CONFIG, CELLS, FAILURES, WARNINGS];
     if study.config.outputs.contains(&Output::Trace) {
         names.extend([TRACE, READINGS, MARKERS]);
         names.extend(FRAMES);
@@ -115,14 +145,6 @@ fn warn_of_missing(map: &Map) {
         .collect();
     let (lacks, cells) = (map.lacks, cells.join(", "));
     eprintln!("warning: map.csv lacks {lacks} whose trial 0 failed: {cells}");
-}
-
-/// The config with all defaults and overrides, as it was run.
-fn resolved(study: &Study) -> String {
-    config::to_toml(&StudyConfig {
-        crate_version: Some(env!("CARGO_PKG_VERSION").to_owned()),
-        ..study.config.clone()
-    })
 }
 
 fn summary(study: &Study, ran: &[CellStatistics], out: &Path) -> String {

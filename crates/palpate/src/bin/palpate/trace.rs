@@ -1,19 +1,15 @@
 //! `palpate trace`.
 
-use palpate::{Trace, TraceError, load};
+use palpate::config::{self, StudyConfig};
+use palpate::{Study, Trace, TraceError, load};
 
 use palpate_report::{Files, press_figures};
 
 use crate::cli::TraceArgs;
 use crate::failure::Failure;
-use crate::output;
+use crate::output::names::{FRAMES, MARKERS, READINGS, TRACE};
+use crate::output::{self, Folder, Guard, StudyId};
 use crate::results::write_figures;
-
-/// Names of the files of a pass.
-pub(crate) const TRACE: &str = "trace.csv";
-pub(crate) const READINGS: &str = "readings.csv";
-pub(crate) const MARKERS: &str = "markers.csv";
-pub(crate) const FRAMES: [&str; 2] = ["rest.png", "pressed.png"];
 
 pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let study = load(&args.config).map_err(Failure::usage)?;
@@ -21,10 +17,12 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
         return Err(Failure::no_cell(args.cell, &study));
     }
     let trace = palpate::trace(&study, args.cell, args.trial).map_err(refused)?;
-    output::write_files(&args.out, &files(&trace)?)?;
+    let of_study = StudyId::new(&study.config.name, &resolved(&study));
+    let mut folder = Folder::open(&args.out, Guard::new([&args.config], args.force))?;
+    folder.write(&files(&trace)?, Some(&of_study))?;
     if trace.seen.is_some() {
         let figures = press_figures(&Files::in_folder(&args.out)).map_err(Failure::work)?;
-        write_figures(&args.out, &figures)?;
+        write_figures(&mut folder, &figures, &of_study)?;
     }
     output::print(&format!(
         "{}: {} -> {}",
@@ -32,6 +30,14 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
         trace.what,
         args.out.display()
     ))
+}
+
+/// The config with all defaults and overrides, as a run of it is.
+pub(crate) fn resolved(study: &Study) -> String {
+    config::to_toml(&StudyConfig {
+        crate_version: Some(env!("CARGO_PKG_VERSION").to_owned()),
+        ..study.config.clone()
+    })
 }
 
 /// Names and contents of the files of a pass.

@@ -131,7 +131,8 @@ pub(crate) struct EstimateGlideArgs {
     /// Points along each side of the map's grid.
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) grid: u32,
-    /// Write the curvature all over the patch to this CSV file.
+    /// Write the curvature all over the patch to this CSV file; to - is to standard output, and the JSON to
+    /// standard error.
     #[arg(long, value_name = "FILE")]
     pub(crate) map: Option<PathBuf>,
     /// Give the map one row per reading, in their order, instead of a grid; it then has no regions.
@@ -155,6 +156,9 @@ pub(crate) struct EstimateGlideArgs {
     /// two-pass [default: the mean distance between neighbouring fingers].
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) inter_finger_distance: Option<f64>,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]

@@ -83,6 +83,9 @@ pub(crate) struct PatternArgs {
     /// Where to write the files.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -90,7 +93,7 @@ pub(crate) struct CalibrateArgs {
     /// Tables of known displacements, or frames of which the first is at rest.
     #[arg(required = true, value_name = "TABLE.csv|FRAME.png")]
     pub(crate) inputs: Vec<PathBuf>,
-    /// The calibration to write, a TOML file.
+    /// The calibration to write, a TOML file; - is standard output.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
     /// Inward displacements of the marker under the contact, one per pressed frame.
@@ -112,6 +115,9 @@ pub(crate) struct CalibrateArgs {
     /// The unit of lengths, if no header states it.
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub(crate) length_unit: Option<LengthUnit>,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -137,6 +143,9 @@ pub(crate) struct TrackArgs {
     /// Smooth the field with a Gaussian of this standard deviation, a length along the skin.
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true, requires = "calibration")]
     pub(crate) filter: f64,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 fn normal_from() -> impl TypedValueParser<Value = NormalFrom> {

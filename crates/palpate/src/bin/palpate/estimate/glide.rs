@@ -11,18 +11,19 @@ use palpate_study::config::GlideEstimatorConfig;
 use super::like::like;
 use crate::cli::EstimateGlideArgs;
 use crate::failure::Failure;
-use crate::output;
+use crate::output::{self, Guard, Single};
 
 pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
-    let map_file = args.map.as_deref().map(place_of_map).transpose()?;
+    let map_file = place_of_map(args)?;
     let readings = read_glide(&args.readings).map_err(Failure::work)?;
     let options = options(args, &readings)?;
     let (estimate, map) = estimate_glide(&readings, &options).map_err(Failure::work)?;
     let json = output::json(&estimate)?;
-    if let Some((dir, name)) = map_file {
-        output::write_files(dir, &[(name, map.to_csv())])?;
-    }
-    output::print(&json)
+    let Some(map_file) = map_file else {
+        return output::print(&json);
+    };
+    map_file.write(map.to_csv().as_bytes())?;
+    map_file.print(&json)
 }
 
 fn options(args: &EstimateGlideArgs, readings: &GlideReadings) -> Result<GlideOptions, Failure> {
@@ -53,19 +54,18 @@ fn options(args: &EstimateGlideArgs, readings: &GlideReadings) -> Result<GlideOp
     })
 }
 
-/// The directory and the name of the map's file.
-fn place_of_map(file: &Path) -> Result<(&Path, &str), Failure> {
-    let shown = file.display();
-    let Some(name) = file.file_name().and_then(|name| name.to_str()) else {
-        return Err(Failure::Usage(anyhow!("--map {shown}: is not a file name")));
+/// Place of the map, whose directory must be there.
+fn place_of_map(args: &EstimateGlideArgs) -> Result<Option<Single>, Failure> {
+    let Some(file) = &args.map else {
+        return Ok(None);
     };
-    let dir = match file.parent() {
-        Some(dir) if dir != Path::new("") => dir,
-        _ => Path::new("."),
-    };
-    if dir.is_dir() {
-        return Ok((dir, name));
+    let inputs = [&args.readings].into_iter().chain(&args.like.like);
+    let place = Single::new("--map", file, Guard::new(inputs, args.force))?;
+    match file.parent() {
+        Some(dir) if dir != Path::new("") && !dir.is_dir() => {
+            let (file, dir) = (file.display(), dir.display());
+            Err(Failure::Work(anyhow!("--map {file}: no directory {dir}")))
+        }
+        _ => Ok(Some(place)),
     }
-    let dir = dir.display();
-    Err(Failure::Work(anyhow!("--map {shown}: no directory {dir}")))
 }

@@ -10,10 +10,11 @@ use palpate_scene::recorded::{
 
 use crate::cli::CalibrateArgs;
 use crate::failure::Failure;
-use crate::output;
+use crate::output::{Guard, Single};
 
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
-    let (dir, name) = place_of(&args.out)?;
+    let guard = Guard::new(&args.inputs, args.force);
+    let out = Single::new("--out", &args.out, guard)?;
     let shows_frames = shows_frames(args)?;
     let (points, markers) = if shows_frames {
         points_of_frames(args)?
@@ -32,24 +33,13 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
         length_unit: args.length_unit,
     };
     let report = calibrate_to(&points, &options).map_err(Failure::work)?;
-    output::write_files(dir, &[(name, report.to_toml())])?;
+    out.write(report.to_toml().as_bytes())?;
     for warning in report.warnings() {
         eprintln!("warning: {warning}");
     }
     let mut lines = report.summary();
     lines.push(format!("-> {}", args.out.display()));
-    output::print(&lines.join("\n"))
-}
-
-/// The directory and the name of the file to write.
-fn place_of(file: &Path) -> Result<(&Path, &str), Failure> {
-    let name = file.file_name().and_then(|name| name.to_str());
-    let Some(name) = name.filter(|_| !file.is_dir()) else {
-        let shown = file.display();
-        return Err(Failure::Usage(anyhow!("--out {shown}: is not a file name")));
-    };
-    let dir = file.parent().filter(|dir| *dir != Path::new(""));
-    Ok((dir.unwrap_or(Path::new(".")), name))
+    out.print(&lines.join("\n"))
 }
 
 fn is_frame(path: &Path) -> bool {

@@ -5,7 +5,8 @@ use palpate_study::config;
 
 use crate::cli::PatternArgs;
 use crate::failure::Failure;
-use crate::output;
+use crate::output::{self, Folder, Guard, StudyId};
+use crate::trace::resolved;
 
 pub(crate) fn pattern(args: &PatternArgs) -> Result<(), Failure> {
     let study = config::load(&args.config).map_err(Failure::usage)?;
@@ -20,14 +21,16 @@ pub(crate) fn pattern(args: &PatternArgs) -> Result<(), Failure> {
         percent(pattern.fold_strain.rms()),
         args.out.display()
     );
-    output::write_files(
-        &args.out,
+    let of_study = StudyId::new(&study.config.name, &resolved(&study));
+    let mut folder = Folder::open(&args.out, Guard::new([&args.config], args.force))?;
+    folder.write(
         &[
             ("pattern.svg", pattern.svg),
             ("pattern.dxf", pattern.dxf),
             ("strain.csv", pattern.strain),
             ("strain-by-gores.csv", pattern.strain_by_gores),
         ],
+        Some(&of_study),
     )?;
     output::print(&summary)
 }

@@ -12,7 +12,7 @@ use super::overlay::overlay;
 use crate::cli::TrackArgs;
 use crate::estimate::press_options;
 use crate::failure::Failure;
-use crate::output;
+use crate::output::{self, Folder, Guard};
 
 pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
     if let (None, Some(flag)) = (&args.calibration, args.sensor.given()) {
@@ -44,7 +44,13 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         files.push(("readings.csv", read.sensed.readings().to_csv().into_bytes()));
         files.push(("field.csv", read.field.clone().into_bytes()));
     }
-    output::write_files(&args.out, &files)?;
+    let like = &args.sensor.like.like;
+    let inputs = [&args.rest, &args.pressed]
+        .into_iter()
+        .chain(&args.calibration)
+        .chain(like);
+    let mut folder = Folder::open(&args.out, Guard::new(inputs, args.force))?;
+    folder.write(&files, None)?;
     for warning in frames.warnings() {
         eprintln!("warning: {warning}");
     }

@@ -1,0 +1,202 @@
+//! Directory that a command writes into.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use anyhow::{Context, Error, anyhow};
+use tempfile::NamedTempFile;
+
+use super::lock::Lock;
+use super::manifest::{Entry, MANIFEST, Manifest, StudyId, digest};
+use super::names::{CELLS, CONFIG, NEXT_CONFIG, WARNINGS};
+use super::owned::{Guard, Owned};
+use super::stage::{Staged, is_stream, sweep};
+use crate::failure::Failure;
+
+/// Directory that this process alone writes into, with the manifest of what palpate wrote there.
+pub(crate) struct Folder {
+    owned: Owned,
+    _lock: Lock,
+}
+
+/// Makes `dir` if it is missing, and sees that files can be written there: before the work, not
+/// after it.
+pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
+    if dir == Path::new("-") {
+        return Err(Failure::usage(anyhow!(
+            "`-` is standard output, and this command writes a directory: `./-` is one of that name"
+        )));
+    }
+    let is_file = |place: &&Path| fs::metadata(place).is_ok_and(|found| !found.is_dir());
+    if let Some(file) = dir.ancestors().find(is_file) {
+        let (dir, file) = (dir.display(), file.display());
+        return Err(Failure::work(anyhow!(
+            "cannot make the directory {dir}: {file} is a file"
+        )));
+    }
+    fs::create_dir_all(dir)
+        .with_context(|| format!("cannot make the directory {}", dir.display()))
+        .and_then(|()| {
+            let probe = NamedTempFile::with_prefix_in(".palpate-", dir);
+            probe
+                .map(drop)
+                .with_context(|| format!("cannot write into {}", dir.display()))
+        })
+        .map_err(Failure::work)
+}
+
+impl Folder {
+    /// Takes hold of a directory, made if missing, and removes what dead processes left there.
+    pub(crate) fn open(dir: &Path, guard: Guard) -> Result<Self, Failure> {
+        make_directory(dir)?;
+        let lock = Lock::of(dir)?;
+        sweep(dir);
+        let owned = Owned::read(dir, guard)?;
+        Ok(Self { owned, _lock: lock })
+    }
+
+    /// Rights over the files that are there.
+    pub(crate) fn owned(&self) -> &Owned {
+        &self.owned
+    }
+
+    /// Writes the config of a run that begins: beside no tables but its own. Where the directory has those of another
+    /// config, or another config, they stay until the run is done, and this one's is [`NEXT_CONFIG`].
+    pub(crate) fn begin(&mut self, config: &str, study: &StudyId) -> Result<(), Failure> {
+        let dir = &self.owned.dir;
+        let has_others = [CELLS, CONFIG].iter().any(|name| dir.join(name).exists());
+        let known = fs::read(dir.join(CONFIG)).is_ok_and(|known| known == config.as_bytes());
+        let name = match (known, has_others) {
+            (true, _) => return Ok(()),
+            (false, true) => NEXT_CONFIG,
+            (false, false) => CONFIG,
+        };
+        self.write(&[(name, config)], Some(study))
+    }
+
+    /// Ends the run that began: its config has its name, or its tables could not be written.
+    pub(crate) fn end(&mut self) -> Result<(), Failure> {
+        match fs::remove_file(self.owned.dir.join(NEXT_CONFIG)) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+            Err(error) => {
+                let error = Error::new(error).context(format!("cannot remove {NEXT_CONFIG}"));
+                return Err(Failure::work(error));
+            }
+            Ok(()) => {}
+        }
+        if let Some(manifest) = &mut self.owned.manifest {
+            manifest.files.remove(NEXT_CONFIG);
+        }
+        self.write::<&[u8]>(&[], None)
+    }
+
+    /// Writes files (name and contents) of a study, as [`write_files`](Self::write), and removes what palpate wrote of
+    /// another study; gives a line for each file that stays beside them and is not palpate's.
+    pub(crate) fn replace<C: AsRef<[u8]>>(
+        &mut self,
+        files: &[(&str, C)],
+        study: &StudyId,
+    ) -> Result<Vec<String>, Failure> {
+        let manifest = self.owned.manifest.as_ref();
+        let entries = manifest.iter().flat_map(|manifest| &manifest.files);
+        let cells = files.iter().find(|(name, _)| *name == CELLS);
+        let cells = cells.map(|(_, contents)| digest(contents.as_ref()));
+        let is_written = |name: &str| files.iter().any(|(written, _)| *written == name);
+        let stale: Vec<String> = entries
+            .filter(|(name, entry)| {
+                let of = entry.study.as_ref();
+                let is_other = of.is_some_and(|of| !of.is_of(study, cells.as_ref()));
+                (is_other || *name == WARNINGS) && !is_written(name) && *name != NEXT_CONFIG
+            })
+            .map(|(name, _)| name.clone())
+            .collect();
+        let is_edited = |name: &String| {
+            fs::symlink_metadata(self.owned.dir.join(name)).is_ok() && !self.owned.lists(name)
+        };
+        let is_another = manifest.is_some_and(|manifest| {
+            let config = manifest.files.get(CONFIG);
+            config.is_some_and(|config| config.study.as_ref() != Some(study))
+        });
+        let mut left: Vec<String> = match is_another {
+            true => self.owned.foreign(),
+            false => stale
+                .iter()
+                .filter(|name| is_edited(name))
+                .cloned()
+                .collect(),
+        };
+        left.retain(|name| !is_written(name));
+        self.write(files, Some(study))?;
+        for name in stale {
+            let path = self.owned.dir.join(&name);
+            let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
+            if is_file && self.owned.lists(&name) {
+                fs::remove_file(&path)
+                    .with_context(|| format!("cannot remove {}", path.display()))
+                    .map_err(Failure::work)?;
+            }
+            if let Some(manifest) = &mut self.owned.manifest {
+                manifest.files.remove(&name);
+            }
+        }
+        self.write::<&[u8]>(&[], None)?;
+        let dir = &self.owned.dir;
+        let line = |name: &String| {
+            let path = dir.join(name);
+            format!("{} is not of this study, and stays", path.display())
+        };
+        Ok(left.iter().map(line).collect())
+    }
+
+    /// Writes files (name and contents) of a study.
+    ///
+    /// All are written under temporary names first and renamed only when every byte is on disk, so that
+    /// a full disk leaves what was there before.
+    pub(crate) fn write<C: AsRef<[u8]>>(
+        &mut self,
+        files: &[(&str, C)],
+        study: Option<&StudyId>,
+    ) -> Result<(), Failure> {
+        for (name, contents) in files {
+            self.owned.refuse(name, Some(contents.as_ref()))?;
+        }
+        let dir = &self.owned.dir;
+        let mut staged = Vec::new();
+        for (name, contents) in files {
+            staged.push(Staged::new(&dir.join(name), contents.as_ref()).map_err(Failure::work)?);
+        }
+        let manifest = self.owned.manifest.clone();
+        let mut manifest = manifest.unwrap_or_else(|| Manifest::new([].into()));
+        // A process that is killed while it renames leaves files of both contents.
+        let mut between = manifest.clone();
+        let listed = files.iter().filter(|(name, _)| !is_stream(&dir.join(name)));
+        for (name, contents) in listed {
+            let digest = digest(contents.as_ref());
+            let study = study.cloned();
+            let entry = |sha256| Entry { sha256, study };
+            let known = between.files.get(*name).map(|known| known.sha256.clone());
+            let both = known
+                .into_iter()
+                .flatten()
+                .chain([digest.clone()])
+                .collect();
+            between
+                .files
+                .insert((*name).to_owned(), entry.clone()(both));
+            manifest
+                .files
+                .insert((*name).to_owned(), entry(vec![digest]));
+        }
+        let (between, after) = (between.to_toml()?, manifest.to_toml()?);
+        let place = dir.join(MANIFEST);
+        let first = Staged::new(&place, between.as_bytes()).map_err(Failure::work)?;
+        let last = Staged::new(&place, after.as_bytes()).map_err(Failure::work)?;
+        let staged = [first].into_iter().chain(staged).chain([last]);
+        for file in staged {
+            file.persist().map_err(Failure::work)?;
+        }
+        self.owned.manifest = Some(manifest);
+        Ok(())
+    }
+}

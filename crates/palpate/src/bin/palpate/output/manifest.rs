@@ -1,0 +1,191 @@
+//! Manifest of a directory: the files that palpate wrote there.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Component, Path};
+
+use anyhow::{Context, anyhow};
+use palpate_study::read_limited;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::names::{CELLS, MOST_MIB};
+use crate::failure::Failure;
+
+/// Name of the manifest.
+pub(crate) const MANIFEST: &str = ".palpate.toml";
+/// Version of its format.
+const VERSION: u32 = 1;
+
+/// Files that palpate wrote into a directory.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Manifest {
+    version: u32,
+    /// Files by their names.
+    #[serde(default)]
+    pub(crate) files: BTreeMap<String, Entry>,
+}
+
+/// File that palpate wrote.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub(crate) struct Entry {
+    /// SHA-256 of its contents; two while it is being replaced.
+    pub(crate) sha256: Vec<String>,
+    /// Study that it is of; tracked frames are of none.
+    #[serde(flatten)]
+    pub(crate) study: Option<StudyId>,
+}
+
+/// Study of a file.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub(crate) struct StudyId {
+    /// Name of the study.
+    study: String,
+    /// SHA-256 of its config as `run.toml` has it.
+    config: String,
+    /// SHA-256 of the `cells.csv` that a figure or a score is of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cells: Option<String>,
+}
+
+impl StudyId {
+    /// Study of that name whose `run.toml` is `config`.
+    pub(crate) fn new(name: &str, config: &str) -> Self {
+        Self {
+            study: name.to_owned(),
+            config: digest(config.as_bytes()),
+            cells: None,
+        }
+    }
+
+    /// The study with the `cells.csv` in a directory, if it can be read.
+    pub(crate) fn with_cells_in(self, dir: &Path) -> Self {
+        let cells = digest_of(&dir.join(CELLS)).ok();
+        Self { cells, ..self }
+    }
+
+    /// Whether a file of this study is one of `other` too, whose `cells.csv` has this SHA-256.
+    pub(crate) fn is_of(&self, other: &Self, cells: Option<&String>) -> bool {
+        let is_same = (&self.study, &self.config) == (&other.study, &other.config);
+        is_same && (self.cells.is_none() || self.cells.as_ref() == cells)
+    }
+}
+
+impl Manifest {
+    pub(crate) fn new(files: BTreeMap<String, Entry>) -> Self {
+        let version = VERSION;
+        Self { version, files }
+    }
+
+    /// Manifest of a directory, if it has one.
+    pub(crate) fn read(dir: &Path) -> Result<Option<Self>, Failure> {
+        let path = dir.join(MANIFEST);
+        let text = match read_limited(&path, MOST_MIB) {
+            Ok(bytes) => String::from_utf8(bytes).unwrap_or_default(),
+            Err(error)
+                if matches!(
+                    error.kind(),
+                    io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+                ) =>
+            {
+                return Ok(None);
+            }
+            Err(error) => {
+                let error = Err(error).with_context(|| format!("cannot read {}", path.display()));
+                return error.map_err(Failure::work);
+            }
+        };
+        let fault = |what: String| {
+            let path = path.display();
+            Failure::usage(anyhow!(
+                "{path} {what}, so that nothing is known of the files beside it: give another directory, or --force"
+            ))
+        };
+        let table: toml::Table =
+            toml::from_str(&text).map_err(|_| fault("is no manifest of palpate".to_owned()))?;
+        match table.get("version").and_then(toml::Value::as_integer) {
+            Some(version) if version == i64::from(VERSION) => {}
+            Some(version) => {
+                return Err(fault(format!(
+                    "is of version {version}; this palpate knows version {VERSION}"
+                )));
+            }
+            None => return Err(fault("is no manifest of palpate".to_owned())),
+        }
+        let manifest: Self =
+            toml::from_str(&text).map_err(|_| fault("is no manifest of palpate".to_owned()))?;
+        match manifest.files.keys().find(|name| !is_plain(name)) {
+            Some(name) => Err(fault(format!("names `{name}`, which is not beside it"))),
+            None => Ok(Some(manifest)),
+        }
+    }
+
+    pub(crate) fn to_toml(&self) -> Result<String, Failure> {
+        let body = toml::to_string(self).map_err(Failure::work)?;
+        Ok(format!(
+            "# Files that palpate wrote here. What differs from its SHA-256 was changed since.\n{body}"
+        ))
+    }
+}
+
+impl Entry {
+    /// Whether the file at `path` is as palpate wrote it.
+    pub(crate) fn is_of(&self, path: &Path) -> bool {
+        // A pipe in its place is not read.
+        let is_file = fs::metadata(path).is_ok_and(|found| found.is_file());
+        is_file && digest_of(path).is_ok_and(|digest| self.sha256.contains(&digest))
+    }
+}
+
+/// SHA-256 of bytes.
+pub(crate) fn digest(bytes: &[u8]) -> String {
+    hexadecimal(Sha256::digest(bytes).as_slice())
+}
+
+/// SHA-256 of a file.
+pub(crate) fn digest_of(path: &Path) -> io::Result<String> {
+    let mut hash = Sha256::new();
+    io::copy(&mut File::open(path)?, &mut hash)?;
+    Ok(hexadecimal(hash.finalize().as_slice()))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Whether a name is that of a file in the directory itself.
+fn is_plain(name: &str) -> bool {
+    let mut parts = Path::new(name).components();
+    matches!((parts.next(), parts.next()), (Some(Component::Normal(only)), None) if only == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_manifest_is_read_as_it_was_written() {
+        let entry = |study| Entry {
+            sha256: vec![digest(b"a")],
+            study,
+        };
+        let files = [
+            ("cells.csv".to_owned(), entry(Some(StudyId::new("s", "t")))),
+            ("overlay.png".to_owned(), entry(None)),
+        ];
+        let manifest = Manifest::new(files.into());
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join(MANIFEST), manifest.to_toml().unwrap()).unwrap();
+        assert_eq!(Manifest::read(dir.path()).unwrap(), Some(manifest));
+    }
+
+    #[test]
+    fn only_plain_names_are_beside_a_manifest() {
+        assert!(is_plain("cells.csv"));
+        for name in ["", ".", "..", "../a", "/a", "a/b", "a/"] {
+            assert!(!is_plain(name), "{name:?}");
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Names of the files that palpate writes into a directory.
+
+use std::path::Path;
+
+use palpate_study::{config, read_limited};
+use toml_parser::Source;
+use toml_parser::lexer::{Token, TokenKind};
+
+/// Largest config or manifest that is read, MiB.
+pub(crate) const MOST_MIB: u64 = 16;
+/// Config of a run, beside its tables.
+pub(crate) const CONFIG: &str = "run.toml";
+/// Config of a run while tables of another config stand there.
+pub(crate) const NEXT_CONFIG: &str = "next-run.toml";
+/// Table without which there are no results.
+pub(crate) const CELLS: &str = "cells.csv";
+pub(crate) const FAILURES: &str = "failures.csv";
+pub(crate) const MAP: &str = "map.csv";
+/// Warnings of a run, a line each; there is none where there is nothing to warn of.
+pub(crate) const WARNINGS: &str = "warnings.txt";
+/// Scores of the claims of a study.
+pub(crate) const CLAIMS: &str = "claims.csv";
+/// Files of a pass.
+pub(crate) const TRACE: &str = "trace.csv";
+pub(crate) const READINGS: &str = "readings.csv";
+pub(crate) const MARKERS: &str = "markers.csv";
+pub(crate) const FRAMES: [&str; 2] = ["rest.png", "pressed.png"];
+/// Figures of the pass of a press.
+const FIGURES: [&str; 2] = ["quiver", "trace-profile"];
+
+/// Whether a run wrote this config: it states the version of palpate and has no comment, which a run never writes.
+pub(crate) fn is_of_a_run(path: &Path) -> bool {
+    text_of(path).is_some_and(|text| {
+        let is_comment = |token: Token| token.kind() == TokenKind::Comment;
+        let has_version = text
+            .lines()
+            .any(|line| line.starts_with("crate_version = "));
+        has_version && !Source::new(&text).lex().any(is_comment)
+    })
+}
+
+/// Text of a config, if it can be read.
+pub(crate) fn text_of(path: &Path) -> Option<String> {
+    String::from_utf8(read_limited(path, MOST_MIB).ok()?).ok()
+}
+
+/// Name of the study of a run's config, and names of the files that commands may have written beside it.
+pub(crate) fn of_a_run(config: &Path, text: &str) -> (String, Vec<String>) {
+    let study = config::parse(&config.display().to_string(), text).ok();
+    let plots = study.iter().flat_map(|study| &study.config.plot);
+    let named = |(at, plot): (usize, &config::PlotConfig)| {
+        plot.name.clone().unwrap_or(format!("plot-{}", at + 1))
+    };
+    let figures = plots
+        .enumerate()
+        .map(named)
+        .chain(FIGURES.map(str::to_owned))
+        .flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
+    let known = [
+        CONFIG,
+        NEXT_CONFIG,
+        CELLS,
+        FAILURES,
+        MAP,
+        WARNINGS,
+        CLAIMS,
+        TRACE,
+        READINGS,
+        MARKERS,
+    ];
+    let known = known
+        .into_iter()
+        .chain(FRAMES)
+        .map(str::to_owned)
+        .chain(figures);
+    let name = study
+        .as_ref()
+        .map_or("", |study| study.config.name.as_str());
+    (name.to_owned(), known.collect())
+}

@@ -1,0 +1,214 @@
+//! Files that palpate may replace: its own.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use same_file::is_same_file;
+
+use super::manifest::{Entry, Manifest, StudyId, digest_of};
+use super::names;
+use super::stage::{is_stream, unwritable};
+use crate::failure::Failure;
+
+/// Rights of a command over the files of a directory.
+pub(crate) struct Owned {
+    pub(crate) dir: PathBuf,
+    /// Manifest of the directory; where there is none but a config of a run, of the files that palpate knows.
+    pub(crate) manifest: Option<Manifest>,
+    guard: Guard,
+}
+
+/// Files that a command must not replace.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Guard {
+    inputs: Vec<PathBuf>,
+    /// Whether it may replace all.
+    force: bool,
+}
+
+impl Guard {
+    /// Guard of a command that reads `inputs`.
+    pub(crate) fn new<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Self {
+        let inputs = inputs.into_iter().cloned().collect();
+        Self { inputs, force }
+    }
+
+    /// Whether all may be replaced.
+    pub(crate) fn is_forced(&self) -> bool {
+        self.force
+    }
+
+    /// Whether the command reads the file at `path`.
+    pub(crate) fn reads(&self, path: &Path) -> bool {
+        let mut inputs = self.inputs.iter();
+        inputs.any(|input| is_same_file(input, path).unwrap_or(false))
+    }
+
+    /// Refuses to replace a regular file that is read, or that its mode protects.
+    pub(crate) fn refuse(&self, path: &Path) -> Result<(), Failure> {
+        if self.force {
+            return Ok(());
+        }
+        if self.reads(path) {
+            return Err(refusal(path, "is read by this very command"));
+        }
+        if fs::metadata(path).is_ok_and(|found| found.permissions().readonly()) {
+            return Err(refusal(path, "may not be written"));
+        }
+        Ok(())
+    }
+}
+
+/// Refusal to replace a file.
+pub(crate) fn refusal(path: &Path, why: &str) -> Failure {
+    let path = path.display();
+    Failure::usage(anyhow!(
+        "{path} {why}, and would be replaced: write elsewhere, move it away, or give --force"
+    ))
+}
+
+impl Owned {
+    /// Rights over a directory, which need not be there.
+    pub(crate) fn read(dir: &Path, guard: Guard) -> Result<Self, Failure> {
+        let manifest = match Manifest::read(dir) {
+            Err(_) if guard.force => None,
+            manifest => manifest?,
+        };
+        Ok(Self {
+            dir: dir.to_owned(),
+            manifest: manifest.or_else(|| known_files(dir)),
+            guard,
+        })
+    }
+
+    /// Refuses to replace what palpate did not write. Of a file whose contents are not known yet, only the manifest tells.
+    pub(crate) fn refuse(&self, name: &str, contents: Option<&[u8]>) -> Result<(), Failure> {
+        let path = self.dir.join(name);
+        if let Some(why) = unwritable(&path) {
+            let path = path.display();
+            return Err(Failure::work(anyhow!("cannot write {path}: {why}")));
+        }
+        let is_kept = contents.is_some_and(|contents| holds(&path, contents));
+        if self.guard.force || is_kept || is_stream(&path) || fs::metadata(&path).is_err() {
+            return Ok(());
+        }
+        // A run may begin with the config that another run left.
+        if name != names::CONFIG {
+            self.guard.refuse(&path)?;
+        }
+        let is_lone = self.manifest.is_none();
+        match self.entry(name) {
+            Some(entry) if entry.is_of(&path) => Ok(()),
+            Some(_) => Err(refusal(&path, "was changed since palpate wrote it")),
+            None if is_lone && contents.is_some_and(|contents| begins_as(&path, contents)) => {
+                Ok(())
+            }
+            None => Err(refusal(&path, "is not a file that palpate wrote")),
+        }
+    }
+
+    /// What the manifest has of a file.
+    fn entry(&self, name: &str) -> Option<&Entry> {
+        self.manifest.as_ref()?.files.get(name)
+    }
+
+    /// Whether the manifest lists the file, and it is as palpate wrote it.
+    pub(crate) fn lists(&self, name: &str) -> bool {
+        let entry = self.entry(name);
+        entry.is_some_and(|entry| entry.is_of(&self.dir.join(name)))
+    }
+
+    /// Names of the files in the directory that are neither palpate's nor read by the command.
+    pub(crate) fn foreign(&self) -> Vec<String> {
+        let entries = fs::read_dir(&self.dir).into_iter().flatten().flatten();
+        let files = entries.filter(|entry| entry.file_type().is_ok_and(|kind| !kind.is_dir()));
+        let mut names: Vec<String> = files
+            .filter(|entry| !self.guard.reads(&entry.path()))
+            .filter_map(|entry| entry.file_name().into_string().ok())
+            .filter(|name| !name.starts_with('.') && !self.lists(name))
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+/// Whether a file holds exactly these contents, or nothing that could be lost.
+pub(crate) fn holds(path: &Path, contents: &[u8]) -> bool {
+    let length = fs::metadata(path).map_or(0, |found| found.len());
+    length == 0
+        || length == contents.len() as u64 && fs::read(path).is_ok_and(|known| known == contents)
+}
+
+/// Whether a lone file begins as the one to be written: with the same header or first comment, a page with the same
+/// title. A picture tells nothing of the program that drew it.
+pub(crate) fn begins_as(path: &Path, contents: &[u8]) -> bool {
+    let Some(head) = head_of(contents) else {
+        return false;
+    };
+    let mut known = Vec::new();
+    let read = fs::File::open(path).and_then(|file| {
+        let mut start = file.take(head.len() as u64);
+        start.read_to_end(&mut known)
+    });
+    read.is_ok() && known == head
+}
+
+/// Begin of a file by which its kind is known, if it has one.
+fn head_of(contents: &[u8]) -> Option<&[u8]> {
+    const TITLE: &[u8] = b"</title>";
+    let is = |start: &[u8]| contents.starts_with(start);
+    if is(b"<!DOCTYPE html>") {
+        let mut places = contents.windows(TITLE.len());
+        return Some(&contents[..places.position(|place| place == TITLE)?]);
+    }
+    let end = contents.iter().position(|&byte| byte == b'\n')?;
+    let line = &contents[..=end];
+    (is(b"#") || line.contains(&b',')).then_some(line)
+}
+
+/// Manifest of a directory that has a config of a run and no manifest: of the files whose names palpate knows.
+fn known_files(dir: &Path) -> Option<Manifest> {
+    let config = dir.join(names::CONFIG);
+    if !names::is_of_a_run(&config) {
+        return None;
+    }
+    let text = names::text_of(&config)?;
+    let (name, known) = names::of_a_run(&config, &text);
+    let study = StudyId::new(&name, &text);
+    let files: BTreeMap<String, Entry> = known
+        .into_iter()
+        .filter_map(|name| {
+            let path = dir.join(&name);
+            let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file())
+                && (name != names::NEXT_CONFIG || names::is_of_a_run(&path));
+            let sha256 = vec![digest_of(&path).ok().filter(|_| is_file)?];
+            let study = Some(study.clone());
+            Some((name, Entry { sha256, study }))
+        })
+        .collect();
+    Some(Manifest::new(files))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heads_are_first_lines_and_titles() {
+        assert_eq!(head_of(b"a,b\n1,2\n"), Some(&b"a,b\n"[..]));
+        assert_eq!(head_of(b"a,b"), None);
+        for other in [
+            &b"<svg>\n"[..],
+            b"  0\nSECTION\n",
+            b"name = \"a\"\n",
+            b"\x89PNG\n",
+        ] {
+            assert_eq!(head_of(other), None);
+        }
+        let page = b"<!DOCTYPE html>\n<title>palpate</title>\n";
+        assert_eq!(head_of(page), Some(&page[..page.len() - 9]));
+    }
+}
