@@ -3,12 +3,13 @@
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{Curvature, Ep2Error, Fit, Method, Patch, Status, Uncertainty, regions};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
-use palpate_number::BadSetting;
+use palpate_number::{BadSetting, Number};
 
 use super::Value;
 use super::glide::GlideReadings;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::sheet::{RecordedError, agreed_unit};
+use super::stated::{FORMAT_VERSION, rounded};
 use crate::glide::AnyMethod;
 use palpate_study::Unit;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
@@ -77,6 +78,7 @@ pub fn estimate_glide(
     let stds = curvature.uncertainty;
     let [min_std, max_std] = principal_stds(&curvature);
     let estimate = GlideEstimate {
+        format_version: FORMAT_VERSION,
         method: options.estimator.name(),
         contacts: recorded.contacts.len(),
         fingers: recorded.fingers,
@@ -125,6 +127,7 @@ pub fn estimate_glide(
             .iter()
             .map(|one| PatchRegion::of(one, unit))
             .collect(),
+        warnings: spacing(&patch, options, unit).into_iter().collect(),
     };
     let (points, regions) = if options.map_at_contacts {
         let contacts = recorded.contacts.iter().map(|contact| contact.position);
@@ -140,6 +143,24 @@ pub fn estimate_glide(
         unit,
     };
     Ok((estimate, map))
+}
+
+/// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.
+const FAR_OFF: f64 = 3.0;
+
+/// The warning where the fingers of the readings are not as far apart as is stated.
+fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {
+    let stated = options.inter_finger_distance?;
+    let found = patch.finger_distance? * patch.frame.scale();
+    let is_used = matches!(options.estimator, GlideEstimatorConfig::TwoPass { .. });
+    let near = found / FAR_OFF..=found * FAR_OFF;
+    (is_used && !near.contains(&stated)).then(|| {
+        let [stated, found] = [stated, found].map(rounded).map(Number);
+        let unit = unit.as_str();
+        format!(
+            "the distance between fingers is stated as {stated} {unit}, but those of the readings are {found} {unit} apart: is the unit right?"
+        )
+    })
 }
 
 /// The error with the line of the contact that is at fault, if it is one.

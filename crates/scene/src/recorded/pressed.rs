@@ -2,17 +2,19 @@
 
 use palpate_number::{BadSetting, Number};
 use palpate_press::{
-    Body, ContactRegime, Estimated, ForwardFit, Markers, Measured, PressError, PressEstimate,
-    Reading, Skin,
+    Body, ContactRegime, Estimated, ForwardFit, Markers, PressError, PressEstimate, Prior, Reading,
+    Skin,
 };
 
 use super::Value;
 use super::press::PressReadings;
 use super::pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
 use super::sheet::{RecordedError, agreed_unit};
+use super::stated::{self, FORMAT_VERSION};
+use super::suspicion::{Sensor, of_press};
 use crate::press::{Assumed, body_of, large_contact};
 use palpate_study::Unit;
-use palpate_study::config::{LengthUnit, PressEstimatorConfig, PressModelConfig};
+use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig, PressModelConfig};
 
 /// Settings of an estimate that the readings do not state; lengths in the readings' unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +28,10 @@ pub struct PressOptions {
     /// The estimator. Whether it is given the indentation is told by [`Self::indentation`] and not by its own setting: a
     /// study knows the indentation of its presses, a reading does not.
     pub estimator: PressEstimatorConfig,
-    /// The indentation, if something else tells it; length. The estimator ascribes its `indentation_std` to it.
+    /// The indentation, if something else tells it; length. The estimator ascribes its `indentation_std` to it; where that
+    /// is 0, [`INDENTATION_SHARE`](super::INDENTATION_SHARE) of the indentation, with a warning, since no indentation
+    /// that was measured is exact. (In a study, 0 is exact.) The indentation is compared with the one that the
+    /// readings tell without it; a warning says by how many standard deviations they differ, if those are many.
     pub indentation: Option<f64>,
     /// Standard deviation of normal displacements, length; `None` finds it from the residuals.
     pub normal_std: Option<f64>,
@@ -73,17 +78,50 @@ pub fn estimate_press(
     let places: Vec<[f64; 2]> = recorded.places.iter().map(scaled).collect();
     let skin = Skin::new(options.sensor_radius).map_err(refused)?;
     let markers = Markers::new(skin, &places).map_err(refused)?;
-    let (fit, c) = fit(options, &markers).map_err(refused)?;
+    let Fits { fit, alone } = Fits::new(options, &markers).map_err(refused)?;
+    let c = fit.body.c();
     let reading = Reading {
         markers: &markers,
         normal: &recorded.normal,
         tangential: recorded.tangential.as_deref(),
-        indentation: options.indentation.map(|value| Measured {
-            value,
-            std: options.estimator.priors().indentation_std,
-        }),
+        indentation: None,
     };
-    let estimate = fit.estimate(&reading).map_err(refused)?;
+    let std = options.estimator.priors().indentation_std;
+    let stated = options
+        .indentation
+        .map(|value| stated::indentation(value, std, unit.as_str()));
+    let indentation = stated.as_ref().map(|(indentation, _)| *indentation);
+    let contradiction =
+        indentation.and_then(|told| stated::contradiction(&alone, &reading, told, unit.as_str()));
+    let estimate = fit
+        .estimate(&Reading {
+            indentation,
+            ..reading
+        })
+        .map_err(|error| refused_for(recorded, options, &error, contradiction.as_deref()))?;
+    let wrong_markers: Vec<Row> = estimate
+        .wrong_markers
+        .iter()
+        .map(|&marker| Row {
+            row: marker + 1,
+            line: recorded.lines.get(marker).copied(),
+        })
+        .collect();
+    let left_out = stated::left_out(
+        &wrong_markers,
+        &markers.distances(estimate.contact),
+        estimate.contact_radius.value,
+    );
+    let warnings = [
+        suspicion(recorded, options, unit),
+        contradiction,
+        stated.and_then(|(_, warning)| warning),
+        left_out,
+    ]
+    .into_iter()
+    .flatten()
+    .chain(warnings(recorded, &estimate, options))
+    .collect();
     let told = |estimated, power| Told::new(&estimated, power, unit);
     let curvature = estimate.object_curvature();
     // Radii are those of the best fit.
@@ -93,6 +131,7 @@ pub fn estimate_press(
     };
     let [force, peak_pressure] = stresses(&fit.body, &estimate, options, unit).map_err(refused)?;
     Ok(PressedObject {
+        format_version: FORMAT_VERSION,
         method: options.estimator.name(),
         c,
         markers: recorded.places.len(),
@@ -116,14 +155,7 @@ pub fn estimate_press(
             .baseline
             .map(|baseline| told(baseline, Unit::Length)),
         gain: estimate.gain.map(|gain| told(gain, Unit::One)),
-        wrong_markers: estimate
-            .wrong_markers
-            .iter()
-            .map(|&marker| Row {
-                row: marker + 1,
-                line: recorded.lines.get(marker).copied(),
-            })
-            .collect(),
+        wrong_markers,
         noise: PressNoise {
             normal_std: Value::new(estimate.normal_std, None, Unit::Length, unit),
             tangential_std: estimate
@@ -132,27 +164,55 @@ pub fn estimate_press(
             reduced_chi_squared: estimate.reduced_chi_squared,
         },
         r_squared: estimate.r_squared,
-        warnings: warnings(&estimate, options),
+        warnings,
     })
 }
 
-/// The fit, and the c of a Gaussian.
-fn fit(options: &PressOptions, markers: &Markers) -> Result<(ForwardFit, Option<f64>), PressError> {
-    let model = options.model.reference();
-    let assumed = Assumed {
-        estimator: &options.estimator,
-        model: &model,
-        body: &body_of(&model, options.marker_depth, Body::bonded_layer)?,
-        shared: model.thickness(),
-        markers,
-        marker_depth: options.marker_depth,
-        calibrated_at: options.indentation,
-        knows_indentation: options.indentation.is_some(),
-        stds: [options.normal_std, options.tangential_std],
+/// The fits of one press.
+struct Fits {
+    /// The one that is asked for.
+    fit: ForwardFit,
+    /// The one that tells the indentation from the readings alone. A Gaussian knows no body, and that of the sensor
+    /// stands for it.
+    alone: ForwardFit,
+}
+
+impl Fits {
+    fn new(options: &PressOptions, markers: &Markers) -> Result<Self, PressError> {
+        let model = options.model.reference();
+        let body = body_of(&model, options.marker_depth, Body::bonded_layer)?;
+        let assumed = Assumed {
+            estimator: &options.estimator,
+            model: &model,
+            body: &body,
+            shared: model.thickness(),
+            markers,
+            marker_depth: options.marker_depth,
+            calibrated_at: options.indentation,
+            knows_indentation: options.indentation.is_some(),
+            stds: [options.normal_std, options.tangential_std],
+        };
+        let fit = assumed.fit()??;
+        let alone = match options.estimator {
+            PressEstimatorConfig::Gaussian { .. } => ForwardFit {
+                body,
+                gain: Prior::Exact,
+                ..fit.clone()
+            },
+            _ => fit.clone(),
+        };
+        Ok(Self { fit, alone })
+    }
+}
+
+/// The mistake of sign or unit that the readings look like.
+fn suspicion(recorded: &PressReadings, options: &PressOptions, unit: LengthUnit) -> Option<String> {
+    let sensor = Sensor {
+        radius: options.sensor_radius,
+        radial_scale: options.radial_scale,
+        has_baseline: options.estimator.priors().baseline == Baseline::Known,
     };
-    let fit = assumed.fit()??;
-    let c = fit.body.c();
-    Ok((fit, c))
+    of_press(recorded, sensor, unit)
 }
 
 /// The force and the highest pressure of the estimated press, where they are known.
@@ -180,13 +240,17 @@ fn stresses(
     ])
 }
 
-/// Past this ratio of the residuals to the noise that is stated, the intervals are too narrow.
-const LARGE_RESIDUALS: f64 = 1.5;
-
 /// Share of the variance below which the fit explains little.
 const LITTLE: f64 = 0.5;
 
-fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
+/// About the number of unknowns of a fit: curvature, place and indentation.
+const UNKNOWNS: usize = 4;
+
+fn warnings(
+    recorded: &PressReadings,
+    estimate: &PressEstimate,
+    options: &PressOptions,
+) -> impl Iterator<Item = String> {
     let is_layer = matches!(options.estimator, PressEstimatorConfig::BondedLayer { .. });
     let large = large_contact(
         estimate.relative_curvature.value,
@@ -194,27 +258,43 @@ fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
         options.sensor_radius,
         is_layer,
     );
-    let ratio = estimate.reduced_chi_squared.sqrt();
-    let residuals = (options.normal_std.is_some() && ratio > LARGE_RESIDUALS).then(|| {
-        format!(
-            "the residuals are {ratio:.1} times the noise that is given: intervals are too narrow"
-        )
-    });
+    let each = if estimate.tangential_std.is_some() {
+        3
+    } else {
+        1
+    };
+    let freedom = (each * recorded.places.len()).saturating_sub(UNKNOWNS);
+    let is_stated = options.normal_std.is_some();
+    let residuals = is_stated
+        .then(|| stated::noise(estimate, freedom))
+        .flatten();
     let unexplained = (estimate.r_squared < LITTLE).then(|| {
         let percent = 100.0 * estimate.r_squared.max(0.0);
         format!(
             "the fit explains {percent:.0} % of the normal displacements' variance: noise, or not the press of this body"
         )
     });
-    large
-        .into_iter()
-        .chain(residuals)
-        .chain(unexplained)
-        .collect()
+    large.into_iter().chain(residuals).chain(unexplained)
 }
 
 /// The error in the words of the command line, with the line of the marker that is at fault, if it is one.
 fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError) -> RecordedError {
+    refused_for(recorded, options, error, None)
+}
+
+/// The error likewise, with what else may be wrong: a stated indentation that the readings contradict, or a mistake of
+/// sign or unit that they look like.
+fn refused_for(
+    recorded: &PressReadings,
+    options: &PressOptions,
+    error: &PressError,
+    contradiction: Option<&str>,
+) -> RecordedError {
+    let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
+    let suspicion = match error {
+        PressError::BadSetting(_) => None,
+        _ => suspicion(recorded, options, unit),
+    };
     let file = recorded.file.clone();
     let message = match error {
         PressError::BadSetting(BadSetting {
@@ -233,6 +313,10 @@ fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError)
         }
         _ => error.to_string(),
     };
+    let message = [suspicion.as_deref(), contradiction]
+        .into_iter()
+        .flatten()
+        .fold(message, |message, more| format!("{message}; {more}"));
     match error {
         PressError::NotFinite { marker }
         | PressError::OffSkin { marker, .. }

@@ -138,7 +138,9 @@ fn estimated_roll_of(
          0,0,-0.4,{number},0\n1,0,-0.4,{number},0\n2,-0.4,0,0,{other:e}\n3,-0.4,0,0,{other:e}\n"
     );
     let options = RollOptions {
-        noise: pitch.map(RollOptions::noise_of_pads).unwrap_or_default(),
+        noise: pitch
+            .and_then(|pitch| RollOptions::noise_of_pads(probe_radius, pitch).ok())
+            .unwrap_or_default(),
         ..RollOptions::new(probe_radius)
     };
     let estimate = estimate_roll(&parse_roll(file(text))?, &options)?;

@@ -37,6 +37,14 @@ fn options(args: &EstimateGlideArgs, readings: &GlideReadings) -> Result<GlideOp
         let message = "--inter-finger-distance is of use only to --method two-pass";
         return Err(Failure::Usage(anyhow!(message)));
     }
+    if args.outward.is_some() && readings.has_normals() {
+        let message = "--outward is of use only to readings without normals";
+        return Err(Failure::Usage(anyhow!(message)));
+    }
+    if args.estimator.given.contains_key("normal_std_deg") && !readings.has_normals() {
+        let message = "--normal-std-deg is of use only to readings with normals";
+        return Err(Failure::Usage(anyhow!(message)));
+    }
     let thresholds = args.gaussian_threshold.zip(args.mean_threshold);
     let thresholds = thresholds
         .map(|(gaussian, mean)| ShapeThresholds::new(gaussian, mean))

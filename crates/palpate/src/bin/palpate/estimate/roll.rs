@@ -1,5 +1,6 @@
 //! `palpate estimate roll`.
 
+use anyhow::anyhow;
 use palpate_scene::recorded::{ReadingNoise, RollOptions, estimate_roll, read_roll};
 
 use super::like::like;
@@ -12,8 +13,10 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let unit = readings.unit().or(args.length_unit);
     let base = like(&args.like, unit, RollOptions::like)?;
     let base = base.unwrap_or_else(|| RollOptions::new(args.probe_radius.unwrap_or_default()));
+    let probe_radius = args.probe_radius.unwrap_or(base.probe_radius);
     let shifts = match (args.pitch, args.shift_std) {
-        (Some(pitch), _) => RollOptions::noise_of_pads(pitch),
+        (Some(pitch), _) => RollOptions::noise_of_pads(probe_radius, pitch)
+            .map_err(|error| Failure::Usage(anyhow!("--{error}")))?,
         (None, Some(shift_std)) => ReadingNoise {
             shift_std,
             ..ReadingNoise::default()
@@ -22,7 +25,7 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     };
     let rotations = base.noise;
     let options = RollOptions {
-        probe_radius: args.probe_radius.unwrap_or(base.probe_radius),
+        probe_radius,
         estimator: args.estimator.over(&base.estimator)?,
         noise: ReadingNoise {
             rotation_std_rad: args.rotation_std_rad.unwrap_or(rotations.rotation_std_rad),

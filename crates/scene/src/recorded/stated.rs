@@ -1,0 +1,120 @@
+//! Warnings where something that a user states does not agree with the readings.
+
+use palpate_number::Number;
+use palpate_press::{ForwardFit, Measured, PressError, PressEstimate, Reading};
+
+use super::pressed_object::Row;
+
+/// Version of the format of the JSON that estimates from recorded readings have: it rises when a key goes, or
+/// changes its meaning, and stays when a key is added.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// Share of a stated indentation that is its standard deviation where none is stated.
+pub const INDENTATION_SHARE: f64 = 0.02;
+
+/// Standard deviations by which a stated indentation and the one that the readings tell may differ. Of indentations
+/// that are half a standard deviation off it warns of 2 %, of those that are 5 off it passes over 1 %.
+const APART: f64 = 2.5;
+
+/// Ratio of the residuals to the noise that is stated, or of that to them, past which the intervals are wrong.
+const LARGE_RESIDUALS: f64 = 1.5;
+
+/// Least surplus of equations over unknowns at which residuals so much too small are no chance.
+const MANY: usize = 20;
+
+/// The stated indentation with its standard deviation, and the warning where none is stated.
+pub(super) fn indentation(value: f64, std: f64, unit: &str) -> (Measured, Option<String>) {
+    if std > 0.0 {
+        return (Measured { value, std }, None);
+    }
+    let std = INDENTATION_SHARE * value;
+    let percent = 100.0 * INDENTATION_SHARE;
+    let warning = format!(
+        "the indentation is stated without a standard deviation: {percent} % of it, {} {unit}, is assumed (--indentation-std)",
+        Number(rounded(std))
+    );
+    (Measured { value, std }, Some(warning))
+}
+
+/// The warning where a stated indentation is not the one that the readings tell by themselves, by `fit`.
+pub(super) fn contradiction(
+    fit: &ForwardFit,
+    reading: &Reading<'_>,
+    told: Measured,
+    unit: &str,
+) -> Option<String> {
+    let alone = Reading {
+        indentation: None,
+        ..*reading
+    };
+    let found = match fit.estimate(&alone) {
+        Ok(estimate) => estimate.indentation,
+        Err(error) => return Some(unchecked(&error)),
+    };
+    let off = (told.value - found.value).abs() / libm::hypot(told.std, found.std);
+    if off <= APART {
+        return None;
+    }
+    let [value, fitted, std] = [told.value, found.value, found.std]
+        .map(rounded)
+        .map(Number);
+    if !off.is_finite() {
+        return Some(format!(
+            "the readings alone do not bound the indentation: the stated one, {value} {unit}, cannot be checked"
+        ));
+    }
+    Some(format!(
+        "the indentation is stated as {value} {unit}, but the readings alone say {fitted} +- {std} {unit}: they differ by {off:.1} standard deviations, and the curvature is not to be trusted"
+    ))
+}
+
+fn unchecked(error: &PressError) -> String {
+    format!("the readings alone tell no indentation, so the stated one cannot be checked: {error}")
+}
+
+/// The warning of markers that were left out as wrong; `distances` are those of all markers from the contact.
+pub(super) fn left_out(wrong: &[Row], distances: &[f64], contact_radius: f64) -> Option<String> {
+    if wrong.is_empty() {
+        return None;
+    }
+    let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+    let distance = |row: &Row| distances.get(row.row - 1).copied().unwrap_or(f64::INFINITY);
+    let of_contact = |row: &&Row| {
+        let distance = distance(row);
+        distance <= nearest || distance < contact_radius
+    };
+    let (count, all) = (wrong.len(), distances.len());
+    let left = format!("{count} of {all} markers contradict the others and are left out");
+    Some(match wrong.iter().find(of_contact) {
+        Some(row) => {
+            let line = row
+                .line
+                .map_or(String::new(), |line| format!(", line {line}"));
+            format!(
+                "{left}, among them one of the contact itself (row {}{line}): what is stated of the press or the sensor may be wrong instead",
+                row.row
+            )
+        }
+        None => left,
+    })
+}
+
+/// The warning of residuals that the stated noise does not explain, or that are smaller than it says. `freedom` is
+/// about the number of equations beyond the unknowns.
+pub(super) fn noise(estimate: &PressEstimate, freedom: usize) -> Option<String> {
+    let ratio = estimate.reduced_chi_squared.sqrt();
+    if ratio > LARGE_RESIDUALS {
+        return Some(format!(
+            "the residuals are {ratio:.1} times the noise that is given: intervals are too narrow"
+        ));
+    }
+    (ratio * LARGE_RESIDUALS < 1.0 && freedom >= MANY).then(|| {
+        let times = Number(rounded(ratio.recip()));
+        format!("the noise that is given is {times} times the residuals: intervals are too wide")
+    })
+}
+
+/// A number with three digits, for messages.
+pub(super) fn rounded(number: f64) -> f64 {
+    format!("{number:.2e}").parse().unwrap_or(number)
+}
