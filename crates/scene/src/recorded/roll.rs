@@ -80,6 +80,28 @@ impl RollOptions {
             ..ReadingNoise::default()
         })
     }
+
+    /// Noise of a sensor without pads, with this standard deviation of each component of a shift.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] for one beyond the probe's radius, as of a pitch.
+    pub fn noise_of_shifts(
+        probe_radius: f64,
+        shift_std: f64,
+    ) -> Result<ReadingNoise, InvalidSensor> {
+        if !(0.0..=probe_radius).contains(&shift_std) {
+            let radius = Number(probe_radius);
+            return Err(InvalidSensor {
+                parameter: "shift-std",
+                value: shift_std,
+                expected: format!("at least 0 and at most the probe's radius, {radius}"),
+            });
+        }
+        Ok(ReadingNoise {
+            shift_std,
+            ..ReadingNoise::default()
+        })
+    }
 }
 
 /// Recorded readings of a roll.

@@ -9,3 +9,4 @@ mod names;
 mod press;
 mod recorded;
 mod roll;
+mod stated;

@@ -7,7 +7,7 @@ use palpate_study::config::{
     GlideEstimatorConfig, LengthUnit, PressEstimatorConfig, RollEstimatorConfig,
 };
 
-use super::number::{Direction, direction, length_unit, not_negative, positive};
+use super::number::{Direction, angle_std, direction, length_unit, not_negative, positive, share};
 use super::settings::Settings;
 
 #[derive(Debug, Subcommand)]
@@ -66,7 +66,8 @@ The JSON tells curvatures, radii and the indentation, each with its 95 % interva
 null: no bound); object_radius is negative for a dish and null for a plane, and has one interval of
 radii in case the object is convex and one in case it is concave, in which null is flat. `verdict`
 is what the interval leaves open: convex, concave, flat-within-noise or not-resolved.
-`wrong_markers` are the rows that contradict the others and were left out.
+`wrong_markers` are the rows that contradict the others and were left out. `warnings` tell what is doubtful: a stated
+indentation or noise that the readings contradict, readings that look like another unit or sign.
 
 With --like STUDY.toml the sensor, the noise of its readings and the estimator are those of a study of
 kind press, in the readings' unit; flags override them. The indentation of the study's presses is not
@@ -110,10 +111,10 @@ pub(crate) struct EstimateRollArgs {
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, conflicts_with = "pitch")]
     pub(crate) shift_std: Option<f64>,
     /// Standard deviation of each component of a rotation.
-    #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = angle_std, allow_negative_numbers = true)]
     pub(crate) rotation_std_rad: Option<f64>,
     /// Standard deviation of each component of a rotation, as a fraction of its magnitude.
-    #[arg(long, value_name = "F", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "F", value_parser = share, allow_negative_numbers = true)]
     pub(crate) relative_rotation_std: Option<f64>,
     /// The unit of lengths, if the header does not state it (shift_u_mm).
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
@@ -186,7 +187,8 @@ pub(crate) struct SensorArgs {
     /// Thickness and Poisson's ratio among them are those of the body that a Gaussian is calibrated on.
     #[command(flatten)]
     pub(crate) estimator: Settings<PressEstimatorConfig>,
-    /// Indentation, where it is known from elsewhere, such as a robot's pose [default: fitted].
+    /// Indentation, where it is known from elsewhere, such as a robot's pose [default: fitted]. It is known to
+    /// --indentation-std; where that is 0 or not given, to 2 % of itself.
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) indentation: Option<f64>,
     /// Standard deviation of each normal displacement [default: found from the residuals].

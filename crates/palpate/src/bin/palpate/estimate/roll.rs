@@ -14,13 +14,12 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let base = like(&args.like, unit, RollOptions::like)?;
     let base = base.unwrap_or_else(|| RollOptions::new(args.probe_radius.unwrap_or_default()));
     let probe_radius = args.probe_radius.unwrap_or(base.probe_radius);
+    let refused = |error| Failure::Usage(anyhow!("--{error}"));
     let shifts = match (args.pitch, args.shift_std) {
-        (Some(pitch), _) => RollOptions::noise_of_pads(probe_radius, pitch)
-            .map_err(|error| Failure::Usage(anyhow!("--{error}")))?,
-        (None, Some(shift_std)) => ReadingNoise {
-            shift_std,
-            ..ReadingNoise::default()
-        },
+        (Some(pitch), _) => RollOptions::noise_of_pads(probe_radius, pitch).map_err(refused)?,
+        (None, Some(shift_std)) => {
+            RollOptions::noise_of_shifts(probe_radius, shift_std).map_err(refused)?
+        }
         (None, None) => base.noise,
     };
     let rotations = base.noise;

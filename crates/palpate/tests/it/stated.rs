@@ -1,0 +1,220 @@
+//! What users state of recorded readings and what they mistake: told in warnings, or refused.
+
+use serde_json::Value;
+
+use super::desk::Desk;
+
+const PRESS: &str = include_str!("../../../../examples/press-readings.csv");
+const ROLL: &str = include_str!("../../../../examples/roll-readings.csv");
+const GLIDE: &str = include_str!("../../../../examples/glide-readings.csv");
+const SENSOR: &str = "estimate press r.csv --sensor-radius 20 --depth 2";
+
+/// A table with the columns of these numbers multiplied.
+fn scaled(csv: &str, columns: &[usize], factor: f64) -> String {
+    let mut lines = csv.lines();
+    let mut text = format!("{}\n", lines.next().unwrap());
+    for line in lines {
+        let fields = line.split(',').enumerate().map(|(column, field)| {
+            let number: f64 = field.parse().unwrap();
+            let factor = if columns.contains(&column) {
+                factor
+            } else {
+                1.0
+            };
+            (number * factor).to_string()
+        });
+        text += &format!("{}\n", fields.collect::<Vec<_>>().join(","));
+    }
+    text
+}
+
+fn desk(readings: &str) -> Desk {
+    let desk = Desk::new();
+    desk.write("r.csv", readings);
+    desk
+}
+
+/// All that a command says: the warnings of its JSON, or its error.
+fn told(desk: &Desk, command: &str) -> String {
+    let ended = desk.palpate(command);
+    if ended.status == Some(0) {
+        let json: Value = serde_json::from_str(&ended.printed()).unwrap();
+        return json["warnings"].to_string();
+    }
+    ended.said(1)
+}
+
+#[test]
+fn stated_quantities_that_the_readings_contradict() {
+    let known = "--indentation-std 0.02";
+    for (options, words) in [
+        ("", "[]"),
+        (&*format!("--indentation 1.5 {known}"), "[]"),
+        ("--indentation 1.5", "without a standard deviation"),
+        (
+            "--indentation 1.5 --indentation-std 0",
+            "without a standard deviation",
+        ),
+        (
+            &format!("--indentation 1 {known}"),
+            "but the readings alone say 1.43 +- 0.0555 mm: they differ by 7.4",
+        ),
+        (&format!("--indentation 1.2 {known}"), "they differ by 4"),
+        (
+            &format!("--indentation 1.7 {known}"),
+            "the curvature is not to be trusted",
+        ),
+        ("--indentation 2", "the readings alone say"),
+        ("--indentation 3", "the readings alone say"),
+        ("--indentation 15", "the readings alone say"),
+        (
+            "--indentation 2 --indentation-std 1e-6",
+            "among them one of the contact itself (row 1, line 2)",
+        ),
+        ("--normal-std 0.01", "times the noise that is given"),
+        (
+            "--normal-std 0.5 --tangential-std 0.2",
+            "times the residuals: intervals are too wide",
+        ),
+    ] {
+        let said = told(&desk(PRESS), &format!("{SENSOR} {options}"));
+        assert!(said.contains(words), "{options}: {said}");
+    }
+    let roll = "estimate roll r.csv --probe-radius 10 --shift-std";
+    assert_eq!(
+        told(
+            &desk(ROLL),
+            "estimate roll r.csv --probe-radius 10 --pitch 0.5"
+        ),
+        "[]"
+    );
+    let said = told(&desk(ROLL), &format!("{roll} 1e-6"));
+    assert!(
+        said.contains("times what the noise that is given explains"),
+        "{said}"
+    );
+    let glide = "estimate glide r.csv --method two-pass --inter-finger-distance";
+    for (distance, words) in [
+        ("1000", "those of the readings are"),
+        ("0.01", "is the unit right?"),
+    ] {
+        let said = told(&desk(GLIDE), &format!("{glide} {distance}"));
+        assert!(said.contains(words), "{distance}: {said}");
+    }
+}
+
+#[test]
+fn mistakes_of_sign_and_unit() {
+    for (columns, factor, words) in [
+        (&[2][..], -1.0, "positive is inward: is the sign wrong?"),
+        (&[2, 3, 4], 50.0, "more than the sensor's radius, 20 mm"),
+        (
+            &[0, 1, 2, 3, 4],
+            1e-3,
+            "are the readings in m and the radius in mm?",
+        ),
+        (
+            &[2, 3, 4],
+            1e-3,
+            "are the displacements in m and the rest in mm?",
+        ),
+        (&[0, 1], 1e3, "beyond half the circumference"),
+    ] {
+        let said = told(&desk(&scaled(PRESS, columns, factor)), SENSOR);
+        assert!(said.contains(words), "{columns:?} {factor}: {said}");
+    }
+    for (columns, factor, words) in [
+        (&[1, 2][..], 57.296, "in degrees? the columns are in rad"),
+        (&[3, 4], 1e-3, "are the shifts in m and the radius in mm?"),
+        (&[3, 4], 1e3, "passes half way round the probe"),
+        (&[1, 2], 1e-3, "in a smaller unit than the radius?"),
+    ] {
+        let roll = "estimate roll r.csv --probe-radius 10";
+        let said = told(&desk(&scaled(ROLL, columns, factor)), roll);
+        assert!(said.contains(words), "{columns:?} {factor}: {said}");
+    }
+}
+
+#[test]
+fn arguments_have_the_bounds_of_configs() {
+    let roll = "estimate roll r.csv --probe-radius 10";
+    let glide = "estimate glide r.csv";
+    for (readings, command, words) in [
+        (
+            ROLL,
+            format!("{roll} --pitch 1e300"),
+            "--pitch is 1e300; it must be > 0 and at most the probe's radius, 10",
+        ),
+        (
+            ROLL,
+            format!("{roll} --pitch 11"),
+            "--pitch is 11; it must be > 0 and at most the probe's radius, 10",
+        ),
+        (
+            ROLL,
+            format!("{roll} --pitch 1e-15"),
+            "it must be at least 1e-15 of the probe's radius",
+        ),
+        (
+            ROLL,
+            format!("{roll} --shift-std 1e300"),
+            "--shift-std is 1e300; it must be at least 0 and at most the probe's radius, 10",
+        ),
+        (
+            ROLL,
+            format!("{roll} --rotation-std-rad 500"),
+            "must be from 0 to 3.14",
+        ),
+        (
+            ROLL,
+            format!("{roll} --relative-rotation-std 1e300"),
+            "must be from 0 to 1, is 1e300",
+        ),
+        (
+            GLIDE,
+            format!("{glide} --normal-std-deg 500"),
+            "must be > 0 and <= 90, is 500",
+        ),
+        (
+            PRESS,
+            format!("{SENSOR} --gain-std 1e300"),
+            "must be from 0 to 1e100, is 1e300",
+        ),
+        (
+            GLIDE,
+            format!("{glide} --outward 0,0,1"),
+            "--outward is of use only to readings without normals",
+        ),
+    ] {
+        let said = desk(readings).palpate(&command).said(2);
+        assert!(said.contains(words), "{command}: {said}");
+    }
+    let bare: String = GLIDE
+        .lines()
+        .map(|line| {
+            format!(
+                "{}\n",
+                line.split(',').take(4).collect::<Vec<_>>().join(",")
+            )
+        })
+        .collect();
+    desk(&bare)
+        .palpate("estimate glide r.csv --normal-std-deg 1")
+        .fails(
+            2,
+            "--normal-std-deg is of use only to readings with normals",
+        );
+}
+
+#[test]
+fn the_json_has_a_version() {
+    for (readings, command) in [
+        (PRESS, SENSOR),
+        (ROLL, "estimate roll r.csv --probe-radius 10"),
+        (GLIDE, "estimate glide r.csv"),
+    ] {
+        let printed = desk(readings).palpate(command).printed();
+        let json: Value = serde_json::from_str(&printed).unwrap();
+        assert_eq!(json["format_version"], 1, "{command}");
+    }
+}
