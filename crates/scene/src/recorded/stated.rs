@@ -13,8 +13,9 @@ pub const FORMAT_VERSION: u32 = 1;
 pub const INDENTATION_SHARE: f64 = 0.02;
 
 /// Standard deviations by which a stated indentation and the one that the readings tell may differ. Of indentations
-/// that are half a standard deviation off it warns of 2 %, of those that are 5 off it passes over 1 %.
-const APART: f64 = 2.5;
+/// that are half a standard deviation off it warns of 2 % to 4 %, of those that are 5 off it passes over at most 2 %,
+/// of those that are 7 off over none (500 presses of a half-space and of a layer).
+const APART: f64 = 2.4;
 
 /// Ratio of the residuals to the noise that is stated, or of that to them, past which the intervals are wrong.
 const LARGE_RESIDUALS: f64 = 1.5;
