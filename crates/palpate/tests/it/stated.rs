@@ -101,6 +101,22 @@ fn stated_quantities_that_the_readings_contradict() {
         let said = told(&desk(GLIDE), &format!("{glide} {distance}"));
         assert!(said.contains(words), "{distance}: {said}");
     }
+    let glide = "estimate glide r.csv --method quadric";
+    for (options, words) in [
+        ("--position-std 0.5 --normal-std-deg 2", "[]"),
+        (
+            "--position-std 5",
+            "the noise of positions is stated as 5 mm, but the contacts show 0.4",
+        ),
+        ("--position-std 0.01", "stated as 0.01 mm"),
+        (
+            "--normal-std-deg 20",
+            "the noise of normals is stated as 20 degrees, but the contacts show 1.9",
+        ),
+    ] {
+        let said = told(&desk(GLIDE), &format!("{glide} {options}"));
+        assert!(said.contains(words), "{options}: {said}");
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::Value;
 use super::glide::GlideReadings;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::sheet::{RecordedError, agreed_unit};
-use super::stated::{FORMAT_VERSION, rounded};
+use super::stated::{FORMAT_VERSION, LARGE_RESIDUALS, rounded};
 use crate::glide::AnyMethod;
 use palpate_study::Unit;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
@@ -127,7 +127,10 @@ pub fn estimate_glide(
             .iter()
             .map(|one| PatchRegion::of(one, unit))
             .collect(),
-        warnings: spacing(&patch, options, unit).into_iter().collect(),
+        warnings: spacing(&patch, options, unit)
+            .into_iter()
+            .chain(noise(&patch, options, unit))
+            .collect(),
     };
     let (points, regions) = if options.map_at_contacts {
         let contacts = recorded.contacts.iter().map(|contact| contact.position);
@@ -161,6 +164,48 @@ fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<St
             "the distance between fingers is stated as {stated} {unit}, but those of the readings are {found} {unit} apart: is the unit right?"
         )
     })
+}
+
+/// Warnings where the stated noise of contacts is not what the same method finds.
+fn noise(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Vec<String> {
+    let mut estimator = options.estimator.clone();
+    let (GlideEstimatorConfig::Penalised {
+        position_std,
+        normal_std_deg,
+        ..
+    }
+    | GlideEstimatorConfig::Quadric {
+        position_std,
+        normal_std_deg,
+    }) = &mut estimator
+    else {
+        return Vec::new();
+    };
+    let stated = [position_std.take(), normal_std_deg.take()];
+    if stated == [None; 2] {
+        return Vec::new();
+    }
+    let fit = AnyMethod::of(&estimator, None).fit(patch).ok();
+    let Some(found) = fit.and_then(|fit| fit.noise) else {
+        return Vec::new();
+    };
+    let found = [
+        Some(found.position_std),
+        found.normal_std_rad.map(f64::to_degrees),
+    ];
+    let names = [("positions", unit.as_str()), ("normals", "degrees")];
+    let both = stated.into_iter().zip(found).zip(names);
+    both.filter_map(|((stated, found), (what, unit))| {
+        let (stated, found) = stated.zip(found)?;
+        let near = found / LARGE_RESIDUALS..=found * LARGE_RESIDUALS;
+        let [stated_shown, found] = [stated, found].map(rounded).map(Number);
+        (!near.contains(&stated)).then(|| {
+            format!(
+                "the noise of {what} is stated as {stated_shown} {unit}, but the contacts show {found} {unit}"
+            )
+        })
+    })
+    .collect()
 }
 
 /// The error with the line of the contact that is at fault, if it is one.

@@ -18,7 +18,7 @@ pub const INDENTATION_SHARE: f64 = 0.02;
 const APART: f64 = 2.4;
 
 /// Ratio of the residuals to the noise that is stated, or of that to them, past which the intervals are wrong.
-const LARGE_RESIDUALS: f64 = 1.5;
+pub(super) const LARGE_RESIDUALS: f64 = 1.5;
 
 /// Least surplus of equations over unknowns at which residuals so much too small are no chance.
 const MANY: usize = 20;
