@@ -46,7 +46,10 @@ impl PressScene {
         };
         let body = SoftBody::of(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
         let noise = MarkerNoise::of(&config.noise, look.frames, places.len())?;
-        let contact = body.contact(&markers, &pressed);
+        let contact = body.contact(&markers, &pressed).and_then(|contact| {
+            let place = markers.skin().place(pressed.at);
+            markers.see(&place, contact.radius).map(|()| contact)
+        });
         let truth = contact
             .as_ref()
             .map_err(|error| *error)
@@ -96,7 +99,7 @@ impl PressScene {
             model: choice.model.clone(),
             ..config.clone()
         };
-        let mut needs = words::of_model(&choice, &pressed.object, markers.skin(), &contact);
+        let mut needs = words::of_model(&choice, &pressed, markers.skin(), &contact);
         needs.extend(words::of_readings(
             &noise,
             &sensor,
@@ -105,7 +108,7 @@ impl PressScene {
             resolved,
         ));
         needs.extend(words::of_estimator(resolved, &method));
-        Ok(Self {
+        let mut scene = Self {
             seed,
             truth,
             places,
@@ -119,7 +122,11 @@ impl PressScene {
             needs,
             markers,
             body,
-        })
+        };
+        if !method::is_of_model(&config.estimator, &config.model) {
+            scene.needs.extend(words::of_other_body(&scene));
+        }
+        Ok(scene)
     }
 }
 

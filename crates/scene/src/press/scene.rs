@@ -112,15 +112,23 @@ impl PressScene {
         fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
     }
 
-    /// Readings of the sensor: without noise, or in trial number `trial`.
-    pub(super) fn readings(&self, trial: Option<u64>) -> Result<MarkerReadings, PressFailure> {
+    /// Readings without error.
+    pub(super) fn exact(&self) -> Result<MarkerReadings, PressError> {
         let truth = self.truth.as_ref().map_err(|error| *error)?;
-        let mut readings = MarkerReadings {
+        Ok(MarkerReadings {
             tracked: None,
             normal: truth.markers.iter().map(|marker| marker.normal).collect(),
             tangential: truth.markers.iter().map(|one| one.tangential).collect(),
-            indentation: self.told_indentation(trial),
+            indentation: self.told_indentation(None),
             sight: None,
+        })
+    }
+
+    /// Readings of the sensor: without noise, or in trial number `trial`.
+    pub(super) fn readings(&self, trial: Option<u64>) -> Result<MarkerReadings, PressFailure> {
+        let mut readings = MarkerReadings {
+            indentation: self.told_indentation(trial),
+            ..self.exact()?
         };
         if let PressSensor::Camera(camera) = &self.sensor {
             let camera = camera.as_ref().map_err(|error| *error)?;
@@ -137,7 +145,10 @@ impl PressScene {
         self.estimate_from(&self.readings(trial)?)
     }
 
-    fn estimate_from(&self, readings: &MarkerReadings) -> Result<PressEstimate, PressFailure> {
+    pub(super) fn estimate_from(
+        &self,
+        readings: &MarkerReadings,
+    ) -> Result<PressEstimate, PressFailure> {
         let fit = self.method.fit.as_ref().map_err(|error| *error)?;
         let tracked = readings
             .tracked

@@ -1,12 +1,13 @@
 //! Words for the needs of a press.
 
+use palpate_number::Number;
 use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
 use palpate_press::{Contact, ContactRegime, PressError, Skin};
 
 use super::ladder::Choice;
-use super::pressed::TouchedObject;
+use super::pressed::Pressed;
 use super::readings::MarkerNoise;
-use super::scene::{PressMethod, PressSensor};
+use super::scene::{PressMethod, PressScene, PressSensor};
 use palpate_study::config::{
     Baseline, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown, NormalFrom,
     PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
@@ -16,7 +17,7 @@ use palpate_study::config::{
 /// The model, the regime of the contact, and what is doubtful about either.
 pub(super) fn of_model(
     choice: &Choice,
-    object: &TouchedObject,
+    pressed: &Pressed,
     skin: &Skin,
     contact: &Result<Contact<'_>, PressError>,
 ) -> Vec<String> {
@@ -35,7 +36,7 @@ pub(super) fn of_model(
     if choice.tolerance.is_some() {
         needs[0] += &format!(" ({})", choice.reason);
     }
-    let regime = ContactRegime::of(skin.curvature(), object.curvature);
+    let regime = ContactRegime::of(skin.curvature(), pressed.object.curvature);
     match contact {
         Ok(contact) => {
             let what = match regime {
@@ -54,6 +55,12 @@ pub(super) fn of_model(
                 is_layer,
             );
             needs.extend(large.map(|large| format!("warning: {large}")));
+            if pressed.shift.abs() > contact.radius {
+                let [shift, radius] = [pressed.shift, contact.radius].map(Number::rounded);
+                needs.push(format!(
+                    "warning: the shift of {shift} is more than the contact's radius, {radius}: strains are not small, and skin would slip"
+                ));
+            }
         }
         Err(error) => needs.push(format!(
             "warning: no press; every trial fails as `{}`: {error}",
@@ -61,6 +68,31 @@ pub(super) fn of_model(
         )),
     }
     needs
+}
+
+/// Share of the relative curvature by which an estimate without noise is far off.
+const FAR_OFF: f64 = 0.5;
+
+/// A warning where an estimator of another body than the model's is far off even without noise.
+pub(super) fn of_other_body(scene: &PressScene) -> Option<String> {
+    let skin = scene.markers.skin().curvature();
+    let object = scene.pressed.object.curvature;
+    match scene.estimate_from(&scene.exact().ok()?) {
+        Ok(estimate) => {
+            let told = estimate.relative_curvature.value;
+            let off = (told / (skin + object) - 1.0).abs();
+            (off > FAR_OFF).then(|| {
+                let [told, object] = [told - skin, object].map(Number::rounded);
+                format!(
+                    "warning: the estimator takes the sensor for another body than it is: even without noise it tells a curvature of {told} for {object}"
+                )
+            })
+        }
+        Err(error) => Some(format!(
+            "warning: the estimator takes the sensor for another body than it is: even without noise it fails as `{}`: {error}",
+            error.name()
+        )),
+    }
 }
 
 /// A warning where the contact is so wide that small-strain theory errs.
