@@ -34,14 +34,28 @@ fn desk(readings: &str) -> Desk {
     desk
 }
 
-/// All that a command says: the warnings of its JSON, or its error.
+/// The first contact of a table, with its normal turned round.
+fn inward(csv: &str) -> String {
+    let first: String = csv
+        .lines()
+        .take(2)
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let turned = scaled(&first, &[4, 5, 6], -1.0);
+    turned.lines().nth(1).unwrap().to_owned()
+}
+
+/// All that a command says: the warnings of its JSON, which standard error repeats, or its error.
 fn told(desk: &Desk, command: &str) -> String {
     let ended = desk.palpate(command);
-    if ended.status == Some(0) {
-        let json: Value = serde_json::from_str(&ended.printed()).unwrap();
-        return json["warnings"].to_string();
+    if ended.status != Some(0) {
+        return ended.said(1);
     }
-    ended.said(1)
+    let json: Value = serde_json::from_str(&ended.stdout).unwrap();
+    let warnings = json["warnings"].as_array().unwrap().iter();
+    let lines = warnings.map(|warning| format!("warning: {}\n", warning.as_str().unwrap()));
+    assert_eq!(ended.stderr, lines.collect::<String>());
+    json["warnings"].to_string()
 }
 
 #[test]
@@ -149,6 +163,19 @@ fn mistakes_of_sign_and_unit() {
         let said = told(&desk(&scaled(ROLL, columns, factor)), roll);
         assert!(said.contains(words), "{columns:?} {factor}: {said}");
     }
+    for (factor, words) in [
+        (57.296, "the normals have lengths of about 57.3, not 1"),
+        (-1.0, "the normals point to -z"),
+    ] {
+        let said = told(
+            &desk(&scaled(GLIDE, &[4, 5, 6], factor)),
+            "estimate glide r.csv",
+        );
+        assert!(said.contains(words), "{factor}: {said}");
+    }
+    let one_inward = GLIDE.replacen(GLIDE.lines().nth(1).unwrap(), &inward(GLIDE), 1);
+    let said = told(&desk(&one_inward), "estimate glide r.csv");
+    assert!(said.contains("does its normal point inward?"), "{said}");
 }
 
 #[test]
@@ -233,4 +260,115 @@ fn the_json_has_a_version() {
         let json: Value = serde_json::from_str(&printed).unwrap();
         assert_eq!(json["format_version"], 1, "{command}");
     }
+}
+
+/// Flags of a command that take a number, by its help.
+fn numeric_flags(command: &str) -> Vec<String> {
+    let help = Desk::new().palpate(&format!("{command} --help")).printed();
+    let flag = |line: &str| {
+        let (flag, rest) = line.trim().strip_prefix("--")?.split_once(" <")?;
+        let name = rest.split('>').next()?;
+        let is_number = matches!(
+            name,
+            "R" | "P"
+                | "S"
+                | "F"
+                | "N"
+                | "T"
+                | "D"
+                | "D,D,..."
+                | "Z"
+                | "E"
+                | "X"
+                | "I"
+                | "LENGTH"
+                | "X,Y,Z"
+        );
+        is_number.then(|| flag.to_owned())
+    };
+    help.lines().filter_map(flag).collect()
+}
+
+/// Settings without which a flag is of no use.
+fn needed(flag: &str) -> &'static str {
+    match flag {
+        "indentation-std" => "--indentation 1.5",
+        "thickness" => "--method bonded-layer",
+        "c" | "window" => "--method gaussian --indentation 1.5 --indentation-std 0.02",
+        "gaussian-threshold" => "--mean-threshold 1",
+        "mean-threshold" => "--gaussian-threshold 1",
+        "smoothing"
+        | "second-smoothing"
+        | "first-degree"
+        | "second-degree"
+        | "passes"
+        | "tangent-step"
+        | "weight"
+        | "inter-finger-distance" => "--method two-pass",
+        _ => "",
+    }
+}
+
+/// Whether a JSON has a standard deviation of 0 for a value that is not.
+fn claims_exactness(json: &Value) -> bool {
+    match json {
+        Value::Object(table) => {
+            table.get("std").and_then(Value::as_f64) == Some(0.0)
+                || table.values().any(claims_exactness)
+        }
+        Value::Array(items) => items.iter().any(claims_exactness),
+        _ => false,
+    }
+}
+
+#[test]
+fn every_number_has_bounds() {
+    let mut flags = 0;
+    for (readings, command, known) in [
+        (ROLL, "estimate roll", "r.csv --probe-radius 10"),
+        (GLIDE, "estimate glide", "r.csv --map m.csv"),
+        (
+            PRESS,
+            "estimate press",
+            "r.csv --sensor-radius 20 --depth 2",
+        ),
+        ("", "sensor track", "a.png b.png --out o"),
+        ("", "sensor calibrate", "a.png b.png --out c.toml"),
+    ] {
+        let desk = desk(readings);
+        for flag in numeric_flags(command) {
+            flags += 1;
+            for value in ["nan", "inf", "-1"] {
+                let said = desk.palpate(&format!("{command} --{flag} {value}")).said(2);
+                let is_named = said.contains(&format!("'{value}' for '--{flag} <"))
+                    || said.contains("unexpected argument '-1' found");
+                assert!(is_named, "{command} --{flag} {value}: {said}");
+            }
+            // The flag stands once, with its number.
+            let words: Vec<&str> = known.split(' ').collect();
+            let stands = words.iter().position(|word| *word == format!("--{flag}"));
+            let known: Vec<&str> = (0..words.len())
+                .filter(|&place| stands.is_none_or(|at| place != at && place != at + 1))
+                .map(|place| words[place])
+                .collect();
+            let huge = format!(
+                "{command} {} {} --{flag} 1e300",
+                known.join(" "),
+                needed(&flag)
+            );
+            let ended = desk.palpate(&huge);
+            if ended.status == Some(0) {
+                let json: Value = serde_json::from_str(&ended.stdout).unwrap();
+                assert!(!claims_exactness(&json), "{huge}: {json}");
+            } else {
+                let status = ended.status.unwrap();
+                let said = ended.said(status);
+                assert!(
+                    (1..=2).contains(&status) && said.len() < 1000,
+                    "{huge}: {said}"
+                );
+            }
+        }
+    }
+    assert!(flags > 50, "{flags}");
 }

@@ -9,7 +9,8 @@ use super::Value;
 use super::glide::GlideReadings;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::sheet::{RecordedError, agreed_unit};
-use super::stated::{FORMAT_VERSION, LARGE_RESIDUALS, rounded};
+use super::stated::{FORMAT_VERSION, LARGE_RESIDUALS};
+use super::suspicion::of_normals;
 use crate::glide::AnyMethod;
 use palpate_study::Unit;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
@@ -130,6 +131,7 @@ pub fn estimate_glide(
         warnings: spacing(&patch, options, unit)
             .into_iter()
             .chain(noise(&patch, options, unit))
+            .chain(of_normals(&recorded.contacts))
             .collect(),
     };
     let (points, regions) = if options.map_at_contacts {
@@ -158,7 +160,7 @@ fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<St
     let is_used = matches!(options.estimator, GlideEstimatorConfig::TwoPass { .. });
     let near = found / FAR_OFF..=found * FAR_OFF;
     (is_used && !near.contains(&stated)).then(|| {
-        let [stated, found] = [stated, found].map(rounded).map(Number);
+        let [stated, found] = [stated, found].map(Number::rounded);
         let unit = unit.as_str();
         format!(
             "the distance between fingers is stated as {stated} {unit}, but those of the readings are {found} {unit} apart: is the unit right?"
@@ -198,7 +200,7 @@ fn noise(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Vec<String>
     both.filter_map(|((stated, found), (what, unit))| {
         let (stated, found) = stated.zip(found)?;
         let near = found / LARGE_RESIDUALS..=found * LARGE_RESIDUALS;
-        let [stated_shown, found] = [stated, found].map(rounded).map(Number);
+        let [stated_shown, found] = [stated, found].map(Number::rounded);
         (!near.contains(&stated)).then(|| {
             format!(
                 "the noise of {what} is stated as {stated_shown} {unit}, but the contacts show {found} {unit}"
@@ -242,6 +244,9 @@ fn remedied(error: &Ep2Error) -> String {
             ..*bad
         }
         .to_string(),
+        Ep2Error::Folded { angle_deg, .. } if *angle_deg > 90.0 => {
+            format!("{error}: does its normal point inward?")
+        }
         Ep2Error::NoSide { .. } => format!("{error}; give another with --outward X,Y,Z"),
         _ => error.to_string(),
     }

@@ -91,13 +91,15 @@ pub fn estimate_press(
         .indentation
         .map(|value| stated::indentation(value, std, unit.as_str()));
     let indentation = stated.as_ref().map(|(indentation, _)| *indentation);
-    let contradiction =
-        indentation.and_then(|told| stated::contradiction(&alone, &reading, told, unit.as_str()));
-    let estimate = fit
-        .estimate(&Reading {
-            indentation,
-            ..reading
-        })
+    let estimate = fit.estimate(&Reading {
+        indentation,
+        ..reading
+    });
+    let contradiction = indentation.and_then(|told| {
+        let sound = Sound::of(&reading, estimate.as_ref().ok());
+        stated::contradiction(&alone, &sound.reading(), told, unit.as_str())
+    });
+    let estimate = estimate
         .map_err(|error| refused_for(recorded, options, &error, contradiction.as_deref()))?;
     let wrong_markers: Vec<Row> = estimate
         .wrong_markers
@@ -117,6 +119,7 @@ pub fn estimate_press(
         contradiction,
         stated.and_then(|(_, warning)| warning),
         left_out,
+        structure(recorded, &fit, &markers, &estimate, options),
     ]
     .into_iter()
     .flatten()
@@ -168,6 +171,44 @@ pub fn estimate_press(
     })
 }
 
+/// Readings without those that are wrong whatever the indentation is.
+struct Sound {
+    markers: Markers,
+    normal: Vec<f64>,
+    tangential: Option<Vec<[f64; 2]>>,
+}
+
+impl Sound {
+    /// The readings without the markers that an estimate leaves out away from its contact. Those that it leaves out near
+    /// the contact may be right, and the indentation that it was told wrong.
+    fn of(reading: &Reading<'_>, estimate: Option<&PressEstimate>) -> Self {
+        let markers = reading.markers;
+        let mut kept: Vec<usize> = (0..reading.normal.len()).collect();
+        if let Some(estimate) = estimate {
+            let distances = markers.distances(estimate.contact);
+            let near = 2.0 * estimate.contact_radius.value;
+            kept.retain(|marker| {
+                !estimate.wrong_markers.contains(marker) || distances[*marker] <= near
+            });
+        }
+        let tangential = reading.tangential;
+        Self {
+            markers: markers.subset(&kept),
+            normal: kept.iter().map(|&marker| reading.normal[marker]).collect(),
+            tangential: tangential.map(|all| kept.iter().map(|&marker| all[marker]).collect()),
+        }
+    }
+
+    fn reading(&self) -> Reading<'_> {
+        Reading {
+            markers: &self.markers,
+            normal: &self.normal,
+            tangential: self.tangential.as_deref(),
+            indentation: None,
+        }
+    }
+}
+
 /// The fits of one press.
 struct Fits {
     /// The one that is asked for.
@@ -213,6 +254,43 @@ fn suspicion(recorded: &PressReadings, options: &PressOptions, unit: LengthUnit)
         has_baseline: options.estimator.priors().baseline == Baseline::Known,
     };
     of_press(recorded, sensor, unit)
+}
+
+/// The warning of residuals that no noise has; a Gaussian is no body whose residuals would be noise alone.
+fn structure(
+    recorded: &PressReadings,
+    fit: &ForwardFit,
+    markers: &Markers,
+    estimate: &PressEstimate,
+    options: &PressOptions,
+) -> Option<String> {
+    if matches!(options.estimator, PressEstimatorConfig::Gaussian { .. }) {
+        return None;
+    }
+    let contact = fit
+        .body
+        .press(estimate.most_likely_curvature, estimate.indentation.value)
+        .ok()?;
+    let gain = estimate.gain.map_or(1.0, |gain| gain.value);
+    let baseline = estimate.baseline.map_or(0.0, |baseline| baseline.value);
+    let moved = markers.displacements(&contact, estimate.contact);
+    let residuals: Vec<f64> = recorded
+        .normal
+        .iter()
+        .zip(&moved)
+        .enumerate()
+        .map(
+            |(marker, (read, moved))| match estimate.wrong_markers.contains(&marker) {
+                true => 0.0,
+                false => read - (gain * moved.normal + baseline),
+            },
+        )
+        .collect();
+    let largest = recorded
+        .normal
+        .iter()
+        .fold(0.0, |most: f64, one| most.max(one.abs()));
+    stated::structure(&recorded.places, &residuals, largest)
 }
 
 /// The force and the highest pressure of the estimated press, where they are known.
@@ -277,6 +355,20 @@ fn warnings(
     large.into_iter().chain(residuals).chain(unexplained)
 }
 
+/// Whether a few displacements are many times the median one.
+fn stand_out(recorded: &PressReadings) -> bool {
+    const FEW: usize = 3;
+    const MANY_TIMES: f64 = 5.0;
+    let mut sizes: Vec<f64> = recorded.normal.iter().map(|one| one.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let middle = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+    sizes
+        .iter()
+        .rev()
+        .nth(FEW - 1)
+        .is_some_and(|&large| large > MANY_TIMES * middle)
+}
+
 /// The error in the words of the command line, with the line of the marker that is at fault, if it is one.
 fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError) -> RecordedError {
     refused_for(recorded, options, error, None)
@@ -291,9 +383,9 @@ fn refused_for(
     contradiction: Option<&str>,
 ) -> RecordedError {
     let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
-    let suspicion = match error {
-        PressError::BadSetting(_) => None,
-        _ => suspicion(recorded, options, unit),
+    let (suspicion, contradiction) = match error {
+        PressError::BadSetting(_) => (None, None),
+        _ => (suspicion(recorded, options, unit), contradiction),
     };
     let file = recorded.file.clone();
     let message = match error {
@@ -310,6 +402,11 @@ fn refused_for(
         }
         PressError::Undetermined { .. } if options.indentation.is_none() => {
             format!("{error}; give the indentation with --indentation D if it is known")
+        }
+        PressError::NoContact { .. } | PressError::OneMarker { .. } if stand_out(recorded) => {
+            format!(
+                "{error}; but some markers moved much more than the others: are the method, the thickness, the depth of the markers and the indentation those of the sensor?"
+            )
         }
         _ => error.to_string(),
     };

@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::RecordedFile;
 use super::Value;
 use super::sheet::{Column, RecordedError, Sheet, agreed_unit, header};
-use super::stated::{FORMAT_VERSION, rounded};
+use super::stated::FORMAT_VERSION;
 use super::suspicion::of_roll;
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 use palpate_study::{Table, Unit};
@@ -342,7 +342,7 @@ pub fn estimate_roll(
     let noise = (freedom > 0 && explained > 0.0 && residual > LARGE_RESIDUAL * explained).then(|| {
         format!(
             "the residuals are {} times what the noise that is given explains: standard deviations are too small",
-            Number(rounded(residual / explained))
+            Number::rounded(residual / explained)
         )
     });
     let value =

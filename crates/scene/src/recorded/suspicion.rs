@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Vector3;
 use palpate_ep1::ProbeReading;
+use palpate_ep2::Contact;
 use palpate_number::Number;
 use palpate_study::config::LengthUnit;
 
 use super::press::PressReadings;
-use super::stated::rounded;
 
 /// Share of the largest displacement from which on a displacement has a sign to speak of, and share of the markers
 /// with such that have it all.
@@ -47,7 +48,7 @@ pub(super) fn of_press(
         places.fold(0.0, |most: f64, [x, y]| most.max(libm::hypot(*x, *y))) * sensor.radial_scale;
     let moved = recorded.normal.iter();
     let largest = moved.fold(0.0, |most: f64, one| most.max(one.abs()));
-    let [shown, moved, sensor_radius] = [extent, largest, radius].map(rounded).map(Number);
+    let [shown, moved, sensor_radius] = [extent, largest, radius].map(Number::rounded);
     if extent > std::f64::consts::PI * radius {
         return Some(format!(
             "a marker lies {shown} {unit} from the apex, beyond half the circumference of a sensor of radius {sensor_radius} {unit}: are both in one unit?"
@@ -94,7 +95,7 @@ pub(super) fn of_roll(readings: &[ProbeReading], probe_radius: f64) -> Option<St
         .collect();
     ratios.sort_by(f64::total_cmp);
     let ratio = ratios.get(ratios.len() / 2).copied();
-    let times = |ratio: f64| Number(rounded(ratio));
+    let times = |ratio: f64| Number::rounded(ratio);
     match ratio {
         Some(ratio) if ratio > LARGER_UNIT => Some(format!(
             "the probe turned {} times as far as on a plane: are the shifts in m and the radius in mm?",
@@ -111,8 +112,34 @@ pub(super) fn of_roll(readings: &[ProbeReading], probe_radius: f64) -> Option<St
         _ => (most > TAU).then(|| {
             format!(
                 "a probe turned by {} rad, more than a whole turn: are the rotations in degrees? the columns are in rad",
-                Number(rounded(most))
+                Number::rounded(most)
             )
         }),
     }
+}
+
+/// Length by which a normal may differ from 1, of rounding or of a sensor's noise in its components.
+const LENGTH_OFF: f64 = 0.1;
+
+/// Mistakes that the normals of contacts look like.
+pub(super) fn of_normals(contacts: &[Contact]) -> impl Iterator<Item = String> {
+    let normals = || contacts.iter().filter_map(|contact| contact.normal);
+    let mut lengths: Vec<f64> = normals().map(|normal| normal.norm()).collect();
+    lengths.sort_by(f64::total_cmp);
+    let middle = lengths.get(lengths.len() / 2).copied();
+    let length = middle.filter(|length| (length - 1.0).abs() > LENGTH_OFF);
+    let length = length.map(|length| {
+        format!(
+            "the normals have lengths of about {}, not 1: are they unit vectors, and no angles?",
+            Number::rounded(length)
+        )
+    });
+    let mean: Vector3<f64> = normals()
+        .filter_map(|normal| normal.try_normalize(0.0))
+        .sum();
+    let is_down = mean.z < -0.5 * contacts.len() as f64;
+    let inward = is_down.then(|| {
+        "the normals point to -z, out of an object that is touched from below: do they point inward? then convex and concave are swapped".to_owned()
+    });
+    length.into_iter().chain(inward)
 }

@@ -20,6 +20,12 @@ or a time series per probe, whose last row counts,
 with rotations summed in the probe's contact frame (z out of the probe; a contact moving to +u has
 rotation_y < 0) and shifts as great-circle displacements on the probe from its first contact.
 
+The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
+standard error repeats, tell where the readings contradict what is stated: noise (or a pitch)
+that is too small for the residuals, rotations in degrees, shifts in another unit than the probe's radius. A few rolls
+do not tell noise that is too large, nor a radius that is wrong in the right unit: it errs the curvature by the error
+of 1/R.
+
 With --like STUDY.toml probe, noise and estimator are those of a study of kind roll, in the readings'
 unit; flags override them.
 
@@ -36,6 +42,11 @@ or without normals,
 
 The JSON tells the curvature in the middle of the patch and the regions of one shape class; --map
 writes the curvature all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
+
+The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
+standard error repeats, tell where the readings contradict what is stated: the noise of positions and
+of normals, by that of the same method where none is stated; the distance between fingers; normals that are not of
+length 1, or point to -z. Whether all normals point inward, and the unit of all lengths, the readings do not tell.
 
 With --like STUDY.toml the estimator, the distance between fingers and the thresholds are those of a
 study of kind glide, in the readings' unit; flags override them.
@@ -66,8 +77,15 @@ The JSON tells curvatures, radii and the indentation, each with its 95 % interva
 null: no bound); object_radius is negative for a dish and null for a plane, and has one interval of
 radii in case the object is convex and one in case it is concave, in which null is flat. `verdict`
 is what the interval leaves open: convex, concave, flat-within-noise or not-resolved.
-`wrong_markers` are the rows that contradict the others and were left out. `warnings` tell what is doubtful: a stated
-indentation or noise that the readings contradict, readings that look like another unit or sign.
+`wrong_markers` are the rows that contradict the others and were left out.
+
+The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
+standard error repeats, tell where the readings contradict what is stated: the indentation, by
+the one that they tell without it; the noise, by the residuals; the body, the depth of its markers and the sensor's
+radius, where the residuals of neighbouring markers go together; units and signs, where displacements and places would
+be absurd. The readings do not tell how exact a stated indentation is, nor Poisson's ratio, nor Young's modulus, nor an
+error of scale common to all lengths, and of the sensor's radius R they tell little: a wrong one errs the object's
+curvature by the error of 1/R.
 
 With --like STUDY.toml the sensor, the noise of its readings and the estimator are those of a study of
 kind press, in the readings' unit; flags override them. The indentation of the study's presses is not

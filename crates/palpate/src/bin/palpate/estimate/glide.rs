@@ -9,6 +9,7 @@ use palpate_scene::recorded::{
 use palpate_study::config::GlideEstimatorConfig;
 
 use super::like::like;
+use super::warned::warn;
 use crate::cli::EstimateGlideArgs;
 use crate::failure::Failure;
 use crate::output;
@@ -18,6 +19,7 @@ pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
     let readings = read_glide(&args.readings).map_err(Failure::work)?;
     let options = options(args, &readings)?;
     let (estimate, map) = estimate_glide(&readings, &options).map_err(Failure::work)?;
+    warn(&estimate)?;
     let json = output::json(&estimate)?;
     if let Some((dir, name)) = map_file {
         output::write_files(dir, &[(name, map.to_csv())])?;

@@ -4,6 +4,7 @@ use anyhow::anyhow;
 use palpate_scene::recorded::{ReadingNoise, RollOptions, estimate_roll, read_roll};
 
 use super::like::like;
+use super::warned::warn;
 use crate::cli::EstimateRollArgs;
 use crate::failure::Failure;
 use crate::output;
@@ -36,5 +37,6 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
         length_unit: args.length_unit.or(base.length_unit),
     };
     let estimate = estimate_roll(&readings, &options).map_err(Failure::work)?;
+    warn(&estimate)?;
     output::print(&output::json(&estimate)?)
 }
