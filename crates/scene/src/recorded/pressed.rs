@@ -113,6 +113,7 @@ pub fn estimate_press(
         &wrong_markers,
         &markers.distances(estimate.contact),
         estimate.contact_radius.value,
+        indentation.is_some(),
     );
     let warnings = [
         suspicion(recorded, options, unit),

@@ -13,9 +13,9 @@ pub const FORMAT_VERSION: u32 = 1;
 pub const INDENTATION_SHARE: f64 = 0.02;
 
 /// Standard deviations by which a stated indentation and the one that the readings tell may differ. Errors that are
-/// normally distributed pass it in 2.7 % of indentations that are half a standard deviation off, and keep below it in
-/// 0.5 % of those that are 5 off; the fitted one is less exact where it is too large, which makes that up to 4.5 % and 2 %.
-const APART: f64 = 2.45;
+/// normally distributed pass it in 2.4 % of indentations that are half a standard deviation off, and keep below it in
+/// 0.6 % of those that are 5 off; the fitted one is less exact where it is too large, which makes that up to 4.5 % and 2 %.
+const APART: f64 = 2.5;
 
 /// Ratio of the residuals to the noise that is stated, or of that to them, past which the intervals are wrong.
 pub(super) const LARGE_RESIDUALS: f64 = 1.5;
@@ -67,8 +67,19 @@ fn unchecked(error: &PressError) -> String {
     format!("the readings alone tell no indentation, so the stated one cannot be checked: {error}")
 }
 
-/// The warning of markers that were left out as wrong; `distances` are those of all markers from the contact.
-pub(super) fn left_out(wrong: &[Row], distances: &[f64], contact_radius: f64) -> Option<String> {
+/// The warning of markers that were left out as wrong; `distances` are those of all markers from the contact, and
+/// `is_told` says whether an indentation is stated.
+pub(super) fn left_out(
+    wrong: &[Row],
+    distances: &[f64],
+    contact_radius: f64,
+    is_told: bool,
+) -> Option<String> {
+    let stated = if is_told {
+        "the indentation or the sensor"
+    } else {
+        "the sensor"
+    };
     if wrong.is_empty() {
         return None;
     }
@@ -86,7 +97,7 @@ pub(super) fn left_out(wrong: &[Row], distances: &[f64], contact_radius: f64) ->
                 .line
                 .map_or(String::new(), |line| format!(", line {line}"));
             format!(
-                "{left}, among them one of the contact itself (row {}{line}): what is stated of the press or the sensor may be wrong instead",
+                "{left}, among them one of the contact itself (row {}{line}): what is stated of {stated} may be wrong instead",
                 row.row
             )
         }
