@@ -88,19 +88,6 @@ pub(crate) fn thickness(estimator: &PressEstimatorConfig, model: &PressModelConf
     }
 }
 
-/// Whether an estimator takes the sensor for the body that it is by the model.
-pub(super) fn is_of_model(estimator: &PressEstimatorConfig, model: &PressModelConfig) -> bool {
-    match *estimator {
-        PressEstimatorConfig::HalfSpace { poisson, .. } => {
-            model.thickness().is_none() && poisson.is_none_or(|poisson| poisson == model.poisson())
-        }
-        PressEstimatorConfig::BondedLayer { .. } => {
-            thickness(estimator, model) == model.thickness()
-        }
-        PressEstimatorConfig::Gaussian { .. } => false,
-    }
-}
-
 /// Body of a model that is named, with a layer made by `layer`.
 pub(crate) fn body_of(
     model: &PressModelConfig,

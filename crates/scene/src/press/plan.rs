@@ -108,7 +108,7 @@ impl PressScene {
             resolved,
         ));
         needs.extend(words::of_estimator(resolved, &method));
-        let mut scene = Self {
+        Ok(Self {
             seed,
             truth,
             places,
@@ -122,11 +122,7 @@ impl PressScene {
             needs,
             markers,
             body,
-        };
-        if !method::is_of_model(&config.estimator, &config.model) {
-            scene.needs.extend(words::of_other_body(&scene));
-        }
-        Ok(scene)
+        })
     }
 }
 

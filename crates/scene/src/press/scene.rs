@@ -1,6 +1,6 @@
 //! A press that is ready to run, and its trials.
 
-use palpate_number::BadSetting;
+use palpate_number::{BadSetting, Number};
 use palpate_press::{
     Bounds, Estimated, ForwardFit, MarkerDisplacement, Markers, Measured, PressError,
     PressEstimate, Reading,
@@ -112,23 +112,15 @@ impl PressScene {
         fit.map_or([None; 2], |fit| [fit.normal_std, fit.tangential_std])
     }
 
-    /// Readings without error.
-    pub(super) fn exact(&self) -> Result<MarkerReadings, PressError> {
+    /// Readings of the sensor: without noise, or in trial number `trial`.
+    pub(super) fn readings(&self, trial: Option<u64>) -> Result<MarkerReadings, PressFailure> {
         let truth = self.truth.as_ref().map_err(|error| *error)?;
-        Ok(MarkerReadings {
+        let mut readings = MarkerReadings {
             tracked: None,
             normal: truth.markers.iter().map(|marker| marker.normal).collect(),
             tangential: truth.markers.iter().map(|one| one.tangential).collect(),
-            indentation: self.told_indentation(None),
-            sight: None,
-        })
-    }
-
-    /// Readings of the sensor: without noise, or in trial number `trial`.
-    pub(super) fn readings(&self, trial: Option<u64>) -> Result<MarkerReadings, PressFailure> {
-        let mut readings = MarkerReadings {
             indentation: self.told_indentation(trial),
-            ..self.exact()?
+            sight: None,
         };
         if let PressSensor::Camera(camera) = &self.sensor {
             let camera = camera.as_ref().map_err(|error| *error)?;
@@ -145,10 +137,7 @@ impl PressScene {
         self.estimate_from(&self.readings(trial)?)
     }
 
-    pub(super) fn estimate_from(
-        &self,
-        readings: &MarkerReadings,
-    ) -> Result<PressEstimate, PressFailure> {
+    fn estimate_from(&self, readings: &MarkerReadings) -> Result<PressEstimate, PressFailure> {
         let fit = self.method.fit.as_ref().map_err(|error| *error)?;
         let tracked = readings
             .tracked
@@ -337,12 +326,14 @@ impl Trials for PressScene {
 
     fn needs(&self) -> Vec<String> {
         let mut needs = self.needs.clone();
-        if let (Ok(_), Err(error)) = (&self.truth, self.estimate(None)) {
-            needs.push(format!(
+        let estimate = self.truth.is_ok().then(|| self.estimate(None));
+        needs.extend(estimate.and_then(|estimate| match estimate {
+            Ok(estimate) => far_off(&estimate, self.pressed.object.curvature),
+            Err(error) => Some(format!(
                 "warning: even without noise the estimate fails as `{}`: {error}",
                 error.name()
-            ));
-        }
+            )),
+        }));
         needs
     }
 
@@ -374,4 +365,19 @@ fn outcome(estimated: &Estimated, truth: f64) -> Outcome {
 
 fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
+}
+
+/// Share of the relative curvature by which an estimate without noise is far off.
+const FAR_OFF: f64 = 0.5;
+
+/// A warning where an estimate without noise is far off the object's curvature.
+fn far_off(estimate: &PressEstimate, object: f64) -> Option<String> {
+    let told = estimate.object_curvature().value;
+    let truth = estimate.sensor_curvature + object;
+    ((told - object).abs() > FAR_OFF * truth).then(|| {
+        let [told, object] = [told, object].map(Number::rounded);
+        format!(
+            "warning: even without noise the estimated curvature is {told}, where it is {object}: is the sensor the body that the estimator takes it for?"
+        )
+    })
 }

@@ -7,7 +7,7 @@ use palpate_press::{Contact, ContactRegime, PressError, Skin};
 use super::ladder::Choice;
 use super::pressed::Pressed;
 use super::readings::MarkerNoise;
-use super::scene::{PressMethod, PressScene, PressSensor};
+use super::scene::{PressMethod, PressSensor};
 use palpate_study::config::{
     Baseline, CentroidNoise, HueNoise, Indentation, LostMarkers, NoiseKnown, NormalFrom,
     PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressNoiseConfig,
@@ -68,31 +68,6 @@ pub(super) fn of_model(
         )),
     }
     needs
-}
-
-/// Share of the relative curvature by which an estimate without noise is far off.
-const FAR_OFF: f64 = 0.5;
-
-/// A warning where an estimator of another body than the model's is far off even without noise.
-pub(super) fn of_other_body(scene: &PressScene) -> Option<String> {
-    let skin = scene.markers.skin().curvature();
-    let object = scene.pressed.object.curvature;
-    match scene.estimate_from(&scene.exact().ok()?) {
-        Ok(estimate) => {
-            let told = estimate.relative_curvature.value;
-            let off = (told / (skin + object) - 1.0).abs();
-            (off > FAR_OFF).then(|| {
-                let [told, object] = [told - skin, object].map(Number::rounded);
-                format!(
-                    "warning: the estimator takes the sensor for another body than it is: even without noise it tells a curvature of {told} for {object}"
-                )
-            })
-        }
-        Err(error) => Some(format!(
-            "warning: the estimator takes the sensor for another body than it is: even without noise it fails as `{}`: {error}",
-            error.name()
-        )),
-    }
 }
 
 /// A warning where the contact is so wide that small-strain theory errs.

@@ -341,11 +341,17 @@ fn presses_that_tell_nothing_are_told() {
     let layer = "model = { kind = \"bonded-layer\", thickness = 2.0 }\n";
     let half_space = "estimator = { kind = \"half-space\", indentation = \"fitted\" }\n";
     let same = "estimator = { kind = \"bonded-layer\", indentation = \"fitted\" }\n";
-    let other = "for another body than it is: even without noise it";
+    let other = "warning: even without noise the estimate";
     let told = needs(&moved("", &format!("{layer}{half_space}")));
     assert!(told.contains(other), "{told}");
     assert!(!needs(&moved("", &format!("{layer}{same}"))).contains(other));
     assert!(!needs(&moved("", half_space)).contains(other));
+    let gaussian = "estimator = { kind = \"gaussian\", c = 10.0, indentation = \"known\" }\n";
+    let told = needs(&moved("", gaussian));
+    assert!(
+        told.contains("even without noise the estimated curvature is"),
+        "{told}"
+    );
 }
 
 #[test]
