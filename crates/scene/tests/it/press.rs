@@ -338,7 +338,7 @@ fn presses_that_tell_nothing_are_told() {
     assert!(needs(&moved(", shift = 5", "")).contains(slips));
     assert!(!needs(&moved(", shift = 4", "")).contains("strains are not small"));
 
-    let layer = "model = { kind = \"bonded-layer\", thickness = 2.0 }\n";
+    let layer = "model = { kind = \"bonded-layer\", thickness = 3.0 }\n";
     let half_space = "estimator = { kind = \"half-space\", indentation = \"fitted\" }\n";
     let same = "estimator = { kind = \"bonded-layer\", indentation = \"fitted\" }\n";
     let other = "warning: even without noise the estimate";
