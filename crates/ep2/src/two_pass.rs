@@ -232,7 +232,7 @@ impl TwoPass {
         degree("second_degree", self.second_degree, bent)?;
         let positive = |setting, value: f64| {
             let is_good = value > 0.0 && value <= LARGEST;
-            Ep2Error::unless_good(setting, value, is_good, "finite and > 0")
+            Ep2Error::unless_good(setting, value, is_good, "> 0 and at most 1e150")
         };
         positive("weight", self.weight)?;
         positive("tangent_step", self.tangent_step)?;

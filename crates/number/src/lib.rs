@@ -16,6 +16,14 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Number(pub f64);
 
+impl Number {
+    /// The nearest number of three digits.
+    #[must_use]
+    pub fn rounded(number: f64) -> Self {
+        Self(format!("{number:.2e}").parse().unwrap_or(number))
+    }
+}
+
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let number = self.0 + 0.0;
@@ -87,6 +95,8 @@ mod tests {
             odd.map(|odd| Number(odd).to_string()),
             ["NaN", "inf", "-inf"]
         );
+        let shown = [2.0 / 3.0, 123_456.0, -1e-9].map(|number| Number::rounded(number).to_string());
+        assert_eq!(shown, ["0.667", "123000", "-1e-9"]);
         let shown = [1.0 / 3.0, 1e-9, 1e40 / 3.0].map(|number| format!("{:.2}", Number(number)));
         assert_eq!(shown, ["0.33", "0.00", "3.33e39"]);
     }

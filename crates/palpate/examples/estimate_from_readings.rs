@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     let readings = parse_roll(palpate::readings("rolls", HEADER, &rolls))?;
     let options = RollOptions {
-        noise: RollOptions::noise_of_pads(0.1),
+        noise: RollOptions::noise_of_pads(10.0, 0.1)?,
         ..RollOptions::new(10.0)
     };
     let estimate = estimate_roll(&readings, &options)?;

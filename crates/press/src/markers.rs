@@ -1,5 +1,7 @@
 //! Markers under the skin, and what a press does to them.
 
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use nalgebra::{Vector2, Vector3};
 
 use crate::shear::stuck_shift;
@@ -143,6 +145,17 @@ impl Markers {
         self.places.iter().map(moved).collect()
     }
 
+    /// Refuses a contact of this radius that has no marker within twice its radius and is not surrounded by markers of
+    /// its hemisphere.
+    ///
+    /// # Errors
+    /// [`PressError::OffMarkers`].
+    pub fn see(&self, contact: &Place, contact_radius: f64) -> Result<(), PressError> {
+        let places = self.places.iter();
+        let sights: Vec<Sight> = places.map(|place| self.sight(contact, place)).collect();
+        see(&sights, contact_radius, FRAC_PI_2 * self.skin.radius())
+    }
+
     pub(crate) fn sight(&self, contact: &Place, marker: &Place) -> Sight {
         let (from, to) = (contact.direction.as_ref(), marker.direction.as_ref());
         // The chord keeps its digits where the angle's cosine does not: 1 − cos = chord²/2.
@@ -166,4 +179,31 @@ impl Markers {
             outward: unit(chord - to * half_square, marker),
         }
     }
+}
+
+/// Refuses a contact of this radius, from which markers are seen so, that has no marker within twice its radius and is
+/// not surrounded by markers up to `around` away.
+pub(crate) fn see(sights: &[Sight], contact_radius: f64, around: f64) -> Result<(), PressError> {
+    let distances = sights.iter().map(|sight| sight.distance);
+    let nearest = distances.fold(f64::INFINITY, f64::min);
+    let near = sights.iter().filter(|sight| sight.distance < around);
+    if nearest <= 2.0 * contact_radius || are_around(near) {
+        Ok(())
+    } else {
+        Err(PressError::OffMarkers { distance: nearest })
+    }
+}
+
+/// Whether bearings leave no gap of more than half a turn.
+fn are_around<'a>(sights: impl Iterator<Item = &'a Sight>) -> bool {
+    let mut bearings: Vec<f64> = sights
+        .map(|sight| libm::atan2(sight.bearing.y, sight.bearing.x))
+        .collect();
+    bearings.sort_by(f64::total_cmp);
+    let Some(&first) = bearings.first() else {
+        return false;
+    };
+    bearings.push(first + TAU);
+    let is_gap = |pair: &[f64]| pair[1] - pair[0] > PI + 1e-6;
+    !bearings.windows(2).any(is_gap)
 }

@@ -16,6 +16,8 @@ mod roll;
 mod sensed;
 mod sheet;
 mod shown;
+mod stated;
+mod suspicion;
 mod tracked;
 
 pub use calibration::{
@@ -43,6 +45,7 @@ pub use roll::{
 pub use sensed::{Sensed, SensorOptions, TrackedPress};
 pub use sheet::RecordedError;
 pub use shown::{KnownOfFrames, calibration_points_of_frames};
+pub use stated::{FORMAT_VERSION, INDENTATION_SHARE};
 pub use tracked::{Fates, Frame, TrackedFrames, difference_image, track_frames};
 
 use serde::Serialize;

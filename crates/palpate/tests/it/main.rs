@@ -22,4 +22,5 @@ mod refused;
 mod report;
 mod run;
 mod sensor;
+mod stated;
 mod trace;

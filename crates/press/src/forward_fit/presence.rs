@@ -1,11 +1,9 @@
 //! Whether there is a contact to be seen at all.
 
-use std::f64::consts::{PI, TAU};
-
 use super::problem::{Problem, State};
 use super::settings::Prior;
 use crate::PressError;
-use crate::markers::Sight;
+use crate::markers::see;
 
 /// Least improvement of chi-squared by a contact, against none, that counts as one.
 const SEEN: f64 = 16.0;
@@ -71,28 +69,6 @@ fn resting(problem: &Problem<'_>) -> f64 {
 /// # Errors
 /// [`PressError::OffMarkers`].
 pub(super) fn on_markers(problem: &Problem<'_>, state: &State) -> Result<(), PressError> {
-    let near = 2.0 * problem.contact(state)?.radius;
-    let sights = problem.sights(&state.place);
-    let distances = sights.iter().map(|sight| sight.distance);
-    let nearest = distances.fold(f64::INFINITY, f64::min);
-    if nearest <= near || are_around(&sights) {
-        Ok(())
-    } else {
-        Err(PressError::OffMarkers { distance: nearest })
-    }
-}
-
-/// Whether bearings leave no gap of more than half a turn.
-fn are_around(sights: &[Sight]) -> bool {
-    let mut bearings: Vec<f64> = sights
-        .iter()
-        .map(|sight| libm::atan2(sight.bearing.y, sight.bearing.x))
-        .collect();
-    bearings.sort_by(f64::total_cmp);
-    let Some(&first) = bearings.first() else {
-        return false;
-    };
-    bearings.push(first + TAU);
-    let is_gap = |pair: &[f64]| pair[1] - pair[0] > PI + 1e-6;
-    !bearings.windows(2).any(is_gap)
+    let contact_radius = problem.contact(state)?.radius;
+    see(&problem.sights(&state.place), contact_radius, f64::INFINITY)
 }

@@ -65,7 +65,8 @@ impl ForwardFit {
     pub(super) fn validate(&self, reading: &Reading<'_>) -> Result<(), PressError> {
         let at_least_0 = |setting, value: f64| {
             let good = (0.0..=1e100).contains(&value);
-            PressError::unless_good(setting, value, good, "finite and at least 0").map(|_| ())
+            PressError::unless_good(setting, value, good, "at least 0 and at most 1e100")
+                .map(|_| ())
         };
         for (setting, std) in [
             ("normal_std", self.normal_std),
@@ -80,7 +81,7 @@ impl ForwardFit {
         for (setting, prior) in [("baseline_std", self.baseline), ("gain_std", self.gain)] {
             if let Prior::Within(std) = prior {
                 let good = std > 0.0 && std <= 1e100;
-                PressError::unless_good(setting, std, good, "finite and > 0")?;
+                PressError::unless_good(setting, std, good, "> 0 and at most 1e100")?;
             }
         }
         if let Some(window) = self.window {

@@ -46,7 +46,10 @@ impl PressScene {
         };
         let body = SoftBody::of(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
         let noise = MarkerNoise::of(&config.noise, look.frames, places.len())?;
-        let contact = body.contact(&markers, &pressed);
+        let contact = body.contact(&markers, &pressed).and_then(|contact| {
+            let place = markers.skin().place(pressed.at);
+            markers.see(&place, contact.radius).map(|()| contact)
+        });
         let truth = true_press(&body, &markers, &pressed, &contact);
         let sensor = match look.camera {
             None => PressSensor::Direct,
@@ -89,7 +92,7 @@ impl PressScene {
             ..config.clone()
         };
         let needs = [
-            words::of_model(&choice, &pressed.object, markers.skin(), &contact),
+            words::of_model(&choice, &pressed, markers.skin(), &contact),
             words::of_readings(&noise, &sensor, look.tangential, places.len(), resolved),
             words::of_estimator(resolved, &method),
         ];

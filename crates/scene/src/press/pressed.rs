@@ -51,6 +51,12 @@ impl Pressed {
         motion: &PressMotionConfig,
         radius: f64,
     ) -> Result<Self, PlanError> {
+        if motion.shift.abs() >= radius {
+            let [radius, shift] = [radius, motion.shift].map(Number);
+            let message =
+                format!("must be less than the sensor's radius {radius}, either way, is {shift}");
+            return Err(PlanError::at("scene.motion.shift", message));
+        }
         Ok(Self {
             object: TouchedObject::of(object),
             indentation: motion.indentation,

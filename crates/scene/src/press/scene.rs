@@ -1,6 +1,6 @@
 //! A press that is ready to run, and its trials.
 
-use palpate_number::BadSetting;
+use palpate_number::{BadSetting, Number};
 use palpate_press::{
     Bounds, Estimated, ForwardFit, MarkerDisplacement, Markers, Measured, PressError,
     PressEstimate, Reading,
@@ -326,12 +326,14 @@ impl Trials for PressScene {
 
     fn needs(&self) -> Vec<String> {
         let mut needs = self.needs.clone();
-        if let (Ok(_), Err(error)) = (&self.truth, self.estimate(None)) {
-            needs.push(format!(
+        let estimate = self.truth.is_ok().then(|| self.estimate(None));
+        needs.extend(estimate.and_then(|estimate| match estimate {
+            Ok(estimate) => far_off(&estimate, self.pressed.object.curvature),
+            Err(error) => Some(format!(
                 "warning: even without noise the estimate fails as `{}`: {error}",
                 error.name()
-            ));
-        }
+            )),
+        }));
         needs
     }
 
@@ -363,4 +365,19 @@ fn outcome(estimated: &Estimated, truth: f64) -> Outcome {
 
 fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
+}
+
+/// Share of the relative curvature by which an estimate without noise is far off.
+const FAR_OFF: f64 = 0.5;
+
+/// A warning where an estimate without noise is far off the object's curvature.
+fn far_off(estimate: &PressEstimate, object: f64) -> Option<String> {
+    let told = estimate.object_curvature().value;
+    let truth = estimate.sensor_curvature + object;
+    ((told - object).abs() > FAR_OFF * truth).then(|| {
+        let [told, object] = [told, object].map(Number::rounded);
+        format!(
+            "warning: even without noise the estimated curvature is {told}, where it is {object}: is the sensor the body that the estimator takes it for?"
+        )
+    })
 }

@@ -1,11 +1,12 @@
 //! Words for the needs of a press.
 
+use palpate_number::Number;
 use palpate_press::hertz::{LARGE_CONTACT, sneddon_indentation};
 use palpate_press::{Contact, ContactRegime, PressError, Skin};
 
 use super::ladder::Choice;
 use super::method::assumed_body;
-use super::pressed::TouchedObject;
+use super::pressed::Pressed;
 use super::readings::MarkerNoise;
 use super::scene::{PressMethod, PressSensor};
 use palpate_study::config::{
@@ -17,7 +18,7 @@ use palpate_study::config::{
 /// The model, the regime of the contact, and what is doubtful about either.
 pub(super) fn of_model(
     choice: &Choice,
-    object: &TouchedObject,
+    pressed: &Pressed,
     skin: &Skin,
     contact: &Result<Contact<'_>, PressError>,
 ) -> Vec<String> {
@@ -36,7 +37,7 @@ pub(super) fn of_model(
     if choice.tolerance.is_some() {
         needs[0] += &format!(" ({})", choice.reason);
     }
-    let regime = ContactRegime::of(skin.curvature(), object.curvature);
+    let regime = ContactRegime::of(skin.curvature(), pressed.object.curvature);
     match contact {
         Ok(contact) => {
             let what = match regime {
@@ -55,6 +56,12 @@ pub(super) fn of_model(
                 is_layer,
             );
             needs.extend(large.map(|large| format!("warning: {large}")));
+            if pressed.shift.abs() > contact.radius {
+                let [shift, radius] = [pressed.shift, contact.radius].map(Number::rounded);
+                needs.push(format!(
+                    "warning: the shift of {shift} is more than the contact's radius, {radius}: strains are not small, and skin would slip"
+                ));
+            }
         }
         Err(error) => needs.push(format!(
             "warning: no press; every trial fails as `{}`: {error}",

@@ -37,6 +37,11 @@ pub struct GlideReadings {
 }
 
 impl GlideReadings {
+    /// Whether the contacts have normals.
+    pub fn has_normals(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.normal.is_some())
+    }
+
     /// The unit of lengths that the header states.
     pub fn unit(&self) -> Option<LengthUnit> {
         self.unit

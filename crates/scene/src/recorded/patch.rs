@@ -3,12 +3,14 @@
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{Curvature, Ep2Error, Fit, Method, Patch, Status, Uncertainty, regions};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
-use palpate_number::BadSetting;
+use palpate_number::{BadSetting, Number};
 
 use super::Value;
 use super::glide::GlideReadings;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::sheet::{RecordedError, agreed_unit};
+use super::stated::{FORMAT_VERSION, LARGE_RESIDUALS};
+use super::suspicion::of_normals;
 use crate::glide::AnyMethod;
 use palpate_study::Unit;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
@@ -77,6 +79,7 @@ pub fn estimate_glide(
     let stds = curvature.uncertainty;
     let [min_std, max_std] = principal_stds(&curvature);
     let estimate = GlideEstimate {
+        format_version: FORMAT_VERSION,
         method: options.estimator.name(),
         contacts: recorded.contacts.len(),
         fingers: recorded.fingers,
@@ -125,6 +128,11 @@ pub fn estimate_glide(
             .iter()
             .map(|one| PatchRegion::of(one, unit))
             .collect(),
+        warnings: spacing(&patch, options, unit)
+            .into_iter()
+            .chain(noise(&patch, options, unit))
+            .chain(of_normals(&recorded.contacts))
+            .collect(),
     };
     let (points, regions) = if options.map_at_contacts {
         let contacts = recorded.contacts.iter().map(|contact| contact.position);
@@ -140,6 +148,66 @@ pub fn estimate_glide(
         unit,
     };
     Ok((estimate, map))
+}
+
+/// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.
+const FAR_OFF: f64 = 3.0;
+
+/// The warning where the fingers of the readings are not as far apart as is stated.
+fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {
+    let stated = options.inter_finger_distance?;
+    let found = patch.finger_distance? * patch.frame.scale();
+    let is_used = matches!(options.estimator, GlideEstimatorConfig::TwoPass { .. });
+    let near = found / FAR_OFF..=found * FAR_OFF;
+    (is_used && !near.contains(&stated)).then(|| {
+        let [stated, found] = [stated, found].map(Number::rounded);
+        let unit = unit.as_str();
+        format!(
+            "the distance between fingers is stated as {stated} {unit}, but those of the readings are {found} {unit} apart: is the unit right?"
+        )
+    })
+}
+
+/// Warnings where the stated noise of contacts is not what the same method finds.
+fn noise(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Vec<String> {
+    let mut estimator = options.estimator.clone();
+    let (GlideEstimatorConfig::Penalised {
+        position_std,
+        normal_std_deg,
+        ..
+    }
+    | GlideEstimatorConfig::Quadric {
+        position_std,
+        normal_std_deg,
+    }) = &mut estimator
+    else {
+        return Vec::new();
+    };
+    let stated = [position_std.take(), normal_std_deg.take()];
+    if stated == [None; 2] {
+        return Vec::new();
+    }
+    let fit = AnyMethod::of(&estimator, None).fit(patch).ok();
+    let Some(found) = fit.and_then(|fit| fit.noise) else {
+        return Vec::new();
+    };
+    let found = [
+        Some(found.position_std),
+        found.normal_std_rad.map(f64::to_degrees),
+    ];
+    let names = [("positions", unit.as_str()), ("normals", "degrees")];
+    let both = stated.into_iter().zip(found).zip(names);
+    both.filter_map(|((stated, found), (what, unit))| {
+        let (stated, found) = stated.zip(found)?;
+        let near = found / LARGE_RESIDUALS..=found * LARGE_RESIDUALS;
+        let [stated_shown, found] = [stated, found].map(Number::rounded);
+        (!near.contains(&stated)).then(|| {
+            format!(
+                "the noise of {what} is stated as {stated_shown} {unit}, but the contacts show {found} {unit}"
+            )
+        })
+    })
+    .collect()
 }
 
 /// The error with the line of the contact that is at fault, if it is one.
@@ -176,6 +244,9 @@ fn remedied(error: &Ep2Error) -> String {
             ..*bad
         }
         .to_string(),
+        Ep2Error::Folded { angle_deg, .. } if *angle_deg > 90.0 => {
+            format!("{error}: does its normal point inward?")
+        }
         Ep2Error::NoSide { .. } => format!("{error}; give another with --outward X,Y,Z"),
         _ => error.to_string(),
     }

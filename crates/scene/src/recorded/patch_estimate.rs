@@ -49,6 +49,8 @@ pub struct PatchRegion {
 /// Output of `estimate glide`. Curvature, class and directions are those of the patch's middle.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GlideEstimate {
+    /// Version of this format, [`FORMAT_VERSION`](super::FORMAT_VERSION).
+    pub(super) format_version: u32,
     pub(super) method: &'static str,
     pub(super) contacts: usize,
     pub(super) fingers: usize,
@@ -84,6 +86,8 @@ pub struct GlideEstimate {
     pub(super) grid: usize,
     /// The map's parts of one class, the largest first.
     pub(super) regions: Vec<PatchRegion>,
+    /// Doubts, in words.
+    pub(super) warnings: Vec<String>,
 }
 
 /// The estimated curvature on a grid over the patch, or at the contacts.

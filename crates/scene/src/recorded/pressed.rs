@@ -2,17 +2,19 @@
 
 use palpate_number::{BadSetting, Number};
 use palpate_press::{
-    Body, ContactRegime, Estimated, ForwardFit, Markers, Measured, PressError, PressEstimate,
-    Reading, Skin,
+    Body, ContactRegime, Estimated, ForwardFit, Markers, PressError, PressEstimate, Prior, Reading,
+    Skin,
 };
 
 use super::Value;
 use super::press::PressReadings;
 use super::pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
 use super::sheet::{RecordedError, agreed_unit};
+use super::stated::{self, FORMAT_VERSION};
+use super::suspicion::{Sensor, of_press};
 use crate::press::{Assumed, body_of, large_contact};
 use palpate_study::Unit;
-use palpate_study::config::{LengthUnit, PressEstimatorConfig, PressModelConfig};
+use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig, PressModelConfig};
 
 /// Settings of an estimate that the readings do not state; lengths in the readings' unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +28,10 @@ pub struct PressOptions {
     /// The estimator. Whether it is given the indentation is told by [`Self::indentation`] and not by its own setting: a
     /// study knows the indentation of its presses, a reading does not.
     pub estimator: PressEstimatorConfig,
-    /// The indentation, if something else tells it; length. The estimator ascribes its `indentation_std` to it.
+    /// The indentation, if something else tells it; length. The estimator ascribes its `indentation_std` to it; where that
+    /// is 0, [`INDENTATION_SHARE`](super::INDENTATION_SHARE) of the indentation, with a warning, since no indentation
+    /// that was measured is exact. (In a study, 0 is exact.) The indentation is compared with the one that the
+    /// readings tell without it; a warning says by how many standard deviations they differ, if those are many.
     pub indentation: Option<f64>,
     /// Standard deviation of normal displacements, length; `None` finds it from the residuals.
     pub normal_std: Option<f64>,
@@ -73,17 +78,54 @@ pub fn estimate_press(
     let places: Vec<[f64; 2]> = recorded.places.iter().map(scaled).collect();
     let skin = Skin::new(options.sensor_radius).map_err(refused)?;
     let markers = Markers::new(skin, &places).map_err(refused)?;
-    let (fit, c) = fit(options, &markers).map_err(refused)?;
+    let Fits { fit, alone } = Fits::new(options, &markers).map_err(refused)?;
+    let c = fit.body.c();
     let reading = Reading {
         markers: &markers,
         normal: &recorded.normal,
         tangential: recorded.tangential.as_deref(),
-        indentation: options.indentation.map(|value| Measured {
-            value,
-            std: options.estimator.priors().indentation_std,
-        }),
+        indentation: None,
     };
-    let estimate = fit.estimate(&reading).map_err(refused)?;
+    let std = options.estimator.priors().indentation_std;
+    let stated = options
+        .indentation
+        .map(|value| stated::indentation(value, std, unit.as_str()));
+    let indentation = stated.as_ref().map(|(indentation, _)| *indentation);
+    let estimate = fit.estimate(&Reading {
+        indentation,
+        ..reading
+    });
+    let contradiction = indentation.and_then(|told| {
+        let sound = Sound::of(&reading, estimate.as_ref().ok());
+        stated::contradiction(&alone, &sound.reading(), told, unit.as_str())
+    });
+    let estimate = estimate
+        .map_err(|error| refused_for(recorded, options, &error, contradiction.as_deref()))?;
+    let wrong_markers: Vec<Row> = estimate
+        .wrong_markers
+        .iter()
+        .map(|&marker| Row {
+            row: marker + 1,
+            line: recorded.lines.get(marker).copied(),
+        })
+        .collect();
+    let left_out = stated::left_out(
+        &wrong_markers,
+        &markers.distances(estimate.contact),
+        estimate.contact_radius.value,
+        indentation.is_some(),
+    );
+    let warnings = [
+        suspicion(recorded, options, unit),
+        contradiction,
+        stated.and_then(|(_, warning)| warning),
+        left_out,
+        structure(recorded, &fit, &markers, &estimate, options),
+    ]
+    .into_iter()
+    .flatten()
+    .chain(warnings(recorded, &estimate, options))
+    .collect();
     let told = |estimated, power| Told::new(&estimated, power, unit);
     let curvature = estimate.object_curvature();
     // Radii are those of the best fit.
@@ -93,6 +135,7 @@ pub fn estimate_press(
     };
     let [force, peak_pressure] = stresses(&fit.body, &estimate, options, unit).map_err(refused)?;
     Ok(PressedObject {
+        format_version: FORMAT_VERSION,
         method: options.estimator.name(),
         c,
         markers: recorded.places.len(),
@@ -116,14 +159,7 @@ pub fn estimate_press(
             .baseline
             .map(|baseline| told(baseline, Unit::Length)),
         gain: estimate.gain.map(|gain| told(gain, Unit::One)),
-        wrong_markers: estimate
-            .wrong_markers
-            .iter()
-            .map(|&marker| Row {
-                row: marker + 1,
-                line: recorded.lines.get(marker).copied(),
-            })
-            .collect(),
+        wrong_markers,
         noise: PressNoise {
             normal_std: Value::new(estimate.normal_std, None, Unit::Length, unit),
             tangential_std: estimate
@@ -132,27 +168,130 @@ pub fn estimate_press(
             reduced_chi_squared: estimate.reduced_chi_squared,
         },
         r_squared: estimate.r_squared,
-        warnings: warnings(&estimate, options),
+        warnings,
     })
 }
 
-/// The fit, and the c of a Gaussian.
-fn fit(options: &PressOptions, markers: &Markers) -> Result<(ForwardFit, Option<f64>), PressError> {
-    let model = options.model.reference();
-    let assumed = Assumed {
-        estimator: &options.estimator,
-        model: &model,
-        body: &body_of(&model, options.marker_depth, Body::bonded_layer)?,
-        shared: model.thickness(),
-        markers,
-        marker_depth: options.marker_depth,
-        calibrated_at: options.indentation,
-        knows_indentation: options.indentation.is_some(),
-        stds: [options.normal_std, options.tangential_std],
+/// Readings without those that are wrong whatever the indentation is.
+struct Sound {
+    markers: Markers,
+    normal: Vec<f64>,
+    tangential: Option<Vec<[f64; 2]>>,
+}
+
+impl Sound {
+    /// The readings without the markers that an estimate leaves out away from its contact. Those that it leaves out near
+    /// the contact may be right, and the indentation that it was told wrong.
+    fn of(reading: &Reading<'_>, estimate: Option<&PressEstimate>) -> Self {
+        let markers = reading.markers;
+        let mut kept: Vec<usize> = (0..reading.normal.len()).collect();
+        if let Some(estimate) = estimate {
+            let distances = markers.distances(estimate.contact);
+            let near = 2.0 * estimate.contact_radius.value;
+            kept.retain(|marker| {
+                !estimate.wrong_markers.contains(marker) || distances[*marker] <= near
+            });
+        }
+        let tangential = reading.tangential;
+        Self {
+            markers: markers.subset(&kept),
+            normal: kept.iter().map(|&marker| reading.normal[marker]).collect(),
+            tangential: tangential.map(|all| kept.iter().map(|&marker| all[marker]).collect()),
+        }
+    }
+
+    fn reading(&self) -> Reading<'_> {
+        Reading {
+            markers: &self.markers,
+            normal: &self.normal,
+            tangential: self.tangential.as_deref(),
+            indentation: None,
+        }
+    }
+}
+
+/// The fits of one press.
+struct Fits {
+    /// The one that is asked for.
+    fit: ForwardFit,
+    /// The one that tells the indentation from the readings alone. A Gaussian knows no body, and that of the sensor
+    /// stands for it.
+    alone: ForwardFit,
+}
+
+impl Fits {
+    fn new(options: &PressOptions, markers: &Markers) -> Result<Self, PressError> {
+        let model = options.model.reference();
+        let body = body_of(&model, options.marker_depth, Body::bonded_layer)?;
+        let assumed = Assumed {
+            estimator: &options.estimator,
+            model: &model,
+            body: &body,
+            shared: model.thickness(),
+            markers,
+            marker_depth: options.marker_depth,
+            calibrated_at: options.indentation,
+            knows_indentation: options.indentation.is_some(),
+            stds: [options.normal_std, options.tangential_std],
+        };
+        let fit = assumed.fit()??;
+        let alone = match options.estimator {
+            PressEstimatorConfig::Gaussian { .. } => ForwardFit {
+                body,
+                gain: Prior::Exact,
+                ..fit.clone()
+            },
+            _ => fit.clone(),
+        };
+        Ok(Self { fit, alone })
+    }
+}
+
+/// The mistake of sign or unit that the readings look like.
+fn suspicion(recorded: &PressReadings, options: &PressOptions, unit: LengthUnit) -> Option<String> {
+    let sensor = Sensor {
+        radius: options.sensor_radius,
+        radial_scale: options.radial_scale,
+        has_baseline: options.estimator.priors().baseline == Baseline::Known,
     };
-    let fit = assumed.fit()??;
-    let c = fit.body.c();
-    Ok((fit, c))
+    of_press(recorded, sensor, unit)
+}
+
+/// The warning of residuals that no noise has; a Gaussian is no body whose residuals would be noise alone.
+fn structure(
+    recorded: &PressReadings,
+    fit: &ForwardFit,
+    markers: &Markers,
+    estimate: &PressEstimate,
+    options: &PressOptions,
+) -> Option<String> {
+    if matches!(options.estimator, PressEstimatorConfig::Gaussian { .. }) {
+        return None;
+    }
+    let contact = fit
+        .body
+        .press(estimate.most_likely_curvature, estimate.indentation.value)
+        .ok()?;
+    let gain = estimate.gain.map_or(1.0, |gain| gain.value);
+    let baseline = estimate.baseline.map_or(0.0, |baseline| baseline.value);
+    let moved = markers.displacements(&contact, estimate.contact);
+    let residuals: Vec<f64> = recorded
+        .normal
+        .iter()
+        .zip(&moved)
+        .enumerate()
+        .map(
+            |(marker, (read, moved))| match estimate.wrong_markers.contains(&marker) {
+                true => 0.0,
+                false => read - (gain * moved.normal + baseline),
+            },
+        )
+        .collect();
+    let largest = recorded
+        .normal
+        .iter()
+        .fold(0.0, |most: f64, one| most.max(one.abs()));
+    stated::structure(&recorded.places, &residuals, largest)
 }
 
 /// The force and the highest pressure of the estimated press, where they are known.
@@ -180,13 +319,17 @@ fn stresses(
     ])
 }
 
-/// Past this ratio of the residuals to the noise that is stated, the intervals are too narrow.
-const LARGE_RESIDUALS: f64 = 1.5;
-
 /// Share of the variance below which the fit explains little.
 const LITTLE: f64 = 0.5;
 
-fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
+/// About the number of unknowns of a fit: curvature, place and indentation.
+const UNKNOWNS: usize = 4;
+
+fn warnings(
+    recorded: &PressReadings,
+    estimate: &PressEstimate,
+    options: &PressOptions,
+) -> impl Iterator<Item = String> {
     let is_layer = matches!(options.estimator, PressEstimatorConfig::BondedLayer { .. });
     let large = large_contact(
         estimate.relative_curvature.value,
@@ -194,27 +337,57 @@ fn warnings(estimate: &PressEstimate, options: &PressOptions) -> Vec<String> {
         options.sensor_radius,
         is_layer,
     );
-    let ratio = estimate.reduced_chi_squared.sqrt();
-    let residuals = (options.normal_std.is_some() && ratio > LARGE_RESIDUALS).then(|| {
-        format!(
-            "the residuals are {ratio:.1} times the noise that is given: intervals are too narrow"
-        )
-    });
+    let each = if estimate.tangential_std.is_some() {
+        3
+    } else {
+        1
+    };
+    let freedom = (each * recorded.places.len()).saturating_sub(UNKNOWNS);
+    let is_stated = options.normal_std.is_some();
+    let residuals = is_stated
+        .then(|| stated::noise(estimate, freedom))
+        .flatten();
     let unexplained = (estimate.r_squared < LITTLE).then(|| {
         let percent = 100.0 * estimate.r_squared.max(0.0);
         format!(
             "the fit explains {percent:.0} % of the normal displacements' variance: noise, or not the press of this body"
         )
     });
-    large
-        .into_iter()
-        .chain(residuals)
-        .chain(unexplained)
-        .collect()
+    large.into_iter().chain(residuals).chain(unexplained)
+}
+
+/// Whether a few displacements are many times the median one.
+fn stand_out(recorded: &PressReadings) -> bool {
+    const FEW: usize = 3;
+    const MANY_TIMES: f64 = 5.0;
+    let mut sizes: Vec<f64> = recorded.normal.iter().map(|one| one.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let middle = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+    sizes
+        .iter()
+        .rev()
+        .nth(FEW - 1)
+        .is_some_and(|&large| large > MANY_TIMES * middle)
 }
 
 /// The error in the words of the command line, with the line of the marker that is at fault, if it is one.
 fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError) -> RecordedError {
+    refused_for(recorded, options, error, None)
+}
+
+/// The error likewise, with what else may be wrong: a stated indentation that the readings contradict, or a mistake of
+/// sign or unit that they look like.
+fn refused_for(
+    recorded: &PressReadings,
+    options: &PressOptions,
+    error: &PressError,
+    contradiction: Option<&str>,
+) -> RecordedError {
+    let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
+    let (suspicion, contradiction) = match error {
+        PressError::BadSetting(_) => (None, None),
+        _ => (suspicion(recorded, options, unit), contradiction),
+    };
     let file = recorded.file.clone();
     let message = match error {
         PressError::BadSetting(BadSetting {
@@ -231,8 +404,17 @@ fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError)
         PressError::Undetermined { .. } if options.indentation.is_none() => {
             format!("{error}; give the indentation with --indentation D if it is known")
         }
+        PressError::NoContact { .. } | PressError::OneMarker { .. } if stand_out(recorded) => {
+            format!(
+                "{error}; but some markers moved much more than the others: are the method, the thickness, the depth of the markers and the indentation those of the sensor?"
+            )
+        }
         _ => error.to_string(),
     };
+    let message = [suspicion.as_deref(), contradiction]
+        .into_iter()
+        .flatten()
+        .fold(message, |message, more| format!("{message}; {more}"));
     match error {
         PressError::NotFinite { marker }
         | PressError::OffSkin { marker, .. }

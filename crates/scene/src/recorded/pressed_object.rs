@@ -52,6 +52,8 @@ pub struct PressNoise {
 /// Output of `estimate press`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressedObject {
+    /// Version of this format, [`FORMAT_VERSION`](super::FORMAT_VERSION).
+    pub(super) format_version: u32,
     pub(super) method: &'static str,
     /// The c of a Gaussian, given or calibrated; `null` of other methods.
     pub(super) c: Option<f64>,

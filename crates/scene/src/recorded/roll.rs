@@ -7,12 +7,14 @@ use std::path::Path;
 use nalgebra::Vector2;
 use palpate_ep1::{Ep1Error, LeastSquares, Measured, ProbeReading, ReadingNoise};
 use palpate_number::Number;
-use palpate_sensing::PadOffset;
+use palpate_sensing::{InvalidSensor, PadLayout, PadOffset, Pads};
 use serde::Serialize;
 
 use super::RecordedFile;
 use super::Value;
 use super::sheet::{Column, RecordedError, Sheet, agreed_unit, header};
+use super::stated::FORMAT_VERSION;
+use super::suspicion::of_roll;
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 use palpate_study::{Table, Unit};
 
@@ -60,13 +62,45 @@ impl RollOptions {
         }
     }
 
-    /// Noise of pads that start anywhere under the first contact.
-    pub fn noise_of_pads(pitch: f64) -> ReadingNoise {
-        ReadingNoise {
-            shift_std: PadOffset::Random.shift_std(pitch),
-            shift_resolution: PadOffset::Random.resolution(pitch),
+    /// Noise of pads that start anywhere under the first contact, on a probe of this radius.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] for a pitch that a study refuses too: beyond the radius, or below 1e-15 of it.
+    pub fn noise_of_pads(probe_radius: f64, pitch: f64) -> Result<ReadingNoise, InvalidSensor> {
+        let pads = Pads::new(
+            probe_radius,
+            pitch,
+            PadLayout::Square,
+            PadOffset::Random,
+            FRAC_PI_2,
+        )?;
+        Ok(ReadingNoise {
+            shift_std: pads.shift_std(),
+            shift_resolution: pads.resolution(),
             ..ReadingNoise::default()
+        })
+    }
+
+    /// Noise of a sensor without pads, with this standard deviation of each component of a shift.
+    ///
+    /// # Errors
+    /// [`InvalidSensor`] for one beyond the probe's radius, as of a pitch.
+    pub fn noise_of_shifts(
+        probe_radius: f64,
+        shift_std: f64,
+    ) -> Result<ReadingNoise, InvalidSensor> {
+        if !(0.0..=probe_radius).contains(&shift_std) {
+            let radius = Number(probe_radius);
+            return Err(InvalidSensor {
+                parameter: "shift-std",
+                value: shift_std,
+                expected: format!("at least 0 and at most the probe's radius, {radius}"),
+            });
         }
+        Ok(ReadingNoise {
+            shift_std,
+            ..ReadingNoise::default()
+        })
     }
 }
 
@@ -103,6 +137,8 @@ pub struct UnresolvedProbe {
 /// Output of `estimate roll`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RollEstimate {
+    /// Version of this format, [`FORMAT_VERSION`](super::FORMAT_VERSION).
+    format_version: u32,
     method: &'static str,
     probes: usize,
     normal_curvature_u: Value,
@@ -122,6 +158,8 @@ pub struct RollEstimate {
     /// Origin of the standard deviations, in words.
     std_from: &'static str,
     unresolved_probes: Vec<UnresolvedProbe>,
+    /// Doubts, in words.
+    warnings: Vec<String>,
 }
 
 /// Reads recorded rolls: one row per probe, or a time series per probe, whose last row counts.
@@ -240,6 +278,11 @@ pub fn estimate_roll(
     };
     let unit = agreed_unit(&recorded.file, recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;
+    let suspicion = of_roll(readings, options.probe_radius);
+    let fail = |message: String| {
+        let suspicion = suspicion.as_deref();
+        fail(suspicion.map_or(message.clone(), |more| format!("{message}; {more}")))
+    };
     let half_way = PI * options.probe_radius;
     for (probe, reading) in recorded.probes.iter().zip(readings) {
         let shift = reading.shift.norm();
@@ -295,11 +338,19 @@ pub fn estimate_roll(
         }
     }
 
+    let explained = expected(&stated, readings);
+    let noise = (freedom > 0 && explained > 0.0 && residual > LARGE_RESIDUAL * explained).then(|| {
+        format!(
+            "the residuals are {} times what the noise that is given explains: standard deviations are too small",
+            Number::rounded(residual / explained)
+        )
+    });
     let value =
         |measured: Measured, power: Unit| Value::new(measured.value, measured.std, power, unit);
     let bare = |value: f64, power: Unit| Value::new(value, None, power, unit);
     let principal = estimate.curvature.principal();
     Ok(RollEstimate {
+        format_version: FORMAT_VERSION,
         method: "least-squares",
         probes: readings.len(),
         normal_curvature_u: value(estimate.normal_curvature_u, Unit::PerLength),
@@ -320,7 +371,29 @@ pub fn estimate_roll(
             stated.shift_resolution,
             unit,
         ),
+        warnings: suspicion.into_iter().chain(noise).collect(),
     })
+}
+
+/// Ratio of the residuals to what the stated noise explains past which they contradict each other. A roll of two probes
+/// has but one equation to spare, and chance gives that three standard deviations once in 400.
+const LARGE_RESIDUAL: f64 = 3.0;
+
+/// Root mean square of the residuals of a shift's component that the stated noise explains, length.
+fn expected(noise: &ReadingNoise, readings: &[ProbeReading]) -> f64 {
+    let of_rotation = |reading: &ProbeReading| {
+        let turned = reading.rotation.norm();
+        let variance =
+            noise.rotation_std_rad.powi(2) + (noise.relative_rotation_std * turned).powi(2);
+        let per_radian = reading.shift.norm() / turned;
+        if turned > 0.0 {
+            variance * per_radian.powi(2)
+        } else {
+            0.0
+        }
+    };
+    let mean = readings.iter().map(of_rotation).sum::<f64>() / readings.len().max(1) as f64;
+    libm::hypot(noise.shift_std, mean.sqrt())
 }
 
 /// The probes that rolled without a shift, with what that says of the object.

@@ -1,5 +1,6 @@
 //! Readings of a calibrated camera sensor from two frames.
 
+use palpate_number::Number;
 use palpate_tracking::{Calibration, CalibrationError, Displaced, Equidistant, Field, FieldError};
 use serde::Serialize;
 
@@ -23,6 +24,9 @@ pub struct SensorOptions {
     pub px_per_rad: Option<f64>,
 }
 
+/// Factor between scales of a camera past which one of them is wrong.
+const FAR_OFF: f64 = 1.25;
+
 /// The displacements of the markers that were tracked.
 #[derive(Clone, Debug)]
 pub struct Sensed {
@@ -32,6 +36,8 @@ pub struct Sensed {
     has_tangential: bool,
     fates: Fates,
     field: Field,
+    /// Doubt about the camera's scale.
+    scale: Option<String>,
 }
 
 /// Output of `sensor track`.
@@ -71,12 +77,10 @@ impl Sensed {
         }
         let lateral = calibration.lateral_part();
         let distance = options.radius - options.depth;
-        let px_per_rad = options
-            .px_per_rad
-            .or_else(|| Some(lateral?.px_per_length * distance))
-            .ok_or_else(|| {
-                fail("the calibration tells no px per length: give --px-per-rad F".to_owned())
-            })?;
+        let calibrated = lateral.map(|lateral| lateral.px_per_length * distance);
+        let px_per_rad = options.px_per_rad.or(calibrated).ok_or_else(|| {
+            fail("the calibration tells no px per length: give --px-per-rad F".to_owned())
+        })?;
         let lens = Equidistant::new(frames.centre_px, px_per_rad).map_err(refused)?;
         let mut displaced = Vec::new();
         for (marker, track) in frames.tracks.iter().enumerate() {
@@ -101,7 +105,17 @@ impl Sensed {
             _ => fail(error.to_string()),
         };
         let field = Field::new(&displaced).map_err(refused)?;
+        let far = calibrated.filter(|&calibrated| {
+            !(calibrated / FAR_OFF..=calibrated * FAR_OFF).contains(&px_per_rad)
+        });
+        let scale = far.map(|calibrated| {
+            let [stated, calibrated] = [px_per_rad, calibrated].map(Number::rounded);
+            format!(
+                "the camera's scale is stated as {stated} px per rad, but the calibration, the sensor's radius and the depth of its markers make it {calibrated}"
+            )
+        });
         Ok(Self {
+            scale,
             field,
             unit,
             radius: options.radius,
@@ -168,12 +182,14 @@ impl Sensed {
             tangential: self.has_tangential.then_some(tangential),
             unit: Some(self.unit),
         };
+        let mut object = estimate_press(&readings, options)?;
+        object.warnings.extend(self.scale.clone());
         let outward = self.field.outward().mean.filter(|_| self.has_tangential);
         Ok(TrackedPress {
             frames: self.fates,
             outward_displacement: outward
                 .map(|mean| Value::new(mean, None, Unit::Length, self.unit)),
-            object: estimate_press(&readings, options)?,
+            object,
         })
     }
 }

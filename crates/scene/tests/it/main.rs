@@ -10,3 +10,4 @@ mod names;
 mod press;
 mod recorded;
 mod roll;
+mod stated;

@@ -318,6 +318,43 @@ fn presses_that_cannot_be_are_failures_with_a_name() {
 }
 
 #[test]
+fn presses_that_tell_nothing_are_told() {
+    let moved = |more: &str, lines: &str| {
+        let plane = text(PLANE, &format!("{NOISE}{lines}"));
+        plane.replace(
+            "indentation = 1.0 }",
+            &format!("indentation = 1.0{more} }}"),
+        )
+    };
+    let needs = |text: &str| scene_of(text).needs().join("\n");
+    let off = "every trial fails as `off-markers`: the contact lies";
+    assert!(needs(&moved(", contact_deg = [180, 0]", "")).contains(off));
+    assert!(needs(&moved(", contact_deg = [120, 0]", "")).contains(off));
+    assert!(!needs(&moved(", contact_deg = [30, 0]", "")).contains(off));
+    let scene = scene_of(&moved(", contact_deg = [180, 0]", ""));
+    assert!((0..20).all(|trial| outcomes(&scene, trial) == Err("off-markers")));
+
+    let slips = "is more than the contact's radius, 4.47: strains are not small";
+    assert!(needs(&moved(", shift = 5", "")).contains(slips));
+    assert!(!needs(&moved(", shift = 4", "")).contains("strains are not small"));
+
+    let layer = "model = { kind = \"bonded-layer\", thickness = 3.0 }\n";
+    let half_space = "estimator = { kind = \"half-space\", indentation = \"fitted\" }\n";
+    let same = "estimator = { kind = \"bonded-layer\", indentation = \"fitted\" }\n";
+    let other = "warning: even without noise the estimate";
+    let told = needs(&moved("", &format!("{layer}{half_space}")));
+    assert!(told.contains(other), "{told}");
+    assert!(!needs(&moved("", &format!("{layer}{same}"))).contains(other));
+    assert!(!needs(&moved("", half_space)).contains(other));
+    let gaussian = "estimator = { kind = \"gaussian\", c = 10.0, indentation = \"known\" }\n";
+    let told = needs(&moved("", gaussian));
+    assert!(
+        told.contains("even without noise the estimated curvature is"),
+        "{told}"
+    );
+}
+
+#[test]
 fn what_a_scene_needs_is_told() {
     let needs = |object: &str, indentation: &str, lines: &str| {
         let text = text(object, lines);
@@ -433,6 +470,10 @@ fn bad_scenes_are_refused_at_their_field() {
                 "indentation = 1.0, contact_deg = [-1, 0]",
             ),
             "scene.motion.contact_deg: the polar angle must be from 0 to 180, is -1",
+        ),
+        (
+            probe("indentation = 1.0", "indentation = 1.0, shift = 100"),
+            "scene.motion.shift: must be less than the sensor's radius 20, either way, is 100",
         ),
         (
             with("model = { kind = \"half-space\", poisson = 0.6 }"),

@@ -206,7 +206,9 @@ fn extremes() {
                     .replace("--", "");
                 let options = RollOptions {
                     probe_radius: radius,
-                    noise: pitch.map(RollOptions::noise_of_pads).unwrap_or_default(),
+                    noise: pitch
+                        .and_then(|pitch| RollOptions::noise_of_pads(radius, pitch).ok())
+                        .unwrap_or_default(),
                     ..options()
                 };
                 let Ok(estimate) = estimate(&rows, &options) else {

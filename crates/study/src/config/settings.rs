@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use palpate_number::Number;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -111,14 +112,15 @@ impl Range {
 
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shown = |bound: Option<f64>| bound.map(Number);
         let number = if self.is_whole { "a whole number " } else { "" };
-        match (self.above, self.least, self.most) {
-            (None, Some(least), Some(most)) => write!(f, "{number}from {least} to {most}"),
-            (Some(above), _, Some(most)) => write!(f, "{number}> {above} and <= {most}"),
-            (Some(above), _, None) => write!(f, "finite and > {above}"),
-            (None, Some(least), None) => write!(f, "finite and >= {least}"),
-            (None, None, Some(most)) => write!(f, "finite and <= {most}"),
-            (None, None, None) => f.write_str("finite"),
+        match [self.above, self.least, self.most].map(shown) {
+            [None, Some(least), Some(most)] => write!(f, "{number}from {least} to {most}"),
+            [Some(above), _, Some(most)] => write!(f, "{number}> {above} and <= {most}"),
+            [Some(above), _, None] => write!(f, "finite and > {above}"),
+            [None, Some(least), None] => write!(f, "finite and >= {least}"),
+            [None, None, Some(most)] => write!(f, "finite and <= {most}"),
+            [None, None, None] => f.write_str("finite"),
         }
     }
 }

@@ -4,7 +4,9 @@ mod glide;
 mod like;
 mod press;
 mod roll;
+mod warned;
 
 pub(crate) use glide::glide;
 pub(crate) use press::{press, press_options};
 pub(crate) use roll::roll;
+pub(crate) use warned::warn;

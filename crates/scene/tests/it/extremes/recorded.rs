@@ -74,7 +74,9 @@ fn roll(shift: &str, probe_radius: f64, pitch: Option<f64>) -> Result<Vec<f64>, 
          0,0,-0.4,{shift},0\n1,0,-0.4,{shift},0\n2,-0.4,0,0,{other:e}\n3,-0.4,0,0,{other:e}\n"
     );
     let options = RollOptions {
-        noise: pitch.map(RollOptions::noise_of_pads).unwrap_or_default(),
+        noise: pitch
+            .and_then(|pitch| RollOptions::noise_of_pads(probe_radius, pitch).ok())
+            .unwrap_or_default(),
         ..RollOptions::new(probe_radius)
     };
     Ok(values(&estimate_roll(&parse_roll(file(text))?, &options)?))

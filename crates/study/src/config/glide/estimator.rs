@@ -26,7 +26,7 @@ pub enum GlideEstimatorConfig {
         position_std: Option<f64>,
         /// Standard deviation of a normal's tilt about each tangent; by default found from the contacts.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0))]
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 90))]
         normal_std_deg: Option<f64>,
     },
     /// The method of the 1996 paper: a smoothing spline, and a second one through it and its tangents. Lengths are
@@ -72,7 +72,7 @@ pub enum GlideEstimatorConfig {
         position_std: Option<f64>,
         /// Standard deviation of a normal's tilt about each tangent; by default found from the contacts.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0))]
+        #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 90))]
         normal_std_deg: Option<f64>,
     },
 }

@@ -25,7 +25,7 @@ pub enum PressEstimatorConfig {
         baseline: Baseline,
         /// Standard deviation that the estimator ascribes to the factor on all normal displacements.
         #[serde(default)]
-        #[schemars(extend("minimum" = 0))]
+        #[schemars(extend("minimum" = 0, "maximum" = 1e100))]
         gain_std: f64,
         /// Whether the noise of displacements is told.
         #[serde(default)]
@@ -49,7 +49,7 @@ pub enum PressEstimatorConfig {
         baseline: Baseline,
         /// Standard deviation that the estimator ascribes to the factor on all normal displacements.
         #[serde(default)]
-        #[schemars(extend("minimum" = 0))]
+        #[schemars(extend("minimum" = 0, "maximum" = 1e100))]
         gain_std: f64,
         /// Whether the noise of displacements is told.
         #[serde(default)]

@@ -7,7 +7,7 @@ use palpate_study::config::{
     GlideEstimatorConfig, LengthUnit, PressEstimatorConfig, RollEstimatorConfig,
 };
 
-use super::number::{Direction, direction, length_unit, not_negative, positive};
+use super::number::{Direction, angle_std, direction, length_unit, not_negative, positive, share};
 use super::settings::Settings;
 
 #[derive(Debug, Subcommand)]
@@ -19,6 +19,12 @@ or a time series per probe, whose last row counts,
   probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
 with rotations summed in the probe's contact frame (z out of the probe; a contact moving to +u has
 rotation_y < 0) and shifts as great-circle displacements on the probe from its first contact.
+
+The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
+standard error repeats, tell where the readings contradict what is stated: noise (or a pitch)
+that is too small for the residuals, rotations in degrees, shifts in another unit than the probe's radius. A few rolls
+do not tell noise that is too large, nor a radius that is wrong in the right unit: it errs the curvature by the error
+of 1/R.
 
 With --like STUDY.toml probe, noise and estimator are those of a study of kind roll, in the readings'
 unit; flags override them.
@@ -36,6 +42,11 @@ or without normals,
 
 The JSON tells the curvature in the middle of the patch and the regions of one shape class; --map
 writes the curvature all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
+
+The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
+standard error repeats, tell where the readings contradict what is stated: the noise of positions and
+of normals, by that of the same method where none is stated; the distance between fingers; normals that are not of
+length 1, or point to -z. Whether all normals point inward, and the unit of all lengths, the readings do not tell.
 
 With --like STUDY.toml the estimator, the distance between fingers and the thresholds are those of a
 study of kind glide, in the readings' unit; flags override them.
@@ -67,6 +78,14 @@ null: no bound); object_radius is negative for a dish and null for a plane, and 
 radii in case the object is convex and one in case it is concave, in which null is flat. `verdict`
 is what the interval leaves open: convex, concave, flat-within-noise or not-resolved.
 `wrong_markers` are the rows that contradict the others and were left out.
+
+The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
+standard error repeats, tell where the readings contradict what is stated: the indentation, by
+the one that they tell without it; the noise, by the residuals; the body, the depth of its markers and the sensor's
+radius, where the residuals of neighbouring markers go together; units and signs, where displacements and places would
+be absurd. The readings do not tell how exact a stated indentation is, nor Poisson's ratio, nor Young's modulus, nor an
+error of scale common to all lengths, and of the sensor's radius R they tell little: a wrong one errs the object's
+curvature by the error of 1/R.
 
 With --like STUDY.toml the sensor, the noise of its readings and the estimator are those of a study of
 kind press, in the readings' unit; flags override them. The indentation of the study's presses is not
@@ -110,10 +129,10 @@ pub(crate) struct EstimateRollArgs {
     #[arg(long, value_name = "S", value_parser = positive, allow_negative_numbers = true, conflicts_with = "pitch")]
     pub(crate) shift_std: Option<f64>,
     /// Standard deviation of each component of a rotation.
-    #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = angle_std, allow_negative_numbers = true)]
     pub(crate) rotation_std_rad: Option<f64>,
     /// Standard deviation of each component of a rotation, as a fraction of its magnitude.
-    #[arg(long, value_name = "F", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "F", value_parser = share, allow_negative_numbers = true)]
     pub(crate) relative_rotation_std: Option<f64>,
     /// The unit of lengths, if the header does not state it (shift_u_mm).
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
@@ -190,7 +209,8 @@ pub(crate) struct SensorArgs {
     /// Thickness and Poisson's ratio among them are those of the body that a Gaussian is calibrated on.
     #[command(flatten)]
     pub(crate) estimator: Settings<PressEstimatorConfig>,
-    /// Indentation, where it is known from elsewhere, such as a robot's pose [default: fitted].
+    /// Indentation, where it is known from elsewhere, such as a robot's pose [default: fitted]. It is known to
+    /// --indentation-std; where that is 0 or not given, to 2 % of itself.
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) indentation: Option<f64>,
     /// Standard deviation of each normal displacement [default: found from the residuals].

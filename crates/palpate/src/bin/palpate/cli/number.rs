@@ -14,6 +14,26 @@ pub(super) fn not_negative(text: &str) -> Result<f64, String> {
     Range::NOT_NEGATIVE.parse(text)
 }
 
+/// Standard deviation of an angle, rad: up to half a turn.
+pub(super) fn angle_std(text: &str) -> Result<f64, String> {
+    let most = Some(std::f64::consts::PI);
+    Range {
+        most,
+        ..Range::NOT_NEGATIVE
+    }
+    .parse(text)
+}
+
+/// Share, from none to all.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    let most = Some(1.0);
+    Range {
+        most,
+        ..Range::NOT_NEGATIVE
+    }
+    .parse(text)
+}
+
 pub(super) fn direction(text: &str) -> Result<Direction, String> {
     let numbers: Vec<f64> = text
         .split(',')

@@ -48,7 +48,8 @@ Frames are PNG images, the first at rest; --normal and --tangential tell the dis
 changes the most in each of the others.
 
 Prints slope, its standard error, R^2 and residual, of all and of each series: of the line with an intercept,
-as the 2020 paper draws it, and of the line through rest, from which `track` reads displacements.
+as the 2020 paper draws it, and of the line through rest, from which `track` reads displacements. Warns of large
+residuals, slopes that may be 0 and series that disagree; that all displacements err by one factor nothing tells.
 
 Examples:
   palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv examples/chromatouch-2020/calibration-tangential.csv --out calibration.toml
@@ -66,7 +67,8 @@ and with a calibration
 and prints the estimate of `palpate estimate press` as JSON, with counts of the markers and the mean
 displacement outward from the contact. A soft layer on a rigid core is no half-space: give it as --method
 bonded-layer --thickness H. With --like STUDY.toml sensor and estimator are those of a study of kind press;
-flags override them. Where there is no estimate, the tables are written all the same, and the status
+flags override them. Warns as `estimate press` does, and of a --px-per-rad that is not the calibration's.
+Where there is no estimate, the tables are written all the same, and the status
 is 1.
 
 The camera is taken to look at the apex from the sensor's centre, through a fisheye with r = f angle, columns
@@ -74,7 +76,7 @@ along x, rows against y.
 
 Examples:
   palpate sensor track rest.png pressed.png --out out/track
-  palpate sensor track rest.png pressed.png --calibration calibration.toml --sensor-radius 20 --depth 2 --indentation 1.4 --out out/track";
+  palpate sensor track rest.png pressed.png --calibration calibration.toml --sensor-radius 20 --depth 2 --indentation 1.4 --indentation-std 0.02 --out out/track";
 
 #[derive(Debug, Args)]
 pub(crate) struct PatternArgs {

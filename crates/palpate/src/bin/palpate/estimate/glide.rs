@@ -9,6 +9,7 @@ use palpate_scene::recorded::{
 use palpate_study::config::GlideEstimatorConfig;
 
 use super::like::like;
+use super::warned::warn;
 use crate::cli::EstimateGlideArgs;
 use crate::failure::Failure;
 use crate::output::{self, Guard, Single};
@@ -18,6 +19,7 @@ pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
     let readings = read_glide(&args.readings).map_err(Failure::work)?;
     let options = options(args, &readings)?;
     let (estimate, map) = estimate_glide(&readings, &options).map_err(Failure::work)?;
+    warn(&estimate)?;
     let json = output::json(&estimate)?;
     let Some(map_file) = map_file else {
         return output::print(&json);
@@ -36,6 +38,14 @@ fn options(args: &EstimateGlideArgs, readings: &GlideReadings) -> Result<GlideOp
     let is_two_pass = matches!(estimator, GlideEstimatorConfig::TwoPass { .. });
     if args.inter_finger_distance.is_some() && !is_two_pass {
         let message = "--inter-finger-distance is of use only to --method two-pass";
+        return Err(Failure::Usage(anyhow!(message)));
+    }
+    if args.outward.is_some() && readings.has_normals() {
+        let message = "--outward is of use only to readings without normals";
+        return Err(Failure::Usage(anyhow!(message)));
+    }
+    if args.estimator.given.contains_key("normal_std_deg") && !readings.has_normals() {
+        let message = "--normal-std-deg is of use only to readings with normals";
         return Err(Failure::Usage(anyhow!(message)));
     }
     let thresholds = args.gaussian_threshold.zip(args.mean_threshold);

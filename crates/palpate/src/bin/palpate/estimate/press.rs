@@ -1,11 +1,13 @@
 //! `palpate estimate press`.
 
 use anyhow::anyhow;
+use palpate_number::Number;
 use palpate_scene::recorded::{PressOptions, PressReadings, estimate_press, read_press};
 use palpate_study::config::{LengthUnit, NoiseKnown, PressEstimatorConfig, PressModelConfig};
 use serde_json::Value as Json;
 
 use super::like::like;
+use super::warned::warn;
 use crate::cli::{EstimatePressArgs, SensorArgs, Settings};
 use crate::failure::Failure;
 use crate::output;
@@ -21,6 +23,7 @@ pub(crate) fn press(args: &EstimatePressArgs) -> Result<(), Failure> {
     };
     fits_readings(args, &readings)?;
     let estimate = estimate_press(&readings, &options).map_err(Failure::work)?;
+    warn(&estimate)?;
     output::print(&output::json(&estimate)?)
 }
 
@@ -138,7 +141,9 @@ fn possible(options: &PressOptions) -> Result<(), Failure> {
     let (depth, radius) = (options.marker_depth, options.sensor_radius);
     if depth >= radius {
         return refuse(format_args!(
-            "--depth is {depth}; it must be less than --sensor-radius, {radius}"
+            "--depth is {}; it must be less than --sensor-radius, {}",
+            Number(depth),
+            Number(radius)
         ));
     }
     let of_model = options.model.thickness();
@@ -156,18 +161,24 @@ fn possible(options: &PressOptions) -> Result<(), Failure> {
         .filter(|&indentation| indentation >= limit)
     {
         return refuse(format_args!(
-            "--indentation is {indentation}; it must be less than {what}, {limit}"
+            "--indentation is {}; it must be less than {what}, {}",
+            Number(indentation),
+            Number(limit)
         ));
     }
     if let Some(thickness) = thickness {
         if depth > thickness {
             return refuse(format_args!(
-                "--depth is {depth}; it must be at most --thickness, {thickness}"
+                "--depth is {}; it must be at most --thickness, {}",
+                Number(depth),
+                Number(thickness)
             ));
         }
         if thickness > radius {
             return refuse(format_args!(
-                "--thickness is {thickness}; it must be at most --sensor-radius, {radius}"
+                "--thickness is {}; it must be at most --sensor-radius, {}",
+                Number(thickness),
+                Number(radius)
             ));
         }
     }

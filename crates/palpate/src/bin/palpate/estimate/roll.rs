@@ -1,8 +1,10 @@
 //! `palpate estimate roll`.
 
+use anyhow::anyhow;
 use palpate_scene::recorded::{ReadingNoise, RollOptions, estimate_roll, read_roll};
 
 use super::like::like;
+use super::warned::warn;
 use crate::cli::EstimateRollArgs;
 use crate::failure::Failure;
 use crate::output;
@@ -12,17 +14,18 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let unit = readings.unit().or(args.length_unit);
     let base = like(&args.like, unit, RollOptions::like)?;
     let base = base.unwrap_or_else(|| RollOptions::new(args.probe_radius.unwrap_or_default()));
+    let probe_radius = args.probe_radius.unwrap_or(base.probe_radius);
+    let refused = |error| Failure::Usage(anyhow!("--{error}"));
     let shifts = match (args.pitch, args.shift_std) {
-        (Some(pitch), _) => RollOptions::noise_of_pads(pitch),
-        (None, Some(shift_std)) => ReadingNoise {
-            shift_std,
-            ..ReadingNoise::default()
-        },
+        (Some(pitch), _) => RollOptions::noise_of_pads(probe_radius, pitch).map_err(refused)?,
+        (None, Some(shift_std)) => {
+            RollOptions::noise_of_shifts(probe_radius, shift_std).map_err(refused)?
+        }
         (None, None) => base.noise,
     };
     let rotations = base.noise;
     let options = RollOptions {
-        probe_radius: args.probe_radius.unwrap_or(base.probe_radius),
+        probe_radius,
         estimator: args.estimator.over(&base.estimator)?,
         noise: ReadingNoise {
             rotation_std_rad: args.rotation_std_rad.unwrap_or(rotations.rotation_std_rad),
@@ -34,5 +37,6 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
         length_unit: args.length_unit.or(base.length_unit),
     };
     let estimate = estimate_roll(&readings, &options).map_err(Failure::work)?;
+    warn(&estimate)?;
     output::print(&output::json(&estimate)?)
 }

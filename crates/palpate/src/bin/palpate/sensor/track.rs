@@ -10,7 +10,7 @@ use palpate_scene::recorded::{
 
 use super::overlay::overlay;
 use crate::cli::TrackArgs;
-use crate::estimate::press_options;
+use crate::estimate::{press_options, warn};
 use crate::failure::Failure;
 use crate::output::{self, Folder, Guard};
 
@@ -134,6 +134,7 @@ impl<'a> Calibrated<'a> {
             .sensed
             .estimate(&self.estimate)
             .map_err(Failure::work)?;
+        warn(&estimate)?;
         output::print(&output::json(&estimate)?)
     }
 }

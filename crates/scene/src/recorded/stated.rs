@@ -1,0 +1,167 @@
+//! Warnings where something that a user states does not agree with the readings.
+
+use palpate_number::Number;
+use palpate_press::{ForwardFit, Measured, PressError, PressEstimate, Reading};
+
+use super::pressed_object::Row;
+
+/// Version of the format of the JSON that estimates from recorded readings have: it rises when a key goes, or
+/// changes its meaning, and stays when a key is added.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// Share of a stated indentation that is its standard deviation where none is stated.
+pub const INDENTATION_SHARE: f64 = 0.02;
+
+/// Standard deviations by which a stated indentation and the one that the readings tell may differ. Errors that are
+/// normally distributed pass it in 2.4 % of indentations that are half a standard deviation off, and keep below it in
+/// 0.6 % of those that are 5 off; the fitted one is less exact where it is too large, which makes that up to 4.5 % and 2 %.
+const APART: f64 = 2.5;
+
+/// Ratio of the residuals to the noise that is stated, or of that to them, past which the intervals are wrong.
+pub(super) const LARGE_RESIDUALS: f64 = 1.5;
+
+/// Least surplus of equations over unknowns at which residuals so much too small are no chance.
+const MANY: usize = 20;
+
+/// The stated indentation with its standard deviation, and the warning where none is stated.
+pub(super) fn indentation(value: f64, std: f64, unit: &str) -> (Measured, Option<String>) {
+    if std > 0.0 {
+        return (Measured { value, std }, None);
+    }
+    let std = INDENTATION_SHARE * value;
+    let percent = 100.0 * INDENTATION_SHARE;
+    let warning = format!(
+        "the indentation is stated without a standard deviation: {percent} % of it, {} {unit}, is assumed (--indentation-std)",
+        Number::rounded(std)
+    );
+    (Measured { value, std }, Some(warning))
+}
+
+/// The warning where a stated indentation is not the one that the readings, which are given none, tell by `fit`.
+pub(super) fn contradiction(
+    fit: &ForwardFit,
+    reading: &Reading<'_>,
+    told: Measured,
+    unit: &str,
+) -> Option<String> {
+    let found = match fit.estimate(reading) {
+        Ok(estimate) => estimate.indentation,
+        Err(error) => return Some(unchecked(&error)),
+    };
+    let off = (told.value - found.value).abs() / libm::hypot(told.std, found.std);
+    if off <= APART {
+        return None;
+    }
+    let [value, fitted, std] = [told.value, found.value, found.std].map(Number::rounded);
+    if !off.is_finite() {
+        return Some(format!(
+            "the readings alone do not bound the indentation: the stated one, {value} {unit}, cannot be checked"
+        ));
+    }
+    Some(format!(
+        "the indentation is stated as {value} {unit}, but the readings alone say {fitted} +- {std} {unit}: they differ by {off:.1} standard deviations, and the curvature is not to be trusted"
+    ))
+}
+
+fn unchecked(error: &PressError) -> String {
+    format!("the readings alone tell no indentation, so the stated one cannot be checked: {error}")
+}
+
+/// The warning of markers that were left out as wrong; `distances` are those of all markers from the contact, and
+/// `is_told` says whether an indentation is stated.
+pub(super) fn left_out(
+    wrong: &[Row],
+    distances: &[f64],
+    contact_radius: f64,
+    is_told: bool,
+) -> Option<String> {
+    let stated = if is_told {
+        "the indentation or the sensor"
+    } else {
+        "the sensor"
+    };
+    if wrong.is_empty() {
+        return None;
+    }
+    let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
+    let distance = |row: &Row| distances.get(row.row - 1).copied().unwrap_or(f64::INFINITY);
+    let of_contact = |row: &&Row| {
+        let distance = distance(row);
+        distance <= nearest || distance < contact_radius
+    };
+    let (count, all) = (wrong.len(), distances.len());
+    let left = format!("{count} of {all} markers contradict the others and are left out");
+    Some(match wrong.iter().find(of_contact) {
+        Some(row) => {
+            let line = row
+                .line
+                .map_or(String::new(), |line| format!(", line {line}"));
+            format!(
+                "{left}, among them one of the contact itself (row {}{line}): what is stated of {stated} may be wrong instead",
+                row.row
+            )
+        }
+        None => left,
+    })
+}
+
+/// Standard deviations, of residuals whose signs are drawn, past which neighbours go together by no chance.
+const TOGETHER: f64 = 4.0;
+
+/// Root mean square of residuals, as a share of the largest displacement, below which they may be rounding.
+const ROUNDING: f64 = 1e-3;
+
+/// Number of markers up to which neighbours are sought, which takes its square of steps.
+const MOST_MARKERS: usize = 2000;
+
+/// The warning of residuals that are alike between neighbours: the press is not one of the body that is stated.
+/// `residuals` are those of normal displacements, 0 where a marker does not count, and `largest` the largest of these.
+pub(super) fn structure(places: &[[f64; 2]], residuals: &[f64], largest: f64) -> Option<String> {
+    let squares: f64 = residuals.iter().map(|one| one * one).sum();
+    let rms = (squares / residuals.len().max(1) as f64).sqrt();
+    if places.len() > MOST_MARKERS || rms <= ROUNDING * largest {
+        return None;
+    }
+    let away =
+        |[x, y]: [f64; 2], other: usize| libm::hypot(places[other][0] - x, places[other][1] - y);
+    let neighbour = |marker: usize| {
+        let others = (0..places.len()).filter(|&other| other != marker);
+        others.min_by(|&one, &other| {
+            let at = places[marker];
+            away(at, one).total_cmp(&away(at, other))
+        })
+    };
+    let neighbours: Vec<Option<usize>> = (0..places.len()).map(neighbour).collect();
+    let (mut sum, mut variance) = (0.0, 0.0);
+    for (marker, other) in neighbours.iter().enumerate() {
+        let Some(other) = *other else {
+            continue;
+        };
+        // A pair of nearest neighbours of each other counts once.
+        if neighbours[other] != Some(marker) || marker < other {
+            let product = residuals[marker] * residuals[other];
+            sum += product;
+            variance += product * product;
+        }
+    }
+    (sum > TOGETHER * variance.sqrt()).then(|| {
+        "the residuals of neighbouring markers go together: this is not the press of the body that is stated (its kind, thickness, depth of markers, radius or indentation)".to_owned()
+    })
+}
+
+/// The warning of residuals that the stated noise does not explain, or that are smaller than it says. `freedom` is
+/// about the number of equations beyond the unknowns.
+pub(super) fn noise(estimate: &PressEstimate, freedom: usize) -> Option<String> {
+    let ratio = estimate.reduced_chi_squared.sqrt();
+    // Its standard deviation by chance is about 1/√(2 freedom).
+    let chance = 1.0 + 3.0 / (2.0 * freedom.max(1) as f64).sqrt();
+    if ratio > LARGE_RESIDUALS.max(chance) {
+        return Some(format!(
+            "the residuals are {ratio:.1} times the noise that is given: intervals are too narrow"
+        ));
+    }
+    (ratio * LARGE_RESIDUALS < 1.0 && freedom >= MANY).then(|| {
+        let times = Number::rounded(ratio.recip());
+        format!("the noise that is given is {times} times the residuals: intervals are too wide")
+    })
+}
