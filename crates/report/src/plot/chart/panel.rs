@@ -35,6 +35,9 @@ impl Placed<'_> {
         for line in self.panel.lines.iter().filter(marked) {
             let crowded = line.runs.iter().map(Vec::len).sum::<usize>() > MANY_POINTS;
             let size = if crowded { 0.6 * MARKER } else { MARKER };
+            for place in &line.circled {
+                canvas.circle(self.axes.at(*place), 1.4 * size + 2.0, INK);
+            }
             for place in line.runs.iter().flatten() {
                 let place = self.axes.at(*place);
                 canvas.marker(line.style.marker, place, size, line.style.colour);
