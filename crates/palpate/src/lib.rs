@@ -40,6 +40,7 @@ mod columns;
 mod costs;
 mod facts;
 mod map;
+mod means;
 mod plan;
 mod readings;
 mod simulation;
