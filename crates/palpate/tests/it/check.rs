@@ -208,7 +208,7 @@ fn plots_that_would_not_be_drawn_are_refused_before_the_run_in_the_same_words() 
         (
             plain.replace("mean", "trials"),
             "plot.0",
-            "several rows share scene.object.radius = 50",
+            "several rows share scene.object.radius = 5; ",
         ),
         (
             format!(
@@ -227,7 +227,7 @@ fn plots_that_would_not_be_drawn_are_refused_before_the_run_in_the_same_words() 
                 "[[sweep]]\npaths = [\"seed\", \"scene.motion.duration_s\"]\nvalues = [[1, 0.5], [2, 0.5]]\n[[plot]]\nx = \"scene.motion.duration_s\"\ny = \"mean\"\nseries = \"scene.object.radius\"\n{one}"
             ),
             "plot.0",
-            "several rows share scene.object.radius = 50, scene.motion.duration_s = 0.5",
+            "several rows share scene.object.radius = 5, scene.motion.duration_s = 0.5",
         ),
     ] {
         let desk = Desk::with(&format!("{STUDY}{sections}"));
