@@ -106,12 +106,6 @@ impl Canvas {
         self.push(Form::Disc(centre, radius), colour);
     }
 
-    /// A thin circle on white.
-    pub(crate) fn circle(&mut self, centre: Point, radius: f64, colour: Colour) {
-        self.disc(centre, radius, colour);
-        self.disc(centre, radius - 1.5, WHITE);
-    }
-
     /// A line of text whose middle height is at `place`.
     pub(crate) fn text(
         &mut self,
