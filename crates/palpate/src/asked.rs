@@ -1,4 +1,4 @@
-//! What a study asks for beside its tables: plots that can be drawn, and claims that somebody made.
+//! Requests of a study beside its tables: plots that can be drawn, and claims that somebody made.
 
 use palpate_report::{Files, figure, is_claim};
 use palpate_scene::quantities_of;

@@ -94,5 +94,5 @@ pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec
 /// golden ratio modulo 1, as fractions of 2⁶⁴).
 fn spread(number: usize, count: usize) -> usize {
     let fraction = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    (u128::from(fraction) * count as u128 >> 64) as usize
+    ((u128::from(fraction) * count as u128) >> 64) as usize
 }

@@ -83,7 +83,7 @@ fn many_short_axes_have_each_value_and_each_pair_of_ends() {
     let sample = study.sample();
     assert!(sample.len() < 10_000);
     for (a, b) in [(0, 1), (0, 13), (5, 9)] {
-        assert!(sample.contains(&(1 << a | 1 << b)), "{a} {b}");
+        assert!(sample.contains(&((1 << a) | (1 << b))), "{a} {b}");
     }
 }
 
