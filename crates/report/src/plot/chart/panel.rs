@@ -40,7 +40,7 @@ impl Placed<'_> {
             if crowded { 0.6 * MARKER } else { MARKER }
         };
         for (width, colour) in [(CIRCLE, INK), (0.0, WHITE)] {
-            for line in &marked {
+            for &line in &marked {
                 for place in &line.circled {
                     canvas.disc(self.axes.at(*place), 1.7 * size(line) + width, colour);
                 }
