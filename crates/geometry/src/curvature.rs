@@ -226,9 +226,9 @@ pub enum InvalidThresholds {
     },
     /// `K > 0` with `H = 0` would appear, which no surface has.
     #[error(
-        "gaussian threshold {gaussian} is below the square of the mean threshold {mean} ({}); \
+        "gaussian threshold {gaussian} is below the square of the mean threshold {mean}{}; \
          then the impossible class K > 0, H = 0 appears",
-        Number(mean * mean),
+        square(*mean),
         gaussian = Number(*gaussian),
         mean = Number(*mean)
     )]
@@ -238,6 +238,15 @@ pub enum InvalidThresholds {
         /// The mean threshold, 1/length.
         mean: f64,
     },
+}
+
+/// Square of a number in brackets, where it is one.
+fn square(number: f64) -> String {
+    let square = number * number;
+    match square.is_finite() {
+        true => format!(" ({})", Number(square)),
+        false => String::new(),
+    }
 }
 
 impl ShapeThresholds {

@@ -12,10 +12,7 @@ use crate::reach::SQUARABLE;
 #[strum(serialize_all = "kebab-case")]
 pub enum SurfaceError {
     /// The surface does not reach there, or its formula is undefined there.
-    #[error(
-        "the surface is not defined, or not smooth, at x = {x}, y = {y}",
-        x = Number(*x), y = Number(*y)
-    )]
+    #[error("the surface is not defined, or not smooth, {}", place([("x", x), ("y", y)]))]
     OffDomain {
         /// Coordinate in the surface's frame.
         x: f64,
@@ -23,7 +20,7 @@ pub enum SurfaceError {
         y: f64,
     },
     /// The chart (not the surface) is singular there, or does not reach that far.
-    #[error("the chart is singular at u = {u}, v = {v}", u = Number(*u), v = Number(*v))]
+    #[error("the chart is singular {}", place([("u", u), ("v", v)]))]
     ChartSingular {
         /// First parameter.
         u: f64,
@@ -43,6 +40,15 @@ pub enum SurfaceError {
         /// Coordinate of the query point.
         z: f64,
     },
+}
+
+/// Words for a place, by the names and values of its coordinates.
+fn place(coordinates: [(&str, &f64); 2]) -> String {
+    if coordinates.iter().any(|(_, value)| !value.is_finite()) {
+        return "at a place beyond the range of numbers".to_owned();
+    }
+    let words = coordinates.map(|(name, value)| format!("{name} = {}", Number(*value)));
+    format!("at {}", words.join(", "))
 }
 
 impl SurfaceError {

@@ -1,5 +1,6 @@
 //! Forecast of what a study will do, without running it.
 
+use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
@@ -9,6 +10,7 @@ use palpate_study::config::{
 };
 use palpate_sweep::{Clock, Pace, Runner, SweepError, Trial, spread};
 
+use crate::asked::refuse;
 use crate::costs::{self, Cost};
 use crate::plan::bare;
 use crate::trial::SceneTrial;
@@ -18,13 +20,18 @@ use crate::trial::SceneTrial;
 const SETTING_UP: Duration = Duration::from_millis(800);
 const TIMING: Duration = Duration::from_millis(300);
 const LADDERS: Duration = Duration::from_millis(600);
+/// Longest trial of a roll whose ladder is measured.
+const LONG_TRIAL: Duration = Duration::from_millis(50);
 
 /// Valid study: what a run of it will do, and what that will cost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
     /// Number of cells.
     pub cells: usize,
-    /// Number of cells that were set up as they are run; the others were checked without a camera, to be quick.
+    /// Number of cells whose settings were checked together; of the others each swept value was checked by itself.
+    pub checked: usize,
+    /// Number of cells that were set up as they are run; of the others as many as there was time for were set up without a
+    /// camera.
     pub set_up: usize,
     /// Number of the cells set up that run a single trial, because nothing in them is random.
     pub single: usize,
@@ -71,7 +78,9 @@ pub enum Rungs {
     },
 }
 
-/// Checks a study: sets up its cells, as many as there is time for, measures their models, and times a few trials.
+/// Checks a study: sets up its cells, as many as there is time for, measures their models, and times a few trials. Of a study
+/// of many cells it sets up those of the [sample](Study::sample). `progress` is told the number of cells looked at so far,
+/// and of how many.
 ///
 /// ```
 /// use std::time::Instant;
@@ -93,48 +102,51 @@ pub enum Rungs {
 /// let study = palpate::parse("balls.toml", text)?;
 /// let runner = Runner::new(&RunOptions::default())?;
 /// let start = Instant::now();
-/// let check = palpate::check(&study, &runner, &|| start.elapsed())?;
+/// let check = palpate::check(&study, &runner, &|| start.elapsed(), &|_, _| ())?;
 /// assert_eq!((check.cells, check.trials), (2, 200));
 /// assert!(check.groups[0].needs[0].starts_with("closed form"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// [`SweepError::SetUp`] at the field of the first cell found that makes no scene; [`SweepError`] where trials cannot be
-/// timed.
+/// [`SweepError::SetUp`] as [`refuse`], and at the field of the first cell found that makes no scene; [`SweepError`] where
+/// trials cannot be timed.
 pub fn check(
     study: &Study,
     runner: &Runner,
     clock: &Clock<'_>,
+    progress: &dyn Fn(usize, usize),
 ) -> Result<Check, SweepError<ConfigError>> {
+    refuse(study).map_err(SweepError::SetUp)?;
     let start = clock();
-    let scenes = scenes(study, clock).map_err(SweepError::SetUp)?;
+    let scenes = scenes(study, clock, progress).map_err(SweepError::SetUp)?;
     let share = study.cell_count() as f64 / scenes.len() as f64;
     let planning = clock().saturating_sub(start).as_secs_f64() * share;
     let trials: Vec<u64> = scenes.iter().map(CellScene::trials).collect();
-    let known: u64 = trials.iter().sum();
-    let is_unknown = |number: &usize| {
-        let place = scenes.binary_search_by_key(number, |one| one.number);
-        place.is_err()
-    };
-    let unknown = (0..study.cell_count()).filter(is_unknown);
-    let unknown = unknown.filter_map(|number| study.cell(number).ok());
-    let unknown: u64 = unknown.map(|cell| cell.config.trials).sum();
-    let groups = groups(study, &scenes, clock).map_err(SweepError::SetUp)?;
+    let known = sum(trials.iter().copied());
+    let asked = sum(scenes.iter().map(|one| one.config.trials));
+    let trials_of_all = study.trials().saturating_sub(asked).saturating_add(known);
     let timed: Vec<&SceneTrial> = scenes.iter().map(|one| &one.trial).collect();
     let pace = Pace::of(runner, &timed, TIMING, clock)
         .map_err(|error| error.map_set_up(|never| match never {}))?;
-    let of_all = (known + unknown) as f64 / known as f64;
+    let groups = groups(study, &scenes, &pace, clock).map_err(SweepError::SetUp)?;
+    let of_all = study.trials() as f64 / asked as f64;
     let threads = runner.threads();
     Ok(Check {
         cells: study.cell_count(),
+        checked: study.sample().len(),
         set_up: scenes.len(),
         single: trials.iter().filter(|&&trials| trials == 1).count(),
-        trials: known + unknown,
+        trials: trials_of_all,
         groups,
         seconds: planning + of_all * pace.run_seconds(&trials, threads),
         threads,
     })
+}
+
+/// Sum of counts, at most the largest number of 64 bits.
+fn sum(counts: impl Iterator<Item = u64>) -> u64 {
+    counts.fold(0, u64::saturating_add)
 }
 
 /// Cell that has been set up.
@@ -167,16 +179,25 @@ impl CellScene {
     }
 }
 
-/// Scenes of the cells, in order, as many as there is time for; once the time is up, presses are set up without a camera,
-/// and dropped.
-fn scenes(study: &Study, clock: &Clock<'_>) -> Result<Vec<CellScene>, ConfigError> {
-    let start = clock();
+/// Scenes of the cells of the study's sample, in order, as many as there is time for; once the time is up, presses are set
+/// up without a camera, and dropped, and where the sample is not the whole study, no more cells are.
+fn scenes(
+    study: &Study,
+    clock: &Clock<'_>,
+    progress: &dyn Fn(usize, usize),
+) -> Result<Vec<CellScene>, ConfigError> {
+    let (start, sample) = (clock(), study.sample());
+    let is_whole = sample.len() == study.cell_count();
     let mut scenes = Vec::new();
-    for number in spread(study.cell_count()) {
+    for (done, place) in spread(sample.len()).enumerate() {
+        progress(done, sample.len());
+        let number = sample[place];
+        let is_late = !scenes.is_empty() && clock().saturating_sub(start) >= SETTING_UP;
+        if is_late && !is_whole {
+            break;
+        }
         let config = study.cell(number)?.config;
-        let is_press = matches!(config.scene, SceneConfig::Press(_));
-        let is_late = clock().saturating_sub(start) >= SETTING_UP;
-        if is_press && !scenes.is_empty() && is_late {
+        if is_late && matches!(config.scene, SceneConfig::Press(_)) {
             Scene::new(&bare(&config.scene), config.seed)
                 .map_err(|error| study.error_at(number, &error.path, error.message))?;
         } else {
@@ -195,28 +216,31 @@ fn scenes(study: &Study, clock: &Clock<'_>) -> Result<Vec<CellScene>, ConfigErro
 fn groups(
     study: &Study,
     scenes: &[CellScene],
+    pace: &Pace,
     clock: &Clock<'_>,
 ) -> Result<Vec<CellGroup>, ConfigError> {
     let mut groups: Vec<CellGroup> = Vec::new();
+    let mut places: HashMap<Vec<String>, usize> = HashMap::new();
     let mut firsts = Vec::new();
-    for one in scenes {
+    for (place, one) in scenes.iter().enumerate() {
         let needs = one.trial.scene.needs();
-        match groups.iter_mut().find(|known| known.needs == needs) {
-            Some(known) => known.cells += 1,
+        match places.get(&needs) {
+            Some(&known) => groups[known].cells += 1,
             None => {
+                places.insert(needs.clone(), groups.len());
                 groups.push(CellGroup {
                     cells: 1,
                     needs,
                     needless: Vec::new(),
                     rungs: Rungs::NotMeasured,
                 });
-                firsts.push(one);
+                firsts.push((place, one));
             }
         }
     }
     let deadline = clock() + LADDERS;
     let mut told: Vec<(SceneConfig, bool, usize)> = Vec::new();
-    for (group, one) in groups.iter_mut().zip(firsts) {
+    for (group, (place, one)) in groups.iter_mut().zip(firsts) {
         let cell = one.number;
         let (scene, has_camera) = (one.measured(), one.has_camera());
         let like = |known: &&(SceneConfig, bool, usize)| known.0 == scene && known.1 == has_camera;
@@ -224,7 +248,10 @@ fn groups(
             group.rungs = Rungs::AsIn(*other);
             continue;
         }
-        let in_time = clock() < deadline;
+        // The ladder of a roll follows its contacts on every rung, as a trial does on one.
+        let is_roll = matches!(one.config.scene, SceneConfig::Roll(_));
+        let is_long = is_roll && pace.seconds_per_trial(place) > LONG_TRIAL.as_secs_f64();
+        let in_time = clock() < deadline && !is_long;
         let ladder = match in_time {
             true => study.ladder_of(cell, &one.trial.scene)?,
             false => None,

@@ -2,7 +2,7 @@
 
 use palpate_scene::Scene;
 use palpate_study::Quantity;
-use palpate_study::config::Cell;
+use palpate_study::config::{Cell, SceneConfig};
 
 /// Facts about a scene that its trials do not change.
 #[derive(Debug)]
@@ -21,6 +21,19 @@ pub(crate) struct Facts {
 }
 
 impl Facts {
+    /// Facts about a cell without its scene: no truths, and no bounds on the standard deviations.
+    pub(crate) fn bare(cell: &Cell, quantities: &'static [Quantity]) -> Self {
+        let nothing = vec![None; quantities.len()];
+        Self {
+            coordinates: cell.coordinates.clone(),
+            trials: cell.config.trials,
+            quantities,
+            truths: nothing.clone(),
+            std_bounds: nothing,
+            states_bounds: matches!(cell.config.scene, SceneConfig::Press(_)),
+        }
+    }
+
     /// Facts about a cell and its scene.
     pub(crate) fn of(scene: &Scene, cell: Cell) -> Self {
         let quantities = scene.quantities();

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | read a study | [`load`] from a file, [`parse`] from a text with a name |
 //! | see what it will do | [`check`] |
+//! | refuse what it asks for and cannot have | [`refuse`] |
 //! | choose its trials from a budget of time or a target error | [`plan`] |
 //! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
 //! | follow one pass of a cell | [`trace`] |
@@ -33,11 +34,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod asked;
 mod check;
 mod columns;
 mod costs;
 mod facts;
 mod map;
+mod means;
 mod plan;
 mod readings;
 mod simulation;
@@ -45,6 +48,7 @@ mod tables;
 mod trace;
 mod trial;
 
+pub use asked::refuse;
 pub use check::{CellGroup, Check, Rungs, check};
 pub use columns::{Column, Values, columns};
 pub use costs::Cost;

@@ -74,10 +74,12 @@ struct Chosen {
 
 impl Chosen {
     fn new(study: Study, numbers: Vec<usize>) -> Self {
-        let swept = |path: &String| path == "scene" || path.starts_with("scene.model");
-        let is_auto = |cell: config::Cell| with_tolerance(&cell.config.scene, 0.1).is_some();
+        let swept = |path: &String| {
+            ["scene", "scene.kind"].contains(&path.as_str()) || path.starts_with("scene.model")
+        };
+        let is_auto = with_tolerance(&study.config.scene, 0.1).is_some();
         Self {
-            is_auto: !study.paths.iter().any(swept) && study.cells().all(is_auto),
+            is_auto: is_auto && !study.paths.iter().any(swept),
             study,
             numbers,
         }

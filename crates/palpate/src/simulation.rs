@@ -12,6 +12,7 @@ use thiserror::Error;
 
 use crate::facts::Facts;
 use crate::map::{CellMap, Map};
+use crate::means;
 use crate::tables::{self, Row};
 use crate::trial::SceneTrial;
 
@@ -180,9 +181,12 @@ impl<'a> Simulation<'a> {
                 arch: self.arch,
             })
         };
-        let statistics = self
+        let mut statistics = self
             .runner
             .run_until(cancelled, &trials, set_up, progress)?;
+        for (cell, statistics) in self.cells.iter().zip(&mut statistics) {
+            means::withhold(cell.facts.quantities, &mut statistics.quantities);
+        }
         let rows: Vec<Row<'_>> = self.cells.iter().zip(&statistics).map(Row::from).collect();
         Ok(Ran {
             cells: tables::cells(self.study, &rows),

@@ -81,6 +81,11 @@ fn statistics_of(cell: &CellStatistics, summary: &Summary) -> Vec<String> {
         cell.trials.to_string(),
         cell.failed().to_string(),
     ];
+    // Without a spread they are the one estimate that there was.
+    let quantile = |value| match q05 == q95 {
+        true => value,
+        false => with_digits(value, truth),
+    };
     texts.extend(
         [
             mean,
@@ -90,15 +95,34 @@ fn statistics_of(cell: &CellStatistics, summary: &Summary) -> Vec<String> {
             mean_abs_error,
             relative_rms_error,
             relative_mean_abs_error,
-            q05,
-            q50,
-            q95,
+            quantile(q05),
+            quantile(q50),
+            quantile(q95),
             mean_reported_std,
             coverage95,
         ]
         .map(optional),
     );
     texts
+}
+
+/// Quantile with the digits that it has: its distance to the truth is right to one part in 256, and the last digit is that
+/// in which such a part begins.
+fn with_digits(quantile: Option<f64>, truth: Option<f64>) -> Option<f64> {
+    let (value, error) = (quantile?, (quantile? - truth?).abs());
+    if value == 0.0 || error == 0.0 {
+        return quantile;
+    }
+    let place = |number: f64| {
+        let text = format!("{number:e}");
+        text.split_once('e')
+            .and_then(|(_, place)| place.parse::<i32>().ok())
+    };
+    let digits = place(value)? - place(error / 256.0)?;
+    match usize::try_from(digits) {
+        Ok(digits) => format!("{value:.digits$e}").parse().ok(),
+        Err(_) => Some(0.0),
+    }
 }
 
 /// Table with one row per cell and kind of failure.
@@ -115,4 +139,26 @@ pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
         table.rows.extend(rows);
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_digits;
+
+    #[test]
+    fn quantiles_have_the_digits_that_their_histogram_tells() {
+        for (quantile, truth, shown) in [
+            // A part in 256 of 0.0023456 is 9e-6.
+            (0.0356789, 0.0333333, 0.035679),
+            (-755.306_709, -80.0, -755.0),
+            (1234.5678, 1234.5, 1234.5678),
+            (0.001, 80.0, 0.0),
+            (80.0, 80.0, 80.0),
+            (0.0, 80.0, 0.0),
+        ] {
+            assert_eq!(with_digits(Some(quantile), Some(truth)), Some(shown));
+        }
+        assert_eq!(with_digits(None, Some(1.0)), None);
+        assert_eq!(with_digits(Some(1.0), None), None);
+    }
 }

@@ -63,6 +63,11 @@ pub struct Score {
     pub why: String,
 }
 
+/// Whether a published claim has this number.
+pub fn is_claim(number: u32) -> bool {
+    CLAIMS.iter().any(|claim| claim.number == number)
+}
+
 /// A claim and the function that reads the tables for it: a finding, or what they lack.
 struct Claim {
     number: u32,

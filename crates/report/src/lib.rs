@@ -29,7 +29,7 @@ mod table;
 mod tradeoff;
 mod words;
 
-pub use claims::{Score, Verdict, claims_csv, score};
+pub use claims::{Score, Verdict, claims_csv, is_claim, score};
 pub use error::ReportError;
 pub use files::Files;
 pub use page::page;

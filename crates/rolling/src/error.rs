@@ -40,10 +40,7 @@ pub enum RollFault {
 
 /// A roll that ended early: why, when and where.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[error(
-    "{fault}, {time_s} s into the motion at ({}, {}, {})",
-    Number(on_object.x), Number(on_object.y), Number(on_object.z), time_s = Number(*time_s)
-)]
+#[error("{fault}, {time_s} s into the motion{}", place(on_object), time_s = Number(*time_s))]
 pub struct RollError {
     /// Reason for which the roll ended.
     pub fault: RollFault,
@@ -51,6 +48,15 @@ pub struct RollError {
     pub time_s: f64,
     /// The last contact on the object, in its frame.
     pub on_object: Point3<f64>,
+}
+
+/// Words for a place, where its numbers are finite.
+fn place(place: &Point3<f64>) -> String {
+    let [x, y, z] = [place.x, place.y, place.z];
+    match [x, y, z].iter().all(|one| one.is_finite()) {
+        true => format!(" at ({}, {}, {})", Number(x), Number(y), Number(z)),
+        false => ", beyond the range of numbers".to_owned(),
+    }
 }
 
 impl RollError {

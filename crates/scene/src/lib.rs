@@ -28,7 +28,7 @@ pub use pattern::CutPattern;
 pub use plan::PlanError;
 pub use press::{PressFailure, PressScene};
 pub use roll::{Arch, LANES, RollScene, SideBySide};
-pub use scene::{Scene, Scenes};
+pub use scene::{Scene, Scenes, quantities_of};
 pub use trace::{SeenPress, Trace, TraceError};
 pub use trials::{Outcome, Trials};
 

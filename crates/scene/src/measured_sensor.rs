@@ -2,7 +2,7 @@
 
 use palpate_chromatouch::{Camera, FoldStrain, Layout, Lens};
 use palpate_study::Quantity;
-use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName};
+use palpate_study::config::{BareFingertipConfig, LengthUnit, LensName, PressProbeConfig};
 
 use crate::map::MapTable;
 use crate::marker_sphere::{LAYOUT, MarkerSphere, of_optics};
@@ -19,6 +19,24 @@ pub struct MeasuredSensor {
 }
 
 impl MeasuredSensor {
+    /// Quantities that the sensor of a config shows: strains of folding where it is cut in gores, and areas where it has
+    /// discs.
+    pub(crate) fn quantities_of(probe: &PressProbeConfig) -> &'static [Quantity] {
+        let sphere = MarkerSphere::of(probe);
+        let all: &'static [Quantity] = &[
+            Quantity::GREATEST_FOLD_STRAIN,
+            Quantity::RMS_FOLD_STRAIN,
+            Quantity::MARKER_AREA,
+        ];
+        let has_folds = matches!(sphere.layout, Layout::Gores { .. });
+        match (has_folds, sphere.discs.is_some()) {
+            (true, true) => all,
+            (true, false) => &all[..2],
+            (false, true) => &all[2..],
+            (false, false) => &[],
+        }
+    }
+
     /// The sensor that a config describes.
     ///
     /// # Errors
@@ -42,22 +60,12 @@ impl MeasuredSensor {
             values.push(area(&sphere, config)?);
             needs.push("image area of a marker: closed form, no pixels".to_owned());
         }
-        let quantities: &'static [Quantity] = match (has_folds, has_discs) {
-            (true, true) => &[
-                Quantity::GREATEST_FOLD_STRAIN,
-                Quantity::RMS_FOLD_STRAIN,
-                Quantity::MARKER_AREA,
-            ],
-            (true, false) => &[Quantity::GREATEST_FOLD_STRAIN, Quantity::RMS_FOLD_STRAIN],
-            (false, true) => &[Quantity::MARKER_AREA],
-            (false, false) => {
-                let message =
-                    "has neither `discs` nor a layout with gores: there is nothing to tell";
-                return Err(PlanError::at("scene.probe", message));
-            }
-        };
+        if !has_folds && !has_discs {
+            let message = "has neither `discs` nor a layout with gores: there is nothing to tell";
+            return Err(PlanError::at("scene.probe", message));
+        }
         Ok(Self {
-            quantities,
+            quantities: Self::quantities_of(&config.probe),
             values,
             needs,
         })

@@ -2,6 +2,7 @@
 
 use std::ops::Deref;
 
+use palpate_study::Quantity;
 use palpate_study::config::{ConfigError, SceneConfig, Study};
 
 use crate::glide::GlideScene;
@@ -56,6 +57,16 @@ impl Deref for Scene {
             Self::Press(press) => press,
             Self::Sensor(sensor) => sensor,
         }
+    }
+}
+
+/// Quantities that the scene of a config observes, as [`Trials::quantities`], without the scene.
+pub fn quantities_of(config: &SceneConfig) -> &'static [Quantity] {
+    match config {
+        SceneConfig::Roll(_) => &RollScene::QUANTITIES,
+        SceneConfig::Glide(_) => &GlideScene::QUANTITIES,
+        SceneConfig::Press(press) => PressScene::quantities_of(press),
+        SceneConfig::Fingertip(sensor) => MeasuredSensor::quantities_of(&sensor.probe),
     }
 }
 

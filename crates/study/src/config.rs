@@ -4,7 +4,7 @@
 //!
 //! 1. `tree`: the text becomes a tree in which every key and value knows its bytes;
 //! 2. `sweep`, `grid`: the `[[sweep]]` axes multiply; a cell is the tree with one combination of values put in;
-//! 3. `validate`: each cell's tree is walked against the JSON Schema of the config ([`schema()`]), the one place where
+//! 3. `validate`: each cell's tree (of a study of many cells: those of a `sample`, and every swept value) is walked against the JSON Schema of the config ([`schema()`]), the one place where
 //!    keys, types, kinds and limits are known;
 //! 4. the tree becomes a [`StudyConfig`], and the few rules that join several fields are checked.
 //!
@@ -25,6 +25,7 @@ mod plot;
 mod press;
 mod resolved;
 mod roll;
+mod sample;
 mod schema;
 mod settings;
 mod study;

@@ -149,6 +149,12 @@ quantities! {
 }
 
 impl Quantity {
+    /// Quantity of which this one is the inverse, and that may be of either sign: where the trials leave its sign undecided,
+    /// this one has quantiles but neither a mean nor a standard deviation.
+    pub fn inverse_of(self) -> Option<Self> {
+        (self == Self::OBJECT_RADIUS).then_some(Self::OBJECT_CURVATURE)
+    }
+
     /// The quantity of this name, if there is one.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|one| one.name == name)

@@ -20,7 +20,8 @@ pub enum Statistic {
     Trials,
     /// Number of trials that failed.
     Failures,
-    /// Mean of the estimates.
+    /// Mean of the estimates; none, like the other means and standard deviations, of an inverse whose sign the trials leave
+    /// undecided ([`Quantity::inverse_of`]).
     Mean,
     /// Standard deviation of the estimates.
     Std,
@@ -34,11 +35,12 @@ pub enum Statistic {
     RelativeRmsError,
     /// Mean of the errors' sizes as shares of the true value.
     RelativeMeanAbsError,
-    /// 5 % quantile of the estimates.
+    /// 5 % quantile of the estimates. It comes from a histogram of 128 bins per octave of the error: its distance to the
+    /// true value is right to 0.4 %, and tables show no digit beyond those that it has so.
     Q05,
-    /// Median of the estimates.
+    /// Median of the estimates, as exact as `Q05`.
     Q50,
-    /// 95 % quantile of the estimates.
+    /// 95 % quantile of the estimates, as exact as `Q05`.
     Q95,
     /// Mean of the standard deviations that the estimator reports.
     MeanReportedStd,

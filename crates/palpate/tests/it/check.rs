@@ -136,3 +136,227 @@ fn the_rung_that_is_marked_is_the_one_that_is_chosen_behind_a_camera_too() {
         );
     }
 }
+
+/// Two long axes of a study of two swept fields.
+fn swept(counts: [usize; 2]) -> String {
+    let axis = |path: &str, from: f64, to: f64, count: usize| {
+        format!("[[sweep]]\npath = \"{path}\"\nfrom = {from}\nto = {to}\ncount = {count}\n")
+    };
+    let first = axis("scene.object.radius", 20.0, 80.0, counts[0]);
+    let other = axis("scene.motion.duration_s", 0.5, 1.0, counts[1]);
+    format!("{SCENE}{first}{other}")
+}
+
+#[test]
+fn of_a_million_cells_a_sample_is_checked_and_that_is_said() {
+    for counts in [[1000, 1000], [1_000_000, 1], [1, 1_000_000]] {
+        let text = swept(counts);
+        let text = match counts {
+            [1, _] => edited(&text, "from = 20\nto = 80", "from = 20\nto = 20"),
+            [_, 1] => edited(&text, "from = 0.5\nto = 1", "from = 1\nto = 1"),
+            _ => text,
+        };
+        let printed = Desk::with(&text).palpate("check c.toml").printed();
+        let all = counts[0] * counts[1];
+        assert!(
+            printed.contains(&format!("cells   {all}, of which ")),
+            "{printed}"
+        );
+        assert!(printed.contains("\ntrials  at most "), "{printed}");
+        assert!(
+            printed.contains("sample  every swept value by itself; "),
+            "{printed}"
+        );
+        assert!(printed.contains(" cells as combinations: "), "{printed}");
+    }
+}
+
+#[test]
+fn of_few_cells_all_are_checked_and_no_sample_is_named() {
+    let printed = Desk::with(&swept([100, 20]))
+        .palpate("check c.toml")
+        .printed();
+    assert!(
+        printed.contains("cells   2000, of which 2000 run a single trial\n"),
+        "{printed}"
+    );
+    assert!(!printed.contains("sample"), "{printed}");
+}
+
+#[test]
+fn more_cells_than_can_be_are_refused_by_run_and_check() {
+    let desk = Desk::with(&swept([1_000_000, 1_000_000]));
+    for command in ["check c.toml", "run c.toml --out o"] {
+        let said = desk.palpate(command).said(2);
+        assert!(
+            said.contains("1000000000000 cells; at most 1000000 are allowed"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn plots_that_would_not_be_drawn_are_refused_before_the_run_in_the_same_words() {
+    let plain = "[[plot]]\nx = \"scene.object.radius\"\ny = \"mean\"\n";
+    let one = "quantity = \"arc_length\"\n";
+    for (sections, path, words) in [
+        (
+            format!("{plain}quantity = \"radius\"\n"),
+            "plot.0.quantity",
+            "quantity = \"radius\" is no column; known: ",
+        ),
+        (
+            plain.replace("mean", "trials"),
+            "plot.0",
+            "several rows share scene.object.radius = 5; ",
+        ),
+        (
+            format!(
+                "{plain}{one}scale = \"log-y\"\n[[plot.marks]]\naxis = \"y\"\nvalue = -1.0\nlabel = \"a\"\n"
+            ),
+            "plot.0",
+            "the mark at y = -1 is ",
+        ),
+        (
+            format!("{plain}{one}{plain}{one}compare = \"trials\"\n"),
+            "plot.1.compare",
+            "compare = \"trials\" (in \"\") has another unit than y = \"mean\" (in \"mm\")",
+        ),
+        (
+            format!(
+                "[[sweep]]\npaths = [\"seed\", \"scene.motion.duration_s\"]\nvalues = [[1, 0.5], [2, 0.5]]\n[[plot]]\nx = \"scene.motion.duration_s\"\ny = \"mean\"\nseries = \"scene.object.radius\"\n{one}"
+            ),
+            "plot.0",
+            "several rows share scene.object.radius = 5, scene.motion.duration_s = 0.5",
+        ),
+    ] {
+        let desk = Desk::with(&format!("{STUDY}{sections}"));
+        let said = desk.palpate("check c.toml").said(2);
+        assert!(said.contains(&format!(": {path}: ")), "{said}");
+        assert_eq!(said, desk.palpate("run c.toml --out o").said(2));
+        assert_eq!(desk.names("o"), [""; 0]);
+
+        // The words of `plot`, where the plot is added to the tables of a run.
+        let without = sections.find("[[plot]]").unwrap();
+        desk.write("c.toml", format!("{STUDY}{}", &sections[..without]));
+        desk.palpate("run c.toml --out o").printed();
+        let run = desk.read("o/run.toml");
+        desk.write("o/run.toml", format!("{run}\n{}", &sections[without..]));
+        let drawn = desk.palpate("plot o").said(1);
+        assert!(drawn.contains(words), "{drawn}");
+        assert!(said.contains(words), "{said}");
+    }
+}
+
+#[test]
+fn plots_that_trials_may_draw_are_not_refused() {
+    for sections in [
+        "[[plot]]\nx = \"truth\"\ny = \"mean\"\nquantity = \"normal_curvature_u\"\n",
+        "[[plot]]\nx = \"scene.object.radius\"\ny = \"trials\"\nseries = \"quantity\"\n",
+        "[[plot]]\nx = \"mean\"\ny = \"std\"\nquantity = \"arc_length\"\nscale = \"log-log\"\n",
+        "[[sweep]]\npath = \"seed\"\nvalues = [1, 2]\n[[plot]]\nx = \"scene.object.radius\"\ny = \"mean\"\n\
+         quantity = \"arc_length\"\nwhere = { seed = 2 }\n",
+    ] {
+        let desk = Desk::with(&format!("{STUDY}{sections}"));
+        desk.palpate("check c.toml").printed();
+        desk.palpate("run c.toml --out o").printed();
+        desk.palpate("plot o").printed();
+    }
+}
+
+#[test]
+fn claims_that_nobody_made_and_configs_of_a_later_version_are_refused() {
+    for (line, words) in [
+        (
+            "claims = [2, 999]",
+            "c.toml:1:14: claims.1: there is no claim 999",
+        ),
+        (
+            "crate_version = \"99.0.0\"",
+            "c.toml:1:17: crate_version: the config is of version 99.0.0, and this is ",
+        ),
+        (
+            "crate_version = \"old\"",
+            "c.toml:1:17: crate_version: \"old\" is no version",
+        ),
+        (
+            "crate_version = 3",
+            "c.toml:1:17: crate_version: expected a string, found the integer 3",
+        ),
+    ] {
+        let desk = Desk::with(&format!("{line}\n{STUDY}"));
+        for command in ["check c.toml", "run c.toml --out o"] {
+            let said = desk.palpate(command).said(2);
+            assert!(said.contains(words), "{said}");
+        }
+        assert_eq!(desk.names("o"), [""; 0]);
+    }
+    for version in ["0.0.1", env!("CARGO_PKG_VERSION")] {
+        let text = format!("crate_version = \"{version}\"\n{STUDY}");
+        Desk::with(&text).palpate("check c.toml").printed();
+    }
+}
+
+/// Scenes whose numbers are set to extremes, as their texts say them.
+const EXTREME: [&str; 3] = [
+    "probe = { kind = \"sphere\", radius = 10.0 }\nobject = { kind = \"sphere\", radius = 30.0 }\n\
+     motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }\n\
+     sensor = { kind = \"pads\", pitch = 0.5, layout = \"uniform\", offset = \"random\" }\n",
+    "probe = { kind = \"marker-sphere\", radius = 20.0, marker_depth = 2.0 }\nobject = { kind = \"sphere\", radius = 80.0 }\n\
+     motion = { indentation = 1.0, contact_deg = [0.0, 0.0] }\n\
+     model = { kind = \"auto\", thickness = 15.0, tolerance = 0.1 }\n\
+     noise = { normal_displacement = { kind = \"gaussian\", std = 0.05 } }\n",
+    "probe = { kind = \"sphere\", radius = 5.0 }\nobject = { kind = \"saddle\", a = 0.1 }\n\
+     motion = { finger_positions = [-1.5, 0.0, 1.5], inter_finger_distance = 1.0, patch_length = 3.0, contacts_per_finger = 10 }\n\
+     evaluate = { grid = 10, half_width = 1.0, gaussian_threshold = 0.005, mean_threshold = 0.03 }\n",
+];
+
+#[test]
+fn no_number_of_a_roll_makes_check_print_nan_or_infinity() {
+    check_of_extremes_is_finite("roll", EXTREME[0]);
+}
+
+#[test]
+fn no_number_of_a_press_makes_check_print_nan_or_infinity() {
+    check_of_extremes_is_finite("press", EXTREME[1]);
+}
+
+#[test]
+fn no_number_of_a_glide_makes_check_print_nan_or_infinity() {
+    check_of_extremes_is_finite("glide", EXTREME[2]);
+}
+
+fn check_of_extremes_is_finite(kind: &str, scene: &str) {
+    let desk = Desk::new();
+    let numbers = |scene: &str| -> Vec<(usize, usize)> {
+        let places = scene.match_indices(|c: char| c.is_ascii_digit());
+        let starts = places.filter(|&(at, _)| {
+            let before = scene[..at].chars().next_back();
+            !before.is_some_and(|c| c.is_ascii_alphanumeric() || "._-".contains(c))
+        });
+        let end = |at: usize| {
+            let rest = &scene[at..];
+            at + rest
+                .find(|c: char| !c.is_ascii_digit() && c != '.')
+                .unwrap_or(rest.len())
+        };
+        starts.map(|(at, _)| (at, end(at))).collect()
+    };
+    for (start, end) in numbers(scene) {
+        for value in ["15.0", "1e-300", "1e6", "1e9", "1e300"] {
+            let text = format!(
+                "name = \"x\"\ntrials = 2\n[scene]\nkind = \"{kind}\"\n{}{value}{}",
+                &scene[..start],
+                &scene[end..]
+            );
+            desk.write("c.toml", &text);
+            let ended = desk.palpate("check c.toml");
+            let said = format!("{}{}", ended.stdout, ended.stderr);
+            assert!(matches!(ended.status, Some(0..=2)), "{text}{ended:?}");
+            assert!(!said.is_empty(), "{text}");
+            let mut words = said.split(|c: char| !c.is_ascii_alphanumeric());
+            let bad = words.find(|word| ["NaN", "nan", "inf"].contains(word));
+            assert_eq!(bad, None, "{text}{said}");
+        }
+    }
+}

@@ -19,6 +19,9 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     Lines::new(&selection)?.figure()
 }
 
+/// Share of failed trials above which a point stands for the survivors alone, and is marked so.
+const FEW_FAIL: f64 = 0.05;
+
 /// Points left out, by reason: how many, and of which series.
 type Skipped<'a> = BTreeMap<&'static str, (usize, Vec<&'a str>)>;
 
@@ -92,7 +95,9 @@ impl<'a> Lines<'a> {
         let panels: Vec<Panel> = values.into_iter().map(panel).collect();
         let marks = given::marks(&of.plot.marks, self.along()).map_err(|why| of.bad(why))?;
         let [x, y] = self.scales(&panels, &marks);
-        let words = of.words(self.subtitle(), self.notes(skipped));
+        let mut lines = panels.iter().flat_map(|panel| &panel.lines);
+        let is_circled = lines.any(|line| !line.circled.is_empty());
+        let words = of.words(self.subtitle(), self.notes(skipped, is_circled));
         let legend = Legend {
             points: points.legend(),
             ..self.legend()
@@ -134,10 +139,14 @@ impl<'a> Lines<'a> {
         let mut lines = Vec::new();
         for (style, rows) in series {
             for (statistic, dashed) in statistics.into_iter().flatten().zip([false, true]) {
+                let survivors = |row: &usize| !dashed && self.is_of_survivors(*row);
+                let survivors: Vec<usize> = rows.iter().copied().filter(survivors).collect();
+                let circled = self.runs(&survivors, statistic, &mut Skipped::new());
                 lines.push(Line {
                     style,
                     dashed,
                     runs: self.runs(&rows, statistic, skipped),
+                    circled: circled.concat(),
                 });
             }
         }
@@ -178,6 +187,13 @@ impl<'a> Lines<'a> {
             places.collect::<Vec<_>>()
         };
         runs.map(drawn).filter(|run| !run.is_empty()).collect()
+    }
+
+    /// Whether so many trials failed that the statistics of `row` tell of the others alone.
+    fn is_of_survivors(&self, row: usize) -> bool {
+        let count = |name| self.of.table.statistic(row, name).unwrap_or(0.0);
+        let is_of_trials = !["failures", "trials"].contains(&self.of.y);
+        is_of_trials && count("failures") > FEW_FAIL * count("trials")
     }
 
     /// Place of `row` along x.
@@ -272,7 +288,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Notes on the points that are not drawn or not counted, with reasons.
-    fn notes(&self, skipped: Skipped<'_>) -> Vec<String> {
+    fn notes(&self, skipped: Skipped<'_>, is_circled: bool) -> Vec<String> {
         let note = |(why, (count, series)): (&str, (usize, Vec<&str>))| {
             let points = match count {
                 1 => "1 point is".to_owned(),
@@ -289,7 +305,9 @@ impl<'a> Lines<'a> {
             format!("Not drawn: {points} {why}{of_which}.")
         };
         let failed = captions::failed(self.of.of.study, &self.of.rows);
-        let notes = skipped.into_iter().map(note).chain(failed);
+        let survivors = is_circled
+            .then(|| "Circled: points of which more than 5 % of the trials failed.".to_owned());
+        let notes = skipped.into_iter().map(note).chain(survivors).chain(failed);
         notes.chain(captions::absent(&self.of.absent)).collect()
     }
 }

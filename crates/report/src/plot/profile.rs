@@ -110,6 +110,7 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
         style,
         dashed,
         runs: runs.clone(),
+        circled: Vec::new(),
     };
     let mut truths: Vec<Line> = Vec::new();
     for (style, profile) in shown {

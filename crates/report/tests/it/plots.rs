@@ -301,3 +301,38 @@ fn many_and_long_names_make_no_endless_picture() {
     let width = attribute(&drawn(&cells.study(&config("sphere", plots))), "width");
     assert!(width < 1700.0, "{width}");
 }
+
+#[test]
+fn points_of_survivors_are_circled() {
+    let circles = |failures: [u64; 3]| {
+        let mut cells = Cells::new("scene.sensor.pitch_cm");
+        for (pitch, failures) in [0.1, 0.2, 0.4].into_iter().zip(failures) {
+            let numbers = Numbers::new(0.2, pitch);
+            cells.push(
+                &pitch.to_string(),
+                Numbers {
+                    failures,
+                    ..numbers
+                },
+            );
+        }
+        let plot = "\n[[plot]]\nx = \"scene.sensor.pitch\"\ny = \"relative_rms_error\"\ncompare = \"relative_mean_abs_error\"\n";
+        let svg = drawn(&cells.study(&config("sphere", plot)));
+        (svg.matches("<circle").count(), svg)
+    };
+    // Five of a hundred are no reason yet, six are.
+    let (plain, svg) = circles([0, 0, 5]);
+    assert!(!svg.contains("Circled"), "{svg}");
+    let (one, svg) = circles([0, 0, 6]);
+    shows(
+        &svg,
+        &["Circled: points of which more than 5 % of the trials failed."],
+    );
+    assert_eq!(one, plain + 2);
+    let (two, svg) = circles([0, 49, 6]);
+    shows(
+        &svg,
+        &["Circled: points of which more than 5 % of the trials failed."],
+    );
+    assert_eq!(two, plain + 4);
+}

@@ -117,6 +117,11 @@ impl GlideScene {
     }
 }
 
+impl GlideScene {
+    /// Quantities that every glide observes.
+    pub(crate) const QUANTITIES: [Quantity; QUANTITIES.len()] = QUANTITIES;
+}
+
 impl Trials for GlideScene {
     fn quantities(&self) -> &'static [Quantity] {
         &QUANTITIES

@@ -124,7 +124,9 @@ impl PressRungs {
         let held = |moved: Moved| -> Result<f64, String> {
             let fails = |error: PressError| error.to_string();
             let reference = reference.as_ref().map_err(|error| fails(*error))?;
-            Ok(distance(&moved.map_err(fails)?, reference))
+            let error = distance(&moved.map_err(fails)?, reference);
+            let still = || "no marker moves, so that no error is relative to it".to_owned();
+            error.is_finite().then_some(error).ok_or_else(still)
         };
         Ok(all
             .into_iter()

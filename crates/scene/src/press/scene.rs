@@ -18,7 +18,7 @@ use crate::plan::PlanError;
 use crate::trace::{Trace, TraceError};
 use crate::trials::{Outcome, Trials};
 use palpate_study::Quantity;
-use palpate_study::config::LengthUnit;
+use palpate_study::config::{LengthUnit, PressConfig, PressObjectConfig, PressSensorConfig};
 
 /// Quantities of a press that is read directly.
 static OF_DIRECT: [Quantity; 7] = [
@@ -219,17 +219,29 @@ impl PressScene {
     }
 }
 
+/// Quantities of a press, before a camera or not, on an object that has a radius or not.
+fn quantities(has_camera: bool, has_radius: bool) -> &'static [Quantity] {
+    let all: &[Quantity] = if has_camera { &OF_CAMERA } else { &OF_DIRECT };
+    let others = all.strip_suffix(&[Quantity::OBJECT_RADIUS]);
+    match has_radius {
+        true => all,
+        false => others.unwrap_or(all),
+    }
+}
+
+impl PressScene {
+    /// Quantities that the press of a config observes.
+    pub(crate) fn quantities_of(config: &PressConfig) -> &'static [Quantity] {
+        let is_direct = matches!(config.sensor, PressSensorConfig::Direct { .. });
+        let is_plane = matches!(config.object, PressObjectConfig::Plane {});
+        quantities(!is_direct, !is_plane)
+    }
+}
+
 impl Trials for PressScene {
     fn quantities(&self) -> &'static [Quantity] {
-        let all: &[Quantity] = match self.sensor {
-            PressSensor::Direct => &OF_DIRECT,
-            PressSensor::Camera(_) => &OF_CAMERA,
-        };
-        let others = all.strip_suffix(&[Quantity::OBJECT_RADIUS]);
-        match self.pressed.object.radius {
-            Some(_) => all,
-            None => others.unwrap_or(all),
-        }
+        let has_camera = matches!(self.sensor, PressSensor::Camera(_));
+        quantities(has_camera, self.pressed.object.radius.is_some())
     }
 
     fn is_random(&self) -> bool {

@@ -283,6 +283,11 @@ impl RollScene {
     }
 }
 
+impl RollScene {
+    /// Quantities that every roll observes.
+    pub(crate) const QUANTITIES: [Quantity; QUANTITIES.len()] = QUANTITIES;
+}
+
 impl Trials for RollScene {
     fn quantities(&self) -> &'static [Quantity] {
         &QUANTITIES

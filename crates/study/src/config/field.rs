@@ -1,9 +1,9 @@
 //! Columns of swept fields: name, unit and words from their headers.
 
+use super::schema::SCHEMA;
 use super::{LengthUnit, schema};
 use crate::label::{Label, split_unit, spoken_unit};
 use serde_json::Value as Json;
-use std::sync::LazyLock;
 
 impl Label {
     /// Label of a swept field, from the header of its column.
@@ -96,7 +96,6 @@ pub fn field(header: &str) -> (&str, &str) {
 }
 
 fn in_schema(header: &str) -> Option<(&str, &str)> {
-    static SCHEMA: LazyLock<Json> = LazyLock::new(schema::schema);
     const LENGTHS: [LengthUnit; 5] = [
         LengthUnit::M,
         LengthUnit::Cm,

@@ -13,7 +13,7 @@ pub(super) struct Grid {
 
 impl Grid {
     pub(super) fn cells(&self) -> usize {
-        self.axes.iter().map(|axis| axis.rows.len()).product()
+        self.axes.iter().map(Axis::len).product()
     }
 
     /// The swept fields, in the order of the config.
@@ -22,19 +22,31 @@ impl Grid {
     }
 
     /// Fields that a cell sets, with its value for each, in the order of [`Grid::targets`].
-    fn settings(&self, cell: usize) -> impl Iterator<Item = (&Target, &SweptValue)> {
+    fn settings(&self, cell: usize) -> impl Iterator<Item = (&Target, SweptValue)> {
+        let rows = self.axes.iter().zip(self.rows_of(cell));
+        rows.flat_map(|(axis, row)| axis.targets.iter().zip(axis.row(row).into_owned()))
+    }
+
+    /// Row of each axis in a cell.
+    pub(super) fn rows_of(&self, cell: usize) -> Vec<usize> {
         let mut faster = self.cells();
-        self.axes.iter().flat_map(move |axis| {
-            faster /= axis.rows.len();
-            let row = &axis.rows[cell / faster % axis.rows.len()];
-            axis.targets.iter().zip(row)
-        })
+        let row = |axis: &Axis| {
+            faster /= axis.len();
+            cell / faster % axis.len()
+        };
+        self.axes.iter().map(row).collect()
+    }
+
+    /// Number of the cell with these rows of the axes.
+    pub(super) fn cell_of(&self, rows: &[usize]) -> usize {
+        let axes = self.axes.iter().zip(rows);
+        axes.fold(0, |cell, (axis, row)| cell * axis.len() + row)
     }
 
     /// The swept values of a cell as results show them.
     pub(super) fn coordinates(&self, cell: usize) -> Vec<String> {
         self.settings(cell)
-            .map(|(_, setting)| setting.text.clone())
+            .map(|(_, setting)| setting.text().into_owned())
             .collect()
     }
 
@@ -42,20 +54,15 @@ impl Grid {
     pub(super) fn describe(&self, cell: usize) -> String {
         let pairs = self
             .settings(cell)
-            .map(|(target, setting)| format!("{} = {}", target.path, setting.text));
+            .map(|(target, setting)| format!("{} = {}", target.path, setting.text()));
         pairs.collect::<Vec<_>>().join(", ")
     }
 
-    /// The values that a swept field takes, as results show them.
-    pub(super) fn texts(&self, path: &str) -> Option<Vec<&str>> {
+    /// The axis that sets a field, and the field's place among those that it sets.
+    pub(super) fn axis(&self, path: &str) -> Option<(&Axis, usize)> {
         self.axes.iter().find_map(|axis| {
-            let column = axis.targets.iter().position(|target| target.path == path)?;
-            Some(
-                axis.rows
-                    .iter()
-                    .map(|row| row[column].text.as_str())
-                    .collect(),
-            )
+            let place = axis.targets.iter().position(|target| target.path == path);
+            Some((axis, place?))
         })
     }
 
@@ -63,7 +70,7 @@ impl Grid {
     pub(super) fn tree(&self, cell: usize) -> Result<Node, (Node, Fault)> {
         let mut tree = self.base.clone();
         for (target, setting) in self.settings(cell) {
-            if let Err(reason) = tree.set(&target.path, setting.node.clone(), &target.span) {
+            if let Err(reason) = tree.set(&target.path, setting.node, &target.span) {
                 let message = format!("the sweep path names nothing: {reason}");
                 return Err((tree, Fault::at(&target.span, message).under(&target.path)));
             }

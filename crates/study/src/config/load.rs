@@ -4,9 +4,11 @@ use super::error::{ConfigError, Fault, Source};
 use super::grid::Grid;
 use super::model::ModelConfig;
 use super::plot::PlotConfig;
+use super::schema::SCHEMA;
 use super::study::{SceneConfig, StudyConfig};
+use super::sweep::{Axis, SweptValue};
 use super::tree::{Node, Value};
-use super::{plot, schema, sweep, tree, validate};
+use super::{plot, sample, schema, sweep, tree, validate};
 use crate::limited::read_limited;
 use serde_json::Value as Json;
 use std::io::ErrorKind;
@@ -16,7 +18,7 @@ use std::path::Path;
 /// Largest config that is read, MiB.
 const MOST_MIB: u64 = 16;
 
-/// A study: a valid config, of which all cells are known to be valid.
+/// A study: a valid config. Its cells are valid too, as far as [`Study::sample`] says.
 #[derive(Debug, Clone)]
 pub struct Study {
     /// The config of the first cell, defaults filled in, with the sweeps and plots of the study: what `run.toml` holds.
@@ -30,6 +32,9 @@ pub struct Study {
     model: Option<ModelConfig>,
     source: Source,
     grid: Grid,
+    sample: Vec<usize>,
+    /// The plots as they are written.
+    plots: Node,
 }
 
 /// One combination of the swept values.
@@ -96,7 +101,7 @@ pub fn load(path: &Path) -> Result<Study, ConfigError> {
 ///
 /// # Errors
 /// The first thing that is wrong with the config: syntax, keys, types, limits, sweeps, plots, or fields that contradict
-/// each other, in any of the cells.
+/// each other, in any cell of the study's [sample](Study::sample).
 pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
     let source = Source::new(file, text);
     let faulty = |fault| source.error(fault);
@@ -107,29 +112,26 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
             "the config is empty; it needs a `name` and a table `[scene]`",
         ));
     }
-    let schema = schema();
-    let sweeps = section(&schema, &mut base, "sweep").map_err(faulty)?;
-    let plots = section(&schema, &mut base, "plot").map_err(faulty)?;
-    base.take("crate_version");
+    let schema = &*SCHEMA;
+    let sweeps = section(schema, &mut base, "sweep").map_err(faulty)?;
+    let plots = section(schema, &mut base, "plot").map_err(faulty)?;
+    if let Some(entry) = base.take("crate_version") {
+        check_version(&entry.node).map_err(|fault| faulty(fault.under("crate_version")))?;
+    }
     let axes = sweep::axes(&sweeps).map_err(faulty)?;
     let grid = Grid { base, axes };
+    let sample = sample::sample(&grid);
 
-    let cell = |index| {
-        cell_config(&schema, &grid, index).map_err(|fault| {
-            // The cell is named only when its swept values matter: the config without them is fine, or fails otherwise.
-            let alone = check(&schema, &grid.base);
-            let of_cell = alone.as_ref() != Err(&fault) && !grid.axes.is_empty();
-            let error = source.error(fault);
-            if of_cell {
-                error.in_cell(index, &grid.describe(index))
-            } else {
-                error
-            }
-        })
+    let mut first = None;
+    for &number in &sample {
+        let config = checked(&source, &grid, number)?;
+        first.get_or_insert(config);
+    }
+    let Some(first) = first else {
+        return Err(ConfigError::of_file(file, "the study has no cell"));
     };
-    let first = cell(0)?;
-    for index in 1..grid.cells() {
-        cell(index)?;
+    if sample.len() < grid.cells() {
+        check_values(&source, &grid)?;
     }
     plot::check(&plots, &grid, &first.outputs).map_err(faulty)?;
 
@@ -141,7 +143,7 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
     let paths: Vec<String> = grid.targets().map(|target| target.path.clone()).collect();
     let columns = paths
         .iter()
-        .map(|path| schema::column(&schema, path, config.length_unit))
+        .map(|path| schema::column(schema, path, config.length_unit))
         .collect();
     Ok(Study {
         config,
@@ -150,7 +152,60 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
         model: None,
         source,
         grid,
+        sample,
+        plots,
     })
+}
+
+/// Refuses a config of a later version, which may mean something else.
+fn check_version(node: &Node) -> Result<(), Fault> {
+    const OWN: &str = env!("CARGO_PKG_VERSION");
+    let Some(text) = node.as_text() else {
+        let message = format!("expected a string, found {}", node.describe());
+        return Err(Fault::at(&node.span, message));
+    };
+    let numbers = |text: &str| {
+        let release = text.split(['-', '+']).next().unwrap_or_default();
+        let numbers = release.split('.').map(|number| number.parse::<u64>().ok());
+        numbers
+            .collect::<Option<Vec<u64>>>()
+            .filter(|all| all.len() == 3)
+    };
+    let message = match numbers(text) {
+        None => format!("{text:?} is no version, which is written as {OWN:?}"),
+        later if later > numbers(OWN) => format!(
+            "the config is of version {text}, and this is {OWN}; a later version may mean something else by it"
+        ),
+        Some(_) => return Ok(()),
+    };
+    Err(Fault::at(&node.span, message))
+}
+
+/// Holds every row of every axis against the limits of its fields, with the first rows of the other axes.
+fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
+    let first = grid.tree(0).unwrap_or_else(|(tree, _)| tree);
+    for (place, axis) in grid.axes.iter().enumerate() {
+        let schemas: Option<Vec<&Json>> = axis
+            .targets
+            .iter()
+            .map(|target| validate::at(&SCHEMA, &first, &target.path))
+            .collect();
+        let is_valid = |row: &[SweptValue]| {
+            let fields = schemas.iter().flatten().zip(row);
+            let valid = |(schema, value): (&&Json, &SweptValue)| {
+                validate::validate(schema, &value.node).is_ok()
+            };
+            schemas.is_some() && fields.map(valid).all(|is_valid| is_valid)
+        };
+        for index in 0..axis.len() {
+            if !is_valid(&axis.row(index)) {
+                let mut rows = vec![0; grid.axes.len()];
+                rows[place] = index;
+                checked(source, grid, grid.cell_of(&rows))?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Reads the plots alone of a study's config, whose other parts are not looked at; `file` is the name that errors give.
@@ -171,7 +226,7 @@ pub fn plots(file: &str, text: &str) -> Result<Vec<PlotConfig>, ConfigError> {
     let source = Source::new(file, text);
     let read = || {
         let mut base = tree::parse(&source.text)?;
-        let plots = section(&schema(), &mut base, "plot")?;
+        let plots = section(&SCHEMA, &mut base, "plot")?;
         plot::check_alone(&plots)?;
         deserialise(&plots)
     };
@@ -191,12 +246,24 @@ fn section(schema: &Json, base: &mut Node, key: &str) -> Result<Node, Fault> {
     Ok(node)
 }
 
-fn cell_config(schema: &Json, grid: &Grid, cell: usize) -> Result<StudyConfig, Fault> {
-    match grid.tree(cell) {
-        Ok(tree) => check(schema, &tree),
+/// Config of a cell, if it is valid.
+fn checked(source: &Source, grid: &Grid, cell: usize) -> Result<StudyConfig, ConfigError> {
+    let config = match grid.tree(cell) {
+        Ok(tree) => check(&SCHEMA, &tree),
         // A key that is misspelt in the config itself explains why a sweep path names nothing.
-        Err((tree, fault)) => check(schema, &tree).and(Err(fault)),
-    }
+        Err((tree, fault)) => check(&SCHEMA, &tree).and(Err(fault)),
+    };
+    config.map_err(|fault| {
+        // The cell is named only when its swept values matter: the config without them is fine, or fails otherwise.
+        let alone = check(&SCHEMA, &grid.base);
+        let of_cell = alone.as_ref() != Err(&fault) && !grid.axes.is_empty();
+        let error = source.error(fault);
+        if of_cell {
+            error.in_cell(cell, &grid.describe(cell))
+        } else {
+            error
+        }
+    })
 }
 
 /// Validates a cell's tree, which has no sweeps and plots, and reads it.
@@ -241,16 +308,14 @@ impl Study {
     /// Cell with this number, counted from 0; the first axis varies slowest. It is made from the config each time.
     ///
     /// # Errors
-    /// When there is no cell of this number.
+    /// When there is no cell of this number, or it is not in the [sample](Self::sample) and not valid.
     pub fn cell(&self, number: usize) -> Result<Cell, ConfigError> {
         let count = self.cell_count();
         if number >= count {
             let message = format!("there is no cell {number}: the study has {count}");
             return Err(ConfigError::of_file(&self.source.file, message));
         }
-        let faulty = |fault| self.source.error(fault);
-        let tree = self.grid.tree(number).map_err(|(_, fault)| faulty(fault))?;
-        let mut config: StudyConfig = deserialise(&tree).map_err(faulty)?;
+        let mut config = checked(&self.source, &self.grid, number)?;
         let is_swept = |key: &str| self.paths.iter().any(|path| path == key);
         if !is_swept("seed") {
             config.seed = self.config.seed;
@@ -271,7 +336,53 @@ impl Study {
         })
     }
 
-    /// Cells in the order of their numbers, each made when it is asked for.
+    /// Numbers of the cells that are known to be valid, ascending: all of a study of up to 10,000 cells. Of more there is a
+    /// sample, and else every swept value is known to be one that its field may have.
+    pub fn sample(&self) -> &[usize] {
+        &self.sample
+    }
+
+    /// Numbers of some cells whose rows of each axis have what `filters` ask of swept fields (paths with the texts that are
+    /// allowed), where any has: rows of one axis, with the first of the others.
+    pub fn star(&self, filters: &[(&str, Vec<String>)]) -> Vec<usize> {
+        let rows = |axis: &Axis| {
+            let mut targets = axis.targets.iter();
+            if !targets.any(|target| filters.iter().any(|(path, _)| *path == target.path)) {
+                return sample::thinned(axis, 0..axis.len());
+            }
+            let fits = |index: &usize| {
+                let row = axis.row(*index);
+                let mut fields = axis.targets.iter().zip(row.iter());
+                fields.all(|(target, value)| {
+                    let of_field = |filter: &&(&str, Vec<String>)| filter.0 == target.path;
+                    let mut wanted = filters.iter().filter(of_field);
+                    wanted.all(|(_, texts)| texts.iter().any(|text| *text == value.text()))
+                })
+            };
+            match sample::thinned(axis, (0..axis.len()).filter(fits)) {
+                none if none.is_empty() => sample::thinned(axis, 0..axis.len()),
+                rows => rows,
+            }
+        };
+        let rows: Vec<Vec<usize>> = self.grid.axes.iter().map(rows).collect();
+        sample::star(&self.grid, &rows)
+    }
+
+    /// Number of trials of all cells as the config has it, at most the largest number of 64 bits; a cell in which nothing
+    /// is random runs only one.
+    pub fn trials(&self) -> u64 {
+        let cells = self.cell_count() as u64;
+        let Some((axis, place)) = self.grid.axis("trials") else {
+            return self.config.trials.saturating_mul(cells);
+        };
+        let trials = (0..axis.len()).map(|index| axis.row(index)[place].node.as_number());
+        let sum = trials
+            .flatten()
+            .fold(0, |sum: u64, trials| sum.saturating_add(trials as u64));
+        sum.saturating_mul(cells / axis.len() as u64)
+    }
+
+    /// Cells in the order of their numbers, each made when it is asked for; one that is not valid is left out.
     pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
         (0..self.cell_count()).filter_map(|number| self.cell(number).ok())
     }
@@ -280,6 +391,20 @@ impl Study {
     /// points at the field, at the sweep where that has set it, or at the nearest parent that is written down.
     pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
         self.error_within(cell, path, None, message.into())
+    }
+
+    /// An error in what the config says beside its cells: in a plot (`plot.0.y`) or at the top level (`claims.0`).
+    pub fn error_beside(&self, path: &str, message: impl Into<String>) -> ConfigError {
+        let root = &self.grid.base;
+        let node = match path.strip_prefix("plot.") {
+            Some(path) => self.plots.nearest(path),
+            None => root.nearest(path),
+        };
+        self.source.error(Fault {
+            span: (node.span != root.span && !node.span.is_empty()).then(|| node.span.clone()),
+            path: path.into(),
+            message: message.into(),
+        })
     }
 
     /// An error in a part of a field that is a text, given by its bytes, e.g. an unknown name in a formula.

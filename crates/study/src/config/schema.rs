@@ -6,6 +6,7 @@ use super::validate::kind_of;
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value as Json, json};
+use std::sync::LazyLock;
 
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
@@ -25,6 +26,9 @@ pub fn schema() -> Json {
     schema["title"] = json!("palpate study");
     schema
 }
+
+/// The schema of [`schema()`], made once.
+pub(super) static SCHEMA: LazyLock<Json> = LazyLock::new(schema);
 
 /// The JSON Schema of a part of a config, without references.
 pub(super) fn schema_of<T: JsonSchema>() -> Json {

@@ -4,6 +4,7 @@ use super::error::{Fault, Span};
 use super::tree::{Node, Value};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::HashSet;
 
 /// One axis: a field (`path`) or fields that move together (`paths`), and either a list of `values` or a range
@@ -65,8 +66,58 @@ const MAX_CELLS: u64 = 1_000_000;
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
     pub(super) targets: Vec<Target>,
-    /// One value per target.
-    pub(super) rows: Vec<Vec<SweptValue>>,
+    rows: Rows,
+}
+
+/// Rows of an axis, with one value per target.
+#[derive(Debug, Clone)]
+enum Rows {
+    Listed(Vec<Vec<SweptValue>>),
+    Spaced(Range),
+}
+
+impl Axis {
+    /// Number of rows.
+    pub(super) fn len(&self) -> usize {
+        match &self.rows {
+            Rows::Listed(rows) => rows.len(),
+            Rows::Spaced(range) => range.steps + 1,
+        }
+    }
+
+    /// Values of a row, one per target.
+    pub(super) fn row(&self, index: usize) -> Cow<'_, [SweptValue]> {
+        match &self.rows {
+            Rows::Listed(rows) => Cow::Borrowed(&rows[index]),
+            Rows::Spaced(range) => Cow::Owned(vec![range.setting(index)]),
+        }
+    }
+
+    /// First and last row, and those with the least and the largest number.
+    pub(super) fn extremes(&self) -> Vec<usize> {
+        let last = self.len() - 1;
+        let mut extremes = vec![0, last];
+        if let Rows::Listed(rows) = &self.rows {
+            for column in 0..self.targets.len() {
+                let number = |row: &Vec<SweptValue>| row[column].node.as_number();
+                let numbers = rows.iter().map(number).enumerate();
+                let numbers = || {
+                    numbers
+                        .clone()
+                        .filter_map(|(row, number)| Some((row, number?)))
+                };
+                let by_size = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
+                let found = numbers()
+                    .min_by(by_size)
+                    .into_iter()
+                    .chain(numbers().max_by(by_size));
+                extremes.extend(found.map(|(row, _)| row));
+            }
+        }
+        extremes.sort_unstable();
+        extremes.dedup();
+        extremes
+    }
 }
 
 /// A field that an axis sets, and where its path is written.
@@ -76,11 +127,22 @@ pub(super) struct Target {
     pub(super) span: Span,
 }
 
-/// A value of an axis and the text that stands for it in results.
+/// A value of an axis.
 #[derive(Debug, Clone)]
 pub(super) struct SweptValue {
     pub(super) node: Node,
-    pub(super) text: String,
+    /// Label of a table.
+    label: Option<String>,
+}
+
+impl SweptValue {
+    /// Text that stands for it in results.
+    pub(super) fn text(&self) -> Cow<'_, str> {
+        match &self.label {
+            Some(label) => label.into(),
+            None => self.node.text().into(),
+        }
+    }
 }
 
 /// Reads the axes from a `sweep` section that has been validated against the schema.
@@ -149,27 +211,43 @@ fn axis(table: &Node, earlier: &[Axis]) -> Result<Axis, Fault> {
         check_target(target, before)?;
     }
     let rows = match table.get("values") {
-        Some(values) => list(values, &targets, together).map_err(|fault| fault.under("values"))?,
+        Some(values) => {
+            let rows = list(values, &targets, together).map_err(|fault| fault.under("values"))?;
+            Rows::Listed(rows)
+        }
         None if together => {
             return Err(Fault::at(
                 &table.span,
                 "a range sets one field; `paths` needs `values`",
             ));
         }
-        None => range(table)?,
+        None => Rows::Spaced(range(table)?),
     };
-    let mut seen = HashSet::new();
-    for row in &rows {
-        if !seen.insert(row.iter().map(|setting| &setting.text).collect::<Vec<_>>()) {
-            let texts: Vec<_> = row.iter().map(|setting| setting.text.as_str()).collect();
-            let span = row
-                .first()
-                .map_or(&table.span, |setting| &setting.node.span);
-            return Err(Fault::at(
-                span,
-                format!("{} stands twice on this axis", texts.join(", ")),
-            ));
+    let twice = match &rows {
+        Rows::Listed(rows) => {
+            let mut seen = HashSet::new();
+            let mut rows = rows.iter();
+            let twice = rows.find(|row| {
+                let texts = row.iter().map(SweptValue::text);
+                !seen.insert(texts.collect::<Vec<_>>())
+            });
+            twice.cloned()
         }
+        // Numbers of a range follow each other.
+        Rows::Spaced(range) => {
+            let mut last = range.number(0);
+            let twice = (1..=range.steps).find(|&index| {
+                let before = std::mem::replace(&mut last, range.number(index));
+                last == before
+            });
+            twice.map(|index| vec![range.setting(index)])
+        }
+    };
+    if let Some(row) = twice {
+        let texts: Vec<_> = row.iter().map(SweptValue::text).collect();
+        let span = row.first().map_or(&table.span, |one| &one.node.span);
+        let message = format!("{} stands twice on this axis", texts.join(", "));
+        return Err(Fault::at(span, message));
     }
     Ok(Axis { targets, rows })
 }
@@ -240,16 +318,16 @@ fn list(values: &Node, targets: &[Target], together: bool) -> Result<Vec<Vec<Swe
 fn setting(value: &Node) -> Result<SweptValue, Fault> {
     let mut node = value.clone();
     let Value::Table(_) = node.value else {
-        return Ok(SweptValue {
-            text: node.text(),
-            node,
-        });
+        return Ok(SweptValue { node, label: None });
     };
     match node.take("label").map(|entry| entry.node) {
         Some(Node {
             value: Value::Text(text),
             ..
-        }) if !text.is_empty() => Ok(SweptValue { node, text }),
+        }) if !text.is_empty() => Ok(SweptValue {
+            node,
+            label: Some(text),
+        }),
         Some(label) => {
             let message = format!(
                 "expected a text that is not empty, found {}",
@@ -264,7 +342,55 @@ fn setting(value: &Node) -> Result<SweptValue, Fault> {
     }
 }
 
-fn range(table: &Node) -> Result<Vec<Vec<SweptValue>>, Fault> {
+/// Numbers from one end to another, made as they are asked for.
+#[derive(Debug, Clone)]
+struct Range {
+    /// Ends, and where they are written.
+    ends: [(f64, Span); 2],
+    /// Place where their count is written.
+    count: Span,
+    /// Number of steps between the ends.
+    steps: usize,
+    spacing: Spacing,
+}
+
+impl Range {
+    fn number(&self, index: usize) -> f64 {
+        let [first, last] = [self.ends[0].0, self.ends[1].0];
+        let t = index as f64 / self.steps as f64;
+        let mix = |a: f64, b: f64| a * (1.0 - t) + b * t;
+        match self.spacing {
+            _ if index == 0 => first,
+            _ if index == self.steps => last,
+            Spacing::Linear => rounded(mix(first, last)),
+            Spacing::Log => {
+                let exponent = mix(libm::log10(first), libm::log10(last));
+                rounded(libm::pow(10_f64, exponent))
+            }
+        }
+    }
+
+    fn setting(&self, index: usize) -> SweptValue {
+        let number = self.number(index);
+        // A whole number is an integer, so that a range may also set a field that counts.
+        let value = match number.fract() == 0.0 && number.abs() < 2_f64.powi(53) {
+            true => Value::Integer(number as i64),
+            false => Value::Float(number),
+        };
+        let span = match index {
+            0 => &self.ends[0].1,
+            _ if index == self.steps => &self.ends[1].1,
+            _ => &self.count,
+        };
+        let node = Node {
+            value,
+            span: span.clone(),
+        };
+        SweptValue { node, label: None }
+    }
+}
+
+fn range(table: &Node) -> Result<Range, Fault> {
     let (Some(from), Some(to), Some(count)) =
         (table.get("from"), table.get("to"), table.get("count"))
     else {
@@ -274,11 +400,14 @@ fn range(table: &Node) -> Result<Vec<Vec<SweptValue>>, Fault> {
     else {
         return Err(Fault::at(&table.span, "needs numbers"));
     };
-    let log = table.get("spacing").and_then(Node::as_text) == Some("log");
+    let spacing = match table.get("spacing").and_then(Node::as_text) {
+        Some("log") => Spacing::Log,
+        _ => Spacing::Linear,
+    };
     if let Some((key, end)) = [("from", from), ("to", to)]
         .into_iter()
         .find(|(_, end)| end.as_number() <= Some(0.0))
-        && log
+        && spacing == Spacing::Log
     {
         let message = format!("must be > 0 where spacing = \"log\", is {}", end.text());
         return Err(Fault::at(&end.span, message).under(key));
@@ -287,40 +416,12 @@ fn range(table: &Node) -> Result<Vec<Vec<SweptValue>>, Fault> {
         let message = format!("1 value cannot reach from {} to {}", from.text(), to.text());
         return Err(Fault::at(&count.span, message).under("count"));
     }
-    let steps = n as usize - 1;
-    let value = |index: usize| {
-        let t = index as f64 / steps as f64;
-        let mix = |a: f64, b: f64| a * (1.0 - t) + b * t;
-        match index {
-            0 => (first, from),
-            _ if index == steps => (last, to),
-            _ if log => (
-                rounded(libm::pow(
-                    10_f64,
-                    mix(libm::log10(first), libm::log10(last)),
-                )),
-                count,
-            ),
-            _ => (rounded(mix(first, last)), count),
-        }
-    };
-    let setting = |index| {
-        let (number, origin) = value(index);
-        // A whole number is an integer, so that a range may also set a field that counts.
-        let value = match number.fract() == 0.0 && number.abs() < 2_f64.powi(53) {
-            true => Value::Integer(number as i64),
-            false => Value::Float(number),
-        };
-        let node = Node {
-            value,
-            span: origin.span.clone(),
-        };
-        vec![SweptValue {
-            text: node.text(),
-            node,
-        }]
-    };
-    Ok((0..=steps).map(setting).collect())
+    Ok(Range {
+        ends: [(first, from.span.clone()), (last, to.span.clone())],
+        count: count.span.clone(),
+        steps: n as usize - 1,
+        spacing,
+    })
 }
 
 /// Number rounded to 12 digits: 0.3 rather than 0.30000000000000004, and the same on machines whose logarithms differ.

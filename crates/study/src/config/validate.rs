@@ -36,6 +36,42 @@ pub(super) fn validate(schema: &Json, node: &Node) -> Result<(), Fault> {
     }
 }
 
+/// The schema of the field at a path of keys and array indices, in the kinds that a tree has; `None` where it has no such
+/// field.
+pub(super) fn at<'a>(schema: &'a Json, tree: &Node, path: &str) -> Option<&'a Json> {
+    let (mut schema, mut walked) = (schema, String::new());
+    for key in path.split('.') {
+        let node = if walked.is_empty() {
+            tree
+        } else {
+            tree.nearest(&walked)
+        };
+        let kind = node.get("kind").and_then(Node::as_text);
+        let variants = schema["oneOf"].as_array();
+        let of_kind = |variants: &'a Vec<Json>| {
+            let mut variants = variants.iter();
+            variants.find(|variant| kind_of(variant) == kind)
+        };
+        schema = variants.map_or(Some(schema), of_kind)?;
+        schema = match &node.value {
+            Value::Array(_) => schema.get("items"),
+            _ => {
+                let named = schema["properties"].get(key);
+                named.or_else(|| {
+                    schema
+                        .get("additionalProperties")
+                        .filter(|any| any.is_object())
+                })
+            }
+        }?;
+        walked = match walked.as_str() {
+            "" => key.to_owned(),
+            parent => format!("{parent}.{key}"),
+        };
+    }
+    Some(schema)
+}
+
 /// The value of `kind` that a variant of a tagged table asks for.
 pub(super) fn kind_of(variant: &Json) -> Option<&str> {
     variant["properties"]["kind"]["const"].as_str()

@@ -1,6 +1,7 @@
 //! Study configs, from text to cells.
 
 mod cells;
+mod many;
 mod refused;
 mod refused_plots;
 mod refused_sweeps;

@@ -1,7 +1,7 @@
 //! `palpate check`.
 
 use std::fmt::Write;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use palpate::config::ModelConfig;
 use palpate::{Check, Cost, Ladder, Rungs, load};
@@ -10,16 +10,30 @@ use crate::budget::runner;
 use crate::cli::CheckArgs;
 use crate::duration::{roughly, short, two_digits};
 use crate::failure::Failure;
-use crate::output;
+use crate::{output, progress};
+
+/// Time after which the progress is shown.
+const QUIET: Duration = Duration::from_secs(2);
+/// Most groups of cells that are shown one by one.
+const MOST_GROUPS: usize = 50;
 
 pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let study = load(&args.config).map_err(Failure::usage)?;
-    let check = palpate::check(&study, &runner(None)?, &|| start.elapsed());
+    let bar = progress::bar_of("cells");
+    let told = |done: usize, all: usize| {
+        if start.elapsed() >= QUIET {
+            bar.set_length(all as u64);
+            bar.set_position(done as u64);
+        }
+    };
+    let check = palpate::check(&study, &runner(None)?, &|| start.elapsed(), &told);
+    bar.finish_and_clear();
     let check = check.map_err(Failure::of_sweep)?;
     output::print(&text(&study.config.name, &check))
 }
 
+/// Text of a check. Of a sample it says how cells were chosen.
 fn text(name: &str, check: &Check) -> String {
     let mut text = String::new();
     let (mut not_set_up, mut at_most) = (String::new(), "");
@@ -33,16 +47,34 @@ fn text(name: &str, check: &Check) -> String {
         "cells   {}, of which {} run a single trial{not_set_up}",
         check.cells, check.single
     );
+    if check.checked < check.cells {
+        let _ = writeln!(
+            text,
+            "sample  every swept value by itself; {} cells as combinations: values of each axis with the first and with\n        \
+             other values of the others, both ends of every two axes, and cells spread evenly. A combination that is\n        \
+             none of these is first checked by `run`, before any trial",
+            check.checked
+        );
+    }
     let _ = writeln!(text, "trials  {at_most}{}", check.trials);
     let _ = writeln!(text, "models");
-    for group in &check.groups {
-        let _ = writeln!(text, "  {} of {} cells", group.cells, check.cells);
+    let of = match check.set_up < check.cells {
+        true => format!("{} cells set up", check.set_up),
+        false => format!("{} cells", check.cells),
+    };
+    for group in check.groups.iter().take(MOST_GROUPS) {
+        let _ = writeln!(text, "  {} of {of}", group.cells);
         let needless = (!group.needless.is_empty())
             .then(|| format!("needs no {}", group.needless.join(", no ")));
         let lines = group.needs.iter().chain(&needless);
         for line in lines.cloned().chain(rungs(&group.rungs)) {
             let _ = writeln!(text, "    {line}");
         }
+    }
+    if check.groups.len() > MOST_GROUPS {
+        let more = &check.groups[MOST_GROUPS..];
+        let cells: usize = more.iter().map(|group| group.cells).sum();
+        let _ = writeln!(text, "  {cells} others in {} more groups", more.len());
     }
     let _ = write!(
         text,

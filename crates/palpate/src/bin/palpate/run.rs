@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use anyhow::anyhow;
 use palpate::config::Output;
-use palpate::{CellStatistics, Map, RunOptions, Runner, Simulation, Study, load};
+use palpate::{CellStatistics, Map, RunOptions, Runner, Simulation, Study, load, refuse};
 
 use crate::cli::RunArgs;
 use crate::failure::Failure;
@@ -31,6 +31,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             .override_trials(trials.get())
             .map_err(Failure::usage)?;
     }
+    refuse(&study).map_err(Failure::usage)?;
     let out = args
         .out
         .clone()

@@ -57,6 +57,8 @@ pub(crate) struct Line {
     pub(crate) dashed: bool,
     /// Points in order of x.
     pub(crate) runs: Runs,
+    /// Those of its points that are marked with a circle.
+    pub(crate) circled: Vec<(f64, f64)>,
 }
 
 /// The key to the lines; empty if there is one series and nothing to compare.

@@ -9,6 +9,8 @@ use crate::plot::style::{FAINT, FRAME, GRID, INK, MARKER, OPEN_MARKER, QUIET, ST
 
 /// Lines of more points than this get small markers.
 const MANY_POINTS: usize = 25;
+/// Width of the circle around a marker.
+const CIRCLE: f64 = 1.5;
 
 /// Panel in its place.
 pub(super) struct Placed<'a> {
@@ -32,12 +34,22 @@ impl Placed<'_> {
         }
         // Markers last, so that no line crosses one.
         let marked = |line: &&Line| self.chart.markers && !line.dashed;
-        for line in self.panel.lines.iter().filter(marked) {
+        let marked: Vec<&Line> = self.panel.lines.iter().filter(marked).collect();
+        let size = |line: &Line| {
             let crowded = line.runs.iter().map(Vec::len).sum::<usize>() > MANY_POINTS;
-            let size = if crowded { 0.6 * MARKER } else { MARKER };
+            if crowded { 0.6 * MARKER } else { MARKER }
+        };
+        for (width, colour) in [(CIRCLE, INK), (0.0, WHITE)] {
+            for &line in &marked {
+                for place in &line.circled {
+                    canvas.disc(self.axes.at(*place), 1.7 * size(line) + width, colour);
+                }
+            }
+        }
+        for line in marked {
             for place in line.runs.iter().flatten() {
                 let place = self.axes.at(*place);
-                canvas.marker(line.style.marker, place, size, line.style.colour);
+                canvas.marker(line.style.marker, place, size(line), line.style.colour);
             }
         }
         for PointSet { style, at, .. } in &self.panel.points {

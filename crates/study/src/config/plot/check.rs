@@ -142,25 +142,33 @@ fn columns(plot: &Node, kind: PlotKind, grid: &Grid) -> Result<(), Fault> {
             .filter(|node| node.items().is_empty())
             .chain(entry.node.items());
         for value in values {
-            value_of(value, grid.texts(&entry.key)).map_err(under)?;
+            value_of(value, grid, &entry.key).map_err(under)?;
         }
     }
     Ok(())
 }
 
 /// Checks that a value is among those that a column of the sweep takes.
-fn value_of(value: &Node, texts: Option<Vec<&str>>) -> Result<(), Fault> {
-    match texts.filter(|texts| !texts.contains(&value.text().as_str())) {
-        Some(texts) => Err(Fault::at(
-            &value.span,
-            format!(
-                "no cell has {}; the sweep has {}",
-                value.text(),
-                texts.join(", ")
-            ),
-        )),
-        None => Ok(()),
+fn value_of(value: &Node, grid: &Grid, path: &str) -> Result<(), Fault> {
+    const MOST_SHOWN: usize = 100;
+    let Some((axis, place)) = grid.axis(path) else {
+        return Ok(());
+    };
+    let text = |index: usize| axis.row(index)[place].text().into_owned();
+    let wanted = value.text();
+    if (0..axis.len()).any(|index| axis.row(index)[place].text() == wanted) {
+        return Ok(());
     }
+    let shown: Vec<String> = (0..axis.len().min(MOST_SHOWN)).map(text).collect();
+    let more = match axis.len() - shown.len() {
+        0 => String::new(),
+        more => format!(" and {more} more, the last {}", text(axis.len() - 1)),
+    };
+    let message = format!(
+        "no cell has {wanted}; the sweep has {}{more}",
+        shown.join(", ")
+    );
+    Err(Fault::at(&value.span, message))
 }
 
 /// Checks that points have as many y as x, and follow more `rules`.
@@ -185,7 +193,7 @@ fn places(set: &Node, plot: &Node, kind: PlotKind, grid: &Grid) -> Result<(), Fa
         let Some(value) = set.get(key) else { continue };
         let under = |fault: Fault| fault.under(key);
         match plot.get(column).and_then(Node::as_text) {
-            Some(path) => value_of(value, grid.texts(path)).map_err(under)?,
+            Some(path) => value_of(value, grid, path).map_err(under)?,
             None if kind == PlotKind::Profile && key == "series" => {}
             None => {
                 let message = format!("the plot has no `{column}`");

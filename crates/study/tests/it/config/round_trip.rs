@@ -137,11 +137,11 @@ fn a_swept_kind_returns_although_kinds_know_different_keys() {
 fn overrides_and_the_version_are_written() {
     let mut study = study("");
     study.override_seed(i64::MAX as u64).unwrap();
-    study.config.crate_version = Some("1.2.3".into());
+    study.config.crate_version = Some("0.0.3".into());
     let text = to_toml(&study.config);
     assert!(
         text.contains("seed = 9223372036854775807\n")
-            && text.contains("crate_version = \"1.2.3\"\n")
+            && text.contains("crate_version = \"0.0.3\"\n")
     );
     let again = parse("run.toml", &text).unwrap();
     assert_eq!(again.config.crate_version, None);

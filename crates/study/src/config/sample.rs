@@ -1,0 +1,98 @@
+//! Cells that stand for all of a study that has many.
+
+use super::grid::Grid;
+use super::sweep::Axis;
+use std::collections::BTreeSet;
+
+/// Most cells of a study of which every one is checked.
+const MOST_WHOLE: usize = 10_000;
+/// Most rows of an axis of which each is in the sample.
+const MOST_ROWS: usize = 1000;
+/// Cells of a sample that are spread evenly over all.
+const SPREAD: usize = 2000;
+
+/// Numbers of the cells that are checked whole, ascending; the same for the same axes. These are all cells where there are
+/// few. Else each row of an axis (of a long axis [`MOST_ROWS`], spread evenly, and its extremes) with the first rows of the
+/// others and with other rows of them; the extremes of each two axes together, with the first rows of the others; the last
+/// cell; and cells spread evenly.
+pub(super) fn sample(grid: &Grid) -> Vec<usize> {
+    let cells = grid.cells();
+    if cells <= MOST_WHOLE {
+        return (0..cells).collect();
+    }
+    let axes = &grid.axes;
+    let rows: Vec<Vec<usize>> = axes
+        .iter()
+        .map(|axis| thinned(axis, 0..axis.len()))
+        .collect();
+    let mut sample: BTreeSet<usize> = star(grid, &rows).into_iter().collect();
+    let mut number = 0;
+    let mut next = || {
+        number += 1;
+        spread(number, cells)
+    };
+    for (place, rows) in rows.iter().enumerate() {
+        for &row in rows {
+            let mut other = grid.rows_of(next());
+            other[place] = row;
+            sample.insert(grid.cell_of(&other));
+        }
+    }
+    for (place, one) in axes.iter().enumerate() {
+        for (later, other) in axes.iter().enumerate().skip(place + 1) {
+            for row in one.extremes() {
+                for other_row in other.extremes() {
+                    let mut rows = vec![0; axes.len()];
+                    (rows[place], rows[later]) = (row, other_row);
+                    sample.insert(grid.cell_of(&rows));
+                }
+            }
+        }
+    }
+    sample.insert(cells - 1);
+    sample.extend((0..SPREAD).map(|_| next()));
+    sample.into_iter().collect()
+}
+
+/// Numbers of the cells that have one of these `rows` of an axis, and the first of the rows of the other axes.
+pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
+    let first: Vec<usize> = rows.iter().map(|rows| rows[0]).collect();
+    let mut cells = Vec::new();
+    for (place, rows) in rows.iter().enumerate() {
+        for &row in rows {
+            let mut all = first.clone();
+            all[place] = row;
+            cells.push(grid.cell_of(&all));
+        }
+    }
+    cells.push(grid.cell_of(&first));
+    cells.sort_unstable();
+    cells.dedup();
+    cells
+}
+
+/// Those of some rows of an axis by which it is sampled, ascending: all of a few; of many some spread evenly, the first and
+/// the last, and the extremes of the axis as far as they are among them.
+pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec<usize> {
+    let rows: Vec<usize> = rows.into_iter().collect();
+    let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else {
+        return rows;
+    };
+    if rows.len() <= MOST_ROWS {
+        return rows;
+    }
+    let mut few: BTreeSet<usize> = (0..MOST_ROWS)
+        .map(|n| rows[spread(n, rows.len())])
+        .collect();
+    let extremes = axis.extremes().into_iter();
+    few.extend(extremes.filter(|row| rows.binary_search(row).is_ok()));
+    few.extend([first, last]);
+    few.into_iter().collect()
+}
+
+/// Number below `count`: those of neighbouring `number`s are far apart, and many cover the range evenly (multiples of the
+/// golden ratio modulo 1, as fractions of 2⁶⁴).
+fn spread(number: usize, count: usize) -> usize {
+    let fraction = (number as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    ((u128::from(fraction) * count as u128) >> 64) as usize
+}

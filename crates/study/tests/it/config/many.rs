@@ -1,0 +1,171 @@
+//! Studies of many cells, of which a sample is checked.
+
+use super::{BASE, message, study};
+
+const MILLION: &str = r#"[[sweep]]
+path = "scene.object.radius"
+from = 2.0
+to = 80.0
+count = 1000
+[[sweep]]
+path = "scene.motion.rate_rad_per_s"
+from = 0.001
+to = 1.0
+count = 1000
+"#;
+
+/// Distinct values of each column in the sample of a study.
+fn seen(sections: &str) -> Vec<usize> {
+    let study = study(sections);
+    let sample = study.sample().iter();
+    let cells: Vec<_> = sample.map(|&number| study.cell(number).unwrap()).collect();
+    let distinct = |column: usize| {
+        let values = cells.iter().map(|cell| cell.coordinates[column].as_str());
+        values.collect::<std::collections::BTreeSet<_>>().len()
+    };
+    (0..study.columns.len()).map(distinct).collect()
+}
+
+#[test]
+fn few_cells_are_all_checked() {
+    let sections = MILLION.replace("count = 1000", "count = 100");
+    let study = study(&sections);
+    assert_eq!(study.sample(), (0..10_000).collect::<Vec<_>>());
+}
+
+#[test]
+fn of_a_million_cells_a_sample_has_every_value_and_every_corner() {
+    let million = study(MILLION);
+    assert_eq!(million.cell_count(), 1_000_000);
+    assert!(
+        million.sample().len() < 10_000,
+        "{}",
+        million.sample().len()
+    );
+    assert_eq!(seen(MILLION), [1000, 1000]);
+    for corner in [0, 999, 999_000, 999_999] {
+        assert!(million.sample().contains(&corner), "{corner}");
+    }
+    assert_eq!(million.sample(), study(MILLION).sample());
+    assert_eq!(million.cell(999_999).unwrap().coordinates, ["80", "1"]);
+}
+
+#[test]
+fn one_long_axis_is_thinned() {
+    let one =
+        "[[sweep]]\npath = \"scene.object.radius\"\nfrom = 1.0\nto = 1000.0\ncount = 1000000\n";
+    let long = study(one);
+    assert_eq!(long.cell_count(), 1_000_000);
+    assert!((1000..10_000).contains(&long.sample().len()));
+    assert_eq!(long.cell(999_999).unwrap().coordinates, ["1000"]);
+}
+
+#[test]
+fn many_short_axes_have_each_value_and_each_pair_of_ends() {
+    let names: Vec<String> = (0..14).map(|place| format!("k{place}")).collect();
+    let set: Vec<String> = names.iter().map(|name| format!("{name} = 1.0")).collect();
+    let sum: Vec<String> = names.iter().map(|name| format!("{name} * x")).collect();
+    let object = format!(
+        "object = {{ kind = \"height-field\", formula = \"{}\", parameters = {{ {} }} }}",
+        sum.join(" + "),
+        set.join(", ")
+    );
+    let sweeps: String = names
+        .iter()
+        .map(|name| {
+            format!("[[sweep]]\npath = \"scene.object.parameters.{name}\"\nvalues = [1.0, 2.0]\n")
+        })
+        .collect();
+    let text = BASE.replace("object = { kind = \"sphere\", radius = 5.0 }", &object);
+    assert_ne!(text, BASE);
+    let study = palpate_study::config::parse("study.toml", &(text + &sweeps)).unwrap();
+    assert_eq!(study.cell_count(), 1 << 14);
+    let sample = study.sample();
+    assert!(sample.len() < 10_000);
+    for (a, b) in [(0, 1), (0, 13), (5, 9)] {
+        assert!(sample.contains(&((1 << a) | (1 << b))), "{a} {b}");
+    }
+}
+
+#[test]
+fn a_value_that_is_beyond_its_limit_is_found_wherever_it_stands() {
+    let values: Vec<String> = (1..=20_000).map(|n| format!("{n}.5")).collect();
+    let all = |values: &[String]| {
+        let values = values.join(", ");
+        format!("{BASE}[[sweep]]\npath = \"scene.object.radius\"\nvalues = [{values}]\n")
+    };
+    assert!(palpate_study::config::parse("study.toml", &all(&values)).is_ok());
+    for place in [1, 7_001, 13_577, 19_998] {
+        let mut values = values.clone();
+        values[place] = "-5.5".to_owned();
+        let said = message(&all(&values));
+        assert!(
+            said.contains("scene.object.radius: must be > 0, is -5.5"),
+            "{said}"
+        );
+        assert!(said.contains(&format!("in cell {place}: ")), "{said}");
+    }
+}
+
+#[test]
+fn a_cell_that_is_not_in_the_sample_is_checked_when_it_is_asked_for() {
+    // The markers of the last cells lie at a depth of 5.149, below the layer of one model alone.
+    let study = |thin: Option<usize>| {
+        let depths: Vec<String> = (0..150)
+            .map(|n| (5.0 + f64::from(n) / 1000.0).to_string())
+            .collect();
+        let model = |n: usize| {
+            let thickness = if Some(n) == thin { 5.1485 } else { 9.0 };
+            format!("{{ label = \"layer {n}\", kind = \"bonded-layer\", thickness = {thickness} }}")
+        };
+        let models: Vec<String> = (0..150).map(model).collect();
+        let text = format!(
+            "name = \"a-press\"\n[scene]\nkind = \"press\"\nobject = {{ kind = \"plane\" }}\n\
+             probe = {{ kind = \"marker-sphere\", radius = 20.0, marker_depth = 2.0 }}\n\
+             motion = {{ indentation = 1.0 }}\nmodel = {{ kind = \"bonded-layer\", thickness = 9.0 }}\n\
+             [[sweep]]\npath = \"scene.probe.marker_depth\"\nvalues = [{}]\n\
+             [[sweep]]\npath = \"scene.model\"\nvalues = [{}]\n",
+            depths.join(", "),
+            models.join(", "),
+        );
+        palpate_study::config::parse("study.toml", &text)
+    };
+    let of_last = |row: &usize| 149 * 150 + row;
+    let good = study(None).unwrap();
+    let is_unseen = |row: &usize| good.sample().binary_search(&of_last(row)).is_err();
+    let row = (0..150).find(is_unseen).unwrap();
+    let study = study(Some(row)).unwrap();
+    assert!(study.cell(of_last(&row) - 150).is_ok());
+    let said = study.cell(of_last(&row)).unwrap_err().to_string();
+    assert!(said.contains("the markers lie below the layer"), "{said}");
+    let cell = format!(
+        "in cell {}: scene.probe.marker_depth = 5.149",
+        of_last(&row)
+    );
+    assert!(said.contains(&cell), "{said}");
+}
+
+#[test]
+fn trials_are_counted_without_the_cells() {
+    let seven = palpate_study::config::parse("study.toml", &format!("trials = 7\n{BASE}{MILLION}"));
+    assert_eq!(seven.unwrap().trials(), 7_000_000);
+    let swept = format!("{MILLION}[[sweep]]\npath = \"trials\"\nvalues = [3, 4]\n");
+    let fewer = swept.replacen("count = 1000", "count = 10", 1);
+    assert_eq!(study(&fewer).trials(), 70_000);
+}
+
+#[test]
+fn more_than_a_million_cells_are_refused_by_their_count() {
+    let sweep =
+        |path: &str| format!("[[sweep]]\npath = \"{path}\"\nfrom = 1\nto = 10000\ncount = 10000\n");
+    let sweeps: String = ["seed", "trials", "scene.object.radius"]
+        .map(sweep)
+        .concat();
+    let said = message(&format!("{BASE}{sweeps}"));
+    assert!(
+        said.contains(
+            "sweep.1: the axes up to this one make 100000000 cells; at most 1000000 are allowed"
+        ),
+        "{said}"
+    );
+}
