@@ -191,11 +191,11 @@ fn check_values(source: &Source, grid: &Grid) -> Result<(), ConfigError> {
             .map(|target| validate::at(&SCHEMA, &first, &target.path))
             .collect();
         let is_valid = |row: &[SweptValue]| {
-            let fields = schemas.iter().flatten().zip(row);
+            let mut fields = schemas.iter().flatten().zip(row);
             let valid = |(schema, value): (&&Json, &SweptValue)| {
                 validate::validate(schema, &value.node).is_ok()
             };
-            schemas.is_some() && fields.map(valid).all(|is_valid| is_valid)
+            schemas.is_some() && fields.all(valid)
         };
         for index in 0..axis.len() {
             if !is_valid(&axis.row(index)) {
