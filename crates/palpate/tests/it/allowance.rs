@@ -44,7 +44,7 @@ object = { kind = "sphere", radius = 80.0 }
 motion = { indentation = 1.0 }
 model = { kind = "auto", thickness = 15.0 }
 noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.02 } }
-estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
+estimator = { kind = "bonded-layer", thickness = 15.0, indentation = "known", indentation_std = 0.02 }
 "#;
 
 /// The number that a config line `key = number` has.

@@ -227,7 +227,7 @@ fn plots_that_would_not_be_drawn_are_refused_before_the_run_in_the_same_words() 
                 "[[sweep]]\npaths = [\"seed\", \"scene.motion.duration_s\"]\nvalues = [[1, 0.5], [2, 0.5]]\n[[plot]]\nx = \"scene.motion.duration_s\"\ny = \"mean\"\nseries = \"scene.object.radius\"\n{one}"
             ),
             "plot.0",
-            "several rows share scene.object.radius = 5, scene.motion.duration_s = 0.5",
+            "scene.motion.duration_s = 0.5; choose by `where`, or spread over `series` or `panels`: seed (1 or 2)",
         ),
     ] {
         let desk = Desk::with(&format!("{STUDY}{sections}"));

@@ -36,7 +36,6 @@ fn a_config_by_hand_is_not_replaced() {
         STUDY.to_owned(),
         noted("# more\ntrials = 20"),
         noted("trials = 20 # enough"),
-        String::new(),
     ] {
         for name in ["run.toml", "next-run.toml"] {
             let dir = desk.path("mine");
@@ -55,6 +54,9 @@ fn a_config_by_hand_is_not_replaced() {
             std::fs::remove_dir_all(&dir).unwrap();
         }
     }
+    // An empty one holds nothing that could be lost.
+    desk.write("ours/next-run.toml", "");
+    desk.palpate("run c.toml --out ours").printed();
     // Not even where it is the study that is run.
     desk.write("run.toml", STUDY);
     desk.palpate("run run.toml --out .").said(2);

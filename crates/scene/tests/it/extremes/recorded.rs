@@ -1,9 +1,9 @@
 //! Recorded readings: files of extreme numbers.
 
 use palpate_scene::recorded::{
-    CalibrateOptions, GlideOptions, PressOptions, RecordedError, RecordedFile, RollOptions,
-    calibrate, estimate_glide, estimate_press, estimate_roll, parse_calibration_points,
-    parse_glide, parse_press, parse_roll,
+    CalibrateOptions, GlideOptions, PressOptions, ReadingNoise, RecordedError, RecordedFile,
+    RollOptions, calibrate, estimate_glide, estimate_press, estimate_roll,
+    parse_calibration_points, parse_glide, parse_press, parse_roll,
 };
 use palpate_verdict::{Answer, rows};
 use serde_json::Value;
@@ -51,9 +51,11 @@ rows! {
         for scale in SCALES;
     PRESS, "a sensor of radius {bad:e}", "readings" => press("0.5", bad), for bad in NO_LENGTHS;
     ROLL, "a probe of radius {bad:e}", "readings" => roll("1", bad, None), for bad in NO_LENGTHS;
-    ROLL, "pads of pitch {bad:e}", "readings" => roll("1", 1.0, Some(bad)), for bad in [f64::NAN, -1.0, f64::INFINITY];
-    ROLL, "pads of pitch {pitch:e}" => roll("1", 1.0, Some(pitch)).map(Answer::finite),
-        for pitch in [0.0, 5e-324, 1e308];
+    "scene::recorded::RollOptions::noise_of_pads", "pitch {bad:e}", "invalid-sensor" => RollOptions::noise_of_pads(1.0, bad),
+        for bad in NO_LENGTHS.into_iter().chain([5e-324, 1.1, 1e308]);
+    "scene::recorded::RollOptions::noise_of_shifts", "deviation {bad:e}", "invalid-sensor" =>
+        RollOptions::noise_of_shifts(1.0, bad), for bad in [f64::NAN, -1.0, f64::INFINITY, 1.1];
+    ROLL, "pads of pitch {pitch:e}" => roll("1", 1.0, Some(pitch)).map(Answer::finite), for pitch in [1e-14, 1.0];
     "scene::recorded::parse_roll", "{text:?}", errors[0] => parse_roll(file(text.to_owned())),
         for (text, errors) in NO_READINGS;
     "scene::recorded::parse_glide", "{text:?}", errors[1] => parse_glide(file(text.to_owned())),
@@ -74,9 +76,9 @@ fn roll(shift: &str, probe_radius: f64, pitch: Option<f64>) -> Result<Vec<f64>, 
          0,0,-0.4,{shift},0\n1,0,-0.4,{shift},0\n2,-0.4,0,0,{other:e}\n3,-0.4,0,0,{other:e}\n"
     );
     let options = RollOptions {
-        noise: pitch
-            .and_then(|pitch| RollOptions::noise_of_pads(probe_radius, pitch).ok())
-            .unwrap_or_default(),
+        noise: pitch.map_or_else(ReadingNoise::default, |pitch| {
+            RollOptions::noise_of_pads(probe_radius, pitch).expect("a pitch of a probe")
+        }),
         ..RollOptions::new(probe_radius)
     };
     Ok(values(&estimate_roll(&parse_roll(file(text))?, &options)?))

@@ -91,7 +91,7 @@ impl Owned {
             let path = path.display();
             return Err(Failure::work(anyhow!("cannot write {path}: {why}")));
         }
-        let is_kept = contents.is_some_and(|contents| holds(&path, contents));
+        let is_kept = holds(&path, contents.unwrap_or_default());
         if self.guard.force || is_kept || is_stream(&path) || fs::metadata(&path).is_err() {
             return Ok(());
         }
