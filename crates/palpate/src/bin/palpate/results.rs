@@ -29,10 +29,14 @@ pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
         let name = study.name();
         return output::print(&format!("{name} has no [[plot]]; nothing drawn"));
     }
-    for name in write_figures(&mut folder, &drawn, &id_of(&study)?)? {
-        output::print(&args.dir.join(name).display().to_string())?;
-    }
-    Ok(())
+    let files = drawings(&drawn)?;
+    let named: Vec<(&str, &[u8])> = files
+        .iter()
+        .map(|(name, bytes)| (&**name, &**bytes))
+        .collect();
+    folder.write(&named, Some(&id_of(&study)?))?;
+    let mut names = files.iter().map(|(name, _)| args.dir.join(name));
+    names.try_for_each(|path| output::print(&path.display().to_string()))
 }
 
 /// The study as manifests name it, with its table.
@@ -44,27 +48,16 @@ fn id_of(study: &Study) -> Result<StudyId, Failure> {
     Ok(StudyId::new(study.name(), &config).with_cells_in(study.dir()))
 }
 
-/// Writes figures of a study, each as SVG and PNG, and returns their names.
-pub(crate) fn write_figures(
-    folder: &mut Folder,
-    figures: &[Figure],
-    of_study: &StudyId,
-) -> Result<Vec<String>, Failure> {
+/// Names and contents of the files of figures, each an SVG and a PNG.
+pub(crate) fn drawings(figures: &[Figure]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let mut files = Vec::new();
     for figure in figures {
         let png = figure.png().map_err(Failure::work)?;
-        files.push((
-            format!("{}.svg", figure.name),
-            figure.svg.clone().into_bytes(),
-        ));
+        let svg = figure.svg.clone().into_bytes();
+        files.push((format!("{}.svg", figure.name), svg));
         files.push((format!("{}.png", figure.name), png));
     }
-    let named: Vec<(&str, &[u8])> = files
-        .iter()
-        .map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
-        .collect();
-    folder.write(&named, Some(of_study))?;
-    Ok(files.into_iter().map(|(name, _)| name).collect())
+    Ok(files)
 }
 
 pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {

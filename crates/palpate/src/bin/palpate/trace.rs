@@ -9,7 +9,7 @@ use crate::cli::TraceArgs;
 use crate::failure::Failure;
 use crate::output::names::{FRAMES, MARKERS, READINGS, TRACE};
 use crate::output::{self, Folder, Guard, StudyId};
-use crate::results::write_figures;
+use crate::results::drawings;
 
 pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let study = load(&args.config).map_err(Failure::usage)?;
@@ -19,11 +19,22 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let trace = palpate::trace(&study, args.cell, args.trial).map_err(refused)?;
     let of_study = StudyId::new(&study.config.name, &resolved(&study));
     let mut folder = Folder::open(&args.out, Guard::new([&args.config], args.force))?;
-    folder.write(&files(&trace)?, Some(&of_study))?;
+    let mut drawn = Vec::new();
     if trace.seen.is_some() {
-        let figures = press_figures(&Files::in_folder(&args.out)).map_err(Failure::work)?;
-        write_figures(&mut folder, &figures, &of_study)?;
+        let tables = [
+            (TRACE, trace.contacts.to_csv()),
+            (READINGS, trace.readings.to_csv()),
+        ];
+        let figures = press_figures(&Files::in_memory(tables)).map_err(Failure::work)?;
+        drawn = drawings(&figures)?;
     }
+    let mut files = files(&trace)?;
+    files.extend(
+        drawn
+            .iter()
+            .map(|(name, bytes)| (name.as_str(), bytes.clone())),
+    );
+    folder.write(&files, Some(&of_study))?;
     output::print(&format!(
         "{}: {} -> {}",
         study.config.name,
