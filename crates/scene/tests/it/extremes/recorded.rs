@@ -52,7 +52,7 @@ rows! {
     PRESS, "a sensor of radius {bad:e}", "readings" => press("0.5", bad), for bad in NO_LENGTHS;
     ROLL, "a probe of radius {bad:e}", "readings" => roll("1", bad, None), for bad in NO_LENGTHS;
     "scene::recorded::RollOptions::noise_of_pads", "pitch {bad:e}", "invalid-sensor" => RollOptions::noise_of_pads(1.0, bad),
-        for bad in NO_LENGTHS.into_iter().chain([5e-324, 1.1, 1e308]);
+        for bad in NO_LENGTHS.into_iter().chain([1.1]);
     "scene::recorded::RollOptions::noise_of_shifts", "deviation {bad:e}", "invalid-sensor" =>
         RollOptions::noise_of_shifts(1.0, bad), for bad in [f64::NAN, -1.0, f64::INFINITY, 1.1];
     ROLL, "pads of pitch {pitch:e}" => roll("1", 1.0, Some(pitch)).map(Answer::finite), for pitch in [1e-14, 1.0];
