@@ -4,13 +4,20 @@ use super::canvas::{Anchor, Canvas, Form, Point, SINK};
 use super::lettering::Lettering;
 use super::style::{Colour, WHITE};
 use ab_glyph::OutlineCurve;
+use image::codecs::png::PngEncoder;
+use image::{ColorType, ImageEncoder};
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
 
 /// Bytes of a PNG of the shapes on a white ground, `size` pixels wide and high.
 pub(crate) fn png(canvas: &Canvas, (width, height): Point) -> Result<Vec<u8>, String> {
     let pixels = drawn(canvas, (width as u32, height as u32))
         .ok_or_else(|| format!("{width} x {height} pixels are too many"))?;
-    pixels.encode_png().map_err(|error| error.to_string())
+    let (width, height) = (pixels.width(), pixels.height());
+    let mut png = Vec::new();
+    PngEncoder::new(&mut png)
+        .write_image(pixels.data(), width, height, ColorType::Rgba8)
+        .map_err(|error| error.to_string())?;
+    Ok(png)
 }
 
 fn drawn(canvas: &Canvas, (width, height): (u32, u32)) -> Option<Pixmap> {
