@@ -18,6 +18,8 @@ use crate::trial::SceneTrial;
 /// Times after which no more scenes are set up as they are run, no more trials are timed, and no more rungs of ladders
 /// are measured.
 const SETTING_UP: Duration = Duration::from_millis(800);
+/// Time after which no more cells are set up at all, of a study of which every cell should be.
+const WHOLE: Duration = Duration::from_secs(10);
 const TIMING: Duration = Duration::from_millis(300);
 const LADDERS: Duration = Duration::from_millis(600);
 /// Longest trial of a roll whose ladder is measured.
@@ -192,8 +194,9 @@ fn scenes(
     for (done, place) in spread(sample.len()).enumerate() {
         progress(done, sample.len());
         let number = sample[place];
-        let is_late = !scenes.is_empty() && clock().saturating_sub(start) >= SETTING_UP;
-        if is_late && !is_whole {
+        let spent = clock().saturating_sub(start);
+        let is_late = !scenes.is_empty() && spent >= SETTING_UP;
+        if is_late && (!is_whole || spent >= WHOLE) {
             break;
         }
         let config = study.cell(number)?.config;

@@ -164,10 +164,10 @@ fn of_a_million_cells_a_sample_is_checked_and_that_is_said() {
         );
         assert!(printed.contains("\ntrials  at most "), "{printed}");
         assert!(
-            printed.contains("sample  every swept value by itself; "),
+            printed.contains("sample  every swept value against the limits of its field; "),
             "{printed}"
         );
-        assert!(printed.contains(" cells as combinations: "), "{printed}");
+        assert!(printed.contains(" cells together: "), "{printed}");
     }
 }
 

@@ -379,17 +379,19 @@ fn finite(value: f64) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }
 
-/// Share of the relative curvature by which an estimate without noise is far off.
-const FAR_OFF: f64 = 0.5;
+/// Shares of the relative curvature by which an estimate without noise is far off: by any interval of its own, and where
+/// that leaves the truth out.
+const FAR_OFF: [f64; 2] = [0.5, 0.05];
 
 /// A warning where an estimate without noise is far off the object's curvature.
 fn far_off(estimate: &PressEstimate, object: f64) -> Option<String> {
-    let told = estimate.object_curvature().value;
-    let truth = estimate.sensor_curvature + object;
-    ((told - object).abs() > FAR_OFF * truth).then(|| {
-        let [told, object] = [told, object].map(Number::rounded);
+    let estimated = estimate.object_curvature();
+    let [far, beside] = FAR_OFF.map(|share| share * (estimate.sensor_curvature + object));
+    let off = (estimated.value - object).abs();
+    (off > far || off > beside && !estimated.interval.holds(object)).then(|| {
+        let [told, object] = [estimated.value, object].map(Number::rounded);
         format!(
-            "warning: even without noise the estimated curvature is {told}, where it is {object}: is the sensor the body that the estimator takes it for?"
+            "warning: even without noise the estimated curvature is {told}, where it is {object}: what the estimator assumes of body, contact or readings does not hold here"
         )
     })
 }

@@ -347,7 +347,8 @@ fn warnings(
     let residuals = is_stated
         .then(|| stated::noise(estimate, freedom))
         .flatten();
-    let unexplained = (estimate.r_squared < LITTLE).then(|| {
+    let is_noise = is_stated && residuals.is_none();
+    let unexplained = (estimate.r_squared < LITTLE && !is_noise).then(|| {
         let percent = 100.0 * estimate.r_squared.max(0.0);
         format!(
             "the fit explains {percent:.0} % of the normal displacements' variance: noise, or not the press of this body"

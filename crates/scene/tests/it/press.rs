@@ -346,6 +346,9 @@ fn presses_that_tell_nothing_are_told() {
     assert!(told.contains(other), "{told}");
     assert!(!needs(&moved("", &format!("{layer}{same}"))).contains(other));
     assert!(!needs(&moved("", half_space)).contains(other));
+    let thinner =
+        "estimator = { kind = \"bonded-layer\", thickness = 2.7, indentation = \"known\" }\n";
+    assert!(needs(&moved("", &format!("{layer}{thinner}"))).contains(other));
     let gaussian = "estimator = { kind = \"gaussian\", c = 10.0, indentation = \"known\" }\n";
     let told = needs(&moved("", gaussian));
     assert!(

@@ -50,10 +50,10 @@ fn text(name: &str, check: &Check) -> String {
     if check.checked < check.cells {
         let _ = writeln!(
             text,
-            "sample  every swept value by itself; {} cells as combinations: values of each axis with the first and with\n        \
-             other values of the others, both ends of every two axes, and cells spread evenly. A combination that is\n        \
-             none of these is first checked by `run`, before any trial",
-            check.checked
+            "sample  every swept value against the limits of its field; the fields of {} cells together: values of each axis\n        \
+             with the first and with other values of the others, both ends of every two axes, and cells spread evenly;\n        \
+             {} of these were set up, as many as a second allows. The others are first checked by `run`, before any trial",
+            check.checked, check.set_up
         );
     }
     let _ = writeln!(text, "trials  {at_most}{}", check.trials);

@@ -72,12 +72,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         .transpose()?;
     let of_study = StudyId::new(&study.config.name, &config);
     folder.begin(&config, &of_study)?;
-    let told: Vec<String> = simulation
-        .warnings()
-        .iter()
-        .map(|line| format!("{line}\n"))
-        .collect();
-    eprint!("{}", told.concat());
+    let mut told = simulation.warnings();
+    told.iter().for_each(|line| eprintln!("{line}"));
     if let Some((lines, warnings)) = said {
         for warning in warnings {
             eprintln!("warning: {warning}");
@@ -89,6 +85,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         .run(&AtomicBool::new(false), &|finished| bar.inc(finished))
         .map_err(Failure::of_sweep)?;
     bar.finish_and_clear();
+    let doubts = simulation.doubts(&ran);
+    doubts.iter().for_each(|line| eprintln!("{line}"));
+    told.extend(doubts);
 
     let mut files: Vec<(&str, Vec<u8>)> = vec![
         (CELLS, ran.cells.to_csv().into()),
@@ -101,7 +100,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         files.push((MAP, map.table.to_csv().into()));
     }
     if !told.is_empty() {
-        files.push((WARNINGS, told.concat().into()));
+        files.push((WARNINGS, (told.join("\n") + "\n").into()));
     }
     let written = folder.replace(&files, &of_study);
     let ended = folder.end();

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use palpate_study::{config, read_limited};
+use palpate_study::config::{self, Output};
+use palpate_study::read_limited;
 use toml_parser::Source;
 use toml_parser::lexer::{Token, TokenKind};
 
@@ -47,6 +48,10 @@ pub(crate) fn text_of(path: &Path) -> Option<String> {
 /// Name of the study of a run's config, and names of the files that commands may have written beside it.
 pub(crate) fn of_a_run(config: &Path, text: &str) -> (String, Vec<String>) {
     let study = config::parse(&config.display().to_string(), text).ok();
+    let writes = |output| {
+        let mut studies = study.iter();
+        studies.any(|study| study.config.outputs.contains(&output))
+    };
     let plots = study.iter().flat_map(|study| &study.config.plot);
     let named = |(at, plot): (usize, &config::PlotConfig)| {
         plot.name.clone().unwrap_or(format!("plot-{}", at + 1))
@@ -54,25 +59,22 @@ pub(crate) fn of_a_run(config: &Path, text: &str) -> (String, Vec<String>) {
     let figures = plots
         .enumerate()
         .map(named)
-        .chain(FIGURES.map(str::to_owned))
+        .chain(
+            FIGURES
+                .into_iter()
+                .filter(|_| writes(Output::Trace))
+                .map(str::to_owned),
+        )
         .flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
-    let known = [
-        CONFIG,
-        NEXT_CONFIG,
-        CELLS,
-        FAILURES,
-        MAP,
-        WARNINGS,
-        CLAIMS,
-        TRACE,
-        READINGS,
-        MARKERS,
-    ];
-    let known = known
-        .into_iter()
-        .chain(FRAMES)
-        .map(str::to_owned)
-        .chain(figures);
+    let mut known = vec![CONFIG, NEXT_CONFIG, CELLS, FAILURES, WARNINGS, CLAIMS];
+    if writes(Output::Map) {
+        known.push(MAP);
+    }
+    if writes(Output::Trace) {
+        known.extend([TRACE, READINGS, MARKERS]);
+        known.extend(FRAMES);
+    }
+    let known = known.into_iter().map(str::to_owned).chain(figures);
     let name = study
         .as_ref()
         .map_or("", |study| study.config.name.as_str());

@@ -92,14 +92,16 @@ impl Owned {
             return Err(Failure::work(anyhow!("cannot write {path}: {why}")));
         }
         let is_kept = holds(&path, contents.unwrap_or_default());
-        if self.guard.force || is_kept || is_stream(&path) || fs::metadata(&path).is_err() {
+        let is_open = is_stream(&path) && !self.guard.reads(&path);
+        if self.guard.force || is_kept || is_open || fs::metadata(&path).is_err() {
             return Ok(());
         }
         // A run may begin with the config that another run left.
         if name != names::CONFIG {
             self.guard.refuse(&path)?;
         }
-        let is_lone = self.manifest.is_none();
+        // Recorded readings have the header of simulated ones.
+        let is_lone = self.manifest.is_none() && name != names::READINGS;
         match self.entry(name) {
             Some(entry) if entry.is_of(&path) => Ok(()),
             Some(_) => Err(refusal(&path, "was changed since palpate wrote it")),
@@ -183,6 +185,7 @@ fn known_files(dir: &Path) -> Option<Manifest> {
         .filter_map(|name| {
             let path = dir.join(&name);
             let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file())
+                && is_of_its_kind(&path)
                 && (name != names::NEXT_CONFIG || names::is_of_a_run(&path));
             let sha256 = vec![digest_of(&path).ok().filter(|_| is_file)?];
             let study = Some(study.clone());
@@ -190,6 +193,20 @@ fn known_files(dir: &Path) -> Option<Manifest> {
         })
         .collect();
     Some(Manifest::new(files))
+}
+
+/// Whether a file begins as its ending says: a table with a header of several columns, a picture as a picture.
+fn is_of_its_kind(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = fs::File::open(path).and_then(|file| file.take(256).read_to_end(&mut start));
+    let header = start.split(|&byte| byte == b'\n').next();
+    read.is_ok()
+        && match path.extension().and_then(std::ffi::OsStr::to_str) {
+            Some("csv") => header.is_some_and(|header| header.contains(&b',')),
+            Some("png") => start.starts_with(b"\x89PNG"),
+            Some("svg") => start.starts_with(b"<svg"),
+            _ => true,
+        }
 }
 
 #[cfg(test)]

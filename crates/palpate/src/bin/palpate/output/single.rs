@@ -28,7 +28,7 @@ impl Single {
             let path = path.display();
             return Err(Failure::usage(anyhow!("{option} {path}: {why}")));
         }
-        if !is_stream(path) {
+        if !is_stream(path) || guard.reads(path) {
             guard.refuse(path)?;
         }
         let path = Some(path.to_owned());

@@ -75,8 +75,10 @@ impl<'a> Staged<'a> {
 
 /// Whether a path leads to a pipe, a device or an open file, which is written into and keeps its name.
 pub(crate) fn is_stream(path: &Path) -> bool {
-    const OPEN: [&str; 3] = ["/dev/fd", "/dev/stderr", "/proc"];
-    let is_open = OPEN.iter().any(|root| path.starts_with(root));
+    let is_descriptor = |folder: &Path| {
+        folder == Path::new("/dev/fd") || folder.starts_with("/proc") && folder.ends_with("fd")
+    };
+    let is_open = path == Path::new("/dev/stderr") || path.parent().is_some_and(is_descriptor);
     fs::metadata(path).is_ok_and(|found| !found.is_dir() && (is_open || !found.is_file()))
 }
 
