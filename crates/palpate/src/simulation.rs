@@ -147,36 +147,6 @@ impl<'a> Simulation<'a> {
         cells.into_iter().map(words).collect()
     }
 
-    /// Lines that warn of quantities of which most 95 % intervals leave the truth out, and of which table they are.
-    pub fn doubts(&self, ran: &Ran) -> Vec<String> {
-        const ENOUGH: u64 = 20;
-        const MOST: f64 = 0.5;
-        let mut doubts: Vec<(&'static str, usize, usize, f64)> = Vec::new();
-        for (cell, statistics) in self.cells.iter().zip(&ran.statistics) {
-            let quantities = cell.facts.quantities.iter().zip(&statistics.quantities);
-            for (quantity, summary) in quantities {
-                let coverage = summary.coverage95.filter(|coverage| *coverage < MOST);
-                let Some(coverage) = coverage.filter(|_| summary.observations >= ENOUGH) else {
-                    continue;
-                };
-                match doubts.iter_mut().find(|doubt| doubt.0 == quantity.name) {
-                    Some((.., cells, least)) => {
-                        (*cells, *least) = (*cells + 1, least.min(coverage))
-                    }
-                    None => doubts.push((quantity.name, cell.number, 1, coverage)),
-                }
-            }
-        }
-        let all = self.cells.len();
-        let words = |(name, first, cells, least): (&str, usize, usize, f64)| {
-            format!(
-                "warning: most 95 % intervals of {name} leave the truth out, in {cells} of {all} cells, the first is {first}: in the worst they hold it in {:.0} % of the trials (coverage95)",
-                100.0 * least
-            )
-        };
-        doubts.into_iter().map(words).collect()
-    }
-
     /// Runs all trials, until another thread sets `cancelled`: then no trial begins. `progress` is told by any thread how
     /// many it has done since it last told.
     ///

@@ -72,7 +72,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         .transpose()?;
     let of_study = StudyId::new(&study.config.name, &config);
     folder.begin(&config, &of_study)?;
-    let mut told = simulation.warnings();
+    let told = simulation.warnings();
     told.iter().for_each(|line| eprintln!("{line}"));
     if let Some((lines, warnings)) = said {
         for warning in warnings {
@@ -85,9 +85,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         .run(&AtomicBool::new(false), &|finished| bar.inc(finished))
         .map_err(Failure::of_sweep)?;
     bar.finish_and_clear();
-    let doubts = simulation.doubts(&ran);
-    doubts.iter().for_each(|line| eprintln!("{line}"));
-    told.extend(doubts);
 
     let mut files: Vec<(&str, Vec<u8>)> = vec![
         (CELLS, ran.cells.to_csv().into()),

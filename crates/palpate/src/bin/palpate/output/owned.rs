@@ -43,8 +43,11 @@ impl Guard {
 
     /// Whether the command reads the file at `path`.
     pub(crate) fn reads(&self, path: &Path) -> bool {
-        let mut inputs = self.inputs.iter();
-        inputs.any(|input| is_same_file(input, path).unwrap_or(false))
+        // To look into a pipe would wait for its writer.
+        let is_file = |path: &Path| fs::metadata(path).is_ok_and(|found| found.is_file());
+        let is_same =
+            |input: &PathBuf| is_file(input) && is_same_file(input, path).unwrap_or(false);
+        is_file(path) && self.inputs.iter().any(is_same)
     }
 
     /// Refuses to replace a regular file that is read, or that its mode protects.
