@@ -16,7 +16,7 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
 /// Arguments that select what tasks build of the release profile, all of it together: cargo joins the features of
 /// what is built at once, so that other selections would build most crates again. Without counters, as users have
 /// palpate.
-pub(crate) const RELEASED: [&str; 10] = [
+pub(crate) const RELEASED: [&str; 9] = [
     "-p",
     "palpate",
     "-p",
@@ -26,7 +26,6 @@ pub(crate) const RELEASED: [&str; 10] = [
     "--no-default-features",
     "--features",
     "palpate/cli",
-    "--quiet",
 ];
 
 /// Builds the released programs and says where one lies.

@@ -11,7 +11,7 @@ use crate::tables::{self, Row};
 /// Refuses a study that asks for what it cannot have: a plot of its table that will not be drawn whatever the trials
 /// give, in the words in which drawing it would fail, and a claim that nobody made.
 ///
-/// Of the values of a long axis only some are looked at; what hangs on the numbers that the trials give shows when the
+/// A long axis is looked at in some of its values only; what hangs on the numbers that the trials give shows when the
 /// plot is drawn.
 ///
 /// ```

@@ -12,7 +12,7 @@ const MOST_OF_A_STREAM: u64 = 256;
 /// Bytes of a file of at most `most_mib` MiB; of a pipe or a device, 256 MiB at most.
 ///
 /// # Errors
-/// Those of the operating system; [`ErrorKind::FileTooLarge`].
+/// Errors of the operating system; [`ErrorKind::FileTooLarge`].
 pub fn read_limited(path: &Path, most_mib: u64) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
     let known = file.metadata()?;

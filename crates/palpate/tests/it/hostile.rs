@@ -124,7 +124,7 @@ fn kept(dir: &Path, within: &str, is_ours: bool) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// What is wrong with a call, if anything is.
+/// Fault of a call, if it has one.
 fn wrong(call: &Call, shell: &str) -> Option<String> {
     let desk = Desk::with(&(STUDY.to_owned() + PLOT));
     let before = desk.shell(&format!("{shell}{}", call.before));

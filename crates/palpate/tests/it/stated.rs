@@ -1,4 +1,4 @@
-//! What users state of recorded readings and what they mistake: told in warnings, or refused.
+//! Statements and mistakes of users about recorded readings: told in warnings, or refused.
 
 use serde_json::Value;
 

@@ -71,7 +71,7 @@ pub(super) fn star(grid: &Grid, rows: &[Vec<usize>]) -> Vec<usize> {
     cells
 }
 
-/// Those of some rows of an axis by which it is sampled, ascending: all of a few; of many some spread evenly, the first and
+/// Rows of an axis by which it is sampled, among some of its rows and ascending: all of a few; of many some spread evenly, the first and
 /// the last, and the extremes of the axis as far as they are among them.
 pub(super) fn thinned(axis: &Axis, rows: impl IntoIterator<Item = usize>) -> Vec<usize> {
     let rows: Vec<usize> = rows.into_iter().collect();

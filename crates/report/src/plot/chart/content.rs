@@ -57,7 +57,7 @@ pub(crate) struct Line {
     pub(crate) dashed: bool,
     /// Points in order of x.
     pub(crate) runs: Runs,
-    /// Those of its points that are marked with a circle.
+    /// Places of the points that are marked with a circle.
     pub(crate) circled: Vec<(f64, f64)>,
 }
 

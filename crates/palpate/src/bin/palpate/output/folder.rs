@@ -91,7 +91,7 @@ impl Folder {
         self.write::<&[u8]>(&[], None)
     }
 
-    /// Writes files (name and contents) of a study, as [`write_files`](Self::write), and removes what palpate wrote of
+    /// Writes files (name and contents) of a study, as [`Self::write`] does, and removes what palpate wrote of
     /// another study; gives a line for each file that stays beside them and is not palpate's.
     pub(crate) fn replace<C: AsRef<[u8]>>(
         &mut self,
@@ -127,6 +127,15 @@ impl Folder {
                 .collect(),
         };
         left.retain(|name| !is_written(name));
+        let line = |name: &String| {
+            let path = self.owned.dir.join(name);
+            format!(
+                "{} {}, and stays",
+                path.display(),
+                self.owned.why_left(name)
+            )
+        };
+        let lines = left.iter().map(line).collect();
         self.write(files, Some(study))?;
         for name in stale {
             let path = self.owned.dir.join(&name);
@@ -141,12 +150,7 @@ impl Folder {
             }
         }
         self.write::<&[u8]>(&[], None)?;
-        let dir = &self.owned.dir;
-        let line = |name: &String| {
-            let path = dir.join(name);
-            format!("{} is not of this study, and stays", path.display())
-        };
-        Ok(left.iter().map(line).collect())
+        Ok(lines)
     }
 
     /// Writes files (name and contents) of a study.

@@ -82,6 +82,16 @@ impl Manifest {
     /// Manifest of a directory, if it has one.
     pub(crate) fn read(dir: &Path) -> Result<Option<Self>, Failure> {
         let path = dir.join(MANIFEST);
+        let fault = |what: String| {
+            let path = path.display();
+            Failure::usage(anyhow!(
+                "{path} {what}, so that nothing is known of the files beside it: give another directory, or --force"
+            ))
+        };
+        // To read a pipe would wait for its writer.
+        if fs::metadata(&path).is_ok_and(|found| !found.is_file()) {
+            return Err(fault("is no manifest of palpate".to_owned()));
+        }
         let text = match read_limited(&path, MOST_MIB) {
             Ok(bytes) => String::from_utf8(bytes).unwrap_or_default(),
             Err(error)
@@ -96,12 +106,6 @@ impl Manifest {
                 let error = Err(error).with_context(|| format!("cannot read {}", path.display()));
                 return error.map_err(Failure::work);
             }
-        };
-        let fault = |what: String| {
-            let path = path.display();
-            Failure::usage(anyhow!(
-                "{path} {what}, so that nothing is known of the files beside it: give another directory, or --force"
-            ))
         };
         let table: toml::Table =
             toml::from_str(&text).map_err(|_| fault("is no manifest of palpate".to_owned()))?;

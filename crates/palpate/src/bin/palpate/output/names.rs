@@ -42,7 +42,10 @@ pub(crate) fn is_of_a_run(path: &Path) -> bool {
 
 /// Text of a config, if it can be read.
 pub(crate) fn text_of(path: &Path) -> Option<String> {
-    String::from_utf8(read_limited(path, MOST_MIB).ok()?).ok()
+    // To read a pipe would wait for its writer.
+    let is_file = std::fs::metadata(path).is_ok_and(|found| found.is_file());
+    let bytes = is_file.then(|| read_limited(path, MOST_MIB).ok())??;
+    String::from_utf8(bytes).ok()
 }
 
 /// Name of the study of a run's config, and names of the files that commands may have written beside it.

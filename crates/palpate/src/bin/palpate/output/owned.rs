@@ -25,7 +25,7 @@ pub(crate) struct Owned {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Guard {
     inputs: Vec<PathBuf>,
-    /// Whether it may replace all.
+    /// Leave to replace whatever is there.
     force: bool,
 }
 
@@ -115,9 +115,17 @@ impl Owned {
         }
     }
 
-    /// What the manifest has of a file.
+    /// Entry of a file in the manifest.
     fn entry(&self, name: &str) -> Option<&Entry> {
         self.manifest.as_ref()?.files.get(name)
+    }
+
+    /// Reason why a file that stays is not palpate's.
+    pub(crate) fn why_left(&self, name: &str) -> &'static str {
+        match self.entry(name) {
+            Some(_) => "was changed since palpate wrote it",
+            None => "is not of this study",
+        }
     }
 
     /// Whether the manifest lists the file, and it is as palpate wrote it.
