@@ -89,7 +89,7 @@ impl Manifest {
             ))
         };
         // To read a pipe would wait for its writer.
-        if fs::metadata(&path).is_ok_and(|found| !found.is_file()) {
+        if fs::metadata(&path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
             return Err(fault("is no manifest of palpate".to_owned()));
         }
         let text = match read_limited(&path, MOST_MIB) {
