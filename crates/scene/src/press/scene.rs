@@ -340,7 +340,9 @@ impl Trials for PressScene {
         let mut needs = self.needs.clone();
         let estimate = self.truth.is_ok().then(|| self.estimate(None));
         needs.extend(estimate.and_then(|estimate| match estimate {
-            Ok(estimate) => far_off(&estimate, self.pressed.object.curvature),
+            Ok(estimate) => {
+                far_off(&estimate, self.pressed.object.curvature).or_else(|| unexplained(&estimate))
+            }
             Err(error) => Some(format!(
                 "warning: even without noise the estimate fails as `{}`: {error}",
                 error.name()
@@ -392,6 +394,21 @@ fn far_off(estimate: &PressEstimate, object: f64) -> Option<String> {
         let [told, object] = [estimated.value, object].map(Number::rounded);
         format!(
             "warning: even without noise the estimated curvature is {told}, where it is {object}: what the estimator assumes of body, contact or readings does not hold here"
+        )
+    })
+}
+
+/// Share of the variance of normal displacements that a fit to readings without noise explains at the least, where it
+/// is of the body that was pressed.
+const LEAST_EXPLAINED: f64 = 0.95;
+
+/// A warning where the fit to readings without noise leaves much of them unexplained: with noise it may go anywhere.
+fn unexplained(estimate: &PressEstimate) -> Option<String> {
+    let explained = estimate.r_squared;
+    (explained < LEAST_EXPLAINED).then(|| {
+        format!(
+            "warning: even without noise the estimator explains only {:.0} % of the variance of the normal displacements: what it assumes of body, contact or readings does not hold here",
+            100.0 * explained.max(0.0)
         )
     })
 }

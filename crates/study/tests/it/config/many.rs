@@ -61,6 +61,32 @@ fn one_long_axis_is_thinned() {
 }
 
 #[test]
+fn the_extremes_of_a_long_axis_are_in_its_sample_wherever_they_stand() {
+    for place in [1, 4_711, 13_577, 19_998] {
+        for extreme in [0.125, 70.0] {
+            let mut values: Vec<String> = (1..=20_000)
+                .map(|n| format!("{}", 1.0 + f64::from(n) / 1e3))
+                .collect();
+            values[place] = extreme.to_string();
+            let values = values.join(", ");
+            let long = study(&format!(
+                "[[sweep]]\npath = \"scene.object.radius\"\nvalues = [{values}]\n"
+            ));
+            assert!(long.sample().contains(&place), "{place} {extreme}");
+            assert!(long.sample().contains(&19_999));
+        }
+    }
+}
+
+#[test]
+fn the_last_cell_of_three_axes_is_in_the_sample() {
+    let third = "[[sweep]]\npath = \"seed\"\nvalues = [1, 2, 3]\n";
+    let fewer = MILLION.replace("count = 1000", "count = 100");
+    let study = study(&format!("{fewer}{third}"));
+    assert!(study.sample().contains(&29_999));
+}
+
+#[test]
 fn many_short_axes_have_each_value_and_each_pair_of_ends() {
     let names: Vec<String> = (0..14).map(|place| format!("k{place}")).collect();
     let set: Vec<String> = names.iter().map(|name| format!("{name} = 1.0")).collect();
