@@ -1,5 +1,7 @@
 //! The observations of one quantity until they are summed up.
 
+use std::ops::Range;
+
 use crate::observation::Observations;
 
 /// Placeholder for a standard deviation that was not reported; lower than any that can be reported, for those are at
@@ -92,6 +94,48 @@ impl Column {
         self.stds.clear();
         self.judgements.clear();
         self.truths = Truths::None;
+    }
+
+    /// Adds some of the observations of another column.
+    pub(crate) fn append(&mut self, other: &Self, places: Range<usize>) {
+        match &other.truths {
+            Truths::None => return,
+            Truths::Same(truth) => self.note_if_new(*truth, places.len()),
+            Truths::Varied(truths) => {
+                for (place, &truth) in places.clone().zip(&truths[places.clone()]) {
+                    self.append_one(other, place, truth);
+                }
+                return self.keep();
+            }
+        }
+        self.estimates
+            .extend_from_slice(&other.estimates[places.clone()]);
+        self.stds.extend_from_slice(&other.stds[places.clone()]);
+        for (back, place) in places.clone().rev().enumerate() {
+            if other.judgements.get(place).is_some_and(Option::is_some) {
+                let end = self.estimates.len() - back;
+                self.judgements
+                    .resize(self.estimates.len() - places.len(), None);
+                self.judgements
+                    .extend_from_slice(&other.judgements[places.start..=place]);
+                debug_assert_eq!(self.judgements.len(), end);
+                break;
+            }
+        }
+        self.keep();
+    }
+
+    fn append_one(&mut self, other: &Self, place: usize, truth: f64) {
+        self.note_if_new(truth, 1);
+        self.estimates.push(other.estimates[place]);
+        self.stds.push(other.stds[place]);
+        self.judge(other.judgements.get(place).copied().flatten());
+    }
+
+    fn note_if_new(&mut self, truth: f64, count: usize) {
+        if count > 0 && !matches!(self.truths, Truths::Same(same) if same == truth) {
+            self.note(truth, count);
+        }
     }
 
     /// Number of observations.

@@ -7,7 +7,8 @@
 //! Guarantees, for trials that depend on nothing but their number:
 //!
 //! - The result is the same to the last bit for any number of threads. Trials run in blocks of [`BLOCK`]; the sums of
-//!   blocks are folded in the order of the trials, and everything else that is merged is an integer or an extremum.
+//!   the blocks of a [`SUPERBLOCK`] are folded in their order, those of superblocks in theirs, and everything else that
+//!   is merged is an integer or an extremum. So superblocks can be run anywhere and put together ([`Partial`]).
 //! - Memory does not grow with the number of trials.
 //! - No number in a result is NaN or infinite. What is undefined is `None`.
 //!
@@ -38,33 +39,39 @@
 //! # Ok::<(), palpate_sweep::SweepError>(())
 //! ```
 
-mod alive;
 mod column;
 mod failures;
 mod histogram;
-mod jobs;
 mod magnitude;
 mod moments;
 mod observation;
 mod part;
+mod partial;
 mod plan;
+mod queue;
 mod record;
 mod run;
 mod scale;
+mod stop;
+mod stream;
 mod summary;
 mod sums;
+mod task;
 mod trial;
 
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 pub use observation::{Observation, Observations};
+pub use partial::Partial;
 pub use plan::{
     Clock, FailingCell, Goal, Pace, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable,
     SHARE_OF_MODEL, plan, spread,
 };
 pub use record::Record;
 pub use run::{NoThreads, RunOptions, Runner, SweepError, run};
+pub use stream::Sweep;
 pub use summary::{CellStatistics, Summary};
-pub use trial::{BLOCK, Cell, Trial};
+pub use task::{Stop, Task, Watched};
+pub use trial::{BLOCK, Cell, SUPERBLOCK, Trial};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

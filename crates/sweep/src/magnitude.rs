@@ -1,9 +1,11 @@
 //! Mean of magnitudes, mergeable.
 
+use serde::{Deserialize, Serialize};
+
 use crate::scale::{exponent, power_of_two, sum};
 
 /// Count and sum of the magnitudes of some finite numbers, in units of 2^exponent so that the sum cannot overflow.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub(crate) struct MeanMagnitude {
     count: u64,
     exponent: i32,

@@ -1,5 +1,7 @@
 //! Mean and spread of a run of numbers, mergeable, sound for every finite number.
 
+use serde::{Deserialize, Serialize};
+
 use crate::scale::{exponent, power_of_two, range, sum};
 
 /// Count, range, mean and squared deviations of some finite numbers.
@@ -7,7 +9,7 @@ use crate::scale::{exponent, power_of_two, range, sum};
 /// Sums are kept in units of a power of two near the largest magnitude, so that squares neither overflow nor vanish,
 /// and about the first number, so that a small spread about a large mean is not lost. Merging follows Chan, Golub and
 /// LeVeque (1983). It is exact in `count`, `min` and `max`; elsewhere the order of merging shows in the last bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Moments {
     count: u64,
     min: f64,

@@ -1,17 +1,22 @@
-//! A run of consecutive blocks of one cell, and the joining of neighbouring runs.
+//! Trials of one cell that one thread runs: whole blocks, or a slice of one.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::column::Column;
 use crate::failures::{Failure, Failures};
 use crate::histogram::Histogram;
+use crate::partial::Partial;
 use crate::record::Record;
-use crate::summary::{CellStatistics, Summary};
 use crate::sums::{Scratch, Sums};
-use crate::trial::{BLOCK, Cell, blocks};
+use crate::trial::{BLOCK, Trial};
 
 /// Observations of one quantity from which on they are summed up before the end of the block, which bounds the memory
 /// of trials with many observations.
 const MANY: usize = 4 * BLOCK as usize;
+
+/// Listener to the observations of a block, and the number of the trials that made the last of them.
+pub(crate) type Watcher<'a> = dyn FnMut(&[Column], u64) + 'a;
 
 /// Buffers that one thread reuses from block to block.
 #[derive(Debug, Default)]
@@ -20,174 +25,212 @@ pub(crate) struct Workspace {
     scratch: Scratch,
 }
 
-/// Statistics of some consecutive blocks of one cell, before they are complete.
+/// Statistics of consecutive blocks.
 #[derive(Debug)]
-struct Part {
-    cell: usize,
-    first_block: u64,
-    blocks: u64,
+pub(crate) struct Part {
+    trials: u64,
     failures: Failures,
-    /// Histogram of the errors of each quantity, over all blocks; merging is exact in any order.
+    /// Histogram of the errors of each quantity, over all blocks.
     histograms: Vec<Histogram>,
-    /// Sums of each quantity in each block, block after block. The first block's may stand for several blocks that were
-    /// folded into one.
+    /// Sums of each quantity in each block.
+    blocks: Vec<Vec<Sums>>,
+}
+
+/// Observations of some of the trials of a block, which are summed up when the whole block is there.
+#[derive(Debug)]
+pub(crate) struct Slice {
+    trials: u64,
+    failures: Failures,
+    columns: Vec<Column>,
+    /// Number of observations of each quantity after each trial.
+    ends: Vec<usize>,
+}
+
+/// Block of which slices are put together in their order.
+#[derive(Debug, Default)]
+pub(crate) struct Assembled {
+    columns: Vec<Column>,
     sums: Vec<Sums>,
+    scratch: Scratch,
 }
 
 impl Part {
-    fn new(cell: usize, first_block: u64, quantities: usize) -> Part {
-        Part {
-            cell,
-            first_block,
-            blocks: 0,
+    /// Part without blocks.
+    pub(crate) fn new(quantities: usize) -> Self {
+        Self {
+            trials: 0,
             failures: Failures::default(),
             histograms: vec![Histogram::default(); quantities],
-            sums: Vec::new(),
+            blocks: Vec::new(),
         }
     }
 
-    /// Runs the block that follows; cut short where the run is cancelled, which drops all of it.
-    fn run_next_block(&mut self, cell: &Cell, workspace: &mut Workspace, cancelled: &AtomicBool) {
+    /// Runs the block that follows; cut short where the run is cancelled, which drops all of it. `watch` is told after
+    /// each trial that succeeded what has been recorded since the observations were last summed up.
+    #[inline(never)] // by this name instructions are counted
+    pub(crate) fn run_block(
+        &mut self,
+        trial: &(impl Trial + ?Sized),
+        trials: Range<u64>,
+        workspace: &mut Workspace,
+        cancelled: &AtomicBool,
+        mut watch: Option<&mut Watcher<'_>>,
+    ) {
         let Workspace { record, scratch } = workspace;
         let quantities = self.histograms.len();
         record.set_quantities(quantities);
         let mut sums = vec![Sums::default(); quantities];
-        let mut sum_up = |record: &mut Record| {
-            let columns = record.columns().iter_mut();
-            for ((column, sums), histogram) in columns.zip(&mut sums).zip(&mut self.histograms) {
-                sums.merge(&Sums::of(column, histogram, scratch));
-                column.clear();
+        let histograms = &mut self.histograms;
+        let failures = &mut self.failures;
+        let mut at = trials.start;
+        while at < trials.end && !cancelled.load(Ordering::Relaxed) {
+            let before = at;
+            at += run_some(trial, at..trials.end, record, failures);
+            if let Some(watch) = &mut watch {
+                watch(record.columns(), at - before);
             }
-        };
-
-        let start = (self.first_block + self.blocks) * BLOCK;
-        let end = cell.trials.min(start.saturating_add(BLOCK));
-        let mut trial = start;
-        while trial < end && !cancelled.load(Ordering::Relaxed) {
-            trial += cell.trial.run_together(trial..end, record);
-            if trial == end {
-                break;
-            }
-            if let Err(kind) = record.take(|record| cell.trial.run(trial, record)) {
-                self.failures.add(Failure {
-                    kind,
-                    count: 1,
-                    first_trial: trial,
-                });
-            }
-            trial += 1;
             if record.columns().iter().any(|column| column.len() > MANY) {
-                sum_up(record);
+                sum_up(record.columns(), &mut sums, histograms, scratch);
+                if let Some(watch) = &mut watch {
+                    watch(record.columns(), 0);
+                }
             }
         }
-        sum_up(record);
-        self.sums.append(&mut sums);
-        self.blocks += 1;
+        sum_up(record.columns(), &mut sums, histograms, scratch);
+        if let Some(watch) = &mut watch {
+            watch(record.columns(), 0);
+        }
+        self.blocks.push(sums);
+        self.trials += trials.end - trials.start;
     }
 
-    /// Adds the blocks that follow.
-    fn append(&mut self, mut next: Part) {
-        self.blocks += next.blocks;
-        self.failures.merge(next.failures);
-        for (own, more) in self.histograms.iter_mut().zip(next.histograms) {
-            own.merge(more);
+    /// Adds its blocks to those that came before.
+    pub(crate) fn add_to(self, partial: &mut Partial) {
+        partial.trials += self.trials;
+        partial.failures.merge(self.failures);
+        if partial.sums.is_empty() && partial.histograms.iter().all(Histogram::is_empty) {
+            partial.histograms = self.histograms;
+        } else {
+            for (own, more) in partial.histograms.iter_mut().zip(self.histograms) {
+                own.merge(more);
+            }
         }
-        self.sums.append(&mut next.sums);
-    }
-
-    /// Folds what has been summed so far into its first block; the part must begin its cell.
-    fn fold(&mut self) {
-        let quantities = self.histograms.len();
-        let first_block = quantities.min(self.sums.len());
-        let (folded, rest) = self.sums.split_at_mut(first_block);
-        for (index, sums) in rest.iter().enumerate() {
-            folded[index % quantities].merge(sums);
-        }
-        self.sums.truncate(quantities);
-    }
-
-    fn finish(mut self, trials: u64) -> CellStatistics {
-        self.fold();
-        let quantities = self.sums.iter().zip(&self.histograms);
-        CellStatistics {
-            trials,
-            failures: self.failures.sorted(),
-            quantities: quantities
-                .map(|(sums, histogram)| Summary::new(sums, histogram))
-                .collect(),
-        }
+        self.blocks
+            .into_iter()
+            .for_each(|block| partial.fold(block));
     }
 }
 
-#[derive(Debug)]
-enum Piece {
-    Done(CellStatistics),
-    Open(Part),
-}
-
-/// Statistics of consecutive blocks of the whole study, with every complete cell already summarised.
-#[derive(Debug, Default)]
-pub(crate) struct Segment {
-    pieces: Vec<Piece>,
-}
-
-impl Segment {
-    /// Runs the block that follows: this one of the cell with this number.
-    #[inline(never)] // by this name instructions are counted
-    pub(crate) fn run_block(
-        &mut self,
-        (number, block): (usize, u64),
-        cell: &Cell,
+impl Slice {
+    /// Runs some of the trials of a block; cut short where the run is cancelled, which drops all of it.
+    pub(crate) fn run(
+        trial: &(impl Trial + ?Sized),
+        trials: Range<u64>,
         workspace: &mut Workspace,
         cancelled: &AtomicBool,
-    ) {
-        let mut part = match self
-            .pieces
-            .pop_if(|piece| matches!(piece, Piece::Open(part) if part.cell == number))
-        {
-            Some(Piece::Open(part)) => part,
-            _ => Part::new(number, block, cell.trial.quantities()),
-        };
-        part.run_next_block(cell, workspace, cancelled);
-        self.push(part, cell.trials);
-    }
-
-    /// Adds the blocks that follow; `trials` are those of each cell of the study.
-    pub(crate) fn join(mut self, next: Segment, trials: &[u64]) -> Segment {
-        let mut next = next.pieces.into_iter();
-        match (self.pieces.pop(), next.next()) {
-            (Some(Piece::Open(mut left)), Some(Piece::Open(right))) if left.cell == right.cell => {
-                left.append(right);
-                let trials = trials[left.cell];
-                self.push(left, trials);
+    ) -> Self {
+        let record = &mut workspace.record;
+        let quantities = trial.quantities();
+        record.set_quantities(quantities);
+        let mut failures = Failures::default();
+        let mut ends = Vec::new();
+        let mut at = trials.start;
+        while at < trials.end && !cancelled.load(Ordering::Relaxed) {
+            let before: Vec<usize> = record.columns().iter().map(|column| column.len()).collect();
+            let ran = run_some(trial, at..trials.end, record, &mut failures);
+            for number in 1..=ran {
+                let columns = record.columns().iter().zip(&before);
+                // Those that ran together have observed equally often.
+                let end = |(column, before): (&Column, &usize)| {
+                    before + (column.len() - before) * number as usize / ran as usize
+                };
+                ends.extend(columns.map(end));
             }
-            (left, right) => self.pieces.extend(left.into_iter().chain(right)),
+            at += ran;
         }
-        self.pieces.extend(next);
-        self
-    }
-
-    fn push(&mut self, part: Part, trials: u64) {
-        self.pieces.push(if part.blocks == blocks(trials) {
-            Piece::Done(part.finish(trials))
-        } else {
-            Piece::Open(part)
-        });
-    }
-
-    /// Folds the block sums of the last cell; the segment must begin the study.
-    pub(crate) fn fold(&mut self) {
-        if let Some(Piece::Open(part)) = self.pieces.last_mut() {
-            part.fold();
+        let columns = record.columns().iter_mut().map(std::mem::take).collect();
+        Self {
+            trials: trials.end - trials.start,
+            failures,
+            columns,
+            ends,
         }
     }
+}
 
-    /// The statistics of the cells that are complete, in order.
-    pub(crate) fn into_statistics(self) -> Vec<CellStatistics> {
-        let done = |piece| match piece {
-            Piece::Done(statistics) => Some(statistics),
-            Piece::Open(_) => None,
-        };
-        self.pieces.into_iter().filter_map(done).collect()
+impl Assembled {
+    /// Adds the slice that follows.
+    pub(crate) fn add(&mut self, slice: Slice, partial: &mut Partial) {
+        let quantities = partial.histograms.len();
+        self.columns.resize_with(quantities, Column::default);
+        self.sums.resize(quantities, Sums::default());
+        partial.trials += slice.trials;
+        partial.failures.merge(slice.failures);
+        let mut starts = vec![0; quantities];
+        for ends in slice.ends.chunks_exact(quantities.max(1)) {
+            let pieces = self.columns.iter_mut().zip(&slice.columns);
+            for ((own, more), (start, &end)) in pieces.zip(starts.iter_mut().zip(ends)) {
+                own.append(more, *start..end);
+                *start = end;
+            }
+            if self.columns.iter().any(|column| column.len() > MANY) {
+                let histograms = &mut partial.histograms;
+                sum_up(
+                    &mut self.columns,
+                    &mut self.sums,
+                    histograms,
+                    &mut self.scratch,
+                );
+            }
+        }
+    }
+
+    /// Ends the block.
+    pub(crate) fn end(mut self, partial: &mut Partial) {
+        let histograms = &mut partial.histograms;
+        sum_up(
+            &mut self.columns,
+            &mut self.sums,
+            histograms,
+            &mut self.scratch,
+        );
+        partial.fold(self.sums);
+    }
+}
+
+/// Runs the first of some trials, or those of the first that run together; gives their number.
+#[inline(always)]
+fn run_some(
+    trial: &(impl Trial + ?Sized),
+    trials: Range<u64>,
+    record: &mut Record,
+    failures: &mut Failures,
+) -> u64 {
+    match trial.run_together(trials.clone(), record) {
+        0 => {
+            let first_trial = trials.start;
+            if let Err(kind) = record.take(|record| trial.run(first_trial, record)) {
+                failures.add(Failure {
+                    kind,
+                    count: 1,
+                    first_trial,
+                });
+            }
+            1
+        }
+        ran => ran,
+    }
+}
+
+/// Adds columns to sums and histograms, and clears them.
+fn sum_up(
+    columns: &mut [Column],
+    sums: &mut [Sums],
+    histograms: &mut [Histogram],
+    scratch: &mut Scratch,
+) {
+    for ((column, sums), histogram) in columns.iter_mut().zip(sums).zip(histograms) {
+        sums.merge(&Sums::of(column, histogram, scratch));
+        column.clear();
     }
 }

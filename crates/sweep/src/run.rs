@@ -4,17 +4,17 @@ use std::convert::Infallible;
 use std::error::Error as _;
 use std::io;
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::alive::Alive;
-use crate::jobs::{blocks_of_job, blocks_of_wave};
-use crate::part::{Segment, Workspace};
+use crate::partial::Partial;
+use crate::stream::Sweep;
 use crate::summary::CellStatistics;
-use crate::trial::{BLOCK, Cell, Trial, blocks};
+use crate::task::Task;
+use crate::trial::{Cell, Trial};
 
 /// Settings that must not change results.
 #[derive(Clone, Copy, Debug, Default)]
@@ -171,14 +171,35 @@ impl Runner {
         set_up: impl Fn(usize) -> Result<T, E> + Sync,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Vec<CellStatistics>, SweepError<E>> {
-        let blocks = Blocks::new(trials, set_up, cancelled)?;
-        let statistics = self.install(|| blocks.run(progress));
-        let failed = blocks.failed.into_inner();
-        match failed.unwrap_or_else(PoisonError::into_inner) {
-            Some((_, error)) => Err(SweepError::SetUp(error)),
-            None if cancelled.load(Ordering::Relaxed) => Err(SweepError::Cancelled),
-            None => Ok(statistics),
+        let all = trials
+            .iter()
+            .try_fold(0_u64, |all, &one| all.checked_add(one));
+        all.ok_or(SweepError::TooManyTrials {
+            cells: trials.len(),
+        })?;
+        let mut starts = Vec::with_capacity(trials.len());
+        let mut tasks = 0;
+        for &trials in trials {
+            starts.push(tasks);
+            tasks += Task::superblocks(trials);
         }
+        let cells = Cells {
+            trials,
+            starts,
+            tasks,
+            set_up,
+        };
+        let mut statistics: Vec<CellStatistics> = Vec::with_capacity(trials.len());
+        let mut open = Partial::default();
+        self.stream(&cells, cancelled, progress, &mut |number, partial| {
+            open.merge(partial);
+            let next_cell = cells.starts.get(statistics.len() + 1).unwrap_or(&tasks);
+            if number + 1 == *next_cell {
+                statistics.push(std::mem::take(&mut open).statistics());
+            }
+            ControlFlow::Continue(())
+        })?;
+        Ok(statistics)
     }
 
     /// Checks each of so many things on these threads; tells the error of the first that is wrong.
@@ -205,6 +226,21 @@ impl Runner {
         error.map_or(Ok(()), Err)
     }
 
+    /// Whether there are threads, and with them a clock.
+    pub(crate) fn has_threads(&self) -> bool {
+        self.pool.is_some()
+    }
+
+    /// Does the same work on every thread.
+    pub(crate) fn everywhere(&self, work: impl Fn() + Sync) {
+        match &self.pool {
+            Some(pool) => {
+                pool.broadcast(|_| work());
+            }
+            None => work(),
+        }
+    }
+
     /// Does work on these threads.
     pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
@@ -222,109 +258,35 @@ fn has_no_threads(error: &rayon::ThreadPoolBuildError) -> bool {
     cause.is_some_and(|cause| cause.kind() == io::ErrorKind::Unsupported)
 }
 
-/// The blocks of all cells in one sequence.
-struct Blocks<'a, T, E, F> {
+/// Cells whose statistics are kept, all of them.
+struct Cells<'a, F> {
     /// Trials of each cell.
     trials: &'a [u64],
-    /// First block of each cell.
+    /// First task of each cell.
     starts: Vec<u64>,
-    blocks: u64,
-    alive: Alive<T, F>,
-    cancelled: &'a AtomicBool,
-    is_failed: AtomicBool,
-    /// First cell, of those that were tried, that could not be set up.
-    failed: Mutex<Option<(usize, E)>>,
+    tasks: u64,
+    set_up: F,
 }
 
-impl<'a, T, E, F> Blocks<'a, T, E, F>
-where
-    T: Trial + Send,
-    E: Send,
-    F: Fn(usize) -> Result<T, E> + Sync,
-{
-    fn new(trials: &'a [u64], set_up: F, cancelled: &'a AtomicBool) -> Result<Self, SweepError<E>> {
-        let all = trials
-            .iter()
-            .try_fold(0_u64, |all, &one| all.checked_add(one));
-        all.ok_or(SweepError::TooManyTrials {
-            cells: trials.len(),
-        })?;
-        let mut starts = Vec::with_capacity(trials.len());
-        let mut all_blocks = 0;
-        for &trials in trials {
-            starts.push(all_blocks);
-            all_blocks += blocks(trials);
-        }
-        Ok(Self {
-            trials,
-            starts,
-            blocks: all_blocks,
-            alive: Alive::new(trials, set_up),
-            cancelled,
-            is_failed: AtomicBool::new(false),
-            failed: Mutex::new(None),
-        })
+impl<T: Trial + Send, E: Send, F: Fn(usize) -> Result<T, E> + Sync> Sweep for Cells<'_, F> {
+    type Trial = T;
+    type Result = Partial;
+    type Error = E;
+
+    fn tasks(&self) -> u64 {
+        self.tasks
     }
 
-    /// Runs all blocks in waves; after each only the folded sums of the cell that is not complete remain.
-    fn run(&self, progress: &(dyn Fn(u64) + Sync)) -> Vec<CellStatistics> {
-        let wave = blocks_of_wave(rayon::current_num_threads());
-        let mut all = Segment::default();
-        for start in (0..self.blocks).step_by(wave as usize) {
-            let blocks = (self.blocks - start).min(wave) as usize;
-            all = all.join(self.run_wave(start, blocks, progress), self.trials);
-            all.fold();
-        }
-        all.into_statistics()
+    fn task(&self, number: u64) -> Task {
+        let cell = self.starts.partition_point(|&first| first <= number) - 1;
+        Task::of(cell, self.trials[cell], number - self.starts[cell])
     }
 
-    fn run_wave(&self, start: u64, blocks: usize, progress: &(dyn Fn(u64) + Sync)) -> Segment {
-        let run = |(mut segment, mut workspace): (Segment, Workspace), index: usize| {
-            self.run_block(&mut segment, &mut workspace, start + index as u64, progress);
-            (segment, workspace)
-        };
-        (0..blocks)
-            .into_par_iter()
-            .with_max_len(blocks_of_job(blocks as u64, rayon::current_num_threads()) as usize)
-            .fold(Default::default, run)
-            .map(|(segment, _)| segment)
-            .reduce(Segment::default, |left, right| {
-                left.join(right, self.trials)
-            })
+    fn set_up(&self, cell: usize) -> Result<T, E> {
+        (self.set_up)(cell)
     }
 
-    /// Runs a block of those of all cells, unless the run is over.
-    fn run_block(
-        &self,
-        segment: &mut Segment,
-        workspace: &mut Workspace,
-        index: u64,
-        progress: &(dyn Fn(u64) + Sync),
-    ) {
-        let is_over = |flag: &AtomicBool| flag.load(Ordering::Relaxed);
-        if is_over(self.cancelled) || is_over(&self.is_failed) {
-            return;
-        }
-        let number = self.starts.partition_point(|&first| first <= index) - 1;
-        let block = index - self.starts[number];
-        let trial = match self.alive.get(number) {
-            Ok(trial) => trial,
-            Err(error) => return self.fail(number, error),
-        };
-        let cell = Cell {
-            trials: self.trials[number],
-            trial: &*trial,
-        };
-        segment.run_block((number, block), &cell, workspace, self.cancelled);
-        self.alive.finish_block(number);
-        progress((cell.trials - block * BLOCK).min(BLOCK));
-    }
-
-    fn fail(&self, cell: usize, error: E) {
-        self.is_failed.store(true, Ordering::Relaxed);
-        let mut failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner);
-        if failed.as_ref().is_none_or(|(known, _)| cell < *known) {
-            *failed = Some((cell, error));
-        }
+    fn finish(&self, _task: &Task, _trial: &T, partial: Partial) -> Partial {
+        partial
     }
 }

@@ -1,5 +1,7 @@
 //! Sums of one quantity over a run of trials.
 
+use serde::{Deserialize, Serialize};
+
 use crate::column::{Column, Truths, UNREPORTED};
 use crate::histogram::Histogram;
 use crate::magnitude::MeanMagnitude;
@@ -10,7 +12,7 @@ use crate::scale::range;
 const COVERAGE_95: f64 = 1.959_963_984_540_054;
 
 /// Truth of all observations of a quantity.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub(crate) enum Truth {
     /// No observation, so no truth.
     #[default]
@@ -36,7 +38,7 @@ impl Truth {
 
 /// Sums over the observations of one quantity, from which its statistics follow. They are merged in the order of the
 /// trials.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Sums {
     pub(crate) truth: Truth,
     pub(crate) errors: Moments,

@@ -7,6 +7,10 @@ use crate::record::Record;
 /// Trials in a block, the unit of work.
 pub const BLOCK: u64 = 1024;
 
+/// Trials in a superblock: 1,024 blocks. The sums of its blocks are folded in their order, then those of the superblocks
+/// of a cell in theirs, so that whole superblocks can be run anywhere and put together to the same bits.
+pub const SUPERBLOCK: u64 = 1024 * BLOCK;
+
 /// An experiment that is repeated in a cell.
 pub trait Trial: Sync {
     /// Number of quantities that it observes.
@@ -58,9 +62,4 @@ pub struct Cell<'a> {
     pub trials: u64,
     /// The experiment.
     pub trial: &'a dyn Trial,
-}
-
-/// Number of blocks of so many trials; an empty one where there are none.
-pub(crate) fn blocks(trials: u64) -> u64 {
-    trials.div_ceil(BLOCK).max(1)
 }

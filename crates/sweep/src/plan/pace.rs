@@ -4,9 +4,9 @@ use std::num::{NonZeroU64, NonZeroUsize};
 use std::time::Duration;
 
 use super::clock::Clock;
-use crate::jobs::blocks_of_job;
+use crate::queue::JOB;
 use crate::run::{Runner, SweepError};
-use crate::trial::{BLOCK, Cell, Trial, blocks};
+use crate::trial::{Cell, Trial};
 
 /// Longest and shortest time for which trials of a cell are repeated; a single trial always runs to its end.
 const LONGEST: Duration = Duration::from_millis(10);
@@ -79,12 +79,10 @@ impl Pace {
     /// Bound on the seconds that a run with these trials of each cell takes on `threads` (Graham's bound on list
     /// scheduling, 1966): no thread is idle before the last job has been handed out.
     pub fn run_seconds(&self, trials: &[u64], threads: NonZeroUsize) -> f64 {
-        let blocks = trials.iter().map(|&trials| blocks(trials)).sum();
-        let job = blocks_of_job(blocks, threads.get());
         let (mut sum, mut longest) = (0.0, 0.0_f64);
         for (&trials, &seconds) in trials.iter().zip(&self.seconds) {
             sum += trials as f64 * seconds;
-            longest = longest.max(trials.min(job * BLOCK) as f64 * seconds);
+            longest = longest.max(seconds.max(JOB.as_secs_f64()).min(trials as f64 * seconds));
         }
         let threads = threads.get() as f64;
         sum / threads + longest * (1.0 - 1.0 / threads)
@@ -219,9 +217,9 @@ mod tests {
             seconds: vec![1.0, 10.0],
         };
         assert_eq!(pace.run_seconds(&[3, 2], ONE), 23.0);
-        // Two threads, one cell each: at most 23/2 + 20/2, and 20 in truth.
+        // Two threads: at most 23/2 + 10/2, and 13 in truth.
         let two = NonZeroUsize::new(2).unwrap_or(ONE);
-        assert_eq!(pace.run_seconds(&[3, 2], two), 21.5);
+        assert_eq!(pace.run_seconds(&[3, 2], two), 16.5);
     }
 
     #[test]

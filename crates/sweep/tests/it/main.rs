@@ -6,10 +6,11 @@ mod determinism;
 mod extremes;
 mod plan;
 mod statistics;
+mod tasks;
 
 use std::num::NonZeroUsize;
 
-use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Trial, run};
+use palpate_sweep::{Cell, CellStatistics, Observation, Record, RunOptions, Runner, Trial, run};
 
 /// A trial made of a function.
 struct Function<F> {
@@ -55,6 +56,11 @@ fn run_with(threads: usize, cells: &[Cell]) -> Vec<CellStatistics> {
         threads: NonZeroUsize::new(threads),
     };
     run(cells, &options, &|_| ()).expect("a machine that gives threads")
+}
+
+fn runner(threads: usize) -> Runner {
+    let threads = NonZeroUsize::new(threads);
+    Runner::new(&RunOptions { threads }).expect("a machine that gives threads")
 }
 
 fn run_cell(trials: u64, trial: &dyn Trial) -> CellStatistics {

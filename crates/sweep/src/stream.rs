@@ -1,0 +1,373 @@
+//! A sweep whose results are handed over in the order of its tasks, while it runs.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use crate::part::{Assembled, Part, Slice, Workspace};
+use crate::partial::Partial;
+use crate::queue::{Job, Piece, Queue};
+use crate::run::{Runner, SweepError};
+use crate::stop;
+use crate::task::{Stop, Task};
+use crate::trial::{BLOCK, Trial};
+
+/// Sweep: tasks, the experiments of their cells, and what is made of each.
+pub trait Sweep: Sync {
+    /// Experiment of a cell.
+    type Trial: Trial + Send;
+    /// Result of a task.
+    type Result: Send;
+    /// Error of setting up an experiment.
+    type Error: Send;
+
+    /// Number of tasks.
+    fn tasks(&self) -> u64;
+
+    /// Task of this number. Those of a cell follow each other, in the order of their trials.
+    fn task(&self, number: u64) -> Task;
+
+    /// Sets up the experiment of a cell: on any thread when its first trial is due. It must not wait for the threads of
+    /// the run.
+    ///
+    /// # Errors
+    /// Reason why the cell cannot be run; it ends the run.
+    fn set_up(&self, cell: usize) -> Result<Self::Trial, Self::Error>;
+
+    /// Rule by which a cell of a task that may stop has had enough trials; without one it runs all of them.
+    fn stop(&self, trial: &Self::Trial) -> Option<Stop> {
+        let _ = trial;
+        None
+    }
+
+    /// Result of a task, on any thread.
+    fn finish(&self, task: &Task, trial: &Self::Trial, partial: Partial) -> Self::Result;
+}
+
+impl Runner {
+    /// Runs the tasks of a sweep and hands their results over, in the order of the tasks and one at a time, until another
+    /// thread sets `cancelled` or `take` breaks. `progress` is told by any thread how many trials it has done since it last
+    /// told.
+    ///
+    /// Only the experiments that threads work on are kept, and the results that wait for an earlier one, so that memory
+    /// grows neither with the tasks nor with the trials. How trials are divided among threads leaves no trace in a result.
+    ///
+    /// ```
+    /// use std::convert::Infallible;
+    /// use std::ops::ControlFlow;
+    /// use std::sync::atomic::AtomicBool;
+    /// use palpate_sweep::{Observation, Partial, Record, RunOptions, Runner, Sweep, Task, Trial};
+    ///
+    /// /// Estimates its truth without an error.
+    /// struct Exact(f64);
+    /// impl Trial for Exact {
+    ///     fn quantities(&self) -> usize { 1 }
+    ///     fn run(&self, _trial: u64, record: &mut Record) -> Result<(), &'static str> {
+    ///         let (estimate, truth) = (self.0, self.0);
+    ///         record.observe(0, Observation { estimate, truth, std: None, interval_holds: None });
+    ///         Ok(())
+    ///     }
+    /// }
+    ///
+    /// struct Means;
+    /// impl Sweep for Means {
+    ///     type Trial = Exact;
+    ///     type Result = Option<f64>;
+    ///     type Error = Infallible;
+    ///     fn tasks(&self) -> u64 { 3 }
+    ///     fn task(&self, number: u64) -> Task { Task::of(number as usize, 20, 0) }
+    ///     fn set_up(&self, cell: usize) -> Result<Exact, Infallible> { Ok(Exact(cell as f64)) }
+    ///     fn finish(&self, _task: &Task, _trial: &Exact, partial: Partial) -> Option<f64> {
+    ///         partial.statistics().quantities[0].mean
+    ///     }
+    /// }
+    ///
+    /// let mut means = Vec::new();
+    /// let runner = Runner::new(&RunOptions::default())?;
+    /// runner.stream(&Means, &AtomicBool::new(false), &|_finished| (), &mut |_task, mean| {
+    ///     means.push(mean);
+    ///     ControlFlow::Continue(())
+    /// })?;
+    /// assert_eq!(means, [Some(0.0), Some(1.0), Some(2.0)]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SweepError::SetUp`] of the first cell that cannot be set up, after the results before it;
+    /// [`SweepError::Cancelled`], also where `take` broke.
+    ///
+    /// # Panics
+    /// Where a trial, `progress` or `take` does.
+    pub fn stream<S: Sweep>(
+        &self,
+        sweep: &S,
+        cancelled: &AtomicBool,
+        progress: &(dyn Fn(u64) + Sync),
+        take: &mut (dyn FnMut(u64, S::Result) -> ControlFlow<()> + Send),
+    ) -> Result<(), SweepError<S::Error>> {
+        let queue = Queue::new(sweep.tasks(), |number| sweep.task(number));
+        let crew = Crew {
+            sweep,
+            queue: &queue,
+            cancelled,
+            progress,
+            has_clock: self.has_threads(),
+            line: Mutex::new(Line {
+                waiting: BTreeMap::new(),
+                head: 0,
+                open: None,
+                tasks: 0,
+                failed: None,
+                take,
+            }),
+        };
+        self.everywhere(|| crew.work());
+        let line = crew.line.into_inner();
+        let line = line.unwrap_or_else(PoisonError::into_inner);
+        match line.failed {
+            Some(error) => Err(SweepError::SetUp(error)),
+            None if line.tasks < sweep.tasks() => Err(SweepError::Cancelled),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The threads of a run.
+struct Crew<'a, S: Sweep, F> {
+    sweep: &'a S,
+    queue: &'a Queue<S::Trial, S::Error, F>,
+    cancelled: &'a AtomicBool,
+    progress: &'a (dyn Fn(u64) + Sync),
+    has_clock: bool,
+    line: Mutex<Line<'a, S>>,
+}
+
+/// Results on their way to whoever takes them.
+struct Line<'a, S: Sweep> {
+    /// Results of jobs that wait for an earlier one.
+    waiting: BTreeMap<u64, Vec<Ran<S>>>,
+    /// Number of the job whose results are due.
+    head: u64,
+    open: Option<Open>,
+    /// Number of the tasks whose results have been taken.
+    tasks: u64,
+    failed: Option<S::Error>,
+    take: &'a mut (dyn FnMut(u64, S::Result) -> ControlFlow<()> + Send),
+}
+
+/// Task of which the first trials have been run.
+struct Open {
+    partial: Partial,
+    block: Option<Assembled>,
+}
+
+/// Trials of a task that have been run.
+struct Ran<S: Sweep> {
+    piece: Piece<S::Trial, S::Error>,
+    sums: Sum<S::Result>,
+}
+
+enum Sum<R> {
+    Whole(R),
+    Blocks(Part),
+    Slice(Slice),
+    /// The experiment could not be set up.
+    Failed,
+}
+
+/// Ends the run of all threads where one panics.
+struct Fuse<'a, T, E, F: Fn(u64) -> Task>(&'a Queue<T, E, F>);
+
+impl<T, E, F: Fn(u64) -> Task> Drop for Fuse<'_, T, E, F> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.stop();
+        }
+    }
+}
+
+impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
+    /// Works until nothing is left to do.
+    fn work(&self) {
+        let _fuse = Fuse(self.queue);
+        let mut workspace = Workspace::default();
+        while !self.is_cancelled()
+            && let Some(job) = self.queue.job(self.has_clock)
+        {
+            let number = job.number;
+            match self.run(job, &mut workspace) {
+                Some(ran) => self.hand_over(number, ran),
+                None => break,
+            }
+        }
+        // Others may wait for what this thread has dropped.
+        if self.is_cancelled() {
+            self.queue.stop();
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Runs the trials of a job; `None` where the run was cancelled meanwhile.
+    fn run(&self, job: Job<S::Trial, S::Error>, workspace: &mut Workspace) -> Option<Vec<Ran<S>>> {
+        let mut all = Vec::with_capacity(job.pieces.len());
+        let mut trials = 0;
+        let mut time = std::time::Duration::ZERO;
+        for piece in job.pieces {
+            let experiment = self.experiment(&piece);
+            let sums = match experiment {
+                Ok(trial) => {
+                    let start = self.has_clock.then(Instant::now);
+                    let sums = self.sum(&piece, trial, workspace);
+                    time += start.map_or(time, |start| start.elapsed());
+                    sums
+                }
+                Err(_) => Sum::Failed,
+            };
+            // A trial may have cancelled the run, or another thread: its numbers are not all there.
+            if self.is_cancelled() {
+                return None;
+            }
+            let ran = piece.trials.end - piece.trials.start;
+            trials += ran;
+            (self.progress)(ran);
+            all.push(Ran { piece, sums });
+        }
+        if self.has_clock {
+            self.queue.timed(trials, time);
+        }
+        Some(all)
+    }
+
+    fn experiment<'p>(
+        &self,
+        piece: &'p Piece<S::Trial, S::Error>,
+    ) -> &'p Result<S::Trial, Mutex<Option<S::Error>>> {
+        let set_up = || {
+            let trial = self.sweep.set_up(piece.task.cell);
+            trial.map_err(|error| Mutex::new(Some(error)))
+        };
+        piece.experiment.get_or_init(set_up)
+    }
+
+    fn sum(
+        &self,
+        piece: &Piece<S::Trial, S::Error>,
+        trial: &S::Trial,
+        workspace: &mut Workspace,
+    ) -> Sum<S::Result> {
+        let Piece { task, trials, .. } = piece;
+        let quantities = trial.quantities();
+        let cancelled = self.cancelled;
+        if task.may_stop {
+            let rule = self.sweep.stop(trial);
+            let most = if trial.is_random() {
+                trials.end
+            } else {
+                trials.end.min(1)
+            };
+            let partial = stop::run(rule.as_ref(), trial, most, workspace, cancelled);
+            return Sum::Whole(self.sweep.finish(task, trial, partial));
+        }
+        // The first trial tells all where nothing is random.
+        let until = |end: u64| if trial.is_random() { end } else { end.min(1) };
+        let is_end = |trial: u64| trial.is_multiple_of(BLOCK) || trial == task.trials.end;
+        if !trials.start.is_multiple_of(BLOCK) || !is_end(trials.end) {
+            let trials = trials.start..until(trials.end).max(trials.start);
+            return Sum::Slice(Slice::run(trial, trials, workspace, cancelled));
+        }
+        let mut part = Part::new(quantities);
+        let mut start = trials.start;
+        loop {
+            let end = trials.end.min(start + BLOCK);
+            if start == 0 || start < until(end) {
+                part.run_block(trial, start..until(end), workspace, cancelled, None);
+            }
+            start = end;
+            if start == trials.end || self.is_cancelled() {
+                break;
+            }
+        }
+        if *trials != task.trials {
+            return Sum::Blocks(part);
+        }
+        let mut partial = Partial::new(quantities);
+        part.add_to(&mut partial);
+        Sum::Whole(self.sweep.finish(task, trial, partial))
+    }
+
+    /// Puts the results of a job into the line, and hands over those that are due.
+    fn hand_over(&self, number: u64, ran: Vec<Ran<S>>) {
+        let line = self.line.lock();
+        let mut line = line.unwrap_or_else(PoisonError::into_inner);
+        line.waiting.insert(number, ran);
+        let before = line.head;
+        while let head = line.head
+            && let Some(job) = line.waiting.remove(&head)
+        {
+            for ran in job {
+                if line.put(self.sweep, ran).is_break() {
+                    line.waiting.clear();
+                    return self.queue.stop();
+                }
+            }
+            line.head += 1;
+        }
+        if line.head > before {
+            self.queue.taken(line.head);
+        }
+    }
+}
+
+impl<S: Sweep> Line<'_, S> {
+    /// Adds trials that follow those before.
+    fn put(&mut self, sweep: &S, ran: Ran<S>) -> ControlFlow<()> {
+        if self.failed.is_some() {
+            return ControlFlow::Break(());
+        }
+        let Ran { piece, sums } = ran;
+        let trial = match piece.experiment.get() {
+            Some(Ok(trial)) => trial,
+            Some(Err(error)) => {
+                self.failed = error.lock().unwrap_or_else(PoisonError::into_inner).take();
+                return ControlFlow::Break(());
+            }
+            None => return ControlFlow::Break(()),
+        };
+        let result = match sums {
+            Sum::Whole(result) => result,
+            Sum::Failed => return ControlFlow::Break(()),
+            Sum::Blocks(_) | Sum::Slice(_) => {
+                let mut open = self.open.take().unwrap_or_else(|| Open {
+                    partial: Partial::new(trial.quantities()),
+                    block: None,
+                });
+                let end = piece.trials.end;
+                let is_end = end == piece.task.trials.end;
+                match sums {
+                    Sum::Blocks(part) => part.add_to(&mut open.partial),
+                    Sum::Slice(slice) => {
+                        let mut block = open.block.take().unwrap_or_default();
+                        block.add(slice, &mut open.partial);
+                        match is_end || end.is_multiple_of(BLOCK) {
+                            true => block.end(&mut open.partial),
+                            false => open.block = Some(block),
+                        }
+                    }
+                    Sum::Whole(_) | Sum::Failed => {}
+                }
+                if !is_end {
+                    self.open = Some(open);
+                    return ControlFlow::Continue(());
+                }
+                sweep.finish(&piece.task, trial, open.partial)
+            }
+        };
+        self.tasks += 1;
+        (self.take)(piece.number, result)
+    }
+}

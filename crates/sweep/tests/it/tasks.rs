@@ -1,0 +1,351 @@
+//! Tasks: superblocks that are run anywhere, slices of blocks, and cells that end when they are known.
+
+use std::convert::Infallible;
+use std::ops::{ControlFlow, Range};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use palpate_sweep::{
+    BLOCK, Observation, Partial, Record, SUPERBLOCK, Stop, Sweep, SweepError, Task, Trial, Watched,
+};
+
+use crate::{normal, observation, runner};
+
+/// Several quantities, varied truths, verdicts and failures; each trial takes a while.
+struct Rich {
+    wait: Duration,
+    places: u64,
+}
+
+impl Trial for Rich {
+    fn quantities(&self) -> usize {
+        3
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        let start = Instant::now();
+        while start.elapsed() < self.wait {}
+        for place in 0..self.places {
+            let estimate = 2.0 + normal(31 * trial + place);
+            let truth = if trial % 700 < 300 { 2.0 } else { place as f64 };
+            record.observe(0, observation(estimate, truth, Some(0.7)));
+        }
+        record.observe(1, observation(normal(trial), 0.0, None));
+        let interval_holds = (trial % 5 == 1).then_some(trial.is_multiple_of(3));
+        let std = (trial % 4 < 2).then_some(0.5);
+        record.observe(
+            2,
+            Observation {
+                interval_holds,
+                ..observation(normal(7 * trial), 1.0, std)
+            },
+        );
+        if trial % 11 == 4 { Err("rank") } else { Ok(()) }
+    }
+}
+
+/// Tasks with an experiment of one kind in all cells.
+struct Tasks<F> {
+    tasks: Vec<Task>,
+    experiment: F,
+    stop: Option<Stop>,
+}
+
+impl<T: Trial + Send, F: Fn() -> T + Sync> Sweep for Tasks<F> {
+    type Trial = T;
+    type Result = Partial;
+    type Error = Infallible;
+
+    fn tasks(&self) -> u64 {
+        self.tasks.len() as u64
+    }
+
+    fn task(&self, number: u64) -> Task {
+        self.tasks[number as usize].clone()
+    }
+
+    fn set_up(&self, _cell: usize) -> Result<T, Infallible> {
+        Ok((self.experiment)())
+    }
+
+    fn stop(&self, _trial: &T) -> Option<Stop> {
+        self.stop
+    }
+
+    fn finish(&self, _task: &Task, _trial: &T, partial: Partial) -> Partial {
+        partial
+    }
+}
+
+fn partials(
+    threads: usize,
+    sweep: &impl Sweep<Result = Partial, Error = Infallible>,
+) -> Vec<Partial> {
+    let mut all = Vec::new();
+    let never = AtomicBool::new(false);
+    let mut take = |number, partial| {
+        assert_eq!(number, all.len() as u64);
+        all.push(partial);
+        ControlFlow::Continue(())
+    };
+    runner(threads)
+        .stream(sweep, &never, &|_| (), &mut take)
+        .unwrap();
+    all
+}
+
+fn rich(wait_us: u64, places: u64, trials: u64) -> Tasks<impl Fn() -> Rich + Sync> {
+    Tasks {
+        tasks: vec![
+            Task::of(0, trials, 0),
+            Task::of(1, 3, 0),
+            Task::of(2, trials / 2, 0),
+        ],
+        experiment: move || Rich {
+            wait: Duration::from_micros(wait_us),
+            places,
+        },
+        stop: None,
+    }
+}
+
+#[test]
+fn slices_of_blocks_leave_no_trace() {
+    for places in [1, 9] {
+        // Most blocks of quick trials are whole, those of slow ones are divided into slices of some 40 trials.
+        let whole = partials(1, &rich(0, places, 2500));
+        for threads in [1, 3] {
+            let sliced = partials(threads, &rich(100, places, 2500));
+            assert_eq!(
+                format!("{sliced:?}"),
+                format!("{whole:?}"),
+                "{places} places"
+            );
+        }
+    }
+}
+
+#[test]
+fn one_trial_tells_all_where_nothing_is_random() {
+    struct Still(AtomicU64);
+    impl Trial for Still {
+        fn quantities(&self) -> usize {
+            1
+        }
+        fn run(&self, _trial: u64, record: &mut Record) -> Result<(), &'static str> {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            record.observe(0, observation(3.0, 2.0, None));
+            Ok(())
+        }
+        fn is_random(&self) -> bool {
+            false
+        }
+    }
+    for trials in [1, 5000, SUPERBLOCK + 1] {
+        let tasks = (0..Task::superblocks(trials))
+            .map(|number| Task::of(0, trials, number))
+            .collect();
+        let sweep = Tasks {
+            tasks,
+            experiment: || Still(AtomicU64::new(0)),
+            stop: None,
+        };
+        let mut all = Partial::default();
+        partials(2, &sweep)
+            .into_iter()
+            .for_each(|partial| all.merge(partial));
+        let summary = all.statistics();
+        assert_eq!((all.trials(), summary.trials), (1, 1));
+        assert_eq!(
+            (
+                summary.quantities[0].observations,
+                summary.quantities[0].bias
+            ),
+            (1, Some(1.0))
+        );
+    }
+}
+
+#[test]
+fn superblocks_put_together_are_the_cell() {
+    let trials = 2 * SUPERBLOCK + 5000;
+    let quick = || Quick;
+    let superblocks: Vec<Task> = (0..3).map(|number| Task::of(0, trials, number)).collect();
+    let ends: Vec<Range<u64>> = superblocks.iter().map(|task| task.trials.clone()).collect();
+    assert_eq!(
+        ends,
+        [
+            0..SUPERBLOCK,
+            SUPERBLOCK..2 * SUPERBLOCK,
+            2 * SUPERBLOCK..trials
+        ]
+    );
+    let never = AtomicBool::new(false);
+    let whole = runner(2).run_until(&never, &[trials], |_| Ok::<_, Infallible>(Quick), &|_| ());
+    // Each alone, in another order, and written down in between.
+    let mut apart: Vec<Vec<u8>> = Vec::new();
+    for number in [2, 0, 1] {
+        let tasks = vec![superblocks[number].clone()];
+        let partial = partials(
+            1,
+            &Tasks {
+                tasks,
+                experiment: quick,
+                stop: None,
+            },
+        );
+        apart.push(postcard::to_stdvec(&partial[0]).unwrap());
+    }
+    apart.rotate_left(1);
+    let mut all = Partial::default();
+    for bytes in &apart {
+        assert!(bytes.len() < 20_000, "{}", bytes.len());
+        all.merge(postcard::from_bytes(bytes).unwrap());
+    }
+    assert_eq!(all.trials(), trials);
+    assert_eq!(
+        format!("{:?}", all.statistics()),
+        format!("{:?}", whole.unwrap()[0])
+    );
+}
+
+/// Gaussian errors, and now and then a failure.
+struct Quick;
+
+impl Trial for Quick {
+    fn quantities(&self) -> usize {
+        1
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        record.observe(0, observation(5.0 + normal(trial), 5.0, Some(1.0)));
+        if trial % 1000 == 999 {
+            Err("slipped")
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// Gaussian errors at several places, which are the same or differ.
+struct Places {
+    places: u64,
+    are_same: bool,
+    scale: f64,
+}
+
+impl Trial for Places {
+    fn quantities(&self) -> usize {
+        1
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        for place in 0..self.places {
+            let number = if self.are_same {
+                trial
+            } else {
+                self.places * trial + place
+            };
+            let estimate = self.scale * (10.0 + normal(number));
+            record.observe(0, observation(estimate, self.scale * 10.0, None));
+        }
+        Ok(())
+    }
+}
+
+/// Trials that a cell of these has until the rule ends it.
+fn trials(statistic: Watched, places: u64, are_same: bool, scale: f64, min_trials: u64) -> u64 {
+    let stop = Stop {
+        quantity: 0,
+        statistic,
+        relative_standard_error: 0.01,
+        min_trials,
+    };
+    let task = |cell| Task {
+        cell,
+        trials: 0..100_000,
+        may_stop: true,
+    };
+    let sweep = Tasks {
+        tasks: (0..3).map(task).collect(),
+        experiment: move || Places {
+            places,
+            are_same,
+            scale,
+        },
+        stop: Some(stop),
+    };
+    let all = partials(2, &sweep);
+    assert_eq!(format!("{:?}", all[0]), format!("{:?}", all[2]));
+    all[0].trials()
+}
+
+#[test]
+fn a_cell_ends_when_its_statistic_is_known() {
+    // Relative standard errors of N Gaussian errors: 1/√(2N) of their rms, √(π/2 − 1)/√N of their mean magnitude, and
+    // 0.1/√N of a mean that is ten standard deviations from 0.
+    for scale in [1.0, 1e-200, 1e200] {
+        assert_eq!(trials(Watched::RmsError, 1, true, scale, 0), 8 * BLOCK);
+        assert_eq!(trials(Watched::MeanAbsError, 1, true, scale, 0), 8 * BLOCK);
+        assert_eq!(trials(Watched::Mean, 1, true, scale, 0), BLOCK);
+    }
+    assert_eq!(trials(Watched::Mean, 1, true, 1.0, 3000), 4 * BLOCK);
+    assert_eq!(trials(Watched::RmsError, 1, true, 1.0, 1_000_000), 100_000);
+}
+
+#[test]
+fn observations_of_one_trial_count_as_one_where_they_go_together() {
+    assert_eq!(trials(Watched::RmsError, 16, true, 1.0, 0), 8 * BLOCK);
+    // Independent ones tell more: 1/√(2 · 16 N).
+    assert_eq!(trials(Watched::RmsError, 16, false, 1.0, 0), BLOCK);
+}
+
+#[test]
+fn a_sweep_that_is_left_off_has_given_the_first_results() {
+    let mut taken = 0;
+    let take = &mut |_: u64, _: Partial| {
+        taken += 1;
+        match taken {
+            2 => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    };
+    let error = runner(2).stream(&rich(10, 1, 5000), &AtomicBool::new(false), &|_| (), take);
+    assert!(matches!(error, Err(SweepError::Cancelled)));
+    assert_eq!(taken, 2);
+
+    let cancelled = AtomicBool::new(false);
+    let mut taken = 0;
+    let take = &mut |_: u64, _: Partial| {
+        taken += 1;
+        cancelled.store(true, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    };
+    let error = runner(2).stream(&rich(10, 1, 5000), &cancelled, &|_| (), take);
+    assert!(matches!(error, Err(SweepError::Cancelled)));
+    assert!((1..3).contains(&taken), "{taken}");
+}
+
+#[test]
+#[should_panic(expected = "a trial went wrong")]
+fn a_panic_of_one_thread_ends_them_all() {
+    struct Panics;
+    impl Trial for Panics {
+        fn quantities(&self) -> usize {
+            0
+        }
+        fn run(&self, trial: u64, _record: &mut Record) -> Result<(), &'static str> {
+            assert!(trial != 30_000, "a trial went wrong");
+            Ok(())
+        }
+    }
+    let tasks = (0..200).map(|cell| Task::of(cell, SUPERBLOCK, 0)).collect();
+    partials(
+        3,
+        &Tasks {
+            tasks,
+            experiment: || Panics,
+            stop: None,
+        },
+    );
+}
