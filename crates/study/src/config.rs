@@ -65,5 +65,5 @@ pub use roll::{
 };
 pub use schema::schema;
 pub use settings::{Accepts, Range, Setting, SettingError, in_unit, settings, with_settings};
-pub use study::{SceneConfig, StudyConfig};
-pub use sweep::{Spacing, SweepConfig};
+pub use study::{SceneConfig, StopConfig, StopStatistic, StudyConfig};
+pub use sweep::{RangeConfig, Sample, Spacing, SweepConfig};

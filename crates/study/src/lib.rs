@@ -17,7 +17,7 @@ pub use limited::read_limited;
 pub use number::shortest as number;
 pub use quantity::{Quantity, QuantityKind, Unit};
 pub use statistic::Statistic;
-pub use table::Table;
+pub use table::{Table, csv, push_row};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

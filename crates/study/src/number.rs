@@ -1,5 +1,7 @@
 //! Numbers as text: for tables, for readers, and back.
 
+use std::fmt;
+
 use palpate_number::Number;
 
 /// Text of a number in the shortest form that reads back the same, as in tables; zero without a sign.
@@ -14,7 +16,21 @@ use palpate_number::Number;
 /// assert_eq!(number::grouped(1_234_567), "1,234,567");
 /// ```
 pub fn shortest(value: f64) -> String {
-    (value + 0.0).to_string()
+    Shortest(value).to_string()
+}
+
+/// Number that is written as by [`shortest`].
+///
+/// ```
+/// assert_eq!(format!("{}", palpate_study::number::Shortest(-0.0)), "0");
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Shortest(pub f64);
+
+impl fmt::Display for Shortest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (self.0 + 0.0).fmt(f)
+    }
 }
 
 /// Text of a number in all its digits, as the shortest decimal that reads back as it: with an exponent from 1e16 up and

@@ -34,22 +34,38 @@ impl Table {
 
     /// CSV text of the table (RFC 4180): what holds a comma, a quote or a line's end is quoted.
     pub fn to_csv(&self) -> String {
+        csv(&self.header) + &self.rows_to_csv()
+    }
+
+    /// CSV text of the rows alone.
+    pub fn rows_to_csv(&self) -> String {
         let mut text = String::new();
-        for row in std::iter::once(&self.header).chain(&self.rows) {
-            for (place, field) in row.iter().enumerate() {
-                if place > 0 {
-                    text.push(',');
-                }
-                push_field(&mut text, field);
-            }
-            text.push('\n');
-        }
+        self.rows.iter().for_each(|row| push_row(&mut text, row));
         text
     }
 }
 
+/// CSV text of one row, with the line's end.
+pub fn csv(row: &[String]) -> String {
+    let mut text = String::new();
+    push_row(&mut text, row);
+    text
+}
+
+/// Adds a row and the line's end to a CSV text.
+pub fn push_row(text: &mut String, row: &[String]) {
+    for (place, field) in row.iter().enumerate() {
+        if place > 0 {
+            text.push(',');
+        }
+        push_field(text, field);
+    }
+    text.push('\n');
+}
+
 fn push_field(text: &mut String, field: &str) {
-    if field.contains([',', '"', '\n', '\r']) {
+    let is_special = |byte: &u8| matches!(byte, b',' | b'"' | b'\n' | b'\r');
+    if field.as_bytes().iter().any(is_special) {
         text.push('"');
         text.push_str(&field.replace('"', "\"\""));
         text.push('"');

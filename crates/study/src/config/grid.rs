@@ -22,7 +22,7 @@ impl Grid {
     }
 
     /// Fields that a cell sets, with its value for each, in the order of [`Grid::targets`].
-    fn settings(&self, cell: usize) -> impl Iterator<Item = (&Target, SweptValue)> {
+    pub(super) fn settings(&self, cell: usize) -> impl Iterator<Item = (&Target, SweptValue)> {
         let rows = self.axes.iter().zip(self.rows_of(cell));
         rows.flat_map(|(axis, row)| axis.targets.iter().zip(axis.row(row).into_owned()))
     }

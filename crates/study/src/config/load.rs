@@ -33,6 +33,9 @@ pub struct Study {
     source: Source,
     grid: Grid,
     sample: Vec<usize>,
+    /// The tree that the axes vary, where every swept value is a number, a word or a truth value, so that limits of its
+    /// field are all that the schema asks of it, whatever the others are.
+    flat: Option<toml::Value>,
     /// The plots as they are written.
     plots: Node,
 }
@@ -119,6 +122,7 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
         check_version(&entry.node).map_err(|fault| faulty(fault.under("crate_version")))?;
     }
     let axes = sweep::axes(&sweeps).map_err(faulty)?;
+    check_stop(&base, &axes).map_err(faulty)?;
     let grid = Grid { base, axes };
     let sample = sample::sample(&grid);
 
@@ -136,6 +140,10 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
     plot::check(&plots, &grid, &first.outputs).map_err(faulty)?;
 
     let config = StudyConfig {
+        trials: first
+            .stop
+            .as_ref()
+            .map_or(first.trials, |stop| stop.max_trials),
         sweep: deserialise(&sweeps).map_err(faulty)?,
         plot: deserialise(&plots).map_err(faulty)?,
         ..first
@@ -150,6 +158,7 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
         paths,
         columns,
         model: None,
+        flat: is_flat(&grid).then(|| grid.base.to_toml()),
         source,
         grid,
         sample,
@@ -179,6 +188,35 @@ fn check_version(node: &Node) -> Result<(), Fault> {
         Some(_) => return Ok(()),
     };
     Err(Fault::at(&node.span, message))
+}
+
+/// Refuses numbers of trials that a rule by which cells have had enough of them contradicts.
+fn check_stop(base: &Node, axes: &[Axis]) -> Result<(), Fault> {
+    let Some(stop) = base.get("stop") else {
+        return Ok(());
+    };
+    let number = |node: &Node, key: &str| node.get(key).and_then(Node::as_number);
+    let mut targets = axes.iter().flat_map(|axis| &axis.targets);
+    if let Some(target) = targets.find(|target| target.path == "trials") {
+        let message = "is swept, and `stop` decides the number of trials; keep one of them";
+        return Err(Fault::at(&target.span, message).under("trials"));
+    }
+    let most = number(stop, "max_trials");
+    if let (Some(trials), Some(given)) = (base.get("trials"), number(base, "trials"))
+        && most.is_some_and(|most| most != given)
+    {
+        let message =
+            "is not `stop.max_trials`, and `stop` decides the number of trials; leave it out";
+        return Err(Fault::at(&trials.span, message).under("trials"));
+    }
+    if let (Some(least), Some(most)) = (number(stop, "min_trials"), most)
+        && least > most
+    {
+        let message = format!("must be <= max_trials, which is {most}, is {least}");
+        let fault = Fault::at(&stop.nearest("min_trials").span, message);
+        return Err(fault.under("min_trials").under("stop"));
+    }
+    Ok(())
 }
 
 /// Holds every row of every axis against the limits of its fields, with the first rows of the other axes.
@@ -231,6 +269,18 @@ pub fn plots(file: &str, text: &str) -> Result<Vec<PlotConfig>, ConfigError> {
         deserialise(&plots)
     };
     read().map_err(|fault| source.error(fault))
+}
+
+/// Whether no swept value is a table or a list, and none chooses a kind, on which other fields hang.
+fn is_flat(grid: &Grid) -> bool {
+    let mut targets = grid.targets();
+    let is_plain =
+        |value: &SweptValue| !matches!(value.node.value, Value::Table(_) | Value::Array(_));
+    let is_kind = |path: &str| path.rsplit('.').next() == Some("kind");
+    !targets.any(|target| is_kind(&target.path))
+        && grid.axes.iter().all(|axis| {
+            axis.is_range() || (0..axis.len()).all(|row| axis.row(row).iter().all(is_plain))
+        })
 }
 
 /// Takes the list of tables `key` out of a config, valid against its part of the schema; empty if there is none.
@@ -290,6 +340,29 @@ fn check(schema: &Json, tree: &Node) -> Result<StudyConfig, Fault> {
     }
 }
 
+/// Config of a cell each of whose values has been held against the limits of its field by itself, where that is enough to
+/// know that the cell is valid; `None` where it takes [`checked`] to know. `base` is the tree of the grid.
+fn trusted(base: &toml::Value, grid: &Grid, cell: usize) -> Option<StudyConfig> {
+    let mut tree = base.clone();
+    for (target, setting) in grid.settings(cell) {
+        let (parents, last) = target.path.rsplit_once('.').unwrap_or(("", &target.path));
+        let mut keys = parents.split('.').filter(|key| !key.is_empty());
+        let parent = keys.try_fold(&mut tree, |node, key| match node {
+            toml::Value::Table(table) => table.get_mut(key),
+            toml::Value::Array(items) => items.get_mut(key.parse::<usize>().ok()?),
+            _ => None,
+        })?;
+        let value = setting.node.to_toml();
+        match parent {
+            toml::Value::Table(table) => drop(table.insert(last.to_owned(), value)),
+            toml::Value::Array(items) => *items.get_mut(last.parse::<usize>().ok()?)? = value,
+            _ => return None,
+        }
+    }
+    let config: StudyConfig = tree.try_into().ok()?;
+    config.scene.check().ok().map(|()| config)
+}
+
 /// Reads a validated tree. What serde refuses after all has a field but no place in the text.
 fn deserialise<T: serde::de::DeserializeOwned>(tree: &Node) -> Result<T, Fault> {
     serde_path_to_error::deserialize(tree.to_toml()).map_err(|error| Fault {
@@ -315,7 +388,11 @@ impl Study {
             let message = format!("there is no cell {number}: the study has {count}");
             return Err(ConfigError::of_file(&self.source.file, message));
         }
-        let mut config = checked(&self.source, &self.grid, number)?;
+        let base = self.flat.as_ref();
+        let mut config = match base.and_then(|base| trusted(base, &self.grid, number)) {
+            Some(config) => config,
+            None => checked(&self.source, &self.grid, number)?,
+        };
         let is_swept = |key: &str| self.paths.iter().any(|path| path == key);
         if !is_swept("seed") {
             config.seed = self.config.seed;
@@ -334,6 +411,17 @@ impl Study {
             coordinates: self.grid.coordinates(number),
             config,
         })
+    }
+
+    /// Number of trials of a cell as the config has it, without the cell being made.
+    pub fn trials_of(&self, cell: usize) -> u64 {
+        let swept = self.grid.axis("trials").and_then(|(axis, place)| {
+            let faster = self.grid.axes.iter().rev();
+            let faster = faster.take_while(|other| !std::ptr::eq(*other, axis));
+            let row = cell / faster.map(Axis::len).product::<usize>() % axis.len();
+            axis.row(row)[place].node.as_number()
+        });
+        swept.map_or(self.config.trials, |trials| trials as u64)
     }
 
     /// Numbers of the cells that are known to be valid, ascending: all of a study of up to 10,000 cells. Of more there is a

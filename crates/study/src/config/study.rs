@@ -35,6 +35,9 @@ pub struct StudyConfig {
     #[serde(default = "ten_thousand")]
     #[schemars(extend("minimum" = 1))]
     pub trials: u64,
+    /// Rule by which a cell has had enough trials, instead of a number of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stop: Option<StopConfig>,
     /// Numbers of the published claims that are scored from this study's tables.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<u32>,
@@ -52,6 +55,48 @@ pub struct StudyConfig {
     /// Plots of the study's table.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plot: Vec<PlotConfig>,
+}
+
+/// Rule by which a cell has had enough trials: a statistic of a quantity is known to a relative standard error.
+///
+/// It is looked at after 1, 2, 4, 8 … blocks of 1,024 trials, in the order of their numbers. The error is one over trials:
+/// several observations of one trial, as at all places of a patch, count as one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StopConfig {
+    /// Relative standard error at which the statistic is known well enough.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
+    pub relative_standard_error: f64,
+    /// Quantity that is watched, as the results name it; by default the first of the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub quantity: Option<String>,
+    /// Statistic that is watched.
+    #[serde(default)]
+    pub statistic: StopStatistic,
+    /// Fewest trials per cell.
+    #[serde(default = "a_block")]
+    #[schemars(extend("minimum" = 1))]
+    pub min_trials: u64,
+    /// Most trials per cell.
+    #[schemars(extend("minimum" = 1))]
+    pub max_trials: u64,
+}
+
+/// Statistic by which a cell is watched.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StopStatistic {
+    /// Mean of the estimates.
+    Mean,
+    /// Root of the mean squared error.
+    #[default]
+    RmsError,
+    /// Mean magnitude of the error.
+    MeanAbsError,
+}
+
+fn a_block() -> u64 {
+    1024
 }
 
 fn ten_thousand() -> u64 {

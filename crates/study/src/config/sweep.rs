@@ -5,10 +5,10 @@ use super::tree::{Node, Value};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 /// One axis: a field (`path`) or fields that move together (`paths`), and either a list of `values` or a range
-/// (`from`, `to`, `count`, `spacing`).
+/// (`from`, `to`, `count`, `spacing`); or quasi-random points (`sample`, `count`) in `ranges` of fields.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepConfig {
@@ -36,6 +36,35 @@ pub struct SweepConfig {
     /// How a range is divided. Values between the ends are rounded to 12 digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing: Option<Spacing>,
+    /// How points are chosen in `ranges`, `count` of them: far fewer than a grid of as many fields needs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sample: Option<Sample>,
+    /// Ranges of the fields that are sampled, by their paths. The order of the paths in the alphabet is that of the
+    /// columns.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ranges: Option<BTreeMap<String, RangeConfig>>,
+}
+
+/// Range of a field that is sampled.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RangeConfig {
+    /// Least value.
+    pub from: f64,
+    /// Largest value, which itself is not taken.
+    pub to: f64,
+    /// Spacing in which values are as likely everywhere.
+    #[serde(default)]
+    pub spacing: Spacing,
+}
+
+/// Kind of points that fill ranges evenly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sample {
+    /// Sobol's sequence with Owen's scrambling (Burley 2020), the same for every seed of the study: each half, quarter and so
+    /// on of every range has as many of the first 2ⁿ points.
+    Sobol,
 }
 
 impl SweepConfig {
@@ -44,6 +73,7 @@ impl SweepConfig {
         self.path
             .iter()
             .chain(self.paths.iter().flatten())
+            .chain(self.ranges.iter().flat_map(BTreeMap::keys))
             .map(String::as_str)
     }
 }
@@ -57,6 +87,25 @@ pub enum Spacing {
     Linear,
     /// Equal ratios.
     Log,
+}
+
+impl Spacing {
+    /// Spacing of a range, as far as it has one.
+    fn of(node: Option<&Node>) -> Self {
+        match node.and_then(Node::as_text) {
+            Some("log") => Self::Log,
+            _ => Self::Linear,
+        }
+    }
+
+    /// Number at a share of the way from one end to the other, rounded to 12 digits.
+    fn between(self, from: f64, to: f64, share: f64) -> f64 {
+        let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
+        rounded(match self {
+            Self::Linear => mix(from, to),
+            Self::Log => libm::pow(10_f64, mix(libm::log10(from), libm::log10(to))),
+        })
+    }
 }
 
 /// Largest number of cells of a study.
@@ -74,6 +123,7 @@ pub(super) struct Axis {
 enum Rows {
     Listed(Vec<Vec<SweptValue>>),
     Spaced(Range),
+    Sampled(Points),
 }
 
 impl Axis {
@@ -82,7 +132,13 @@ impl Axis {
         match &self.rows {
             Rows::Listed(rows) => rows.len(),
             Rows::Spaced(range) => range.steps + 1,
+            Rows::Sampled(points) => points.count,
         }
+    }
+
+    /// Whether its values are numbers from one end to another.
+    pub(super) fn is_range(&self) -> bool {
+        matches!(self.rows, Rows::Spaced(_) | Rows::Sampled(_))
     }
 
     /// Values of a row, one per target.
@@ -90,6 +146,7 @@ impl Axis {
         match &self.rows {
             Rows::Listed(rows) => Cow::Borrowed(&rows[index]),
             Rows::Spaced(range) => Cow::Owned(vec![range.setting(index)]),
+            Rows::Sampled(points) => Cow::Owned(points.settings(index)),
         }
     }
 
@@ -97,14 +154,11 @@ impl Axis {
     pub(super) fn extremes(&self) -> Vec<usize> {
         let last = self.len() - 1;
         let mut extremes = vec![0, last];
-        if let Rows::Listed(rows) = &self.rows {
+        if !matches!(self.rows, Rows::Spaced(_)) {
             for column in 0..self.targets.len() {
-                let number = |row: &Vec<SweptValue>| row[column].node.as_number();
-                let numbers = rows.iter().map(number).enumerate();
                 let numbers = || {
-                    numbers
-                        .clone()
-                        .filter_map(|(row, number)| Some((row, number?)))
+                    let number = |row| self.row(row)[column].node.as_number();
+                    (0..=last).filter_map(move |row| Some((row, number(row)?)))
                 };
                 let by_size = |a: &(usize, f64), b: &(usize, f64)| a.1.total_cmp(&b.1);
                 let found = numbers()
@@ -136,6 +190,17 @@ pub(super) struct SweptValue {
 }
 
 impl SweptValue {
+    /// Number that is made, not written. A whole one is an integer, so that it may also set a field that counts.
+    fn of_number(number: f64, span: &Span) -> Self {
+        let value = match number.fract() == 0.0 && number.abs() < 2_f64.powi(53) {
+            true => Value::Integer(number as i64),
+            false => Value::Float(number),
+        };
+        let span = span.clone();
+        let node = Node { value, span };
+        Self { node, label: None }
+    }
+
     /// Text that stands for it in results.
     pub(super) fn text(&self) -> Cow<'_, str> {
         match &self.label {
@@ -149,14 +214,16 @@ impl SweptValue {
 pub(super) fn axes(section: &Node) -> Result<Vec<Axis>, Fault> {
     let under = |index: usize| move |fault: Fault| fault.under(index).under("sweep");
     let mut cells = 1_u64;
+    let mut first_beyond = None;
     for (index, table) in section.items().iter().enumerate() {
         cells = cells.saturating_mul(length(table).map_err(under(index))?);
         if cells > MAX_CELLS {
-            let message = format!(
-                "the axes up to this one make {cells} cells; at most {MAX_CELLS} are allowed"
-            );
-            return Err(under(index)(Fault::at(&table.span, message)));
+            first_beyond.get_or_insert((index, table));
         }
+    }
+    if let Some((index, table)) = first_beyond {
+        let message = format!("the axes make {cells} cells; at most {MAX_CELLS} are allowed");
+        return Err(under(index)(Fault::at(&table.span, message)));
     }
     let mut axes: Vec<Axis> = Vec::new();
     for (index, table) in section.items().iter().enumerate() {
@@ -169,6 +236,9 @@ pub(super) fn axes(section: &Node) -> Result<Vec<Axis>, Fault> {
 /// The number of rows, without making them.
 fn length(table: &Node) -> Result<u64, Fault> {
     let has = |key| table.get(key).is_some();
+    if has("ranges") || has("sample") {
+        return sampled_length(table);
+    }
     let range = ["from", "to", "count"];
     match (table.get("values"), range.iter().find(|key| !has(key))) {
         (Some(values), _) => match range.iter().chain(&["spacing"]).find(|key| has(key)) {
@@ -191,7 +261,116 @@ fn length(table: &Node) -> Result<u64, Fault> {
     }
 }
 
+/// The number of points of a sampled axis.
+fn sampled_length(table: &Node) -> Result<u64, Fault> {
+    let others = ["path", "paths", "values", "from", "to", "spacing"];
+    let both = others.iter().find(|key| table.get(key).is_some());
+    if let Some(key) = both {
+        let message = format!("has both `ranges` and `{key}`; keep one form");
+        return Err(Fault::at(&table.span, message));
+    }
+    for key in ["sample", "ranges", "count"] {
+        if table.get(key).is_none() {
+            let message = "missing key; points need `sample`, `ranges` and `count`";
+            return Err(Fault::at(&table.span, message).under(key));
+        }
+    }
+    let count = table.get("count").and_then(Node::as_number).unwrap_or(0.0) as u64;
+    Ok(count)
+}
+
+/// Quasi-random points in ranges.
+#[derive(Debug, Clone)]
+struct Points {
+    count: usize,
+    /// Place where the count is written.
+    span: Span,
+    ranges: Vec<([f64; 2], Spacing)>,
+}
+
+/// Most points and fields that Sobol's sequence is known for.
+const MOST_POINTS: f64 = 65_536.0;
+const MOST_FIELDS: usize = 256;
+
+impl Points {
+    fn settings(&self, index: usize) -> Vec<SweptValue> {
+        let ranges = self.ranges.iter().enumerate();
+        let setting = |(dimension, ([from, to], spacing)): (usize, &([f64; 2], Spacing))| {
+            let share = sobol_burley::sample(index as u32, dimension as u32, 0);
+            let number = spacing.between(*from, *to, f64::from(share));
+            SweptValue::of_number(number, &self.span)
+        };
+        ranges.map(setting).collect()
+    }
+}
+
+/// Targets and points of a sampled axis.
+fn points(table: &Node, ranges: &Node) -> Result<(Vec<Target>, Points), Fault> {
+    let count = table.get("count");
+    let span = count.map_or(&table.span, |count| &count.span);
+    let number = count.and_then(Node::as_number).unwrap_or(0.0);
+    if number > MOST_POINTS {
+        let message = format!("must be <= {MOST_POINTS} where points are sampled, is {number}");
+        return Err(Fault::at(span, message).under("count"));
+    }
+    let mut entries: Vec<_> = ranges.entries().iter().collect();
+    entries.sort_by(|one, other| one.key.cmp(&other.key));
+    if entries.is_empty() || entries.len() > MOST_FIELDS {
+        let message = format!("needs 1 to {MOST_FIELDS} fields, has {}", entries.len());
+        return Err(Fault::at(&ranges.span, message).under("ranges"));
+    }
+    let mut targets = Vec::new();
+    let mut all = Vec::new();
+    for entry in entries {
+        let range = &entry.node;
+        let end = |key| range.get(key).and_then(Node::as_number).unwrap_or(0.0);
+        let ends = [end("from"), end("to")];
+        let spacing = Spacing::of(range.get("spacing"));
+        let fault = |message: String| {
+            let fault = Fault::at(&range.span, message);
+            Err(fault.under(&entry.key).under("ranges"))
+        };
+        if ends[0] >= ends[1] {
+            return fault(format!(
+                "`from` must be < `to`: {} is not < {}",
+                ends[0], ends[1]
+            ));
+        }
+        if ends[0] <= 0.0 && spacing == Spacing::Log {
+            return fault(format!(
+                "`from` must be > 0 where spacing = \"log\", is {}",
+                ends[0]
+            ));
+        }
+        targets.push(Target {
+            path: entry.key.clone(),
+            span: entry.key_span.clone(),
+        });
+        all.push((ends, spacing));
+    }
+    Ok((
+        targets,
+        Points {
+            count: number as usize,
+            span: span.clone(),
+            ranges: all,
+        },
+    ))
+}
+
 fn axis(table: &Node, earlier: &[Axis]) -> Result<Axis, Fault> {
+    if let Some(ranges) = table.get("ranges") {
+        let (targets, points) = points(table, ranges)?;
+        for (index, target) in targets.iter().enumerate() {
+            let before = earlier
+                .iter()
+                .flat_map(|axis| &axis.targets)
+                .chain(&targets[..index]);
+            check_target(target, before)?;
+        }
+        let rows = Rows::Sampled(points);
+        return Ok(Axis { targets, rows });
+    }
     let (targets, together) = match (table.get("path"), table.get("paths")) {
         (Some(path), None) => (vec![target(path)], false),
         (None, Some(paths)) => (paths.items().iter().map(target).collect::<Vec<_>>(), true),
@@ -233,6 +412,7 @@ fn axis(table: &Node, earlier: &[Axis]) -> Result<Axis, Fault> {
             });
             twice.cloned()
         }
+        Rows::Sampled(_) => None,
         // Numbers of a range follow each other.
         Rows::Spaced(range) => {
             let mut last = range.number(0);
@@ -357,36 +537,22 @@ struct Range {
 impl Range {
     fn number(&self, index: usize) -> f64 {
         let [first, last] = [self.ends[0].0, self.ends[1].0];
-        let t = index as f64 / self.steps as f64;
-        let mix = |a: f64, b: f64| a * (1.0 - t) + b * t;
-        match self.spacing {
-            _ if index == 0 => first,
+        match index {
+            0 => first,
             _ if index == self.steps => last,
-            Spacing::Linear => rounded(mix(first, last)),
-            Spacing::Log => {
-                let exponent = mix(libm::log10(first), libm::log10(last));
-                rounded(libm::pow(10_f64, exponent))
-            }
+            _ => self
+                .spacing
+                .between(first, last, index as f64 / self.steps as f64),
         }
     }
 
     fn setting(&self, index: usize) -> SweptValue {
-        let number = self.number(index);
-        // A whole number is an integer, so that a range may also set a field that counts.
-        let value = match number.fract() == 0.0 && number.abs() < 2_f64.powi(53) {
-            true => Value::Integer(number as i64),
-            false => Value::Float(number),
-        };
         let span = match index {
             0 => &self.ends[0].1,
             _ if index == self.steps => &self.ends[1].1,
             _ => &self.count,
         };
-        let node = Node {
-            value,
-            span: span.clone(),
-        };
-        SweptValue { node, label: None }
+        SweptValue::of_number(self.number(index), span)
     }
 }
 
@@ -400,10 +566,7 @@ fn range(table: &Node) -> Result<Range, Fault> {
     else {
         return Err(Fault::at(&table.span, "needs numbers"));
     };
-    let spacing = match table.get("spacing").and_then(Node::as_text) {
-        Some("log") => Spacing::Log,
-        _ => Spacing::Linear,
-    };
+    let spacing = Spacing::of(table.get("spacing"));
     if let Some((key, end)) = [("from", from), ("to", to)]
         .into_iter()
         .find(|(_, end)| end.as_number() <= Some(0.0))

@@ -6,6 +6,7 @@ mod refused;
 mod refused_plots;
 mod refused_sweeps;
 mod round_trip;
+mod sampled;
 mod schema;
 mod text;
 

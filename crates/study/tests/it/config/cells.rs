@@ -215,7 +215,7 @@ fn a_million_cells_are_the_limit() {
     };
     assert_eq!(
         parse("study.toml", &axes(1001)).unwrap_err().to_string(),
-        r#"study.toml:14:1: sweep.1: the axes up to this one make 1001000 cells; at most 1000000 are allowed
+        r#"study.toml:14:1: sweep.1: the axes make 1001000 cells; at most 1000000 are allowed
    |
 14 | [[sweep]]
    | ^^^^^^^^^"#

@@ -51,6 +51,22 @@ fn of_a_million_cells_a_sample_has_every_value_and_every_corner() {
 }
 
 #[test]
+fn cells_of_plain_values_are_those_that_the_schema_checks() {
+    // With a table on an axis each cell is held against the whole schema.
+    let plain = MILLION.replace("count = 1000", "count = 7");
+    let table = format!(
+        "{plain}[[sweep]]\npath = \"scene.probe\"\nvalues = [{{ label = \"p\", kind = \"sphere\", radius = 2.0 }}]\n"
+    );
+    let same = plain.clone() + "[[sweep]]\npath = \"scene.probe.radius\"\nvalues = [2.0]\n";
+    let (plain, table) = (study(&same), study(&table));
+    for number in 0..49 {
+        let (one, other) = (plain.cell(number).unwrap(), table.cell(number).unwrap());
+        assert_eq!(one.config.scene, other.config.scene);
+        assert_eq!(one.coordinates[..2], other.coordinates[..2]);
+    }
+}
+
+#[test]
 fn one_long_axis_is_thinned() {
     let one =
         "[[sweep]]\npath = \"scene.object.radius\"\nfrom = 1.0\nto = 1000.0\ncount = 1000000\n";
@@ -177,7 +193,12 @@ fn trials_are_counted_without_the_cells() {
     assert_eq!(seven.unwrap().trials(), 7_000_000);
     let swept = format!("{MILLION}[[sweep]]\npath = \"trials\"\nvalues = [3, 4]\n");
     let fewer = swept.replacen("count = 1000", "count = 10", 1);
-    assert_eq!(study(&fewer).trials(), 70_000);
+    let fewer = study(&fewer);
+    assert_eq!(fewer.trials(), 70_000);
+    for number in [0, 1, 777, 19_999] {
+        let trials = fewer.cell(number).unwrap().config.trials;
+        assert_eq!(fewer.trials_of(number), trials, "{number}");
+    }
 }
 
 #[test]
@@ -189,9 +210,7 @@ fn more_than_a_million_cells_are_refused_by_their_count() {
         .concat();
     let said = message(&format!("{BASE}{sweeps}"));
     assert!(
-        said.contains(
-            "sweep.1: the axes up to this one make 100000000 cells; at most 1000000 are allowed"
-        ),
+        said.contains("sweep.1: the axes make 1000000000000 cells; at most 1000000 are allowed"),
         "{said}"
     );
 }

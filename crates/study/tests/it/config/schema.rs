@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Numbers without a unit, or in that of the field they speak of.
-const DIMENSIONLESS: [&str; 35] = [
+const DIMENSIONLESS: [&str; 38] = [
     "claims",              // their numbers
     "seed",                //
     "trials",              //
@@ -41,6 +41,9 @@ const DIMENSIONLESS: [&str; 35] = [
     "outline_samples",
     "presses",
     "rest_frames",
+    "relative_standard_error",
+    "min_trials",
+    "max_trials",
 ];
 
 const UNIT_SUFFIXES: [&str; 5] = ["_rad", "_deg", "_s", "_rad_per_s", "_px"];
