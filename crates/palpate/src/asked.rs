@@ -2,7 +2,7 @@
 
 use palpate_report::{Files, figure, is_claim};
 use palpate_scene::quantities_of;
-use palpate_study::config::{ConfigError, PlotConfig, PlotKind, Study};
+use palpate_study::config::{ConfigError, PlotConfig, PlotKind, SceneConfig, Study};
 use palpate_sweep::{CellStatistics, Summary};
 
 use crate::facts::Facts;
@@ -41,9 +41,38 @@ pub fn refuse(study: &Study) -> Result<(), ConfigError> {
             return Err(study.error_beside(&format!("claims.{place}"), message));
         }
     }
+    refuse_stop(study)?;
     for (place, plot) in study.config.plot.iter().enumerate() {
         if plot.kind == PlotKind::Lines {
             draw(study, place, plot)?;
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a rule that watches a quantity which some cell does not have.
+fn refuse_stop(study: &Study) -> Result<(), ConfigError> {
+    let stop = study.config.stop.as_ref();
+    let Some(name) = stop.and_then(|stop| stop.quantity.as_ref()) else {
+        return Ok(());
+    };
+    let known = |scene: &SceneConfig| {
+        let names: Vec<&str> = quantities_of(scene).iter().map(|one| one.name).collect();
+        match names.contains(&name.as_str()) {
+            true => Ok(()),
+            false => {
+                let (kind, names) = (scene.kind(), names.join(", "));
+                let message = format!("a {kind} has no quantity {name:?} (known: {names})");
+                Err(study.error_beside("stop.quantity", message))
+            }
+        }
+    };
+    known(&study.config.scene)?;
+    let sets_kind =
+        |path: &String| path == "scene" || path == "scene.kind" || path == "scene.object";
+    if study.paths.iter().any(sets_kind) {
+        for &number in study.sample() {
+            known(&study.cell(number)?.config.scene)?;
         }
     }
     Ok(())
@@ -127,5 +156,6 @@ fn table(study: &Study, numbers: &[usize]) -> Result<String, ConfigError> {
         facts,
         statistics,
     });
-    Ok(tables::cells(study, &rows.collect::<Vec<_>>()).to_csv())
+    let states_bounds = tables::states_bounds(study);
+    Ok(tables::cells(study, &rows.collect::<Vec<_>>(), states_bounds).to_csv())
 }

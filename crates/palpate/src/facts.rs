@@ -2,22 +2,18 @@
 
 use palpate_scene::Scene;
 use palpate_study::Quantity;
-use palpate_study::config::{Cell, SceneConfig};
+use palpate_study::config::Cell;
 
 /// Facts about a scene that its trials do not change.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Facts {
     /// Swept values of the cell, one per column.
     pub(crate) coordinates: Vec<String>,
-    /// Number of trials that are run.
-    pub(crate) trials: u64,
     pub(crate) quantities: &'static [Quantity],
     /// Truth of each quantity, where it is the same everywhere.
     pub(crate) truths: Vec<Option<f64>>,
     /// Bound on the standard deviation of an estimate of each quantity, where it is known.
     pub(crate) std_bounds: Vec<Option<f64>>,
-    /// Whether such bounds are stated of scenes of its kind.
-    pub(crate) states_bounds: bool,
 }
 
 impl Facts {
@@ -26,11 +22,9 @@ impl Facts {
         let nothing = vec![None; quantities.len()];
         Self {
             coordinates: cell.coordinates.clone(),
-            trials: cell.config.trials,
             quantities,
             truths: nothing.clone(),
             std_bounds: nothing,
-            states_bounds: matches!(cell.config.scene, SceneConfig::Press(_)),
         }
     }
 
@@ -40,11 +34,9 @@ impl Facts {
         let places = 0..quantities.len();
         Self {
             coordinates: cell.coordinates,
-            trials: scene.trials(cell.config.trials),
             quantities,
             truths: places.clone().map(|place| scene.truth(place)).collect(),
             std_bounds: places.map(|place| scene.std_bound(place)).collect(),
-            states_bounds: scene.states_bounds(),
         }
     }
 }

@@ -43,6 +43,7 @@ mod map;
 mod means;
 mod plan;
 mod readings;
+mod share;
 mod simulation;
 mod tables;
 mod trace;
@@ -58,12 +59,13 @@ pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, SeenPress, Trace, rec
 pub use palpate_study::Table;
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_sweep::{
-    CellStatistics, Clock, FailingCell, Goal, NoThreads, Plan, PlanError, RunOptions, Runner,
-    SHARE_OF_MODEL, Summary, SweepError,
+    CellStatistics, Clock, FailingCell, Failure, Goal, NoThreads, Partial, Plan, PlanError,
+    RunOptions, Runner, SHARE_OF_MODEL, Summary, SweepError,
 };
 pub use plan::plan;
 pub use readings::{frame, readings};
-pub use simulation::{Ran, RunError, Simulation, run};
+pub use share::Shard;
+pub use simulation::{CellRows, Finished, Ran, RunError, Simulation, Warnings, run};
 pub use trace::{TraceError, trace};
 pub use trial::SceneTrial;
 

@@ -15,11 +15,11 @@ pub struct Map {
 }
 
 /// Map of the first trial of a cell.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct CellMap {
     cell: usize,
     table: MapTable,
-    failed: Option<&'static str>,
+    pub(crate) failed: Option<&'static str>,
 }
 
 impl CellMap {
@@ -31,6 +31,11 @@ impl CellMap {
             table,
             failed,
         }
+    }
+
+    /// Rows of its table as CSV text.
+    pub(crate) fn rows(&self) -> String {
+        self.table.table.rows_to_csv()
     }
 }
 

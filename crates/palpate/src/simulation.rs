@@ -1,21 +1,29 @@
 //! The trials of a study's cells, and the tables that they give.
 
 use std::collections::BTreeMap;
+use std::ops::{ControlFlow, Range};
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use palpate_scene::{Arch, MapTable, Scene, Scenes};
-use palpate_study::Table;
-use palpate_study::config::{ConfigError, Output, Study};
-use palpate_sweep::{CellStatistics, NoThreads, RunOptions, Runner, SweepError};
+use palpate_study::config::{Cell, ConfigError, Output, StopStatistic, Study};
+use palpate_study::{Quantity, Table, csv};
+use palpate_sweep::{
+    CellStatistics, Failure, NoThreads, Partial, Record, RunOptions, Runner, SUPERBLOCK, Stop,
+    Sweep, SweepError, Task, Trial, Watched,
+};
 use thiserror::Error;
 
 use crate::facts::Facts;
 use crate::map::{CellMap, Map};
 use crate::means;
+use crate::share::{Part, Shard, Share};
 use crate::tables::{self, Row};
 use crate::trial::SceneTrial;
 
+/// Most cells that are all set up before the first trial is run; of more, those of the study's sample, and the others when
+/// they are run.
+const MOST_CHECKED: u64 = 10_000;
 /// Scenes that are kept from their check until they are run. Those of further cells are set up once more, which bounds
 /// the memory of a study of many cells; a scene with a camera takes a second to set up.
 const KEPT: usize = 64;
@@ -53,20 +61,13 @@ pub struct Simulation<'a> {
     study: &'a Study,
     runner: &'a Runner,
     arch: Arch,
-    cells: Vec<Ready>,
-}
-
-/// Cell that has been checked.
-#[derive(Debug)]
-struct Ready {
-    number: usize,
-    facts: Facts,
-    /// Lines that warn of the cell.
-    warnings: Vec<String>,
-    /// Empty table for maps of scenes of its kind, or why there are none; `None` where the config asks for no maps.
-    maps: Option<Result<MapTable, &'static str>>,
-    /// Its scene, if it has been kept, until the first run takes it.
-    kept: Mutex<Option<Scene>>,
+    share: Share,
+    states_bounds: bool,
+    /// Empty table for maps of the cells' scenes; `None` where the config asks for no maps.
+    maps: Option<MapTable>,
+    warnings: Warnings,
+    /// Scenes that have been checked and not yet been run, by the numbers of their cells.
+    kept: Mutex<BTreeMap<usize, (Cell, Scene)>>,
 }
 
 impl<'a> Simulation<'a> {
@@ -80,34 +81,79 @@ impl<'a> Simulation<'a> {
         numbers: impl IntoIterator<Item = usize>,
         runner: &'a Runner,
     ) -> Result<Self, ConfigError> {
-        let numbers: Vec<usize> = numbers.into_iter().collect();
-        let unit = study.config.length_unit;
+        let cells = numbers.into_iter().collect();
+        Self::of_shard(study, cells, Shard::default(), runner)?.checked()
+    }
+
+    /// Simulation of a shard of the cells with these numbers, none of which has been checked.
+    ///
+    /// # Errors
+    /// [`ConfigError`] of the first cell, whose scene is set up where maps are asked for.
+    pub fn of_shard(
+        study: &'a Study,
+        numbers: Vec<usize>,
+        shard: Shard,
+        runner: &'a Runner,
+    ) -> Result<Self, ConfigError> {
         let has_maps = study.config.outputs.contains(&Output::Map);
-        let checked: Vec<OnceLock<Ready>> = numbers.iter().map(|_| OnceLock::new()).collect();
-        runner.check(numbers.len(), |place| {
-            let number = numbers[place];
-            let cell = study.cell(number)?;
-            let scene = study.estimable_scene(number)?;
-            checked[place].get_or_init(|| Ready {
-                number,
-                facts: Facts::of(&scene, cell),
-                warnings: warnings_of(&scene),
-                maps: has_maps.then(|| scene.map_table(unit)),
-                kept: Mutex::new(Some(scene).filter(|_| place < KEPT)),
-            });
-            Ok::<(), ConfigError>(())
-        })?;
-        let simulation = Self {
+        let mut kept = BTreeMap::new();
+        let mut maps = None;
+        if let (true, Some(&first)) = (has_maps, numbers.first()) {
+            let cell = study.cell(first)?;
+            let scene = study.estimable_scene_of(first, &cell)?;
+            maps = Some(map_table(study, &scene)?);
+            kept.insert(first, (cell, scene));
+        }
+        Ok(Self {
             study,
             runner,
             arch: Arch::new(),
-            cells: checked
-                .into_iter()
-                .filter_map(OnceLock::into_inner)
-                .collect(),
-        };
-        simulation.refuse_maps()?;
-        Ok(simulation)
+            share: Share::new(study, numbers, shard),
+            states_bounds: tables::states_bounds(study),
+            maps,
+            warnings: Warnings::default(),
+            kept: Mutex::new(kept),
+        })
+    }
+
+    /// The simulation after its cells have been set up, and seen to be sound: of more than 10,000 those of the study's
+    /// [sample](Study::sample).
+    ///
+    /// # Errors
+    /// [`ConfigError`], as [`Simulation::new`] has.
+    pub fn checked(self) -> Result<Self, ConfigError> {
+        let warnings = Mutex::new(Warnings::default());
+        let count = self.share.tasks() as usize;
+        self.runner.check(count, |place| {
+            let part = self.share.part(self.study, place as u64);
+            if self.is_sampled() && self.study.sample().binary_search(&part.cell).is_err() {
+                return Ok(());
+            }
+            // Where superblocks of a cell follow each other, the first stands for all.
+            if place > 0 && self.share.part(self.study, place as u64 - 1).cell == part.cell {
+                return Ok(());
+            }
+            let cell = self.study.cell(part.cell)?;
+            let scene = self.study.estimable_scene_of(part.cell, &cell)?;
+            if let Some(maps) = &self.maps
+                && map_table(self.study, &scene)? != *maps
+            {
+                return Err(self.study.error_at(0, "outputs", UNLIKE_MAPS));
+            }
+            let lines = warnings_of(&scene);
+            if !lines.is_empty() {
+                lock(&warnings).add(part.cell, lines);
+            }
+            if place < KEPT {
+                lock(&self.kept).insert(part.cell, (cell, scene));
+            }
+            Ok::<(), ConfigError>(())
+        })?;
+        let warnings = warnings.into_inner();
+        Ok(Self {
+            warnings: warnings.unwrap_or_else(PoisonError::into_inner),
+            ..self
+        })
     }
 
     /// The simulation with trials side by side computed by other instructions than the widest that the processor has; no
@@ -117,34 +163,81 @@ impl<'a> Simulation<'a> {
         Self { arch, ..self }
     }
 
-    /// Number of trials of all cells together; at most the largest number of 64 bits.
+    /// Number of trials of all cells together, at most the largest number of 64 bits; where nothing in a cell is random,
+    /// fewer are run.
     pub fn trials(&self) -> u64 {
-        let trials = self.cells.iter().map(|cell| cell.facts.trials);
-        trials.fold(0, u64::saturating_add)
+        self.share.trials_before(self.study, self.share.tasks())
+    }
+
+    /// Number of trials of the first tasks, as [`Simulation::trials`] counts them.
+    pub fn trials_before(&self, tasks: u64) -> u64 {
+        self.share.trials_before(self.study, tasks)
+    }
+
+    /// Number of tasks: of cells, and of superblocks of the trials of heavy cells.
+    pub fn tasks(&self) -> u64 {
+        self.share.tasks()
+    }
+
+    /// Whether there are so many cells that only some are set up before the first trial. Then each cell that is run tells
+    /// its warnings itself.
+    pub fn is_sampled(&self) -> bool {
+        self.share.tasks() > MOST_CHECKED
+    }
+
+    /// Warnings of the cells that have been set up, in which the theory or the estimator does not hold.
+    pub fn told(&self) -> &Warnings {
+        &self.warnings
     }
 
     /// Lines that warn of cells in which the theory or the estimator does not hold, as `check` has them; each once, with
     /// the cells that it is of.
     pub fn warnings(&self) -> Vec<String> {
-        let mut cells: Vec<(&str, usize, usize)> = Vec::new();
-        let mut places: BTreeMap<&str, usize> = BTreeMap::new();
-        let lines = self.cells.iter().flat_map(|cell| {
-            let lines = cell.warnings.iter();
-            lines.map(|line| (cell.number, line.as_str()))
-        });
-        for (number, line) in lines {
-            let place = *places.entry(line).or_insert(cells.len());
-            match cells.get_mut(place) {
-                Some((.., count)) => *count += 1,
-                None => cells.push((line, number, 1)),
-            }
-        }
-        let words = |(line, first, count): (&str, usize, usize)| match (count, self.cells.len()) {
-            (_, 1) => line.to_owned(),
-            (1, _) => format!("{line} (cell {first})"),
-            (_, all) => format!("{line} ({count} of {all} cells, the first is {first})"),
+        self.warnings.lines(self.share.cells.len())
+    }
+
+    /// First lines of `cells.csv`, `failures.csv` and, where the config asks for maps, `map.csv`: the names of their
+    /// columns.
+    pub fn headers(&self) -> [Option<String>; 3] {
+        let of_cells = csv(&tables::header(self.study, self.states_bounds));
+        let of_failures = csv(&tables::FAILURES.map(str::to_owned));
+        let of_maps = self.maps.as_ref();
+        [
+            Some(of_cells),
+            Some(of_failures),
+            of_maps.map(|maps| csv(&maps.table.header)),
+        ]
+    }
+
+    /// Name of what may be missing in maps: "cells" or "estimates of cells".
+    pub fn lacks(&self) -> &'static str {
+        self.maps.as_ref().map_or("cells", |maps| maps.lacks)
+    }
+
+    /// Runs the tasks from `first` on, until another thread sets `cancelled` or `take` breaks. `make` is called by any
+    /// thread; `take` is handed what it made, in the order of the tasks and one at a time. `progress` is told by any thread
+    /// how many trials it has done since it last told.
+    ///
+    /// # Errors
+    /// [`SweepError::Cancelled`], also where `take` broke; [`SweepError::SetUp`] of a cell that has not been checked.
+    ///
+    /// # Panics
+    /// Where `progress`, `make` or `take` does.
+    pub fn stream<R: Send>(
+        &self,
+        first: u64,
+        cancelled: &AtomicBool,
+        progress: &(dyn Fn(u64) + Sync),
+        make: impl Fn(Finished) -> R + Sync,
+        take: &mut (dyn FnMut(u64, R) -> ControlFlow<()> + Send),
+    ) -> Result<(), SweepError<ConfigError>> {
+        let tasks = Tasks {
+            simulation: self,
+            first,
+            make,
         };
-        cells.into_iter().map(words).collect()
+        let take = &mut |number: u64, made: R| take(first + number, made);
+        self.runner.stream(&tasks, cancelled, progress, take)
     }
 
     /// Runs all trials, until another thread sets `cancelled`: then no trial begins. `progress` is told by any thread how
@@ -160,57 +253,333 @@ impl<'a> Simulation<'a> {
         cancelled: &AtomicBool,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Ran, SweepError<ConfigError>> {
-        let trials: Vec<u64> = self.cells.iter().map(|cell| cell.facts.trials).collect();
-        let maps: Vec<OnceLock<CellMap>> = trials.iter().map(|_| OnceLock::new()).collect();
-        let set_up = |place: usize| {
-            let cell = &self.cells[place];
-            let kept = cell
-                .kept
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .take();
-            let scene = match kept {
-                Some(scene) => scene,
-                None => self.study.estimable_scene(cell.number)?,
-            };
-            if let Some(Ok(table)) = &cell.maps {
-                maps[place].get_or_init(|| CellMap::of(&scene, cell.number, table.clone()));
+        let mut cells: Vec<Finished> = Vec::new();
+        let take = &mut |_: u64, finished: Finished| {
+            match cells.last_mut() {
+                Some(last) if last.part.cell == finished.part.cell => last.merge(finished),
+                _ => cells.push(finished),
             }
-            Ok(SceneTrial {
-                scene,
-                arch: self.arch,
-            })
+            ControlFlow::Continue(())
         };
-        let mut statistics = self
-            .runner
-            .run_until(cancelled, &trials, set_up, progress)?;
-        for (cell, statistics) in self.cells.iter().zip(&mut statistics) {
-            means::withhold(cell.facts.quantities, &mut statistics.quantities);
-        }
-        let rows: Vec<Row<'_>> = self.cells.iter().zip(&statistics).map(Row::from).collect();
+        self.stream(0, cancelled, progress, |finished| finished, take)?;
+        let statistics: Vec<CellStatistics> = cells.iter().map(Finished::statistics).collect();
+        let rows = cells.iter().zip(&statistics);
+        let rows: Vec<Row<'_>> = rows
+            .map(|(cell, statistics)| Row {
+                cell: cell.part.cell,
+                facts: &cell.facts,
+                statistics,
+            })
+            .collect();
         Ok(Ran {
-            cells: tables::cells(self.study, &rows),
+            cells: tables::cells(self.study, &rows, self.states_bounds),
             failures: tables::failures(&rows),
-            map: self.study.config.outputs.contains(&Output::Map).then(|| {
-                let maps = maps.into_iter().filter_map(OnceLock::into_inner);
+            map: self.maps.is_some().then(|| {
+                let maps = cells.iter_mut().filter_map(|cell| cell.map.take());
                 Map::of_cells(maps)
             }),
             statistics,
         })
     }
 
-    fn refuse_maps(&self) -> Result<(), ConfigError> {
-        let maps = self.cells.iter().filter_map(|cell| cell.maps.as_ref());
-        let tables: Result<Vec<&MapTable>, &str> =
-            maps.map(|maps| maps.as_ref().map_err(|why| *why)).collect();
-        let message = match tables {
-            Ok(tables) if tables.windows(2).all(|pair| pair[0] == pair[1]) => return Ok(()),
-            Ok(_) => {
-                "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible"
+    /// Experiment of a cell, with what its tables state of it.
+    fn set_up(&self, number: usize) -> Result<Ready, ConfigError> {
+        let kept = lock(&self.kept).remove(&number);
+        let (cell, scene) = match kept {
+            Some(kept) => kept,
+            None => {
+                let cell = self.study.cell(number)?;
+                let scene = self.study.estimable_scene_of(number, &cell)?;
+                (cell, scene)
             }
-            Err(message) => message,
         };
-        Err(self.study.error_at(0, "outputs", message))
+        let map = self.maps.clone();
+        Ok(Ready {
+            warnings: match self.is_sampled() {
+                true => warnings_of(&scene),
+                false => Vec::new(),
+            },
+            map: map.map(|table| CellMap::of(&scene, number, table)),
+            facts: Arc::new(Facts::of(&scene, cell)),
+            trial: SceneTrial {
+                scene,
+                arch: self.arch,
+            },
+        })
+    }
+}
+
+const UNLIKE_MAPS: &str =
+    "maps of glides and presses do not share a table; \"cells\" and \"trace\" are possible";
+
+/// Empty table for maps of a scene.
+fn map_table(study: &Study, scene: &Scene) -> Result<MapTable, ConfigError> {
+    let table = scene.map_table(study.config.length_unit);
+    table.map_err(|message| study.error_at(0, "outputs", message))
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Tasks of a simulation, from the first that is to be run.
+struct Tasks<'s, 'a, F> {
+    simulation: &'s Simulation<'a>,
+    first: u64,
+    make: F,
+}
+
+/// Cell that is ready to be run.
+#[derive(Debug)]
+struct Ready {
+    trial: SceneTrial,
+    facts: Arc<Facts>,
+    warnings: Vec<String>,
+    map: Option<CellMap>,
+}
+
+impl Trial for Ready {
+    fn quantities(&self) -> usize {
+        self.trial.quantities()
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        self.trial.run(trial, record)
+    }
+
+    fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
+        self.trial.run_together(trials, record)
+    }
+
+    fn is_random(&self) -> bool {
+        self.trial.is_random()
+    }
+}
+
+impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
+    type Trial = Ready;
+    type Result = R;
+    type Error = ConfigError;
+
+    fn tasks(&self) -> u64 {
+        self.simulation.share.tasks().saturating_sub(self.first)
+    }
+
+    fn task(&self, number: u64) -> Task {
+        let simulation = self.simulation;
+        simulation.share.task(simulation.study, self.first + number)
+    }
+
+    fn set_up(&self, cell: usize) -> Result<Ready, ConfigError> {
+        self.simulation.set_up(cell)
+    }
+
+    fn stop(&self, trial: &Ready) -> Option<Stop> {
+        stop_of(self.simulation.study, trial.facts.quantities)
+    }
+
+    fn finish(&self, task: &Task, trial: &Ready, partial: Partial) -> R {
+        let study = self.simulation.study;
+        let trials = study.trials_of(task.cell);
+        let is_whole = task.may_stop || Task::superblocks(trials) == 1;
+        let part = Part {
+            cell: task.cell,
+            trials,
+            superblock: if is_whole {
+                0
+            } else {
+                task.trials.start / SUPERBLOCK
+            },
+            of: if is_whole {
+                1
+            } else {
+                Task::superblocks(trials)
+            },
+        };
+        (self.make)(Finished {
+            part,
+            facts: Arc::clone(&trial.facts),
+            warnings: trial.warnings.clone(),
+            map: trial.map.clone(),
+            partial,
+        })
+    }
+}
+
+/// Rule of a study by which a cell that observes these quantities has had enough trials; one that has no such quantity runs
+/// to its end.
+fn stop_of(study: &Study, quantities: &[Quantity]) -> Option<Stop> {
+    let rule = study.config.stop.as_ref()?;
+    let quantity = match &rule.quantity {
+        None => 0,
+        Some(name) => quantities.iter().position(|one| one.name == name)?,
+    };
+    Some(Stop {
+        quantity,
+        statistic: match rule.statistic {
+            StopStatistic::Mean => Watched::Mean,
+            StopStatistic::RmsError => Watched::RmsError,
+            StopStatistic::MeanAbsError => Watched::MeanAbsError,
+        },
+        relative_standard_error: rule.relative_standard_error,
+        min_trials: rule.min_trials,
+    })
+}
+
+/// Trials that a task has run: of a cell, or of a superblock of one.
+#[derive(Clone, Debug)]
+pub struct Finished {
+    part: Part,
+    facts: Arc<Facts>,
+    warnings: Vec<String>,
+    map: Option<CellMap>,
+    partial: Partial,
+}
+
+/// Rows of the tables of a cell, as CSV text.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CellRows {
+    /// Rows of `cells.csv`.
+    pub cells: String,
+    /// Rows of `failures.csv`.
+    pub failures: String,
+    /// Rows of `map.csv`.
+    pub map: String,
+    /// Stable name of how the trial failed that the map would be of.
+    pub map_failed: Option<&'static str>,
+    /// Number of trials, and of those that failed by kind.
+    pub trials: u64,
+    /// Failures, one entry per kind.
+    pub kinds: Vec<Failure>,
+    /// Lines that warn of the cell, where they were not told before.
+    pub warnings: Vec<String>,
+}
+
+impl Finished {
+    /// Number of the cell.
+    pub fn cell(&self) -> usize {
+        self.part.cell
+    }
+
+    /// Number of the superblock that was run, and how many the cell has.
+    pub fn superblock(&self) -> (u64, u64) {
+        (self.part.superblock, self.part.of)
+    }
+
+    /// Sums of the trials.
+    pub fn partial(&self) -> &Partial {
+        &self.partial
+    }
+
+    /// Adds the superblock that follows.
+    pub fn merge(&mut self, next: Self) {
+        self.partial.merge(next.partial);
+    }
+
+    /// The cell with the sums of all its superblocks.
+    #[must_use]
+    pub fn with(self, partial: Partial) -> Self {
+        Self { partial, ..self }
+    }
+
+    /// Statistics, without means of numbers that have none.
+    fn statistics(&self) -> CellStatistics {
+        let mut statistics = self.partial.statistics();
+        means::withhold(self.facts.quantities, &mut statistics.quantities);
+        statistics
+    }
+}
+
+impl Simulation<'_> {
+    /// Rows of the tables of a cell of which all superblocks have been run.
+    pub fn rows(&self, finished: &Finished) -> CellRows {
+        let statistics = finished.statistics();
+        let rows = [Row {
+            cell: finished.part.cell,
+            facts: &finished.facts,
+            statistics: &statistics,
+        }];
+        let map = finished.map.as_ref();
+        CellRows {
+            cells: tables::cells_csv(self.study, &rows[0], self.states_bounds),
+            failures: tables::failures(&rows).rows_to_csv(),
+            map: map.map_or_else(String::new, CellMap::rows),
+            map_failed: map.and_then(|map| map.failed),
+            trials: statistics.trials,
+            kinds: statistics.failures,
+            warnings: finished.warnings.clone(),
+        }
+    }
+
+    /// Cell of which all superblocks were run elsewhere.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where it cannot be set up.
+    pub fn finished(&self, cell: usize, partial: Partial) -> Result<Finished, ConfigError> {
+        let Ready {
+            facts,
+            map,
+            warnings,
+            ..
+        } = self.set_up(cell)?;
+        let trials = self.study.trials_of(cell);
+        let part = Part {
+            cell,
+            trials,
+            superblock: 0,
+            of: Task::superblocks(trials),
+        };
+        Ok(Finished {
+            part,
+            facts,
+            warnings,
+            map,
+            partial,
+        })
+    }
+}
+
+/// Lines that warn of cells, each once.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Warnings {
+    /// First cell that each line is of, its place among the lines of that cell, and the number of its cells.
+    lines: BTreeMap<String, (usize, usize, usize)>,
+}
+
+impl Warnings {
+    /// Lines with the first cell that each is of, its place among the lines of that cell, and the number of its cells.
+    pub fn entries(&self) -> impl Iterator<Item = (&str, (usize, usize, usize))> {
+        let lines = self.lines.iter();
+        lines.map(|(line, entry)| (line.as_str(), *entry))
+    }
+
+    /// Adds a line of this many cells.
+    pub fn insert(&mut self, line: String, (cell, place, count): (usize, usize, usize)) {
+        let entry = self.lines.entry(line).or_insert((cell, place, 0));
+        *entry = match (entry.0, entry.1) <= (cell, place) {
+            true => (entry.0, entry.1, entry.2 + count),
+            false => (cell, place, entry.2 + count),
+        };
+    }
+
+    /// Adds the lines of a cell.
+    pub fn add(&mut self, cell: usize, lines: Vec<String>) {
+        for (place, line) in lines.into_iter().enumerate() {
+            self.insert(line, (cell, place, 1));
+        }
+    }
+
+    /// Lines with words for their cells, among this many, in the order of the first cells.
+    pub fn lines(&self, cells: usize) -> Vec<String> {
+        let mut entries: Vec<_> = self.entries().collect();
+        entries.sort_by_key(|&(_, (cell, place, _))| (cell, place));
+        let words = |(line, (first, _, count)): (&str, (usize, usize, usize))| match (count, cells)
+        {
+            (_, 1) => line.to_owned(),
+            (1, _) => format!("{line} (cell {first})"),
+            (_, all) => format!("{line} ({count} of {all} cells, the first is {first})"),
+        };
+        entries.into_iter().map(words).collect()
     }
 }
 
@@ -219,16 +588,6 @@ fn warnings_of(scene: &Scene) -> Vec<String> {
     let mut needs = scene.needs();
     needs.retain(|line| line.starts_with("warning: "));
     needs
-}
-
-impl<'a> From<(&'a Ready, &'a CellStatistics)> for Row<'a> {
-    fn from((cell, statistics): (&'a Ready, &'a CellStatistics)) -> Self {
-        Self {
-            cell: cell.number,
-            facts: &cell.facts,
-            statistics,
-        }
-    }
 }
 
 /// Results of the trials of a [`Simulation`].

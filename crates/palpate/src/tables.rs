@@ -1,10 +1,16 @@
 //! `cells.csv` and `failures.csv`.
 
-use palpate_study::config::{STATISTICS, STD_BOUND, Study};
-use palpate_study::{Table, number};
+use std::fmt::{Display, Write};
+
+use palpate_study::config::{STATISTICS, STD_BOUND, SceneConfig, Study};
+use palpate_study::number::Shortest;
+use palpate_study::{Table, push_row};
 use palpate_sweep::{CellStatistics, Summary};
 
 use crate::facts::Facts;
+
+/// Names of the columns of `failures.csv`.
+pub(crate) const FAILURES: [&str; 4] = ["cell", "kind", "count", "first_trial"];
 
 /// Cell that was run: its number in the study, facts about its scene and what came out.
 pub(crate) struct Row<'a> {
@@ -13,53 +19,114 @@ pub(crate) struct Row<'a> {
     pub(crate) statistics: &'a CellStatistics,
 }
 
-/// Table with one row per cell and quantity. Presses have a bound on the standard deviation behind the
-/// statistics.
-///
-/// Where the number of trials is swept, the statistic of that name is its column.
-pub(crate) fn cells(study: &Study, ran: &[Row<'_>]) -> Table {
-    let swept: Vec<usize> = (0..study.paths.len())
-        .filter(|&place| !STATISTICS.contains(&study.paths[place].as_str()))
-        .collect();
-    let columns = swept.iter().map(|&place| study.columns[place].as_str());
-    let states_bounds = ran.iter().any(|ran| ran.facts.states_bounds);
-    let header = ["cell"]
+/// Whether the table of a study has a bound on the standard deviation behind its statistics: where some cell is a press.
+pub(crate) fn states_bounds(study: &Study) -> bool {
+    let is_press = |scene: &SceneConfig| matches!(scene, SceneConfig::Press(_));
+    // The kind hangs on no other field.
+    let sets_kind = |path: &String| path == "scene" || path == "scene.kind";
+    let mut sample = study.sample().iter();
+    is_press(&study.config.scene)
+        || study.paths.iter().any(sets_kind)
+            && sample.any(|&number| {
+                let cell = study.cell(number);
+                cell.is_ok_and(|cell| is_press(&cell.config.scene))
+            })
+}
+
+/// Swept fields that have a column of their own. Where the number of trials is swept, the statistic of that name is its
+/// column.
+fn swept(study: &Study) -> impl Iterator<Item = usize> + '_ {
+    (0..study.paths.len()).filter(|&place| !STATISTICS.contains(&study.paths[place].as_str()))
+}
+
+/// Names of the columns of `cells.csv`.
+pub(crate) fn header(study: &Study, states_bounds: bool) -> Vec<String> {
+    let columns = swept(study).map(|place| study.columns[place].as_str());
+    ["cell"]
         .into_iter()
         .chain(columns)
         .chain(["quantity", "unit"])
         .chain(STATISTICS)
-        .chain(states_bounds.then_some(STD_BOUND));
-    let mut table = Table::new(header.map(str::to_owned));
-    for Row {
-        cell,
-        facts,
-        statistics,
-    } in ran
-    {
-        let quantities = facts.quantities.iter().zip(&statistics.quantities);
-        for (place, (quantity, summary)) in quantities.enumerate() {
-            // Where every trial failed, the scene still knows.
-            let truth = summary.truth.or(facts.truths[place]);
-            let statistics = statistics_of(statistics, &Summary { truth, ..*summary });
-            let mut row = vec![cell.to_string()];
-            row.extend(swept.iter().map(|&place| facts.coordinates[place].clone()));
-            let unit = quantity.unit.of(study.config.length_unit);
-            row.extend([quantity.name.to_owned(), unit.to_string()]);
-            row.extend(statistics);
-            row.extend(states_bounds.then(|| optional(facts.std_bounds[place])));
-            table.rows.push(row);
-        }
+        .chain(states_bounds.then_some(STD_BOUND))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Table with one row per cell and quantity. Presses have a bound on the standard deviation behind the
+/// statistics.
+pub(crate) fn cells(study: &Study, ran: &[Row<'_>], states_bounds: bool) -> Table {
+    let mut table = Table::new(header(study, states_bounds));
+    let mut add = |fields: &[String]| table.rows.push(fields.to_vec());
+    for row in ran {
+        cell_rows(study, row, states_bounds, &mut add);
     }
     table
 }
 
-/// Text of a number; empty where there is none.
-fn optional(value: Option<f64>) -> String {
-    value.map_or_else(String::new, number)
+/// Rows of [`cells`] of one cell, as CSV text.
+pub(crate) fn cells_csv(study: &Study, ran: &Row<'_>, states_bounds: bool) -> String {
+    let mut text = String::new();
+    cell_rows(study, ran, states_bounds, &mut |fields| {
+        push_row(&mut text, fields)
+    });
+    text
+}
+
+/// Fields of a row, which are used again for the next.
+#[derive(Default)]
+struct Fields {
+    fields: Vec<String>,
+    used: usize,
+}
+
+impl Fields {
+    fn text(&mut self, text: impl Display) {
+        if self.used == self.fields.len() {
+            self.fields.push(String::new());
+        }
+        let field = &mut self.fields[self.used];
+        field.clear();
+        // Writing to a string does not fail.
+        let _ = write!(field, "{text}");
+        self.used += 1;
+    }
+
+    /// Text of a number; empty where there is none.
+    fn number(&mut self, value: Option<f64>) {
+        match value {
+            Some(value) => self.text(Shortest(value)),
+            None => self.text(""),
+        }
+    }
+}
+
+/// Hands the rows of a cell over, one per quantity.
+fn cell_rows(study: &Study, ran: &Row<'_>, states_bounds: bool, take: &mut dyn FnMut(&[String])) {
+    let Row {
+        cell,
+        facts,
+        statistics,
+    } = ran;
+    let mut row = Fields::default();
+    let quantities = facts.quantities.iter().zip(&statistics.quantities);
+    for (place, (quantity, summary)) in quantities.enumerate() {
+        row.used = 0;
+        row.text(cell);
+        swept(study).for_each(|place| row.text(&facts.coordinates[place]));
+        row.text(quantity.name);
+        row.text(quantity.unit.of(study.config.length_unit));
+        // Where every trial failed, the scene still knows.
+        let truth = summary.truth.or(facts.truths[place]);
+        push_statistics(&mut row, statistics, &Summary { truth, ..*summary });
+        if states_bounds {
+            row.number(facts.std_bounds[place]);
+        }
+        take(&row.fields[..row.used]);
+    }
 }
 
 /// The statistics of a quantity, in the order of [`STATISTICS`].
-fn statistics_of(cell: &CellStatistics, summary: &Summary) -> Vec<String> {
+fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
     let Summary {
         observations: _,
         truth,
@@ -76,34 +143,30 @@ fn statistics_of(cell: &CellStatistics, summary: &Summary) -> Vec<String> {
         mean_reported_std,
         coverage95,
     } = *summary;
-    let mut texts = vec![
-        optional(truth),
-        cell.trials.to_string(),
-        cell.failed().to_string(),
-    ];
+    row.number(truth);
+    row.text(cell.trials);
+    row.text(cell.failed());
     // Without a spread they are the one estimate that there was.
     let quantile = |value| match q05 == q95 {
         true => value,
         false => with_digits(value, truth),
     };
-    texts.extend(
-        [
-            mean,
-            std,
-            bias,
-            rms_error,
-            mean_abs_error,
-            relative_rms_error,
-            relative_mean_abs_error,
-            quantile(q05),
-            quantile(q50),
-            quantile(q95),
-            mean_reported_std,
-            coverage95,
-        ]
-        .map(optional),
-    );
-    texts
+    for value in [
+        mean,
+        std,
+        bias,
+        rms_error,
+        mean_abs_error,
+        relative_rms_error,
+        relative_mean_abs_error,
+        quantile(q05),
+        quantile(q50),
+        quantile(q95),
+        mean_reported_std,
+        coverage95,
+    ] {
+        row.number(value);
+    }
 }
 
 /// Quantile with the digits that it has: its distance to the truth is right to one part in 256, and the last digit is that
@@ -113,21 +176,37 @@ fn with_digits(quantile: Option<f64>, truth: Option<f64>) -> Option<f64> {
     if value == 0.0 || error == 0.0 {
         return quantile;
     }
-    let place = |number: f64| {
-        let text = format!("{number:e}");
-        text.split_once('e')
-            .and_then(|(_, place)| place.parse::<i32>().ok())
-    };
-    let digits = place(value)? - place(error / 256.0)?;
+    let digits = decimal_place(value)? - decimal_place(error / 256.0)?;
     match usize::try_from(digits) {
         Ok(digits) => format!("{value:.digits$e}").parse().ok(),
         Err(_) => Some(0.0),
     }
 }
 
+/// Power of ten of the first digit of a number's shortest text; `None` of 0.
+fn decimal_place(number: f64) -> Option<i32> {
+    // Powers of ten that are exact, or nearly so; the text decides what is close to one.
+    const POWERS: [f64; 19] = [
+        1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6,
+        1e7, 1e8, 1e9,
+    ];
+    const CLOSE: f64 = 1e-12;
+    let magnitude = number.abs();
+    let above = POWERS.partition_point(|&power| power <= magnitude);
+    if (1..POWERS.len()).contains(&above)
+        && magnitude < POWERS[above] * (1.0 - CLOSE)
+        && magnitude > POWERS[above - 1] * (1.0 + CLOSE)
+    {
+        return Some(above as i32 - 10);
+    }
+    let text = format!("{number:e}");
+    let (_, place) = text.split_once('e')?;
+    place.parse().ok().filter(|_| number != 0.0)
+}
+
 /// Table with one row per cell and kind of failure.
 pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
-    let mut table = Table::new(["cell", "kind", "count", "first_trial"].map(str::to_owned));
+    let mut table = Table::new(FAILURES.map(str::to_owned));
     for Row {
         cell, statistics, ..
     } in ran
@@ -143,7 +222,26 @@ pub(crate) fn failures(ran: &[Row<'_>]) -> Table {
 
 #[cfg(test)]
 mod tests {
-    use super::with_digits;
+    use super::{decimal_place, with_digits};
+
+    #[test]
+    fn decimal_places_are_those_of_the_text() {
+        for exponent in -12..12 {
+            let power: f64 = format!("1e{exponent}").parse().unwrap();
+            for number in [
+                power.next_down(),
+                power,
+                power.next_up(),
+                3.7 * power,
+                -9.2 * power,
+            ] {
+                let text = format!("{number:e}");
+                let place = text.split_once('e').unwrap().1.parse().ok();
+                assert_eq!(decimal_place(number), place, "{number}");
+            }
+        }
+        assert_eq!(decimal_place(0.0), None);
+    }
 
     #[test]
     fn quantiles_have_the_digits_that_their_histogram_tells() {

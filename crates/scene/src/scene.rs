@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use palpate_study::Quantity;
-use palpate_study::config::{ConfigError, SceneConfig, Study};
+use palpate_study::config::{Cell, ConfigError, SceneConfig, Study};
 
 use crate::glide::GlideScene;
 use crate::ladder::{Ladder, Rung};
@@ -112,6 +112,12 @@ pub trait Scenes {
     /// Errors of [`Scenes::scene`], and those of [`Trials::estimable`].
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
+    /// Builds the scene of a cell that has been read, as [`Scenes::estimable_scene`] does.
+    ///
+    /// # Errors
+    /// Errors of [`Scenes::estimable_scene`].
+    fn estimable_scene_of(&self, number: usize, cell: &Cell) -> Result<Scene, ConfigError>;
+
     /// Builds the scene of a cell on another rung of its ladder.
     ///
     /// # Errors
@@ -140,11 +146,16 @@ impl Scenes for Study {
     }
 
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError> {
-        let scene = self.scene(cell)?;
-        match scene.estimable() {
-            Ok(()) => Ok(scene),
-            Err(error) => Err(located(self, cell, error)),
-        }
+        self.estimable_scene_of(cell, &self.cell(cell)?)
+    }
+
+    fn estimable_scene_of(&self, number: usize, cell: &Cell) -> Result<Scene, ConfigError> {
+        let config = &cell.config;
+        let scene = Scene::new(&config.scene, config.seed);
+        let is_estimable = |scene: Scene| scene.estimable().map(|()| scene);
+        scene
+            .and_then(is_estimable)
+            .map_err(|error| located(self, number, error))
     }
 
     fn with_model(&self, cell: usize, rung: &Rung) -> Result<Scene, ConfigError> {

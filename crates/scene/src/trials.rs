@@ -95,11 +95,6 @@ pub trait Trials {
     /// The true value of the quantity with this index, where it is the same everywhere.
     fn truth(&self, quantity: usize) -> Option<f64>;
 
-    /// Whether bounds on standard deviations are stated of this kind of scene.
-    fn states_bounds(&self) -> bool {
-        false
-    }
-
     /// The Cramér–Rao bound on the standard deviation of an estimate of the quantity with this
     /// index, where it is known: of presses with noise.
     fn std_bound(&self, _quantity: usize) -> Option<f64> {

@@ -179,6 +179,18 @@ impl Histogram {
     /// Quantiles of probabilities in [0, 1], linear between the order statistics 0 to n − 1 at `p (n − 1)`, each of
     /// which is at most 0.4 % off; `None` without numbers.
     pub(crate) fn quantiles<const N: usize>(&self, probabilities: [f64; N]) -> Option<[f64; N]> {
+        if self.is_listed() {
+            let mut few = self.few.clone();
+            few.sort_unstable();
+            let most = few.len().checked_sub(1)?;
+            return Some(probabilities.map(|p| {
+                let position = p * most as f64;
+                let rank = (position.floor() as usize).min(most);
+                let [lower, upper] =
+                    [rank, most.min(rank + 1)].map(|rank| few[rank].representative());
+                (1.0 - position.fract()) * lower + position.fract() * upper
+            }));
+        }
         let bins = self.ascending();
         let count: u64 = bins.iter().map(|(_, count)| count).sum();
         let most = count.checked_sub(1)? as f64;

@@ -374,9 +374,10 @@ fn an_interrupted_run_leaves_its_config_and_no_tables() {
     let desk = Desk::with(STUDY);
     killed_after(&desk, endless(&desk, "o"), "o/run.toml");
     // The lock is free, though its file is there.
-    assert_eq!(desk.names("o"), [".palpate-lock", "run.toml"]);
+    let names = [".palpate-lock", "journal.palpate", "run.toml"];
+    assert_eq!(desk.names("o"), names);
     assert_eq!(setting(&desk.read("o/run.toml"), "trials"), 1e12);
-    desk.palpate("run c.toml --out o").printed();
+    desk.palpate("run c.toml --out o --restart").printed();
     assert_eq!(desk.names("o"), RUN_FILES);
 }
 
@@ -392,7 +393,8 @@ fn an_interrupted_run_does_not_touch_older_results() {
     );
     assert_eq!(setting(&desk.read("o/next-run.toml"), "trials"), 1e12);
     // The next run that ends takes its place.
-    desk.palpate("run c.toml --out o --trials 30").printed();
+    desk.palpate("run c.toml --out o --trials 30 --restart")
+        .printed();
     assert_eq!(desk.names("o"), RUN_FILES);
     assert_eq!(setting(&desk.read("o/run.toml"), "trials"), 30.0);
 }

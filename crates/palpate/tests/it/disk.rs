@@ -161,11 +161,24 @@ fn a_disk_that_fills_up_leaves_no_table_of_another_run() {
         said.starts_with("error: cannot write o/trace.csv"),
         "{said}"
     );
-    assert_eq!(desk.names("o"), RUN_FILES);
+    let [cells, failures, config] = RUN_FILES;
+    assert_eq!(
+        desk.names("o"),
+        [cells, failures, "journal.palpate", config]
+    );
     assert_eq!(
         RUN_FILES.map(|name| desk.read(&format!("o/{name}"))),
         before
     );
+    // With room again, the same command writes what it has.
+    let ended = desk.palpate("run c.toml --out o --seed 99");
+    assert!(
+        ended.stderr.contains("note: goes on after 2 of 2 cells"),
+        "{}",
+        ended.stderr
+    );
+    assert!(desk.names("o").contains(&"trace.csv".to_owned()));
+    assert!(!desk.names("o").contains(&"journal.palpate".to_owned()));
 }
 
 #[test]

@@ -14,6 +14,7 @@ mod glide;
 mod help;
 #[cfg(unix)]
 mod hostile;
+mod journal;
 mod like;
 mod objects;
 mod press;
@@ -22,5 +23,6 @@ mod refused;
 mod report;
 mod run;
 mod sensor;
+mod shards;
 mod stated;
 mod trace;

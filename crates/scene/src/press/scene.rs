@@ -315,10 +315,6 @@ impl Trials for PressScene {
         self.truth_of(*self.quantities().get(quantity)?)
     }
 
-    fn states_bounds(&self) -> bool {
-        true
-    }
-
     /// Bound by what the readings can tell by the scene's own body and noise. What the estimator has to find out itself
     /// counts as unknown; of what it is told, the noise that is drawn, else that which it is told of.
     fn std_bound(&self, quantity: usize) -> Option<f64> {

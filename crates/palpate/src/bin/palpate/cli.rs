@@ -9,7 +9,9 @@ use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use palpate::Shard;
 
 use crate::duration;
 
@@ -28,6 +30,25 @@ pub(crate) use settings::Settings;
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
+    /// How an error is told on standard error: json is one line with kind (usage, work, stopped), status,
+    /// message and, where they are known, file, line and field.
+    #[arg(
+        long,
+        global = true,
+        value_enum,
+        value_name = "FORMAT",
+        default_value = "text"
+    )]
+    pub(crate) error_format: ErrorFormat,
+}
+
+/// Form of an error.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum ErrorFormat {
+    /// A line for people.
+    Text,
+    /// A line of JSON for programs.
+    Json,
 }
 
 #[derive(Debug, Subcommand)]
@@ -39,17 +60,35 @@ pub(crate) enum Command {
   palpate run my.toml --budget 30s
   palpate run my.toml --target-error 0.01
   palpate run my.toml --target-error 0.001 --budget 1.5h
+  palpate run my.toml --shard 3/16 --out out/shards/3
 
 A budget or a target error becomes a number of trials and, where all cells take the same, a rung of the
 model. They are written to run.toml before the first trial: `palpate run` of that file needs neither a
 clock nor a pilot, and gives the same bytes.
 
-A run that is interrupted leaves run.toml and no tables. Where the directory has tables of another
+A run that is interrupted, however it was, goes on with the same command: journal.palpate has what is done
+of it, and the tables are those of an undisturbed run. Another config is refused there, with the
+difference; --restart drops the journal. A shard leaves its journal, which `palpate merge` reads. Where the directory has tables of another
 config, they and their run.toml stay until the run is done; meanwhile its config is next-run.toml.
 What palpate wrote there of another study is removed; what it did not write, or what was changed since,
 is not replaced without --force. Warnings are in warnings.txt. A run in which every trial fails has
 status 1.")]
     Run(RunArgs),
+    /// Put the shards of a run together: writes what one run of all would have written, to the byte.
+    #[command(after_help = "Examples:
+  palpate run my.toml --shard 1/2 --out out/a && palpate run my.toml --shard 2/2 --out out/b
+  palpate merge out/a out/b --out out/my-study
+
+A shard that is missing, has not ended, is damaged, or is of another config, seed or version of palpate
+is named, and nothing is written. The shards stay; merging again gives the same.")]
+    Merge(MergeArgs),
+    /// Tell how far a run or its shards have come: done, running, failed, missing, rate and time left.
+    #[command(after_help = "Example:
+  palpate status out/my-study")]
+    Status(StatusArgs),
+    /// Give the shards of a run to a cluster.
+    #[command(subcommand)]
+    Submit(Scheduler),
     /// Follow one pass of a scene: writes trace.csv (truth) and readings.csv (what `estimate` accepts).
     #[command(after_help = "Examples:
   palpate trace my.toml --out out/trace
@@ -119,6 +158,88 @@ pub(crate) struct RunArgs {
     /// Run only every N-th cell, from the first; the rows keep their cell numbers.
     #[arg(long, value_name = "N", default_value = "1")]
     pub(crate) every_nth_cell: NonZeroUsize,
+    /// Run only shard K of N: every N-th task, from the K-th on. A task is a cell, or 1,048,576 trials of one.
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    pub(crate) shard: Option<Shard>,
+    /// Begin anew where a run that has not ended left its journal.
+    #[arg(long)]
+    pub(crate) restart: bool,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct MergeArgs {
+    /// Directories of the shards, or directories in which those are.
+    #[arg(required = true, value_name = "DIR")]
+    pub(crate) dirs: Vec<PathBuf>,
+    /// Where to write the results [default: the only directory, if the shards are in it; else out/ and the
+    /// name of the study].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace also files that palpate did not write, or that were changed since.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct StatusArgs {
+    /// A directory that `palpate run` writes, or one in which its shards are.
+    pub(crate) dir: PathBuf,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Scheduler {
+    /// Submit an array of shards to Slurm, and a job that merges them; run again, only shards that are not done.
+    #[command(after_help = "Examples:
+  palpate submit slurm my.toml --shards 16 --dry-run
+  palpate submit slurm my.toml --shards 200 --cpus-per-task 8 --time 2:00:00 --partition short
+
+The scripts, the config with all defaults and the shards are in the output directory. An element whose node
+fails, that a signal kills, or whose time is up, is queued again and goes on where it was; one that fails
+otherwise is not. The merge runs when all elements have ended, and fails where a shard is missing.")]
+    Slurm(SlurmArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SlurmArgs {
+    /// The study's config, a TOML file.
+    pub(crate) config: PathBuf,
+    /// Number of shards.
+    #[arg(long, value_name = "N")]
+    pub(crate) shards: NonZeroU64,
+    /// Where to write the scripts, the shards and the results [default: out/ and the name of the study].
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Longest time of a shard, as Slurm has it: minutes, or 2:00:00, or 1-12:00. A shard that needs longer
+    /// goes on in another job.
+    #[arg(long, value_name = "TIME", value_parser = slurm_word)]
+    pub(crate) time: Option<String>,
+    /// Partition of the cluster.
+    #[arg(long, value_name = "NAME", value_parser = slurm_word)]
+    pub(crate) partition: Option<String>,
+    /// Account that the time is charged to.
+    #[arg(long, value_name = "NAME", value_parser = slurm_word)]
+    pub(crate) account: Option<String>,
+    /// Memory of a shard, as Slurm has it: 500M, 2G.
+    #[arg(long, value_name = "SIZE", value_parser = slurm_word)]
+    pub(crate) mem: Option<String>,
+    /// Processors, and so threads, of a shard.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(crate) cpus_per_task: NonZeroU64,
+    /// Most times that a shard is queued again.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub(crate) max_restarts: u32,
+    /// Use this seed instead of the config's.
+    #[arg(long, value_name = "S")]
+    pub(crate) seed: Option<u64>,
+    /// Run this many trials per cell instead of the config's.
+    #[arg(long, value_name = "N")]
+    pub(crate) trials: Option<NonZeroU64>,
+    /// Print the scripts, and neither write nor submit anything.
+    #[arg(long)]
+    pub(crate) dry_run: bool,
     /// Replace also files that palpate did not write, that were changed since, or that are read.
     #[arg(long)]
     pub(crate) force: bool,
@@ -178,5 +299,35 @@ fn share(text: &str) -> Result<f64, String> {
         Ok(number) if (SMALLEST_SHARE..1.0).contains(&number) => Ok(number),
         Ok(_) => Err(format!("must be >= {SMALLEST_SHARE:e} and < 1, is {text}")),
         Err(_) => Err("is not a number".to_owned()),
+    }
+}
+
+/// Most shards of a run.
+const MOST_SHARDS: u64 = 1_000_000;
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let numbers = text.split_once('/').and_then(|(number, of)| {
+        let parsed = (number.parse::<u64>().ok()?, of.parse::<u64>().ok()?);
+        Some(parsed)
+    });
+    match numbers {
+        Some((number, of)) if (1..=of).contains(&number) && of <= MOST_SHARDS => {
+            Ok(Shard { number, of })
+        }
+        Some((0, _)) => Err("shards are counted from 1: the first of 4 is 1/4".to_owned()),
+        Some((_, of)) if of > MOST_SHARDS => {
+            Err(format!("at most {MOST_SHARDS} shards are possible"))
+        }
+        Some((number, of)) => Err(format!("there is no shard {number} of {of}")),
+        None => Err("is no shard; the first of 4 is written 1/4".to_owned()),
+    }
+}
+
+/// A word that stands in a line for Slurm as it is.
+fn slurm_word(text: &str) -> Result<String, String> {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-+:,/@".contains(c);
+    match !text.is_empty() && text.chars().all(is_plain) {
+        true => Ok(text.to_owned()),
+        false => Err("may have letters, digits and ._-+:,/@ only".to_owned()),
     }
 }

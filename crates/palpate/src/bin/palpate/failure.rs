@@ -13,6 +13,8 @@ pub(crate) enum Failure {
     Usage(Error),
     /// The work failed or the readings are bad: status 1.
     Work(Error),
+    /// A signal stopped the work, with the status that this has.
+    Stopped(Error, u8),
 }
 
 impl Failure {
@@ -38,17 +40,32 @@ impl Failure {
         }
     }
 
+    /// The failure as one line of JSON, for programs that call this one.
+    pub(crate) fn json(&self) -> String {
+        let (kind, status, error) = match self {
+            Self::Usage(error) => ("usage", 2, error),
+            Self::Work(error) => ("work", 1, error),
+            Self::Stopped(error, status) => ("stopped", *status, error),
+        };
+        let field = error
+            .downcast_ref::<ConfigError>()
+            .map(ConfigError::path)
+            .filter(|path| !path.is_empty());
+        told(kind, status, &self.to_string(), field)
+    }
+
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Usage(_) => 2,
             Self::Work(_) => 1,
+            Self::Stopped(_, status) => *status,
         })
     }
 }
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Self::Usage(error) | Self::Work(error)) = self;
+        let (Self::Usage(error) | Self::Work(error) | Self::Stopped(error, _)) = self;
         let mut text = error.to_string();
         for cause in error.chain().skip(1).map(ToString::to_string) {
             // Some errors tell their cause themselves.
@@ -58,6 +75,31 @@ impl fmt::Display for Failure {
         }
         f.write_str(&visible(&text))
     }
+}
+
+/// An error as one line of JSON. A message that begins with a file and a line gives these too.
+pub(crate) fn told(kind: &str, status: u8, message: &str, field: Option<&str>) -> String {
+    let place = message.split_once(": ").map(|(place, _)| place);
+    let line = place.and_then(|place| {
+        let mut parts = place.split(':');
+        let file = parts.next().filter(|file| !file.is_empty())?;
+        let line: u64 = parts.next()?.parse().ok()?;
+        Some((file, line))
+    });
+    let mut error = serde_json::Map::new();
+    let mut add = |key: &str, value: serde_json::Value| drop(error.insert(key.to_owned(), value));
+    add("version", 1.into());
+    add("kind", kind.into());
+    add("status", status.into());
+    add("message", message.into());
+    if let Some((file, line)) = line {
+        add("file", file.into());
+        add("line", line.into());
+    }
+    if let Some(field) = field {
+        add("field", field.into());
+    }
+    serde_json::json!({ "error": error }).to_string()
 }
 
 /// A text that a terminal shows and does not obey: control characters of a file that a message quotes are spelt out.

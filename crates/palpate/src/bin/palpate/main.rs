@@ -12,23 +12,65 @@ mod cli;
 mod duration;
 mod estimate;
 mod failure;
+mod journal;
+mod merge;
 mod output;
 mod progress;
 mod results;
 mod run;
 mod sensor;
+mod status;
+mod stopped;
+mod submit;
 mod trace;
 
 use std::process::ExitCode;
 
 use clap::Parser;
 
-use cli::{Cli, Command, Estimator};
+use cli::{Cli, Command, ErrorFormat, Estimator, Scheduler};
 use failure::Failure;
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let (command, format) = match Cli::try_parse() {
+        Ok(Cli {
+            command,
+            error_format,
+        }) => (command, error_format),
+        Err(error) if error.use_stderr() && asks_for_json() => {
+            let text = error.to_string();
+            let message = text.trim().trim_start_matches("error: ");
+            eprintln!("{}", failure::told("usage", 2, message, None));
+            return ExitCode::from(2);
+        }
+        Err(error) => error.exit(),
+    };
+    match run(command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            match format {
+                ErrorFormat::Text => eprintln!("error: {failure}"),
+                ErrorFormat::Json => eprintln!("{}", failure.json()),
+            }
+            failure.exit_code()
+        }
+    }
+}
+
+/// Whether arguments that cannot be read ask for errors as JSON.
+fn asks_for_json() -> bool {
+    let arguments: Vec<_> = std::env::args_os().collect();
+    let mut pairs = arguments.windows(2);
+    arguments.iter().any(|one| one == "--error-format=json")
+        || pairs.any(|pair| pair[0] == "--error-format" && pair[1] == "json")
+}
+
+fn run(command: Command) -> Result<(), Failure> {
+    match command {
         Command::Run(args) => run::run(&args),
+        Command::Merge(args) => merge::merge(&args),
+        Command::Status(args) => status::status(&args),
+        Command::Submit(Scheduler::Slurm(args)) => submit::slurm(&args),
         Command::Trace(args) => trace::trace(&args),
         Command::Estimate(Estimator::Roll(args)) => estimate::roll(&args),
         Command::Estimate(Estimator::Glide(args)) => estimate::glide(&args),
@@ -38,13 +80,6 @@ fn main() -> ExitCode {
         Command::Plot(args) => results::plot(&args),
         Command::Report(args) => results::report(&args),
         Command::Schema => schema(),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("error: {failure}");
-            failure.exit_code()
-        }
     }
 }
 

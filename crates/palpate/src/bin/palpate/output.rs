@@ -16,9 +16,11 @@ use serde::Serialize;
 use crate::failure::Failure;
 
 pub(crate) use folder::{Folder, make_directory};
+pub(crate) use lock::Lock;
 pub(crate) use manifest::StudyId;
 pub(crate) use owned::{Guard, Owned};
 pub(crate) use single::Single;
+pub(crate) use stage::{Contents, Draft};
 
 /// Prints a text and a newline; a closed pipe is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {

@@ -1,18 +1,103 @@
-//! A progress bar, on a terminal only.
+//! Progress of long work on standard error: a bar on a terminal, a line a minute elsewhere.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
-/// A bar over `trials`, with rate and time left, on standard error if that is a terminal.
-pub(crate) fn bar(trials: u64) -> ProgressBar {
-    let bar = bar_of("trials");
-    bar.set_length(trials);
-    bar
+use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::duration::roughly;
+use crate::journal::Totals;
+
+/// Time between two lines.
+const LINE: Duration = Duration::from_secs(60);
+
+/// Progress of a run.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    /// Trials of all tasks, and those that had been done when the run began.
+    all: u64,
+    before: u64,
+    done: AtomicU64,
+    start: Instant,
+    /// Number of lines that have been due.
+    lines: AtomicU64,
+    /// Words for the failures so far.
+    failing: Mutex<String>,
+    is_terminal: bool,
 }
 
-/// A bar over a number of `things` that is still to be set, as [`bar`]; it is not drawn before it moves.
+impl Progress {
+    /// Progress over so many trials, of which some are done.
+    pub(crate) fn new(all: u64, before: u64) -> Self {
+        let bar = bar_of("trials");
+        bar.set_length(all);
+        bar.set_position(before);
+        bar.reset_eta();
+        Self {
+            bar,
+            all,
+            before,
+            done: AtomicU64::new(before),
+            start: Instant::now(),
+            lines: AtomicU64::new(0),
+            failing: Mutex::new(String::new()),
+            is_terminal: std::io::stderr().is_terminal(),
+        }
+    }
+
+    /// Adds trials; any thread may.
+    pub(crate) fn add(&self, trials: u64) {
+        let done = trials + self.done.fetch_add(trials, Ordering::Relaxed);
+        if self.is_terminal {
+            return self.bar.inc(trials);
+        }
+        let elapsed = self.start.elapsed();
+        let due = elapsed.as_secs() / LINE.as_secs();
+        if self.lines.fetch_max(due, Ordering::Relaxed) < due {
+            eprintln!("{}", self.line(done, elapsed.as_secs_f64()));
+        }
+    }
+
+    /// Tells what has failed so far.
+    pub(crate) fn tell(&self, totals: &Totals) {
+        if totals.kinds.is_empty() {
+            return;
+        }
+        if let Ok(mut failing) = self.failing.try_lock() {
+            *failing = format!("; failed: {}", totals.failures());
+            if self.is_terminal {
+                self.bar.set_message(failing.clone());
+            }
+        }
+    }
+
+    /// Clears the bar.
+    pub(crate) fn end(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn line(&self, done: u64, seconds: f64) -> String {
+        let rate = (done - self.before) as f64 / seconds;
+        let left = (self.all.saturating_sub(done)) as f64 / rate;
+        let failing = self.failing.try_lock().map(|failing| failing.clone());
+        format!(
+            "{} of {} trials, {} a second, about {} left{}",
+            HumanCount(done),
+            HumanCount(self.all),
+            HumanCount(rate as u64),
+            roughly(left),
+            failing.unwrap_or_default()
+        )
+    }
+}
+
+/// A bar over a number of `things` that is still to be set, with rate and time left, on standard error if that is a
+/// terminal; it is not drawn before it moves.
 pub(crate) fn bar_of(things: &str) -> ProgressBar {
     let style = ProgressStyle::with_template(&format!(
-        "{{wide_bar}} {{human_pos}}/{{human_len}} {things}, {{per_sec}}, {{eta}} left"
+        "{{wide_bar}} {{human_pos}}/{{human_len}} {things}, {{per_sec}}, {{eta}} left{{msg}}"
     ));
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
     match style {

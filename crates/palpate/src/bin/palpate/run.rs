@@ -1,27 +1,154 @@
 //! `palpate run`.
 
+use std::io::Write;
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use palpate::config::Output;
-use palpate::{CellStatistics, Map, RunOptions, Runner, Simulation, Study, load, refuse};
+use palpate::{
+    Finished, Partial, RunOptions, Runner, Shard, Simulation, Study, SweepError, Warnings, load,
+    parse, refuse,
+};
 
 use crate::cli::RunArgs;
 use crate::failure::Failure;
-use crate::output::names::{
-    CELLS, CONFIG, FAILURES, FRAMES, MAP, MARKERS, NEXT_CONFIG, READINGS, TRACE, WARNINGS,
+use crate::journal::{
+    self, Asked, CellRecord, Found, Header, Item, Journal, Reader, Superblock, Totals,
 };
-use crate::output::{Folder, Guard, Owned, StudyId};
-use crate::{budget, output, progress, trace};
+use crate::output::names::{
+    CELLS, CONFIG, FAILURES, FRAMES, JOURNAL, MAP, MARKERS, NEXT_CONFIG, READINGS, TRACE, WARNINGS,
+};
+use crate::output::{Contents, Draft, Folder, Guard, Lock, Owned, StudyId};
+use crate::progress::Progress;
+use crate::{budget, output, stopped, trace};
 
 /// More threads than this only cost their setting up.
 const MOST_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let start = Instant::now();
+    let study = asked_study(args)?;
+    let shard = args.shard.unwrap_or_default();
+    let is_whole = shard == Shard::default();
+    let out = args.out.clone().unwrap_or_else(|| {
+        let out = PathBuf::from("out").join(&study.config.name);
+        match is_whole {
+            true => out,
+            false => out.join(format!("shard-{}-of-{}", shard.number, shard.of)),
+        }
+    });
+    let guard = Guard::new([&args.config], args.force);
+    let tables = if is_whole {
+        tables_of(&study)
+    } else {
+        Vec::new()
+    };
+    // Before the planning, and once more when no other process writes there.
+    let refuse = |owned: &Owned, config: &str| {
+        owned.refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
+        tables.iter().try_for_each(|name| owned.refuse(name, None))
+    };
+    refuse(&Owned::read(&out, guard.clone())?, &trace::resolved(&study))?;
+    let asked = Asked {
+        config: trace::resolved(&study),
+        goal: goal_of(args),
+        every_nth_cell: args.every_nth_cell.get() as u64,
+        shard: (shard.number, shard.of),
+    };
+    let found = match args.restart {
+        true => None,
+        false => resumable(&out, &asked)?,
+    };
+    let numbers = numbers_of(&study, args.every_nth_cell.get());
+    let mut said = None;
+    let study = match &found {
+        Some(found) => parse("run.toml", &found.header.config).map_err(Failure::usage)?,
+        None => {
+            let allowed = budget::choose(&study, &numbers, args, start)?;
+            match allowed {
+                Some(allowed) => {
+                    said = Some((allowed.lines, allowed.warnings));
+                    allowed.study
+                }
+                None => study,
+            }
+        }
+    };
+    let runner = Runner::new(&RunOptions {
+        threads: args.threads.map(|threads| threads.min(MOST_THREADS)),
+    })
+    .map_err(Failure::work)?;
+    let cells = numbers.len();
+    let first = numbers[0];
+    let simulation = Simulation::of_shard(&study, numbers, shard, &runner);
+    let simulation = match found {
+        // What the journal has of it was checked, and what it lacks, before it was begun.
+        Some(_) => simulation,
+        None => simulation.and_then(Simulation::checked),
+    }
+    .map_err(Failure::usage)?;
+
+    let mut folder = Folder::open(&out, guard)?;
+    let config = trace::resolved(&study);
+    refuse(folder.owned(), &config)?;
+    // Before the work, which would be lost where there is no pass to follow.
+    let traced = match is_whole {
+        true => traced(&study, first)?,
+        false => Vec::new(),
+    };
+    let of_study = StudyId::new(&study.config.name, &config);
+    folder.begin(&config, &of_study)?;
+    let told = match &found {
+        Some(found) => found.warnings.clone(),
+        None => simulation.told().clone(),
+    };
+    told.lines(cells)
+        .iter()
+        .for_each(|line| eprintln!("{line}"));
+    if let Some((lines, warnings)) = said {
+        for warning in warnings {
+            eprintln!("warning: {warning}");
+        }
+        output::print(&lines.join("\n"))?;
+    }
+    // Cells that tell their warnings when they are run are not counted twice.
+    let of_header = match simulation.is_sampled() {
+        true => Warnings::default(),
+        false => told.clone(),
+    };
+    let header = Header::new(config.clone(), asked, &of_header, simulation.tasks());
+    let ongoing = Ongoing::begin(&simulation, &out, header, of_header, found, args.restart)?;
+    let (totals, warnings) = ongoing.run()?;
+    let known = told.lines(cells);
+    let lines = warnings.lines(cells);
+    let is_new = |line: &&String| simulation.is_sampled() && !known.contains(line);
+    lines
+        .iter()
+        .filter(is_new)
+        .for_each(|line| eprintln!("{line}"));
+    let of_shard = match is_whole {
+        true => String::new(),
+        false => format!("shard {} of {}, ", shard.number, shard.of),
+    };
+    if is_whole {
+        let reader = Reader::open(&out)?.map(|(reader, _)| reader);
+        let readers = reader.into_iter().collect();
+        let (files, _) = Drafts::new(&folder, &simulation)?.fill(&simulation, readers, false)?;
+        end(&mut folder, files, traced, &config, &lines, &of_study)?;
+        remove_journal(&out)?;
+    }
+    let summary = summary(&study.config.name, &of_shard, &totals, &out);
+    if is_whole && !totals.is_alive {
+        return Err(Failure::work(anyhow!("every trial failed: {summary}")));
+    }
+    output::print(&summary)
+}
+
+/// The study with what arguments change of it.
+fn asked_study(args: &RunArgs) -> Result<Study, Failure> {
     let mut study = load(&args.config).map_err(Failure::usage)?;
     if let Some(seed) = args.seed {
         study.override_seed(seed).map_err(Failure::usage)?;
@@ -31,95 +158,500 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             .override_trials(trials.get())
             .map_err(Failure::usage)?;
     }
-    refuse(&study).map_err(Failure::usage)?;
-    let out = args
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(&study.config.name));
-    let guard = Guard::new([&args.config], args.force);
-    let tables = tables_of(&study);
-    // Before the planning, and once more when no other process writes there.
-    let refuse = |owned: &Owned, config: &str| {
-        owned.refuse(CONFIG, Some(config.as_bytes()))?;
-        tables.iter().try_for_each(|name| owned.refuse(name, None))
-    };
-    refuse(&Owned::read(&out, guard.clone())?, &trace::resolved(&study))?;
-    let numbers: Vec<usize> = (0..study.cell_count())
-        .step_by(args.every_nth_cell.get())
-        .collect();
-    let allowed = budget::choose(&study, &numbers, args, start)?;
-    let said = allowed.map(|allowed| {
-        study = allowed.study;
-        (allowed.lines, allowed.warnings)
-    });
-    let runner = Runner::new(&RunOptions {
-        threads: args.threads.map(|threads| threads.min(MOST_THREADS)),
-    })
-    .map_err(Failure::work)?;
-    let first = numbers[0];
-    let simulation = Simulation::new(&study, numbers, &runner).map_err(Failure::usage)?;
-
-    let mut folder = Folder::open(&out, guard)?;
-    let config = trace::resolved(&study);
-    refuse(folder.owned(), &config)?;
-    // Before the work, which would be lost where there is no pass to follow.
-    let traced = study.config.outputs.contains(&Output::Trace);
-    let traced = traced
-        .then(|| {
-            let trace = palpate::trace(&study, first, None).map_err(trace::refused)?;
-            trace::files(&trace)
-        })
-        .transpose()?;
-    let of_study = StudyId::new(&study.config.name, &config);
-    folder.begin(&config, &of_study)?;
-    let told = simulation.warnings();
-    told.iter().for_each(|line| eprintln!("{line}"));
-    if let Some((lines, warnings)) = said {
-        for warning in warnings {
-            eprintln!("warning: {warning}");
-        }
-        output::print(&lines.join("\n"))?;
-    }
-    let bar = progress::bar(simulation.trials());
-    let ran = simulation
-        .run(&AtomicBool::new(false), &|finished| bar.inc(finished))
-        .map_err(Failure::of_sweep)?;
-    bar.finish_and_clear();
-
-    let mut files: Vec<(&str, Vec<u8>)> = vec![
-        (CELLS, ran.cells.to_csv().into()),
-        (FAILURES, ran.failures.to_csv().into()),
-        (CONFIG, config.into()),
+    let chooses = [
+        ("--trials", args.trials.is_some()),
+        ("--budget", args.budget.is_some()),
+        ("--target-error", args.target_error.is_some()),
     ];
-    files.extend(traced.into_iter().flatten());
-    if let Some(map) = &ran.map {
-        warn_of_missing(map);
-        files.push((MAP, map.table.to_csv().into()));
+    if let Some((option, _)) = chooses.iter().find(|(_, is_given)| *is_given)
+        && study.config.stop.is_some()
+    {
+        return Err(Failure::usage(anyhow!(
+            "{option} sets the number of trials, and `stop` in {} decides it: leave one of them out",
+            args.config.display()
+        )));
     }
-    if !told.is_empty() {
-        files.push((WARNINGS, (told.join("\n") + "\n").into()));
+    if args.budget.is_some() && args.shard.is_some() {
+        return Err(Failure::usage(anyhow!(
+            "--budget hangs on the machine, and shards must have the same trials: run --budget once for a run.toml, \
+             and its shards from that"
+        )));
     }
-    let written = folder.replace(&files, &of_study);
+    refuse(&study).map_err(Failure::usage)?;
+    Ok(study)
+}
+
+/// Arguments that choose trials and model, as they are compared.
+fn goal_of(args: &RunArgs) -> String {
+    let budget = args.budget.map(|budget| format!("--budget {budget:?}"));
+    let target = args
+        .target_error
+        .map(|target| format!("--target-error {target}"));
+    let both: Vec<String> = budget.into_iter().chain(target).collect();
+    both.join(" ")
+}
+
+/// Numbers of the cells that all shards run together.
+pub(crate) fn numbers_of(study: &Study, every_nth_cell: usize) -> Vec<usize> {
+    (0..study.cell_count()).step_by(every_nth_cell).collect()
+}
+
+/// Journal with which a run goes on; refuses one of another run.
+fn resumable(out: &Path, asked: &Asked) -> Result<Option<Found>, Failure> {
+    // Whoever holds the directory is told of when it is opened.
+    if Lock::is_held(out) {
+        return Ok(None);
+    }
+    let Some(found) = journal::read(out)? else {
+        return Ok(None);
+    };
+    let Header {
+        asked: known,
+        version,
+        ..
+    } = &found.header;
+    let own = env!("CARGO_PKG_VERSION");
+    let why = if version != own {
+        format!("of palpate {version}, and this is {own}")
+    } else if known.shard != asked.shard {
+        let ((number, of), (own, own_of)) = (known.shard, asked.shard);
+        format!("of shard {number} of {of}, not {own} of {own_of}")
+    } else if known.every_nth_cell != asked.every_nth_cell {
+        let (known, own) = (known.every_nth_cell, asked.every_nth_cell);
+        format!("of --every-nth-cell {known}, not {own}")
+    } else if known.goal != asked.goal {
+        let or_none = |goal: &str| match goal {
+            "" => "without --budget and --target-error".to_owned(),
+            goal => format!("with {goal}"),
+        };
+        format!(
+            "{}, and this is {}",
+            or_none(&known.goal),
+            or_none(&asked.goal)
+        )
+    } else if known.config != asked.config {
+        format!(
+            "of another config:{}",
+            difference(&known.config, &asked.config)
+        )
+    } else {
+        return Ok(Some(found));
+    };
+    if found.tasks == 0 {
+        // Nothing would be lost.
+        return Ok(None);
+    }
+    Err(Failure::usage(anyhow!(
+        "{} is of a run that has not ended, {why}\nto drop it give --restart; to keep it, another --out",
+        out.join(JOURNAL).display()
+    )))
+}
+
+/// Lines in which two configs differ, the first few of them.
+pub(crate) fn difference(old: &str, new: &str) -> String {
+    const MOST: usize = 8;
+    let only = |sign: char, text: &str, other: &str| {
+        let mut rest: Vec<&str> = other.lines().collect();
+        let mut lines = Vec::new();
+        for line in text.lines() {
+            match rest.iter().position(|one| *one == line) {
+                Some(place) => drop(rest.swap_remove(place)),
+                None => lines.push(format!("\n  {sign} {line}")),
+            }
+        }
+        lines
+    };
+    let (gone, come) = (only('-', old, new), only('+', new, old));
+    let count = gone.len() + come.len();
+    let half = MOST / 2;
+    let few = gone
+        .into_iter()
+        .take(half)
+        .chain(come.into_iter().take(half));
+    let mut text: String = few.collect();
+    if count > MOST {
+        text += "\n  …";
+    }
+    text
+}
+
+/// Files of the pass of a cell, where the config asks for them.
+pub(crate) fn traced(study: &Study, cell: usize) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
+    if !study.config.outputs.contains(&Output::Trace) {
+        return Ok(Vec::new());
+    }
+    let trace = palpate::trace(study, cell, None).map_err(trace::refused)?;
+    trace::files(&trace)
+}
+
+/// Run of which some tasks are done.
+struct Ongoing<'s, 'a> {
+    simulation: &'s Simulation<'a>,
+    journal: Journal,
+    totals: Totals,
+    warnings: Warnings,
+    /// Number of tasks that are done.
+    tasks: u64,
+    /// Sums of the heavy cell that has not been completed.
+    open: Option<Partial>,
+    is_shared: bool,
+}
+
+impl<'s, 'a> Ongoing<'s, 'a> {
+    /// Begins a journal, or goes on with one that was found.
+    fn begin(
+        simulation: &'s Simulation<'a>,
+        out: &Path,
+        header: Header,
+        warnings: Warnings,
+        found: Option<Found>,
+        restarts: bool,
+    ) -> Result<Self, Failure> {
+        let is_shared = header.asked.shard.1 > 1;
+        // Since it was looked for, another process may have ended it, or begun one.
+        let now = journal::read(out)?.filter(|now| !restarts && now.tasks > 0);
+        let is_known = now.as_ref().is_none_or(|now| {
+            let found = found.as_ref();
+            found.is_some_and(|found| found.header == now.header)
+        });
+        let path = out.join(JOURNAL);
+        let cannot = || format!("cannot write {}", path.display());
+        if !is_known {
+            return Err(Failure::work(anyhow!(
+                "another process wrote {} meanwhile: give the same command again",
+                path.display()
+            )));
+        }
+        let Some(found) = now else {
+            let journal = Journal::new(out, &header).with_context(cannot);
+            return Ok(Self {
+                simulation,
+                journal: journal.map_err(Failure::work)?,
+                totals: Totals::default(),
+                warnings,
+                tasks: 0,
+                open: None,
+                is_shared,
+            });
+        };
+        if found.is_torn {
+            eprintln!(
+                "note: the end of {} is damaged, and is done again",
+                path.display()
+            );
+        }
+        let all = simulation.tasks();
+        eprintln!(
+            "note: goes on after {} of {all} {}",
+            found.tasks,
+            if found.superblock_trials > 0 {
+                "parts"
+            } else {
+                "cells"
+            }
+        );
+        let journal = Journal::resumed(out, &found).with_context(cannot);
+        let mut ongoing = Self {
+            simulation,
+            journal: journal.map_err(Failure::work)?,
+            totals: found.totals,
+            warnings: found.warnings,
+            tasks: found.tasks,
+            open: None,
+            is_shared,
+        };
+        if let Some(open) = found.open.filter(|_| !is_shared) {
+            match open.superblock + 1 == open.of {
+                true => ongoing.end_of_cell(open)?,
+                false => ongoing.open = Some(open.partial),
+            }
+        }
+        Ok(ongoing)
+    }
+
+    /// Notes a heavy cell all superblocks of which are in the journal.
+    fn end_of_cell(&mut self, open: Superblock) -> Result<(), Failure> {
+        let cell = open.cell as usize;
+        let finished = self.simulation.finished(cell, open.partial);
+        let rows = self.simulation.rows(&finished.map_err(Failure::usage)?);
+        let noted = self.cell(CellRecord::new(cell, false, rows));
+        noted
+            .context("cannot write the journal")
+            .map_err(Failure::work)
+    }
+
+    /// Notes a cell that is done.
+    fn cell(&mut self, record: CellRecord) -> std::io::Result<()> {
+        self.totals.add(&record);
+        let warnings = record.warnings.clone();
+        self.warnings.add(record.cell as usize, warnings);
+        self.journal.cell(record)
+    }
+
+    /// Runs the tasks that are left.
+    fn run(mut self) -> Result<(Totals, Warnings), Failure> {
+        let simulation = self.simulation;
+        let all = simulation.trials();
+        let done = simulation.trials_before(self.tasks);
+        let progress = Progress::new(all, done);
+        let signals = stopped::Signals::new()?;
+        let first = self.tasks;
+        let mut error = None;
+        let ran = simulation.stream(
+            first,
+            signals.stop(),
+            &|trials| progress.add(trials),
+            |finished| match finished.superblock() {
+                (_, 1) => Made::Cell(CellRecord::new(
+                    finished.cell(),
+                    true,
+                    simulation.rows(&finished),
+                )),
+                _ => Made::Superblock(Box::new(finished)),
+            },
+            &mut |_, made| match self.take(made) {
+                Ok(()) => {
+                    progress.tell(&self.totals);
+                    ControlFlow::Continue(())
+                }
+                Err(cause) => {
+                    error = Some(cause);
+                    ControlFlow::Break(())
+                }
+            },
+        );
+        progress.end();
+        let path = self.journal.path().display().to_string();
+        let again = "the same command goes on from there";
+        if let Some(error) = error {
+            let error = error.context(format!(
+                "cannot write {path}; what is written stays, and {again}"
+            ));
+            return Err(Failure::work(error));
+        }
+        let flushed = self.journal.flush();
+        match ran {
+            Err(SweepError::Cancelled) => {
+                flushed
+                    .with_context(|| format!("cannot write {path}"))
+                    .map_err(Failure::work)?;
+                Err(Failure::Stopped(
+                    anyhow!(
+                        "stopped: {} of {} {} are in {path}; {again}",
+                        self.tasks,
+                        simulation.tasks(),
+                        "parts of the run"
+                    ),
+                    signals.status(),
+                ))
+            }
+            Err(error) => Err(Failure::of_sweep(error)),
+            Ok(()) => {
+                let ended = match self.is_shared {
+                    true => self.journal.end(),
+                    false => flushed,
+                };
+                let cannot = || format!("cannot write {path}; {again}");
+                ended.with_context(cannot).map_err(Failure::work)?;
+                Ok((self.totals, self.warnings))
+            }
+        }
+    }
+
+    /// Notes what a task gave.
+    fn take(&mut self, made: Made) -> Result<(), anyhow::Error> {
+        match made {
+            Made::Cell(record) => self.cell(record)?,
+            Made::Superblock(finished) => {
+                let (superblock, of) = finished.superblock();
+                let cell = finished.cell();
+                let partial = finished.partial().clone();
+                self.journal.superblock(Superblock {
+                    cell: cell as u64,
+                    superblock,
+                    of,
+                    partial: partial.clone(),
+                })?;
+                if self.is_shared {
+                    self.totals.trials += partial.trials();
+                } else {
+                    let mut open = self.open.take().unwrap_or_default();
+                    open.merge(partial);
+                    if superblock + 1 == of {
+                        let rows = self.simulation.rows(&finished.with(open));
+                        self.cell(CellRecord::new(cell, false, rows))?;
+                    } else {
+                        self.open = Some(open);
+                    }
+                }
+            }
+        }
+        self.tasks += 1;
+        Ok(())
+    }
+}
+
+/// What a task gave.
+enum Made {
+    Cell(CellRecord),
+    Superblock(Box<Finished>),
+}
+
+/// Tables that are filled from journals.
+pub(crate) struct Drafts {
+    drafts: [Option<Draft>; 3],
+    lacks: &'static str,
+}
+
+/// Names of the tables, in the order in which records have their rows.
+const TABLES: [&str; 3] = [CELLS, FAILURES, MAP];
+
+impl Drafts {
+    /// Tables of a simulation, with their headers.
+    pub(crate) fn new(folder: &Folder, simulation: &Simulation<'_>) -> Result<Self, Failure> {
+        let mut drafts = [None, None, None];
+        for ((draft, header), name) in drafts.iter_mut().zip(simulation.headers()).zip(TABLES) {
+            if let Some(header) = header {
+                let mut file = folder.draft(name)?;
+                put(&mut file, name, &header)?;
+                *draft = Some(file);
+            }
+        }
+        Ok(Self {
+            drafts,
+            lacks: simulation.lacks(),
+        })
+    }
+
+    /// Tables with the rows of journals that share the cells of a simulation.
+    pub(crate) fn fill(
+        mut self,
+        simulation: &Simulation<'_>,
+        readers: Vec<Reader>,
+        is_shared: bool,
+    ) -> Result<(Vec<(&'static str, Draft)>, Totals), Failure> {
+        let mut failed: Vec<String> = Vec::new();
+        let mut totals = Totals::default();
+        merge(simulation, readers, is_shared, &mut |record| {
+            totals.add(record);
+            let rows = self.drafts.iter_mut().zip(&record.rows).zip(TABLES);
+            for ((draft, rows), name) in rows {
+                if let Some(draft) = draft {
+                    put(draft, name, rows)?;
+                }
+            }
+            if let Some(kind) = &record.map_failed {
+                failed.push(format!("{} ({kind})", record.cell));
+            }
+            Ok(())
+        })?;
+        if !failed.is_empty() && self.drafts[2].is_some() {
+            let (lacks, cells) = (self.lacks, failed.join(", "));
+            eprintln!("warning: map.csv lacks {lacks} whose trial 0 failed: {cells}");
+        }
+        let files = TABLES.into_iter().zip(self.drafts);
+        let files = files.filter_map(|(name, draft)| Some((name, draft?)));
+        Ok((files.collect(), totals))
+    }
+}
+
+fn put(draft: &mut Draft, name: &str, text: &str) -> Result<(), Failure> {
+    let written = draft.write_all(text.as_bytes());
+    written
+        .with_context(|| format!("cannot write {name}; the same command tries again"))
+        .map_err(Failure::work)
+}
+
+/// Hands over the cells of journals in the order of their numbers; heavy cells are put together from their superblocks.
+fn merge(
+    simulation: &Simulation<'_>,
+    readers: Vec<Reader>,
+    is_shared: bool,
+    take: &mut dyn FnMut(&CellRecord) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let next = |reader: &mut Reader| loop {
+        match reader.item()? {
+            // A whole run has the cell itself after them.
+            Item::Superblock(_) if !is_shared => {}
+            item => return Some(item),
+        }
+    };
+    let mut heads: Vec<(Reader, Option<Item>)> = Vec::new();
+    for mut reader in readers {
+        let first = next(&mut reader);
+        heads.push((reader, first));
+    }
+    let place = |item: &Item| match item {
+        Item::Cell(record) => (record.cell, 0),
+        Item::Superblock(superblock) => (superblock.cell, superblock.superblock),
+    };
+    let mut open = Partial::default();
+    loop {
+        let present = heads.iter_mut().filter(|(_, item)| item.is_some());
+        let Some((reader, item)) = present.min_by_key(|(_, item)| item.as_ref().map(place)) else {
+            return Ok(());
+        };
+        let Some(item) = std::mem::replace(item, next(reader)) else {
+            return Ok(());
+        };
+        match item {
+            Item::Cell(record) => take(&record)?,
+            Item::Superblock(superblock) => {
+                open.merge(superblock.partial);
+                if superblock.superblock + 1 == superblock.of {
+                    let cell = superblock.cell as usize;
+                    let finished = simulation.finished(cell, std::mem::take(&mut open));
+                    let rows = simulation.rows(&finished.map_err(Failure::usage)?);
+                    take(&CellRecord::new(cell, false, rows))?;
+                }
+            }
+        }
+    }
+}
+
+/// Gives the tables of a run their names.
+pub(crate) fn end(
+    folder: &mut Folder,
+    tables: Vec<(&'static str, Draft)>,
+    traced: Vec<(&'static str, Vec<u8>)>,
+    config: &str,
+    warnings: &[String],
+    study: &StudyId,
+) -> Result<(), Failure> {
+    let told = warnings.join("\n") + "\n";
+    let mut files: Vec<(&str, Contents<'_>)> = Vec::new();
+    files.extend(
+        tables
+            .into_iter()
+            .map(|(name, draft)| (name, Contents::Draft(draft))),
+    );
+    files.push((CONFIG, Contents::Bytes(config.as_bytes())));
+    files.extend(
+        traced
+            .iter()
+            .map(|(name, bytes)| (*name, Contents::Bytes(bytes))),
+    );
+    if !warnings.is_empty() {
+        files.push((WARNINGS, Contents::Bytes(told.as_bytes())));
+    }
+    let written = folder.replace(files, study);
     let ended = folder.end();
     for line in written? {
         eprintln!("note: {line}");
     }
-    ended?;
-    let summary = summary(&study, &ran.statistics, &out);
-    let mut cells = ran.statistics.iter();
-    if cells.all(|cell| failed(cell) == cell.trials) {
-        return Err(Failure::work(anyhow!("every trial failed: {summary}")));
-    }
-    output::print(&summary)
+    ended
 }
 
-/// Number of the trials of a cell that failed.
-fn failed(cell: &CellStatistics) -> u64 {
-    cell.failures.iter().map(|failure| failure.count).sum()
+fn remove_journal(out: &Path) -> Result<(), Failure> {
+    let path = out.join(JOURNAL);
+    let removed = std::fs::remove_file(&path);
+    removed
+        .with_context(|| format!("cannot remove {}", path.display()))
+        .map_err(Failure::work)
 }
 
 /// All that a run of the study may write besides its config.
-fn tables_of(study: &Study) -> Vec<&'static str> {
+pub(crate) fn tables_of(study: &Study) -> Vec<&'static str> {
     let mut names = vec![NEXT_CONFIG, CELLS, FAILURES, WARNINGS];
     if study.config.outputs.contains(&Output::Trace) {
         names.extend([TRACE, READINGS, MARKERS]);
@@ -131,39 +663,16 @@ fn tables_of(study: &Study) -> Vec<&'static str> {
     names
 }
 
-/// Says which cells have no map: a trial that fails has none.
-fn warn_of_missing(map: &Map) {
-    if map.failed.is_empty() {
-        return;
-    }
-    let cells = map.failed.iter();
-    let cells: Vec<String> = cells
-        .map(|(cell, name)| format!("{cell} ({name})"))
-        .collect();
-    let (lacks, cells) = (map.lacks, cells.join(", "));
-    eprintln!("warning: map.csv lacks {lacks} whose trial 0 failed: {cells}");
-}
-
-fn summary(study: &Study, ran: &[CellStatistics], out: &Path) -> String {
-    let trials: u64 = ran.iter().map(|cell| cell.trials).sum();
-    let mut kinds = std::collections::BTreeMap::new();
-    for failure in ran.iter().flat_map(|cell| &cell.failures) {
-        *kinds.entry(failure.kind).or_insert(0) += failure.count;
-    }
-    let failed: u64 = kinds.values().sum();
-    let kinds: Vec<String> = kinds
-        .iter()
-        .map(|(kind, count)| format!("{kind} {count}"))
-        .collect();
-    let kinds = if failed > 0 {
-        format!(" ({})", kinds.join(", "))
-    } else {
-        String::new()
+pub(crate) fn summary(name: &str, of_shard: &str, totals: &Totals, out: &Path) -> String {
+    let failed: u64 = totals.kinds.values().sum();
+    let kinds = match failed {
+        0 => String::new(),
+        _ => format!(" ({})", totals.failures()),
     };
     format!(
-        "{}: {} cells, {trials} trials, {failed} failed{kinds} -> {}",
-        study.config.name,
-        ran.len(),
+        "{name}: {of_shard}{} cells, {} trials, {failed} failed{kinds} -> {}",
+        totals.cells,
+        totals.trials,
         out.display()
     )
 }

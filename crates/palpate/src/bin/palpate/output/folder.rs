@@ -8,10 +8,10 @@ use anyhow::{Context, Error, anyhow};
 use tempfile::NamedTempFile;
 
 use super::lock::Lock;
-use super::manifest::{Entry, MANIFEST, Manifest, StudyId, digest};
+use super::manifest::{Entry, MANIFEST, Manifest, StudyId};
 use super::names::{CELLS, CONFIG, NEXT_CONFIG, WARNINGS};
 use super::owned::{Guard, Owned};
-use super::stage::{Staged, is_stream, sweep};
+use super::stage::{Contents, Draft, Staged, is_stream, sweep};
 use crate::failure::Failure;
 
 /// Directory that this process alone writes into, with the manifest of what palpate wrote there.
@@ -61,6 +61,11 @@ impl Folder {
         &self.owned
     }
 
+    /// Draft of a file of the directory.
+    pub(crate) fn draft(&self, name: &str) -> Result<Draft, Failure> {
+        Draft::new(&self.owned.dir.join(name)).map_err(Failure::work)
+    }
+
     /// Writes the config of a run that begins: beside no tables but its own. Where the directory has those of another
     /// config, or another config, they stay until the run is done, and this one's is [`NEXT_CONFIG`].
     pub(crate) fn begin(&mut self, config: &str, study: &StudyId) -> Result<(), Failure> {
@@ -93,16 +98,17 @@ impl Folder {
 
     /// Writes files (name and contents) of a study, as [`Self::write`] does, and removes what palpate wrote of
     /// another study; gives a line for each file that stays beside them and is not palpate's.
-    pub(crate) fn replace<C: AsRef<[u8]>>(
+    pub(crate) fn replace(
         &mut self,
-        files: &[(&str, C)],
+        files: Vec<(&str, Contents<'_>)>,
         study: &StudyId,
     ) -> Result<Vec<String>, Failure> {
         let manifest = self.owned.manifest.as_ref();
         let entries = manifest.iter().flat_map(|manifest| &manifest.files);
         let cells = files.iter().find(|(name, _)| *name == CELLS);
-        let cells = cells.map(|(_, contents)| digest(contents.as_ref()));
-        let is_written = |name: &str| files.iter().any(|(written, _)| *written == name);
+        let cells = cells.map(|(_, contents)| contents.digest());
+        let written: Vec<String> = files.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let is_written = |name: &str| written.iter().any(|written| written == name);
         let stale: Vec<String> = entries
             .filter(|(name, entry)| {
                 let of = entry.study.as_ref();
@@ -136,7 +142,7 @@ impl Folder {
             )
         };
         let lines = left.iter().map(line).collect();
-        self.write(files, Some(study))?;
+        self.put(files, Some(study))?;
         for name in stale {
             let path = self.owned.dir.join(&name);
             let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
@@ -162,40 +168,53 @@ impl Folder {
         files: &[(&str, C)],
         study: Option<&StudyId>,
     ) -> Result<(), Failure> {
-        for (name, contents) in files {
-            self.owned.refuse(name, Some(contents.as_ref()))?;
+        let mut all: Vec<(&str, Contents<'_>)> = Vec::new();
+        for (name, bytes) in files {
+            all.push((name, Contents::Bytes(bytes.as_ref())));
+        }
+        self.put(all, study)
+    }
+
+    fn put(
+        &mut self,
+        files: Vec<(&str, Contents<'_>)>,
+        study: Option<&StudyId>,
+    ) -> Result<(), Failure> {
+        for (name, contents) in &files {
+            self.owned.refuse(name, Some(contents))?;
         }
         let dir = &self.owned.dir;
+        let is_listed = |name: &str| !is_stream(&dir.join(name));
+        let digests: Vec<(String, String)> = files
+            .iter()
+            .filter(|(name, _)| is_listed(name))
+            .map(|(name, contents)| ((*name).to_owned(), contents.digest()))
+            .collect();
         let mut staged = Vec::new();
         for (name, contents) in files {
-            staged.push(Staged::new(&dir.join(name), contents.as_ref()).map_err(Failure::work)?);
+            staged.push(Staged::new(&dir.join(name), contents).map_err(Failure::work)?);
         }
         let manifest = self.owned.manifest.clone();
         let mut manifest = manifest.unwrap_or_else(|| Manifest::new([].into()));
         // A process that is killed while it renames leaves files of both contents.
         let mut between = manifest.clone();
-        let listed = files.iter().filter(|(name, _)| !is_stream(&dir.join(name)));
-        for (name, contents) in listed {
-            let digest = digest(contents.as_ref());
+        for (name, digest) in digests {
             let study = study.cloned();
             let entry = |sha256| Entry { sha256, study };
-            let known = between.files.get(*name).map(|known| known.sha256.clone());
+            let known = between.files.get(&name).map(|known| known.sha256.clone());
             let both = known
                 .into_iter()
                 .flatten()
                 .chain([digest.clone()])
                 .collect();
-            between
-                .files
-                .insert((*name).to_owned(), entry.clone()(both));
-            manifest
-                .files
-                .insert((*name).to_owned(), entry(vec![digest]));
+            between.files.insert(name.clone(), entry.clone()(both));
+            manifest.files.insert(name, entry(vec![digest]));
         }
         let (between, after) = (between.to_toml()?, manifest.to_toml()?);
         let place = dir.join(MANIFEST);
-        let first = Staged::new(&place, between.as_bytes()).map_err(Failure::work)?;
-        let last = Staged::new(&place, after.as_bytes()).map_err(Failure::work)?;
+        let first =
+            Staged::new(&place, Contents::Bytes(between.as_bytes())).map_err(Failure::work)?;
+        let last = Staged::new(&place, Contents::Bytes(after.as_bytes())).map_err(Failure::work)?;
         let staged = [first].into_iter().chain(staged).chain([last]);
         for file in staged {
             file.persist().map_err(Failure::work)?;

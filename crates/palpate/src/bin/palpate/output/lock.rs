@@ -24,6 +24,12 @@ pub(crate) struct Lock {
 }
 
 impl Lock {
+    /// Whether a process holds a directory.
+    pub(crate) fn is_held(dir: &Path) -> bool {
+        let file = File::open(dir.join(NAME));
+        file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+    }
+
     /// Locks a directory, or says who holds it.
     pub(crate) fn of(dir: &Path) -> Result<Self, Failure> {
         let path = dir.join(NAME);

@@ -155,7 +155,8 @@ pub(crate) fn digest_of(path: &Path) -> io::Result<String> {
     Ok(hexadecimal(hash.finalize().as_slice()))
 }
 
-fn hexadecimal(bytes: &[u8]) -> String {
+/// Digits of bytes.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

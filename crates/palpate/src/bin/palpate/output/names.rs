@@ -13,6 +13,8 @@ pub(crate) const MOST_MIB: u64 = 16;
 pub(crate) const CONFIG: &str = "run.toml";
 /// Config of a run while tables of another config stand there.
 pub(crate) const NEXT_CONFIG: &str = "next-run.toml";
+/// Journal of a run that has not ended, or of a shard.
+pub(crate) const JOURNAL: &str = "journal.palpate";
 /// Table without which there are no results.
 pub(crate) const CELLS: &str = "cells.csv";
 pub(crate) const FAILURES: &str = "failures.csv";

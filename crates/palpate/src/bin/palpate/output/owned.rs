@@ -10,7 +10,7 @@ use same_file::is_same_file;
 
 use super::manifest::{Entry, Manifest, StudyId, digest_of};
 use super::names;
-use super::stage::{is_stream, unwritable};
+use super::stage::{Contents, is_stream, unwritable};
 use crate::failure::Failure;
 
 /// Rights of a command over the files of a directory.
@@ -88,13 +88,20 @@ impl Owned {
     }
 
     /// Refuses to replace what palpate did not write. Of a file whose contents are not known yet, only the manifest tells.
-    pub(crate) fn refuse(&self, name: &str, contents: Option<&[u8]>) -> Result<(), Failure> {
+    pub(crate) fn refuse(
+        &self,
+        name: &str,
+        contents: Option<&Contents<'_>>,
+    ) -> Result<(), Failure> {
         let path = self.dir.join(name);
         if let Some(why) = unwritable(&path) {
             let path = path.display();
             return Err(Failure::work(anyhow!("cannot write {path}: {why}")));
         }
-        let is_kept = holds(&path, contents.unwrap_or_default());
+        let is_kept = match contents {
+            Some(contents) => contents.are_in(&path),
+            None => holds(&path, &[]),
+        };
         let is_open = is_stream(&path) && !self.guard.reads(&path);
         if self.guard.force || is_kept || is_open || fs::metadata(&path).is_err() {
             return Ok(());
@@ -108,7 +115,9 @@ impl Owned {
         match self.entry(name) {
             Some(entry) if entry.is_of(&path) => Ok(()),
             Some(_) => Err(refusal(&path, "was changed since palpate wrote it")),
-            None if is_lone && contents.is_some_and(|contents| begins_as(&path, contents)) => {
+            None if is_lone
+                && contents.is_some_and(|contents| begins_as(&path, contents.head())) =>
+            {
                 Ok(())
             }
             None => Err(refusal(&path, "is not a file that palpate wrote")),
@@ -141,7 +150,7 @@ impl Owned {
         let mut names: Vec<String> = files
             .filter(|entry| !self.guard.reads(&entry.path()))
             .filter_map(|entry| entry.file_name().into_string().ok())
-            .filter(|name| !name.starts_with('.') && !self.lists(name))
+            .filter(|name| !name.starts_with('.') && name != names::JOURNAL && !self.lists(name))
             .collect();
         names.sort();
         names

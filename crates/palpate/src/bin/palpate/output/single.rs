@@ -7,7 +7,7 @@ use anyhow::anyhow;
 
 use super::folder::make_directory;
 use super::owned::{Guard, begins_as, holds, refusal};
-use super::stage::{Staged, folder_of, is_stream, sweep, unwritable};
+use super::stage::{Contents, Staged, folder_of, is_stream, sweep, unwritable};
 use crate::failure::Failure;
 
 /// Place that a command writes a single file to: standard output where it has no path.
@@ -56,12 +56,13 @@ impl Single {
             }
             let dir = folder_of(path);
             make_directory(dir).map_err(|failure| {
-                let (Failure::Usage(error) | Failure::Work(error)) = failure;
+                let (Failure::Usage(error) | Failure::Work(error) | Failure::Stopped(error, _)) =
+                    failure;
                 Failure::Work(error.context(format!("cannot write {}", path.display())))
             })?;
             sweep(dir);
         }
-        let staged = Staged::new(path, contents);
+        let staged = Staged::new(path, Contents::Bytes(contents));
         staged.and_then(Staged::persist).map_err(Failure::work)
     }
 }

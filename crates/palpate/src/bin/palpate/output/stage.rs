@@ -1,18 +1,101 @@
 //! Contents under temporary names, locked by the process that writes them.
 
 use std::fs::{self, File, OpenOptions, Permissions};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, anyhow};
 use same_file::Handle;
+use sha2::{Digest, Sha256};
 use tempfile::NamedTempFile;
+
+use super::manifest::{digest, digest_of, hexadecimal};
+use super::owned::holds;
 
 /// Begin of temporary names, after which six letters or digits follow.
 const PREFIX: &str = ".palpate-";
 const RANDOM: usize = 6;
 /// Symbolic links that are followed one after another.
 const MOST_LINKS: usize = 40;
+
+/// Contents of a file that is to be written.
+pub(crate) enum Contents<'a> {
+    /// Bytes in memory.
+    Bytes(&'a [u8]),
+    /// Bytes that are on disk already.
+    Draft(Draft),
+}
+
+/// Contents that are written beside the file that they are for, piece by piece.
+pub(crate) struct Draft {
+    file: BufWriter<NamedTempFile>,
+    sha256: Sha256,
+    length: u64,
+    /// First bytes.
+    head: Vec<u8>,
+}
+
+/// Bytes by which the kind of a file is known.
+const HEAD: usize = 1 << 16;
+
+impl Draft {
+    /// Draft beside the file at `path`, or beside that to which links lead from there.
+    pub(crate) fn new(path: &Path) -> Result<Self, Error> {
+        let file = followed(path).and_then(|target| locked(folder_of(&target)));
+        let file = file.with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(Self {
+            file: BufWriter::with_capacity(1 << 18, file),
+            sha256: Sha256::new(),
+            length: 0,
+            head: Vec::new(),
+        })
+    }
+}
+
+impl Write for Draft {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write_all(bytes)?;
+        self.sha256.update(bytes);
+        self.length += bytes.len() as u64;
+        let missing = HEAD.saturating_sub(self.head.len()).min(bytes.len());
+        self.head.extend_from_slice(&bytes[..missing]);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Contents<'_> {
+    /// First bytes, by which the kind of the file is known.
+    pub(crate) fn head(&self) -> &[u8] {
+        match self {
+            Self::Bytes(bytes) => bytes,
+            Self::Draft(draft) => &draft.head,
+        }
+    }
+
+    /// SHA-256.
+    pub(crate) fn digest(&self) -> String {
+        match self {
+            Self::Bytes(bytes) => digest(bytes),
+            Self::Draft(draft) => hexadecimal(draft.sha256.clone().finalize().as_slice()),
+        }
+    }
+
+    /// Whether a file holds exactly these contents, or nothing that could be lost.
+    pub(crate) fn are_in(&self, path: &Path) -> bool {
+        match self {
+            Self::Bytes(bytes) => holds(path, bytes),
+            Self::Draft(draft) => {
+                let length = fs::metadata(path).map_or(0, |found| found.len());
+                let is_same = || digest_of(path).is_ok_and(|known| known == self.digest());
+                length == 0 || length == draft.length && is_same()
+            }
+        }
+    }
+}
 
 /// Contents that wait for their place.
 pub(crate) struct Staged<'a> {
@@ -25,21 +108,27 @@ enum Place<'a> {
     /// Contents on disk, and the file itself, to which links lead.
     File(NamedTempFile, PathBuf),
     /// Pipe, device or open file, and what is written into it.
-    Stream(&'a [u8]),
+    Stream(Contents<'a>),
 }
 
 impl<'a> Staged<'a> {
     /// Writes contents beside the file at `path`, or beside that to which links lead from there; a stream waits.
-    pub(crate) fn new(path: &Path, contents: &'a [u8]) -> Result<Self, Error> {
+    pub(crate) fn new(path: &Path, contents: Contents<'a>) -> Result<Self, Error> {
         let shown = path.to_owned();
         if is_stream(path) {
             let place = Place::Stream(contents);
             return Ok(Self { shown, place });
         }
-        let stage = || -> io::Result<Place<'a>> {
+        let stage = move || -> io::Result<Place<'a>> {
             let target = followed(path)?;
-            let mut file = locked(folder_of(&target))?;
-            file.as_file_mut().write_all(contents)?;
+            let file = match contents {
+                Contents::Bytes(bytes) => {
+                    let mut file = locked(folder_of(&target))?;
+                    file.as_file_mut().write_all(bytes)?;
+                    file
+                }
+                Contents::Draft(draft) => draft.file.into_inner()?,
+            };
             file.as_file().sync_all()?;
             let known = fs::metadata(&target).ok().map(|found| found.permissions());
             set_readable(file.as_file(), known)?;
@@ -64,7 +153,15 @@ impl<'a> Staged<'a> {
             Place::Stream(contents) => {
                 // What an open file holds stays.
                 let file = OpenOptions::new().append(true).open(&shown);
-                match file.and_then(|mut file| file.write_all(contents)) {
+                let write = |mut file: File| match contents {
+                    Contents::Bytes(bytes) => file.write_all(bytes),
+                    Contents::Draft(draft) => {
+                        let mut draft = draft.file.into_inner()?;
+                        draft.rewind()?;
+                        io::copy(&mut draft, &mut file).map(drop)
+                    }
+                };
+                match file.and_then(write) {
                     Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
                     wrote => wrote.with_context(cannot),
                 }

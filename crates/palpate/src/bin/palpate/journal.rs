@@ -1,0 +1,466 @@
+//! Journal of a run: what has been done, so that a run that is killed goes on where it was, and what a shard gives.
+//!
+//! A journal is [`MAGIC`] and frames: the length of a record, its CRC-32, and the record (postcard). A frame that is cut
+//! short, or whose checksum is wrong, ends it.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, anyhow};
+use palpate::{CellRows, Partial, Warnings};
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+use crate::output::names::JOURNAL;
+
+/// First bytes of a journal; the last is the version of its format.
+const MAGIC: &[u8; 8] = b"palpate\x01";
+/// Rows that are kept in memory before they are written, bytes.
+const MOST_PENDING: usize = 1 << 18;
+/// Time after which they are written, and the journal is brought to the disk.
+const INTERVAL: Duration = Duration::from_secs(1);
+/// Largest record that is read, bytes.
+const MOST_RECORD: u32 = 1 << 30;
+
+/// Run that a journal is of.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub(crate) struct Header {
+    /// Version of palpate.
+    pub(crate) version: String,
+    /// Config of the run, as `run.toml` has it.
+    pub(crate) config: String,
+    pub(crate) asked: Asked,
+    /// Warnings of its cells: lines with first cell, place among its lines, and number of cells.
+    warnings: Vec<(String, (u64, u64, u64))>,
+    /// Number of tasks.
+    pub(crate) tasks: u64,
+}
+
+/// Request of a user: what must be the same for a run to go on.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub(crate) struct Asked {
+    /// Config with all defaults and overrides, before trials and model are chosen.
+    pub(crate) config: String,
+    /// Budget and target error.
+    pub(crate) goal: String,
+    pub(crate) every_nth_cell: u64,
+    /// Number of the shard, and of shards.
+    pub(crate) shard: (u64, u64),
+}
+
+/// Record of a journal.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+enum Record {
+    Header(Box<Header>),
+    /// Cells that are done, and the time since the last such record, ms.
+    Cells(Vec<CellRecord>, u64),
+    Superblock(Superblock, u64),
+    End,
+}
+
+/// Cell that is done: its rows.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(crate) struct CellRecord {
+    pub(crate) cell: u64,
+    /// Whether the record is that of a task; else those of its superblocks stand before it.
+    pub(crate) is_task: bool,
+    /// Rows of `cells.csv`, `failures.csv` and `map.csv`.
+    pub(crate) rows: [String; 3],
+    pub(crate) map_failed: Option<String>,
+    pub(crate) trials: u64,
+    /// Failed trials by kind.
+    pub(crate) kinds: Vec<(String, u64)>,
+    /// Warnings that the header does not have.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Superblock of a heavy cell that is done.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(crate) struct Superblock {
+    pub(crate) cell: u64,
+    pub(crate) superblock: u64,
+    /// Number of superblocks of the cell.
+    pub(crate) of: u64,
+    pub(crate) partial: Partial,
+}
+
+/// One thing that a journal tells.
+pub(crate) enum Item {
+    Cell(CellRecord),
+    Superblock(Superblock),
+}
+
+/// What cells have come to.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Totals {
+    pub(crate) cells: u64,
+    pub(crate) trials: u64,
+    /// Failed trials by kind.
+    pub(crate) kinds: BTreeMap<String, u64>,
+    /// Whether some trial succeeded.
+    pub(crate) is_alive: bool,
+}
+
+/// State of a journal that has been read.
+pub(crate) struct Found {
+    pub(crate) header: Header,
+    /// Number of tasks that are done.
+    pub(crate) tasks: u64,
+    pub(crate) is_ended: bool,
+    /// Sums of the heavy cell that has not been completed.
+    pub(crate) open: Option<Superblock>,
+    pub(crate) totals: Totals,
+    /// Warnings of the cells that are done, and those of the header.
+    pub(crate) warnings: Warnings,
+    /// Trials of superblocks of heavy cells.
+    pub(crate) superblock_trials: u64,
+    /// Time that it took.
+    pub(crate) time: Duration,
+    /// Number of bytes that are sound.
+    good: u64,
+    /// Whether something that is not sound follows.
+    pub(crate) is_torn: bool,
+}
+
+impl Header {
+    pub(crate) fn new(config: String, asked: Asked, warnings: &Warnings, tasks: u64) -> Self {
+        let entries = warnings.entries();
+        let entry = |(line, (cell, place, count)): (&str, (usize, usize, usize))| {
+            (line.to_owned(), (cell as u64, place as u64, count as u64))
+        };
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            config,
+            asked,
+            warnings: entries.map(entry).collect(),
+            tasks,
+        }
+    }
+
+    /// Adds its warnings to those of others.
+    fn add_warnings_to(&self, all: &mut Warnings) {
+        for (line, (cell, place, count)) in &self.warnings {
+            let entry = (*cell as usize, *place as usize, *count as usize);
+            all.insert(line.clone(), entry);
+        }
+    }
+}
+
+impl Totals {
+    pub(crate) fn add(&mut self, record: &CellRecord) {
+        self.cells += 1;
+        self.trials += record.trials;
+        let mut failed = 0;
+        for (kind, count) in &record.kinds {
+            *self.kinds.entry(kind.clone()).or_default() += count;
+            failed += count;
+        }
+        self.is_alive |= failed < record.trials || record.trials == 0;
+    }
+
+    /// Words for the kinds of failures.
+    pub(crate) fn failures(&self) -> String {
+        let kinds = self.kinds.iter();
+        let kinds: Vec<String> = kinds
+            .map(|(kind, count)| format!("{kind} {count}"))
+            .collect();
+        kinds.join(", ")
+    }
+}
+
+impl CellRecord {
+    pub(crate) fn new(cell: usize, is_task: bool, rows: CellRows) -> Self {
+        let kinds = rows.kinds.iter();
+        Self {
+            cell: cell as u64,
+            is_task,
+            kinds: kinds
+                .map(|kind| (kind.kind.to_owned(), kind.count))
+                .collect(),
+            map_failed: rows.map_failed.map(str::to_owned),
+            trials: rows.trials,
+            warnings: rows.warnings,
+            rows: [rows.cells, rows.failures, rows.map],
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.rows.iter().map(String::len).sum()
+    }
+}
+
+/// Journal that is being written.
+pub(crate) struct Journal {
+    file: File,
+    path: PathBuf,
+    pending: Vec<CellRecord>,
+    pending_bytes: usize,
+    /// When the last record was written, and when the file was last brought to the disk.
+    written: Instant,
+    synced: Instant,
+}
+
+impl Journal {
+    /// Journal that begins in a directory.
+    pub(crate) fn new(dir: &Path, header: &Header) -> io::Result<Self> {
+        let path = dir.join(JOURNAL);
+        let mut file = File::create(&path)?;
+        file.write_all(MAGIC)?;
+        let mut journal = Self::of(file, path);
+        journal.frame(&Record::Header(Box::new(header.clone())))?;
+        journal.file.sync_data()?;
+        Ok(journal)
+    }
+
+    /// Journal that goes on where the sound part of it ends.
+    pub(crate) fn resumed(dir: &Path, found: &Found) -> io::Result<Self> {
+        let path = dir.join(JOURNAL);
+        let mut file = OpenOptions::new().write(true).open(&path)?;
+        file.set_len(found.good)?;
+        file.seek(SeekFrom::End(0))?;
+        Ok(Self::of(file, path))
+    }
+
+    fn of(file: File, path: PathBuf) -> Self {
+        let now = Instant::now();
+        Self {
+            file,
+            path,
+            pending: Vec::new(),
+            pending_bytes: 0,
+            written: now,
+            synced: now,
+        }
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Adds a cell; it is written with some others.
+    pub(crate) fn cell(&mut self, record: CellRecord) -> io::Result<()> {
+        self.pending_bytes += record.bytes();
+        self.pending.push(record);
+        match self.pending_bytes >= MOST_PENDING || self.written.elapsed() >= INTERVAL {
+            true => self.flush(),
+            false => Ok(()),
+        }
+    }
+
+    /// Adds a superblock.
+    pub(crate) fn superblock(&mut self, superblock: Superblock) -> io::Result<()> {
+        self.flush()?;
+        let time = self.time_ms();
+        self.frame(&Record::Superblock(superblock, time))?;
+        self.sync()
+    }
+
+    /// Writes what is pending.
+    pub(crate) fn flush(&mut self) -> io::Result<()> {
+        if self.pending.is_empty() {
+            return Ok(());
+        }
+        let time = self.time_ms();
+        let pending = std::mem::take(&mut self.pending);
+        self.pending_bytes = 0;
+        self.frame(&Record::Cells(pending, time))?;
+        self.sync()
+    }
+
+    /// Ends the journal.
+    pub(crate) fn end(&mut self) -> io::Result<()> {
+        self.flush()?;
+        self.frame(&Record::End)?;
+        self.file.sync_data()
+    }
+
+    fn time_ms(&mut self) -> u64 {
+        let time = self.written.elapsed().as_millis() as u64;
+        self.written = Instant::now();
+        time
+    }
+
+    fn sync(&mut self) -> io::Result<()> {
+        if self.synced.elapsed() >= INTERVAL {
+            self.file.sync_data()?;
+            self.synced = Instant::now();
+        }
+        Ok(())
+    }
+
+    fn frame(&mut self, record: &Record) -> io::Result<()> {
+        let bytes = postcard::to_stdvec(record).map_err(io::Error::other)?;
+        let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
+        let mut frame = Vec::with_capacity(bytes.len() + 8);
+        frame.extend_from_slice(&length.to_le_bytes());
+        frame.extend_from_slice(&crc32fast::hash(&bytes).to_le_bytes());
+        frame.extend_from_slice(&bytes);
+        self.file.write_all(&frame)
+    }
+}
+
+/// Journal that is read, record by record.
+pub(crate) struct Reader {
+    file: BufReader<File>,
+    /// Bytes read, all of them sound.
+    good: u64,
+    length: u64,
+    waiting: std::vec::IntoIter<CellRecord>,
+}
+
+impl Reader {
+    /// Opens a journal of a directory; `None` where it has none.
+    pub(crate) fn open(dir: &Path) -> Result<Option<(Self, Header)>, Failure> {
+        let path = dir.join(JOURNAL);
+        let cannot = || format!("cannot read {}", path.display());
+        match fs::metadata(&path) {
+            Err(error)
+                if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
+            {
+                return Ok(None);
+            }
+            // To read a pipe would wait for its writer.
+            Ok(found) if !found.is_file() => return Err(no_journal(&path)),
+            found => found.with_context(cannot).map_err(Failure::work)?,
+        };
+        let file = File::open(&path)
+            .with_context(cannot)
+            .map_err(Failure::work)?;
+        let length = file.metadata().map_or(0, |found| found.len());
+        let mut reader = Self {
+            file: BufReader::with_capacity(1 << 18, file),
+            good: 0,
+            length,
+            waiting: Vec::new().into_iter(),
+        };
+        let mut magic = [0; MAGIC.len()];
+        if reader.file.read_exact(&mut magic).is_err() {
+            // A run that was killed in its first moment.
+            return match length < MAGIC.len() as u64 && MAGIC.starts_with(&bytes_of(&path)) {
+                true => Ok(None),
+                false => Err(no_journal(&path)),
+            };
+        }
+        match (magic == *MAGIC, magic[..7] == MAGIC[..7]) {
+            (true, _) => {}
+            (false, true) => {
+                return Err(Failure::usage(anyhow!(
+                    "{} is of version {} of its format; this palpate knows version {}",
+                    path.display(),
+                    magic[7],
+                    MAGIC[7]
+                )));
+            }
+            (false, false) => return Err(no_journal(&path)),
+        }
+        reader.good = MAGIC.len() as u64;
+        match reader.record() {
+            Some(Record::Header(header)) => Ok(Some((reader, *header))),
+            _ => Ok(None),
+        }
+    }
+
+    /// The next record that is sound.
+    fn record(&mut self) -> Option<Record> {
+        let mut number = [0; 4];
+        let mut next = || -> io::Result<u32> {
+            self.file.read_exact(&mut number)?;
+            Ok(u32::from_le_bytes(number))
+        };
+        let (length, checksum) = (next().ok()?, next().ok()?);
+        if length > MOST_RECORD || self.good + 8 + u64::from(length) > self.length {
+            return None;
+        }
+        let mut bytes = vec![0; length as usize];
+        self.file.read_exact(&mut bytes).ok()?;
+        if crc32fast::hash(&bytes) != checksum {
+            return None;
+        }
+        let record = postcard::from_bytes(&bytes).ok()?;
+        self.good += 8 + u64::from(length);
+        Some(record)
+    }
+
+    /// The next cell or superblock.
+    pub(crate) fn item(&mut self) -> Option<Item> {
+        loop {
+            if let Some(cell) = self.waiting.next() {
+                return Some(Item::Cell(cell));
+            }
+            match self.record()? {
+                Record::Cells(cells, _) => self.waiting = cells.into_iter(),
+                Record::Superblock(superblock, _) => return Some(Item::Superblock(superblock)),
+                Record::Header(_) | Record::End => return None,
+            }
+        }
+    }
+}
+
+fn bytes_of(path: &Path) -> Vec<u8> {
+    fs::read(path).unwrap_or_default()
+}
+
+fn no_journal(path: &Path) -> Failure {
+    Failure::usage(anyhow!(
+        "{} is no journal of palpate: move it away, or give another directory",
+        path.display()
+    ))
+}
+
+/// Reads the journal of a directory to its end; `None` where it has none.
+pub(crate) fn read(dir: &Path) -> Result<Option<Found>, Failure> {
+    let Some((mut reader, header)) = Reader::open(dir)? else {
+        return Ok(None);
+    };
+    let mut warnings = Warnings::default();
+    header.add_warnings_to(&mut warnings);
+    let mut found = Found {
+        header,
+        warnings,
+        tasks: 0,
+        is_ended: false,
+        open: None,
+        totals: Totals::default(),
+        superblock_trials: 0,
+        time: Duration::ZERO,
+        good: reader.good,
+        is_torn: false,
+    };
+    while let Some(record) = reader.record() {
+        match record {
+            Record::Header(_) => break,
+            Record::Cells(cells, ms) => {
+                for cell in &cells {
+                    found.totals.add(cell);
+                    found
+                        .warnings
+                        .add(cell.cell as usize, cell.warnings.clone());
+                    found.tasks += u64::from(cell.is_task);
+                    if !cell.is_task {
+                        found.open = None;
+                    }
+                }
+                found.time += Duration::from_millis(ms);
+            }
+            Record::Superblock(superblock, ms) => {
+                found.tasks += 1;
+                found.superblock_trials += superblock.partial.trials();
+                found.time += Duration::from_millis(ms);
+                match &mut found.open {
+                    Some(open) if open.cell == superblock.cell => {
+                        open.superblock = superblock.superblock;
+                        open.partial.merge(superblock.partial);
+                    }
+                    open => *open = Some(superblock),
+                }
+            }
+            Record::End => found.is_ended = true,
+        }
+        found.good = reader.good;
+    }
+    found.is_torn = found.good < reader.length;
+    Ok(Some(found))
+}

@@ -1,0 +1,208 @@
+//! `palpate merge`.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use palpate::{RunOptions, Runner, Shard, Simulation, Warnings, parse};
+
+use crate::cli::MergeArgs;
+use crate::failure::Failure;
+use crate::journal::{self, Found, Reader, Totals};
+use crate::output::names::{CONFIG, JOURNAL};
+use crate::output::{Contents, Folder, Guard, StudyId};
+use crate::run::{Drafts, difference, end, numbers_of, summary, tables_of, traced};
+use crate::{output, trace};
+
+/// Shards that are listed in a message.
+const MOST_LISTED: usize = 20;
+
+pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
+    let shards = shards_of(&args.dirs)?;
+    let Some((_, (first_dir, first))) = shards.iter().next() else {
+        let dirs: Vec<String> = args
+            .dirs
+            .iter()
+            .map(|dir| dir.display().to_string())
+            .collect();
+        return Err(Failure::work(anyhow!(
+            "no shards in {}: `palpate run CONFIG --shard K/N` makes them, each in its own directory",
+            dirs.join(", ")
+        )));
+    };
+    for (dir, found) in shards.values() {
+        refuse_foreign(dir, found, first_dir, first)?;
+        refuse_damaged(dir, found)?;
+    }
+    let header = &first.header;
+    let of = header.asked.shard.1;
+    let missing: Vec<u64> = (1..=of)
+        .filter(|number| !shards.contains_key(number))
+        .collect();
+    if !missing.is_empty() {
+        return Err(Failure::work(anyhow!(
+            "shard{} {} of {of} {} missing",
+            if missing.len() == 1 { "" } else { "s" },
+            listed(&missing),
+            if missing.len() == 1 { "is" } else { "are" },
+        )));
+    }
+    let study = parse("run.toml", &header.config).map_err(Failure::usage)?;
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| match args.dirs.as_slice() {
+            [one] if !one.join(JOURNAL).exists() => one.clone(),
+            _ => PathBuf::from("out").join(&study.config.name),
+        });
+    let runner = Runner::new(&RunOptions::default()).map_err(Failure::work)?;
+    let numbers = numbers_of(&study, header.asked.every_nth_cell as usize);
+    let (cells, first_cell) = (numbers.len(), numbers[0]);
+    let simulation = Simulation::of_shard(&study, numbers, Shard::default(), &runner);
+    let simulation = simulation.map_err(Failure::usage)?;
+
+    let mut folder = Folder::open(&out, Guard::new([], args.force))?;
+    let config = trace::resolved(&study);
+    let owned = folder.owned();
+    owned.refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
+    let mut tables = tables_of(&study).into_iter();
+    tables.try_for_each(|name| owned.refuse(name, None))?;
+    let traced = traced(&study, first_cell)?;
+    let of_study = StudyId::new(&study.config.name, &config);
+    folder.begin(&config, &of_study)?;
+    let mut warnings = Warnings::default();
+    for (line, entry) in shards
+        .values()
+        .flat_map(|(_, found)| found.warnings.entries())
+    {
+        warnings.insert(line.to_owned(), entry);
+    }
+    let warnings = warnings.lines(cells);
+    let mut readers = Vec::new();
+    for (dir, _) in shards.values() {
+        readers.extend(Reader::open(dir)?.map(|(reader, _)| reader));
+    }
+    let (files, totals) = Drafts::new(&folder, &simulation)?.fill(&simulation, readers, of > 1)?;
+    if totals.cells != cells as u64 {
+        return Err(Failure::work(anyhow!(
+            "the shards have {} cells of {cells}: one of them has changed since it was read",
+            totals.cells
+        )));
+    }
+    end(&mut folder, files, traced, &config, &warnings, &of_study)?;
+    let summary = summary(&study.config.name, "", &totals, &out);
+    match totals.is_alive {
+        true => output::print(&summary),
+        false => Err(Failure::work(anyhow!("every trial failed: {summary}"))),
+    }
+}
+
+/// Shards by their numbers, in directories or one or two levels below them.
+pub(crate) fn shards_of(dirs: &[PathBuf]) -> Result<BTreeMap<u64, (PathBuf, Found)>, Failure> {
+    let mut shards: BTreeMap<u64, (PathBuf, Found)> = BTreeMap::new();
+    for dir in dirs {
+        if !dir.is_dir() {
+            return Err(Failure::work(anyhow!("{} is no directory", dir.display())));
+        }
+        for place in journals_in(dir, 2) {
+            let Some(found) = journal::read(&place)? else {
+                continue;
+            };
+            let (number, of) = found.header.asked.shard;
+            // The journal of a whole run that has not ended stands beside its shards.
+            if of < 2 {
+                continue;
+            }
+            if let Some((other, _)) = shards.get(&number)
+                && *other != place
+            {
+                let (other, place) = (other.display(), place.display());
+                return Err(Failure::work(anyhow!(
+                    "shard {number} of {of} is in {other} and in {place}: name only one of them"
+                )));
+            }
+            shards.insert(number, (place, found));
+        }
+    }
+    Ok(shards)
+}
+
+/// Directories with a journal: this one, or some below it.
+fn journals_in(dir: &Path, depth: usize) -> Vec<PathBuf> {
+    if dir.join(JOURNAL).exists() {
+        return vec![dir.to_owned()];
+    }
+    if depth == 0 {
+        return Vec::new();
+    }
+    let entries = fs::read_dir(dir).into_iter().flatten().flatten();
+    let is_dir = |path: &PathBuf| fs::symlink_metadata(path).is_ok_and(|found| found.is_dir());
+    let mut dirs: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_dir).collect();
+    dirs.sort();
+    let below = dirs.iter().flat_map(|dir| journals_in(dir, depth - 1));
+    below.collect()
+}
+
+/// Refuses a shard that is not of the run that another is of.
+fn refuse_foreign(dir: &Path, found: &Found, first: &Path, of: &Found) -> Result<(), Failure> {
+    let (one, other) = (&found.header, &of.header);
+    let own = env!("CARGO_PKG_VERSION");
+    let why = if one.version != own {
+        format!("is of palpate {}, and this is {own}", one.version)
+    } else if one.asked.shard.1 != other.asked.shard.1 {
+        let (one, other) = (one.asked.shard.1, other.asked.shard.1);
+        format!("is one of {one} shards, and {} of {other}", first.display())
+    } else if one.config != other.config {
+        let lines = difference(&other.config, &one.config);
+        format!("is of another config than {}:{lines}", first.display())
+    } else if one.asked.every_nth_cell != other.asked.every_nth_cell {
+        format!("has another --every-nth-cell than {}", first.display())
+    } else {
+        return Ok(());
+    };
+    Err(Failure::work(anyhow!("{} {why}", dir.display())))
+}
+
+/// Refuses a shard that has not ended, or is damaged.
+fn refuse_damaged(dir: &Path, found: &Found) -> Result<(), Failure> {
+    let ((number, of), all) = (found.header.asked.shard, found.header.tasks);
+    let shard = format!("shard {number} of {of} in {}", dir.display());
+    let done = format!("{} of {all} tasks", found.tasks);
+    match (found.is_ended, found.is_torn) {
+        (true, false) if found.tasks == all => Ok(()),
+        (false, false) => Err(Failure::work(anyhow!(
+            "{shard} has not ended ({done}): the command that began it goes on with it"
+        ))),
+        _ => Err(Failure::work(anyhow!(
+            "{shard} is damaged after {done}: the command that began it does the rest again"
+        ))),
+    }
+}
+
+/// Numbers in words, the first of many.
+pub(crate) fn listed(numbers: &[u64]) -> String {
+    let few = numbers.iter().take(MOST_LISTED).map(u64::to_string);
+    let few: Vec<String> = few.collect();
+    match numbers.len() > MOST_LISTED {
+        true => format!(
+            "{} and {} more",
+            few.join(", "),
+            numbers.len() - MOST_LISTED
+        ),
+        false => few.join(", "),
+    }
+}
+
+/// Cells, trials and failures of all shards together.
+pub(crate) fn totals_of<'f>(all: impl Iterator<Item = &'f Found>) -> Totals {
+    let mut totals = Totals::default();
+    for found in all {
+        totals.cells += found.totals.cells;
+        totals.trials += found.totals.trials + found.superblock_trials;
+        for (kind, count) in &found.totals.kinds {
+            *totals.kinds.entry(kind.clone()).or_default() += count;
+        }
+    }
+    totals
+}

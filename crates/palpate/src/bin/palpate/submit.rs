@@ -1,0 +1,291 @@
+//! `palpate submit slurm`.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, anyhow};
+use palpate::{load, refuse};
+
+use crate::cli::SlurmArgs;
+use crate::failure::Failure;
+use crate::merge::shards_of;
+use crate::output::names::CONFIG;
+use crate::output::{Contents, Folder, Guard, StudyId};
+use crate::run::difference;
+use crate::{output, trace};
+
+/// Names of the scripts, and of the folders of shards and of what they print.
+const SHARDS_SCRIPT: &str = "shards.sbatch";
+const MERGE_SCRIPT: &str = "merge.sbatch";
+const SHARDS: &str = "shards";
+const LOGS: &str = "logs";
+
+pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
+    let mut study = load(&args.config).map_err(Failure::usage)?;
+    if let Some(seed) = args.seed {
+        study.override_seed(seed).map_err(Failure::usage)?;
+    }
+    if let Some(trials) = args.trials {
+        study
+            .override_trials(trials.get())
+            .map_err(Failure::usage)?;
+    }
+    refuse(&study).map_err(Failure::usage)?;
+    let name = &study.config.name;
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("out").join(name));
+    let out = std::path::absolute(&out).map_err(Failure::work)?;
+    if let Some(bad) = out
+        .to_string_lossy()
+        .chars()
+        .find(|c| c.is_control() || *c == '%')
+    {
+        return Err(Failure::usage(anyhow!(
+            "--out {}: Slurm reads {bad:?} in a path as something else; give another directory",
+            out.display()
+        )));
+    }
+    let config = trace::resolved(&study);
+    let left = left(&out, args.shards.get(), &config)?;
+    if left.is_empty() {
+        return output::print(&format!(
+            "{name}: all {} shards are done; palpate merge {}",
+            args.shards,
+            out.display()
+        ));
+    }
+    let program = std::env::current_exe().map_err(Failure::work)?;
+    let shards = shards_script(args, name, &out, &program, &left);
+    let merge = merge_script(args, name, &out, &program);
+    if args.dry_run {
+        return output::print(&format!(
+            "# {}\n{shards}\n# {}\n{merge}",
+            out.join(SHARDS_SCRIPT).display(),
+            out.join(MERGE_SCRIPT).display()
+        ));
+    }
+    refuse_long_array(args.shards.get())?;
+    let mut folder = Folder::open(&out, Guard::new([&args.config], args.force))?;
+    let of_study = StudyId::new(name, &config);
+    folder
+        .owned()
+        .refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
+    let files = [
+        (CONFIG, config.as_str()),
+        (SHARDS_SCRIPT, shards.as_str()),
+        (MERGE_SCRIPT, merge.as_str()),
+    ];
+    folder.write(&files, Some(&of_study))?;
+    fs::create_dir_all(out.join(LOGS)).map_err(Failure::work)?;
+    let array = sbatch(&[&format!("{}", out.join(SHARDS_SCRIPT).display())])?;
+    // Also where some shard fails: the merge says which.
+    let after = format!("--dependency=afterany:{array}");
+    let merging = sbatch(&[&after, &format!("{}", out.join(MERGE_SCRIPT).display())])?;
+    let (shown, left) = (out.display(), left.len());
+    output::print(&format!(
+        "{name}: {left} of {} shards as job {array}, then the merge as job {merging} -> {shown}\n\
+         palpate status {shown}",
+        args.shards,
+    ))
+}
+
+/// Numbers of the shards that are not done; refuses to go on with those of another run.
+fn left(out: &Path, of: u64, config: &str) -> Result<Vec<u64>, Failure> {
+    let place = out.join(SHARDS);
+    let known = match place.is_dir() {
+        true => shards_of(&[place])?,
+        false => Default::default(),
+    };
+    for (dir, found) in known.values() {
+        let header = &found.header;
+        let why = if header.asked.shard.1 != of {
+            format!("is one of {} shards, not {of}", header.asked.shard.1)
+        } else if header.asked.config != config {
+            format!(
+                "is of another config:{}",
+                difference(&header.asked.config, config)
+            )
+        } else {
+            continue;
+        };
+        return Err(Failure::usage(anyhow!(
+            "{} {why}\ngive another --out, or move it away",
+            dir.display()
+        )));
+    }
+    let is_done = |number: &u64| {
+        known
+            .get(number)
+            .is_some_and(|(_, found)| found.is_ended && !found.is_torn)
+    };
+    Ok((1..=of).filter(|number| !is_done(number)).collect())
+}
+
+/// Numbers as Slurm has them: runs as ranges.
+fn ranges(numbers: &[u64]) -> String {
+    let runs = numbers.chunk_by(|one, next| one + 1 == *next);
+    let runs: Vec<String> = runs
+        .map(|run| match run {
+            [one] => one.to_string(),
+            run => format!("{}-{}", run[0], run[run.len() - 1]),
+        })
+        .collect();
+    runs.join(",")
+}
+
+/// Lines of a script by which Slurm knows what it asks for.
+fn directives(args: &SlurmArgs) -> String {
+    let mut lines = String::new();
+    let given = [("partition", &args.partition), ("account", &args.account)];
+    for (key, value) in given {
+        if let Some(value) = value {
+            lines += &format!("#SBATCH --{key}={value}\n");
+        }
+    }
+    lines
+}
+
+fn shards_script(args: &SlurmArgs, name: &str, out: &Path, program: &Path, left: &[u64]) -> String {
+    let quoted = |path: &Path| quoted(&path.display().to_string());
+    let time = args.time.as_ref().map_or(String::new(), |time| {
+        // The shard is told a minute before the time is up, and goes on in a new job.
+        format!("#SBATCH --time={time}\n#SBATCH --signal=B:USR1@60\n")
+    });
+    let memory = args
+        .mem
+        .as_ref()
+        .map_or(String::new(), |mem| format!("#SBATCH --mem={mem}\n"));
+    format!(
+        "#!/bin/bash\n\
+         #SBATCH --job-name={name}\n\
+         #SBATCH --array={}\n\
+         #SBATCH --cpus-per-task={}\n\
+         #SBATCH --requeue\n\
+         #SBATCH --open-mode=append\n\
+         #SBATCH --output={}/%a.txt\n\
+         {}{time}{memory}\n\
+         # One shard of {} per element. A shard that is run again goes on where its journal ends.\n\
+         shard=$SLURM_ARRAY_TASK_ID\n\
+         threads=${{SLURM_CPUS_PER_TASK:-${{SLURM_CPUS_ON_NODE:-1}}}}\n\
+         {} run {} --shard \"$shard/{}\" --out {}/\"$shard\" --threads \"$threads\" &\n\
+         run=$!\n\
+         cancelled= late=\n\
+         trap 'cancelled=1; kill -TERM $run' TERM\n\
+         trap 'late=1; kill -TERM $run' USR1\n\
+         wait $run; status=$?\n\
+         # A trap ends the first wait.\n\
+         while kill -0 $run 2>/dev/null; do wait $run; status=$?; done\n\
+         \n\
+         # Slurm requeues after the failure of a node; after death by a signal, and when the time is up, this does,\n\
+         # at most {} times in all.\n\
+         if [ -z \"$cancelled\" ] && {{ [ -n \"$late\" ] || [ $status -gt 128 ]; }} &&\n\
+         \x20  [ \"${{SLURM_RESTART_COUNT:-0}}\" -lt {} ]; then\n\
+         \x20 scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_$shard\" && exit 0\n\
+         fi\n\
+         exit $status\n",
+        ranges(left),
+        args.cpus_per_task,
+        out.join(LOGS).display(),
+        directives(args),
+        args.shards,
+        quoted(program),
+        quoted(&out.join(CONFIG)),
+        args.shards,
+        quoted(&out.join(SHARDS)),
+        args.max_restarts,
+        args.max_restarts,
+    )
+}
+
+fn merge_script(args: &SlurmArgs, name: &str, out: &Path, program: &Path) -> String {
+    let quoted = |path: &Path| quoted(&path.display().to_string());
+    format!(
+        "#!/bin/bash\n\
+         #SBATCH --job-name={name}-merge\n\
+         #SBATCH --output={}/merge.txt\n\
+         {}\n\
+         # Says which shards are missing, and fails, where not all are there.\n\
+         exec {} merge {} --out {}\n",
+        out.join(LOGS).display(),
+        directives(args),
+        quoted(program),
+        quoted(&out.join(SHARDS)),
+        quoted(out),
+    )
+}
+
+/// A word for the shell.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+=:@".contains(c);
+    match word.chars().all(is_plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    }
+}
+
+/// Refuses more elements than the cluster takes in an array, where it tells.
+fn refuse_long_array(shards: u64) -> Result<(), Failure> {
+    let config = Command::new("scontrol").args(["show", "config"]).output();
+    let text = config.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
+    let most = text.ok().and_then(|text| {
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("MaxArraySize"))?
+            .to_owned();
+        line.split('=').nth(1)?.trim().parse::<u64>().ok()
+    });
+    match most {
+        Some(most) if shards >= most => Err(Failure::usage(anyhow!(
+            "--shards {shards}: this cluster takes numbers up to {} in an array (MaxArraySize is {most})",
+            most - 1
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Submits a script, and gives the number of its job.
+fn sbatch(arguments: &[&str]) -> Result<String, Failure> {
+    let output = Command::new("sbatch")
+        .arg("--parsable")
+        .args(arguments)
+        .output();
+    let output = output.map_err(|error| match error.kind() {
+        ErrorKind::NotFound => Failure::work(anyhow!(
+            "there is no `sbatch` on the PATH: submit from a login node of the cluster, or look at the scripts with --dry-run"
+        )),
+        _ => Failure::work(error),
+    })?;
+    let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+    if !output.status.success() {
+        return Err(Failure::work(anyhow!(
+            "sbatch {}: {said}",
+            arguments.join(" ")
+        )));
+    }
+    let job = String::from_utf8(output.stdout)
+        .context("sbatch")
+        .map_err(Failure::work)?;
+    // With several clusters, the name of one follows.
+    Ok(job.trim().split(';').next().unwrap_or_default().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_of_numbers_are_ranges() {
+        assert_eq!(ranges(&[1, 2, 3, 5, 7, 8]), "1-3,5,7-8");
+        assert_eq!(ranges(&[16]), "16");
+    }
+
+    #[test]
+    fn words_with_spaces_and_quotes_are_quoted() {
+        assert_eq!(quoted("/a/b-c_1.toml"), "/a/b-c_1.toml");
+        assert_eq!(quoted("/a b/it's"), r"'/a b/it'\''s'");
+    }
+}

@@ -1,0 +1,181 @@
+//! Runs that are killed, and go on.
+
+use std::fs;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::desk::{Desk, RUN_FILES, STUDY, edited};
+
+/// A second of work on one thread, and more without optimisation.
+fn slow() -> String {
+    let values: Vec<String> = (10..50).map(|radius| radius.to_string()).collect();
+    let study = edited(STUDY, "[50, 5]", &format!("[{}]", values.join(", ")));
+    edited(&study, "trials = 20", "trials = 12000")
+}
+
+fn begun(desk: &Desk, arguments: &str) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_palpate"))
+        .args(arguments.split_whitespace())
+        .current_dir(desk.path("."))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Waits until the journal of `dir` has grown to more than so many bytes.
+fn grown(desk: &Desk, dir: &str, bytes: u64) {
+    let start = Instant::now();
+    let journal = desk.path(&format!("{dir}/journal.palpate"));
+    while fs::metadata(&journal).map_or(0, |found| found.len()) <= bytes {
+        assert!(start.elapsed() < Duration::from_secs(60));
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn same(desk: &Desk, one: &str, other: &str) {
+    for name in RUN_FILES {
+        assert_eq!(
+            desk.read(&format!("{one}/{name}")),
+            desk.read(&format!("{other}/{name}")),
+            "{name}"
+        );
+    }
+    assert_eq!(desk.names(one), desk.names(other));
+}
+
+#[test]
+fn a_run_that_is_killed_goes_on_to_the_same_bytes() {
+    let desk = Desk::with(&slow());
+    desk.palpate("run c.toml --out whole").printed();
+    for wait in [1, 150, 600, 1200] {
+        let mut child = begun(&desk, "run c.toml --out o --threads 1");
+        std::thread::sleep(Duration::from_millis(wait));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert_eq!(desk.palpate("run c.toml --out o").status, Some(0));
+    same(&desk, "o", "whole");
+}
+
+#[test]
+fn a_journal_that_is_torn_anywhere_is_cut_and_done_again() {
+    let desk = Desk::with(&slow());
+    desk.palpate("run c.toml --out whole").printed();
+    let mut child = begun(&desk, "run c.toml --out o --threads 1");
+    grown(&desk, "o", 25_000);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let torn = fs::read(desk.path("o/journal.palpate")).unwrap();
+    let config = desk.read("o/run.toml");
+    let again = |journal: &[u8]| {
+        fs::remove_dir_all(desk.path("o")).unwrap();
+        fs::create_dir(desk.path("o")).unwrap();
+        desk.write("o/run.toml", &config);
+        desk.write("o/journal.palpate", journal);
+        let ended = desk.palpate("run c.toml --out o");
+        assert_eq!(ended.status, Some(0), "{ended:?}");
+        same(&desk, "o", "whole");
+        ended.stderr
+    };
+    again(&torn);
+    again(&torn[..torn.len() * 2 / 3]);
+    // Zeros, which a file system leaves where the power failed, and a bit that fell over.
+    let mut zeros = torn.clone();
+    zeros.extend([0; 5000]);
+    assert!(again(&zeros).contains("is damaged, and is done again"));
+    let mut fallen = torn.clone();
+    let place = fallen.len() - 20;
+    fallen[place] ^= 4;
+    assert!(again(&fallen).contains("is damaged, and is done again"));
+}
+
+#[test]
+fn signals_end_a_run_in_good_order() {
+    let desk = Desk::with(&slow());
+    desk.palpate("run c.toml --out whole").printed();
+    for (signal, status) in [("INT", 130), ("TERM", 143)] {
+        let before = fs::metadata(desk.path("o/journal.palpate")).map_or(0, |found| found.len());
+        let child = begun(&desk, "run c.toml --out o --threads 1");
+        grown(&desk, "o", before + 100);
+        assert!(
+            desk.palpate("status o")
+                .printed()
+                .contains("state    running")
+        );
+        desk.shell(&format!("kill -{signal} {}", child.id()));
+        let ended = child.wait_with_output().unwrap();
+        assert_eq!(ended.status.code(), Some(status));
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert!(said.contains("error: stopped: "), "{said}");
+        assert!(
+            said.contains("are in o/journal.palpate; the same command goes on from there"),
+            "{said}"
+        );
+        let said = desk.palpate("status o").printed();
+        assert!(said.contains("state    stopped"), "{said}");
+    }
+    let ended = desk.palpate("run c.toml --out o");
+    assert!(
+        ended.stderr.contains("note: goes on after "),
+        "{}",
+        ended.stderr
+    );
+    same(&desk, "o", "whole");
+}
+
+#[test]
+fn another_run_is_refused_and_what_was_done_stays() {
+    let desk = Desk::with(&slow());
+    let mut child = begun(&desk, "run c.toml --out o --threads 1");
+    grown(&desk, "o", 3_000);
+    // While it runs, whoever it is.
+    let said = desk.palpate("run c.toml --out o --seed 8").said(1);
+    assert!(said.contains("o is held by process"), "{said}");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let journal = fs::read(desk.path("o/journal.palpate")).unwrap();
+    for (arguments, words) in [
+        ("--seed 8", "of another config:\n  - seed = 7\n  + seed = 8"),
+        ("--trials 7", "- trials = 12000\n  + trials = 7"),
+        ("--every-nth-cell 2", "of --every-nth-cell 1, not 2"),
+        ("--shard 1/2", "of shard 1 of 1, not 1 of 2"),
+        (
+            "--target-error 0.1",
+            "without --budget and --target-error, and this is with --target-error 0.1",
+        ),
+    ] {
+        let said = desk
+            .palpate(&format!("run c.toml --out o {arguments}"))
+            .said(2);
+        assert!(said.contains(words), "{said}");
+        assert!(said.contains("give --restart"), "{said}");
+        assert_eq!(fs::read(desk.path("o/journal.palpate")).unwrap(), journal);
+    }
+    desk.palpate("run c.toml --out o --trials 7 --restart")
+        .printed();
+    assert_eq!(desk.names("o"), RUN_FILES);
+    // What is no journal is not touched.
+    desk.write("o/journal.palpate", "mine");
+    let said = desk.palpate("run c.toml --out o --trials 7").said(2);
+    assert!(
+        said.contains("o/journal.palpate is no journal of palpate"),
+        "{said}"
+    );
+    assert_eq!(desk.read("o/journal.palpate"), "mine");
+}
+
+#[test]
+fn a_choice_of_trials_is_made_once() {
+    let desk = Desk::with(&slow());
+    let line = "run c.toml --out o --threads 1 --target-error 0.008";
+    desk.palpate("run c.toml --out whole --target-error 0.008")
+        .printed();
+    let mut child = begun(&desk, line);
+    grown(&desk, "o", 3_000);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let ended = desk.palpate(line);
+    assert!(ended.stderr.contains("note: goes on after"), "{ended:?}");
+    same(&desk, "o", "whole");
+}

@@ -1,0 +1,386 @@
+//! Shards of a study, put together.
+
+use std::fs;
+
+use super::desk::{Desk, RUN_FILES, STUDY, edited};
+
+/// Rolls, some of which fail and of some of which `check` warns, with maps of none: seven cells.
+fn many() -> String {
+    let study = edited(
+        STUDY,
+        "values = [50, 5]",
+        "values = [50, 40, 30, 20, 10, 5, 2]",
+    );
+    edited(&study, "duration_s = 1.0", "duration_s = 2.0")
+}
+
+/// Presses with maps: their tables have a bound, and warnings of some cells.
+const PRESSES: &str = r#"name = "presses"
+length_unit = "mm"
+trials = 10
+outputs = ["cells", "map", "trace"]
+
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = "published" }
+object = { kind = "sphere", radius = 30.0 }
+motion = { indentation = 1.0 }
+model = { kind = "half-space" }
+sensor = { kind = "direct", tangential = false }
+noise = { normal_displacement = { kind = "gaussian", std = 0.05 } }
+estimator = { kind = "half-space", indentation = "fitted" }
+
+[[sweep]]
+path = "scene.motion.indentation"
+values = [0.5, 1.0, 3.0, 7.0, 9.0]
+"#;
+
+/// Runs all shards of `c.toml`, each in a directory of its own.
+fn shards(desk: &Desk, of: usize) {
+    for number in (1..=of).rev() {
+        let line = format!("run c.toml --shard {number}/{of} --out s/{number}");
+        let ended = desk.palpate(&line);
+        let words = format!("shard {number} of {of}, ");
+        let is_told = ended.stdout.contains(&words);
+        assert!(ended.status == Some(0) && is_told, "{ended:?}");
+        assert_eq!(
+            desk.names(&format!("s/{number}")),
+            ["journal.palpate", "run.toml"]
+        );
+    }
+}
+
+fn refused(desk: &Desk, line: &str, words: &[&str]) {
+    let said = desk.palpate(line).said(1);
+    for words in words {
+        assert!(said.contains(words), "{said}");
+    }
+    assert_eq!(desk.names("m"), [""; 0], "{line}");
+}
+
+#[test]
+fn shards_put_together_are_one_run() {
+    for (config, of) in [
+        (many(), 1),
+        (many(), 2),
+        (many(), 3),
+        (many(), 7),
+        // Some have nothing to do.
+        (many(), 9),
+        (PRESSES.to_owned(), 3),
+    ] {
+        let desk = Desk::with(&config);
+        desk.palpate("run c.toml --out whole");
+        if of == 1 {
+            desk.palpate("run c.toml --shard 1/1 --out m").printed();
+        } else {
+            shards(&desk, of);
+            // Again, over what the first wrote.
+            for line in ["merge s --out m", "merge s/ --out m"] {
+                let ended = desk.palpate(line);
+                assert_eq!(ended.status, Some(0), "{ended:?}");
+            }
+        }
+        let names = desk.names("whole");
+        assert_eq!(desk.names("m"), names);
+        assert!(names.len() >= RUN_FILES.len());
+        for name in &names {
+            let [whole, merged] =
+                ["whole", "m"].map(|dir| fs::read(desk.path(&format!("{dir}/{name}"))).unwrap());
+            assert!(whole == merged, "{name} of {of} shards");
+        }
+    }
+}
+
+#[test]
+fn every_nth_cell_is_shared_too() {
+    let desk = Desk::with(&many());
+    desk.palpate("run c.toml --every-nth-cell 3 --out whole")
+        .printed();
+    for number in [1, 2] {
+        let line = format!("run c.toml --every-nth-cell 3 --shard {number}/2 --out s/{number}");
+        desk.palpate(&line).printed();
+    }
+    desk.palpate("merge s/1 s/2 --out m").printed();
+    for name in RUN_FILES {
+        assert_eq!(
+            desk.read(&format!("m/{name}")),
+            desk.read(&format!("whole/{name}"))
+        );
+    }
+}
+
+#[test]
+fn shards_that_are_not_all_there_are_named() {
+    let desk = Desk::with(&many());
+    shards(&desk, 5);
+    fs::rename(desk.path("s/3"), desk.path("away")).unwrap();
+    refused(&desk, "merge s --out m", &["shard 3 of 5 is missing"]);
+    fs::rename(desk.path("s/5"), desk.path("away/5")).unwrap();
+    refused(&desk, "merge s --out m", &["shards 3, 5 of 5 are missing"]);
+    fs::rename(desk.path("away/5"), desk.path("s/5")).unwrap();
+    fs::rename(desk.path("away"), desk.path("s/3")).unwrap();
+    // Twice.
+    fs::create_dir(desk.path("s/again")).unwrap();
+    fs::copy(
+        desk.path("s/3/journal.palpate"),
+        desk.path("s/again/journal.palpate"),
+    )
+    .unwrap();
+    refused(
+        &desk,
+        "merge s --out m",
+        &["shard 3 of 5 is in s/3 and in s/again"],
+    );
+    fs::remove_dir_all(desk.path("s/again")).unwrap();
+    desk.palpate("merge s --out m").printed();
+    assert!(
+        desk.palpate("merge m --out n")
+            .said(1)
+            .contains("no shards in m")
+    );
+    assert!(
+        desk.palpate("merge gone --out n")
+            .said(1)
+            .contains("gone is no directory")
+    );
+}
+
+#[test]
+fn shards_of_something_else_are_named() {
+    let desk = Desk::with(&many());
+    shards(&desk, 2);
+    let of_other = |arguments: &str, words: &[&str]| {
+        fs::remove_dir_all(desk.path("s/2")).unwrap();
+        desk.palpate(&format!("run {arguments} --out s/2"))
+            .printed();
+        refused(&desk, "merge s --out m", words);
+    };
+    of_other(
+        "c.toml --seed 9 --shard 2/2",
+        &[
+            "s/2 is of another config than s/1",
+            "- seed = 7",
+            "+ seed = 9",
+        ],
+    );
+    of_other(
+        "c.toml --trials 21 --shard 2/2",
+        &["s/2 is of another config", "+ trials = 21"],
+    );
+    of_other(
+        "c.toml --every-nth-cell 2 --shard 2/2",
+        &["s/2 has another --every-nth-cell"],
+    );
+    of_other(
+        "c.toml --shard 3/3",
+        &["s/2 is one of 3 shards, and s/1 of 2"],
+    );
+}
+
+#[test]
+fn shards_that_are_damaged_are_named_and_done_again() {
+    let desk = Desk::with(&many());
+    desk.palpate("run c.toml --out whole").printed();
+    shards(&desk, 2);
+    let place = desk.path("s/2/journal.palpate");
+    let sound = fs::read(&place).unwrap();
+    for cut in [sound.len() - 1, sound.len() - 9, sound.len() / 2, 60, 9, 3] {
+        fs::write(&place, &sound[..cut]).unwrap();
+        let said = desk.palpate("merge s --out m").said(1);
+        assert!(said.contains("shard 2 of 2"), "{cut}: {said}");
+        desk.palpate("run c.toml --shard 2/2 --out s/2");
+        desk.palpate("merge s --out m").printed();
+        assert_eq!(desk.read("m/cells.csv"), desk.read("whole/cells.csv"));
+        fs::remove_dir_all(desk.path("m")).unwrap();
+    }
+    for (place_of_bit, bit) in [(sound.len() - 2, 1), (sound.len() * 2 / 3, 64), (100, 8)] {
+        let mut damaged = sound.clone();
+        damaged[place_of_bit] ^= bit;
+        fs::write(&place, &damaged).unwrap();
+        let said = desk.palpate("merge s --out m").said(1);
+        assert!(said.contains("shard 2 of 2"), "{place_of_bit}: {said}");
+        let ended = desk.palpate("run c.toml --shard 2/2 --out s/2");
+        assert_eq!(ended.status, Some(0), "{ended:?}");
+        desk.palpate("merge s --out m").printed();
+        assert_eq!(desk.read("m/cells.csv"), desk.read("whole/cells.csv"));
+        fs::remove_dir_all(desk.path("m")).unwrap();
+    }
+}
+
+#[test]
+fn status_counts_shards() {
+    let desk = Desk::with(&many());
+    assert!(
+        desk.palpate("status s")
+            .said(1)
+            .contains("s is no directory")
+    );
+    shards(&desk, 4);
+    let said = desk.palpate("status s").printed();
+    for words in [
+        "study    a-study, 4 shards",
+        "done     4: shards 1, 2, 3, 4",
+        "cells    7 of 7",
+        "trials   140, ",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    fs::remove_dir_all(desk.path("s/2")).unwrap();
+    let place = desk.path("s/4/journal.palpate");
+    let sound = fs::read(&place).unwrap();
+    fs::write(&place, &sound[..sound.len() - 1]).unwrap();
+    let said = desk.palpate("status s").printed();
+    for words in [
+        "done     2: shards 1, 3",
+        "failed   1: shards 4",
+        "missing  1: shards 2",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    desk.palpate("run c.toml --out whole").printed();
+    let said = desk.palpate("status whole").printed();
+    assert!(said.contains("state    done"), "{said}");
+}
+
+#[test]
+fn shards_are_written_as_one_means_them() {
+    let desk = Desk::with(STUDY);
+    for (shard, words) in [
+        ("0/4", "counted from 1"),
+        ("5/4", "there is no shard 5 of 4"),
+        ("1", "written 1/4"),
+        ("a/b", "written 1/4"),
+        ("-1/2", "written 1/4"),
+        ("1/99999999", "at most 1000000"),
+    ] {
+        let said = desk.palpate(&format!("run c.toml --shard={shard}")).said(2);
+        assert!(said.contains(words), "{said}");
+    }
+    let said = desk.palpate("run c.toml --shard 1/2 --budget 10s").said(2);
+    assert!(said.contains("--budget hangs on the machine"), "{said}");
+    assert_eq!(desk.names(""), ["c.toml"]);
+}
+
+#[test]
+fn scripts_for_slurm_are_printed_and_nothing_is_done() {
+    let desk = Desk::with(STUDY);
+    let line = "submit slurm c.toml --shards 16 --time 2:00:00 --partition short --cpus-per-task 4 --dry-run";
+    let said = desk.palpate(line).printed();
+    for words in [
+        "#SBATCH --array=1-16\n",
+        "#SBATCH --time=2:00:00\n",
+        "#SBATCH --partition=short\n",
+        "#SBATCH --cpus-per-task=4\n",
+        "#SBATCH --requeue\n",
+        "--shard \"$shard/16\"",
+        "scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$shard\"",
+        " merge ",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    assert_eq!(desk.names(""), ["c.toml"]);
+    // Both are scripts that the shell understands.
+    let parts: Vec<&str> = said.split("#!/bin/bash\n").collect();
+    assert_eq!(parts.len(), 3);
+    for script in &parts[1..] {
+        desk.write("script", script);
+        assert_eq!(desk.shell("bash -n script").status, Some(0), "{script}");
+    }
+    let said = desk
+        .palpate("submit slurm c.toml --shards 4 --partition a;b --dry-run")
+        .said(2);
+    assert!(said.contains("may have letters"), "{said}");
+    let ended =
+        desk.shell("PATH=/bin:/usr/bin \"$palpate\" submit slurm c.toml --shards 4 --out o");
+    if ended.status == Some(1) {
+        assert!(ended.stderr.contains("there is no `sbatch`"), "{ended:?}");
+    }
+}
+
+#[test]
+fn errors_can_be_told_as_json() {
+    let desk = Desk::with(&edited(STUDY, "radius = 10.0", "radius = -1.0"));
+    let told = |line: &str, status: i32| {
+        let ended = desk.palpate(line);
+        assert_eq!((ended.status, ended.stdout.as_str()), (Some(status), ""));
+        let said = ended.stderr;
+        let value: serde_json::Value =
+            serde_json::from_str(&said).unwrap_or_else(|_| panic!("{said}"));
+        assert_eq!(said.trim_end().lines().count(), 1);
+        assert_eq!(
+            (&value["error"]["version"], &value["error"]["status"]),
+            (&1.into(), &status.into())
+        );
+        value["error"].clone()
+    };
+    let error = told("run c.toml --error-format json", 2);
+    assert_eq!(error["kind"], "usage");
+    assert_eq!(
+        (&error["file"], &error["line"]),
+        (&"c.toml".into(), &8.into())
+    );
+    assert_eq!(error["field"], "scene.probe.radius");
+    assert!(
+        error["message"]
+            .as_str()
+            .unwrap()
+            .contains("must be > 0, is -1")
+    );
+    assert_eq!(told("--error-format=json merge gone", 1)["kind"], "work");
+    let error = told("run --error-format json c.toml --threads x", 2);
+    assert!(
+        error["message"]
+            .as_str()
+            .unwrap()
+            .contains("invalid value 'x'")
+    );
+    assert!(
+        desk.palpate("run c.toml")
+            .said(2)
+            .starts_with("error: c.toml:8:")
+    );
+}
+
+#[test]
+fn a_rule_ends_each_cell_when_its_errors_are_known() {
+    let rule = "stop = { relative_standard_error = 0.01, max_trials = 20000 }\nseed = 7\n";
+    let ruled = edited(STUDY, "seed = 7\ntrials = 20\n", rule);
+    let desk = Desk::with(&ruled);
+    desk.palpate("run c.toml --out o").printed();
+    let table = desk.table("o/cells.csv");
+    let trials: Vec<f64> = (0..table.rows.len())
+        .map(|row| table.number(row, "trials"))
+        .collect();
+    assert!(
+        trials
+            .iter()
+            .all(|trials| [2048.0, 4096.0, 8192.0, 16384.0, 20000.0].contains(trials)),
+        "{trials:?}"
+    );
+    for number in [1, 2] {
+        desk.palpate(&format!("run c.toml --shard {number}/2 --out s/{number}"))
+            .printed();
+    }
+    desk.palpate("merge s --out m").printed();
+    assert_eq!(desk.read("m/cells.csv"), desk.read("o/cells.csv"));
+    for (arguments, words) in [
+        (
+            "--trials 30",
+            "--trials sets the number of trials, and `stop` in c.toml decides it",
+        ),
+        ("--budget 9s", "--budget sets the number"),
+    ] {
+        let said = desk.palpate(&format!("run c.toml {arguments}")).said(2);
+        assert!(said.contains(words), "{said}");
+    }
+    desk.write(
+        "c.toml",
+        edited(&ruled, "max_trials", "quantity = \"depth\", max_trials"),
+    );
+    let said = desk.palpate("run c.toml").said(2);
+    assert!(
+        said.contains("stop.quantity: a roll has no quantity \"depth\" (known: "),
+        "{said}"
+    );
+}
