@@ -5,11 +5,11 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-use crate::{bench_check, extremes, house, palpate, readme, reproduce, same_bytes, tools};
+use crate::{bench_check, extremes, house, palpate, readme, reproduce, same_bytes, scale, tools};
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 13] = [
     ("tools", tools::prepare),
     ("format", format),
     ("house", house),
@@ -20,6 +20,7 @@ const STEPS: [Step; 12] = [
     ("licences", licences),
     ("results", results),
     ("same bytes", same_bytes),
+    ("scale", scale),
     ("instructions and accuracy", bench),
     ("README", readme::check),
 ];
@@ -89,6 +90,10 @@ fn bench(shell: &Shell) -> Result<()> {
 fn same_bytes(shell: &Shell) -> Result<()> {
     same_bytes::refuse_imports(shell, &palpate::build(shell, "palpate")?)?;
     same_bytes::run(shell, &same_bytes::Options { quick: true })
+}
+
+fn scale(shell: &Shell) -> Result<()> {
+    scale::run(shell, &scale::Options { kills: 50 })
 }
 
 fn results(shell: &Shell) -> Result<()> {

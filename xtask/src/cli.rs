@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{bench_check, extremes, fuzz, peers, reproduce, same_bytes, tradeoff};
+use crate::{bench_check, extremes, fuzz, peers, reproduce, same_bytes, scale, tradeoff};
 
 /// Development tasks of palpate.
 #[derive(Parser)]
@@ -20,6 +20,8 @@ pub(crate) enum Task {
     Reproduce(reproduce::Options),
     /// Run shortened studies on every host that this machine can be, and compare their tables' SHA-256.
     SameBytes(same_bytes::Options),
+    /// Kill runs, fill a disk, and share a study on a cluster of this machine: the bytes must be those of one run.
+    Scale(scale::Options),
     /// Measure every ladder of models: error against cost, into results/tradeoff/.
     Tradeoff(tradeoff::Options),
     /// Try every public entry point at its extremes, into results/extremes.csv.

@@ -13,6 +13,7 @@ mod peers;
 mod readme;
 mod reproduce;
 mod same_bytes;
+mod scale;
 mod tools;
 mod tradeoff;
 
@@ -48,6 +49,7 @@ fn run(cli: Cli) -> Result<()> {
         Task::Ci => ci::run(&shell),
         Task::Reproduce(options) => reproduce::run(&shell, &options),
         Task::SameBytes(options) => same_bytes::run(&shell, &options),
+        Task::Scale(options) => scale::run(&shell, &options),
         Task::Tradeoff(options) => tradeoff::run(&shell, &options),
         Task::Extremes(options) => extremes::run(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),

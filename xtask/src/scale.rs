@@ -1,0 +1,326 @@
+//! Runs that are killed, that fill a disk, and that a cluster shares: each must end with the bytes of an undisturbed run.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+use xshell::{Shell, TempDir, cmd};
+
+use crate::palpate;
+
+/// Settings of the task.
+#[derive(Args)]
+pub(crate) struct Options {
+    /// Kill so many runs, each at a random moment.
+    #[arg(long, value_name = "N", default_value_t = 50)]
+    pub(crate) kills: u32,
+}
+
+/// Tables that are compared.
+const TABLES: [&str; 3] = ["cells.csv", "failures.csv", "run.toml"];
+/// Number of shards on the cluster.
+const SHARDS: u64 = 16;
+/// Longest time that the cluster may take for a submission.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
+    let program = palpate::build(shell, "palpate")?;
+    let desk = Desk {
+        shell,
+        program,
+        dir: shell.create_temp_dir()?,
+    };
+    desk.kill(options.kills)?;
+    desk.fill_a_disk()?;
+    match missing(shell) {
+        None => desk.cluster(),
+        Some(what) => {
+            println!("no cluster is tried: {what}");
+            Ok(())
+        }
+    }
+}
+
+/// What a cluster lacks on this machine.
+fn missing(shell: &Shell) -> Option<String> {
+    // Daemons stand where root alone looks, and no command of Slurm runs without a config.
+    let places = ["/usr/sbin", "/usr/local/sbin", "/usr/bin", "/usr/local/bin"];
+    let is_there = |program: &&str| {
+        places
+            .iter()
+            .any(|place| Path::new(place).join(program).exists())
+    };
+    let programs = ["slurmctld", "slurmd", "munged", "sbatch"];
+    if let Some(program) = programs.iter().find(|program| !is_there(program)) {
+        let packages = "slurmctld slurmd slurm-client munge";
+        return Some(format!(
+            "{program} is missing (Debian: apt-get install {packages})"
+        ));
+    }
+    (!is_root(shell)).then(|| "it takes root to start one".to_owned())
+}
+
+fn is_root(shell: &Shell) -> bool {
+    cmd!(shell, "id -u")
+        .quiet()
+        .read()
+        .is_ok_and(|id| id == "0")
+}
+
+/// Directory with configs, and the program that is tried there.
+struct Desk<'a> {
+    shell: &'a Shell,
+    program: PathBuf,
+    dir: TempDir,
+}
+
+impl Desk<'_> {
+    fn path(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+
+    /// Writes a config of rolls on balls of these many radii, the first with so many trials more.
+    fn config(&self, name: &str, cells: u64, trials: [u64; 2]) -> Result<PathBuf> {
+        let rows: Vec<String> = (0..cells)
+            .map(|cell| format!("[{}, {}]", 20 + cell, trials[usize::from(cell > 0)]))
+            .collect();
+        let text = format!(
+            "name = \"rolls\"\nlength_unit = \"mm\"\nseed = 1\n\n[scene]\nkind = \"roll\"\n\
+             probe = {{ kind = \"sphere\", radius = 10.0 }}\nobject = {{ kind = \"sphere\", radius = 30.0 }}\n\
+             motion = {{ rate_rad_per_s = 0.1, duration_s = 1.0 }}\n\
+             noise = {{ angular_velocity = {{ kind = \"uniform\", fraction = 0.05 }} }}\n\n\
+             [[sweep]]\npaths = [\"scene.object.radius\", \"trials\"]\nvalues = [{}]\n",
+            rows.join(", ")
+        );
+        let path = self.path(name);
+        fs::write(&path, text)?;
+        Ok(path)
+    }
+
+    fn begun(&self, config: &Path, out: &Path) -> Result<Child> {
+        let mut command = Command::new(&self.program);
+        command.arg("run").arg(config).arg("--out").arg(out);
+        let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+        child.context("palpate does not start")
+    }
+
+    /// Runs a study to its end.
+    fn ended(&self, config: &Path, out: &Path) -> Result<()> {
+        let status = self.begun(config, out)?.wait()?;
+        ensure!(
+            status.success(),
+            "palpate run {}: {status}",
+            config.display()
+        );
+        Ok(())
+    }
+
+    /// Kills runs at random moments, and lets them go on.
+    fn kill(&self, kills: u32) -> Result<()> {
+        // A heavy cell of two superblocks and a bit, and some light ones.
+        let config = self.config("killed.toml", 24, [2_200_000, 20_000])?;
+        let whole = self.path("whole");
+        let start = Instant::now();
+        self.ended(&config, &whole)?;
+        let time = start.elapsed();
+        let mut random = 1_u64;
+        for number in 0..kills {
+            random = random
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let share = (random >> 11) as f64 / (1_u64 << 53) as f64;
+            let out = self.path("killed");
+            let mut child = self.begun(&config, &out)?;
+            sleep(time.mul_f64(share));
+            child.kill()?;
+            child.wait()?;
+            self.ended(&config, &out)?;
+            same(&whole, &out)
+                .with_context(|| format!("kill {number}, after {share:.3} of the time"))?;
+            fs::remove_dir_all(&out)?;
+        }
+        println!("{kills} of {kills} random kills resume to the same bytes");
+        Ok(())
+    }
+
+    /// Fills a disk, makes room and goes on.
+    fn fill_a_disk(&self) -> Result<()> {
+        if !is_root(self.shell) {
+            println!("no disk is filled: it takes root to mount one");
+            return Ok(());
+        }
+        let config = self.config("full.toml", 400, [100, 100])?;
+        let (whole, disk) = (self.path("roomy"), self.path("disk"));
+        self.ended(&config, &whole)?;
+        fs::create_dir(&disk)?;
+        let shell = self.shell;
+        if cmd!(shell, "mount -t tmpfs -o size=128k tmpfs {disk}")
+            .quiet()
+            .ignore_stderr()
+            .run()
+            .is_err()
+        {
+            println!("no disk is filled: none can be mounted here");
+            return Ok(());
+        }
+        let tried = self.fill(&config, &whole, &disk);
+        cmd!(shell, "umount {disk}").quiet().run()?;
+        tried
+    }
+
+    fn fill(&self, config: &Path, whole: &Path, disk: &Path) -> Result<()> {
+        let shell = self.shell;
+        let out = disk.join("o");
+        let mut full = 0;
+        for size in ["128k", "600k", "1m", "8m"] {
+            cmd!(shell, "mount -o remount,size={size} {disk}")
+                .quiet()
+                .run()?;
+            if self.begun(config, &out)?.wait()?.success() {
+                same(whole, &out).context("a run on a disk that was full")?;
+                ensure!(full > 0, "the disk was never full");
+                println!("a run that found the disk full {full} times ends with the same bytes");
+                return Ok(());
+            }
+            full += 1;
+            ensure!(
+                !out.join("cells.csv").exists(),
+                "a table was written on a full disk"
+            );
+        }
+        bail!("a disk of 8 MB was too small")
+    }
+
+    /// Shares a study among the nodes of a cluster, with all that can go wrong there.
+    fn cluster(&self) -> Result<()> {
+        let shell = self.shell;
+        let start = Instant::now();
+        let lab = self.path("lab");
+        let scripts = shell.current_dir().join("xtask/slurm");
+        let (up, down) = (scripts.join("up.sh"), scripts.join("down.sh"));
+        let begun = cmd!(shell, "{up} {lab}").quiet().run();
+        let tried = begun.context("no cluster").and_then(|()| {
+            let _conf = shell.push_env("SLURM_CONF", lab.join("slurm.conf"));
+            self.share()
+        });
+        cmd!(shell, "{down} {lab}")
+            .quiet()
+            .ignore_stderr()
+            .ignore_status()
+            .run()?;
+        tried?;
+        println!("cluster: ok, {:.1} s", start.elapsed().as_secs_f64());
+        Ok(())
+    }
+
+    fn share(&self) -> Result<()> {
+        let shell = self.shell;
+        let config = self.config("shared.toml", 64, [3_000_000, 700_000])?;
+        let (whole, out) = (self.path("alone"), self.path("cluster"));
+        self.ended(&config, &whole)?;
+
+        // Shard 5 cannot write where a file is.
+        fs::create_dir_all(out.join("shards"))?;
+        fs::write(out.join("shards/5"), "")?;
+        self.submit(&config, &out)?;
+        let killed = self.running(&[5])?;
+        cmd!(shell, "kill -9 {killed}").quiet().run()?;
+        self.running(&[5])?;
+        cmd!(shell, "scontrol update NodeName=n2 State=DOWN Reason=test")
+            .quiet()
+            .run()?;
+        sleep(Duration::from_millis(500));
+        // Unless it has come back by itself.
+        let back = cmd!(shell, "scontrol update NodeName=n2 State=RESUME");
+        back.quiet().ignore_status().ignore_stderr().run()?;
+        self.wait()?;
+        let said = fs::read_to_string(out.join("logs/merge.txt")).unwrap_or_default();
+        ensure!(
+            said.contains("shard 5 of 16 is missing"),
+            "the merge said: {said}"
+        );
+        ensure!(!out.join("cells.csv").exists(), "a table lacks a shard");
+        let program = &self.program;
+        let told = cmd!(shell, "{program} status {out}").quiet().read()?;
+        ensure!(
+            told.contains("done     15: ") && told.contains("missing  1: shards 5"),
+            "{told}"
+        );
+
+        fs::remove_file(out.join("shards/5"))?;
+        let shards = SHARDS.to_string();
+        let script = cmd!(
+            shell,
+            "{program} submit slurm {config} --out {out} --shards {shards} --dry-run"
+        );
+        let script = script.quiet().read()?;
+        ensure!(script.contains("#SBATCH --array=5\n"), "{script}");
+        self.submit(&config, &out)?;
+        self.wait()?;
+        same(&whole, &out).context("shards put together")?;
+        println!("{SHARDS} shards, one killed, one failed, a node down: the bytes of one run");
+        Ok(())
+    }
+
+    fn submit(&self, config: &Path, out: &Path) -> Result<()> {
+        let (shell, program, shards) = (self.shell, &self.program, SHARDS.to_string());
+        cmd!(
+            shell,
+            "{program} submit slurm {config} --out {out} --shards {shards}"
+        )
+        .quiet()
+        .ignore_stdout()
+        .run()?;
+        Ok(())
+    }
+
+    /// Process of a shard that has begun its work, but of none of these shards.
+    fn running(&self, but: &[u64]) -> Result<String> {
+        let shell = self.shell;
+        let out = self.path("cluster");
+        let start = Instant::now();
+        while start.elapsed() < PATIENCE {
+            for shard in (1..=SHARDS).filter(|shard| !but.contains(shard)) {
+                let has_begun = out.join(format!("shards/{shard}/journal.palpate")).exists();
+                let words = format!("[-]-shard {shard}/{SHARDS} ");
+                let found = cmd!(shell, "pgrep -n -f {words}")
+                    .quiet()
+                    .ignore_status()
+                    .ignore_stderr()
+                    .read()?;
+                if has_begun && !found.is_empty() {
+                    return Ok(found);
+                }
+            }
+            sleep(Duration::from_millis(20));
+        }
+        bail!("no shard runs")
+    }
+
+    /// Waits until the queue is empty.
+    fn wait(&self) -> Result<()> {
+        let shell = self.shell;
+        let start = Instant::now();
+        while !cmd!(shell, "squeue -h").quiet().read()?.is_empty() {
+            if start.elapsed() > PATIENCE {
+                let queue = cmd!(shell, "squeue").quiet().read()?;
+                bail!("the queue is not empty:\n{queue}");
+            }
+            sleep(Duration::from_millis(200));
+        }
+        Ok(())
+    }
+}
+
+/// Compares the tables of two runs.
+fn same(one: &Path, other: &Path) -> Result<()> {
+    for name in TABLES {
+        let [one, other] = [one, other].map(|dir| fs::read(dir.join(name)));
+        ensure!(one? == other?, "{name} differs");
+    }
+    Ok(())
+}
