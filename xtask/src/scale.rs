@@ -175,8 +175,7 @@ impl Desk<'_> {
     fn fill(&self, config: &Path, whole: &Path, disk: &Path) -> Result<()> {
         let shell = self.shell;
         let out = disk.join("o");
-        let mut full = 0;
-        for size in ["128k", "600k", "1m", "8m"] {
+        for (full, size) in ["128k", "600k", "1m", "8m"].into_iter().enumerate() {
             cmd!(shell, "mount -o remount,size={size} {disk}")
                 .quiet()
                 .run()?;
@@ -186,7 +185,6 @@ impl Desk<'_> {
                 println!("a run that found the disk full {full} times ends with the same bytes");
                 return Ok(());
             }
-            full += 1;
             ensure!(
                 !out.join("cells.csv").exists(),
                 "a table was written on a full disk"
