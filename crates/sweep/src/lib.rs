@@ -51,6 +51,7 @@ mod plan;
 mod queue;
 mod record;
 mod run;
+mod runner;
 mod scale;
 mod stop;
 mod stream;
@@ -67,7 +68,8 @@ pub use plan::{
     SHARE_OF_MODEL, plan, spread,
 };
 pub use record::Record;
-pub use run::{NoThreads, RunOptions, Runner, SweepError, run};
+pub use run::run;
+pub use runner::{NoThreads, RunOptions, Runner, SweepError};
 pub use stream::Sweep;
 pub use summary::{CellStatistics, Summary};
 pub use task::{Stop, Task, Watched};

@@ -19,7 +19,7 @@ pub use tolerance::{Pass, PassQuantity, PassValue};
 
 use crate::failures::NOT_FINITE;
 use crate::record::Record;
-use crate::run::{Runner, SweepError};
+use crate::runner::{Runner, SweepError};
 use crate::trial::Trial;
 use alone::alone;
 use pilot::{CellPilot, Pilot};

@@ -1,67 +1,14 @@
-//! The runner.
+//! Runs whose statistics are all kept.
 
-use std::convert::Infallible;
-use std::error::Error as _;
-use std::io;
-use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-use rayon::prelude::*;
-use thiserror::Error;
-
 use crate::partial::Partial;
+use crate::runner::{RunOptions, Runner, SweepError};
 use crate::stream::Sweep;
 use crate::summary::CellStatistics;
 use crate::task::Task;
 use crate::trial::{Cell, Trial};
-
-/// Settings that must not change results.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RunOptions {
-    /// Worker threads; by default one per processor.
-    pub threads: Option<NonZeroUsize>,
-}
-
-/// Lack of threads: the operating system gave none.
-#[derive(Debug, Error)]
-#[error("cannot start {} worker threads: {source}", threads.map_or("the default number of".to_owned(), |n| n.to_string()))]
-pub struct NoThreads {
-    threads: Option<NonZeroUsize>,
-    source: rayon::ThreadPoolBuildError,
-}
-
-/// Reason why a study could not be run; `E` is the error of setting up a cell.
-#[derive(Debug, Error)]
-pub enum SweepError<E = Infallible> {
-    /// Lack of threads.
-    #[error(transparent)]
-    NoThreads(#[from] NoThreads),
-    /// Error of the first cell that could not be set up; what the run had found is dropped.
-    #[error("{0}")]
-    SetUp(E),
-    /// Somebody cancelled the run; what it had found is dropped.
-    #[error("the run was cancelled")]
-    Cancelled,
-    /// The trials of all cells cannot be counted in 64 bits.
-    #[error("{cells} cells have more than {} trials together", u64::MAX)]
-    TooManyTrials {
-        /// Number of cells.
-        cells: usize,
-    },
-}
-
-impl<E> SweepError<E> {
-    /// Error of a run whose cells fail in another way: `map` turns the error of setting up a cell.
-    pub fn map_set_up<F>(self, map: impl FnOnce(E) -> F) -> SweepError<F> {
-        match self {
-            Self::NoThreads(error) => SweepError::NoThreads(error),
-            Self::SetUp(error) => SweepError::SetUp(map(error)),
-            Self::Cancelled => SweepError::Cancelled,
-            Self::TooManyTrials { cells } => SweepError::TooManyTrials { cells },
-        }
-    }
-}
 
 /// Runs all trials of all cells and gives the statistics of each cell, in order.
 ///
@@ -80,41 +27,7 @@ pub fn run(
     Runner::new(options)?.run(cells, progress)
 }
 
-/// The threads of a run, for one after another.
-#[derive(Debug)]
-pub struct Runner {
-    /// None where there are no threads: the calling one does the work.
-    pool: Option<rayon::ThreadPool>,
-}
-
 impl Runner {
-    /// Starts the threads. On platforms that have none, such as WebAssembly, the calling thread does the work.
-    ///
-    /// # Errors
-    /// [`NoThreads`].
-    pub fn new(options: &RunOptions) -> Result<Self, NoThreads> {
-        let threads = options.threads;
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.map_or(0, NonZeroUsize::get))
-            .build();
-        match pool {
-            Ok(pool) => Ok(Self { pool: Some(pool) }),
-            Err(source) if has_no_threads(&source) => Ok(Self { pool: None }),
-            Err(source) => Err(NoThreads { threads, source }),
-        }
-    }
-
-    /// Number of threads that work.
-    pub fn threads(&self) -> NonZeroUsize {
-        let threads = self
-            .pool
-            .as_ref()
-            .map(rayon::ThreadPool::current_num_threads);
-        threads
-            .and_then(NonZeroUsize::new)
-            .unwrap_or(NonZeroUsize::MIN)
-    }
-
     /// Runs all trials of all cells on these threads, as [`run`] does.
     ///
     /// # Errors
@@ -201,61 +114,6 @@ impl Runner {
         })?;
         Ok(statistics)
     }
-
-    /// Checks each of so many things on these threads; tells the error of the first that is wrong.
-    ///
-    /// ```
-    /// use palpate_sweep::{RunOptions, Runner};
-    ///
-    /// let runner = Runner::new(&RunOptions::default())?;
-    /// let is_small = |number: usize| if number < 7 { Ok(()) } else { Err(number) };
-    /// assert_eq!(runner.check(7, is_small), Ok(()));
-    /// assert_eq!(runner.check(100, is_small), Err(7));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Error of the first.
-    pub fn check<E: Send>(
-        &self,
-        count: usize,
-        check: impl Fn(usize) -> Result<(), E> + Sync,
-    ) -> Result<(), E> {
-        let all = || (0..count).into_par_iter();
-        let error = self.install(|| all().find_map_first(|one| check(one).err()));
-        error.map_or(Ok(()), Err)
-    }
-
-    /// Whether there are threads, and with them a clock.
-    pub(crate) fn has_threads(&self) -> bool {
-        self.pool.is_some()
-    }
-
-    /// Does the same work on every thread.
-    pub(crate) fn everywhere(&self, work: impl Fn() + Sync) {
-        match &self.pool {
-            Some(pool) => {
-                pool.broadcast(|_| work());
-            }
-            None => work(),
-        }
-    }
-
-    /// Does work on these threads.
-    pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
-        }
-    }
-}
-
-/// Whether the platform never has threads, rather than none to spare.
-fn has_no_threads(error: &rayon::ThreadPoolBuildError) -> bool {
-    let cause = error
-        .source()
-        .and_then(|cause| cause.downcast_ref::<io::Error>());
-    cause.is_some_and(|cause| cause.kind() == io::ErrorKind::Unsupported)
 }
 
 /// Cells whose statistics are kept, all of them.

@@ -9,7 +9,7 @@ use std::time::Instant;
 use crate::part::{Assembled, Part, Slice, Workspace};
 use crate::partial::Partial;
 use crate::queue::{Job, Piece, Queue};
-use crate::run::{Runner, SweepError};
+use crate::runner::{Runner, SweepError};
 use crate::stop;
 use crate::task::{Stop, Task};
 use crate::trial::{BLOCK, Trial};

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::clock::Clock;
 use crate::queue::JOB;
-use crate::run::{Runner, SweepError};
+use crate::runner::{Runner, SweepError};
 use crate::trial::{Cell, Trial};
 
 /// Longest and shortest time for which trials of a cell are repeated; a single trial always runs to its end.
@@ -172,7 +172,7 @@ mod tests {
 
     use super::*;
     use crate::record::Record;
-    use crate::run::RunOptions;
+    use crate::runner::RunOptions;
 
     const ONE: NonZeroUsize = NonZeroUsize::MIN;
 

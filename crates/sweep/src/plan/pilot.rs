@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::alone::alone;
 use super::spread::{Part, Spread};
 use crate::record::Record;
-use crate::run::Runner;
+use crate::runner::Runner;
 use crate::trial::Trial;
 
 /// Number of parts of a pilot; each is left out in turn to find the standard error of v.

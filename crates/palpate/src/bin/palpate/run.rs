@@ -503,6 +503,9 @@ pub(crate) struct Drafts {
     lacks: &'static str,
 }
 
+/// Tables with their names.
+type Filled = Vec<(&'static str, Draft)>;
+
 /// Names of the tables, in the order in which records have their rows.
 const TABLES: [&str; 3] = [CELLS, FAILURES, MAP];
 
@@ -529,7 +532,7 @@ impl Drafts {
         simulation: &Simulation<'_>,
         readers: Vec<Reader>,
         is_shared: bool,
-    ) -> Result<(Vec<(&'static str, Draft)>, Totals), Failure> {
+    ) -> Result<(Filled, Totals), Failure> {
         let mut failed: Vec<String> = Vec::new();
         let mut totals = Totals::default();
         merge(simulation, readers, is_shared, &mut |record| {
@@ -612,7 +615,7 @@ fn merge(
 /// Gives the tables of a run their names.
 pub(crate) fn end(
     folder: &mut Folder,
-    tables: Vec<(&'static str, Draft)>,
+    tables: Filled,
     traced: Vec<(&'static str, Vec<u8>)>,
     config: &str,
     warnings: &[String],

@@ -10,7 +10,7 @@ use same_file::is_same_file;
 
 use super::manifest::{Entry, Manifest, StudyId, digest_of};
 use super::names;
-use super::stage::{Contents, is_stream, unwritable};
+use super::stage::{Contents, holds, is_stream, unwritable};
 use crate::failure::Failure;
 
 /// Rights of a command over the files of a directory.
@@ -155,13 +155,6 @@ impl Owned {
         names.sort();
         names
     }
-}
-
-/// Whether a file holds exactly these contents, or nothing that could be lost.
-pub(crate) fn holds(path: &Path, contents: &[u8]) -> bool {
-    let length = fs::metadata(path).map_or(0, |found| found.len());
-    length == 0
-        || length == contents.len() as u64 && fs::read(path).is_ok_and(|known| known == contents)
 }
 
 /// Whether a lone file begins as the one to be written: with the same header or first comment, a page with the same

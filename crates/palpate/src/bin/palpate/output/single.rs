@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 
 use super::folder::make_directory;
-use super::owned::{Guard, begins_as, holds, refusal};
-use super::stage::{Contents, Staged, folder_of, is_stream, sweep, unwritable};
+use super::owned::{Guard, begins_as, refusal};
+use super::stage::{Contents, Staged, folder_of, holds, is_stream, sweep, unwritable};
 use crate::failure::Failure;
 
 /// Place that a command writes a single file to: standard output where it has no path.

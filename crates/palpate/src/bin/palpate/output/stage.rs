@@ -10,7 +10,6 @@ use sha2::{Digest, Sha256};
 use tempfile::NamedTempFile;
 
 use super::manifest::{digest, digest_of, hexadecimal};
-use super::owned::holds;
 
 /// Begin of temporary names, after which six letters or digits follow.
 const PREFIX: &str = ".palpate-";
@@ -95,6 +94,13 @@ impl Contents<'_> {
             }
         }
     }
+}
+
+/// Whether a file holds exactly these contents, or nothing that could be lost.
+pub(crate) fn holds(path: &Path, contents: &[u8]) -> bool {
+    let length = fs::metadata(path).map_or(0, |found| found.len());
+    length == 0
+        || length == contents.len() as u64 && fs::read(path).is_ok_and(|known| known == contents)
 }
 
 /// Contents that wait for their place.
