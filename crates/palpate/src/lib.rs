@@ -60,7 +60,7 @@ pub use palpate_study::Table;
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_sweep::{
     CellStatistics, Clock, FailingCell, Failure, Goal, NoThreads, Partial, Plan, PlanError,
-    RunOptions, Runner, SHARE_OF_MODEL, Summary, SweepError,
+    RunOptions, Runner, SHARE_OF_MODEL, Summary, SweepError, Taken,
 };
 pub use plan::plan;
 pub use readings::{frame, readings};

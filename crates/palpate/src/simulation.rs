@@ -9,8 +9,8 @@ use palpate_scene::{Arch, MapTable, Scene, Scenes};
 use palpate_study::config::{Cell, ConfigError, Output, StopStatistic, Study};
 use palpate_study::{Quantity, Table, csv};
 use palpate_sweep::{
-    CellStatistics, Failure, NoThreads, Partial, Record, RunOptions, Runner, SUPERBLOCK, Stop,
-    Sweep, SweepError, Task, Trial, Watched,
+    CellStatistics, Failure, NoThreads, Partial, Record, RunOptions, Runner, SUPERBLOCK, Seen,
+    Stop, Sweep, SweepError, Taken, Task, Trial, Watched,
 };
 use thiserror::Error;
 
@@ -66,6 +66,8 @@ pub struct Simulation<'a> {
     /// Empty table for maps of the cells' scenes; `None` where the config asks for no maps.
     maps: Option<MapTable>,
     warnings: Warnings,
+    /// Whether single trials are told.
+    tells_trials: bool,
     /// Scenes that have been checked and not yet been run, by the numbers of their cells.
     kept: Mutex<BTreeMap<usize, (Cell, Scene)>>,
 }
@@ -112,6 +114,7 @@ impl<'a> Simulation<'a> {
             states_bounds: tables::states_bounds(study),
             maps,
             warnings: Warnings::default(),
+            tells_trials: false,
             kept: Mutex::new(kept),
         })
     }
@@ -163,6 +166,15 @@ impl<'a> Simulation<'a> {
         Self { arch, ..self }
     }
 
+    /// The simulation with rows of every trial, which [`Simulation::stream`] hands over before those of its cell.
+    #[must_use]
+    pub fn with_trials(self) -> Self {
+        Self {
+            tells_trials: true,
+            ..self
+        }
+    }
+
     /// Number of trials of all cells together, at most the largest number of 64 bits; where nothing in a cell is random,
     /// fewer are run.
     pub fn trials(&self) -> u64 {
@@ -185,6 +197,12 @@ impl<'a> Simulation<'a> {
         self.share.tasks() > MOST_CHECKED
     }
 
+    /// Cell, and superblock of its trials, of the task with this number.
+    pub fn place(&self, task: u64) -> (usize, u64) {
+        let part = self.share.part(self.study, task);
+        (part.cell, part.superblock)
+    }
+
     /// Warnings of the cells that have been set up, in which the theory or the estimator does not hold.
     pub fn told(&self) -> &Warnings {
         &self.warnings
@@ -196,9 +214,9 @@ impl<'a> Simulation<'a> {
         self.warnings.lines(self.share.cells.len())
     }
 
-    /// First lines of `cells.csv`, `failures.csv` and, where the config asks for maps, `map.csv`: the names of their
-    /// columns.
-    pub fn headers(&self) -> [Option<String>; 3] {
+    /// First lines of `cells.csv`, `failures.csv`, where the config asks for maps `map.csv`, and where trials are told the
+    /// table of these: the names of their columns.
+    pub fn headers(&self) -> [Option<String>; 4] {
         let of_cells = csv(&tables::header(self.study, self.states_bounds));
         let of_failures = csv(&tables::FAILURES.map(str::to_owned));
         let of_maps = self.maps.as_ref();
@@ -206,6 +224,8 @@ impl<'a> Simulation<'a> {
             Some(of_cells),
             Some(of_failures),
             of_maps.map(|maps| csv(&maps.table.header)),
+            self.tells_trials
+                .then(|| csv(&tables::TRIALS.map(str::to_owned))),
         ]
     }
 
@@ -215,7 +235,8 @@ impl<'a> Simulation<'a> {
     }
 
     /// Runs the tasks from `first` on, until another thread sets `cancelled` or `take` breaks. `make` is called by any
-    /// thread; `take` is handed what it made, in the order of the tasks and one at a time. `progress` is told by any thread
+    /// thread; `take` is handed what it made, in the order of the tasks and one at a time, and before it the rows of the
+    /// task's trials where these are told. `progress` is told by any thread
     /// how many trials it has done since it last told.
     ///
     /// # Errors
@@ -229,14 +250,14 @@ impl<'a> Simulation<'a> {
         cancelled: &AtomicBool,
         progress: &(dyn Fn(u64) + Sync),
         make: impl Fn(Finished) -> R + Sync,
-        take: &mut (dyn FnMut(u64, R) -> ControlFlow<()> + Send),
+        take: &mut (dyn FnMut(u64, Taken<R>) -> ControlFlow<()> + Send),
     ) -> Result<(), SweepError<ConfigError>> {
         let tasks = Tasks {
             simulation: self,
             first,
             make,
         };
-        let take = &mut |number: u64, made: R| take(first + number, made);
+        let take = &mut |number: u64, taken: Taken<R>| take(first + number, taken);
         self.runner.stream(&tasks, cancelled, progress, take)
     }
 
@@ -254,7 +275,10 @@ impl<'a> Simulation<'a> {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Ran, SweepError<ConfigError>> {
         let mut cells: Vec<Finished> = Vec::new();
-        let take = &mut |_: u64, finished: Finished| {
+        let take = &mut |_: u64, taken: Taken<Finished>| {
+            let Taken::Result(finished) = taken else {
+                return ControlFlow::Continue(());
+            };
             match cells.last_mut() {
                 Some(last) if last.part.cell == finished.part.cell => last.merge(finished),
                 _ => cells.push(finished),
@@ -295,6 +319,7 @@ impl<'a> Simulation<'a> {
         };
         let map = self.maps.clone();
         Ok(Ready {
+            cell: number,
             warnings: match self.is_sampled() {
                 true => warnings_of(&scene),
                 false => Vec::new(),
@@ -332,6 +357,7 @@ struct Tasks<'s, 'a, F> {
 /// Cell that is ready to be run.
 #[derive(Debug)]
 struct Ready {
+    cell: usize,
     trial: SceneTrial,
     facts: Arc<Facts>,
     warnings: Vec<String>,
@@ -376,6 +402,27 @@ impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
 
     fn stop(&self, trial: &Ready) -> Option<Stop> {
         stop_of(self.simulation.study, trial.facts.quantities)
+    }
+
+    fn is_noted(&self) -> bool {
+        self.simulation.tells_trials
+    }
+
+    fn note(
+        &self,
+        trial: &Ready,
+        number: u64,
+        seen: Result<&Seen<'_>, &'static str>,
+        text: &mut String,
+    ) {
+        let unit = self.simulation.study.config.length_unit;
+        tables::push_trial(
+            text,
+            (trial.cell, number),
+            trial.facts.quantities,
+            unit,
+            seen,
+        );
     }
 
     fn finish(&self, task: &Task, trial: &Ready, partial: Partial) -> R {

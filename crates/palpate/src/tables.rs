@@ -2,10 +2,10 @@
 
 use std::fmt::{Display, Write};
 
-use palpate_study::config::{STATISTICS, STD_BOUND, SceneConfig, Study};
+use palpate_study::config::{LengthUnit, STATISTICS, STD_BOUND, SceneConfig, Study};
 use palpate_study::number::Shortest;
-use palpate_study::{Table, push_row};
-use palpate_sweep::{CellStatistics, Summary};
+use palpate_study::{Quantity, Table, push_row};
+use palpate_sweep::{CellStatistics, Seen, Summary};
 
 use crate::facts::Facts;
 
@@ -180,6 +180,40 @@ fn with_digits(quantile: Option<f64>, truth: Option<f64>) -> Option<f64> {
     match usize::try_from(digits) {
         Ok(digits) => format!("{value:.digits$e}").parse().ok(),
         Err(_) => Some(0.0),
+    }
+}
+
+/// Names of the columns of a table of trials.
+pub(crate) const TRIALS: [&str; 8] = [
+    "cell", "trial", "quantity", "unit", "estimate", "truth", "std", "failure",
+];
+
+/// Adds the rows of a trial of a cell to a CSV text: one per observation, or one with the kind of its failure.
+pub(crate) fn push_trial(
+    text: &mut String,
+    (cell, trial): (usize, u64),
+    quantities: &[Quantity],
+    length_unit: LengthUnit,
+    seen: Result<&Seen<'_>, &'static str>,
+) {
+    // Writing to a string does not fail; names and units need no quotation marks.
+    let seen = match seen {
+        Ok(seen) => seen,
+        Err(kind) => {
+            let _ = writeln!(text, "{cell},{trial},,,,,,{kind}");
+            return;
+        }
+    };
+    for (place, quantity) in quantities.iter().enumerate() {
+        for observation in seen.observations(place) {
+            let (name, unit) = (quantity.name, quantity.unit.of(length_unit));
+            let [estimate, truth] = [observation.estimate, observation.truth].map(Shortest);
+            let _ = write!(text, "{cell},{trial},{name},{unit},{estimate},{truth},");
+            if let Some(std) = observation.std {
+                let _ = write!(text, "{}", Shortest(std));
+            }
+            text.push_str(",\n");
+        }
     }
 }
 

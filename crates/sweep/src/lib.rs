@@ -44,6 +44,7 @@ mod failures;
 mod histogram;
 mod magnitude;
 mod moments;
+mod note;
 mod observation;
 mod part;
 mod partial;
@@ -61,6 +62,7 @@ mod task;
 mod trial;
 
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
+pub use note::Seen;
 pub use observation::{Observation, Observations};
 pub use partial::Partial;
 pub use plan::{
@@ -70,7 +72,7 @@ pub use plan::{
 pub use record::Record;
 pub use run::run;
 pub use runner::{NoThreads, RunOptions, Runner, SweepError};
-pub use stream::Sweep;
+pub use stream::{Sweep, Taken};
 pub use summary::{CellStatistics, Summary};
 pub use task::{Stop, Task, Watched};
 pub use trial::{BLOCK, Cell, SUPERBLOCK, Trial};

@@ -136,7 +136,7 @@ impl Slice {
         let mut ends = Vec::new();
         let mut at = trials.start;
         while at < trials.end && !cancelled.load(Ordering::Relaxed) {
-            let before: Vec<usize> = record.columns().iter().map(|column| column.len()).collect();
+            let before = record.lengths();
             let ran = run_some(trial, at..trials.end, record, &mut failures);
             for number in 1..=ran {
                 let columns = record.columns().iter().zip(&before);

@@ -138,6 +138,16 @@ impl Record {
         kind.unwrap_or(NOT_FINITE)
     }
 
+    /// Number of observations of each quantity.
+    pub(crate) fn lengths(&self) -> Vec<usize> {
+        self.columns.iter().map(Column::len).collect()
+    }
+
+    /// Kind of failure of the trial that runs, if it recorded what cannot be.
+    pub(crate) fn rejected(&self) -> Option<&'static str> {
+        self.rejection
+    }
+
     /// The observations of each quantity.
     pub(crate) fn columns(&mut self) -> &mut [Column] {
         &mut self.columns

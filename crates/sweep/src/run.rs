@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use crate::partial::Partial;
 use crate::runner::{RunOptions, Runner, SweepError};
-use crate::stream::Sweep;
+use crate::stream::{Sweep, Taken};
 use crate::summary::CellStatistics;
 use crate::task::Task;
 use crate::trial::{Cell, Trial};
@@ -104,7 +104,10 @@ impl Runner {
         };
         let mut statistics: Vec<CellStatistics> = Vec::with_capacity(trials.len());
         let mut open = Partial::default();
-        self.stream(&cells, cancelled, progress, &mut |number, partial| {
+        self.stream(&cells, cancelled, progress, &mut |number, taken| {
+            let Taken::Result(partial) = taken else {
+                return ControlFlow::Continue(());
+            };
             open.merge(partial);
             let next_cell = cells.starts.get(statistics.len() + 1).unwrap_or(&tasks);
             if number + 1 == *next_cell {

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
+use crate::note::{Noting, Seen};
 use crate::part::{Assembled, Part, Slice, Workspace};
 use crate::partial::Partial;
 use crate::queue::{Job, Piece, Queue};
@@ -42,8 +43,34 @@ pub trait Sweep: Sync {
         None
     }
 
+    /// Whether single trials are noted.
+    fn is_noted(&self) -> bool {
+        false
+    }
+
+    /// Adds to a text what is to be told of trial number `number`: of its observations, or of the kind of its failure. On
+    /// any thread, in the order of the trials of a task.
+    fn note(
+        &self,
+        trial: &Self::Trial,
+        number: u64,
+        seen: Result<&Seen<'_>, &'static str>,
+        text: &mut String,
+    ) {
+        let _ = (trial, number, seen, text);
+    }
+
     /// Result of a task, on any thread.
     fn finish(&self, task: &Task, trial: &Self::Trial, partial: Partial) -> Self::Result;
+}
+
+/// What a sweep hands over.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Taken<R> {
+    /// Notes on some trials of a task, those that follow the notes before.
+    Note(String),
+    /// Result of a task, after all notes on its trials.
+    Result(R),
 }
 
 impl Runner {
@@ -58,7 +85,7 @@ impl Runner {
     /// use std::convert::Infallible;
     /// use std::ops::ControlFlow;
     /// use std::sync::atomic::AtomicBool;
-    /// use palpate_sweep::{Observation, Partial, Record, RunOptions, Runner, Sweep, Task, Trial};
+    /// use palpate_sweep::{Observation, Partial, Record, RunOptions, Runner, Sweep, Taken, Task, Trial};
     ///
     /// /// Estimates its truth without an error.
     /// struct Exact(f64);
@@ -86,8 +113,10 @@ impl Runner {
     ///
     /// let mut means = Vec::new();
     /// let runner = Runner::new(&RunOptions::default())?;
-    /// runner.stream(&Means, &AtomicBool::new(false), &|_finished| (), &mut |_task, mean| {
-    ///     means.push(mean);
+    /// runner.stream(&Means, &AtomicBool::new(false), &|_finished| (), &mut |_task, taken| {
+    ///     if let Taken::Result(mean) = taken {
+    ///         means.push(mean);
+    ///     }
     ///     ControlFlow::Continue(())
     /// })?;
     /// assert_eq!(means, [Some(0.0), Some(1.0), Some(2.0)]);
@@ -105,7 +134,7 @@ impl Runner {
         sweep: &S,
         cancelled: &AtomicBool,
         progress: &(dyn Fn(u64) + Sync),
-        take: &mut (dyn FnMut(u64, S::Result) -> ControlFlow<()> + Send),
+        take: &mut (dyn FnMut(u64, Taken<S::Result>) -> ControlFlow<()> + Send),
     ) -> Result<(), SweepError<S::Error>> {
         let queue = Queue::new(sweep.tasks(), |number| sweep.task(number));
         let crew = Crew {
@@ -154,7 +183,7 @@ struct Line<'a, S: Sweep> {
     /// Number of the tasks whose results have been taken.
     tasks: u64,
     failed: Option<S::Error>,
-    take: &'a mut (dyn FnMut(u64, S::Result) -> ControlFlow<()> + Send),
+    take: &'a mut (dyn FnMut(u64, Taken<S::Result>) -> ControlFlow<()> + Send),
 }
 
 /// Task of which the first trials have been run.
@@ -167,6 +196,8 @@ struct Open {
 struct Ran<S: Sweep> {
     piece: Piece<S::Trial, S::Error>,
     sums: Sum<S::Result>,
+    /// Notes on them.
+    text: String,
 }
 
 enum Sum<R> {
@@ -216,17 +247,17 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
     fn run(&self, job: Job<S::Trial, S::Error>, workspace: &mut Workspace) -> Option<Vec<Ran<S>>> {
         let mut all = Vec::with_capacity(job.pieces.len());
         let mut trials = 0;
-        let mut time = std::time::Duration::ZERO;
+        let mut time = Duration::ZERO;
         for piece in job.pieces {
             let experiment = self.experiment(&piece);
-            let sums = match experiment {
+            let (sums, text) = match experiment {
                 Ok(trial) => {
                     let start = self.has_clock.then(Instant::now);
-                    let sums = self.sum(&piece, trial, workspace);
-                    time += start.map_or(time, |start| start.elapsed());
-                    sums
+                    let ran = self.noted(&piece, trial, workspace);
+                    time += start.map_or(Duration::ZERO, |start| start.elapsed());
+                    ran
                 }
-                Err(_) => Sum::Failed,
+                Err(_) => (Sum::Failed, String::new()),
             };
             // A trial may have cancelled the run, or another thread: its numbers are not all there.
             if self.is_cancelled() {
@@ -235,7 +266,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             let ran = piece.trials.end - piece.trials.start;
             trials += ran;
             (self.progress)(ran);
-            all.push(Ran { piece, sums });
+            all.push(Ran { piece, sums, text });
         }
         if self.has_clock {
             self.queue.timed(trials, time);
@@ -254,10 +285,34 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         piece.experiment.get_or_init(set_up)
     }
 
+    /// Runs the trials of a piece, and notes them where that is asked for.
+    fn noted(
+        &self,
+        piece: &Piece<S::Trial, S::Error>,
+        trial: &S::Trial,
+        workspace: &mut Workspace,
+    ) -> (Sum<S::Result>, String) {
+        if !self.sweep.is_noted() {
+            return (self.sum(piece, trial, trial, workspace), String::new());
+        }
+        let noting = Noting {
+            trial,
+            note: |number, seen: Result<&Seen<'_>, &'static str>, text: &mut String| {
+                self.sweep.note(trial, number, seen, text);
+            },
+            text: Mutex::new(String::new()),
+        };
+        let sums = self.sum(piece, trial, &noting, workspace);
+        let text = noting.text.into_inner();
+        (sums, text.unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Runs the trials of a piece: those of `run`, which are those of `trial`.
     fn sum(
         &self,
         piece: &Piece<S::Trial, S::Error>,
         trial: &S::Trial,
+        run: &impl Trial,
         workspace: &mut Workspace,
     ) -> Sum<S::Result> {
         let Piece { task, trials, .. } = piece;
@@ -270,7 +325,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             } else {
                 trials.end.min(1)
             };
-            let partial = stop::run(rule.as_ref(), trial, most, workspace, cancelled);
+            let partial = stop::run(rule.as_ref(), run, most, workspace, cancelled);
             return Sum::Whole(self.sweep.finish(task, trial, partial));
         }
         // The first trial tells all where nothing is random.
@@ -278,14 +333,14 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         let is_end = |trial: u64| trial.is_multiple_of(BLOCK) || trial == task.trials.end;
         if !trials.start.is_multiple_of(BLOCK) || !is_end(trials.end) {
             let trials = trials.start..until(trials.end).max(trials.start);
-            return Sum::Slice(Slice::run(trial, trials, workspace, cancelled));
+            return Sum::Slice(Slice::run(run, trials, workspace, cancelled));
         }
         let mut part = Part::new(quantities);
         let mut start = trials.start;
         loop {
             let end = trials.end.min(start + BLOCK);
             if start == 0 || start < until(end) {
-                part.run_block(trial, start..until(end), workspace, cancelled, None);
+                part.run_block(run, start..until(end), workspace, cancelled, None);
             }
             start = end;
             if start == trials.end || self.is_cancelled() {
@@ -329,7 +384,10 @@ impl<S: Sweep> Line<'_, S> {
         if self.failed.is_some() {
             return ControlFlow::Break(());
         }
-        let Ran { piece, sums } = ran;
+        let Ran { piece, sums, text } = ran;
+        if !text.is_empty() && (self.take)(piece.number, Taken::Note(text)).is_break() {
+            return ControlFlow::Break(());
+        }
         let trial = match piece.experiment.get() {
             Some(Ok(trial)) => trial,
             Some(Err(error)) => {
@@ -368,6 +426,6 @@ impl<S: Sweep> Line<'_, S> {
             }
         };
         self.tasks += 1;
-        (self.take)(piece.number, result)
+        (self.take)(piece.number, Taken::Result(result))
     }
 }

@@ -8,7 +8,7 @@ use super::desk::{Desk, RUN_FILES, STUDY, edited};
 
 /// A second of work on one thread, and more without optimisation.
 fn slow() -> String {
-    let values: Vec<String> = (10..50).map(|radius| radius.to_string()).collect();
+    let values: Vec<String> = (10..34).map(|radius| radius.to_string()).collect();
     let study = edited(STUDY, "[50, 5]", &format!("[{}]", values.join(", ")));
     edited(&study, "trials = 20", "trials = 12000")
 }
@@ -48,7 +48,7 @@ fn same(desk: &Desk, one: &str, other: &str) {
 fn a_run_that_is_killed_goes_on_to_the_same_bytes() {
     let desk = Desk::with(&slow());
     desk.palpate("run c.toml --out whole").printed();
-    for wait in [1, 150, 600, 1200] {
+    for wait in [1, 100, 300, 600] {
         let mut child = begun(&desk, "run c.toml --out o --threads 1");
         std::thread::sleep(Duration::from_millis(wait));
         child.kill().unwrap();

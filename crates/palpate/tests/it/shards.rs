@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use super::desk::{Desk, RUN_FILES, STUDY, edited};
+use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
 
 /// Rolls, some of which fail and of some of which `check` warns, with maps of none: seven cells.
 fn many() -> String {
@@ -291,11 +291,9 @@ fn scripts_for_slurm_are_printed_and_nothing_is_done() {
         .palpate("submit slurm c.toml --shards 4 --partition a;b --dry-run")
         .said(2);
     assert!(said.contains("may have letters"), "{said}");
-    let ended =
-        desk.shell("PATH=/bin:/usr/bin \"$palpate\" submit slurm c.toml --shards 4 --out o");
-    if ended.status == Some(1) {
-        assert!(ended.stderr.contains("there is no `sbatch`"), "{ended:?}");
-    }
+    let line = "PATH=/nowhere \"$palpate\" submit slurm c.toml --shards 4 --out o";
+    let said = desk.shell(line).said(1);
+    assert!(said.contains("there is no `sbatch` on the PATH"), "{said}");
 }
 
 #[test]
@@ -383,4 +381,58 @@ fn a_rule_ends_each_cell_when_its_errors_are_known() {
         said.contains("stop.quantity: a roll has no quantity \"depth\" (known: "),
         "{said}"
     );
+}
+
+#[test]
+fn trials_are_told_one_by_one() {
+    let noisy = edited(&many(), "duration_s = 2.0", "duration_s = 0.02");
+    let pads = "sensor = { kind = \"pads\", pitch = 0.5, layout = \"uniform\", offset = \"random\" }\nnoise";
+    let desk = Desk::with(&edited(&noisy, "noise", pads));
+    desk.palpate("run c.toml --out o --trials-out t.csv");
+    let cells = desk.table("o/cells.csv");
+    let trials = desk.table("t.csv");
+    let columns = "cell,trial,quantity,unit,estimate,truth,std,failure";
+    assert_eq!(trials.header.join(","), columns);
+    let mut failed = 0;
+    for row in 0..cells.rows.len() {
+        let [cell, quantity] =
+            ["cell", "quantity"].map(|column| cells.text(row, column).to_owned());
+        let is_of_row = |at: &usize| {
+            trials.text(*at, "cell") == cell && trials.text(*at, "quantity") == quantity
+        };
+        let of_row = (0..trials.rows.len()).filter(is_of_row);
+        let estimates: Vec<f64> = of_row.map(|at| trials.number(at, "estimate")).collect();
+        let failures = cells.number(row, "failures") as usize;
+        failed += failures;
+        assert_eq!(estimates.len() + failures, 20);
+        if failures < 20 {
+            let mean = estimates.iter().sum::<f64>() / estimates.len() as f64;
+            assert_close(mean, cells.number(row, "mean"), 1e-12);
+        }
+    }
+    assert!(failed > 0, "no trial fails");
+    let kinds = desk.table("o/failures.csv");
+    let told = trials.rows.iter().filter(|row| !row[7].is_empty()).count();
+    let counts = (0..kinds.rows.len()).map(|row| kinds.number(row, "count"));
+    assert_eq!(told as f64, counts.sum::<f64>());
+    // Threads, shards and the way to the file leave no trace.
+    let whole = desk.read("t.csv");
+    desk.palpate("run c.toml --out p --threads 3 --trials-out u.csv");
+    assert!(desk.read("u.csv") == whole);
+    for number in [3, 1, 2] {
+        let line = format!("run c.toml --shard {number}/3 --out s/{number} --trials-out no.csv");
+        desk.palpate(&line);
+    }
+    assert!(!desk.path("no.csv").exists());
+    let ended = desk.palpate("merge s --out m --trials-out -");
+    assert!(ended.stdout.starts_with(&whole), "{ended:?}");
+    desk.palpate("run c.toml --shard 1/2 --out n/1");
+    desk.palpate("run c.toml --shard 2/2 --out n/2");
+    let said = desk.palpate("merge n --out q --trials-out v.csv").said(2);
+    assert!(said.contains("without --trials-out"), "{said}");
+    // Nothing of the user's is replaced.
+    desk.write("mine.csv", "a,b\n1,2\n");
+    let ended = desk.palpate("run c.toml --out o --trials-out mine.csv");
+    assert_eq!(ended.status, Some(2));
+    assert_eq!(desk.read("mine.csv"), "a,b\n1,2\n");
 }

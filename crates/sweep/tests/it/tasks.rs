@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use palpate_sweep::{
-    BLOCK, Observation, Partial, Record, SUPERBLOCK, Stop, Sweep, SweepError, Task, Trial, Watched,
+    BLOCK, Observation, Partial, Record, SUPERBLOCK, Stop, Sweep, SweepError, Taken, Task, Trial,
+    Watched,
 };
 
 use crate::{normal, observation, runner};
@@ -83,9 +84,11 @@ fn partials(
 ) -> Vec<Partial> {
     let mut all = Vec::new();
     let never = AtomicBool::new(false);
-    let mut take = |number, partial| {
+    let mut take = |number, taken| {
         assert_eq!(number, all.len() as u64);
-        all.push(partial);
+        if let Taken::Result(partial) = taken {
+            all.push(partial);
+        }
         ControlFlow::Continue(())
     };
     runner(threads)
@@ -303,7 +306,7 @@ fn observations_of_one_trial_count_as_one_where_they_go_together() {
 #[test]
 fn a_sweep_that_is_left_off_has_given_the_first_results() {
     let mut taken = 0;
-    let take = &mut |_: u64, _: Partial| {
+    let take = &mut |_: u64, _: Taken<Partial>| {
         taken += 1;
         match taken {
             2 => ControlFlow::Break(()),
@@ -316,7 +319,7 @@ fn a_sweep_that_is_left_off_has_given_the_first_results() {
 
     let cancelled = AtomicBool::new(false);
     let mut taken = 0;
-    let take = &mut |_: u64, _: Partial| {
+    let take = &mut |_: u64, _: Taken<Partial>| {
         taken += 1;
         cancelled.store(true, Ordering::Relaxed);
         ControlFlow::Continue(())

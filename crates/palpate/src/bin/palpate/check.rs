@@ -52,7 +52,7 @@ fn text(name: &str, check: &Check) -> String {
             text,
             "sample  every swept value against the limits of its field; the fields of {} cells together: values of each axis\n        \
              with the first and with other values of the others, both ends of every two axes, and cells spread evenly;\n        \
-             {} of these were set up, as many as a second allows. The others are first checked by `run`, before any trial",
+             {} of these were set up, as many as a second allows. The others are first checked by `run`, when it comes to them",
             check.checked, check.set_up
         );
     }

@@ -161,6 +161,10 @@ pub(crate) struct RunArgs {
     /// Run only shard K of N: every N-th task, from the K-th on. A task is a cell, or 1,048,576 trials of one.
     #[arg(long, value_name = "K/N", value_parser = shard)]
     pub(crate) shard: Option<Shard>,
+    /// Also write a table with a row per observation of every trial, or the kind of its failure; - is standard
+    /// output. With --shard the rows are in the journal, and `palpate merge` writes the table.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) trials_out: Option<PathBuf>,
     /// Begin anew where a run that has not ended left its journal.
     #[arg(long)]
     pub(crate) restart: bool,
@@ -178,6 +182,9 @@ pub(crate) struct MergeArgs {
     /// name of the study].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Also write the table of trials, of shards that were run with --trials-out.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) trials_out: Option<PathBuf>,
     /// Replace also files that palpate did not write, or that were changed since.
     #[arg(long)]
     pub(crate) force: bool,

@@ -49,6 +49,8 @@ pub(crate) struct Asked {
     pub(crate) every_nth_cell: u64,
     /// Number of the shard, and of shards.
     pub(crate) shard: (u64, u64),
+    /// Whether rows of trials are kept.
+    pub(crate) trials_out: bool,
 }
 
 /// Record of a journal.
@@ -58,6 +60,8 @@ enum Record {
     /// Cells that are done, and the time since the last such record, ms.
     Cells(Vec<CellRecord>, u64),
     Superblock(Superblock, u64),
+    /// Rows of trials of the task that follows.
+    Trials(TrialRows),
     End,
 }
 
@@ -67,8 +71,8 @@ pub(crate) struct CellRecord {
     pub(crate) cell: u64,
     /// Whether the record is that of a task; else those of its superblocks stand before it.
     pub(crate) is_task: bool,
-    /// Rows of `cells.csv`, `failures.csv` and `map.csv`.
-    pub(crate) rows: [String; 3],
+    /// Rows of `cells.csv`, `failures.csv`, `map.csv` and of trials, those that no record before it has.
+    pub(crate) rows: [String; 4],
     pub(crate) map_failed: Option<String>,
     pub(crate) trials: u64,
     /// Failed trials by kind.
@@ -87,8 +91,17 @@ pub(crate) struct Superblock {
     pub(crate) partial: Partial,
 }
 
+/// Rows of trials of a task.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub(crate) struct TrialRows {
+    pub(crate) cell: u64,
+    pub(crate) superblock: u64,
+    pub(crate) rows: String,
+}
+
 /// One thing that a journal tells.
 pub(crate) enum Item {
+    Trials(TrialRows),
     Cell(CellRecord),
     Superblock(Superblock),
 }
@@ -183,7 +196,7 @@ impl CellRecord {
             map_failed: rows.map_failed.map(str::to_owned),
             trials: rows.trials,
             warnings: rows.warnings,
-            rows: [rows.cells, rows.failures, rows.map],
+            rows: [rows.cells, rows.failures, rows.map, String::new()],
         }
     }
 
@@ -248,6 +261,12 @@ impl Journal {
             true => self.flush(),
             false => Ok(()),
         }
+    }
+
+    /// Adds rows of trials of a task that has not ended.
+    pub(crate) fn trials(&mut self, trials: TrialRows) -> io::Result<()> {
+        self.flush()?;
+        self.frame(&Record::Trials(trials))
     }
 
     /// Adds a superblock.
@@ -393,6 +412,7 @@ impl Reader {
             match self.record()? {
                 Record::Cells(cells, _) => self.waiting = cells.into_iter(),
                 Record::Superblock(superblock, _) => return Some(Item::Superblock(superblock)),
+                Record::Trials(trials) => return Some(Item::Trials(trials)),
                 Record::Header(_) | Record::End => return None,
             }
         }
@@ -457,6 +477,8 @@ pub(crate) fn read(dir: &Path) -> Result<Option<Found>, Failure> {
                     open => *open = Some(superblock),
                 }
             }
+            // Of a task that may not have ended: they count with it.
+            Record::Trials(_) => continue,
             Record::End => found.is_ended = true,
         }
         found.good = reader.good;

@@ -11,7 +11,7 @@ use crate::cli::MergeArgs;
 use crate::failure::Failure;
 use crate::journal::{self, Found, Reader, Totals};
 use crate::output::names::{CONFIG, JOURNAL};
-use crate::output::{Contents, Folder, Guard, StudyId};
+use crate::output::{Contents, Folder, Guard, Single, StudyId};
 use crate::run::{Drafts, difference, end, numbers_of, summary, tables_of, traced};
 use crate::{output, trace};
 
@@ -61,6 +61,19 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     let (cells, first_cell) = (numbers.len(), numbers[0]);
     let simulation = Simulation::of_shard(&study, numbers, Shard::default(), &runner);
     let simulation = simulation.map_err(Failure::usage)?;
+    let simulation = match args.trials_out.is_some() {
+        true => simulation.with_trials(),
+        false => simulation,
+    };
+    if args.trials_out.is_some() && !header.asked.trials_out {
+        return Err(Failure::usage(anyhow!(
+            "the shards have no rows of trials: they were run without --trials-out"
+        )));
+    }
+    let trials_out = args.trials_out.as_ref();
+    let guard = Guard::new([], args.force);
+    let trials_out = trials_out.map(|path| Single::new("--trials-out", path, guard));
+    let trials_out = trials_out.transpose()?;
 
     let mut folder = Folder::open(&out, Guard::new([], args.force))?;
     let config = trace::resolved(&study);
@@ -83,7 +96,8 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     for (dir, _) in shards.values() {
         readers.extend(Reader::open(dir)?.map(|(reader, _)| reader));
     }
-    let (files, totals) = Drafts::new(&folder, &simulation)?.fill(&simulation, readers, of > 1)?;
+    let drafts = Drafts::new(&folder, &simulation, trials_out.as_ref())?;
+    let (files, totals) = drafts.fill(&simulation, readers, of > 1)?;
     if totals.cells != cells as u64 {
         return Err(Failure::work(anyhow!(
             "the shards have {} cells of {cells}: one of them has changed since it was read",
@@ -156,6 +170,8 @@ fn refuse_foreign(dir: &Path, found: &Found, first: &Path, of: &Found) -> Result
     } else if one.config != other.config {
         let lines = difference(&other.config, &one.config);
         format!("is of another config than {}:{lines}", first.display())
+    } else if one.asked.trials_out != other.asked.trials_out {
+        format!("and {} are not both with --trials-out", first.display())
     } else if one.asked.every_nth_cell != other.asked.every_nth_cell {
         format!("has another --every-nth-cell than {}", first.display())
     } else {

@@ -19,7 +19,7 @@ pub(crate) use folder::{Folder, make_directory};
 pub(crate) use lock::Lock;
 pub(crate) use manifest::StudyId;
 pub(crate) use owned::{Guard, Owned};
-pub(crate) use single::Single;
+pub(crate) use single::{Single, Written};
 pub(crate) use stage::{Contents, Draft};
 
 /// Prints a text and a newline; a closed pipe is no error.

@@ -9,19 +9,19 @@ use std::time::Instant;
 use anyhow::{Context, anyhow};
 use palpate::config::Output;
 use palpate::{
-    Finished, Partial, RunOptions, Runner, Shard, Simulation, Study, SweepError, Warnings, load,
-    parse, refuse,
+    Finished, Partial, RunOptions, Runner, Shard, Simulation, Study, SweepError, Taken, Warnings,
+    load, parse, refuse,
 };
 
 use crate::cli::RunArgs;
 use crate::failure::Failure;
 use crate::journal::{
-    self, Asked, CellRecord, Found, Header, Item, Journal, Reader, Superblock, Totals,
+    self, Asked, CellRecord, Found, Header, Item, Journal, Reader, Superblock, Totals, TrialRows,
 };
 use crate::output::names::{
     CELLS, CONFIG, FAILURES, FRAMES, JOURNAL, MAP, MARKERS, NEXT_CONFIG, READINGS, TRACE, WARNINGS,
 };
-use crate::output::{Contents, Draft, Folder, Guard, Lock, Owned, StudyId};
+use crate::output::{Contents, Draft, Folder, Guard, Lock, Owned, Single, StudyId, Written};
 use crate::progress::Progress;
 use crate::{budget, output, stopped, trace};
 
@@ -57,7 +57,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         goal: goal_of(args),
         every_nth_cell: args.every_nth_cell.get() as u64,
         shard: (shard.number, shard.of),
+        trials_out: args.trials_out.is_some(),
     };
+    let trials_out = args.trials_out.as_ref();
+    let trials_out = trials_out.map(|path| Single::new("--trials-out", path, guard.clone()));
+    let trials_out = trials_out.transpose()?;
     let found = match args.restart {
         true => None,
         false => resumable(&out, &asked)?,
@@ -90,6 +94,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         None => simulation.and_then(Simulation::checked),
     }
     .map_err(Failure::usage)?;
+    let simulation = match args.trials_out.is_some() {
+        true => simulation.with_trials(),
+        false => simulation,
+    };
+    if let (Some(trials_out), [.., Some(header)]) = (&trials_out, simulation.headers()) {
+        trials_out.refuse_other(&header)?;
+    }
 
     let mut folder = Folder::open(&out, guard)?;
     let config = trace::resolved(&study);
@@ -136,7 +147,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     if is_whole {
         let reader = Reader::open(&out)?.map(|(reader, _)| reader);
         let readers = reader.into_iter().collect();
-        let (files, _) = Drafts::new(&folder, &simulation)?.fill(&simulation, readers, false)?;
+        let drafts = Drafts::new(&folder, &simulation, trials_out.as_ref())?;
+        let (files, _) = drafts.fill(&simulation, readers, false)?;
         end(&mut folder, files, traced, &config, &lines, &of_study)?;
         remove_journal(&out)?;
     }
@@ -219,6 +231,10 @@ fn resumable(out: &Path, asked: &Asked) -> Result<Option<Found>, Failure> {
     } else if known.every_nth_cell != asked.every_nth_cell {
         let (known, own) = (known.every_nth_cell, asked.every_nth_cell);
         format!("of --every-nth-cell {known}, not {own}")
+    } else if known.trials_out != asked.trials_out {
+        let with = |is: bool| if is { "with" } else { "without" };
+        let (known, own) = (with(known.trials_out), with(asked.trials_out));
+        format!("{known} --trials-out, and this is {own}")
     } else if known.goal != asked.goal {
         let or_none = |goal: &str| match goal {
             "" => "without --budget and --target-error".to_owned(),
@@ -294,8 +310,13 @@ struct Ongoing<'s, 'a> {
     tasks: u64,
     /// Sums of the heavy cell that has not been completed.
     open: Option<Partial>,
+    /// Rows of trials of the task that has not been completed.
+    rows: String,
     is_shared: bool,
 }
+
+/// Rows of trials that are kept in memory before they are written, bytes.
+const MOST_ROWS: usize = 1 << 20;
 
 impl<'s, 'a> Ongoing<'s, 'a> {
     /// Begins a journal, or goes on with one that was found.
@@ -331,6 +352,7 @@ impl<'s, 'a> Ongoing<'s, 'a> {
                 warnings,
                 tasks: 0,
                 open: None,
+                rows: String::new(),
                 is_shared,
             });
         };
@@ -358,6 +380,7 @@ impl<'s, 'a> Ongoing<'s, 'a> {
             warnings: found.warnings,
             tasks: found.tasks,
             open: None,
+            rows: String::new(),
             is_shared,
         };
         if let Some(open) = found.open.filter(|_| !is_shared) {
@@ -409,7 +432,7 @@ impl<'s, 'a> Ongoing<'s, 'a> {
                 )),
                 _ => Made::Superblock(Box::new(finished)),
             },
-            &mut |_, made| match self.take(made) {
+            &mut |number, taken| match self.take(number, taken) {
                 Ok(()) => {
                     progress.tell(&self.totals);
                     ControlFlow::Continue(())
@@ -458,14 +481,45 @@ impl<'s, 'a> Ongoing<'s, 'a> {
         }
     }
 
+    /// Notes rows of trials of the task of this number.
+    fn trials(&mut self, number: u64, rows: &str) -> Result<(), anyhow::Error> {
+        self.rows.push_str(rows);
+        if self.rows.len() > MOST_ROWS {
+            self.put_rows(number)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the rows of trials of the task of this number.
+    fn put_rows(&mut self, number: u64) -> std::io::Result<()> {
+        let rows = std::mem::take(&mut self.rows);
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let (cell, superblock) = self.simulation.place(number);
+        self.journal.trials(TrialRows {
+            cell: cell as u64,
+            superblock,
+            rows,
+        })
+    }
+
     /// Notes what a task gave.
-    fn take(&mut self, made: Made) -> Result<(), anyhow::Error> {
+    fn take(&mut self, number: u64, taken: Taken<Made>) -> Result<(), anyhow::Error> {
+        let made = match taken {
+            Taken::Note(rows) => return self.trials(number, &rows),
+            Taken::Result(made) => made,
+        };
         match made {
-            Made::Cell(record) => self.cell(record)?,
+            Made::Cell(mut record) => {
+                record.rows[3] = std::mem::take(&mut self.rows);
+                self.cell(record)?;
+            }
             Made::Superblock(finished) => {
                 let (superblock, of) = finished.superblock();
                 let cell = finished.cell();
                 let partial = finished.partial().clone();
+                self.put_rows(number)?;
                 self.journal.superblock(Superblock {
                     cell: cell as u64,
                     superblock,
@@ -498,8 +552,10 @@ enum Made {
 }
 
 /// Tables that are filled from journals.
-pub(crate) struct Drafts {
+pub(crate) struct Drafts<'s> {
     drafts: [Option<Draft>; 3],
+    /// Table of trials.
+    trials: Option<Written<'s>>,
     lacks: &'static str,
 }
 
@@ -509,10 +565,19 @@ type Filled = Vec<(&'static str, Draft)>;
 /// Names of the tables, in the order in which records have their rows.
 const TABLES: [&str; 3] = [CELLS, FAILURES, MAP];
 
-impl Drafts {
-    /// Tables of a simulation, with their headers.
-    pub(crate) fn new(folder: &Folder, simulation: &Simulation<'_>) -> Result<Self, Failure> {
+impl<'s> Drafts<'s> {
+    /// Tables of a simulation, with their headers; that of trials is a file of its own.
+    pub(crate) fn new(
+        folder: &Folder,
+        simulation: &Simulation<'_>,
+        trials_out: Option<&'s Single>,
+    ) -> Result<Self, Failure> {
         let mut drafts = [None, None, None];
+        let [.., of_trials] = simulation.headers();
+        let mut trials = trials_out.map(Single::begin).transpose()?;
+        if let (Some(trials), Some(header)) = (&mut trials, of_trials) {
+            trials.write(&header)?;
+        }
         for ((draft, header), name) in drafts.iter_mut().zip(simulation.headers()).zip(TABLES) {
             if let Some(header) = header {
                 let mut file = folder.draft(name)?;
@@ -522,6 +587,7 @@ impl Drafts {
         }
         Ok(Self {
             drafts,
+            trials,
             lacks: simulation.lacks(),
         })
     }
@@ -535,7 +601,17 @@ impl Drafts {
     ) -> Result<(Filled, Totals), Failure> {
         let mut failed: Vec<String> = Vec::new();
         let mut totals = Totals::default();
-        merge(simulation, readers, is_shared, &mut |record| {
+        merge(simulation, readers, is_shared, &mut |merged| {
+            let trials = self.trials.as_mut();
+            let record = match merged {
+                Merged::Trials(rows) => {
+                    return trials.map_or(Ok(()), |trials| trials.write(rows));
+                }
+                Merged::Cell(record) => record,
+            };
+            if let Some(trials) = trials {
+                trials.write(&record.rows[3])?;
+            }
             totals.add(record);
             let rows = self.drafts.iter_mut().zip(&record.rows).zip(TABLES);
             for ((draft, rows), name) in rows {
@@ -552,6 +628,9 @@ impl Drafts {
             let (lacks, cells) = (self.lacks, failed.join(", "));
             eprintln!("warning: map.csv lacks {lacks} whose trial 0 failed: {cells}");
         }
+        if let Some(trials) = self.trials {
+            trials.end()?;
+        }
         let files = TABLES.into_iter().zip(self.drafts);
         let files = files.filter_map(|(name, draft)| Some((name, draft?)));
         Ok((files.collect(), totals))
@@ -565,12 +644,19 @@ fn put(draft: &mut Draft, name: &str, text: &str) -> Result<(), Failure> {
         .map_err(Failure::work)
 }
 
+/// What journals have together, in the order of the cells.
+enum Merged<'r> {
+    /// Rows of trials of the cell that follows.
+    Trials(&'r str),
+    Cell(&'r CellRecord),
+}
+
 /// Hands over the cells of journals in the order of their numbers; heavy cells are put together from their superblocks.
 fn merge(
     simulation: &Simulation<'_>,
     readers: Vec<Reader>,
     is_shared: bool,
-    take: &mut dyn FnMut(&CellRecord) -> Result<(), Failure>,
+    take: &mut dyn FnMut(Merged<'_>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let next = |reader: &mut Reader| loop {
         match reader.item()? {
@@ -585,6 +671,7 @@ fn merge(
         heads.push((reader, first));
     }
     let place = |item: &Item| match item {
+        Item::Trials(trials) => (trials.cell, trials.superblock),
         Item::Cell(record) => (record.cell, 0),
         Item::Superblock(superblock) => (superblock.cell, superblock.superblock),
     };
@@ -598,14 +685,15 @@ fn merge(
             return Ok(());
         };
         match item {
-            Item::Cell(record) => take(&record)?,
+            Item::Trials(trials) => take(Merged::Trials(&trials.rows))?,
+            Item::Cell(record) => take(Merged::Cell(&record))?,
             Item::Superblock(superblock) => {
                 open.merge(superblock.partial);
                 if superblock.superblock + 1 == superblock.of {
                     let cell = superblock.cell as usize;
                     let finished = simulation.finished(cell, std::mem::take(&mut open));
                     let rows = simulation.rows(&finished.map_err(Failure::usage)?);
-                    take(&CellRecord::new(cell, false, rows))?;
+                    take(Merged::Cell(&CellRecord::new(cell, false, rows)))?;
                 }
             }
         }
