@@ -27,7 +27,7 @@ pub(crate) struct Share {
     /// First task of each cell; `None` where each has one.
     starts: Option<Vec<u64>>,
     /// Number of tasks of all shards together.
-    all: u64,
+    pub(crate) all: u64,
     shard: Shard,
     may_stop: bool,
 }

@@ -197,6 +197,11 @@ impl<'a> Simulation<'a> {
         self.share.tasks() > MOST_CHECKED
     }
 
+    /// Number of tasks of all shards together.
+    pub fn all_tasks(&self) -> u64 {
+        self.share.all
+    }
+
     /// Cell, and superblock of its trials, of the task with this number.
     pub fn place(&self, task: u64) -> (usize, u64) {
         let part = self.share.part(self.study, task);

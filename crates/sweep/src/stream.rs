@@ -1,15 +1,15 @@
 //! A sweep whose results are handed over in the order of its tasks, while it runs.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::note::{Noting, Seen};
 use crate::part::{Assembled, Part, Slice, Workspace};
 use crate::partial::Partial;
-use crate::queue::{Job, Piece, Queue};
+use crate::queue::{Experiment, Job, Piece, Queue};
 use crate::runner::{Runner, SweepError};
 use crate::stop;
 use crate::task::{Stop, Task};
@@ -83,7 +83,7 @@ impl Runner {
     ///
     /// ```
     /// use std::convert::Infallible;
-    /// use std::ops::ControlFlow;
+    /// use std::ops::{ControlFlow, Range};
     /// use std::sync::atomic::AtomicBool;
     /// use palpate_sweep::{Observation, Partial, Record, RunOptions, Runner, Sweep, Taken, Task, Trial};
     ///
@@ -194,7 +194,13 @@ struct Open {
 
 /// Trials of a task that have been run.
 struct Ran<S: Sweep> {
-    piece: Piece<S::Trial, S::Error>,
+    /// Number of the task.
+    number: u64,
+    task: Task,
+    /// Number of the trial after the last of them.
+    end: u64,
+    /// Experiment, unless the task is done: then nothing is asked of it any more.
+    experiment: Option<Arc<Experiment<S::Trial, S::Error>>>,
     sums: Sum<S::Result>,
     /// Notes on them.
     text: String,
@@ -266,7 +272,24 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             let ran = piece.trials.end - piece.trials.start;
             trials += ran;
             (self.progress)(ran);
-            all.push(Ran { piece, sums, text });
+            let Piece {
+                number,
+                task,
+                trials: Range { end, .. },
+                experiment,
+            } = piece;
+            let experiment = match sums {
+                Sum::Whole(_) => None,
+                _ => Some(experiment),
+            };
+            all.push(Ran {
+                number,
+                task,
+                end,
+                experiment,
+                sums,
+                text,
+            });
         }
         if self.has_clock {
             self.queue.timed(trials, time);
@@ -384,28 +407,36 @@ impl<S: Sweep> Line<'_, S> {
         if self.failed.is_some() {
             return ControlFlow::Break(());
         }
-        let Ran { piece, sums, text } = ran;
-        if !text.is_empty() && (self.take)(piece.number, Taken::Note(text)).is_break() {
+        let Ran {
+            number,
+            task,
+            end,
+            experiment,
+            sums,
+            text,
+        } = ran;
+        if !text.is_empty() && (self.take)(number, Taken::Note(text)).is_break() {
             return ControlFlow::Break(());
         }
-        let trial = match piece.experiment.get() {
-            Some(Ok(trial)) => trial,
-            Some(Err(error)) => {
-                self.failed = error.lock().unwrap_or_else(PoisonError::into_inner).take();
-                return ControlFlow::Break(());
-            }
-            None => return ControlFlow::Break(()),
-        };
+        let experiment = experiment.as_ref().and_then(|experiment| experiment.get());
+        if let Some(Err(error)) = experiment {
+            let error = error.lock();
+            self.failed = error.unwrap_or_else(PoisonError::into_inner).take();
+            return ControlFlow::Break(());
+        }
+        let trial = experiment.and_then(|experiment| experiment.as_ref().ok());
         let result = match sums {
             Sum::Whole(result) => result,
             Sum::Failed => return ControlFlow::Break(()),
             Sum::Blocks(_) | Sum::Slice(_) => {
+                let Some(trial) = trial else {
+                    return ControlFlow::Break(());
+                };
                 let mut open = self.open.take().unwrap_or_else(|| Open {
                     partial: Partial::new(trial.quantities()),
                     block: None,
                 });
-                let end = piece.trials.end;
-                let is_end = end == piece.task.trials.end;
+                let is_end = end == task.trials.end;
                 match sums {
                     Sum::Blocks(part) => part.add_to(&mut open.partial),
                     Sum::Slice(slice) => {
@@ -422,10 +453,10 @@ impl<S: Sweep> Line<'_, S> {
                     self.open = Some(open);
                     return ControlFlow::Continue(());
                 }
-                sweep.finish(&piece.task, trial, open.partial)
+                sweep.finish(&task, trial, open.partial)
             }
         };
         self.tasks += 1;
-        (self.take)(piece.number, Taken::Result(result))
+        (self.take)(number, Taken::Result(result))
     }
 }

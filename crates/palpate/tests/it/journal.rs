@@ -139,7 +139,7 @@ fn another_run_is_refused_and_what_was_done_stays() {
         ("--seed 8", "of another config:\n  - seed = 7\n  + seed = 8"),
         ("--trials 7", "- trials = 12000\n  + trials = 7"),
         ("--every-nth-cell 2", "of --every-nth-cell 1, not 2"),
-        ("--shard 1/2", "of shard 1 of 1, not 1 of 2"),
+        ("--shard 1/2", "of the whole study, not shard 1 of 2"),
         (
             "--target-error 0.1",
             "without --budget and --target-error, and this is with --target-error 0.1",

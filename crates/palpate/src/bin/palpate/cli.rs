@@ -214,15 +214,15 @@ pub(crate) struct SlurmArgs {
     /// The study's config, a TOML file.
     pub(crate) config: PathBuf,
     /// Number of shards.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = shards)]
     pub(crate) shards: NonZeroU64,
     /// Where to write the scripts, the shards and the results [default: out/ and the name of the study].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Longest time of a shard, as Slurm has it: minutes, or 2:00:00, or 1-12:00. A shard that needs longer
     /// goes on in another job.
-    #[arg(long, value_name = "TIME", value_parser = slurm_word)]
-    pub(crate) time: Option<String>,
+    #[arg(long, value_name = "TIME", value_parser = slurm_time)]
+    pub(crate) time: Option<SlurmTime>,
     /// Partition of the cluster.
     #[arg(long, value_name = "NAME", value_parser = slurm_word)]
     pub(crate) partition: Option<String>,
@@ -230,10 +230,10 @@ pub(crate) struct SlurmArgs {
     #[arg(long, value_name = "NAME", value_parser = slurm_word)]
     pub(crate) account: Option<String>,
     /// Memory of a shard, as Slurm has it: 500M, 2G.
-    #[arg(long, value_name = "SIZE", value_parser = slurm_word)]
+    #[arg(long, value_name = "SIZE", value_parser = slurm_size)]
     pub(crate) mem: Option<String>,
     /// Processors, and so threads, of a shard.
-    #[arg(long, value_name = "N", default_value = "1")]
+    #[arg(long, value_name = "N", default_value = "1", value_parser = processors)]
     pub(crate) cpus_per_task: NonZeroU64,
     /// Most times that a shard is queued again.
     #[arg(long, value_name = "N", default_value_t = 5)]
@@ -336,5 +336,70 @@ fn slurm_word(text: &str) -> Result<String, String> {
     match !text.is_empty() && text.chars().all(is_plain) {
         true => Ok(text.to_owned()),
         false => Err("may have letters, digits and ._-+:,/@ only".to_owned()),
+    }
+}
+
+fn shards(text: &str) -> Result<NonZeroU64, String> {
+    within(text, MOST_SHARDS)
+}
+
+/// Most processors of a shard.
+const MOST_PROCESSORS: u64 = 255;
+
+fn processors(text: &str) -> Result<NonZeroU64, String> {
+    within(text, MOST_PROCESSORS)
+}
+
+fn within(text: &str, most: u64) -> Result<NonZeroU64, String> {
+    let number = text.parse().ok().filter(|&number| number <= most);
+    let number = number.and_then(NonZeroU64::new);
+    number.ok_or_else(|| format!("must be a whole number from 1 to {most}"))
+}
+
+/// Time as Slurm has it.
+#[derive(Clone, Debug)]
+pub(crate) struct SlurmTime {
+    pub(crate) text: String,
+    pub(crate) minutes: u64,
+}
+
+/// Minutes, minutes:seconds, hours:minutes:seconds, or days-hours with :minutes and :seconds.
+fn slurm_time(text: &str) -> Result<SlurmTime, String> {
+    let wrong = || "is no time that Slurm knows; write minutes, 2:00:00 or 1-12:00".to_owned();
+    let (days, rest) = match text.split_once('-') {
+        Some((days, rest)) => (days.parse::<u64>().map_err(|_| wrong())?, rest),
+        None => (0, text),
+    };
+    let parts: Result<Vec<u64>, _> = rest.split(':').map(str::parse::<u64>).collect();
+    let parts = parts.map_err(|_| wrong())?;
+    if parts.iter().chain([&days]).any(|&part| part > 1_000_000) {
+        return Err(wrong());
+    }
+    let seconds = match (text.contains('-'), parts.as_slice()) {
+        (true, [hours]) => hours * 3600,
+        (true, [hours, minutes]) => hours * 3600 + minutes * 60,
+        (false, [minutes]) => minutes * 60,
+        (false, [minutes, seconds]) => minutes * 60 + seconds,
+        (_, [hours, minutes, seconds]) => hours * 3600 + minutes * 60 + seconds,
+        _ => return Err(wrong()),
+    };
+    let minutes = days * 1440 + seconds.div_ceil(60);
+    match minutes > 0 {
+        true => Ok(SlurmTime {
+            text: text.to_owned(),
+            minutes,
+        }),
+        false => Err("must be at least a minute".to_owned()),
+    }
+}
+
+/// Size of memory as Slurm has it.
+fn slurm_size(text: &str) -> Result<String, String> {
+    let digits = text.trim_end_matches(['K', 'M', 'G', 'T']);
+    let is_size =
+        digits.parse::<u64>().is_ok_and(|size| size > 0) && text.len() <= digits.len() + 1;
+    match is_size {
+        true => Ok(text.to_owned()),
+        false => Err("is no size that Slurm knows; write 500M or 2G".to_owned()),
     }
 }

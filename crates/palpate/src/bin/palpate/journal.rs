@@ -35,8 +35,9 @@ pub(crate) struct Header {
     pub(crate) asked: Asked,
     /// Warnings of its cells: lines with first cell, place among its lines, and number of cells.
     warnings: Vec<(String, (u64, u64, u64))>,
-    /// Number of tasks.
+    /// Number of its tasks, and of those of all shards together.
     pub(crate) tasks: u64,
+    pub(crate) all_tasks: u64,
 }
 
 /// Request of a user: what must be the same for a run to go on.
@@ -47,8 +48,8 @@ pub(crate) struct Asked {
     /// Budget and target error.
     pub(crate) goal: String,
     pub(crate) every_nth_cell: u64,
-    /// Number of the shard, and of shards.
-    pub(crate) shard: (u64, u64),
+    /// Number of the shard, and of shards; `None` of a run that is not shared.
+    pub(crate) shard: Option<(u64, u64)>,
     /// Whether rows of trials are kept.
     pub(crate) trials_out: bool,
 }
@@ -139,7 +140,12 @@ pub(crate) struct Found {
 }
 
 impl Header {
-    pub(crate) fn new(config: String, asked: Asked, warnings: &Warnings, tasks: u64) -> Self {
+    pub(crate) fn new(
+        config: String,
+        asked: Asked,
+        warnings: &Warnings,
+        [tasks, all_tasks]: [u64; 2],
+    ) -> Self {
         let entries = warnings.entries();
         let entry = |(line, (cell, place, count)): (&str, (usize, usize, usize))| {
             (line.to_owned(), (cell as u64, place as u64, count as u64))
@@ -150,6 +156,7 @@ impl Header {
             asked,
             warnings: entries.map(entry).collect(),
             tasks,
+            all_tasks,
         }
     }
 
@@ -220,11 +227,14 @@ impl Journal {
     /// Journal that begins in a directory.
     pub(crate) fn new(dir: &Path, header: &Header) -> io::Result<Self> {
         let path = dir.join(JOURNAL);
-        let mut file = File::create(&path)?;
-        file.write_all(MAGIC)?;
-        let mut journal = Self::of(file, path);
-        journal.frame(&Record::Header(Box::new(header.clone())))?;
-        journal.file.sync_data()?;
+        let mut journal = Self::of(File::create(&path)?, path);
+        let header = framed(&Record::Header(Box::new(header.clone())))?;
+        let written = journal.file.write_all(&[MAGIC, header.as_slice()].concat());
+        // Half a header, as on a full disk, would be taken for a damaged one.
+        if let Err(error) = written.and_then(|()| journal.file.sync_data()) {
+            let _ = fs::remove_file(&journal.path);
+            return Err(error);
+        }
         Ok(journal)
     }
 
@@ -311,14 +321,19 @@ impl Journal {
     }
 
     fn frame(&mut self, record: &Record) -> io::Result<()> {
-        let bytes = postcard::to_stdvec(record).map_err(io::Error::other)?;
-        let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
-        let mut frame = Vec::with_capacity(bytes.len() + 8);
-        frame.extend_from_slice(&length.to_le_bytes());
-        frame.extend_from_slice(&crc32fast::hash(&bytes).to_le_bytes());
-        frame.extend_from_slice(&bytes);
-        self.file.write_all(&frame)
+        self.file.write_all(&framed(record)?)
     }
+}
+
+/// Frame of a record.
+fn framed(record: &Record) -> io::Result<Vec<u8>> {
+    let bytes = postcard::to_stdvec(record).map_err(io::Error::other)?;
+    let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
+    let mut frame = Vec::with_capacity(bytes.len() + 8);
+    frame.extend_from_slice(&length.to_le_bytes());
+    frame.extend_from_slice(&crc32fast::hash(&bytes).to_le_bytes());
+    frame.extend_from_slice(&bytes);
+    Ok(frame)
 }
 
 /// Journal that is read, record by record.
@@ -341,7 +356,7 @@ impl Reader {
             {
                 return Ok(None);
             }
-            // To read a pipe would wait for its writer.
+            // To read a pipe would wait for its writer; a link leads to what is somebody's.
             Ok(found) if !found.is_file() => return Err(no_journal(&path)),
             found => found.with_context(cannot).map_err(Failure::work)?,
         };
@@ -358,7 +373,7 @@ impl Reader {
         let mut magic = [0; MAGIC.len()];
         if reader.file.read_exact(&mut magic).is_err() {
             // A run that was killed in its first moment.
-            return match length < MAGIC.len() as u64 && MAGIC.starts_with(&bytes_of(&path)) {
+            return match MAGIC.starts_with(&bytes_of(&path)) {
                 true => Ok(None),
                 false => Err(no_journal(&path)),
             };
@@ -378,7 +393,10 @@ impl Reader {
         reader.good = MAGIC.len() as u64;
         match reader.record() {
             Some(Record::Header(header)) => Ok(Some((reader, *header))),
-            _ => Ok(None),
+            _ => Err(Failure::work(anyhow!(
+                "{} is damaged at its beginning, so that nothing is known of its run: --restart begins that anew",
+                path.display()
+            ))),
         }
     }
 
@@ -417,6 +435,21 @@ impl Reader {
             }
         }
     }
+}
+
+/// Refuses to begin a journal where something else has its name.
+pub(crate) fn refuse_other(dir: &Path) -> Result<(), Failure> {
+    let path = dir.join(JOURNAL);
+    let Ok(found) = fs::symlink_metadata(&path) else {
+        return Ok(());
+    };
+    let begins = |bytes: &[u8]| MAGIC[..7].starts_with(&bytes[..bytes.len().min(7)]);
+    let is_journal = found.is_file() && {
+        let mut start = Vec::new();
+        let read = File::open(&path).and_then(|file| file.take(7).read_to_end(&mut start));
+        read.is_ok() && begins(&start)
+    };
+    is_journal.then_some(()).ok_or_else(|| no_journal(&path))
 }
 
 fn bytes_of(path: &Path) -> Vec<u8> {

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use palpate::{RunOptions, Runner, Shard, Simulation, Warnings, parse};
 
 use crate::cli::MergeArgs;
 use crate::failure::Failure;
-use crate::journal::{self, Found, Reader, Totals};
+use crate::journal::{self, Found, Header, Reader, Totals};
 use crate::output::names::{CONFIG, JOURNAL};
 use crate::output::{Contents, Folder, Guard, Single, StudyId};
 use crate::run::{Drafts, difference, end, numbers_of, summary, tables_of, traced};
@@ -32,11 +32,13 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
         )));
     };
     for (dir, found) in shards.values() {
-        refuse_foreign(dir, found, first_dir, first)?;
+        if let Some(why) = foreign(found, first_dir, first) {
+            return Err(Failure::work(anyhow!("{} {why}", dir.display())));
+        }
         refuse_damaged(dir, found)?;
     }
     let header = &first.header;
-    let of = header.asked.shard.1;
+    let of = header.asked.shard.map_or(1, |(_, of)| of);
     let missing: Vec<u64> = (1..=of)
         .filter(|number| !shards.contains_key(number))
         .collect();
@@ -97,7 +99,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
         readers.extend(Reader::open(dir)?.map(|(reader, _)| reader));
     }
     let drafts = Drafts::new(&folder, &simulation, trials_out.as_ref())?;
-    let (files, totals) = drafts.fill(&simulation, readers, of > 1)?;
+    let (files, totals) = drafts.fill(&simulation, readers, true)?;
     if totals.cells != cells as u64 {
         return Err(Failure::work(anyhow!(
             "the shards have {} cells of {cells}: one of them has changed since it was read",
@@ -119,15 +121,25 @@ pub(crate) fn shards_of(dirs: &[PathBuf]) -> Result<BTreeMap<u64, (PathBuf, Foun
         if !dir.is_dir() {
             return Err(Failure::work(anyhow!("{} is no directory", dir.display())));
         }
-        for place in journals_in(dir, 2) {
+        let listed = fs::read_dir(dir);
+        listed
+            .with_context(|| format!("cannot read {}", dir.display()))
+            .map_err(Failure::work)?;
+        let places = journals_in(dir, 2);
+        if places.is_empty() && dirs.len() > 1 {
+            let dir = dir.display();
+            return Err(Failure::work(anyhow!(
+                "{dir} has no shard: `palpate run --shard` leaves {JOURNAL} there"
+            )));
+        }
+        for place in places {
             let Some(found) = journal::read(&place)? else {
                 continue;
             };
-            let (number, of) = found.header.asked.shard;
             // The journal of a whole run that has not ended stands beside its shards.
-            if of < 2 {
+            let Some((number, of)) = found.header.asked.shard else {
                 continue;
-            }
+            };
             if let Some((other, _)) = shards.get(&number)
                 && *other != place
             {
@@ -158,14 +170,15 @@ fn journals_in(dir: &Path, depth: usize) -> Vec<PathBuf> {
     below.collect()
 }
 
-/// Refuses a shard that is not of the run that another is of.
-fn refuse_foreign(dir: &Path, found: &Found, first: &Path, of: &Found) -> Result<(), Failure> {
+/// Reason why a shard is not of the run that another is of, if it is not.
+pub(crate) fn foreign(found: &Found, first: &Path, of: &Found) -> Option<String> {
     let (one, other) = (&found.header, &of.header);
     let own = env!("CARGO_PKG_VERSION");
-    let why = if one.version != own {
+    let number = |header: &Header| header.asked.shard.map_or(1, |(_, of)| of);
+    Some(if one.version != own {
         format!("is of palpate {}, and this is {own}", one.version)
-    } else if one.asked.shard.1 != other.asked.shard.1 {
-        let (one, other) = (one.asked.shard.1, other.asked.shard.1);
+    } else if number(one) != number(other) {
+        let (one, other) = (number(one), number(other));
         format!("is one of {one} shards, and {} of {other}", first.display())
     } else if one.config != other.config {
         let lines = difference(&other.config, &one.config);
@@ -175,14 +188,14 @@ fn refuse_foreign(dir: &Path, found: &Found, first: &Path, of: &Found) -> Result
     } else if one.asked.every_nth_cell != other.asked.every_nth_cell {
         format!("has another --every-nth-cell than {}", first.display())
     } else {
-        return Ok(());
-    };
-    Err(Failure::work(anyhow!("{} {why}", dir.display())))
+        return None;
+    })
 }
 
 /// Refuses a shard that has not ended, or is damaged.
 fn refuse_damaged(dir: &Path, found: &Found) -> Result<(), Failure> {
-    let ((number, of), all) = (found.header.asked.shard, found.header.tasks);
+    let (number, of) = found.header.asked.shard.unwrap_or((1, 1));
+    let all = found.header.tasks;
     let shard = format!("shard {number} of {of} in {}", dir.display());
     let done = format!("{} of {all} tasks", found.tasks);
     match (found.is_ended, found.is_torn) {

@@ -1,7 +1,7 @@
 //! `palpate run`.
 
 use std::io::Write;
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU64, NonZeroUsize};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -9,8 +9,8 @@ use std::time::Instant;
 use anyhow::{Context, anyhow};
 use palpate::config::Output;
 use palpate::{
-    Finished, Partial, RunOptions, Runner, Shard, Simulation, Study, SweepError, Taken, Warnings,
-    load, parse, refuse,
+    Finished, Partial, RunOptions, Runner, Simulation, Study, SweepError, Taken, Warnings, load,
+    parse, refuse,
 };
 
 use crate::cli::RunArgs;
@@ -32,7 +32,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let study = asked_study(args)?;
     let shard = args.shard.unwrap_or_default();
-    let is_whole = shard == Shard::default();
+    let is_whole = args.shard.is_none();
     let out = args.out.clone().unwrap_or_else(|| {
         let out = PathBuf::from("out").join(&study.config.name);
         match is_whole {
@@ -56,14 +56,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         config: trace::resolved(&study),
         goal: goal_of(args),
         every_nth_cell: args.every_nth_cell.get() as u64,
-        shard: (shard.number, shard.of),
+        shard: args.shard.map(|shard| (shard.number, shard.of)),
         trials_out: args.trials_out.is_some(),
     };
     let trials_out = args.trials_out.as_ref();
     let trials_out = trials_out.map(|path| Single::new("--trials-out", path, guard.clone()));
     let trials_out = trials_out.transpose()?;
     let found = match args.restart {
-        true => None,
+        true => {
+            journal::refuse_other(&out)?;
+            None
+        }
         false => resumable(&out, &asked)?,
     };
     let numbers = numbers_of(&study, args.every_nth_cell.get());
@@ -130,7 +133,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         true => Warnings::default(),
         false => told.clone(),
     };
-    let header = Header::new(config.clone(), asked, &of_header, simulation.tasks());
+    let tasks = [simulation.tasks(), simulation.all_tasks()];
+    let header = Header::new(config.clone(), asked, &of_header, tasks);
     let ongoing = Ongoing::begin(&simulation, &out, header, of_header, found, args.restart)?;
     let (totals, warnings) = ongoing.run()?;
     let known = told.lines(cells);
@@ -161,28 +165,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
 
 /// The study with what arguments change of it.
 fn asked_study(args: &RunArgs) -> Result<Study, Failure> {
-    let mut study = load(&args.config).map_err(Failure::usage)?;
-    if let Some(seed) = args.seed {
-        study.override_seed(seed).map_err(Failure::usage)?;
-    }
-    if let Some(trials) = args.trials {
-        study
-            .override_trials(trials.get())
-            .map_err(Failure::usage)?;
-    }
     let chooses = [
-        ("--trials", args.trials.is_some()),
         ("--budget", args.budget.is_some()),
         ("--target-error", args.target_error.is_some()),
     ];
-    if let Some((option, _)) = chooses.iter().find(|(_, is_given)| *is_given)
-        && study.config.stop.is_some()
-    {
-        return Err(Failure::usage(anyhow!(
-            "{option} sets the number of trials, and `stop` in {} decides it: leave one of them out",
-            args.config.display()
-        )));
-    }
+    let chosen = chooses.iter().find(|(_, is_given)| *is_given);
+    let study = overridden(
+        &args.config,
+        args.seed,
+        args.trials,
+        chosen.map(|(name, _)| *name),
+    )?;
     if args.budget.is_some() && args.shard.is_some() {
         return Err(Failure::usage(anyhow!(
             "--budget hangs on the machine, and shards must have the same trials: run --budget once for a run.toml, \
@@ -190,6 +183,32 @@ fn asked_study(args: &RunArgs) -> Result<Study, Failure> {
         )));
     }
     refuse(&study).map_err(Failure::usage)?;
+    Ok(study)
+}
+
+/// Study of a config with another seed and number of trials. `chosen_by` names another argument that chooses trials.
+pub(crate) fn overridden(
+    config: &Path,
+    seed: Option<u64>,
+    trials: Option<NonZeroU64>,
+    chosen_by: Option<&str>,
+) -> Result<Study, Failure> {
+    let mut study = load(config).map_err(Failure::usage)?;
+    let option = trials.map(|_| "--trials").or(chosen_by);
+    if let (Some(option), Some(_)) = (option, &study.config.stop) {
+        return Err(Failure::usage(anyhow!(
+            "{option} sets the number of trials, and `stop` in {} decides it: leave one of them out",
+            config.display()
+        )));
+    }
+    if let Some(seed) = seed {
+        study.override_seed(seed).map_err(Failure::usage)?;
+    }
+    if let Some(trials) = trials {
+        study
+            .override_trials(trials.get())
+            .map_err(Failure::usage)?;
+    }
     Ok(study)
 }
 
@@ -226,8 +245,11 @@ fn resumable(out: &Path, asked: &Asked) -> Result<Option<Found>, Failure> {
     let why = if version != own {
         format!("of palpate {version}, and this is {own}")
     } else if known.shard != asked.shard {
-        let ((number, of), (own, own_of)) = (known.shard, asked.shard);
-        format!("of shard {number} of {of}, not {own} of {own_of}")
+        let words = |shard: Option<(u64, u64)>| match shard {
+            Some((number, of)) => format!("shard {number} of {of}"),
+            None => "the whole study".to_owned(),
+        };
+        format!("of {}, not {}", words(known.shard), words(asked.shard))
     } else if known.every_nth_cell != asked.every_nth_cell {
         let (known, own) = (known.every_nth_cell, asked.every_nth_cell);
         format!("of --every-nth-cell {known}, not {own}")
@@ -257,8 +279,12 @@ fn resumable(out: &Path, asked: &Asked) -> Result<Option<Found>, Failure> {
         // Nothing would be lost.
         return Ok(None);
     }
+    let state = match found.is_ended {
+        true => "a shard that is done",
+        false => "a run that has not ended",
+    };
     Err(Failure::usage(anyhow!(
-        "{} is of a run that has not ended, {why}\nto drop it give --restart; to keep it, another --out",
+        "{} is of {state}, {why}\nto drop it give --restart; to keep it, another --out",
         out.join(JOURNAL).display()
     )))
 }
@@ -328,9 +354,12 @@ impl<'s, 'a> Ongoing<'s, 'a> {
         found: Option<Found>,
         restarts: bool,
     ) -> Result<Self, Failure> {
-        let is_shared = header.asked.shard.1 > 1;
+        let is_shared = header.asked.shard.is_some();
         // Since it was looked for, another process may have ended it, or begun one.
-        let now = journal::read(out)?.filter(|now| !restarts && now.tasks > 0);
+        let now = match restarts {
+            true => None,
+            false => journal::read(out)?.filter(|now| now.tasks > 0),
+        };
         let is_known = now.as_ref().is_none_or(|now| {
             let found = found.as_ref();
             found.is_some_and(|found| found.header == now.header)

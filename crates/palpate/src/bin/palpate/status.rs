@@ -11,7 +11,7 @@ use crate::cli::StatusArgs;
 use crate::duration::{exact, roughly};
 use crate::failure::Failure;
 use crate::journal::{self, Found};
-use crate::merge::{listed, shards_of, totals_of};
+use crate::merge::{foreign, listed, shards_of, totals_of};
 use crate::output::names::{CELLS, CONFIG, text_of};
 use crate::output::{self, Lock};
 
@@ -26,23 +26,35 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
         None => shards_of(std::slice::from_ref(dir))?,
     };
     let mut text = String::new();
-    let of = shards
-        .values()
-        .next()
-        .map(|(_, found)| found.header.asked.shard.1);
+    let first = shards.values().next();
+    let of = first
+        .and_then(|(_, found)| found.header.asked.shard)
+        .map(|(_, of)| of);
     if let Some(of) = of {
-        let mut states: [(&str, Vec<u64>); 4] = [
+        let mut states: [(&str, Vec<u64>); 5] = [
             ("done", vec![]),
             ("running", vec![]),
             ("failed", vec![]),
             ("missing", vec![]),
+            ("foreign", vec![]),
         ];
+        let others = |found: &Found| {
+            let (dir, first) = first?;
+            foreign(found, dir, first)
+        };
+        let mut strangers = String::new();
         for number in 1..=of {
             let state = match shards.get(&number) {
                 None => 3,
-                Some((_, found)) if found.is_ended && !found.is_torn => 0,
-                Some((dir, _)) if Lock::is_held(dir) => 1,
-                Some(_) => 2,
+                Some((dir, found)) => match others(found) {
+                    Some(why) => {
+                        let _ = writeln!(strangers, "{} {why}", dir.display());
+                        4
+                    }
+                    None if found.is_ended && !found.is_torn => 0,
+                    None if Lock::is_held(dir) => 1,
+                    None => 2,
+                },
             };
             states[state].1.push(number);
         }
@@ -58,15 +70,13 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
                 );
             }
         }
-        let all = founds
-            .iter()
-            .map(|found| found.header.tasks)
-            .max()
-            .unwrap_or(0);
+        text += &strangers;
+        let founds: Vec<&Found> = founds
+            .into_iter()
+            .filter(|found| others(found).is_none())
+            .collect();
         let running = states[1].1.len().max(1) as f64;
-        // Shards that have not begun have about as many tasks as the others.
-        let tasks = founds.iter().map(|found| found.header.tasks).sum::<u64>()
-            + states[3].1.len() as u64 * all;
+        let tasks = founds[0].header.all_tasks;
         text += &counts(&founds, tasks, running, !states[1].1.is_empty());
         if !states[2].1.is_empty() {
             let _ = writeln!(
@@ -75,18 +85,16 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
             );
         }
     } else if let Some(found) = &own {
-        let (number, of) = found.header.asked.shard;
         let is_held = Lock::is_held(dir);
         let state = match (found.is_ended, is_held) {
             (true, _) => "done",
             (false, true) => "running",
             (false, false) => "stopped: the same command goes on with it",
         };
-        let shard = if of > 1 {
+        let shard = found.header.asked.shard;
+        let shard = shard.map_or_else(String::new, |(number, of)| {
             format!(", shard {number} of {of}")
-        } else {
-            String::new()
-        };
+        });
         let _ = writeln!(text, "study    {}{shard}", name_of(found));
         let _ = writeln!(text, "state    {state}");
         text += &counts(&[found], found.header.tasks, 1.0, is_held);

@@ -6,32 +6,28 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, anyhow};
-use palpate::{load, refuse};
+use palpate::refuse;
 
 use crate::cli::SlurmArgs;
 use crate::failure::Failure;
 use crate::merge::shards_of;
-use crate::output::names::CONFIG;
+use crate::output::names::{CONFIG, text_of};
 use crate::output::{Contents, Folder, Guard, StudyId};
-use crate::run::difference;
+use crate::run::{difference, overridden};
 use crate::{output, trace};
 
-/// Names of the scripts, and of the folders of shards and of what they print.
+/// Names of the scripts, of the file with the numbers of their jobs, and of the folders of shards and of what they print.
 const SHARDS_SCRIPT: &str = "shards.sbatch";
 const MERGE_SCRIPT: &str = "merge.sbatch";
+const JOBS: &str = "jobs.txt";
 const SHARDS: &str = "shards";
 const LOGS: &str = "logs";
 
+/// Longest time of which a minute at the end is too much to lose, min.
+const SHORT_MIN: u64 = 3;
+
 pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
-    let mut study = load(&args.config).map_err(Failure::usage)?;
-    if let Some(seed) = args.seed {
-        study.override_seed(seed).map_err(Failure::usage)?;
-    }
-    if let Some(trials) = args.trials {
-        study
-            .override_trials(trials.get())
-            .map_err(Failure::usage)?;
-    }
+    let study = overridden(&args.config, args.seed, args.trials, None)?;
     refuse(&study).map_err(Failure::usage)?;
     let name = &study.config.name;
     let out = args
@@ -69,6 +65,7 @@ pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
         ));
     }
     refuse_long_array(args.shards.get())?;
+    refuse_queued(&out)?;
     let mut folder = Folder::open(&out, Guard::new([&args.config], args.force))?;
     let of_study = StudyId::new(name, &config);
     folder
@@ -85,6 +82,10 @@ pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
     // Also where some shard fails: the merge says which.
     let after = format!("--dependency=afterany:{array}");
     let merging = sbatch(&[&after, &format!("{}", out.join(MERGE_SCRIPT).display())])?;
+    let jobs = format!(
+        "# Jobs of the last submission: of the shards, of the merge.\n{array}\n{merging}\n"
+    );
+    folder.write(&[(JOBS, jobs.as_str())], Some(&of_study))?;
     let (shown, left) = (out.display(), left.len());
     output::print(&format!(
         "{name}: {left} of {} shards as job {array}, then the merge as job {merging} -> {shown}\n\
@@ -102,8 +103,9 @@ fn left(out: &Path, of: u64, config: &str) -> Result<Vec<u64>, Failure> {
     };
     for (dir, found) in known.values() {
         let header = &found.header;
-        let why = if header.asked.shard.1 != of {
-            format!("is one of {} shards, not {of}", header.asked.shard.1)
+        let known = header.asked.shard.map_or(1, |(_, of)| of);
+        let why = if known != of {
+            format!("is one of {known} shards, not {of}")
         } else if header.asked.config != config {
             format!(
                 "is of another config:{}",
@@ -153,7 +155,11 @@ fn shards_script(args: &SlurmArgs, name: &str, out: &Path, program: &Path, left:
     let quoted = |path: &Path| quoted(&path.display().to_string());
     let time = args.time.as_ref().map_or(String::new(), |time| {
         // The shard is told a minute before the time is up, and goes on in a new job.
-        format!("#SBATCH --time={time}\n#SBATCH --signal=B:USR1@60\n")
+        let signal = match time.minutes > SHORT_MIN {
+            true => "#SBATCH --signal=B:USR1@60\n",
+            false => "",
+        };
+        format!("#SBATCH --time={}\n{signal}", time.text)
     });
     let memory = args
         .mem
@@ -245,6 +251,23 @@ fn refuse_long_array(shards: u64) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Refuses to submit again what waits or runs, as far as the scheduler knows of it.
+fn refuse_queued(out: &Path) -> Result<(), Failure> {
+    let jobs = text_of(&out.join(JOBS)).unwrap_or_default();
+    let is_number =
+        |line: &&str| !line.is_empty() && line.bytes().all(|byte| byte.is_ascii_digit());
+    for job in jobs.lines().filter(is_number) {
+        let queue = Command::new("squeue").args(["-h", "-j", job]).output();
+        // Of a job that ended long ago it knows nothing, and says so.
+        if queue.is_ok_and(|queue| queue.status.success() && !queue.stdout.is_empty()) {
+            return Err(Failure::work(anyhow!(
+                "job {job} of the last submission has not ended: wait for it, or `scancel {job}`"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Submits a script, and gives the number of its job.
