@@ -239,7 +239,7 @@ impl<'a> Simulation<'a> {
         self.maps.as_ref().map_or("cells", |maps| maps.lacks)
     }
 
-    /// Runs the tasks from `first` on, until another thread sets `cancelled` or `take` breaks. `make` is called by any
+    /// Runs the tasks from `first` on, of which the first trials may have been `started`, until another thread sets `cancelled` or `take` breaks. `make` is called by any
     /// thread; `take` is handed what it made, in the order of the tasks and one at a time, and before it the rows of the
     /// task's trials where these are told. `progress` is told by any thread
     /// how many trials it has done since it last told.
@@ -252,6 +252,7 @@ impl<'a> Simulation<'a> {
     pub fn stream<R: Send>(
         &self,
         first: u64,
+        started: Option<(Partial, u64)>,
         cancelled: &AtomicBool,
         progress: &(dyn Fn(u64) + Sync),
         make: impl Fn(Finished) -> R + Sync,
@@ -260,6 +261,7 @@ impl<'a> Simulation<'a> {
         let tasks = Tasks {
             simulation: self,
             first,
+            started,
             make,
         };
         let take = &mut |number: u64, taken: Taken<R>| take(first + number, taken);
@@ -290,7 +292,7 @@ impl<'a> Simulation<'a> {
             }
             ControlFlow::Continue(())
         };
-        self.stream(0, cancelled, progress, |finished| finished, take)?;
+        self.stream(0, None, cancelled, progress, |finished| finished, take)?;
         let statistics: Vec<CellStatistics> = cells.iter().map(Finished::statistics).collect();
         let rows = cells.iter().zip(&statistics);
         let rows: Vec<Row<'_>> = rows
@@ -356,6 +358,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 struct Tasks<'s, 'a, F> {
     simulation: &'s Simulation<'a>,
     first: u64,
+    started: Option<(Partial, u64)>,
     make: F,
 }
 
@@ -399,6 +402,10 @@ impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
     fn task(&self, number: u64) -> Task {
         let simulation = self.simulation;
         simulation.share.task(simulation.study, self.first + number)
+    }
+
+    fn started(&self) -> Option<(Partial, u64)> {
+        self.started.clone()
     }
 
     fn set_up(&self, cell: usize) -> Result<Ready, ConfigError> {

@@ -56,12 +56,15 @@ struct State<T, E> {
 }
 
 impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
-    pub(crate) fn new(tasks: u64, task: F) -> Self {
+    /// Queue of so many tasks; `started` is the first trial of the first task that is left, if some have been run.
+    pub(crate) fn new(tasks: u64, task: F, started: Option<u64>) -> Self {
+        let first = started.filter(|_| tasks > 0);
+        let open = first.map(|trial| (task(0), trial));
         Self {
             tasks,
             task,
             state: Mutex::new(State {
-                open: None,
+                open,
                 next: 0,
                 last: None,
                 jobs: [0, 0],

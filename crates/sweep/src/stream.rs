@@ -30,6 +30,12 @@ pub trait Sweep: Sync {
     /// Task of this number. Those of a cell follow each other, in the order of their trials.
     fn task(&self, number: u64) -> Task;
 
+    /// Sums of the first trials of the first task, and the number of the trial that follows, where a run goes on within
+    /// that task: as [`Taken::Open`] had them.
+    fn started(&self) -> Option<(Partial, u64)> {
+        None
+    }
+
     /// Sets up the experiment of a cell: on any thread when its first trial is due. It must not wait for the threads of
     /// the run.
     ///
@@ -69,9 +75,15 @@ pub trait Sweep: Sync {
 pub enum Taken<R> {
     /// Notes on some trials of a task, those that follow the notes before.
     Note(String),
+    /// Sums of the first trials of a task that takes long, and the number of the trial that follows; a few seconds after the
+    /// last. What they are of is noted before.
+    Open(Partial, u64),
     /// Result of a task, after all notes on its trials.
     Result(R),
 }
+
+/// Time between two accounts of a task that takes long.
+const ACCOUNT: Duration = Duration::from_secs(3);
 
 impl Runner {
     /// Runs the tasks of a sweep and hands their results over, in the order of the tasks and one at a time, until another
@@ -136,7 +148,9 @@ impl Runner {
         progress: &(dyn Fn(u64) + Sync),
         take: &mut (dyn FnMut(u64, Taken<S::Result>) -> ControlFlow<()> + Send),
     ) -> Result<(), SweepError<S::Error>> {
-        let queue = Queue::new(sweep.tasks(), |number| sweep.task(number));
+        let started = sweep.started();
+        let trial = started.as_ref().map(|(_, trial)| *trial);
+        let queue = Queue::new(sweep.tasks(), |number| sweep.task(number), trial);
         let crew = Crew {
             sweep,
             queue: &queue,
@@ -146,7 +160,11 @@ impl Runner {
             line: Mutex::new(Line {
                 waiting: BTreeMap::new(),
                 head: 0,
-                open: None,
+                open: started.map(|(partial, _)| Open {
+                    partial,
+                    block: None,
+                }),
+                told: self.has_threads().then(Instant::now),
                 tasks: 0,
                 failed: None,
                 take,
@@ -180,6 +198,8 @@ struct Line<'a, S: Sweep> {
     /// Number of the job whose results are due.
     head: u64,
     open: Option<Open>,
+    /// When the sums of the open task were last handed over, or the run began; `None` without a clock.
+    told: Option<Instant>,
     /// Number of the tasks whose results have been taken.
     tasks: u64,
     failed: Option<S::Error>,
@@ -450,8 +470,16 @@ impl<S: Sweep> Line<'_, S> {
                     Sum::Whole(_) | Sum::Failed => {}
                 }
                 if !is_end {
+                    let is_due = self.told.is_some_and(|told| told.elapsed() >= ACCOUNT);
+                    let account = (is_due && open.block.is_none()).then(|| open.partial.clone());
                     self.open = Some(open);
-                    return ControlFlow::Continue(());
+                    return match account {
+                        Some(partial) => {
+                            self.told = Some(Instant::now());
+                            (self.take)(number, Taken::Open(partial, end))
+                        }
+                        None => ControlFlow::Continue(()),
+                    };
                 }
                 sweep.finish(&task, trial, open.partial)
             }

@@ -50,6 +50,7 @@ struct Tasks<F> {
     tasks: Vec<Task>,
     experiment: F,
     stop: Option<Stop>,
+    started: Option<(Partial, u64)>,
 }
 
 impl<T: Trial + Send, F: Fn() -> T + Sync> Sweep for Tasks<F> {
@@ -67,6 +68,10 @@ impl<T: Trial + Send, F: Fn() -> T + Sync> Sweep for Tasks<F> {
 
     fn set_up(&self, _cell: usize) -> Result<T, Infallible> {
         Ok((self.experiment)())
+    }
+
+    fn started(&self) -> Option<(Partial, u64)> {
+        self.started.clone()
     }
 
     fn stop(&self, _trial: &T) -> Option<Stop> {
@@ -109,6 +114,7 @@ fn rich(wait_us: u64, places: u64, trials: u64) -> Tasks<impl Fn() -> Rich + Syn
             places,
         },
         stop: None,
+        started: None,
     }
 }
 
@@ -152,6 +158,7 @@ fn one_trial_tells_all_where_nothing_is_random() {
             tasks,
             experiment: || Still(AtomicU64::new(0)),
             stop: None,
+            started: None,
         };
         let mut all = Partial::default();
         partials(2, &sweep)
@@ -195,6 +202,7 @@ fn superblocks_put_together_are_the_cell() {
                 tasks,
                 experiment: quick,
                 stop: None,
+                started: None,
             },
         );
         apart.push(postcard::to_stdvec(&partial[0]).unwrap());
@@ -277,6 +285,7 @@ fn trials(statistic: Watched, places: u64, are_same: bool, scale: f64, min_trial
             scale,
         },
         stop: Some(stop),
+        started: None,
     };
     let all = partials(2, &sweep);
     assert_eq!(format!("{:?}", all[0]), format!("{:?}", all[2]));
@@ -349,6 +358,38 @@ fn a_panic_of_one_thread_ends_them_all() {
             tasks,
             experiment: || Panics,
             stop: None,
+            started: None,
         },
     );
+}
+
+#[test]
+fn a_task_that_takes_long_goes_on_where_it_was() {
+    const TRIALS: u64 = 30_000;
+    let sweep = |wait_us| {
+        let mut sweep = rich(wait_us, 2, TRIALS);
+        sweep.tasks.truncate(1);
+        sweep
+    };
+    let whole = partials(1, &sweep(0));
+    let mut account = None;
+    let take = &mut |_: u64, taken: Taken<Partial>| match taken {
+        Taken::Open(partial, trial) => {
+            account = Some((partial, trial));
+            ControlFlow::Break(())
+        }
+        _ => ControlFlow::Continue(()),
+    };
+    let error = runner(2).stream(&sweep(400), &AtomicBool::new(false), &|_| (), take);
+    assert!(matches!(error, Err(SweepError::Cancelled)));
+    let (partial, trial) = account.expect("an account after some seconds");
+    assert!(
+        trial.is_multiple_of(BLOCK) && trial > 0 && trial < TRIALS,
+        "{trial}"
+    );
+    assert_eq!(partial.trials(), trial);
+    let written = postcard::to_stdvec(&partial).unwrap();
+    let mut rest = sweep(0);
+    rest.started = Some((postcard::from_bytes(&written).unwrap(), trial));
+    assert_eq!(partials(2, &rest), whole);
 }

@@ -61,6 +61,8 @@ enum Record {
     /// Cells that are done, and the time since the last such record, ms.
     Cells(Vec<CellRecord>, u64),
     Superblock(Superblock, u64),
+    /// Sums of the first trials of the task that follows, and the number of its next trial.
+    Started(Box<Partial>, u64, u64),
     /// Rows of trials of the task that follows.
     Trials(TrialRows),
     End,
@@ -126,6 +128,8 @@ pub(crate) struct Found {
     pub(crate) is_ended: bool,
     /// Sums of the heavy cell that has not been completed.
     pub(crate) open: Option<Superblock>,
+    /// Sums of the first trials of the task that follows, and the number of its next trial.
+    pub(crate) started: Option<(Partial, u64)>,
     pub(crate) totals: Totals,
     /// Warnings of the cells that are done, and those of the header.
     pub(crate) warnings: Warnings,
@@ -137,6 +141,13 @@ pub(crate) struct Found {
     good: u64,
     /// Whether something that is not sound follows.
     pub(crate) is_torn: bool,
+}
+
+impl Found {
+    /// Whether something is done, which would be lost without the journal.
+    pub(crate) fn has_work(&self) -> bool {
+        self.tasks > 0 || self.started.is_some()
+    }
 }
 
 impl Header {
@@ -277,6 +288,14 @@ impl Journal {
     pub(crate) fn trials(&mut self, trials: TrialRows) -> io::Result<()> {
         self.flush()?;
         self.frame(&Record::Trials(trials))
+    }
+
+    /// Adds sums of the first trials of a task that has not ended, and the number of its next trial.
+    pub(crate) fn started(&mut self, partial: Partial, trial: u64) -> io::Result<()> {
+        self.flush()?;
+        let time = self.time_ms();
+        self.frame(&Record::Started(Box::new(partial), trial, time))?;
+        self.sync()
     }
 
     /// Adds a superblock.
@@ -431,6 +450,7 @@ impl Reader {
                 Record::Cells(cells, _) => self.waiting = cells.into_iter(),
                 Record::Superblock(superblock, _) => return Some(Item::Superblock(superblock)),
                 Record::Trials(trials) => return Some(Item::Trials(trials)),
+                Record::Started(..) => {}
                 Record::Header(_) | Record::End => return None,
             }
         }
@@ -476,6 +496,7 @@ pub(crate) fn read(dir: &Path) -> Result<Option<Found>, Failure> {
         tasks: 0,
         is_ended: false,
         open: None,
+        started: None,
         totals: Totals::default(),
         superblock_trials: 0,
         time: Duration::ZERO,
@@ -510,12 +531,19 @@ pub(crate) fn read(dir: &Path) -> Result<Option<Found>, Failure> {
                     open => *open = Some(superblock),
                 }
             }
+            Record::Started(partial, trial, ms) => {
+                found.time += Duration::from_millis(ms);
+                found.started = Some((*partial, trial));
+                found.good = reader.good;
+                continue;
+            }
             // Of a task that may not have ended: they count with it.
             Record::Trials(_) => continue,
             Record::End => found.is_ended = true,
         }
+        found.started = None;
         found.good = reader.good;
     }
-    found.is_torn = found.good < reader.length;
+    found.is_torn = reader.good < reader.length;
     Ok(Some(found))
 }

@@ -228,7 +228,9 @@ pub(crate) fn totals_of<'f>(all: impl Iterator<Item = &'f Found>) -> Totals {
     let mut totals = Totals::default();
     for found in all {
         totals.cells += found.totals.cells;
-        totals.trials += found.totals.trials + found.superblock_trials;
+        let started = found.started.as_ref();
+        let started = started.map_or(0, |(partial, _)| partial.trials());
+        totals.trials += found.totals.trials + found.superblock_trials + started;
         for (kind, count) in &found.totals.kinds {
             *totals.kinds.entry(kind.clone()).or_default() += count;
         }

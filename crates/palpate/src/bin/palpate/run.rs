@@ -275,7 +275,7 @@ fn resumable(out: &Path, asked: &Asked) -> Result<Option<Found>, Failure> {
     } else {
         return Ok(Some(found));
     };
-    if found.tasks == 0 {
+    if !found.has_work() {
         // Nothing would be lost.
         return Ok(None);
     }
@@ -336,6 +336,8 @@ struct Ongoing<'s, 'a> {
     tasks: u64,
     /// Sums of the heavy cell that has not been completed.
     open: Option<Partial>,
+    /// Sums of the first trials of the next task, and the number of the trial that follows.
+    started: Option<(Partial, u64)>,
     /// Rows of trials of the task that has not been completed.
     rows: String,
     is_shared: bool,
@@ -358,7 +360,7 @@ impl<'s, 'a> Ongoing<'s, 'a> {
         // Since it was looked for, another process may have ended it, or begun one.
         let now = match restarts {
             true => None,
-            false => journal::read(out)?.filter(|now| now.tasks > 0),
+            false => journal::read(out)?.filter(Found::has_work),
         };
         let is_known = now.as_ref().is_none_or(|now| {
             let found = found.as_ref();
@@ -381,6 +383,7 @@ impl<'s, 'a> Ongoing<'s, 'a> {
                 warnings,
                 tasks: 0,
                 open: None,
+                started: None,
                 rows: String::new(),
                 is_shared,
             });
@@ -391,15 +394,17 @@ impl<'s, 'a> Ongoing<'s, 'a> {
                 path.display()
             );
         }
-        let all = simulation.tasks();
+        let (all, started) = (simulation.tasks(), found.started.as_ref());
+        let what = match found.superblock_trials {
+            0 => "cells",
+            _ => "parts",
+        };
+        let started = started.map_or_else(String::new, |(_, trial)| {
+            format!(", and {trial} trials of the next")
+        });
         eprintln!(
-            "note: goes on after {} of {all} {}",
-            found.tasks,
-            if found.superblock_trials > 0 {
-                "parts"
-            } else {
-                "cells"
-            }
+            "note: goes on after {} of {all} {what}{started}",
+            found.tasks
         );
         let journal = Journal::resumed(out, &found).with_context(cannot);
         let mut ongoing = Self {
@@ -409,6 +414,7 @@ impl<'s, 'a> Ongoing<'s, 'a> {
             warnings: found.warnings,
             tasks: found.tasks,
             open: None,
+            started: found.started,
             rows: String::new(),
             is_shared,
         };
@@ -451,6 +457,7 @@ impl<'s, 'a> Ongoing<'s, 'a> {
         let mut error = None;
         let ran = simulation.stream(
             first,
+            self.started.take(),
             signals.stop(),
             &|trials| progress.add(trials),
             |finished| match finished.superblock() {
@@ -537,6 +544,10 @@ impl<'s, 'a> Ongoing<'s, 'a> {
     fn take(&mut self, number: u64, taken: Taken<Made>) -> Result<(), anyhow::Error> {
         let made = match taken {
             Taken::Note(rows) => return self.trials(number, &rows),
+            Taken::Open(partial, trial) => {
+                self.put_rows(number)?;
+                return Ok(self.journal.started(partial, trial)?);
+            }
             Taken::Result(made) => made,
         };
         match made {
