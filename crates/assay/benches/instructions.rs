@@ -102,7 +102,7 @@ fn trials(mut path: Hot) -> Hot {
 
 // The runner works on a thread of its own: its blocks are counted, those of the first run too.
 #[library_benchmark(config = LibraryBenchmarkConfig::default().tool(
-    counted().entry_point(EntryPoint::Custom("*Segment*run_block*".to_owned()))
+    counted().entry_point(EntryPoint::Custom("*Part*run_block*".to_owned()))
 ))]
 #[bench::statistics_alone(ready(rolls::statistics_alone(TRIALS)))]
 fn runner(mut path: Hot) -> Hot {

@@ -56,6 +56,7 @@ fn benches(criterion: &mut Criterion) {
     ];
     let options = RunOptions {
         threads: std::num::NonZeroUsize::new(1),
+        whole_blocks: true,
     };
     let mut group = criterion.benchmark_group("trial");
     group.throughput(Throughput::Elements(TRIALS));

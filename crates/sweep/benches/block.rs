@@ -64,6 +64,7 @@ fn block(criterion: &mut Criterion) {
         for threads in [1, 2] {
             let options = RunOptions {
                 threads: NonZeroUsize::new(threads),
+                whole_blocks: true,
             };
             group.bench_function(format!("{name}, {threads} threads"), |bencher| {
                 bencher.iter(|| {

@@ -13,6 +13,9 @@ use thiserror::Error;
 pub struct RunOptions {
     /// Worker threads; by default one per processor.
     pub threads: Option<NonZeroUsize>,
+    /// Whether blocks of trials are run whole, however long they take: then no clock is read, and what a thread runs hangs
+    /// on nothing but the number of threads.
+    pub whole_blocks: bool,
 }
 
 /// Lack of threads: the operating system gave none.
@@ -60,6 +63,7 @@ impl<E> SweepError<E> {
 pub struct Runner {
     /// None where there are no threads: the calling one does the work.
     pool: Option<rayon::ThreadPool>,
+    whole_blocks: bool,
 }
 
 impl Runner {
@@ -68,13 +72,22 @@ impl Runner {
     /// # Errors
     /// [`NoThreads`].
     pub fn new(options: &RunOptions) -> Result<Self, NoThreads> {
-        let threads = options.threads;
+        let RunOptions {
+            threads,
+            whole_blocks,
+        } = *options;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads.map_or(0, NonZeroUsize::get))
             .build();
         match pool {
-            Ok(pool) => Ok(Self { pool: Some(pool) }),
-            Err(source) if has_no_threads(&source) => Ok(Self { pool: None }),
+            Ok(pool) => Ok(Self {
+                pool: Some(pool),
+                whole_blocks,
+            }),
+            Err(source) if has_no_threads(&source) => Ok(Self {
+                pool: None,
+                whole_blocks,
+            }),
             Err(source) => Err(NoThreads { threads, source }),
         }
     }
@@ -114,9 +127,9 @@ impl Runner {
         error.map_or(Ok(()), Err)
     }
 
-    /// Whether there are threads, and with them a clock.
-    pub(crate) fn has_threads(&self) -> bool {
-        self.pool.is_some()
+    /// Whether time may be measured: where there are no threads, there need not be a clock.
+    pub(crate) fn has_clock(&self) -> bool {
+        self.pool.is_some() && !self.whole_blocks
     }
 
     /// Does the same work on every thread.

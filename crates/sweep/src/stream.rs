@@ -156,7 +156,7 @@ impl Runner {
             queue: &queue,
             cancelled,
             progress,
-            has_clock: self.has_threads(),
+            has_clock: self.has_clock(),
             line: Mutex::new(Line {
                 waiting: BTreeMap::new(),
                 head: 0,
@@ -164,7 +164,7 @@ impl Runner {
                     partial,
                     block: None,
                 }),
-                told: self.has_threads().then(Instant::now),
+                told: self.has_clock().then(Instant::now),
                 tasks: 0,
                 failed: None,
                 take,

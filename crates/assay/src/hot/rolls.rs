@@ -135,6 +135,7 @@ impl Ep1 {
 fn statistics(trial: &dyn Trial, trials: u64) -> Result<CellStatistics> {
     let options = RunOptions {
         threads: NonZeroUsize::new(1),
+        whole_blocks: true,
     };
     let cells = [Cell { trials, trial }];
     let statistics = palpate_sweep::run(&cells, &options, &|_| ())?;

@@ -193,7 +193,10 @@ mod tests {
     #[test]
     fn a_quick_cell_is_timed_by_many_trials() {
         let counted = Counted(AtomicU64::new(0));
-        let options = RunOptions { threads: Some(ONE) };
+        let options = RunOptions {
+            threads: Some(ONE),
+            ..RunOptions::default()
+        };
         let runner = Runner::new(&options).unwrap();
         let long_enough = Duration::from_millis(50);
         let start = Instant::now();

@@ -151,7 +151,11 @@ fn a_cancelled_run_begins_no_more_trials_and_gives_nothing() {
         begun.store(0, Ordering::Relaxed);
         cancelled.store(false, Ordering::Relaxed);
         let threads = NonZeroUsize::new(threads);
-        let runner = Runner::new(&RunOptions { threads }).unwrap();
+        let runner = Runner::new(&RunOptions {
+            threads,
+            ..RunOptions::default()
+        })
+        .unwrap();
         let error = runner.run_until(&cancelled, &[1000 * BLOCK; 2], set_up, &|_| ());
         let error = error.unwrap_err();
         assert!(matches!(error, SweepError::Cancelled), "{error}");
@@ -210,7 +214,11 @@ fn cells_are_set_up_once_each_and_few_are_alive() {
             Ok::<_, Infallible>(Alive::new(&counts))
         };
         let threads = NonZeroUsize::new(threads);
-        let runner = Runner::new(&RunOptions { threads }).unwrap();
+        let runner = Runner::new(&RunOptions {
+            threads,
+            ..RunOptions::default()
+        })
+        .unwrap();
         let never = AtomicBool::new(false);
         let cells = runner.run_until(&never, &trials, set_up, &|_| ()).unwrap();
         let trials_of = cells.iter().map(|cell| cell.trials);

@@ -54,13 +54,18 @@ fn observation(estimate: f64, truth: f64, std: Option<f64>) -> Observation {
 fn run_with(threads: usize, cells: &[Cell]) -> Vec<CellStatistics> {
     let options = RunOptions {
         threads: NonZeroUsize::new(threads),
+        ..RunOptions::default()
     };
     run(cells, &options, &|_| ()).expect("a machine that gives threads")
 }
 
 fn runner(threads: usize) -> Runner {
     let threads = NonZeroUsize::new(threads);
-    Runner::new(&RunOptions { threads }).expect("a machine that gives threads")
+    Runner::new(&RunOptions {
+        threads,
+        ..RunOptions::default()
+    })
+    .expect("a machine that gives threads")
 }
 
 fn run_cell(trials: u64, trial: &dyn Trial) -> CellStatistics {

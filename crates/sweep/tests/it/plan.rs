@@ -91,7 +91,11 @@ fn planned(successes: &[u64], goal: Goal) -> Result<(f64, Plan), PlanError<Infal
         model_error: 0.0,
     };
     let threads = NonZeroUsize::new(1);
-    let runner = Runner::new(&RunOptions { threads }).unwrap();
+    let runner = Runner::new(&RunOptions {
+        threads,
+        ..RunOptions::default()
+    })
+    .unwrap();
     let clock = || Duration::from_micros(run.load(Ordering::Relaxed));
     let (cells, plan) = plan(&cells, &goal, &runner, &clock)?;
     Ok((cells.model_error, plan))

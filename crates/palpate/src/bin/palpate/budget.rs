@@ -49,6 +49,7 @@ pub(crate) fn runner(asked: Option<NonZeroUsize>) -> Result<Runner, Failure> {
     let threads = asked.map_or(processors, |asked| asked.min(processors));
     Runner::new(&RunOptions {
         threads: Some(threads),
+        ..RunOptions::default()
     })
     .map_err(Failure::work)
 }

@@ -86,6 +86,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     };
     let runner = Runner::new(&RunOptions {
         threads: args.threads.map(|threads| threads.min(MOST_THREADS)),
+        ..RunOptions::default()
     })
     .map_err(Failure::work)?;
     let cells = numbers.len();
