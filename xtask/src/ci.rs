@@ -93,7 +93,7 @@ fn same_bytes(shell: &Shell) -> Result<()> {
 }
 
 fn scale(shell: &Shell) -> Result<()> {
-    scale::run(shell, &scale::Options { kills: 50 })
+    scale::run(shell, &scale::Options { kills: 20 })
 }
 
 fn results(shell: &Shell) -> Result<()> {
