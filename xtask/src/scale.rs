@@ -45,7 +45,7 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     }
 }
 
-/// What a cluster lacks on this machine.
+/// Lack of this machine that keeps a cluster from being tried, if there is one.
 fn missing(shell: &Shell) -> Option<String> {
     // Daemons stand where root alone looks, and no command of Slurm runs without a config.
     let places = ["/usr/sbin", "/usr/local/sbin", "/usr/bin", "/usr/local/bin"];

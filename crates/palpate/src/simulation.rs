@@ -1,25 +1,33 @@
 //! The trials of a study's cells, and the tables that they give.
 
+mod finished;
+mod ready;
+mod warnings;
+
 use std::collections::BTreeMap;
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use palpate_scene::{Arch, MapTable, Scene, Scenes};
-use palpate_study::config::{Cell, ConfigError, Output, StopStatistic, Study};
-use palpate_study::{Quantity, Table, csv};
+use palpate_study::config::{Cell, ConfigError, Output, Study};
+use palpate_study::{Table, csv};
 use palpate_sweep::{
-    CellStatistics, Failure, NoThreads, Partial, Record, RunOptions, Runner, SUPERBLOCK, Seen,
-    Stop, Sweep, SweepError, Taken, Task, Trial, Watched,
+    CellStatistics, NoThreads, Partial, RunOptions, Runner, SUPERBLOCK, Seen, Stop, Sweep,
+    SweepError, Taken, Task,
 };
 use thiserror::Error;
 
 use crate::facts::Facts;
 use crate::map::{CellMap, Map};
-use crate::means;
 use crate::share::{Part, Shard, Share};
 use crate::tables::{self, Row};
 use crate::trial::SceneTrial;
+
+pub use finished::{CellRows, Finished};
+pub use warnings::Warnings;
+
+use ready::Ready;
 
 /// Most cells that are all set up before the first trial is run; of more, those of the study's sample, and the others when
 /// they are run.
@@ -362,34 +370,6 @@ struct Tasks<'s, 'a, F> {
     make: F,
 }
 
-/// Cell that is ready to be run.
-#[derive(Debug)]
-struct Ready {
-    cell: usize,
-    trial: SceneTrial,
-    facts: Arc<Facts>,
-    warnings: Vec<String>,
-    map: Option<CellMap>,
-}
-
-impl Trial for Ready {
-    fn quantities(&self) -> usize {
-        self.trial.quantities()
-    }
-
-    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
-        self.trial.run(trial, record)
-    }
-
-    fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
-        self.trial.run_together(trials, record)
-    }
-
-    fn is_random(&self) -> bool {
-        self.trial.is_random()
-    }
-}
-
 impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
     type Trial = Ready;
     type Result = R;
@@ -413,7 +393,7 @@ impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
     }
 
     fn stop(&self, trial: &Ready) -> Option<Stop> {
-        stop_of(self.simulation.study, trial.facts.quantities)
+        trial.stop(self.simulation.study)
     }
 
     fn is_noted(&self) -> bool {
@@ -465,90 +445,6 @@ impl<R: Send, F: Fn(Finished) -> R + Sync> Sweep for Tasks<'_, '_, F> {
     }
 }
 
-/// Rule of a study by which a cell that observes these quantities has had enough trials; one that has no such quantity runs
-/// to its end.
-fn stop_of(study: &Study, quantities: &[Quantity]) -> Option<Stop> {
-    let rule = study.config.stop.as_ref()?;
-    let quantity = match &rule.quantity {
-        None => 0,
-        Some(name) => quantities.iter().position(|one| one.name == name)?,
-    };
-    Some(Stop {
-        quantity,
-        statistic: match rule.statistic {
-            StopStatistic::Mean => Watched::Mean,
-            StopStatistic::RmsError => Watched::RmsError,
-            StopStatistic::MeanAbsError => Watched::MeanAbsError,
-        },
-        relative_standard_error: rule.relative_standard_error,
-        min_trials: rule.min_trials,
-    })
-}
-
-/// Trials that a task has run: of a cell, or of a superblock of one.
-#[derive(Clone, Debug)]
-pub struct Finished {
-    part: Part,
-    facts: Arc<Facts>,
-    warnings: Vec<String>,
-    map: Option<CellMap>,
-    partial: Partial,
-}
-
-/// Rows of the tables of a cell, as CSV text.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CellRows {
-    /// Rows of `cells.csv`.
-    pub cells: String,
-    /// Rows of `failures.csv`.
-    pub failures: String,
-    /// Rows of `map.csv`.
-    pub map: String,
-    /// Stable name of how the trial failed that the map would be of.
-    pub map_failed: Option<&'static str>,
-    /// Number of trials, and of those that failed by kind.
-    pub trials: u64,
-    /// Failures, one entry per kind.
-    pub kinds: Vec<Failure>,
-    /// Lines that warn of the cell, where they were not told before.
-    pub warnings: Vec<String>,
-}
-
-impl Finished {
-    /// Number of the cell.
-    pub fn cell(&self) -> usize {
-        self.part.cell
-    }
-
-    /// Number of the superblock that was run, and how many the cell has.
-    pub fn superblock(&self) -> (u64, u64) {
-        (self.part.superblock, self.part.of)
-    }
-
-    /// Sums of the trials.
-    pub fn partial(&self) -> &Partial {
-        &self.partial
-    }
-
-    /// Adds the superblock that follows.
-    pub fn merge(&mut self, next: Self) {
-        self.partial.merge(next.partial);
-    }
-
-    /// The cell with the sums of all its superblocks.
-    #[must_use]
-    pub fn with(self, partial: Partial) -> Self {
-        Self { partial, ..self }
-    }
-
-    /// Statistics, without means of numbers that have none.
-    fn statistics(&self) -> CellStatistics {
-        let mut statistics = self.partial.statistics();
-        means::withhold(self.facts.quantities, &mut statistics.quantities);
-        statistics
-    }
-}
-
 impl Simulation<'_> {
     /// Rows of the tables of a cell of which all superblocks have been run.
     pub fn rows(&self, finished: &Finished) -> CellRows {
@@ -595,50 +491,6 @@ impl Simulation<'_> {
             map,
             partial,
         })
-    }
-}
-
-/// Lines that warn of cells, each once.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Warnings {
-    /// First cell that each line is of, its place among the lines of that cell, and the number of its cells.
-    lines: BTreeMap<String, (usize, usize, usize)>,
-}
-
-impl Warnings {
-    /// Lines with the first cell that each is of, its place among the lines of that cell, and the number of its cells.
-    pub fn entries(&self) -> impl Iterator<Item = (&str, (usize, usize, usize))> {
-        let lines = self.lines.iter();
-        lines.map(|(line, entry)| (line.as_str(), *entry))
-    }
-
-    /// Adds a line of this many cells.
-    pub fn insert(&mut self, line: String, (cell, place, count): (usize, usize, usize)) {
-        let entry = self.lines.entry(line).or_insert((cell, place, 0));
-        *entry = match (entry.0, entry.1) <= (cell, place) {
-            true => (entry.0, entry.1, entry.2 + count),
-            false => (cell, place, entry.2 + count),
-        };
-    }
-
-    /// Adds the lines of a cell.
-    pub fn add(&mut self, cell: usize, lines: Vec<String>) {
-        for (place, line) in lines.into_iter().enumerate() {
-            self.insert(line, (cell, place, 1));
-        }
-    }
-
-    /// Lines with words for their cells, among this many, in the order of the first cells.
-    pub fn lines(&self, cells: usize) -> Vec<String> {
-        let mut entries: Vec<_> = self.entries().collect();
-        entries.sort_by_key(|&(_, (cell, place, _))| (cell, place));
-        let words = |(line, (first, _, count)): (&str, (usize, usize, usize))| match (count, cells)
-        {
-            (_, 1) => line.to_owned(),
-            (1, _) => format!("{line} (cell {first})"),
-            (_, all) => format!("{line} ({count} of {all} cells, the first is {first})"),
-        };
-        entries.into_iter().map(words).collect()
     }
 }
 

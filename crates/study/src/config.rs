@@ -13,6 +13,7 @@
 mod error;
 mod field;
 mod fingertip;
+mod flat;
 mod glide;
 mod grid;
 mod length_unit;

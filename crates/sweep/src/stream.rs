@@ -70,7 +70,7 @@ pub trait Sweep: Sync {
     fn finish(&self, task: &Task, trial: &Self::Trial, partial: Partial) -> Self::Result;
 }
 
-/// What a sweep hands over.
+/// Piece of a sweep's outcome, handed over as it comes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Taken<R> {
     /// Notes on some trials of a task, those that follow the notes before.

@@ -460,6 +460,19 @@ fn trials_are_told_one_by_one() {
     desk.palpate("run c.toml --shard 2/2 --out n/2");
     let said = desk.palpate("merge n --out q --trials-out v.csv").said(2);
     assert!(said.contains("without --trials-out"), "{said}");
+    // Not in the place of another file of the run.
+    for line in [
+        "run c.toml --out o --trials-out o/cells.csv",
+        "run c.toml --out fresh --trials-out ./fresh/run.toml",
+        "merge s --out m --trials-out m/failures.csv",
+    ] {
+        let said = desk.palpate(line).said(2);
+        assert!(
+            said.contains("the run writes another file of that name"),
+            "{said}"
+        );
+    }
+    assert!(!desk.path("fresh").exists());
     // Nothing of the user's is replaced.
     desk.write("mine.csv", "a,b\n1,2\n");
     let ended = desk.palpate("run c.toml --out o --trials-out mine.csv");

@@ -1,6 +1,7 @@
 //! Reading of a study: from a file or a text to validated cells.
 
 use super::error::{ConfigError, Fault, Source};
+use super::flat::{is_flat, trusted};
 use super::grid::Grid;
 use super::model::ModelConfig;
 use super::plot::PlotConfig;
@@ -271,18 +272,6 @@ pub fn plots(file: &str, text: &str) -> Result<Vec<PlotConfig>, ConfigError> {
     read().map_err(|fault| source.error(fault))
 }
 
-/// Whether no swept value is a table or a list, and none chooses a kind, on which other fields hang.
-fn is_flat(grid: &Grid) -> bool {
-    let mut targets = grid.targets();
-    let is_plain =
-        |value: &SweptValue| !matches!(value.node.value, Value::Table(_) | Value::Array(_));
-    let is_kind = |path: &str| path.rsplit('.').next() == Some("kind");
-    !targets.any(|target| is_kind(&target.path))
-        && grid.axes.iter().all(|axis| {
-            axis.is_range() || (0..axis.len()).all(|row| axis.row(row).iter().all(is_plain))
-        })
-}
-
 /// Takes the list of tables `key` out of a config, valid against its part of the schema; empty if there is none.
 fn section(schema: &Json, base: &mut Node, key: &str) -> Result<Node, Fault> {
     let node = base.take(key).map_or(
@@ -338,29 +327,6 @@ fn check(schema: &Json, tree: &Node) -> Result<StudyConfig, Fault> {
             })
         }
     }
-}
-
-/// Config of a cell each of whose values has been held against the limits of its field by itself, where that is enough to
-/// know that the cell is valid; `None` where it takes [`checked`] to know. `base` is the tree of the grid.
-fn trusted(base: &toml::Value, grid: &Grid, cell: usize) -> Option<StudyConfig> {
-    let mut tree = base.clone();
-    for (target, setting) in grid.settings(cell) {
-        let (parents, last) = target.path.rsplit_once('.').unwrap_or(("", &target.path));
-        let mut keys = parents.split('.').filter(|key| !key.is_empty());
-        let parent = keys.try_fold(&mut tree, |node, key| match node {
-            toml::Value::Table(table) => table.get_mut(key),
-            toml::Value::Array(items) => items.get_mut(key.parse::<usize>().ok()?),
-            _ => None,
-        })?;
-        let value = setting.node.to_toml();
-        match parent {
-            toml::Value::Table(table) => drop(table.insert(last.to_owned(), value)),
-            toml::Value::Array(items) => *items.get_mut(last.parse::<usize>().ok()?)? = value,
-            _ => return None,
-        }
-    }
-    let config: StudyConfig = tree.try_into().ok()?;
-    config.scene.check().ok().map(|()| config)
 }
 
 /// Reads a validated tree. What serde refuses after all has a field but no place in the text.

@@ -361,13 +361,7 @@ fn points(table: &Node, ranges: &Node) -> Result<(Vec<Target>, Points), Fault> {
 fn axis(table: &Node, earlier: &[Axis]) -> Result<Axis, Fault> {
     if let Some(ranges) = table.get("ranges") {
         let (targets, points) = points(table, ranges)?;
-        for (index, target) in targets.iter().enumerate() {
-            let before = earlier
-                .iter()
-                .flat_map(|axis| &axis.targets)
-                .chain(&targets[..index]);
-            check_target(target, before)?;
-        }
+        check_targets(&targets, earlier)?;
         let rows = Rows::Sampled(points);
         return Ok(Axis { targets, rows });
     }
@@ -382,13 +376,7 @@ fn axis(table: &Node, earlier: &[Axis]) -> Result<Axis, Fault> {
             ));
         }
     };
-    for (index, target) in targets.iter().enumerate() {
-        let before = earlier
-            .iter()
-            .flat_map(|axis| &axis.targets)
-            .chain(&targets[..index]);
-        check_target(target, before)?;
-    }
+    check_targets(&targets, earlier)?;
     let rows = match table.get("values") {
         Some(values) => {
             let rows = list(values, &targets, together).map_err(|fault| fault.under("values"))?;
@@ -437,6 +425,15 @@ fn target(path: &Node) -> Target {
         path: path.as_text().unwrap_or_default().into(),
         span: path.span.clone(),
     }
+}
+
+/// Refuses targets that cannot be swept, or that those before them or of earlier axes set.
+fn check_targets(targets: &[Target], earlier: &[Axis]) -> Result<(), Fault> {
+    let of_axes = || earlier.iter().flat_map(|axis| &axis.targets);
+    targets
+        .iter()
+        .enumerate()
+        .try_for_each(|(index, target)| check_target(target, of_axes().chain(&targets[..index])))
 }
 
 fn check_target<'a>(

@@ -109,7 +109,7 @@ pub(crate) enum Item {
     Superblock(Superblock),
 }
 
-/// What cells have come to.
+/// Counts of cells, trials and failures so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Totals {
     pub(crate) cells: u64,

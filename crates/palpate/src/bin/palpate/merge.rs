@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::journal::{self, Found, Header, Reader, Totals};
 use crate::output::names::{CONFIG, JOURNAL};
 use crate::output::{Contents, Folder, Guard, Single, StudyId};
-use crate::run::{Drafts, difference, end, numbers_of, summary, tables_of, traced};
+use crate::run::{Drafts, difference, end, numbers_of, refuse_own, summary, tables_of, traced};
 use crate::{output, trace};
 
 /// Shards that are listed in a message.
@@ -71,6 +71,9 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
         return Err(Failure::usage(anyhow!(
             "the shards have no rows of trials: they were run without --trials-out"
         )));
+    }
+    if let Some(path) = &args.trials_out {
+        refuse_own(path, &out, &study)?;
     }
     let trials_out = args.trials_out.as_ref();
     let guard = Guard::new([], args.force);

@@ -20,7 +20,7 @@ pub(crate) use lock::Lock;
 pub(crate) use manifest::StudyId;
 pub(crate) use owned::{Guard, Owned};
 pub(crate) use single::{Single, Written};
-pub(crate) use stage::{Contents, Draft};
+pub(crate) use stage::{Contents, Draft, folder_of};
 
 /// Prints a text and a newline; a closed pipe is no error.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
