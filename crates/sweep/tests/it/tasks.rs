@@ -29,7 +29,14 @@ impl Trial for Rich {
         for place in 0..self.places {
             let estimate = 2.0 + normal(31 * trial + place);
             let truth = if trial % 700 < 300 { 2.0 } else { place as f64 };
-            record.observe(0, observation(estimate, truth, Some(0.7)));
+            let interval_holds = (trial % 6 == 2).then_some(place.is_multiple_of(2));
+            record.observe(
+                0,
+                Observation {
+                    interval_holds,
+                    ..observation(estimate, truth, Some(0.7))
+                },
+            );
         }
         record.observe(1, observation(normal(trial), 0.0, None));
         let interval_holds = (trial % 5 == 1).then_some(trial.is_multiple_of(3));
