@@ -6,11 +6,15 @@ use std::time::{Duration, Instant};
 
 use super::desk::{Desk, RUN_FILES, STUDY, edited};
 
-/// A second of work on one thread, and more without optimisation.
-fn slow() -> String {
+/// Some seconds of work on one thread without optimisation, so many times.
+fn slow(times: u32) -> String {
     let values: Vec<String> = (10..34).map(|radius| radius.to_string()).collect();
     let study = edited(STUDY, "[50, 5]", &format!("[{}]", values.join(", ")));
-    edited(&study, "trials = 20", "trials = 12000")
+    edited(
+        &study,
+        "trials = 20",
+        &format!("trials = {}", 12_000 * times),
+    )
 }
 
 fn begun(desk: &Desk, arguments: &str) -> Child {
@@ -23,14 +27,44 @@ fn begun(desk: &Desk, arguments: &str) -> Child {
         .unwrap()
 }
 
-/// Waits until the journal of `dir` has grown to more than so many bytes.
-fn grown(desk: &Desk, dir: &str, bytes: u64) {
+/// Desk of a run into `o` that is stopped when its journal has more than so many bytes. `arguments` are those of the
+/// study that is so many times longer; a machine on which it ends too early has to do a longer one.
+fn interrupted(
+    bytes: u64,
+    arguments: impl Fn(u32) -> String,
+    stop: impl Fn(&Desk, &mut Child),
+) -> (Desk, Child, String) {
+    for times in [1, 4, 16, 64] {
+        let desk = Desk::with(&slow(times));
+        let arguments = arguments(times);
+        let mut child = begun(&desk, &arguments);
+        if grown(&desk, &mut child, bytes) {
+            stop(&desk, &mut child);
+            if child.wait().unwrap().code() != Some(0) {
+                return (desk, child, arguments);
+            }
+        }
+    }
+    panic!("every run ended before it was stopped");
+}
+
+fn killed(bytes: u64, arguments: impl Fn(u32) -> String) -> (Desk, String) {
+    let (desk, _, arguments) = interrupted(bytes, arguments, |_, child| child.kill().unwrap());
+    (desk, arguments)
+}
+
+/// Whether the journal in `o` grew to more than so many bytes before the run ended.
+fn grown(desk: &Desk, child: &mut Child, bytes: u64) -> bool {
     let start = Instant::now();
-    let journal = desk.path(&format!("{dir}/journal.palpate"));
+    let journal = desk.path("o/journal.palpate");
     while fs::metadata(&journal).map_or(0, |found| found.len()) <= bytes {
+        if child.try_wait().unwrap().is_some() {
+            return false;
+        }
         assert!(start.elapsed() < Duration::from_secs(60));
         std::thread::sleep(Duration::from_millis(2));
     }
+    true
 }
 
 fn same(desk: &Desk, one: &str, other: &str) {
@@ -44,12 +78,16 @@ fn same(desk: &Desk, one: &str, other: &str) {
     assert_eq!(desk.names(one), desk.names(other));
 }
 
+fn on_one_thread(_: u32) -> String {
+    "run c.toml --out o --threads 1".to_owned()
+}
+
 #[test]
 fn a_run_that_is_killed_goes_on_to_the_same_bytes() {
-    let desk = Desk::with(&slow());
+    let desk = Desk::with(&slow(1));
     desk.palpate("run c.toml --out whole").printed();
     for wait in [1, 100, 300, 600] {
-        let mut child = begun(&desk, "run c.toml --out o --threads 1");
+        let mut child = begun(&desk, &on_one_thread(1));
         std::thread::sleep(Duration::from_millis(wait));
         child.kill().unwrap();
         child.wait().unwrap();
@@ -60,12 +98,8 @@ fn a_run_that_is_killed_goes_on_to_the_same_bytes() {
 
 #[test]
 fn a_journal_that_is_torn_anywhere_is_cut_and_done_again() {
-    let desk = Desk::with(&slow());
+    let (desk, _) = killed(25_000, on_one_thread);
     desk.palpate("run c.toml --out whole").printed();
-    let mut child = begun(&desk, "run c.toml --out o --threads 1");
-    grown(&desk, "o", 25_000);
-    child.kill().unwrap();
-    child.wait().unwrap();
     let torn = fs::read(desk.path("o/journal.palpate")).unwrap();
     let config = desk.read("o/run.toml");
     let again = |journal: &[u8]| {
@@ -92,18 +126,16 @@ fn a_journal_that_is_torn_anywhere_is_cut_and_done_again() {
 
 #[test]
 fn signals_end_a_run_in_good_order() {
-    let desk = Desk::with(&slow());
-    desk.palpate("run c.toml --out whole").printed();
     for (signal, status) in [("INT", 130), ("TERM", 143)] {
-        let before = fs::metadata(desk.path("o/journal.palpate")).map_or(0, |found| found.len());
-        let child = begun(&desk, "run c.toml --out o --threads 1");
-        grown(&desk, "o", before + 100);
-        assert!(
-            desk.palpate("status o")
-                .printed()
-                .contains("state    running")
-        );
-        desk.shell(&format!("kill -{signal} {}", child.id()));
+        let (desk, child, _) = interrupted(2_000, on_one_thread, |desk, child| {
+            desk.shell(&format!("kill -STOP {}", child.id()));
+            let said = desk.palpate("status o").printed();
+            assert!(said.contains("state    running"), "{said}");
+            desk.shell(&format!(
+                "kill -{signal} {id}; kill -CONT {id}",
+                id = child.id()
+            ));
+        });
         let ended = child.wait_with_output().unwrap();
         assert_eq!(ended.status.code(), Some(status));
         let said = String::from_utf8(ended.stderr).unwrap();
@@ -114,30 +146,34 @@ fn signals_end_a_run_in_good_order() {
         );
         let said = desk.palpate("status o").printed();
         assert!(said.contains("state    stopped"), "{said}");
+        desk.palpate("run c.toml --out whole").printed();
+        let ended = desk.palpate("run c.toml --out o");
+        assert!(
+            ended.stderr.contains("note: goes on after "),
+            "{}",
+            ended.stderr
+        );
+        same(&desk, "o", "whole");
     }
-    let ended = desk.palpate("run c.toml --out o");
-    assert!(
-        ended.stderr.contains("note: goes on after "),
-        "{}",
-        ended.stderr
-    );
-    same(&desk, "o", "whole");
 }
 
 #[test]
 fn another_run_is_refused_and_what_was_done_stays() {
-    let desk = Desk::with(&slow());
-    let mut child = begun(&desk, "run c.toml --out o --threads 1");
-    grown(&desk, "o", 3_000);
-    // While it runs, whoever it is.
-    let said = desk.palpate("run c.toml --out o --seed 8").said(1);
-    assert!(said.contains("o is held by process"), "{said}");
-    child.kill().unwrap();
-    child.wait().unwrap();
+    let (desk, ..) = interrupted(3_000, on_one_thread, |desk, child| {
+        desk.shell(&format!("kill -STOP {}", child.id()));
+        let said = desk.palpate("run c.toml --out o --seed 8").said(1);
+        assert!(said.contains("o is held by process"), "{said}");
+        child.kill().unwrap();
+    });
+    let trials = desk.read("c.toml");
+    let trials = trials
+        .lines()
+        .find(|line| line.starts_with("trials = "))
+        .unwrap();
     let journal = fs::read(desk.path("o/journal.palpate")).unwrap();
     for (arguments, words) in [
         ("--seed 8", "of another config:\n  - seed = 7\n  + seed = 8"),
-        ("--trials 7", "- trials = 12000\n  + trials = 7"),
+        ("--trials 7", &*format!("- {trials}\n  + trials = 7")),
         ("--every-nth-cell 2", "of --every-nth-cell 1, not 2"),
         ("--shard 1/2", "of the whole study, not shard 1 of 2"),
         (
@@ -167,15 +203,13 @@ fn another_run_is_refused_and_what_was_done_stays() {
 
 #[test]
 fn a_choice_of_trials_is_made_once() {
-    let desk = Desk::with(&slow());
-    let line = "run c.toml --out o --threads 1 --target-error 0.008";
-    desk.palpate("run c.toml --out whole --target-error 0.008")
+    let (desk, line) = killed(3_000, |times| {
+        let target = 0.008 / f64::from(times).sqrt();
+        format!("run c.toml --out o --threads 1 --target-error {target}")
+    });
+    desk.palpate(&line.replace("--out o", "--out whole"))
         .printed();
-    let mut child = begun(&desk, line);
-    grown(&desk, "o", 3_000);
-    child.kill().unwrap();
-    child.wait().unwrap();
-    let ended = desk.palpate(line);
+    let ended = desk.palpate(&line);
     assert!(ended.stderr.contains("note: goes on after"), "{ended:?}");
     same(&desk, "o", "whole");
 }
