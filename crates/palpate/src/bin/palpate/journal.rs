@@ -144,9 +144,9 @@ pub(crate) struct Found {
 }
 
 impl Found {
-    /// Whether something is done, which would be lost without the journal.
+    /// Whether something is done, or was before the journal was damaged.
     pub(crate) fn has_work(&self) -> bool {
-        self.tasks > 0 || self.started.is_some()
+        self.tasks > 0 || self.started.is_some() || self.is_torn
     }
 }
 
