@@ -254,7 +254,7 @@ impl Contact<'_> {
     /// The error is at most 1e-11 of the displacement for a half-space, and as stated at [`BondedLayer::contact`] for a
     /// layer.
     pub fn displacement(&self, r: f64) -> Displacement {
-        let field = self.field(r);
+        let field = self.field_of(r);
         Displacement {
             normal: self.relative_curvature * field.normal,
             radial: self.relative_curvature * field.radial,
@@ -290,6 +290,11 @@ impl Contact<'_> {
     }
 
     pub(crate) fn field(&self, r: f64) -> Field {
+        self.field_of(r)
+    }
+
+    #[inline(always)]
+    fn field_of(&self, r: f64) -> Field {
         let (a, r) = (self.radius, r.abs());
         if r.is_nan() || r > FARTHEST {
             return Field::default();

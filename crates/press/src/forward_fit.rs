@@ -2,6 +2,7 @@
 
 mod bias;
 mod minimise;
+mod misfit;
 mod outcome;
 mod presence;
 mod problem;

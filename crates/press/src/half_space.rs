@@ -33,6 +33,7 @@ const EDGE: f64 = 1e-20;
 /// The field at distance `r >= 0` from the axis and depth `z >= 0` under a contact of radius `a > 0`.
 ///
 /// At the surface under the edge (z = 0, r = a), where derivatives jump, they are those from inside.
+#[inline(always)]
 pub(crate) fn field(poisson: f64, z: f64, a: f64, r: f64) -> Field {
     let moments = if a * a < FAR * FAR * (r * r + z * z) {
         Moments::far(z, a, r)
@@ -56,6 +57,8 @@ struct Moments {
 }
 
 impl Moments {
+    // Most callers want no derivatives, and what they do not use is not computed where it stands inline.
+    #[inline(always)]
     fn near(z: f64, a: f64, r: f64) -> Self {
         let difference = (r - a) * (r + a) + z * z;
         // |X + iY|², the product of the distances to both ends of a diameter of the contact.
@@ -157,6 +160,7 @@ impl Moments {
         moments
     }
 
+    #[inline(always)]
     fn field(&self, poisson: f64, z: f64, a: f64) -> Field {
         let Self {
             even,

@@ -8,7 +8,8 @@ const MOST_STEPS: usize = 200;
 const SMALLEST_STEP: f64 = 1e-13;
 const MOST_DAMPING: f64 = 1e12;
 
-/// The least sum of squares near a start, found when the next step promises to lower it by less than `enough`.
+/// The least sum of squares near a start, found when the next step promises to lower it by less than `enough`; that
+/// step is taken, and the sums are those that it promises. One unknown may be held where it is.
 ///
 /// # Errors
 /// Where the start itself is out of range.
@@ -16,38 +17,39 @@ pub(super) fn minimise(
     problem: &Problem<'_>,
     start: State,
     enough: f64,
+    held: Option<usize>,
 ) -> Result<(State, Sums), PressError> {
     let mut state = start;
     let mut sums = problem.sums(&state)?;
     let mut damping = 1e-3;
     for _ in 0..MOST_STEPS {
-        let Some(step) = damped_step(&sums, damping) else {
+        let free = held.map_or(sums, |held| sums.holding(held));
+        let Some(step) = damped_step(&free, damping) else {
             damping *= 10.0;
             if damping > MOST_DAMPING {
                 break;
             }
             continue;
         };
-        let promise = -(2.0 * sums.gradient.dot(&step) + step.dot(&(sums.hessian * step)));
+        let promised = sums.after(&step);
+        let promise = sums.chi_squared - promised.chi_squared;
         let tried = problem.moved(&state, &step);
+        if promise <= enough || is_small(&step, &state) {
+            if problem.contact(&tried).is_ok() {
+                (state, sums) = (tried, promised);
+            }
+            break;
+        }
         match problem.sums(&tried) {
             Ok(better) if better.chi_squared <= sums.chi_squared => {
                 let gain = sums.chi_squared - better.chi_squared;
                 state = tried;
                 sums = better;
-                damping = if gain > 0.5 * promise {
-                    damping * 0.1
-                } else {
-                    damping
-                };
-                if promise <= enough || is_small(&step, &state) {
-                    break;
+                if gain > 0.5 * promise {
+                    damping *= 0.1;
                 }
             }
             _ => {
-                if promise <= enough || is_small(&step, &state) {
-                    break;
-                }
                 damping = damping.max(1e-6) * 10.0;
                 if damping > MOST_DAMPING {
                     break;

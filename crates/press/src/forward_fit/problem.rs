@@ -2,6 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, UnitVector3, Vector2, Vector3};
 
+use super::misfit::Misfit;
 use super::reading::{Measured, Reading};
 use super::settings::{ForwardFit, Prior};
 use crate::markers::Sight;
@@ -126,9 +127,11 @@ impl<'a> Problem<'a> {
         state: &State,
         moved: impl Fn(usize) -> (f64, Vector2<f64>),
     ) -> Result<f64, PressError> {
-        let squared = |marker| self.squared(self.residuals(marker, moved(marker))).0;
-        let chi_squared: f64 = self.counting().map(squared).sum();
-        finite(self.priors(state).0 + chi_squared)
+        let mut misfit = Misfit::new(self.tolerance);
+        for marker in self.counting() {
+            misfit.add(self.residuals(marker, moved(marker)));
+        }
+        finite(self.priors(state).0 + misfit.total())
     }
 
     /// Chi-squared with its derivatives.
@@ -142,23 +145,21 @@ impl<'a> Problem<'a> {
             gradient,
             hessian,
         };
+        let mut misfit = Misfit::new(self.tolerance);
+        let [normally, tangentially] = [self.normal_std, self.tangential_std].map(f64::recip);
         for marker in self.counting() {
             let predicted = self.predicted(state, &contact, per_d, marker);
             let residuals = self.residuals(marker, predicted.moved);
-            let (squared, weight) = self.squared(residuals);
-            sums.chi_squared += squared;
-            sums.add(
-                residuals[0],
-                weight,
-                &(predicted.normal_slopes / self.normal_std),
-            );
+            let weight = misfit.add(residuals);
+            sums.add(residuals[0], weight, &(predicted.normal_slopes * normally));
             if self.uses_tangential() {
                 for axis in 0..2 {
-                    let slopes = predicted.tangential_slopes[axis] / self.tangential_std;
+                    let slopes = predicted.tangential_slopes[axis] * tangentially;
                     sums.add(residuals[1 + axis], weight, &slopes);
                 }
             }
         }
+        sums.chi_squared += misfit.total();
         sums.only(&self.sought);
         finite(sums.chi_squared + sums.gradient.sum() + sums.hessian.sum())?;
         Ok(sums)
@@ -246,18 +247,6 @@ impl<'a> Problem<'a> {
             }
             None => [normal, 0.0, 0.0],
         }
-    }
-
-    /// Share of a marker's residuals in chi-squared, and the weight of its slopes: with the sum of squares s the share
-    /// is c² ln(1 + s/c²) after Cauchy, which is about s within the tolerance c.
-    pub(super) fn squared(&self, residuals: [f64; 3]) -> (f64, f64) {
-        let squared: f64 = residuals.iter().map(|residual| residual * residual).sum();
-        if self.tolerance == f64::INFINITY {
-            return (squared, 1.0);
-        }
-        let limit = self.tolerance * self.tolerance;
-        let ratio = squared / limit;
-        (limit * libm::log1p(ratio), 1.0 / (1.0 + ratio))
     }
 
     fn predicted(
@@ -375,6 +364,25 @@ impl<'a> Problem<'a> {
 }
 
 impl Sums {
+    /// The sums after a small step, as their own slopes foretell them.
+    pub(super) fn after(&self, step: &Unknowns) -> Self {
+        let along = self.hessian * step;
+        Self {
+            chi_squared: self.chi_squared + 2.0 * self.gradient.dot(step) + step.dot(&along),
+            gradient: self.gradient + along,
+            hessian: self.hessian,
+        }
+    }
+
+    /// The sums with this unknown held.
+    pub(super) fn holding(mut self, held: usize) -> Self {
+        self.gradient[held] = 0.0;
+        self.hessian.row_mut(held).fill(0.0);
+        self.hessian.column_mut(held).fill(0.0);
+        self.hessian[(held, held)] = 1.0;
+        self
+    }
+
     /// Adds an observation with this residual (in standard deviations) and slopes of the prediction.
     fn add(&mut self, residual: f64, weight: f64, slopes: &Unknowns) {
         for row in 0..UNKNOWNS {

@@ -1,11 +1,12 @@
 //! Intervals of the relative curvature by profile likelihood.
 
-use super::minimise::minimise;
-use super::problem::{CURVATURE, Problem, Square, State, Sums};
+use super::minimise::{minimise, solve};
+use super::problem::{CURVATURE, INDENTATION, Problem, State, Sums, Unknowns};
 use crate::Interval;
 
-/// Relative accuracy to which the root of chi-squared's rise meets the limit's at the ends of the interval.
-const TOLERANCE: f64 = 3e-3;
+/// Relative accuracy to which the root of chi-squared's rise meets the limit's where the interval's end is then
+/// interpolated.
+const TOLERANCE: f64 = 0.03;
 /// Least decrease of chi-squared that a further step must promise.
 const ENOUGH: f64 = 1e-4;
 const MOST_TRIES: usize = 40;
@@ -19,16 +20,10 @@ pub(super) enum Profile {
 }
 
 /// The interval in which chi-squared, made least over all other unknowns, lies less than `limit` above its least value.
-pub(super) fn profile(
-    problem: &Problem<'_>,
-    best: &State,
-    sums: &Sums,
-    covariance: &Square,
-    limit: f64,
-) -> Profile {
+pub(super) fn profile(problem: &Problem<'_>, best: &State, sums: &Sums, limit: f64) -> Profile {
     let mut ends = [None; 2];
     for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
-        match walk(problem, best, sums, covariance, limit.sqrt(), sign) {
+        match walk(problem, best, sums, limit.sqrt(), sign) {
             Walk::End(log_curvature) => *end = Some(libm::exp(log_curvature)),
             Walk::Endless => {}
             Walk::Better(state) => return Profile::Better(state),
@@ -44,66 +39,115 @@ enum Walk {
     Better(State),
 }
 
-fn walk(
-    problem: &Problem<'_>,
-    best: &State,
-    sums: &Sums,
-    covariance: &Square,
-    limit: f64,
-    sign: f64,
-) -> Walk {
-    let variance = covariance[(CURVATURE, CURVATURE)];
-    let ridge = covariance.column(CURVATURE) / variance;
-    let mut held = problem.clone();
-    held.sought[CURVATURE] = false;
-    // The root of chi-squared's rise at a step of the logarithm, beginning where the last one ended.
-    let mut from = (*best, 0.0);
-    let mut root_at = |step: f64| -> Option<Result<f64, State>> {
-        let start = problem.moved(&from.0, &(ridge * (step - from.1)));
-        let (state, least) = minimise(&held, start, ENOUGH).ok()?;
-        from = (state, step);
-        let rise = least.chi_squared - sums.chi_squared;
-        if rise < -1e-6 * (1.0 + sums.chi_squared) {
+/// A step of the logarithm of the curvature, the root of chi-squared's rise there, and the step per root.
+#[derive(Clone, Copy)]
+struct Found {
+    step: f64,
+    root: f64,
+    per_root: f64,
+}
+
+impl Found {
+    /// The step to another root, by the cubic in the root through two that were found, with their slopes.
+    fn through(self, other: Self, root: f64) -> f64 {
+        let width = other.root - self.root;
+        let share = (root - self.root) / width;
+        let rest = 1.0 - share;
+        let slopes = rest * self.per_root - share * other.per_root;
+        let ends = (1.0 + 2.0 * share) * rest * rest * self.step
+            + (1.0 + 2.0 * rest) * share * share * other.step;
+        ends + share * rest * width * slopes
+    }
+}
+
+/// Way along which all other unknowns follow the curvature.
+fn ridge(sums: &Sums) -> Unknowns {
+    let across = -sums.hessian.column(CURVATURE);
+    let mut along = solve(&sums.holding(CURVATURE).hessian, &across).unwrap_or_default();
+    along[CURVATURE] = 1.0;
+    along
+}
+
+fn walk(problem: &Problem<'_>, best: &State, sums: &Sums, limit: f64, sign: f64) -> Walk {
+    // The state at the last step, the way on from there, and the step.
+    let mut from = (*best, ridge(sums), 0.0);
+    let std = (sums.hessian.row(CURVATURE) * from.1)[0].sqrt().recip();
+    let mut at = |step: f64| -> Option<Result<Found, State>> {
+        let way = from.1 * (sign * (step - from.2));
+        let mut start = problem.moved(&from.0, &way);
+        // The depth follows a power of the curvature.
+        start.indentation = from.0.indentation * libm::exp(way[INDENTATION] / from.0.indentation);
+        let (state, least) = minimise(problem, start, ENOUGH, Some(CURVATURE)).ok()?;
+        from = (state, ridge(&least), step);
+        let rise = |sums: &Sums, least: f64| least - sums.chi_squared;
+        let is_less = |rise: f64| rise < -1e-6 * (1.0 + sums.chi_squared);
+        let found = rise(sums, least.chi_squared);
+        // What steps promise is not yet there.
+        if is_less(found) && is_less(rise(sums, problem.sums(&state).ok()?.chi_squared)) {
             return Some(Err(state));
         }
-        Some(Ok(rise.max(0.0).sqrt()))
+        let root = found.max(0.0).sqrt();
+        let per_root = root / (sign * least.gradient[CURVATURE]);
+        Some(Ok(Found {
+            step,
+            root,
+            per_root,
+        }))
     };
     let furthest = libm::log(FURTHEST);
-    let mut step = (limit * variance.sqrt()).clamp(1e-12, 1.0);
-    // Steps with the root there; no root where no press is possible.
-    let mut inside = (0.0, 0.0);
-    let mut outside: Option<(f64, Option<f64>)> = None;
+    let mut step = (limit * std).clamp(1e-12, 1.0);
+    let mut inside = Found {
+        step: 0.0,
+        root: 0.0,
+        per_root: std,
+    };
+    // The nearest step that is too far, with what was found there; nothing where no press is possible.
+    let mut outside: Option<(f64, Option<Found>)> = None;
     for _ in 0..MOST_TRIES {
-        match root_at(sign * step) {
+        let mut last = inside;
+        match at(step) {
             Some(Err(state)) => return Walk::Better(state),
-            Some(Ok(root)) if (root - limit).abs() <= TOLERANCE * limit => {
-                return Walk::End(best.log_curvature + sign * step);
+            Some(Ok(found)) if (found.root - limit).abs() <= TOLERANCE * limit => {
+                // Slopes tell nothing where the profile is all but flat.
+                let guess = inside.through(found, limit);
+                let is_near = (guess - step).abs() <= 0.1 * step;
+                let end = if is_near { guess } else { step };
+                return Walk::End(best.log_curvature + sign * end);
             }
-            Some(Ok(root)) if root < limit => inside = (step, root),
-            Some(Ok(root)) => outside = Some((step, Some(root))),
+            Some(Ok(found)) if found.root < limit => inside = found,
+            Some(Ok(found)) => outside = Some((step, Some(found))),
             // No press is possible there.
             None => outside = Some((step, None)),
         }
-        step = match outside {
-            Some((far, Some(root))) => {
-                let share = (limit - inside.1) / (root - inside.1);
-                inside.0 + (far - inside.0) * share.clamp(0.05, 0.95)
-            }
-            Some((far, None)) => 0.5 * (inside.0 + far),
-            None if inside.0 >= furthest => return Walk::Endless,
-            None => {
-                let linear = inside.0 * limit / inside.1.max(0.1 * limit);
-                linear.clamp(1.05 * inside.0, 4.0 * inside.0).min(furthest)
-            }
-        };
-        let is_edge = |(far, root): (f64, Option<f64>)| {
-            root.is_none() && (far - inside.0 < 1e-3 * far || far < 1e-6)
-        };
-        if outside.is_some_and(is_edge) {
-            return Walk::Endless;
+        if let Some((_, Some(found))) = outside {
+            last = found;
         }
-        if outside.is_some_and(|(far, _)| far - inside.0 < 1e-12 * far) {
-            return Walk::End(best.log_curvature + sign * inside.0);
+        let guess = inside.through(last, limit);
+        let or_linear = |linear: f64| if guess.is_finite() { guess } else { linear };
+        step = match outside {
+            Some((far, Some(found))) => {
+                let share = (limit - inside.root) / (found.root - inside.root);
+                let at = |share: f64| inside.step + (far - inside.step) * share;
+                or_linear(at(share)).clamp(at(0.05), at(0.95))
+            }
+            Some((far, None)) => 0.5 * (inside.step + far),
+            None if inside.step >= furthest => return Walk::Endless,
+            None => {
+                let linear = inside.step * limit / inside.root.max(0.1 * limit);
+                let near = 1.05 * inside.step;
+                or_linear(linear)
+                    .clamp(near, 4.0 * inside.step)
+                    .min(furthest)
+            }
+        };
+        if let Some((far, found)) = outside {
+            let gap = far - inside.step;
+            if found.is_none() && (gap < 0.02 * far || far < 1e-6) {
+                return Walk::Endless;
+            }
+            if gap < 1e-12 * far {
+                return Walk::End(best.log_curvature + sign * inside.step);
+            }
         }
     }
     match outside {

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::minimise::{inverse, minimise};
+use super::misfit::Misfit;
 use super::outcome::outcome;
 use super::presence::{NOTHING, on_markers, seen};
 use super::problem::{ACROSS, BASELINE, GAIN, INDENTATION, Problem, State, Sums};
@@ -23,7 +24,7 @@ const ROBUST: f64 = 3.0;
 /// Least decrease of chi-squared that a further step must promise, before it is known which markers are wrong
 /// (`ROUGHLY`) and after (`EXACTLY`).
 const ROUGHLY: f64 = 1e-2;
-const EXACTLY: f64 = 1e-8;
+const EXACTLY: f64 = 1e-6;
 /// Smallest standard deviation of a displacement, as a share of the largest displacement.
 const EXACT: f64 = 1e-10;
 /// The normal quantile of a two-sided interval of 95 %.
@@ -93,10 +94,11 @@ impl<'a> Problem<'a> {
 impl Problem<'_> {
     /// Chi-squared of the markers that do not count, taken as unmoved.
     fn left_out(&self) -> f64 {
-        (0..self.kept.len())
-            .filter(|&marker| !self.kept[marker])
-            .map(|marker| self.squared(self.readings_of(marker, 0.0)).0)
-            .sum()
+        let mut misfit = Misfit::new(self.tolerance);
+        for marker in (0..self.kept.len()).filter(|&marker| !self.kept[marker]) {
+            misfit.add(self.readings_of(marker, 0.0));
+        }
+        misfit.total()
     }
 }
 
@@ -157,7 +159,7 @@ impl<'a> Search<'a> {
                 what: "some combination of curvature, place, indentation, baseline and gain is free",
             })?;
             let limit = self.limit();
-            match profile(&self.problem, &state, &sums, &covariance, limit * limit) {
+            match profile(&self.problem, &state, &sums, limit * limit) {
                 Profile::Interval(interval) => match self.with_rivals(&state, &sums, interval) {
                     Profile::Interval(interval) => {
                         on_markers(&self.problem, &state)?;
@@ -183,7 +185,7 @@ impl<'a> Search<'a> {
             .iter()
             .filter(|rival| !self.is_same(best, rival))
         {
-            let Ok((state, least)) = minimise(&self.problem, *rival, EXACTLY) else {
+            let Ok((state, least)) = minimise(&self.problem, *rival, EXACTLY, None) else {
                 continue;
             };
             let rise = least.chi_squared - sums.chi_squared;
@@ -193,17 +195,8 @@ impl<'a> Search<'a> {
             if rise < -ROUGHLY {
                 return Profile::Better(state);
             }
-            let covariance = inverse(&least.hessian);
-            let around = |covariance| {
-                profile(
-                    &self.problem,
-                    &state,
-                    &least,
-                    covariance,
-                    limit - rise.max(0.0),
-                )
-            };
-            hull = match covariance.as_ref().map(around) {
+            let around = |_| profile(&self.problem, &state, &least, limit - rise.max(0.0));
+            hull = match inverse(&least.hessian).map(around) {
                 Some(Profile::Interval(interval)) => hull.hull(interval),
                 // A rival that nothing bounds leaves the curvature unbounded.
                 Some(Profile::Better(_)) | None => Interval::UNBOUNDED,
@@ -254,7 +247,7 @@ impl<'a> Search<'a> {
         Ok((state, sums))
     }
 
-    /// Fits that no few markers can lead astray, the best first.
+    /// Fits that no few markers can lead astray, one for each place to which they lead, the best first.
     fn robust_fits(&self) -> Result<Vec<State>, PressError> {
         let mut problem = self.problem.clone();
         if !problem.fit.body.is_approximate() {
@@ -267,30 +260,38 @@ impl<'a> Search<'a> {
         let few = if self.find_normal { 6 } else { 2 };
         for start in starts(&problem, few) {
             problem.keep_window(&start);
-            match minimise(&problem, start, ROUGHLY) {
+            match minimise(&problem, start, ROUGHLY, None) {
                 Ok((state, sums)) => fits.push((sums.chi_squared + problem.left_out(), state)),
                 Err(error) => failure = error,
             }
         }
         fits.sort_by(|one, other| one.0.total_cmp(&other.0));
-        if fits.is_empty() {
-            return Err(failure);
+        let mut apart: Vec<State> = Vec::new();
+        for (_, state) in fits {
+            if !apart.iter().any(|other| self.is_same(other, &state)) {
+                apart.push(state);
+            }
         }
-        Ok(fits.into_iter().map(|(_, state)| state).collect())
+        match apart.is_empty() {
+            true => Err(failure),
+            false => Ok(apart),
+        }
     }
 
     /// Least squares over the markers that are not wrong, with the noise that they show where it must be found.
     fn settle(&mut self, state: &mut State) -> Result<Sums, PressError> {
         const ROUNDS: usize = 8;
-        let mut last = None;
+        let (mut last, mut sums) = (None, None);
         for round in 0..ROUNDS {
             let kept = self.problem.kept.clone();
             self.find_noise(state, round < 2)?;
             self.choose(state)?;
-            if round > 0 && kept == self.problem.kept && !self.is_noise_new(&mut last) {
-                break;
+            let is_same = kept == self.problem.kept && !self.is_noise_new(&mut last);
+            if let Some(sums) = sums.filter(|_| is_same) {
+                return Ok(sums);
             }
-            (*state, _) = minimise(&self.problem, *state, EXACTLY)?;
+            let least = minimise(&self.problem, *state, EXACTLY, None)?;
+            (*state, sums) = (least.0, Some(least.1));
         }
         self.problem.sums(state)
     }

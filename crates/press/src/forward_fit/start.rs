@@ -1,5 +1,7 @@
 //! States from which a fit begins.
 
+use std::f64::consts::PI;
+
 use nalgebra::Vector3;
 
 use super::problem::{Problem, State};
@@ -21,8 +23,9 @@ const VIEWS: usize = 3;
 /// States from which to begin: the `few` likeliest, and the likeliest with a contact beyond the markers if that is not
 /// much less likely.
 pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
-    let mut near = tried(problem, &with_between(most_moved(problem)));
-    let mut beyond = tried(problem, &beyond(problem));
+    let shapes = Shapes::new(problem);
+    let mut near = tried(problem, &shapes, &with_between(most_moved(problem)));
+    let mut beyond = tried(problem, &shapes, &beyond(problem));
     near.truncate(few);
     beyond.truncate(1);
     let likely = near.first().map_or(f64::INFINITY, |(cost, _)| cost + MUCH);
@@ -33,44 +36,91 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
         .collect()
 }
 
+/// Displacements by a contact of each of the radii that are tried, at distances up to the sensor's far pole, which
+/// grow from one to the next.
+struct Shapes {
+    /// Distance of the last node, length.
+    furthest: f64,
+    /// Indentation at a relative curvature of 1, and displacements at the nodes; of contacts that there are.
+    contacts: Vec<Option<(f64, Vec<Displacement>)>>,
+}
+
+impl Shapes {
+    /// Number of intervals between nodes.
+    const INTERVALS: f64 = 64.0;
+
+    fn new(problem: &Problem<'_>) -> Self {
+        let skin = problem.reading.markers.skin();
+        let furthest = PI * skin.radius();
+        let shape = |share: &f64| {
+            let unit = problem.fit.body.unit_contact(share * skin.radius()).ok()?;
+            let at = |node: u32| {
+                let share = f64::from(node) / Self::INTERVALS;
+                unit.displacement(furthest * share * share)
+            };
+            let nodes = 0..=Self::INTERVALS as u32;
+            Some((unit.indentation, nodes.map(at).collect()))
+        };
+        Self {
+            furthest,
+            contacts: RADII.iter().map(shape).collect(),
+        }
+    }
+
+    /// Displacement at a distance, linear between the nodes.
+    fn at(&self, nodes: &[Displacement], distance: f64) -> Displacement {
+        let place = Self::INTERVALS * (distance / self.furthest).sqrt().min(1.0);
+        let before = (place as usize).min(nodes.len() - 2);
+        let share = place - before as f64;
+        let [from, to] = [nodes[before], nodes[before + 1]];
+        let between = |from: f64, to: f64| from + share * (to - from);
+        Displacement {
+            normal: between(from.normal, to.normal),
+            radial: between(from.radial, to.radial),
+        }
+    }
+}
+
 /// States with a contact in these directions, with their costs, the likeliest first: of a middling radius in each, and
 /// of all radii in the likeliest few.
-fn tried(problem: &Problem<'_>, directions: &[Vector3<f64>]) -> Vec<(f64, State)> {
-    let [middling, others @ ..] = RADII;
-    let skin = problem.reading.markers.skin();
+fn tried(problem: &Problem<'_>, shapes: &Shapes, directions: &[Vector3<f64>]) -> Vec<(f64, State)> {
+    let [middling, others @ ..] = &shapes.contacts[..] else {
+        return Vec::new();
+    };
     let mut views: Vec<(f64, Vec<Sight>, State)> = Vec::new();
     for direction in directions {
         let place = problem.place_at(direction);
         let sights = problem.sights(&place);
-        if let Some((cost, state)) = of_radius(problem, middling * skin.radius(), place, &sights) {
+        if let Some((cost, state)) = of_shape(problem, shapes, middling.as_ref(), place, &sights) {
             views.push((cost, sights, state));
         }
     }
     views.sort_by(|one, other| one.0.total_cmp(&other.0));
     let mut states: Vec<(f64, State)> = Vec::new();
     for (_, sights, state) in views.iter().take(VIEWS) {
-        let of_radius =
-            |share: &f64| of_radius(problem, share * skin.radius(), state.place, sights);
-        states.extend(others.iter().filter_map(of_radius));
+        let of_shape =
+            |shape: &Option<_>| of_shape(problem, shapes, shape.as_ref(), state.place, sights);
+        states.extend(others.iter().filter_map(of_shape));
     }
     states.extend(views.iter().map(|(cost, _, state)| (*cost, *state)));
     states.sort_by(|one, other| one.0.total_cmp(&other.0));
     states
 }
 
-/// The state with a contact of this radius, and with the indentation or the gain that suits the readings best where
+/// The state with a contact of this shape, and with the indentation or the gain that suits the readings best where
 /// they are free; and its cost.
-fn of_radius(
+fn of_shape(
     problem: &Problem<'_>,
-    radius: f64,
+    shapes: &Shapes,
+    shape: Option<&(f64, Vec<Displacement>)>,
     place: Place,
     sights: &[Sight],
 ) -> Option<(f64, State)> {
     let fit = problem.fit;
-    let unit = fit.body.unit_contact(radius).ok()?;
+    let (unit, nodes) = shape?;
     let moved: Vec<Displacement> = sights
         .iter()
-        .map(|sight| unit.displacement(sight.distance))
+        .map(|sight| shapes.at(nodes, sight.distance))
         .collect();
     let baseline = match fit.baseline {
         Prior::Exact => 0.0,
@@ -88,16 +138,16 @@ fn of_radius(
     let known = problem.reading.indentation.map(|known| known.value);
     let (curvature, gain) = match (known, fit.gain) {
         (Some(known), Prior::Free) => {
-            let curvature = known / unit.indentation;
+            let curvature = known / unit;
             (curvature, amplitude()? / curvature)
         }
-        (Some(known), _) => (known / unit.indentation, 1.0),
+        (Some(known), _) => (known / unit, 1.0),
         (None, _) => (amplitude()?, 1.0),
     };
     let state = State {
         log_curvature: libm::log(curvature),
         place,
-        indentation: known.unwrap_or(curvature * unit.indentation),
+        indentation: known.unwrap_or(curvature * unit),
         baseline,
         gain,
     };
