@@ -254,7 +254,7 @@ impl Contact<'_> {
     /// The error is at most 1e-11 of the displacement for a half-space, and as stated at [`BondedLayer::contact`] for a
     /// layer.
     pub fn displacement(&self, r: f64) -> Displacement {
-        let field = self.field_of(r);
+        let field = self.field(r);
         Displacement {
             normal: self.relative_curvature * field.normal,
             radial: self.relative_curvature * field.radial,
@@ -289,12 +289,9 @@ impl Contact<'_> {
         pressure.filter(|pressure| pressure.is_finite())
     }
 
-    pub(crate) fn field(&self, r: f64) -> Field {
-        self.field_of(r)
-    }
-
+    // What the caller does not use of it is not computed where it stands inline.
     #[inline(always)]
-    fn field_of(&self, r: f64) -> Field {
+    pub(crate) fn field(&self, r: f64) -> Field {
         let (a, r) = (self.radius, r.abs());
         if r.is_nan() || r > FARTHEST {
             return Field::default();

@@ -136,6 +136,14 @@ impl<'a> Problem<'a> {
 
     /// Chi-squared with its derivatives.
     pub(super) fn sums(&self, state: &State) -> Result<Sums, PressError> {
+        match self.uses_tangential() {
+            true => self.sums_of::<true>(state),
+            false => self.sums_of::<false>(state),
+        }
+    }
+
+    /// Chi-squared with its derivatives, of normal displacements alone or (`TANGENTIAL`) of tangential ones too.
+    fn sums_of<const TANGENTIAL: bool>(&self, state: &State) -> Result<Sums, PressError> {
         let contact = self.contact(state)?;
         let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
         let per_d = slope.recip();
@@ -148,11 +156,11 @@ impl<'a> Problem<'a> {
         let mut misfit = Misfit::new(self.tolerance);
         let [normally, tangentially] = [self.normal_std, self.tangential_std].map(f64::recip);
         for marker in self.counting() {
-            let predicted = self.predicted(state, &contact, per_d, marker);
+            let predicted = self.predicted::<TANGENTIAL>(state, &contact, per_d, marker);
             let residuals = self.residuals(marker, predicted.moved);
             let weight = misfit.add(residuals);
             sums.add(residuals[0], weight, &(predicted.normal_slopes * normally));
-            if self.uses_tangential() {
+            if TANGENTIAL {
                 for axis in 0..2 {
                     let slopes = predicted.tangential_slopes[axis] * tangentially;
                     sums.add(residuals[1 + axis], weight, &slopes);
@@ -207,7 +215,7 @@ impl<'a> Problem<'a> {
         let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
         let mut sum = Unknowns::zeros();
         for (marker, [normal, x, y]) in self.counting().zip(values) {
-            let predicted = self.predicted(state, &contact, slope.recip(), marker);
+            let predicted = self.predicted::<true>(state, &contact, slope.recip(), marker);
             sum += predicted.normal_slopes * (normal / self.normal_std);
             if self.uses_tangential() {
                 let [along_x, along_y] = predicted.tangential_slopes;
@@ -249,7 +257,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    fn predicted(
+    #[inline]
+    fn predicted<const TANGENTIAL: bool>(
         &self,
         state: &State,
         contact: &Contact<'_>,
@@ -273,7 +282,7 @@ impl<'a> Problem<'a> {
         normal_slopes[BASELINE] = 1.0;
         normal_slopes[GAIN] = normal;
         let mut tangential_slopes = [Unknowns::zeros(); 2];
-        if self.uses_tangential() {
+        if TANGENTIAL {
             let nearer = -curvature * field.radial_per_r;
             // A step across turns the view from the marker.
             let turn = if sight.reach > 1e-6 * sight.distance && sight.distance > 0.0 {

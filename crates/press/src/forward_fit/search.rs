@@ -24,7 +24,7 @@ const ROBUST: f64 = 3.0;
 /// Least decrease of chi-squared that a further step must promise, before it is known which markers are wrong
 /// (`ROUGHLY`) and after (`EXACTLY`).
 const ROUGHLY: f64 = 1e-2;
-const EXACTLY: f64 = 1e-6;
+const EXACTLY: f64 = 1e-8;
 /// Smallest standard deviation of a displacement, as a share of the largest displacement.
 const EXACT: f64 = 1e-10;
 /// The normal quantile of a two-sided interval of 95 %.
