@@ -60,6 +60,7 @@ mod summary;
 mod sums;
 mod task;
 mod trial;
+mod watch;
 
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 pub use note::Seen;

@@ -10,6 +10,7 @@ use crate::partial::Partial;
 use crate::record::Record;
 use crate::sums::{Scratch, Sums};
 use crate::trial::{BLOCK, Trial};
+use crate::watch::Watch;
 
 /// Observations of one quantity from which on they are summed up before the end of the block, which bounds the memory
 /// of trials with many observations.
@@ -159,8 +160,13 @@ impl Slice {
 }
 
 impl Assembled {
-    /// Adds the slice that follows.
-    pub(crate) fn add(&mut self, slice: Slice, partial: &mut Partial) {
+    /// Adds the slice that follows; `watch` is told of each of its trials.
+    pub(crate) fn add(
+        &mut self,
+        slice: Slice,
+        partial: &mut Partial,
+        mut watch: Option<&mut Watch>,
+    ) {
         let quantities = partial.histograms.len();
         self.columns.resize_with(quantities, Column::default);
         self.sums.resize(quantities, Sums::default());
@@ -173,6 +179,9 @@ impl Assembled {
                 own.append(more, *start..end);
                 *start = end;
             }
+            if let Some(watch) = &mut watch {
+                watch.note(&self.columns, 1);
+            }
             if self.columns.iter().any(|column| column.len() > MANY) {
                 let histograms = &mut partial.histograms;
                 sum_up(
@@ -181,6 +190,9 @@ impl Assembled {
                     histograms,
                     &mut self.scratch,
                 );
+                if let Some(watch) = &mut watch {
+                    watch.note(&self.columns, 0);
+                }
             }
         }
     }

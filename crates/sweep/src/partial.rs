@@ -6,6 +6,7 @@ use crate::failures::Failures;
 use crate::histogram::Histogram;
 use crate::summary::{CellStatistics, Summary};
 use crate::sums::Sums;
+use crate::watch::Terms;
 
 /// Sums and histograms of the trials of a task, which can be written down, read back and put together to the last bit.
 ///
@@ -23,6 +24,8 @@ pub struct Partial {
     pub(crate) histograms: Vec<Histogram>,
     /// Sums of each quantity, folded in the order of the trials.
     pub(crate) sums: Vec<Sums>,
+    /// Numbers by which a rule judges whether these trials are enough, where it is asked again after more of them.
+    pub(crate) watched: Option<Terms>,
 }
 
 impl Partial {

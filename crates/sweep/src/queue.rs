@@ -14,6 +14,9 @@ const MOST_BLOCKS: u64 = 64;
 /// Jobs by which the results of quick threads may be ahead of a slow one's.
 const AHEAD: u64 = 512;
 
+/// The same where a rule may end the trials, and results are kept trial by trial until it is asked.
+const AHEAD_OF_RULE: u64 = 128;
+
 /// Experiment of a cell, set up by the first thread that needs it and dropped by the last; or why there is none.
 pub(crate) type Experiment<T, E> = OnceLock<Result<T, Mutex<Option<E>>>>;
 
@@ -55,6 +58,14 @@ struct State<T, E> {
     trial_s: Option<f64>,
 }
 
+impl<T, E> State<T, E> {
+    /// Jobs by which quick threads may be ahead.
+    fn ahead(&self) -> u64 {
+        let has_rule = self.open.as_ref().is_some_and(|(task, _)| task.may_stop);
+        if has_rule { AHEAD_OF_RULE } else { AHEAD }
+    }
+}
+
 impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
     /// Queue of so many tasks; `started` is the first trial of the first task that is left, if some have been run.
     pub(crate) fn new(tasks: u64, task: F, started: Option<u64>) -> Self {
@@ -78,7 +89,7 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
     /// The next job; `None` where nothing is left to do. `has_clock` tells whether jobs are timed.
     pub(crate) fn job(&self, has_clock: bool) -> Option<Job<T, E>> {
         let mut state = self.state();
-        while !state.is_stopped && state.jobs[0] >= state.jobs[1] + AHEAD {
+        while !state.is_stopped && state.jobs[0] >= state.jobs[1] + state.ahead() {
             let waited = self.moved.wait(state);
             state = waited.unwrap_or_else(PoisonError::into_inner);
         }
@@ -94,7 +105,11 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
             blocks += (piece.trials.end - piece.trials.start)
                 .div_ceil(BLOCK)
                 .max(1);
+            let may_be_too_many = piece.task.may_stop && piece.trials != piece.task.trials;
             pieces.push(piece);
+            if may_be_too_many {
+                break;
+            }
         }
         let number = state.jobs[0];
         state.jobs[0] += u64::from(!pieces.is_empty());
@@ -127,9 +142,14 @@ impl<T, E, F: Fn(u64) -> Task> Queue<T, E, F> {
         };
         let block_end = (start - start % BLOCK).saturating_add(BLOCK).min(end);
         let to_block = block_end - start;
-        let taken = if task.may_stop {
-            // Its end is not known.
+        // Where it will end is not known. Threads that have nothing else to do run trials of it that may turn out to be
+        // too many.
+        let is_last = has_clock && state.next + 1 == self.tasks;
+        let is_whole = task.may_stop && !is_last && start == task.trials.start;
+        let taken = if is_whole {
             end - start
+        } else if task.may_stop && fitting >= to_block {
+            to_block
         } else if start.is_multiple_of(BLOCK) && fitting >= to_block {
             let blocks = (fitting / BLOCK).clamp(1, MOST_BLOCKS);
             (end - start).min(blocks * BLOCK)

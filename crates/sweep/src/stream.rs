@@ -14,6 +14,7 @@ use crate::runner::{Runner, SweepError};
 use crate::stop;
 use crate::task::{Stop, Task};
 use crate::trial::{BLOCK, Trial};
+use crate::watch::Watch;
 
 /// Sweep: tasks, the experiments of their cells, and what is made of each.
 pub trait Sweep: Sync {
@@ -163,6 +164,7 @@ impl Runner {
                 open: started.map(|(partial, _)| Open {
                     partial,
                     block: None,
+                    watch: None,
                 }),
                 told: self.has_clock().then(Instant::now),
                 tasks: 0,
@@ -210,6 +212,8 @@ struct Line<'a, S: Sweep> {
 struct Open {
     partial: Partial,
     block: Option<Assembled>,
+    /// Watch over them, where a rule may end the task.
+    watch: Option<Watch>,
 }
 
 /// Trials of a task that have been run.
@@ -276,12 +280,13 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         let mut time = Duration::ZERO;
         for piece in job.pieces {
             let experiment = self.experiment(&piece);
+            let mut ran = piece.trials.end - piece.trials.start;
             let (sums, text) = match experiment {
                 Ok(trial) => {
                     let start = self.has_clock.then(Instant::now);
-                    let ran = self.noted(&piece, trial, workspace);
+                    let noted = self.noted(&piece, trial, workspace, &mut ran);
                     time += start.map_or(Duration::ZERO, |start| start.elapsed());
-                    ran
+                    noted
                 }
                 Err(_) => (Sum::Failed, String::new()),
             };
@@ -289,9 +294,8 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             if self.is_cancelled() {
                 return None;
             }
-            let ran = piece.trials.end - piece.trials.start;
             trials += ran;
-            (self.progress)(ran);
+            (self.progress)(piece.trials.end - piece.trials.start);
             let Piece {
                 number,
                 task,
@@ -328,15 +332,17 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         piece.experiment.get_or_init(set_up)
     }
 
-    /// Runs the trials of a piece, and notes them where that is asked for.
+    /// Runs the trials of a piece, and notes them where that is asked for. `ran` becomes their number where a rule ends them.
     fn noted(
         &self,
         piece: &Piece<S::Trial, S::Error>,
         trial: &S::Trial,
         workspace: &mut Workspace,
+        ran: &mut u64,
     ) -> (Sum<S::Result>, String) {
         if !self.sweep.is_noted() {
-            return (self.sum(piece, trial, trial, workspace), String::new());
+            let sums = self.sum(piece, trial, trial, workspace, ran);
+            return (sums, String::new());
         }
         let noting = Noting {
             trial,
@@ -345,7 +351,7 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             },
             text: Mutex::new(String::new()),
         };
-        let sums = self.sum(piece, trial, &noting, workspace);
+        let sums = self.sum(piece, trial, &noting, workspace, ran);
         let text = noting.text.into_inner();
         (sums, text.unwrap_or_else(PoisonError::into_inner))
     }
@@ -357,11 +363,12 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
         trial: &S::Trial,
         run: &impl Trial,
         workspace: &mut Workspace,
+        ran: &mut u64,
     ) -> Sum<S::Result> {
         let Piece { task, trials, .. } = piece;
         let quantities = trial.quantities();
         let cancelled = self.cancelled;
-        if task.may_stop {
+        if task.may_stop && trials == &task.trials {
             let rule = self.sweep.stop(trial);
             let most = if trial.is_random() {
                 trials.end
@@ -369,12 +376,13 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
                 trials.end.min(1)
             };
             let partial = stop::run(rule.as_ref(), run, most, workspace, cancelled);
+            *ran = partial.trials();
             return Sum::Whole(self.sweep.finish(task, trial, partial));
         }
         // The first trial tells all where nothing is random.
         let until = |end: u64| if trial.is_random() { end } else { end.min(1) };
         let is_end = |trial: u64| trial.is_multiple_of(BLOCK) || trial == task.trials.end;
-        if !trials.start.is_multiple_of(BLOCK) || !is_end(trials.end) {
+        if task.may_stop || !trials.start.is_multiple_of(BLOCK) || !is_end(trials.end) {
             let trials = trials.start..until(trials.end).max(trials.start);
             return Sum::Slice(Slice::run(run, trials, workspace, cancelled));
         }
@@ -415,6 +423,10 @@ impl<S: Sweep, F: Fn(u64) -> Task> Crew<'_, S, F> {
             }
             line.head += 1;
         }
+        // A rule may have ended the last task before its last trial.
+        if line.tasks == self.sweep.tasks() {
+            self.queue.stop();
+        }
         if line.head > before {
             self.queue.taken(line.head);
         }
@@ -426,6 +438,10 @@ impl<S: Sweep> Line<'_, S> {
     fn put(&mut self, sweep: &S, ran: Ran<S>) -> ControlFlow<()> {
         if self.failed.is_some() {
             return ControlFlow::Break(());
+        }
+        // Trials after those that were enough.
+        if ran.number < self.tasks {
+            return ControlFlow::Continue(());
         }
         let Ran {
             number,
@@ -455,15 +471,25 @@ impl<S: Sweep> Line<'_, S> {
                 let mut open = self.open.take().unwrap_or_else(|| Open {
                     partial: Partial::new(trial.quantities()),
                     block: None,
+                    watch: None,
                 });
-                let is_end = end == task.trials.end;
+                if task.may_stop && open.watch.is_none() {
+                    let watched = open.partial.watched.take().unwrap_or_default();
+                    let rule = sweep.stop(trial);
+                    open.watch = rule.map(|rule| Watch::after(rule, watched));
+                }
+                let mut is_end = end == task.trials.end || task.may_stop && !trial.is_random();
                 match sums {
                     Sum::Blocks(part) => part.add_to(&mut open.partial),
                     Sum::Slice(slice) => {
                         let mut block = open.block.take().unwrap_or_default();
-                        block.add(slice, &mut open.partial);
+                        block.add(slice, &mut open.partial, open.watch.as_mut());
                         match is_end || end.is_multiple_of(BLOCK) {
-                            true => block.end(&mut open.partial),
+                            true => {
+                                block.end(&mut open.partial);
+                                let watch = open.watch.as_mut();
+                                is_end |= watch.is_some_and(|watch| watch.end_block(end));
+                            }
                             false => open.block = Some(block),
                         }
                     }
@@ -471,7 +497,10 @@ impl<S: Sweep> Line<'_, S> {
                 }
                 if !is_end {
                     let is_due = self.told.is_some_and(|told| told.elapsed() >= ACCOUNT);
-                    let account = (is_due && open.block.is_none()).then(|| open.partial.clone());
+                    let account = (is_due && open.block.is_none()).then(|| Partial {
+                        watched: open.watch.as_ref().map(Watch::watched),
+                        ..open.partial.clone()
+                    });
                     self.open = Some(open);
                     return match account {
                         Some(partial) => {

@@ -13,7 +13,8 @@ pub struct Task {
     /// the cell. May be empty.
     pub trials: Range<u64>,
     /// Whether a rule may end the task before its last trial; it then begins with trial 0, and may be longer than a
-    /// superblock.
+    /// superblock. The last task of a run is shared among threads, which may run trials that turn out to be too many and
+    /// are dropped; others are run by one thread each.
     pub may_stop: bool,
 }
 

@@ -312,6 +312,143 @@ fn a_cell_ends_when_its_statistic_is_known() {
     assert_eq!(trials(Watched::RmsError, 1, true, 1.0, 1_000_000), 100_000);
 }
 
+/// Cells of [`Rich`], each of which ends by a rule.
+fn ruled(
+    cells: usize,
+    wait_us: u64,
+    places: u64,
+    max: u64,
+    error: f64,
+) -> Tasks<impl Fn() -> Rich + Sync> {
+    let task = |cell| Task {
+        cell,
+        trials: 0..max,
+        may_stop: true,
+    };
+    Tasks {
+        tasks: (0..cells).map(task).collect(),
+        experiment: move || Rich {
+            wait: Duration::from_micros(wait_us),
+            places,
+        },
+        stop: Some(Stop {
+            quantity: 0,
+            statistic: Watched::RmsError,
+            relative_standard_error: error,
+            min_trials: 0,
+        }),
+        started: None,
+    }
+}
+
+#[test]
+fn threads_that_share_a_cell_with_a_rule_leave_no_trace() {
+    for (places, max, error) in [
+        (1, 1_000_000, 0.02),
+        (1, 1_000_000, 0.5),
+        // More observations than are kept until the end of a block.
+        (9, 1_000_000, 0.02),
+        // No rule ends it, at the end of a block, within one and within the first.
+        (1, 2048, 0.0),
+        (1, 2500, 0.0),
+        (1, 700, 0.0),
+    ] {
+        // The cells before the last are run by one thread each.
+        let alone = partials(1, &ruled(2, 0, places, max, error));
+        assert_eq!(format!("{:?}", alone[0]), format!("{:?}", alone[1]));
+        for (threads, wait_us) in [(1, 100), (2, 0), (3, 20), (3, 100)] {
+            let shared = partials(threads, &ruled(1, wait_us, places, max, error));
+            assert_eq!(
+                format!("{shared:?}"),
+                format!("{:?}", &alone[..1]),
+                "{places} places, {max} trials, {error}, {threads} threads, {wait_us} us"
+            );
+        }
+    }
+}
+
+#[test]
+fn threads_share_a_cell_with_a_rule() {
+    // Sleeping trials, so that processors are no matter.
+    struct Sleeps;
+    impl Trial for Sleeps {
+        fn quantities(&self) -> usize {
+            1
+        }
+        fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+            std::thread::sleep(Duration::from_micros(300));
+            record.observe(0, observation(normal(trial), 0.0, None));
+            Ok(())
+        }
+    }
+    let time = |threads| {
+        let rich = ruled(1, 0, 1, 4096, 0.02);
+        let sweep = Tasks {
+            tasks: rich.tasks,
+            experiment: || Sleeps,
+            stop: rich.stop,
+            started: None,
+        };
+        let start = Instant::now();
+        assert_eq!(partials(threads, &sweep)[0].trials(), 2 * BLOCK);
+        start.elapsed().as_secs_f64()
+    };
+    assert!(time(4) < 0.6 * time(1));
+}
+
+#[test]
+fn a_cell_with_a_rule_that_takes_long_goes_on_where_it_was() {
+    let sweep = |wait_us| ruled(1, wait_us, 2, 1_000_000, 0.006);
+    let whole = partials(1, &sweep(0));
+    let mut account = None;
+    let take = &mut |_: u64, taken: Taken<Partial>| match taken {
+        Taken::Open(partial, trial) => {
+            account = Some((partial, trial));
+            ControlFlow::Break(())
+        }
+        _ => ControlFlow::Continue(()),
+    };
+    let error = runner(2).stream(&sweep(600), &AtomicBool::new(false), &|_| (), take);
+    assert!(matches!(error, Err(SweepError::Cancelled)));
+    let (partial, trial) = account.expect("an account after some seconds");
+    assert!(trial.is_multiple_of(BLOCK) && trial > 0, "{trial}");
+    assert!(trial < whole[0].trials());
+    let written = postcard::to_stdvec(&partial).unwrap();
+    for threads in [1, 2] {
+        let mut rest = sweep(0);
+        rest.started = Some((postcard::from_bytes(&written).unwrap(), trial));
+        assert_eq!(partials(threads, &rest), whole);
+    }
+}
+
+#[test]
+fn a_cell_with_a_rule_in_which_nothing_is_random_has_one_trial() {
+    struct Still;
+    impl Trial for Still {
+        fn quantities(&self) -> usize {
+            1
+        }
+        fn run(&self, _trial: u64, record: &mut Record) -> Result<(), &'static str> {
+            record.observe(0, observation(3.0, 2.0, None));
+            Ok(())
+        }
+        fn is_random(&self) -> bool {
+            false
+        }
+    }
+    let rich = ruled(2, 0, 1, u64::MAX, 0.01);
+    let sweep = Tasks {
+        tasks: rich.tasks,
+        experiment: || Still,
+        stop: rich.stop,
+        started: None,
+    };
+    for threads in [1, 3] {
+        let all = partials(threads, &sweep);
+        assert_eq!((all[0].trials(), &all[0]), (1, &all[1]));
+    }
+}
+
 #[test]
 fn observations_of_one_trial_count_as_one_where_they_go_together() {
     assert_eq!(trials(Watched::RmsError, 16, true, 1.0, 0), 8 * BLOCK);
