@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, anyhow};
@@ -17,7 +18,7 @@ use crate::failure::Failure;
 use crate::output::names::JOURNAL;
 
 /// First bytes of a journal; the last is the version of its format.
-const MAGIC: &[u8; 8] = b"palpate\x01";
+const MAGIC: &[u8; 8] = b"palpate\x02";
 /// Rows that are kept in memory before they are written, bytes.
 const MOST_PENDING: usize = 1 << 18;
 /// Time after which they are written, and the journal is brought to the disk.
@@ -229,9 +230,13 @@ pub(crate) struct Journal {
     path: PathBuf,
     pending: Vec<CellRecord>,
     pending_bytes: usize,
-    /// When the last record was written, and when the file was last brought to the disk.
+    /// Memory of the last frame, used again for the next.
+    frame: Vec<u8>,
+    /// When the last record was written, and when the file was last on its way to the disk.
     written: Instant,
     synced: Instant,
+    /// Thread that brings it there, for which no trial waits.
+    syncing: Option<JoinHandle<io::Result<()>>>,
 }
 
 impl Journal {
@@ -239,8 +244,8 @@ impl Journal {
     pub(crate) fn new(dir: &Path, header: &Header) -> io::Result<Self> {
         let path = dir.join(JOURNAL);
         let mut journal = Self::of(File::create(&path)?, path);
-        let header = framed(&Record::Header(Box::new(header.clone())))?;
-        let written = journal.file.write_all(&[MAGIC, header.as_slice()].concat());
+        let header = framed(&Record::Header(Box::new(header.clone())), MAGIC.to_vec())?;
+        let written = journal.file.write_all(&header);
         // Half a header, as on a full disk, would be taken for a damaged one.
         if let Err(error) = written.and_then(|()| journal.file.sync_data()) {
             let _ = fs::remove_file(&journal.path);
@@ -265,8 +270,10 @@ impl Journal {
             path,
             pending: Vec::new(),
             pending_bytes: 0,
+            frame: Vec::new(),
             written: now,
             synced: now,
+            syncing: None,
         }
     }
 
@@ -322,6 +329,7 @@ impl Journal {
     pub(crate) fn end(&mut self) -> io::Result<()> {
         self.flush()?;
         self.frame(&Record::End)?;
+        joined(self.syncing.take())?;
         self.file.sync_data()
     }
 
@@ -331,28 +339,52 @@ impl Journal {
         time
     }
 
+    /// Begins to bring to the disk what is written, where that is due; tells how it went the last time.
     fn sync(&mut self) -> io::Result<()> {
-        if self.synced.elapsed() >= INTERVAL {
-            self.file.sync_data()?;
-            self.synced = Instant::now();
+        if self.synced.elapsed() < INTERVAL {
+            return Ok(());
         }
+        match self.syncing.take() {
+            Some(syncing) if !syncing.is_finished() => {
+                self.syncing = Some(syncing);
+                return Ok(());
+            }
+            syncing => joined(syncing)?,
+        }
+        let file = self.file.try_clone()?;
+        self.syncing = Some(std::thread::Builder::new().spawn(move || file.sync_data())?);
+        self.synced = Instant::now();
         Ok(())
     }
 
     fn frame(&mut self, record: &Record) -> io::Result<()> {
-        self.file.write_all(&framed(record)?)
+        self.frame.clear();
+        self.frame = framed(record, std::mem::take(&mut self.frame))?;
+        self.file.write_all(&self.frame)
     }
 }
 
-/// Frame of a record.
-fn framed(record: &Record) -> io::Result<Vec<u8>> {
-    let bytes = postcard::to_stdvec(record).map_err(io::Error::other)?;
-    let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
-    let mut frame = Vec::with_capacity(bytes.len() + 8);
-    frame.extend_from_slice(&length.to_le_bytes());
-    frame.extend_from_slice(&crc32fast::hash(&bytes).to_le_bytes());
-    frame.extend_from_slice(&bytes);
-    Ok(frame)
+/// Waits for a thread that brings a file to the disk.
+fn joined(syncing: Option<JoinHandle<io::Result<()>>>) -> io::Result<()> {
+    let ended = syncing.map(JoinHandle::join);
+    let lost = |_| {
+        Err(io::Error::other(
+            "the thread that brings it to the disk ended early",
+        ))
+    };
+    ended.map_or(Ok(()), |ended| ended.unwrap_or_else(lost))
+}
+
+/// Bytes with the frame of a record behind them.
+fn framed(record: &Record, mut bytes: Vec<u8>) -> io::Result<Vec<u8>> {
+    let start = bytes.len();
+    bytes.extend([0; 8]);
+    let mut bytes = postcard::to_extend(record, bytes).map_err(io::Error::other)?;
+    let (head, body) = bytes[start..].split_at_mut(8);
+    let length = u32::try_from(body.len()).map_err(io::Error::other)?;
+    head[..4].copy_from_slice(&length.to_le_bytes());
+    head[4..].copy_from_slice(&crc32fast::hash(body).to_le_bytes());
+    Ok(bytes)
 }
 
 /// Journal that is read, record by record.
