@@ -230,10 +230,13 @@ impl Desk<'_> {
         let (whole, out) = (self.path("alone"), self.path("cluster"));
         self.ended(&config, &whole)?;
 
-        // Shard 5 cannot write where a file is.
-        fs::create_dir_all(out.join("shards"))?;
-        fs::write(out.join("shards/5"), "")?;
-        self.submit(&config, &out)?;
+        // Scripts run the program that submits them: a copy, in whose place another stands until all shards have ended.
+        let program = self.path("palpate");
+        fs::copy(&self.program, &program)?;
+        self.hold(true)?;
+        let array = self.submit(&program, &config, &out)?;
+        self.replace_by_failing(&program, 5)?;
+        self.hold(false)?;
         let killed = self.running()?;
         // It may have ended by now.
         let kill = cmd!(shell, "kill -9 {killed}");
@@ -253,14 +256,20 @@ impl Desk<'_> {
             "the merge said: {said}"
         );
         ensure!(!out.join("cells.csv").exists(), "a table lacks a shard");
-        let program = &self.program;
+        let job = format!("{array}_5");
+        let state = cmd!(shell, "scontrol show job {job}").quiet().read()?;
+        ensure!(
+            state.contains("JobState=FAILED") && state.contains("ExitCode=3:0"),
+            "{state}"
+        );
+        fs::remove_file(&program)?;
+        fs::copy(&self.program, &program)?;
         let told = cmd!(shell, "{program} status {out}").quiet().read()?;
         ensure!(
             told.contains("done     15: ") && told.contains("missing  1: shards 5"),
             "{told}"
         );
 
-        fs::remove_file(out.join("shards/5"))?;
         let shards = SHARDS.to_string();
         let script = cmd!(
             shell,
@@ -268,23 +277,46 @@ impl Desk<'_> {
         );
         let script = script.quiet().read()?;
         ensure!(script.contains("#SBATCH --array=5\n"), "{script}");
-        self.submit(&config, &out)?;
+        self.submit(&program, &config, &out)?;
         self.wait()?;
         same(&whole, &out).context("shards put together")?;
-        println!("{SHARDS} shards, one killed, one failed, a node down: the bytes of one run");
+        println!(
+            "{SHARDS} shards, one killed, one that exits 3, a node down: the bytes of one run"
+        );
         Ok(())
     }
 
-    fn submit(&self, config: &Path, out: &Path) -> Result<()> {
-        let (shell, program, shards) = (self.shell, &self.program, SHARDS.to_string());
-        cmd!(
+    /// Submits the shards, and gives the number of their job.
+    fn submit(&self, program: &Path, config: &Path, out: &Path) -> Result<String> {
+        let (shell, shards) = (self.shell, SHARDS.to_string());
+        let said = cmd!(
             shell,
             "{program} submit slurm {config} --out {out} --shards {shards}"
-        )
-        .quiet()
-        .ignore_stdout()
-        .run()?;
-        Ok(())
+        );
+        let said = said.quiet().read()?;
+        let mut words = said.split(" as job ").skip(1);
+        let job = words.next().and_then(|rest| rest.split(',').next());
+        Ok(job.with_context(|| said.clone())?.to_owned())
+    }
+
+    /// Keeps jobs from being started, or lets them start.
+    fn hold(&self, is_held: bool) -> Result<()> {
+        let state = if is_held { "DOWN" } else { "UP" };
+        let shell = self.shell;
+        let update = cmd!(shell, "scontrol update PartitionName=main State={state}");
+        Ok(update.quiet().run()?)
+    }
+
+    /// Puts a program in place of another that does the same, but exits with 3 where it is to run one of the shards.
+    fn replace_by_failing(&self, program: &Path, shard: u64) -> Result<()> {
+        let real = self.program.display();
+        let script = format!(
+            "#!/bin/sh\ncase \" $* \" in *\" --shard {shard}/{SHARDS} \"*) exit 3;; esac\nexec '{real}' \"$@\"\n"
+        );
+        fs::remove_file(program)?;
+        fs::write(program, script)?;
+        let shell = self.shell;
+        Ok(cmd!(shell, "chmod +x {program}").quiet().run()?)
     }
 
     /// Process of a shard; that of shard 5 ends at once.
