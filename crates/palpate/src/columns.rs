@@ -1,11 +1,12 @@
 //! Tables by columns, as other programs take them.
 
-use palpate_study::Table;
-use palpate_study::config::LengthUnit;
+use palpate_study::config::{self, LengthUnit, Study, SweptKind};
+use palpate_study::{Label, Table};
 
 /// Units that names of columns end with, and how they are written.
-const UNITS: [(&str, &str); 6] = [
+const UNITS: [(&str, &str); 7] = [
     ("_rad", "rad"),
+    ("_rad_per_s", "rad/s"),
     ("_deg", "deg"),
     ("_s", "s"),
     ("_px", "px"),
@@ -32,6 +33,117 @@ pub enum Values {
     Numbers(Vec<Option<f64>>),
     /// Texts of a column in which some field is no number.
     Texts(Vec<String>),
+}
+
+/// Column of a table that a run fills row by row: what is known of it before the first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ColumnType {
+    /// Name in the table's header.
+    pub name: String,
+    /// Kind of its values.
+    pub kind: ValueKind,
+    /// Unit of all its numbers, `1` of pure numbers; [`ColumnType::UNIT_OF_ROW`] where each row has its own. `None` of
+    /// texts, and of parameters of a formula, which alone knows.
+    pub unit: Option<String>,
+}
+
+/// Kind of the values of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ValueKind {
+    /// Numbers.
+    Number,
+    /// Whole numbers.
+    Whole,
+    /// Whole numbers that are not negative: counts, and numbers of cells and trials.
+    Count,
+    /// Texts.
+    Text,
+}
+
+/// Columns of counts, and of numbers by which things are told apart.
+const COUNTS: [&str; 7] = [
+    "cell",
+    "trial",
+    "trials",
+    "failures",
+    "count",
+    "first_trial",
+    "region",
+];
+/// Columns of texts.
+const TEXTS: [&str; 6] = ["quantity", "unit", "kind", "failure", "class", "true_class"];
+/// Columns of pure numbers among those whose other numbers have the unit of their row.
+const SHARES: [&str; 3] = [
+    "relative_rms_error",
+    "relative_mean_abs_error",
+    "coverage95",
+];
+
+impl ColumnType {
+    /// Unit of numbers of which the column `unit` tells that of each row.
+    pub const UNIT_OF_ROW: &'static str = "column unit";
+
+    /// Column of a swept field, by its place among those of the study.
+    pub(crate) fn of_swept(study: &Study, place: usize) -> Self {
+        let (path, name) = (&study.paths[place], &study.columns[place]);
+        let kind = match study.swept_kind(place) {
+            SweptKind::Number => ValueKind::Number,
+            SweptKind::Whole => ValueKind::Whole,
+            SweptKind::Text => ValueKind::Text,
+        };
+        let is_known = kind != ValueKind::Text && !path.contains(".parameters.");
+        Self {
+            kind,
+            unit: is_known.then(|| unit_of_field(name, study.config.length_unit)),
+            name: name.clone(),
+        }
+    }
+
+    /// Column of a table that has the unit of its numbers in a column `unit`.
+    pub(crate) fn beside_unit(name: &str) -> Self {
+        let column = Self::named(name, LengthUnit::Unit);
+        let is_pure = column.kind != ValueKind::Number || SHARES.contains(&name);
+        Self {
+            unit: match is_pure {
+                true => column.unit,
+                false => Some(Self::UNIT_OF_ROW.to_owned()),
+            },
+            ..column
+        }
+    }
+
+    /// Column of a table whose names end with their unit.
+    pub(crate) fn named(name: &str, length_unit: LengthUnit) -> Self {
+        let kind = if COUNTS.contains(&name) {
+            ValueKind::Count
+        } else if TEXTS.contains(&name) {
+            ValueKind::Text
+        } else {
+            ValueKind::Number
+        };
+        let unit = || unit_of(name, length_unit.as_str()).unwrap_or_else(|| "1".to_owned());
+        Self {
+            name: name.to_owned(),
+            kind,
+            unit: (kind != ValueKind::Text).then(unit),
+        }
+    }
+}
+
+/// Unit of a swept field, by the header of its column.
+fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
+    let (_, tail) = config::field(header);
+    let of_tail = unit_of(&format!("_{tail}"), length_unit.as_str());
+    of_tail.unwrap_or_else(|| {
+        let label = Label::of_field(header);
+        match label.unit.as_str() {
+            "°" => "deg".to_owned(),
+            "turns" => "turn".to_owned(),
+            // Shares, which readers see in percent.
+            unit if unit.is_empty() || label.factor != 1.0 => "1".to_owned(),
+            unit => unit.to_owned(),
+        }
+    })
 }
 
 /// Columns of a table whose lengths are in `length_unit`, with every digit of their numbers.
@@ -113,6 +225,26 @@ mod tests {
             ("failures", None),
         ] {
             assert_eq!(unit_of(name, "mm").as_deref(), unit, "{name}");
+        }
+    }
+
+    #[test]
+    fn swept_fields_have_the_unit_of_their_numbers() {
+        for (header, unit) in [
+            ("scene.object.radius_mm", "mm"),
+            ("scene.object.c_per_mm", "1/mm"),
+            ("scene.motion.rate_rad_per_s", "rad/s"),
+            ("scene.motion.duration_s", "s"),
+            ("scene.motion.contact_deg.0", "deg"),
+            ("scene.noise.angular_velocity.fraction", "1"),
+            ("scene.noise.pixel.std", "levels of 255"),
+            ("scene.noise.hue.std", "turn"),
+            ("scene.noise.centroid.std", "px"),
+            ("scene.sensor.size_px", "px"),
+            ("scene.probe.layout.gores", "1"),
+            ("seed", "1"),
+        ] {
+            assert_eq!(unit_of_field(header, LengthUnit::Mm), unit, "{header}");
         }
     }
 

@@ -51,7 +51,7 @@ mod trial;
 
 pub use asked::refuse;
 pub use check::{CellGroup, Check, Rungs, check};
-pub use columns::{Column, Values, columns};
+pub use columns::{Column, ColumnType, ValueKind, Values, columns};
 pub use costs::Cost;
 pub use map::Map;
 pub use palpate_report::{Figure, Files, ReportError, figure};

@@ -10,14 +10,15 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use palpate_scene::{Arch, MapTable, Scene, Scenes};
+use palpate_study::Table;
 use palpate_study::config::{Cell, ConfigError, Output, Study};
-use palpate_study::{Table, csv};
 use palpate_sweep::{
     CellStatistics, NoThreads, Partial, RunOptions, Runner, SUPERBLOCK, Seen, Stop, Sweep,
     SweepError, Taken, Task,
 };
 use thiserror::Error;
 
+use crate::columns::ColumnType;
 use crate::facts::Facts;
 use crate::map::{CellMap, Map};
 use crate::share::{Part, Shard, Share};
@@ -227,18 +228,23 @@ impl<'a> Simulation<'a> {
         self.warnings.lines(self.share.cells.len())
     }
 
-    /// First lines of `cells.csv`, `failures.csv`, where the config asks for maps `map.csv`, and where trials are told the
-    /// table of these: the names of their columns.
-    pub fn headers(&self) -> [Option<String>; 4] {
-        let of_cells = csv(&tables::header(self.study, self.states_bounds));
-        let of_failures = csv(&tables::FAILURES.map(str::to_owned));
-        let of_maps = self.maps.as_ref();
+    /// Columns of `cells.csv`, `failures.csv`, where the config asks for maps `map.csv`, and where trials are told the table
+    /// of these.
+    pub fn columns(&self) -> [Option<Vec<ColumnType>>; 4] {
+        let unit = self.study.config.length_unit;
+        let beside = |names: &[&str]| {
+            let columns = names.iter().map(|name| ColumnType::beside_unit(name));
+            columns.collect::<Vec<_>>()
+        };
+        let named = |maps: &MapTable| {
+            let names = maps.table.header.iter();
+            names.map(|name| ColumnType::named(name, unit)).collect()
+        };
         [
-            Some(of_cells),
-            Some(of_failures),
-            of_maps.map(|maps| csv(&maps.table.header)),
-            self.tells_trials
-                .then(|| csv(&tables::TRIALS.map(str::to_owned))),
+            Some(tables::columns(self.study, self.states_bounds)),
+            Some(beside(&tables::FAILURES)),
+            self.maps.as_ref().map(named),
+            self.tells_trials.then(|| beside(&tables::TRIALS)),
         ]
     }
 

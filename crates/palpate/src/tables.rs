@@ -7,6 +7,7 @@ use palpate_study::number::Shortest;
 use palpate_study::{Quantity, Table, push_row};
 use palpate_sweep::{CellStatistics, Seen, Summary};
 
+use crate::columns::ColumnType;
 use crate::facts::Facts;
 
 /// Names of the columns of `failures.csv`.
@@ -39,23 +40,22 @@ fn swept(study: &Study) -> impl Iterator<Item = usize> + '_ {
     (0..study.paths.len()).filter(|&place| !STATISTICS.contains(&study.paths[place].as_str()))
 }
 
-/// Names of the columns of `cells.csv`.
-pub(crate) fn header(study: &Study, states_bounds: bool) -> Vec<String> {
-    let columns = swept(study).map(|place| study.columns[place].as_str());
-    ["cell"]
+/// Columns of `cells.csv`.
+pub(crate) fn columns(study: &Study, states_bounds: bool) -> Vec<ColumnType> {
+    let behind = ["quantity", "unit"].into_iter().chain(STATISTICS);
+    let behind = behind.chain(states_bounds.then_some(STD_BOUND));
+    [ColumnType::beside_unit("cell")]
         .into_iter()
-        .chain(columns)
-        .chain(["quantity", "unit"])
-        .chain(STATISTICS)
-        .chain(states_bounds.then_some(STD_BOUND))
-        .map(str::to_owned)
+        .chain(swept(study).map(|place| ColumnType::of_swept(study, place)))
+        .chain(behind.map(ColumnType::beside_unit))
         .collect()
 }
 
 /// Table with one row per cell and quantity. Presses have a bound on the standard deviation behind the
 /// statistics.
 pub(crate) fn cells(study: &Study, ran: &[Row<'_>], states_bounds: bool) -> Table {
-    let mut table = Table::new(header(study, states_bounds));
+    let columns = columns(study, states_bounds).into_iter();
+    let mut table = Table::new(columns.map(|column| column.name));
     let mut add = |fields: &[String]| table.rows.push(fields.to_vec());
     for row in ran {
         cell_rows(study, row, states_bounds, &mut add);

@@ -43,7 +43,7 @@ pub use glide::{
     NormalNoise, NormalsOf, PositionNoise, Reports,
 };
 pub use length_unit::LengthUnit;
-pub use load::{Cell, Study, load, parse, plots};
+pub use load::{Cell, Study, SweptKind, load, parse, plots};
 pub use model::ModelConfig;
 pub use object::ObjectConfig;
 pub use output::Output;

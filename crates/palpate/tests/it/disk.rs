@@ -27,6 +27,22 @@ fn the_directory_is_a_file() {
     assert_eq!(desk.read("o"), "mine");
 }
 
+#[cfg(unix)]
+#[test]
+fn the_directory_is_a_link_that_leads_nowhere() {
+    let desk = Desk::with(STUDY);
+    std::os::unix::fs::symlink("gone", desk.path("o")).unwrap();
+    for out in ["o", "o/deeper"] {
+        let said = desk.palpate(&format!("run c.toml --out {out}")).said(1);
+        let why = "o is a symbolic link to gone, and nothing is there";
+        assert_eq!(
+            said,
+            format!("error: cannot make the directory {out}: {why}\n")
+        );
+    }
+    assert_eq!(desk.names(""), ["c.toml", "o"]);
+}
+
 #[test]
 fn a_config_by_hand_is_not_replaced() {
     let desk = Desk::with(STUDY);

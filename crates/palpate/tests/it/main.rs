@@ -17,6 +17,8 @@ mod hostile;
 mod journal;
 mod like;
 mod objects;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod press;
 mod published;
 mod refused;

@@ -2,7 +2,7 @@
 
 use super::desk::{Desk, STUDY};
 
-fn with_plot() -> String {
+pub(crate) fn with_plot() -> String {
     format!(
         "claims = [1]\n{STUDY}\n[[plot]]\nname = \"error-against-radius\"\nx = \"scene.object.radius\"\n\
          y = \"rms_error\"\nquantity = \"normal_curvature_u\"\nscale = \"log-log\"\n"
@@ -54,12 +54,21 @@ fn the_page_holds_all_studies() {
 #[test]
 fn a_directory_without_a_run() {
     let desk = Desk::with(STUDY);
-    for command in ["plot nowhere", "report nowhere --out page.html"] {
-        let said = desk.palpate(command).said(1);
-        assert!(said.contains("nowhere/run.toml: No such file"), "{said}");
-        assert_eq!(said.matches("No such file").count(), 1, "{said}");
+    for command in [
+        "plot nowhere",
+        "report nowhere --out page.html",
+        "plot c.toml",
+    ] {
+        desk.palpate(command).fails(2, "is no directory");
     }
     assert_eq!(desk.names(""), ["c.toml"]);
+    std::fs::create_dir(desk.path("empty")).unwrap();
+    for command in ["plot empty", "report empty --out page.html"] {
+        let said = desk.palpate(command).said(1);
+        assert!(said.contains("empty/run.toml: No such file"), "{said}");
+        assert_eq!(said.matches("No such file").count(), 1, "{said}");
+    }
+    assert_eq!(desk.names(""), ["c.toml", "empty"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fs;
 use super::desk::{Desk, RUN_FILES, STUDY, assert_close, edited};
 
 /// Rolls, some of which fail and of some of which `check` warns, with maps of none: seven cells.
-fn many() -> String {
+pub(crate) fn many() -> String {
     let study = edited(
         STUDY,
         "values = [50, 5]",
@@ -15,7 +15,7 @@ fn many() -> String {
 }
 
 /// Presses with maps: their tables have a bound, and warnings of some cells.
-const PRESSES: &str = r#"name = "presses"
+pub(crate) const PRESSES: &str = r#"name = "presses"
 length_unit = "mm"
 trials = 10
 outputs = ["cells", "map", "trace"]
@@ -135,11 +135,13 @@ fn shards_that_are_not_all_there_are_named() {
             .said(1)
             .contains("no shards in m")
     );
-    assert!(
-        desk.palpate("merge gone --out n")
-            .said(1)
-            .contains("gone is no directory")
-    );
+    for command in [
+        "merge gone --out n",
+        "merge c.toml --out n",
+        "status c.toml",
+    ] {
+        desk.palpate(command).fails(2, "is no directory");
+    }
 }
 
 #[test]
@@ -196,7 +198,7 @@ fn shards_that_are_damaged_are_named_and_done_again() {
     fs::write(&place, &headless).unwrap();
     for line in [
         "merge s --out m",
-        "status s",
+        "status s/2",
         "run c.toml --shard 2/2 --out s/2",
         "run c.toml --out s/2 --seed 3",
     ] {
@@ -225,11 +227,7 @@ fn shards_that_are_damaged_are_named_and_done_again() {
 #[test]
 fn status_counts_shards() {
     let desk = Desk::with(&many());
-    assert!(
-        desk.palpate("status s")
-            .said(1)
-            .contains("s is no directory")
-    );
+    desk.palpate("status s").fails(2, "s is no directory");
     shards(&desk, 4);
     let said = desk.palpate("status s").printed();
     for words in [
@@ -252,9 +250,79 @@ fn status_counts_shards() {
     ] {
         assert!(said.contains(words), "{said}");
     }
-    desk.palpate("run c.toml --out whole").printed();
-    let said = desk.palpate("status whole").printed();
-    assert!(said.contains("state    done"), "{said}");
+    // One that cannot be read, and one that is there twice, are named beside the others.
+    fs::write(&place, &sound[..60]).unwrap();
+    fs::create_dir(desk.path("s/again")).unwrap();
+    fs::copy(
+        desk.path("s/3/journal.palpate"),
+        desk.path("s/again/journal.palpate"),
+    )
+    .unwrap();
+    let said = desk.palpate("status s").printed();
+    for words in [
+        "done     2: shards 1, 3",
+        "missing  2: shards 2, 4",
+        "s/4/journal.palpate is damaged at its beginning",
+        "shard 3 of 4 is in s/3 and in s/again",
+        "cells    4 of 7",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    // Where nothing else is there, that is all there is to say.
+    for number in ["1", "3", "again"] {
+        fs::remove_dir_all(desk.path(&format!("s/{number}"))).unwrap();
+    }
+    desk.palpate("status s")
+        .fails(1, "is damaged at its beginning");
+}
+
+#[test]
+fn status_counts_what_is_done() {
+    let desk = Desk::with(&many());
+    let ended = desk.palpate("run c.toml --out whole");
+    let status = desk.palpate("status whole").printed();
+    // As the run itself did.
+    let counts = ended.stdout.strip_prefix("a-study: 7 cells, 140 trials, ");
+    let failed = counts.and_then(|counts| counts.strip_suffix(" -> whole\n"));
+    let failed = failed.unwrap_or_else(|| panic!("{ended:?}"));
+    assert_eq!(
+        status,
+        format!("study    a-study\nstate    done\ncells    7\ntrials   140, {failed}\n")
+    );
+    desk.write(
+        "whole/failures.csv",
+        "cell,kind,count,first_trial\n0,rank,many,0\n",
+    );
+    let said = desk.palpate("status whole").said(1);
+    assert!(
+        said.contains("cannot read whole/failures.csv: `many` is no number of trials"),
+        "{said}"
+    );
+}
+
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn a_palpate_without_parquet_says_how_to_get_one() {
+    let desk = Desk::with(STUDY);
+    for line in [
+        "run c.toml --format parquet",
+        "run c.toml --trials-out t.parquet",
+        "merge s --format parquet",
+        "submit slurm c.toml --shards 2 --format parquet --dry-run",
+    ] {
+        let said = desk.palpate(line).said(2);
+        assert!(
+            said.contains("cargo install --path crates/palpate --features parquet"),
+            "{said}"
+        );
+    }
+    assert_eq!(desk.names(""), ["c.toml"]);
+    desk.palpate("run c.toml --out o").printed();
+    fs::rename(desk.path("o/cells.csv"), desk.path("o/cells.parquet")).unwrap();
+    desk.palpate("status o")
+        .prints("tables   Parquet; this palpate was built without Parquet");
+    desk.palpate("plot o")
+        .fails(1, "o has its tables as Parquet");
 }
 
 #[test]
@@ -355,7 +423,7 @@ fn errors_can_be_told_as_json() {
             .unwrap()
             .contains("must be > 0, is -1")
     );
-    assert_eq!(told("--error-format=json merge gone", 1)["kind"], "work");
+    assert_eq!(told("--error-format=json merge .", 1)["kind"], "work");
     let error = told("run --error-format json c.toml --threads x", 2);
     assert!(
         error["message"]

@@ -50,6 +50,17 @@ pub struct Cell {
     pub config: StudyConfig,
 }
 
+/// Kind of the values that a swept field takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SweptKind {
+    /// Numbers of a field that counts.
+    Whole,
+    /// Numbers.
+    Number,
+    /// Words, truth values, labels of tables, or some of these among numbers.
+    Text,
+}
+
 /// Reads a study from a file.
 ///
 /// # Errors
@@ -388,6 +399,46 @@ impl Study {
             axis.row(row)[place].node.as_number()
         });
         swept.map_or(self.config.trials, |trials| trials as u64)
+    }
+
+    /// Kind of the values that a swept field takes in all cells, by its place among the [paths](Self::paths).
+    ///
+    /// ```
+    /// use palpate_study::config::{SweptKind, parse};
+    ///
+    /// let text = r#"
+    /// name = "balls"
+    /// [scene]
+    /// kind = "roll"
+    /// probe = { kind = "sphere", radius = 1.0 }
+    /// object = { kind = "sphere", radius = 3.0 }
+    /// motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+    /// [[sweep]]
+    /// path = "scene.object.radius"
+    /// values = [3, 4]
+    /// [[sweep]]
+    /// path = "seed"
+    /// values = [1, 2]
+    /// "#;
+    /// let study = parse("balls.toml", text)?;
+    /// assert_eq!(study.swept_kind(0), SweptKind::Number);
+    /// assert_eq!(study.swept_kind(1), SweptKind::Whole);
+    /// # Ok::<(), palpate_study::config::ConfigError>(())
+    /// ```
+    pub fn swept_kind(&self, place: usize) -> SweptKind {
+        let path = self.paths.get(place).map_or("", String::as_str);
+        let Some((axis, column)) = self.grid.axis(path) else {
+            return SweptKind::Text;
+        };
+        let is_number = |row| axis.row(row)[column].node.as_number().is_some();
+        let keys: Vec<&str> = path.split('.').collect();
+        if !axis.is_range() && !(0..axis.len()).all(is_number) {
+            SweptKind::Text
+        } else if schema::is_whole(&SCHEMA, &keys) {
+            SweptKind::Whole
+        } else {
+            SweptKind::Number
+        }
     }
 
     /// Numbers of the cells that are known to be valid, ascending: all of a study of up to 10,000 cells. Of more there is a

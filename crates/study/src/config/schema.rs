@@ -129,3 +129,20 @@ fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
         .iter()
         .find_map(|variant| unit_of(variant["properties"].get(key)?, rest))
 }
+
+/// Whether a field of a config holds whole numbers alone; kinds that share a key share that.
+pub(super) fn is_whole(schema: &Json, keys: &[&str]) -> bool {
+    fn of(schema: &Json, keys: &[&str]) -> Option<bool> {
+        let Some((key, rest)) = keys.split_first() else {
+            return Some(schema["type"] == "integer");
+        };
+        if schema["type"] == "array" {
+            return of(&schema["items"], rest);
+        }
+        let variants = variants(schema).iter();
+        variants
+            .filter_map(|variant| of(variant["properties"].get(key)?, rest))
+            .next()
+    }
+    of(schema, keys).unwrap_or(false)
+}

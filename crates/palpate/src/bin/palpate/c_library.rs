@@ -7,3 +7,17 @@
 extern "C" fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)
 }
+
+/// Natural logarithm, for filters of Parquet that no table has.
+#[cfg(feature = "parquet")]
+#[unsafe(no_mangle)]
+extern "C" fn log(x: f64) -> f64 {
+    libm::log(x)
+}
+
+/// Logarithm to base 10, for decimal numbers of Parquet that no table has.
+#[cfg(feature = "parquet")]
+#[unsafe(no_mangle)]
+extern "C" fn log10(x: f64) -> f64 {
+    libm::log10(x)
+}

@@ -14,6 +14,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use palpate::Shard;
 
 use crate::duration;
+use crate::output::Format;
 
 pub(crate) use estimate::{
     EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs, SensorArgs,
@@ -161,8 +162,12 @@ pub(crate) struct RunArgs {
     /// Run only shard K of N: every N-th task, from the K-th on. A task is a cell, or 1,048,576 trials of one.
     #[arg(long, value_name = "K/N", value_parser = shard)]
     pub(crate) shard: Option<Shard>,
+    /// Format of the tables; with --shard, `palpate merge` has it.
+    #[arg(long, value_enum, value_name = "FORMAT", default_value = "csv")]
+    pub(crate) format: Format,
     /// Also write a table with a row per observation of every trial, or the kind of its failure; - is standard
-    /// output. With --shard the rows are in the journal, and `palpate merge` writes the table.
+    /// output. A name that ends with .csv or .parquet tells its format, else --format does. With --shard the rows
+    /// are in the journal, and `palpate merge` writes the table.
     #[arg(long, value_name = "FILE")]
     pub(crate) trials_out: Option<PathBuf>,
     /// Begin anew where a run that has not ended left its journal.
@@ -182,7 +187,11 @@ pub(crate) struct MergeArgs {
     /// name of the study].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Also write the table of trials, of shards that were run with --trials-out.
+    /// Format of the tables.
+    #[arg(long, value_enum, value_name = "FORMAT", default_value = "csv")]
+    pub(crate) format: Format,
+    /// Also write the table of trials, of shards that were run with --trials-out. A name that ends with .csv or
+    /// .parquet tells its format, else --format does.
     #[arg(long, value_name = "FILE")]
     pub(crate) trials_out: Option<PathBuf>,
     /// Replace also files that palpate did not write, or that were changed since.
@@ -244,6 +253,9 @@ pub(crate) struct SlurmArgs {
     /// Run this many trials per cell instead of the config's.
     #[arg(long, value_name = "N")]
     pub(crate) trials: Option<NonZeroU64>,
+    /// Format of the tables that the merge writes.
+    #[arg(long, value_enum, value_name = "FORMAT", default_value = "csv")]
+    pub(crate) format: Format,
     /// Print the scripts, and neither write nor submit anything.
     #[arg(long)]
     pub(crate) dry_run: bool,

@@ -11,15 +11,16 @@ use crate::cli::MergeArgs;
 use crate::failure::Failure;
 use crate::journal::{self, Found, Header, Reader, Totals};
 use crate::output::names::{CONFIG, JOURNAL};
-use crate::output::{Contents, Folder, Guard, Single, StudyId};
-use crate::run::{Drafts, difference, end, numbers_of, refuse_own, summary, tables_of, traced};
-use crate::{output, trace};
+use crate::output::{Contents, Folder, Guard, StudyId, refuse_no_directory};
+use crate::run::{Drafts, TrialsOut, difference, end, numbers_of, summary, tables_of, traced};
+use crate::trace;
 
 /// Shards that are listed in a message.
 const MOST_LISTED: usize = 20;
 
 pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
-    let shards = shards_of(&args.dirs)?;
+    args.format.supported()?;
+    let shards = shards_of(&args.dirs)?.sound()?;
     let Some((_, (first_dir, first))) = shards.iter().next() else {
         let dirs: Vec<String> = args
             .dirs
@@ -72,19 +73,17 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
             "the shards have no rows of trials: they were run without --trials-out"
         )));
     }
-    if let Some(path) = &args.trials_out {
-        refuse_own(path, &out, &study)?;
-    }
     let trials_out = args.trials_out.as_ref();
     let guard = Guard::new([], args.force);
-    let trials_out = trials_out.map(|path| Single::new("--trials-out", path, guard));
+    let trials_out = trials_out.map(|path| TrialsOut::new(path, args.format, guard, &out, &study));
     let trials_out = trials_out.transpose()?;
+    let trials_out = trials_out.as_ref();
 
     let mut folder = Folder::open(&out, Guard::new([], args.force))?;
     let config = trace::resolved(&study);
     let owned = folder.owned();
     owned.refuse(CONFIG, Some(&Contents::Bytes(config.as_bytes())))?;
-    let mut tables = tables_of(&study).into_iter();
+    let mut tables = tables_of(&study, args.format).into_iter();
     tables.try_for_each(|name| owned.refuse(name, None))?;
     let traced = traced(&study, first_cell)?;
     let of_study = StudyId::new(&study.config.name, &config);
@@ -101,7 +100,7 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     for (dir, _) in shards.values() {
         readers.extend(Reader::open(dir)?.map(|(reader, _)| reader));
     }
-    let drafts = Drafts::new(&folder, &simulation, trials_out.as_ref())?;
+    let drafts = Drafts::new(&folder, &simulation, args.format, trials_out, &of_study)?;
     let (files, totals) = drafts.fill(&simulation, readers, true)?;
     if totals.cells != cells as u64 {
         return Err(Failure::work(anyhow!(
@@ -112,18 +111,57 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Failure> {
     end(&mut folder, files, traced, &config, &warnings, &of_study)?;
     let summary = summary(&study.config.name, "", &totals, &out);
     match totals.is_alive {
-        true => output::print(&summary),
+        true => TrialsOut::print(trials_out, &summary),
         false => Err(Failure::work(anyhow!("every trial failed: {summary}"))),
     }
 }
 
-/// Shards by their numbers, in directories or one or two levels below them.
-pub(crate) fn shards_of(dirs: &[PathBuf]) -> Result<BTreeMap<u64, (PathBuf, Found)>, Failure> {
-    let mut shards: BTreeMap<u64, (PathBuf, Found)> = BTreeMap::new();
-    for dir in dirs {
-        if !dir.is_dir() {
-            return Err(Failure::work(anyhow!("{} is no directory", dir.display())));
+/// Shards that were found in directories, or one or two levels below them.
+#[derive(Default)]
+pub(crate) struct Shards {
+    /// Shards by their numbers, with their directories.
+    pub(crate) by_number: BTreeMap<u64, (PathBuf, Found)>,
+    /// Reasons why journals are not among them.
+    pub(crate) faults: Vec<Failure>,
+}
+
+impl Shards {
+    /// The shards by their numbers; the first fault where there is one.
+    pub(crate) fn sound(self) -> Result<BTreeMap<u64, (PathBuf, Found)>, Failure> {
+        match self.faults.into_iter().next() {
+            Some(fault) => Err(fault),
+            None => Ok(self.by_number),
         }
+    }
+
+    fn add(&mut self, place: PathBuf) -> Result<(), Failure> {
+        let Some(found) = journal::read(&place)? else {
+            return Ok(());
+        };
+        // The journal of a whole run that has not ended stands beside its shards.
+        let Some((number, of)) = found.header.asked.shard else {
+            return Ok(());
+        };
+        match self.by_number.get(&number) {
+            Some((other, _)) if *other != place => {
+                let (other, place) = (other.display(), place.display());
+                Err(Failure::work(anyhow!(
+                    "shard {number} of {of} is in {other} and in {place}: name only one of them"
+                )))
+            }
+            _ => {
+                self.by_number.insert(number, (place, found));
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Shards in directories, or one or two levels below them.
+pub(crate) fn shards_of(dirs: &[PathBuf]) -> Result<Shards, Failure> {
+    let mut shards = Shards::default();
+    for dir in dirs {
+        refuse_no_directory(dir)?;
         let listed = fs::read_dir(dir);
         listed
             .with_context(|| format!("cannot read {}", dir.display()))
@@ -136,22 +174,8 @@ pub(crate) fn shards_of(dirs: &[PathBuf]) -> Result<BTreeMap<u64, (PathBuf, Foun
             )));
         }
         for place in places {
-            let Some(found) = journal::read(&place)? else {
-                continue;
-            };
-            // The journal of a whole run that has not ended stands beside its shards.
-            let Some((number, of)) = found.header.asked.shard else {
-                continue;
-            };
-            if let Some((other, _)) = shards.get(&number)
-                && *other != place
-            {
-                let (other, place) = (other.display(), place.display());
-                return Err(Failure::work(anyhow!(
-                    "shard {number} of {of} is in {other} and in {place}: name only one of them"
-                )));
-            }
-            shards.insert(number, (place, found));
+            let added = shards.add(place);
+            shards.faults.extend(added.err());
         }
     }
     Ok(shards)

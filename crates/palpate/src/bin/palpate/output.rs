@@ -1,12 +1,18 @@
 //! Files and standard output, written whole or not at all.
 
+#[cfg(feature = "parquet")]
+mod arrow;
 mod folder;
+mod format;
 mod lock;
 mod manifest;
 pub(crate) mod names;
 mod owned;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod single;
 mod stage;
+pub(crate) mod table;
 
 use std::io::{ErrorKind, Write};
 
@@ -15,7 +21,8 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 
-pub(crate) use folder::{Folder, make_directory};
+pub(crate) use folder::{Folder, make_directory, refuse_no_directory};
+pub(crate) use format::Format;
 pub(crate) use lock::Lock;
 pub(crate) use manifest::StudyId;
 pub(crate) use owned::{Guard, Owned};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use palpate_report::{
     Figure, Files, Study, claims_csv, figures, page, press_figures, score, scorecard_text,
 };
@@ -10,16 +10,13 @@ use palpate_report::{
 use crate::cli::{PlotArgs, ReportArgs};
 use crate::failure::Failure;
 use crate::output::names::{CLAIMS, CONFIG, MARKERS, text_of};
-use crate::output::{self, Folder, Guard, Single, StudyId};
+use crate::output::{self, Folder, Format, Guard, Single, StudyId, refuse_no_directory};
 
 pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
-    let study = || Study::load(&args.dir).map_err(Failure::work);
+    refuse_no_directory(&args.dir)?;
     // No other process writes there from here on.
-    let mut folder = match args.dir.is_dir() {
-        true => Folder::open(&args.dir, Guard::new([], args.force))?,
-        false => return study().map(drop),
-    };
-    let study = study()?;
+    let mut folder = Folder::open(&args.dir, Guard::new([], args.force))?;
+    let study = loaded(&args.dir)?;
     let mut drawn = figures(&study).map_err(Failure::work)?;
     // What a camera saw of the pass that was traced.
     if args.dir.join(MARKERS).is_file() {
@@ -37,6 +34,20 @@ pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     folder.write(&named, Some(&id_of(&study)?))?;
     let mut names = files.iter().map(|(name, _)| args.dir.join(name));
     names.try_for_each(|path| output::print(&path.display().to_string()))
+}
+
+/// Study of a directory.
+fn loaded(dir: &Path) -> Result<Study, Failure> {
+    refuse_no_directory(dir)?;
+    if Format::found_in(dir) == Some(Format::Parquet) {
+        return Err(Failure::work(anyhow!(
+            "{} has its tables as Parquet, and figures and scores are made from CSV: `palpate run {}` in another \
+             directory writes the same tables so",
+            dir.display(),
+            dir.join(CONFIG).display()
+        )));
+    }
+    Study::load(dir).map_err(Failure::work)
 }
 
 /// The study as manifests name it, with its table.
@@ -67,9 +78,8 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
     let studies = args
         .dirs
         .iter()
-        .map(Study::load)
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(Failure::work)?;
+        .map(|dir| loaded(dir))
+        .collect::<Result<Vec<_>, _>>()?;
     for study in &studies {
         let claims = claims_csv(&score(std::slice::from_ref(study)));
         let mut folder = Folder::open(study.dir(), Guard::new([], args.force))?;

@@ -15,20 +15,28 @@ use crate::cli::RunArgs;
 use crate::failure::Failure;
 use crate::journal::{self, Asked, Header, Reader, Totals};
 use crate::output::names::{CONFIG, JOURNAL};
-use crate::output::{Contents, Folder, Guard, Owned, Single, StudyId};
-use crate::{budget, output, trace};
+use crate::output::{Contents, Folder, Format, Guard, Owned, StudyId};
+use crate::{budget, trace};
 
 use ongoing::Ongoing;
 use resume::resumable;
 
 pub(crate) use resume::difference;
-pub(crate) use tables::{Drafts, end, refuse_own, tables_of, traced};
+pub(crate) use tables::{Drafts, TrialsOut, end, tables_of, traced};
 
 /// More threads than this only cost their setting up.
 const MOST_THREADS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(255);
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let start = Instant::now();
+    args.format.supported()?;
+    if let (Format::Parquet, Some(shard)) = (args.format, args.shard) {
+        return Err(Failure::usage(anyhow!(
+            "--format parquet: shard {} of {} leaves a journal, and no tables; give --format to `palpate merge`",
+            shard.number,
+            shard.of
+        )));
+    }
     let study = asked_study(args)?;
     let shard = args.shard.unwrap_or_default();
     let is_whole = args.shard.is_none();
@@ -41,7 +49,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     });
     let guard = Guard::new([&args.config], args.force);
     let tables = if is_whole {
-        tables_of(&study)
+        tables_of(&study, args.format)
     } else {
         Vec::new()
     };
@@ -58,12 +66,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         shard: args.shard.map(|shard| (shard.number, shard.of)),
         trials_out: args.trials_out.is_some(),
     };
-    if let Some(path) = &args.trials_out {
-        refuse_own(path, &out, &study)?;
-    }
     let trials_out = args.trials_out.as_ref();
-    let trials_out = trials_out.map(|path| Single::new("--trials-out", path, guard.clone()));
+    let trials_out =
+        trials_out.map(|path| TrialsOut::new(path, args.format, guard.clone(), &out, &study));
     let trials_out = trials_out.transpose()?;
+    let print = |text: &str| TrialsOut::print(trials_out.as_ref(), text);
     let found = match args.restart {
         true => {
             journal::refuse_other(&out)?;
@@ -104,8 +111,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         true => simulation.with_trials(),
         false => simulation,
     };
-    if let (Some(trials_out), [.., Some(header)]) = (&trials_out, simulation.headers()) {
-        trials_out.refuse_other(&header)?;
+    if let Some(trials_out) = &trials_out {
+        trials_out.refuse_other(&simulation)?;
     }
 
     let mut folder = Folder::open(&out, guard)?;
@@ -129,7 +136,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         for warning in warnings {
             eprintln!("warning: {warning}");
         }
-        output::print(&lines.join("\n"))?;
+        print(&lines.join("\n"))?;
     }
     // Cells that tell their warnings when they are run are not counted twice.
     let of_header = match simulation.is_sampled() {
@@ -154,7 +161,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     if is_whole {
         let reader = Reader::open(&out)?.map(|(reader, _)| reader);
         let readers = reader.into_iter().collect();
-        let drafts = Drafts::new(&folder, &simulation, trials_out.as_ref())?;
+        let trials_out = trials_out.as_ref();
+        let drafts = Drafts::new(&folder, &simulation, args.format, trials_out, &of_study)?;
         let (files, _) = drafts.fill(&simulation, readers, false)?;
         end(&mut folder, files, traced, &config, &lines, &of_study)?;
         remove_journal(&out)?;
@@ -163,7 +171,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     if is_whole && !totals.is_alive {
         return Err(Failure::work(anyhow!("every trial failed: {summary}")));
     }
-    output::print(&summary)
+    print(&summary)
 }
 
 /// The study with what arguments change of it.

@@ -3,26 +3,27 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use indicatif::HumanCount;
 use palpate::parse;
 
 use crate::cli::StatusArgs;
 use crate::duration::{exact, roughly};
 use crate::failure::Failure;
-use crate::journal::{self, Found};
-use crate::merge::{foreign, listed, shards_of, totals_of};
-use crate::output::names::{CELLS, CONFIG, text_of};
-use crate::output::{self, Lock};
+use crate::journal::{self, Found, Totals};
+use crate::merge::{Shards, foreign, listed, shards_of, totals_of};
+use crate::output::names::{CONFIG, text_of};
+use crate::output::{self, Format, Lock, refuse_no_directory, table};
 
 pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
     let dir = &args.dir;
-    if !dir.is_dir() {
-        return Err(Failure::work(anyhow!("{} is no directory", dir.display())));
-    }
+    refuse_no_directory(dir)?;
     let own = journal::read(dir)?;
-    let shards = match own {
-        Some(_) => Default::default(),
+    let Shards {
+        by_number: shards,
+        faults,
+    } = match own {
+        Some(_) => Shards::default(),
         None => shards_of(std::slice::from_ref(dir))?,
     };
     let mut text = String::new();
@@ -71,6 +72,9 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
             }
         }
         text += &strangers;
+        for fault in &faults {
+            let _ = writeln!(text, "{fault}");
+        }
         let founds: Vec<&Found> = founds
             .into_iter()
             .filter(|found| others(found).is_none())
@@ -98,9 +102,19 @@ pub(crate) fn status(args: &StatusArgs) -> Result<(), Failure> {
         let _ = writeln!(text, "study    {}{shard}", name_of(found));
         let _ = writeln!(text, "state    {state}");
         text += &counts(&[found], found.header.tasks, 1.0, is_held);
-    } else if dir.join(CELLS).is_file() {
+    } else if let Some(format) = Format::found_in(dir) {
         let _ = writeln!(text, "study    {}", finished_name(dir));
         let _ = writeln!(text, "state    done");
+        text += &match format.supported() {
+            Ok(()) => {
+                let totals = tabulated(dir, format)?;
+                let cells = HumanCount(totals.cells);
+                format!("cells    {cells}\n{}", trials(&totals))
+            }
+            Err(why) => format!("tables   Parquet; {why}\n"),
+        };
+    } else if let Some(fault) = faults.into_iter().next() {
+        return Err(fault);
     } else {
         return Err(Failure::work(anyhow!(
             "{} has no run, and no shards: `palpate run` writes there",
@@ -116,24 +130,8 @@ fn counts(founds: &[&Found], all: u64, threads: f64, is_running: bool) -> String
     let is_split = founds.iter().any(|found| found.superblock_trials > 0);
     let what = if is_split { "parts" } else { "cells" };
     let totals = totals_of(founds.iter().copied());
-    let failed: u64 = totals.kinds.values().sum();
     let mut text = format!("{what:8} {} of {}\n", HumanCount(tasks), HumanCount(all));
-    let _ = write!(
-        text,
-        "trials   {}, {} failed",
-        HumanCount(totals.trials),
-        HumanCount(failed)
-    );
-    let kinds = totals.failures();
-    let _ = writeln!(
-        text,
-        "{}",
-        if kinds.is_empty() {
-            kinds
-        } else {
-            format!(" ({kinds})")
-        }
-    );
+    text += &trials(&totals);
     let seconds: f64 = founds.iter().map(|found| found.time.as_secs_f64()).sum();
     if seconds > 0.0 && tasks > 0 {
         let rate = tasks as f64 / seconds * threads;
@@ -148,6 +146,47 @@ fn counts(founds: &[&Found], all: u64, threads: f64, is_running: bool) -> String
         }
     }
     text
+}
+
+/// Line on trials.
+fn trials(totals: &Totals) -> String {
+    let (all, failed) = (totals.trials, totals.kinds.values().sum());
+    let kinds = match totals.failures() {
+        none if none.is_empty() => none,
+        kinds => format!(" ({kinds})"),
+    };
+    let (all, failed) = (HumanCount(all), HumanCount(failed));
+    format!("trials   {all}, {failed} failed{kinds}\n")
+}
+
+/// Counts that the tables of a run tell.
+fn tabulated(dir: &Path, format: Format) -> Result<Totals, Failure> {
+    let mut totals = Totals::default();
+    let [cells, failures, _] = format.tables();
+    let mut last = String::new();
+    let columns = ["cell", "trials"];
+    table::read(&dir.join(cells), format, columns, &mut |[cell, trials]| {
+        if totals.cells == 0 || cell != last {
+            totals.cells += 1;
+            totals.trials += count(trials)?;
+            cell.clone_into(&mut last);
+        }
+        Ok(())
+    })?;
+    let columns = ["kind", "count"];
+    table::read(&dir.join(failures), format, columns, &mut |[
+        kind,
+        failed,
+    ]| {
+        *totals.kinds.entry(kind.to_owned()).or_default() += count(failed)?;
+        Ok(())
+    })?;
+    Ok(totals)
+}
+
+fn count(field: &str) -> Result<u64, anyhow::Error> {
+    let number = field.parse();
+    number.with_context(|| format!("`{field}` is no number of trials"))
 }
 
 fn name_of(found: &Found) -> String {

@@ -12,7 +12,7 @@ use crate::cli::SlurmArgs;
 use crate::failure::Failure;
 use crate::merge::shards_of;
 use crate::output::names::{CONFIG, text_of};
-use crate::output::{Contents, Folder, Guard, StudyId};
+use crate::output::{Contents, Folder, Format, Guard, StudyId};
 use crate::run::{difference, overridden};
 use crate::{output, trace};
 
@@ -27,6 +27,7 @@ const LOGS: &str = "logs";
 const SHORT_MIN: u64 = 3;
 
 pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
+    args.format.supported()?;
     let study = overridden(&args.config, args.seed, args.trials, None)?;
     refuse(&study).map_err(Failure::usage)?;
     let name = &study.config.name;
@@ -98,7 +99,7 @@ pub(crate) fn slurm(args: &SlurmArgs) -> Result<(), Failure> {
 fn left(out: &Path, of: u64, config: &str) -> Result<Vec<u64>, Failure> {
     let place = out.join(SHARDS);
     let known = match place.is_dir() {
-        true => shards_of(&[place])?,
+        true => shards_of(&[place])?.sound()?,
         false => Default::default(),
     };
     for (dir, found) in known.values() {
@@ -215,12 +216,16 @@ fn merge_script(args: &SlurmArgs, name: &str, out: &Path, program: &Path) -> Str
          #SBATCH --output={}/merge.txt\n\
          {}\n\
          # Says which shards are missing, and fails, where not all are there.\n\
-         exec {} merge {} --out {}\n",
+         exec {} merge {} --out {}{}\n",
         out.join(LOGS).display(),
         directives(args),
         quoted(program),
         quoted(&out.join(SHARDS)),
         quoted(out),
+        match args.format {
+            Format::Csv => "",
+            Format::Parquet => " --format parquet",
+        },
     )
 }
 

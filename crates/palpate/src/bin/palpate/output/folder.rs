@@ -7,6 +7,7 @@ use std::path::Path;
 use anyhow::{Context, Error, anyhow};
 use tempfile::NamedTempFile;
 
+use super::format::Format;
 use super::lock::Lock;
 use super::manifest::{Entry, MANIFEST, Manifest, StudyId};
 use super::names::{CELLS, CONFIG, NEXT_CONFIG, WARNINGS};
@@ -18,6 +19,14 @@ use crate::failure::Failure;
 pub(crate) struct Folder {
     owned: Owned,
     _lock: Lock,
+}
+
+/// Refuses an argument that should be a directory and is none.
+pub(crate) fn refuse_no_directory(dir: &Path) -> Result<(), Failure> {
+    match dir.is_dir() {
+        true => Ok(()),
+        false => Err(Failure::usage(anyhow!("{} is no directory", dir.display()))),
+    }
 }
 
 /// Makes `dir` if it is missing, and sees that files can be written there: before the work, not
@@ -33,6 +42,15 @@ pub(crate) fn make_directory(dir: &Path) -> Result<(), Failure> {
         let (dir, file) = (dir.display(), file.display());
         return Err(Failure::work(anyhow!(
             "cannot make the directory {dir}: {file} is a file"
+        )));
+    }
+    let leads_nowhere =
+        |place: &&Path| fs::read_link(place).is_ok() && fs::metadata(place).is_err();
+    if let Some(link) = dir.ancestors().find(leads_nowhere) {
+        let target = fs::read_link(link).unwrap_or_default();
+        let (dir, link, target) = (dir.display(), link.display(), target.display());
+        return Err(Failure::work(anyhow!(
+            "cannot make the directory {dir}: {link} is a symbolic link to {target}, and nothing is there"
         )));
     }
     fs::create_dir_all(dir)
@@ -70,7 +88,7 @@ impl Folder {
     /// config, or another config, they stay until the run is done, and this one's is [`NEXT_CONFIG`].
     pub(crate) fn begin(&mut self, config: &str, study: &StudyId) -> Result<(), Failure> {
         let dir = &self.owned.dir;
-        let has_others = [CELLS, CONFIG].iter().any(|name| dir.join(name).exists());
+        let has_others = Format::found_in(dir).is_some() || dir.join(CONFIG).exists();
         let known = fs::read(dir.join(CONFIG)).is_ok_and(|known| known == config.as_bytes());
         let name = match (known, has_others) {
             (true, _) => return Ok(()),
@@ -97,7 +115,7 @@ impl Folder {
     }
 
     /// Writes files (name and contents) of a study, as [`Self::write`] does, and removes what palpate wrote of
-    /// another study; gives a line for each file that stays beside them and is not palpate's.
+    /// another study, or as tables of another format; gives a line for each file that stays beside them and is not palpate's.
     pub(crate) fn replace(
         &mut self,
         files: Vec<(&str, Contents<'_>)>,
@@ -109,11 +127,13 @@ impl Folder {
         let cells = cells.map(|(_, contents)| contents.digest());
         let written: Vec<String> = files.iter().map(|(name, _)| (*name).to_owned()).collect();
         let is_written = |name: &str| written.iter().any(|written| written == name);
+        let mut tables = Format::ALL.iter().flat_map(|format| format.tables());
+        let mut is_replaced = |name: &str| name == WARNINGS || tables.any(|table| table == name);
         let stale: Vec<String> = entries
             .filter(|(name, entry)| {
                 let of = entry.study.as_ref();
                 let is_other = of.is_some_and(|of| !of.is_of(study, cells.as_ref()));
-                (is_other || *name == WARNINGS) && !is_written(name) && *name != NEXT_CONFIG
+                (is_other || is_replaced(name)) && !is_written(name) && *name != NEXT_CONFIG
             })
             .map(|(name, _)| name.clone())
             .collect();

@@ -60,6 +60,14 @@ impl StudyId {
         }
     }
 
+    /// Its name and the SHA-256 of its config, with what they are called in the metadata of tables.
+    pub(crate) fn about(&self) -> [(&'static str, String); 2] {
+        [
+            ("study", self.study.clone()),
+            ("config_sha256", self.config.clone()),
+        ]
+    }
+
     /// The study with the `cells.csv` in a directory, if it can be read.
     pub(crate) fn with_cells_in(self, dir: &Path) -> Self {
         let cells = digest_of(&dir.join(CELLS)).ok();

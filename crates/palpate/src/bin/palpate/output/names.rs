@@ -19,6 +19,10 @@ pub(crate) const JOURNAL: &str = "journal.palpate";
 pub(crate) const CELLS: &str = "cells.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
 pub(crate) const MAP: &str = "map.csv";
+/// The same tables as Parquet.
+pub(crate) const CELLS_PARQUET: &str = "cells.parquet";
+pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
+pub(crate) const MAP_PARQUET: &str = "map.parquet";
 /// Warnings of a run, a line each; there is none where there is nothing to warn of.
 pub(crate) const WARNINGS: &str = "warnings.txt";
 /// Scores of the claims of a study.
@@ -71,9 +75,10 @@ pub(crate) fn of_a_run(config: &Path, text: &str) -> (String, Vec<String>) {
                 .map(str::to_owned),
         )
         .flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
-    let mut known = vec![CONFIG, NEXT_CONFIG, CELLS, FAILURES, WARNINGS, CLAIMS];
+    let mut known = vec![CONFIG, NEXT_CONFIG, WARNINGS, CLAIMS];
+    known.extend([CELLS, FAILURES, CELLS_PARQUET, FAILURES_PARQUET]);
     if writes(Output::Map) {
-        known.push(MAP);
+        known.extend([MAP, MAP_PARQUET]);
     }
     if writes(Output::Trace) {
         known.extend([TRACE, READINGS, MARKERS]);

@@ -175,6 +175,9 @@ pub(crate) fn begins_as(path: &Path, contents: &[u8]) -> bool {
 fn head_of(contents: &[u8]) -> Option<&[u8]> {
     const TITLE: &[u8] = b"</title>";
     let is = |start: &[u8]| contents.starts_with(start);
+    if is(b"PAR1") {
+        return None;
+    }
     if is(b"<!DOCTYPE html>") {
         let mut places = contents.windows(TITLE.len());
         return Some(&contents[..places.position(|place| place == TITLE)?]);
@@ -216,6 +219,7 @@ fn is_of_its_kind(path: &Path) -> bool {
     read.is_ok()
         && match path.extension().and_then(std::ffi::OsStr::to_str) {
             Some("csv") => header.is_some_and(|header| header.contains(&b',')),
+            Some("parquet") => start.starts_with(b"PAR1"),
             Some("png") => start.starts_with(b"\x89PNG"),
             Some("svg") => start.starts_with(b"<svg"),
             _ => true,
@@ -235,6 +239,7 @@ mod tests {
             b"  0\nSECTION\n",
             b"name = \"a\"\n",
             b"\x89PNG\n",
+            b"PAR1,\n",
         ] {
             assert_eq!(head_of(other), None);
         }

@@ -1,10 +1,10 @@
 //! A single file that a command writes: a regular one, or a pipe or a device that is written into.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{ErrorKind, Write};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Error, anyhow};
+use anyhow::{Context, anyhow};
 
 use super::folder::make_directory;
 use super::owned::{Guard, begins_as, refusal};
@@ -45,14 +45,13 @@ impl Single {
         Ok(())
     }
 
-    /// Refuses, before the work, to replace a file that does not begin with this line.
-    pub(crate) fn refuse_other(&self, head: &str) -> Result<(), Failure> {
+    /// Refuses, before the work, to replace a file of which `is_ours` does not know that palpate wrote it.
+    pub(crate) fn refuse_other(&self, is_ours: impl Fn(&Path) -> bool) -> Result<(), Failure> {
         let Some(path) = &self.path else {
             return Ok(());
         };
-        let head = head.as_bytes();
-        let is_ours = is_stream(path) || holds(path, head) || begins_as(path, head);
-        match fs::metadata(path).is_err() || self.guard.is_forced() || is_ours {
+        let is_free = || is_stream(path) || holds(path, &[]) || is_ours(path);
+        match fs::metadata(path).is_err() || self.guard.is_forced() || is_free() {
             true => Ok(()),
             false => Err(refusal(path, "is not a file that palpate wrote")),
         }
@@ -122,33 +121,46 @@ enum Place {
     Draft(Box<Draft>),
 }
 
-impl Written<'_> {
+impl Write for Written<'_> {
     /// Writes a piece; a reader that closes a pipe early is no error.
-    pub(crate) fn write(&mut self, text: &str) -> Result<(), Failure> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = match &mut self.place {
-            Place::Standard => return super::put(text.as_bytes()),
-            Place::Stream(file) => file.write_all(text.as_bytes()),
-            Place::Draft(draft) => draft.write_all(text.as_bytes()),
+            Place::Standard => io::stdout().write_all(bytes),
+            Place::Stream(file) => file.write_all(bytes),
+            Place::Draft(draft) => draft.write_all(bytes),
         };
         match written {
-            Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-                let path = self.single.path.as_deref().unwrap_or(Path::new("-"));
-                Err(Failure::work(Error::new(error).context(cannot(path))))
-            }
-            _ => Ok(()),
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+            _ => Ok(bytes.len()),
         }
     }
 
-    /// Gives the file its name.
-    pub(crate) fn end(self) -> Result<(), Failure> {
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = match &mut self.place {
+            Place::Standard => io::stdout().flush(),
+            Place::Stream(file) => file.flush(),
+            Place::Draft(draft) => draft.flush(),
+        };
+        match flushed {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Written<'_> {
+    /// Gives the file its name, unless it would replace one of which `is_ours` does not know that palpate wrote it.
+    pub(crate) fn end(mut self, is_ours: impl Fn(&Path) -> bool) -> Result<(), Failure> {
+        let name = self.single.path.as_deref().unwrap_or(Path::new("-"));
+        self.flush()
+            .with_context(|| cannot(name))
+            .map_err(Failure::work)?;
         let (Place::Draft(draft), Some(path)) = (self.place, &self.single.path) else {
             return Ok(());
         };
         let contents = Contents::Draft(*draft);
-        let is_ours = contents.are_in(path) || begins_as(path, contents.head());
-        if fs::metadata(path).is_ok() && !self.single.guard.is_forced() && !is_ours {
-            return Err(refusal(path, "is not a file that palpate wrote"));
-        }
+        let is_ours = |path: &Path| contents.are_in(path) || is_ours(path);
+        self.single.refuse_other(is_ours)?;
         let staged = Staged::new(path, contents);
         staged.and_then(Staged::persist).map_err(Failure::work)
     }

@@ -1,35 +1,102 @@
 //! Tables of a run, filled from its journal or from those of its shards.
 
-use std::io::Write;
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use palpate::config::Output;
-use palpate::{Partial, Simulation, Study};
+use palpate::{ColumnType, Partial, Simulation, Study};
 
 use crate::failure::Failure;
 use crate::journal::{CellRecord, Item, Reader, Totals};
 use crate::output::names::{
-    CELLS, CONFIG, FAILURES, FRAMES, JOURNAL, MAP, MARKERS, NEXT_CONFIG, READINGS, TRACE, WARNINGS,
+    CONFIG, FRAMES, JOURNAL, MARKERS, NEXT_CONFIG, READINGS, TRACE, WARNINGS,
 };
-use crate::output::{Contents, Draft, Folder, Single, StudyId, Written, folder_of};
+use crate::output::table::{Table, is_table};
+use crate::output::{
+    self, Contents, Draft, Folder, Format, Guard, Single, StudyId, Written, folder_of,
+};
 use crate::trace;
 
 /// All that a run of the study may write besides its config.
-pub(crate) fn tables_of(study: &Study) -> Vec<&'static str> {
-    let mut names = vec![NEXT_CONFIG, CELLS, FAILURES, WARNINGS];
+pub(crate) fn tables_of(study: &Study, format: Format) -> Vec<&'static str> {
+    let [cells, failures, map] = format.tables();
+    let mut names = vec![NEXT_CONFIG, cells, failures, WARNINGS];
     if study.config.outputs.contains(&Output::Trace) {
         names.extend([TRACE, READINGS, MARKERS]);
         names.extend(FRAMES);
     }
     if study.config.outputs.contains(&Output::Map) {
-        names.push(MAP);
+        names.push(map);
     }
     names
 }
 
+/// Table of trials: a file of its own.
+pub(crate) struct TrialsOut {
+    single: Single,
+    format: Format,
+}
+
+impl TrialsOut {
+    /// Table at the path that `--trials-out` names, of a run into `out`; refuses one in the place of another file of the
+    /// run, and what cannot be written.
+    pub(crate) fn new(
+        path: &Path,
+        default: Format,
+        guard: Guard,
+        out: &Path,
+        study: &Study,
+    ) -> Result<Self, Failure> {
+        let format = Format::of_path(path, default);
+        format.supported()?;
+        refuse_own(path, out, study)?;
+        let single = Single::new("--trials-out", path, guard)?;
+        Ok(Self { single, format })
+    }
+
+    /// Refuses to replace a file that is no table of trials of palpate.
+    pub(crate) fn refuse_other(&self, simulation: &Simulation<'_>) -> Result<(), Failure> {
+        let [.., columns] = simulation.columns();
+        let columns = columns.unwrap_or_default();
+        let is_ours = |path: &Path| is_table(path, self.format, &columns);
+        self.single.refuse_other(is_ours)
+    }
+
+    /// Prints what a command says besides: on standard error where the table goes to standard output.
+    pub(crate) fn print(trials_out: Option<&Self>, text: &str) -> Result<(), Failure> {
+        match trials_out {
+            Some(trials) => trials.single.print(text),
+            None => output::print(text),
+        }
+    }
+
+    fn begin(&self, columns: Vec<ColumnType>, study: &StudyId) -> Result<Trials<'_>, Failure> {
+        let (written, about) = (self.single.begin()?, study.about());
+        let table = Table::new("the trials", written, self.format, columns.clone(), &about);
+        Ok(Trials {
+            of: self,
+            table: table?,
+            columns,
+        })
+    }
+}
+
+/// Table of trials that is being written.
+struct Trials<'s> {
+    of: &'s TrialsOut,
+    table: Table<Written<'s>>,
+    columns: Vec<ColumnType>,
+}
+
+impl Trials<'_> {
+    fn end(self) -> Result<(), Failure> {
+        let is_ours = |path: &Path| is_table(path, self.of.format, &self.columns);
+        self.table.end()?.end(is_ours)
+    }
+}
+
 /// Refuses a table of trials that would have the place of another file of the run.
-pub(crate) fn refuse_own(path: &Path, out: &Path, study: &Study) -> Result<(), Failure> {
+fn refuse_own(path: &Path, out: &Path, study: &Study) -> Result<(), Failure> {
     let [own, dir] = [folder_of(path), out].map(|dir| {
         // The directory need not be there.
         let known = dir.canonicalize().or_else(|_| std::path::absolute(dir));
@@ -37,8 +104,10 @@ pub(crate) fn refuse_own(path: &Path, out: &Path, study: &Study) -> Result<(), F
     });
     let name = path.file_name().and_then(std::ffi::OsStr::to_str);
     let is_own = name.is_some_and(|name| {
-        let others = [CONFIG, JOURNAL];
-        name.starts_with(".palpate") || others.contains(&name) || tables_of(study).contains(&name)
+        let own = |format: &Format| tables_of(study, *format).contains(&name);
+        name.starts_with(".palpate")
+            || [CONFIG, JOURNAL].contains(&name)
+            || Format::ALL.iter().any(own)
     });
     match is_own && own == dir {
         true => Err(Failure::usage(anyhow!(
@@ -60,41 +129,43 @@ pub(crate) fn traced(study: &Study, cell: usize) -> Result<Vec<(&'static str, Ve
 
 /// Tables that are filled from journals.
 pub(crate) struct Drafts<'s> {
-    drafts: [Option<Draft>; 3],
-    /// Table of trials.
-    trials: Option<Written<'s>>,
+    /// Tables with their names, in the order in which records have their rows.
+    tables: [(&'static str, Option<Table<Draft>>); 3],
+    trials: Option<Trials<'s>>,
     lacks: &'static str,
 }
 
 /// Tables with their names.
 type Filled = Vec<(&'static str, Draft)>;
 
-/// Names of the tables, in the order in which records have their rows.
-const TABLES: [&str; 3] = [CELLS, FAILURES, MAP];
-
 impl<'s> Drafts<'s> {
-    /// Tables of a simulation, with their headers; that of trials is a file of its own.
+    /// Tables of a simulation, without rows; that of trials is a file of its own.
     pub(crate) fn new(
         folder: &Folder,
         simulation: &Simulation<'_>,
-        trials_out: Option<&'s Single>,
+        format: Format,
+        trials_out: Option<&'s TrialsOut>,
+        study: &StudyId,
     ) -> Result<Self, Failure> {
-        let mut drafts = [None, None, None];
-        let [.., of_trials] = simulation.headers();
-        let mut trials = trials_out.map(Single::begin).transpose()?;
-        if let (Some(trials), Some(header)) = (&mut trials, of_trials) {
-            trials.write(&header)?;
-        }
-        for ((draft, header), name) in drafts.iter_mut().zip(simulation.headers()).zip(TABLES) {
-            if let Some(header) = header {
-                let mut file = folder.draft(name)?;
-                put(&mut file, name, &header)?;
-                *draft = Some(file);
-            }
-        }
+        let [of_cells, of_failures, of_maps, of_trials] = simulation.columns();
+        let table = |name: &'static str, columns: Option<Vec<ColumnType>>| {
+            let Some(columns) = columns else {
+                return Ok((name, None));
+            };
+            let draft = folder.draft(name)?;
+            let table = Table::new(name, draft, format, columns, &study.about())?;
+            Ok::<_, Failure>((name, Some(table)))
+        };
+        let trials = trials_out.zip(of_trials);
+        let trials = trials.map(|(trials, columns)| trials.begin(columns, study));
+        let [cells, failures, map] = format.tables();
         Ok(Self {
-            drafts,
-            trials,
+            tables: [
+                table(cells, of_cells)?,
+                table(failures, of_failures)?,
+                table(map, of_maps)?,
+            ],
+            trials: trials.transpose()?,
             lacks: simulation.lacks(),
         })
     }
@@ -112,18 +183,17 @@ impl<'s> Drafts<'s> {
             let trials = self.trials.as_mut();
             let record = match merged {
                 Merged::Trials(rows) => {
-                    return trials.map_or(Ok(()), |trials| trials.write(rows));
+                    return trials.map_or(Ok(()), |trials| trials.table.write(rows));
                 }
                 Merged::Cell(record) => record,
             };
             if let Some(trials) = trials {
-                trials.write(&record.rows[3])?;
+                trials.table.write(&record.rows[3])?;
             }
             totals.add(record);
-            let rows = self.drafts.iter_mut().zip(&record.rows).zip(TABLES);
-            for ((draft, rows), name) in rows {
-                if let Some(draft) = draft {
-                    put(draft, name, rows)?;
+            for ((_, table), rows) in self.tables.iter_mut().zip(&record.rows) {
+                if let Some(table) = table {
+                    table.write(rows)?;
                 }
             }
             if let Some(kind) = &record.map_failed {
@@ -131,24 +201,21 @@ impl<'s> Drafts<'s> {
             }
             Ok(())
         })?;
-        if !failed.is_empty() && self.drafts[2].is_some() {
+        if let ([.., (map, Some(_))], false) = (&self.tables, failed.is_empty()) {
             let (lacks, cells) = (self.lacks, failed.join(", "));
-            eprintln!("warning: map.csv lacks {lacks} whose trial 0 failed: {cells}");
+            eprintln!("warning: {map} lacks {lacks} whose trial 0 failed: {cells}");
         }
         if let Some(trials) = self.trials {
             trials.end()?;
         }
-        let files = TABLES.into_iter().zip(self.drafts);
-        let files = files.filter_map(|(name, draft)| Some((name, draft?)));
-        Ok((files.collect(), totals))
+        let mut files = Vec::new();
+        for (name, table) in self.tables {
+            if let Some(table) = table {
+                files.push((name, table.end()?));
+            }
+        }
+        Ok((files, totals))
     }
-}
-
-fn put(draft: &mut Draft, name: &str, text: &str) -> Result<(), Failure> {
-    let written = draft.write_all(text.as_bytes());
-    written
-        .with_context(|| format!("cannot write {name}; the same command tries again"))
-        .map_err(Failure::work)
 }
 
 /// Piece of what journals have together, in the order of the cells.

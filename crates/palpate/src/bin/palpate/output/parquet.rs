@@ -1,0 +1,270 @@
+//! Tables as Parquet: columns with types, units in their metadata.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context, Error};
+use palpate::{ColumnType, ValueKind};
+use parquet::basic::{LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{EnabledStatistics, WriterProperties};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::record::Field;
+use parquet::schema::types::{Type, TypePtr};
+
+use super::arrow;
+
+/// Rows that are kept in memory before they are written.
+const GROUP: usize = 1 << 16;
+/// Key of the version of palpate that wrote a file.
+pub(super) const VERSION: &str = "palpate_version";
+
+/// Table that is being written.
+pub(super) struct Writer<W: Write + Send> {
+    file: SerializedFileWriter<W>,
+    columns: Vec<(ColumnType, Values)>,
+    rows: usize,
+}
+
+/// Values of a column that wait to be written, without those that are missing.
+struct Values {
+    /// 1 for each row that has a value, 0 for one that has none.
+    levels: Vec<i16>,
+    present: Present,
+}
+
+enum Present {
+    Numbers(Vec<f64>),
+    /// Whole numbers; those without a sign as the same bits.
+    Whole(Vec<i64>),
+    Texts(Vec<ByteArray>),
+}
+
+impl<W: Write + Send> Writer<W> {
+    /// Table of these columns, without rows; `about` is told of it in its metadata.
+    pub(super) fn new(
+        sink: W,
+        columns: Vec<ColumnType>,
+        about: &[(&str, String)],
+    ) -> io::Result<Self> {
+        let version = (VERSION, env!("CARGO_PKG_VERSION").to_owned());
+        let mut entries: Vec<(&str, String)> = vec![version];
+        entries.extend(about.iter().cloned());
+        entries.push(arrow::schema(&columns, &entries));
+        let entries = entries.into_iter();
+        let entries = entries.map(|(key, value)| KeyValue::new(key.to_owned(), value));
+        let properties = WriterProperties::builder()
+            .set_key_value_metadata(Some(entries.collect()))
+            .set_statistics_enabled(EnabledStatistics::Chunk)
+            .set_offset_index_disabled(true);
+        let schema = schema(&columns).map_err(plain)?;
+        let file = SerializedFileWriter::new(sink, schema, Arc::new(properties.build()));
+        Ok(Self {
+            file: file.map_err(plain)?,
+            columns: columns.into_iter().map(with_values).collect(),
+            rows: 0,
+        })
+    }
+
+    /// Adds rows, as CSV text.
+    pub(super) fn write(&mut self, rows: &str) -> io::Result<()> {
+        let mut reader = csv::ReaderBuilder::new();
+        let mut reader = reader.has_headers(false).from_reader(rows.as_bytes());
+        let mut row = csv::StringRecord::new();
+        while reader.read_record(&mut row).map_err(io::Error::other)? {
+            if row.len() != self.columns.len() {
+                let (fields, columns) = (row.len(), self.columns.len());
+                let problem = format!("a row has {fields} fields, and the table {columns} columns");
+                return Err(io::Error::other(problem));
+            }
+            for ((column, values), field) in self.columns.iter_mut().zip(&row) {
+                if !values.push(column.kind, field) {
+                    let (name, word) = (&column.name, word(column.kind));
+                    let problem = format!("column {name}: `{field}` is no {word}");
+                    return Err(io::Error::other(problem));
+                }
+            }
+            self.rows += 1;
+            if self.rows == GROUP {
+                self.put().map_err(plain)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes the rows that wait.
+    fn put(&mut self) -> Result<(), ParquetError> {
+        let mut group = self.file.next_row_group()?;
+        let mut columns = self.columns.iter_mut();
+        while let Some(mut writer) = group.next_column()? {
+            let Some((_, values)) = columns.next() else {
+                break;
+            };
+            let levels = Some(values.levels.as_slice());
+            match &mut values.present {
+                Present::Numbers(numbers) => {
+                    let writer = writer.typed::<DoubleType>();
+                    writer.write_batch(numbers, levels, None)?;
+                    numbers.clear();
+                }
+                Present::Whole(numbers) => {
+                    let writer = writer.typed::<Int64Type>();
+                    writer.write_batch(numbers, levels, None)?;
+                    numbers.clear();
+                }
+                Present::Texts(texts) => {
+                    let writer = writer.typed::<ByteArrayType>();
+                    writer.write_batch(texts, levels, None)?;
+                    texts.clear();
+                }
+            }
+            values.levels.clear();
+            writer.close()?;
+        }
+        group.close()?;
+        self.rows = 0;
+        Ok(())
+    }
+
+    /// Ends the table, and gives back what it was written to.
+    pub(super) fn end(mut self) -> io::Result<W> {
+        if self.rows > 0 {
+            self.put().map_err(plain)?;
+        }
+        self.file.into_inner().map_err(plain)
+    }
+}
+
+/// A column without values.
+fn with_values(column: ColumnType) -> (ColumnType, Values) {
+    let present = match column.kind {
+        ValueKind::Number => Present::Numbers(Vec::new()),
+        ValueKind::Whole | ValueKind::Count => Present::Whole(Vec::new()),
+        ValueKind::Text => Present::Texts(Vec::new()),
+    };
+    let levels = Vec::new();
+    (column, Values { levels, present })
+}
+
+impl Values {
+    /// Adds the value of a field, which is missing where the field is empty; tells whether it is one of this kind.
+    fn push(&mut self, kind: ValueKind, field: &str) -> bool {
+        self.levels.push(i16::from(!field.is_empty()));
+        if field.is_empty() {
+            return true;
+        }
+        match &mut self.present {
+            Present::Numbers(numbers) => added(numbers, field.parse().ok()),
+            Present::Whole(numbers) if kind == ValueKind::Count => {
+                added(numbers, field.parse().ok().map(u64::cast_signed))
+            }
+            Present::Whole(numbers) => added(numbers, whole(field)),
+            Present::Texts(texts) => added(texts, Some(field.into())),
+        }
+    }
+}
+
+fn word(kind: ValueKind) -> &'static str {
+    match kind {
+        ValueKind::Number => "number",
+        ValueKind::Whole => "whole number",
+        ValueKind::Count => "whole number from 0 on",
+        ValueKind::Text => "text",
+    }
+}
+
+fn added<T>(values: &mut Vec<T>, value: Option<T>) -> bool {
+    let is_value = value.is_some();
+    values.extend(value);
+    is_value
+}
+
+/// Whole number, which may be written as 1e7.
+fn whole(field: &str) -> Option<i64> {
+    /// Above it, numbers of 64 bits have no last digit.
+    const MOST: f64 = 9_007_199_254_740_992.0;
+    let of_float = || {
+        let number: f64 = field.parse().ok()?;
+        (number.fract() == 0.0 && number.abs() <= MOST).then_some(number as i64)
+    };
+    field.parse().ok().or_else(of_float)
+}
+
+fn schema(columns: &[ColumnType]) -> Result<TypePtr, ParquetError> {
+    let field = |column: &ColumnType| {
+        let (physical, logical) = match column.kind {
+            ValueKind::Number => (Physical::DOUBLE, None),
+            ValueKind::Whole => (Physical::INT64, Some(LogicalType::integer(64, true))),
+            ValueKind::Count => (Physical::INT64, Some(LogicalType::integer(64, false))),
+            ValueKind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+        };
+        Type::primitive_type_builder(&column.name, physical)
+            .with_repetition(Repetition::OPTIONAL)
+            .with_logical_type(logical)
+            .build()
+            .map(Arc::new)
+    };
+    let fields: Result<Vec<TypePtr>, ParquetError> = columns.iter().map(field).collect();
+    let schema = Type::group_type_builder("schema").with_fields(fields?);
+    schema.build().map(Arc::new)
+}
+
+/// Error with the words of its cause alone.
+fn plain(error: ParquetError) -> io::Error {
+    match error {
+        ParquetError::External(cause) => match cause.downcast::<io::Error>() {
+            Ok(error) => *error,
+            Err(cause) => io::Error::other(cause),
+        },
+        error => io::Error::other(error),
+    }
+}
+
+/// Whether palpate wrote the file, with these columns.
+pub(super) fn is_table(path: &Path, columns: &[ColumnType]) -> bool {
+    let reader = File::open(path).map(SerializedFileReader::new);
+    let Ok(Ok(reader)) = reader else {
+        return false;
+    };
+    let about = reader.metadata().file_metadata();
+    let mut keys = about.key_value_metadata().into_iter().flatten();
+    let fields = about.schema().get_fields().iter().map(|field| field.name());
+    keys.any(|entry| entry.key == VERSION)
+        && fields.eq(columns.iter().map(|column| column.name.as_str()))
+}
+
+/// Hands over columns of the rows of a table, one row after the other.
+pub(super) fn read<const N: usize>(
+    path: &Path,
+    columns: [&str; N],
+    take: &mut dyn FnMut([&str; N]) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let reader = SerializedFileReader::new(File::open(path)?)?;
+    let fields = reader.metadata().file_metadata().schema().get_fields();
+    let mut chosen = Vec::new();
+    for name in columns {
+        let field = fields.iter().find(|field| field.name() == name);
+        let field = field.with_context(|| format!("it has no column `{name}`"))?;
+        chosen.push(Arc::clone(field));
+    }
+    let chosen = Type::group_type_builder("schema").with_fields(chosen);
+    for row in reader.get_row_iter(Some(chosen.build()?))? {
+        let row = row?;
+        let text = |name: &str| {
+            let field = row.get_column_iter().find(|(column, _)| *column == name);
+            match field {
+                Some((_, Field::Str(text))) => text.clone(),
+                None | Some((_, Field::Null)) => String::new(),
+                Some((_, field)) => field.to_string(),
+            }
+        };
+        let texts = columns.map(text);
+        take(std::array::from_fn(|place| texts[place].as_str()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! A table that is written row by row, and read back.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use anyhow::{Context, Error};
+use palpate::ColumnType;
+use palpate_study::csv;
+
+use super::format::Format;
+use super::owned::begins_as;
+#[cfg(feature = "parquet")]
+use super::parquet;
+use crate::failure::Failure;
+
+/// Table that is being written, in one of the formats.
+pub(crate) struct Table<W: Write + Send> {
+    /// Name by which messages know it.
+    name: String,
+    to: To<W>,
+}
+
+enum To<W: Write + Send> {
+    Csv(W),
+    #[cfg(feature = "parquet")]
+    Parquet(Box<parquet::Writer<W>>),
+}
+
+impl<W: Write + Send> Table<W> {
+    /// Table of these columns, without rows. `about` are words for the file and what they are called.
+    pub(crate) fn new(
+        name: impl Into<String>,
+        mut sink: W,
+        format: Format,
+        columns: Vec<ColumnType>,
+        about: &[(&str, String)],
+    ) -> Result<Self, Failure> {
+        let name = name.into();
+        format.supported()?;
+        let to = match format {
+            Format::Csv => {
+                let written = sink.write_all(header(&columns).as_bytes());
+                written.map(|()| To::Csv(sink))
+            }
+            #[cfg(feature = "parquet")]
+            Format::Parquet => {
+                let begun = parquet::Writer::new(sink, columns, about);
+                begun.map(|begun| To::Parquet(Box::new(begun)))
+            }
+            #[cfg(not(feature = "parquet"))]
+            Format::Parquet => {
+                let _ = about;
+                Err(io::ErrorKind::Unsupported.into())
+            }
+        };
+        match to {
+            Ok(to) => Ok(Self { name, to }),
+            Err(error) => Err(cannot(error, &name)),
+        }
+    }
+
+    /// Adds rows, as CSV text.
+    pub(crate) fn write(&mut self, rows: &str) -> Result<(), Failure> {
+        let written = match &mut self.to {
+            To::Csv(sink) => sink.write_all(rows.as_bytes()),
+            #[cfg(feature = "parquet")]
+            To::Parquet(writer) => writer.write(rows),
+        };
+        written.map_err(|error| cannot(error, &self.name))
+    }
+
+    /// Ends the table, and gives back what it was written to.
+    pub(crate) fn end(self) -> Result<W, Failure> {
+        match self.to {
+            To::Csv(sink) => Ok(sink),
+            #[cfg(feature = "parquet")]
+            To::Parquet(writer) => writer.end().map_err(|error| cannot(error, &self.name)),
+        }
+    }
+}
+
+fn cannot(error: io::Error, name: &str) -> Failure {
+    let error = Error::new(error);
+    Failure::work(error.context(format!("cannot write {name}; the same command tries again")))
+}
+
+/// First line of a table as CSV.
+fn header(columns: &[ColumnType]) -> String {
+    let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
+    csv(&names)
+}
+
+/// Whether a file is a table with these columns, as palpate writes it.
+pub(crate) fn is_table(path: &Path, format: Format, columns: &[ColumnType]) -> bool {
+    match format {
+        Format::Csv => begins_as(path, header(columns).as_bytes()),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => parquet::is_table(path, columns),
+        #[cfg(not(feature = "parquet"))]
+        Format::Parquet => false,
+    }
+}
+
+/// Hands over columns of the rows of a table, one row after the other.
+pub(crate) fn read<const N: usize>(
+    path: &Path,
+    format: Format,
+    columns: [&str; N],
+    take: &mut dyn FnMut([&str; N]) -> Result<(), Error>,
+) -> Result<(), Failure> {
+    format.supported()?;
+    let read = match format {
+        Format::Csv => read_csv(path, columns, take),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => parquet::read(path, columns, take),
+        #[cfg(not(feature = "parquet"))]
+        Format::Parquet => Ok(()),
+    };
+    read.with_context(|| format!("cannot read {}", path.display()))
+        .map_err(Failure::work)
+}
+
+fn read_csv<const N: usize>(
+    path: &Path,
+    columns: [&str; N],
+    take: &mut dyn FnMut([&str; N]) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let mut reader = csv::Reader::from_path(path)?;
+    let header = reader.headers()?;
+    let mut places = [0; N];
+    for (place, name) in places.iter_mut().zip(columns) {
+        let found = header.iter().position(|column| column == name);
+        *place = found.with_context(|| format!("it has no column `{name}`"))?;
+    }
+    let mut row = csv::StringRecord::new();
+    while reader.read_record(&mut row)? {
+        take(places.map(|place| row.get(place).unwrap_or_default()))?;
+    }
+    Ok(())
+}
