@@ -10,6 +10,7 @@
 //! | its `[[plot]]` tables | [`Figure`]s, as SVG and PNG | [`figures`] |
 //! | one plot and tables in memory | a [`Figure`] | [`figure`] |
 //! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile` | [`press_figures`] |
+//! | the answer of a design | its [`Figure`] | [`answer_figure`] |
 //! | tables of `cargo xtask tradeoff` | a Pareto front per ladder | [`tradeoff_figures`] |
 //! | its `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_csv`] |
 //! | several studies | one HTML page, one text for the terminal | [`page`], [`scorecard_text`] |
@@ -33,7 +34,10 @@ pub use claims::{Score, Verdict, claims_csv, is_claim, score};
 pub use error::ReportError;
 pub use files::Files;
 pub use page::page;
-pub use plot::{Figure, figure, figures, press_figures, tradeoff_figures};
+pub use plot::{
+    AnswerCurve, CurveLine, CurvePoint, Figure, Stretch, answer_figure, figure, figures,
+    press_figures, tradeoff_figures,
+};
 pub use scorecard::scorecard_text;
 pub use study::{Failure, Study};
 pub use table::{Axis, Table};

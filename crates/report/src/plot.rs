@@ -1,5 +1,6 @@
 //! Figures of a study, as its `[[plot]]` tables ask for them.
 
+mod answer;
 mod canvas;
 mod captions;
 mod cells;
@@ -25,6 +26,7 @@ use crate::{Files, ReportError, Study};
 use palpate_study::config::{PlotConfig, PlotKind};
 use request::Request;
 
+pub use answer::{AnswerCurve, CurveLine, CurvePoint, Stretch, answer_figure};
 pub use figure::Figure;
 pub(crate) use fronts::all as fronts;
 pub use fronts::tradeoff_figures;

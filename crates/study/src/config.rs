@@ -33,6 +33,7 @@ mod study;
 mod sweep;
 mod tree;
 mod validate;
+mod vary;
 
 pub use error::ConfigError;
 pub use field::field;
@@ -68,3 +69,4 @@ pub use schema::schema;
 pub use settings::{Accepts, Range, Setting, SettingError, in_unit, settings, with_settings};
 pub use study::{SceneConfig, StopConfig, StopStatistic, StudyConfig};
 pub use sweep::{RangeConfig, Sample, Spacing, SweepConfig};
+pub use vary::{Takes, Varied, Vary, VaryError};

@@ -11,6 +11,7 @@ pub mod number;
 mod quantity;
 mod statistic;
 mod table;
+mod target;
 
 pub use label::Label;
 pub use limited::read_limited;
@@ -18,6 +19,7 @@ pub use number::shortest as number;
 pub use quantity::{Quantity, QuantityKind, Unit};
 pub use statistic::Statistic;
 pub use table::{Table, csv, push_row};
+pub use target::{Bound, Target, TargetError};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -136,6 +136,20 @@ impl Statistic {
         }
     }
 
+    /// Whether it is never negative, because it is the size of something.
+    pub const fn is_size(self) -> bool {
+        matches!(
+            self,
+            Self::Std
+                | Self::RmsError
+                | Self::MeanAbsError
+                | Self::RelativeRmsError
+                | Self::RelativeMeanAbsError
+                | Self::MeanReportedStd
+                | Self::StdBound
+        )
+    }
+
     /// The statistic whose column has this name.
     pub fn named(name: &str) -> Option<Self> {
         let all = Self::ALL.into_iter().chain([Self::StdBound]);

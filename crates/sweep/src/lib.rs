@@ -39,6 +39,8 @@
 //! # Ok::<(), palpate_sweep::SweepError>(())
 //! ```
 
+mod batches;
+mod certainty;
 mod column;
 mod failures;
 mod histogram;
@@ -54,6 +56,7 @@ mod record;
 mod run;
 mod runner;
 mod scale;
+mod search;
 mod stop;
 mod stream;
 mod summary;
@@ -62,6 +65,8 @@ mod task;
 mod trial;
 mod watch;
 
+pub use batches::{Batches, Estimate, Growth};
+pub use certainty::{CERTAIN, score_of_tail, share_at_most, tail, wilson};
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 pub use note::Seen;
 pub use observation::{Observation, Observations};
@@ -73,6 +78,9 @@ pub use plan::{
 pub use record::Record;
 pub use run::run;
 pub use runner::{NoThreads, RunOptions, Runner, SweepError};
+pub use search::{
+    Among, Ask, Curves, Ended, Looked, Run, Scores, Search, Searched, Side, Span, search,
+};
 pub use stream::{Sweep, Taken};
 pub use summary::{CellStatistics, Summary};
 pub use task::{Stop, Task, Watched};

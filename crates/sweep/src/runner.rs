@@ -127,6 +127,20 @@ impl Runner {
         error.map_or(Ok(()), Err)
     }
 
+    /// Does something for each number below `count` on these threads; gives what came of it, in the order of the numbers.
+    ///
+    /// ```
+    /// use palpate_sweep::{RunOptions, Runner};
+    ///
+    /// let runner = Runner::new(&RunOptions::default())?;
+    /// assert_eq!(runner.map(4, |number| number * number), [0, 1, 4, 9]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn map<R: Send>(&self, count: usize, of: impl Fn(usize) -> R + Sync) -> Vec<R> {
+        let all = || (0..count).into_par_iter().with_max_len(1);
+        self.install(|| all().map(&of).collect())
+    }
+
     /// Whether time may be measured: where there are no threads, there need not be a clock.
     pub(crate) fn has_clock(&self) -> bool {
         self.pool.is_some() && !self.whole_blocks

@@ -3,6 +3,7 @@
 
 mod allowance;
 mod check;
+mod design;
 mod desk;
 mod disk;
 mod estimate;

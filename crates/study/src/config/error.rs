@@ -62,6 +62,24 @@ impl ConfigError {
         self
     }
 
+    /// The error without line and excerpt, for a text that nobody wrote: with the file alone, and the cell.
+    pub(super) fn without_line(mut self) -> Self {
+        let is_number = |text: &str| text.parse::<usize>().is_ok();
+        if let Some((rest, column)) = self.place.rsplit_once(':')
+            && let Some((file, line)) = rest.rsplit_once(':')
+            && is_number(line)
+            && is_number(column)
+        {
+            self.place = file.to_owned();
+        }
+        let cell = self
+            .details
+            .lines()
+            .find(|line| line.trim_start().starts_with("= "));
+        self.details = cell.map_or(String::new(), |line| format!("\n  {}", line.trim_start()));
+        self
+    }
+
     /// The field, as keys and array indices joined by dots; empty when the file as a whole is wrong.
     pub fn path(&self) -> &str {
         &self.path

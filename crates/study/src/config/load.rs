@@ -350,6 +350,16 @@ fn deserialise<T: serde::de::DeserializeOwned>(tree: &Node) -> Result<T, Fault> 
 }
 
 impl Study {
+    /// File that it was read from, as errors name it.
+    pub fn file(&self) -> &str {
+        &self.source.file
+    }
+
+    /// Tree of the first cell, as far as its swept paths name something.
+    pub(super) fn first_tree(&self) -> Node {
+        self.grid.tree(0).unwrap_or_else(|(tree, _)| tree)
+    }
+
     /// Number of cells.
     pub fn cell_count(&self) -> usize {
         self.grid.cells()

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, HashSet};
 
 /// One axis: a field (`path`) or fields that move together (`paths`), and either a list of `values` or a range
 /// (`from`, `to`, `count`, `spacing`); or quasi-random points (`sample`, `count`) in `ranges` of fields.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepConfig {
     /// The field: keys and array indices joined by dots, e.g. `scene.object.radius`.

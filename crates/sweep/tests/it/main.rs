@@ -5,6 +5,7 @@ mod any_number;
 mod determinism;
 mod extremes;
 mod plan;
+mod search;
 mod statistics;
 mod tasks;
 

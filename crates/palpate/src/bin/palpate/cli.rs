@@ -1,5 +1,6 @@
 //! The arguments of the commands.
 
+mod answers;
 mod estimate;
 mod number;
 mod sensor;
@@ -16,6 +17,7 @@ use palpate::Shard;
 use crate::duration;
 use crate::output::Format;
 
+pub(crate) use answers::DesignArgs;
 pub(crate) use estimate::{
     EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs, SensorArgs,
 };
@@ -109,6 +111,17 @@ is named, and nothing is written. The shards stay; merging again gives the same.
   palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv --out calibration.toml
   palpate sensor track rest.png pressed.png --out out/track")]
     Sensor(SensorCommand),
+    /// Find the values of a field that meet a target: which pads, which roll, which camera will do.
+    #[command(after_help = "Examples:
+  palpate design examples/pads-for-a-ball.toml --target 'relative_rms_error(mean_curvature) <= 5 %' \\
+    --vary scene.sensor.pitch=0.05..2
+  palpate design my.toml --target 'coverage95(object_curvature) >= 0.9' --vary scene.sensor.normal_from=hue,both \\
+    --set scene.object.radius=42 --max-failures 0.01 --out out/which-reading
+
+The target is to hold in every cell of the config at once; a field that is swept can be --set to one value.
+At least 16 values are scanned, and every crossing is bracketed ever more closely; fresh trials verify the
+answer, all of which is right with 95 %. Between values that were looked at, nothing is known.")]
+    Design(DesignArgs),
     /// Validate a config; prints cells, trials, the models that it needs and an estimate of the time.
     #[command(after_help = "Example:
   palpate check sim-configs/ep1-roll-length.toml")]

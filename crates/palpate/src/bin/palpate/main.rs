@@ -9,6 +9,7 @@ mod budget;
 mod c_library;
 mod check;
 mod cli;
+mod design;
 mod duration;
 mod estimate;
 mod failure;
@@ -76,6 +77,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Estimate(Estimator::Glide(args)) => estimate::glide(&args),
         Command::Estimate(Estimator::Press(args)) => estimate::press(&args),
         Command::Sensor(command) => sensor::sensor(&command),
+        Command::Design(args) => design::design(&args),
         Command::Check(args) => check::check(&args),
         Command::Plot(args) => results::plot(&args),
         Command::Report(args) => results::report(&args),

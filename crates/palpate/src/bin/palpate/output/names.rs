@@ -25,6 +25,11 @@ pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
 pub(crate) const MAP_PARQUET: &str = "map.parquet";
 /// Warnings of a run, a line each; there is none where there is nothing to warn of.
 pub(crate) const WARNINGS: &str = "warnings.txt";
+/// Answer of a design: its table, its words and the config that it is of; and the name of its figure.
+pub(crate) const DESIGN: &str = "design.csv";
+pub(crate) const DESIGN_WORDS: &str = "design.txt";
+pub(crate) const DESIGN_CONFIG: &str = "design.toml";
+pub(crate) const DESIGN_FIGURE: &str = "design";
 /// Scores of the claims of a study.
 pub(crate) const CLAIMS: &str = "claims.csv";
 /// Files of a pass.

@@ -1,0 +1,86 @@
+//! Arguments of the commands that answer questions.
+
+use std::num::{NonZeroU64, NonZeroUsize};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use palpate::Target;
+use palpate::config::{Varied, Vary};
+
+use crate::duration;
+
+#[derive(Debug, Args)]
+pub(crate) struct DesignArgs {
+    /// The study's config, a TOML file.
+    pub(crate) config: PathBuf,
+    /// What is asked for: STATISTIC(QUANTITY) <= LIMIT, or >= LIMIT, with the names of cells.csv; the limit may
+    /// be in percent. Without a quantity the first of the scene is meant.
+    #[arg(long, value_name = "TARGET")]
+    pub(crate) target: Target,
+    /// The field that is varied, and its values: scene.sensor.pitch=0.05..2 or scene.sensor.normal_from=hue,both.
+    /// Ranges are spaced by ratios where both ends are positive and far apart, else by differences.
+    #[arg(long, value_name = "PATH=VALUES")]
+    pub(crate) vary: Vary,
+    /// Field that gets one value, in place of what the config and its sweeps say of it.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = set)]
+    pub(crate) set: Vec<(String, toml::Value)>,
+    /// Largest share of the trials that may fail; 1: however many.
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value = "0.05",
+        allow_negative_numbers = true
+    )]
+    pub(crate) max_failures: f64,
+    /// Largest gap that is to stay between what meets the target and what misses it: a share of the value where
+    /// ratios count, else of half the range.
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value = "0.05",
+        allow_negative_numbers = true
+    )]
+    pub(crate) gap: f64,
+    /// Most trials of a cell at one value.
+    #[arg(long, value_name = "N", default_value = "4194304")]
+    pub(crate) most_trials: NonZeroU64,
+    /// Time after which nothing more is explored: 30s, 5m, 1.5h, or a plain number of seconds. The scan and the
+    /// verification are always done.
+    #[arg(long, value_name = "DURATION", value_parser = duration::parse, allow_hyphen_values = true, default_value = "60s")]
+    pub(crate) budget: Duration,
+    /// Use this seed instead of the config's.
+    #[arg(long, value_name = "S")]
+    pub(crate) seed: Option<u64>,
+    /// Use this many threads instead of all cores.
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Also write the table of all trials, a figure and the answer into this directory.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print the answer as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// Reads a field with one value.
+fn set(text: &str) -> Result<(String, toml::Value), String> {
+    let Vary { path, values } = text
+        .parse()
+        .map_err(|_| format!("{text:?} is no PATH=VALUE"))?;
+    match values {
+        Varied::Listed(values) => match <[toml::Value; 1]>::try_from(values) {
+            Ok([value]) => Ok((path, value)),
+            Err(values) => Err(format!(
+                "{path} is set to one value, and here are {}",
+                values.len()
+            )),
+        },
+        Varied::Range { .. } => Err(format!(
+            "{path} is set to one value, and this is a range; --vary takes one"
+        )),
+    }
+}

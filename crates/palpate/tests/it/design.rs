@@ -1,0 +1,300 @@
+//! `palpate design`: which values of a field meet a target.
+
+use serde_json::Value;
+
+use super::desk::{Desk, STUDY, Table, edited};
+
+const TARGET: &str = "--target relative_rms_error(mean_curvature)<=0.05";
+const NOISE: &str = "--vary scene.noise.angular_velocity.fraction=0.001..0.2";
+
+/// The answer as JSON.
+#[track_caller]
+fn answer(desk: &Desk, arguments: &str) -> Value {
+    let printed = desk
+        .palpate(&format!("design c.toml {arguments} --json"))
+        .printed();
+    serde_json::from_str(&printed).unwrap()
+}
+
+#[track_caller]
+fn number(answer: &Value, place: &str) -> f64 {
+    answer
+        .pointer(place)
+        .and_then(Value::as_f64)
+        .unwrap_or_else(|| panic!("{place}: {answer}"))
+}
+
+/// The largest statistic of a quantity over the cells of a table.
+fn worst(table: &Table, quantity: &str, statistic: &str) -> f64 {
+    let rows = (0..table.rows.len()).filter(|&row| table.text(row, "quantity") == quantity);
+    rows.map(|row| table.number(row, statistic))
+        .fold(0.0, f64::max)
+}
+
+#[test]
+fn both_sides_are_those_that_a_run_finds() {
+    let desk = Desk::with(STUDY);
+    let answer = answer(&desk, &format!("{TARGET} {NOISE} --gap 0.1 --out out"));
+    let (meets, misses) = (
+        number(&answer, "/meets/0/to"),
+        number(&answer, "/misses/0/from"),
+    );
+    assert!(meets < misses && misses < 1.12 * meets, "{answer}");
+    assert_eq!(number(&answer, "/meets/0/from"), 0.001);
+    assert_eq!(number(&answer, "/misses/0/to"), 0.2);
+    assert_eq!(
+        (&answer["format_version"], &answer["ended"]),
+        (&1.into(), &"known".into())
+    );
+    // The study of these two, in all its cells.
+    for (fraction, is_met) in [(meets, true), (misses, false)] {
+        desk.write(
+            "one.toml",
+            edited(STUDY, "fraction = 0.01", &format!("fraction = {fraction}")),
+        );
+        desk.palpate("run one.toml --trials 200000 --out one")
+            .printed();
+        let rms = worst(
+            &desk.table("one/cells.csv"),
+            "mean_curvature",
+            "relative_rms_error",
+        );
+        assert_eq!(rms <= 0.05, is_met, "{fraction}: {rms}");
+    }
+    // What was written says the same.
+    let files = [
+        "design.csv",
+        "design.png",
+        "design.svg",
+        "design.toml",
+        "design.txt",
+    ];
+    assert_eq!(desk.names("out"), files);
+    let sentence = answer["answer"].as_str().unwrap();
+    assert!(desk.read("out/design.txt").starts_with(sentence));
+    let table = desk.table("out/design.csv");
+    let of = |row: &usize| table.number(*row, "scene.noise.angular_velocity.fraction");
+    let verdicts = |value: f64| {
+        let rows = (0..table.rows.len()).filter(|row| of(row) == value);
+        rows.map(|row| table.text(row, "verdict").to_owned())
+            .collect::<Vec<_>>()
+    };
+    assert!(verdicts(meets).iter().all(|verdict| verdict == "meets"));
+    assert!(verdicts(misses).iter().all(|verdict| verdict == "misses"));
+    let mut scanned: Vec<String> = table.rows.iter().map(|row| row[0].clone()).collect();
+    scanned.sort();
+    scanned.dedup();
+    assert!(scanned.len() > 16);
+}
+
+#[test]
+fn the_same_question_has_the_same_answer_on_any_threads() {
+    let desk = Desk::with(STUDY);
+    for threads in [1, 2] {
+        let out = format!("--threads {threads} --gap 0.2 --budget 1h --out out-{threads}");
+        desk.palpate(&format!("design c.toml {TARGET} {NOISE} {out}"))
+            .printed();
+    }
+    for name in ["design.csv", "design.svg", "design.txt"] {
+        assert_eq!(
+            desk.read(&format!("out-1/{name}")),
+            desk.read(&format!("out-2/{name}"))
+        );
+    }
+}
+
+#[test]
+fn what_all_or_nothing_meets() {
+    let desk = Desk::with(STUDY);
+    let said = |limit: &str| {
+        let target = format!("--target relative_rms_error(mean_curvature)<={limit}");
+        desk.palpate(&format!("design c.toml {target} {NOISE}"))
+            .printed()
+    };
+    let all = said("10");
+    assert!(
+        all.contains("every value from 0.1 to 20 % meets the target (95 % sure)."),
+        "{all}"
+    );
+    let nothing = said("1e-6");
+    assert!(nothing.contains("every value from 0.1 to 20 % misses the target (95 % sure); at best rms relative error is "), "{nothing}");
+    let one = "--vary scene.noise.angular_velocity.fraction=0.001..0.001";
+    desk.palpate(&format!("design c.toml {TARGET} {one}"))
+        .prints("Angular velocity noise: 0.1 % meets the target (95 % sure).");
+}
+
+#[test]
+fn values_may_be_listed_and_fields_set() {
+    let desk = Desk::with(STUDY);
+    let kinds = "--vary scene.noise.angular_velocity.kind=uniform,gaussian";
+    let answer = answer(
+        &desk,
+        &format!(
+            "{kinds} --target relative_rms_error(mean_curvature)<=0.016 --set scene.noise.angular_velocity.fraction=0.01 --set scene.object.radius=50"
+        ),
+    );
+    // Errors of 1.2 and 2.1 %: uniform noise within ±0.01 has a standard deviation of 0.01/√3, Gaussian noise of 0.01.
+    assert_eq!(
+        answer["meets"],
+        serde_json::json!([{ "from": "uniform", "to": "uniform" }])
+    );
+    assert_eq!(
+        answer["misses"],
+        serde_json::json!([{ "from": "gaussian", "to": "gaussian" }])
+    );
+}
+
+#[test]
+fn nothing_is_random() {
+    let noiseless = edited(
+        STUDY,
+        "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }\n",
+        "",
+    );
+    let desk = Desk::with(&noiseless);
+    // A mean curvature of 0.05 is that of a ball of 20 mm.
+    let said = desk
+        .palpate(
+            "design c.toml --target mean(mean_curvature)>=0.05 --vary scene.object.radius=1..100",
+        )
+        .printed();
+    assert!(
+        said.contains("trials   1 of each value: nothing is random"),
+        "{said}"
+    );
+    assert!(said.starts_with("Object radius: 19"), "{said}");
+}
+
+#[test]
+fn too_many_failures_miss_the_target() {
+    // Pads as wide as the whole path: many a roll changes none.
+    let pads = edited(
+        STUDY,
+        "noise = {",
+        "sensor = { kind = \"pads\", pitch = 1.0, layout = \"uniform\", offset = \"random\" }\nnoise = {",
+    );
+    let desk = Desk::with(&pads);
+    let of = |most: &str| {
+        let target =
+            "--target relative_rms_error(mean_curvature)<=100 --set scene.object.radius=30";
+        answer(
+            &desk,
+            &format!("{target} --vary scene.sensor.pitch=0.1..9 --max-failures {most}"),
+        )
+    };
+    let few = number(&of("0.05"), "/meets/0/to");
+    let more = number(&of("0.3"), "/meets/0/to");
+    assert!(few < more, "{few} {more}");
+}
+
+#[test]
+fn what_cannot_be_asked() {
+    let desk = Desk::with(STUDY);
+    for (arguments, words) in [
+        (
+            "--target rms(mean_curvature)<=0.05 --vary a=1..2",
+            "there is no statistic \"rms\"",
+        ),
+        (
+            "--target rms_error(weather)<=0.05 --vary a=1..2",
+            "there is no quantity \"weather\"",
+        ),
+        (
+            "--target rms_error<=0 --vary a=1..2",
+            "rms_error is above 0, and the limit is 0",
+        ),
+        (
+            "--target rms_error<=nan --vary a=1..2",
+            "is no finite number",
+        ),
+        (
+            "--target rms_error --vary a=1..2",
+            "is no STATISTIC(QUANTITY) <= LIMIT",
+        ),
+        ("--target rms_error<=1 --vary a=2..1", "runs downwards"),
+        (
+            "--target rms_error<=1 --vary a=1..nan",
+            "needs a finite number",
+        ),
+        ("--target rms_error<=1 --vary a", "is no PATH=LO..HI"),
+        (
+            "--target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1..2",
+            "--vary takes one",
+        ),
+        (
+            "--target rms_error<=1 --vary scene.object.radius=1..2 --set scene.seed=1,2",
+            "is set to one value, and here are 2",
+        ),
+        (
+            "--target rms_error(class)<=1 --vary scene.object.radius=1..2",
+            "a roll has no quantity \"class\" (known: normal_curvature_u,",
+        ),
+        (
+            "--target rms_error<=1 --vary scene.object.radios=1..2",
+            "c.toml: scene.object.radios: ",
+        ),
+        (
+            "--target rms_error<=1 --vary scene.object.radius=-1..2",
+            "c.toml: scene.object.radius: must be > 0, is -1",
+        ),
+        (
+            "--target rms_error<=1 --vary scene.object.kind=1..2",
+            "scene.object.kind takes no numbers: list its values",
+        ),
+        (
+            "--target rms_error<=1 --vary title=a,b",
+            "cannot sweep `title`",
+        ),
+        (
+            "--target rms_error<=1 --vary scene.object.radius=1..2 --set scene.object.radius=1",
+            "scene.object.radius is given twice",
+        ),
+        (
+            "--target rms_error<=1 --vary scene.object.radius=1..2 --max-failures 0",
+            "no number of trials shows that none fails",
+        ),
+        (
+            "--target rms_error<=1 --vary scene.object.radius=1..2 --gap -1",
+            "gap is -1; it must be above 0",
+        ),
+        (
+            "--target coverage95(arc_length)>=0.5 --vary scene.object.radius=1..2",
+            "the estimator states no standard deviation",
+        ),
+    ] {
+        desk.palpate(&format!("design c.toml {arguments} --out out"))
+            .fails(2, words);
+    }
+    // What is undefined at some value names it.
+    let flat = edited(
+        STUDY,
+        "{ kind = \"sphere\", radius = 50.0 }",
+        "{ kind = \"saddle\", a = 0.01 }",
+    );
+    let flat = edited(
+        &flat,
+        "\n[[sweep]]\npath = \"scene.object.radius\"\nvalues = [50, 5]\n",
+        "",
+    );
+    let desk = Desk::with(&flat);
+    desk.palpate(&format!(
+        "design c.toml {TARGET} --vary scene.object.a=-0.01..0.01"
+    ))
+    .fails(
+        2,
+        "relative_rms_error of mean_curvature has no value where scene.object.a = ",
+    );
+}
+
+#[test]
+fn files_of_others_stay() {
+    let desk = Desk::with(STUDY);
+    std::fs::create_dir(desk.path("out")).unwrap();
+    desk.write("out/design.txt", "mine");
+    let design = format!("design c.toml {TARGET} {NOISE} --gap 1 --out out");
+    desk.palpate(&design)
+        .fails(2, "design.txt is not a file that palpate wrote");
+    assert_eq!(desk.read("out/design.txt"), "mine");
+    desk.palpate(&format!("{design} --force")).printed();
+    desk.palpate(&design).printed();
+}

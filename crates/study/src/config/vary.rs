@@ -1,0 +1,275 @@
+//! Fields that take other values than a study's config says: those of `--vary` and `--set`.
+
+use super::error::ConfigError;
+use super::load::{Study, parse};
+use super::output::Output;
+use super::resolved::to_toml;
+use super::schema::SCHEMA;
+use super::study::StudyConfig;
+use super::sweep::SweepConfig;
+use super::validate;
+use std::str::FromStr;
+
+/// A field, by the path that a sweep has, and the values that it is to take: `scene.sensor.pitch=0.05..2` or
+/// `scene.sensor.normal_from=hue,both`.
+///
+/// ```
+/// use palpate_study::config::{Varied, Vary};
+///
+/// let vary: Vary = "scene.sensor.pitch=0.05..2".parse()?;
+/// assert_eq!(vary.path, "scene.sensor.pitch");
+/// assert_eq!(vary.values, Varied::Range { from: 0.05, to: 2.0 });
+/// let vary: Vary = "scene.sensor.normal_from=hue,both".parse()?;
+/// assert_eq!(vary.values, Varied::Listed(vec!["hue".into(), "both".into()]));
+/// let error = "scene.sensor.pitch=2..0.05".parse::<Vary>().expect_err("runs downwards");
+/// assert_eq!(error.to_string(), "the range 2..0.05 runs downwards; write 0.05..2");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vary {
+    /// Keys and array indices joined by dots.
+    pub path: String,
+    /// Its values.
+    pub values: Varied,
+}
+
+/// Values of a field that is varied.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Varied {
+    /// All numbers from one finite number to another that is no smaller.
+    Range {
+        /// Least number.
+        from: f64,
+        /// Largest number.
+        to: f64,
+    },
+    /// These, at least one.
+    Listed(Vec<toml::Value>),
+}
+
+/// Text that is no field with values.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum VaryError {
+    /// There is no field, or no value.
+    #[error("{0:?} is no PATH=LO..HI and no PATH=A,B,C, such as scene.sensor.pitch=0.05..2")]
+    NoValues(String),
+    /// An end of a range is no finite number.
+    #[error("the range {range} needs a finite number on each side of `..`, and {end:?} is none")]
+    NoNumber {
+        /// The range.
+        range: String,
+        /// The end.
+        end: String,
+    },
+    /// The ends of a range are swapped.
+    #[error("the range {0}..{1} runs downwards; write {1}..{0}")]
+    Downwards(String, String),
+}
+
+/// What values a field takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Takes {
+    /// Any number.
+    Number,
+    /// Whole numbers.
+    Whole,
+    /// Words, truth values, lists or tables.
+    Other,
+}
+
+impl FromStr for Vary {
+    type Err = VaryError;
+
+    fn from_str(text: &str) -> Result<Self, VaryError> {
+        let no_values = || VaryError::NoValues(text.to_owned());
+        let (path, values) = text.split_once('=').ok_or_else(no_values)?;
+        let (path, values) = (path.trim(), values.trim());
+        if path.is_empty() || path.contains(char::is_whitespace) || values.is_empty() {
+            return Err(no_values());
+        }
+        let is_quoted = values.contains(['"', '\'', '{', '[']);
+        let values = match values.split_once("..").filter(|_| !is_quoted) {
+            Some((from, to)) => range(values, from, to)?,
+            None => Varied::Listed(listed(values).ok_or_else(no_values)?),
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            values,
+        })
+    }
+}
+
+fn range(range: &str, from: &str, to: &str) -> Result<Varied, VaryError> {
+    let number = |end: &str| {
+        let number = end.trim().parse().ok();
+        number
+            .filter(|number: &f64| number.is_finite())
+            .ok_or_else(|| VaryError::NoNumber {
+                range: range.to_owned(),
+                end: end.trim().to_owned(),
+            })
+    };
+    let ends = (number(from)?, number(to)?);
+    match ends {
+        (from, to) if from <= to => Ok(Varied::Range { from, to }),
+        _ => Err(VaryError::Downwards(from.trim().into(), to.trim().into())),
+    }
+}
+
+/// Values as TOML writes them between brackets; where that is no TOML, words without quotation marks.
+fn listed(values: &str) -> Option<Vec<toml::Value>> {
+    let parsed = |text: &str| -> Option<Vec<toml::Value>> {
+        let table: toml::Table = format!("values = [{text}]").parse().ok()?;
+        table.get("values")?.as_array().cloned()
+    };
+    let word = |text: &str| match parsed(text).as_deref() {
+        Some([value]) => value.clone(),
+        _ => text.into(),
+    };
+    let values = parsed(values).unwrap_or_else(|| {
+        let words = values.split(',').map(str::trim);
+        words.filter(|text| !text.is_empty()).map(word).collect()
+    });
+    (!values.is_empty()).then_some(values)
+}
+
+impl Study {
+    /// The study with these fields as its fastest axes, each with its values, in place of what the config and its sweeps say
+    /// of them; without plots, claims and other outputs than the table of cells.
+    ///
+    /// Errors name the config's file and the field, and no line: the text that is wrong was not written.
+    ///
+    /// ```
+    /// use palpate_study::config::parse;
+    ///
+    /// let text = r#"
+    ///     name = "roll-on-a-ball"
+    ///     scene.kind = "roll"
+    ///     scene.probe = { kind = "sphere", radius = 1.0 }
+    ///     scene.object = { kind = "sphere", radius = 4.0 }
+    ///     scene.motion = { rate_rad_per_s = 0.1, duration_s = 1.0 }
+    ///     sweep = [{ path = "scene.object.radius", values = [2.0, 4.0] }]
+    /// "#;
+    /// let study = parse("study.toml", text)?;
+    /// // Defaults can be set, too.
+    /// let pads = [("scene.sensor".to_owned(), vec![toml::toml! {
+    ///     label = "pads"
+    ///     kind = "pads"
+    ///     pitch = 0.1
+    /// }.into()])];
+    /// let with_pads = study.varied(&pads)?;
+    /// assert_eq!(with_pads.cell(1)?.coordinates, ["4", "pads"]);
+    /// let one = study.varied(&[("scene.object.radius".to_owned(), vec![3.0.into()])])?;
+    /// assert_eq!(one.cell_count(), 1);
+    /// let error = study.varied(&[("scene.object.radios".to_owned(), vec![3.0.into()])]);
+    /// assert!(error.expect_err("a typo").to_string().starts_with("study.toml: scene.object.radios: "));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ConfigError`] as [`parse`] has it.
+    pub fn varied(&self, fields: &[(String, Vec<toml::Value>)]) -> Result<Study, ConfigError> {
+        let is_varied = |path: &str| fields.iter().any(|(field, _)| field == path);
+        let mut sweep: Vec<SweepConfig> = self.config.sweep.to_vec();
+        sweep.retain_mut(|axis| {
+            axis.forget(is_varied);
+            axis.targets().next().is_some()
+        });
+        sweep.extend(fields.iter().map(|(path, values)| SweepConfig {
+            path: Some(path.clone()),
+            values: Some(values.clone()),
+            ..SweepConfig::default()
+        }));
+        let config = StudyConfig {
+            sweep,
+            plot: Vec::new(),
+            claims: Vec::new(),
+            outputs: vec![Output::Cells],
+            stop: None,
+            ..self.config.clone()
+        };
+        let parsed = parse(self.file(), &to_toml(&config));
+        parsed.map_err(ConfigError::without_line)
+    }
+
+    /// What values a field of the first cell takes; `None` where there is no such field.
+    pub fn takes(&self, path: &str) -> Option<Takes> {
+        let schema = validate::at(&SCHEMA, &self.first_tree(), path)?;
+        Some(match schema["type"].as_str() {
+            Some("number") => Takes::Number,
+            Some("integer") => Takes::Whole,
+            _ => Takes::Other,
+        })
+    }
+}
+
+impl SweepConfig {
+    /// Leaves fields out, with their values.
+    fn forget(&mut self, is_out: impl Fn(&str) -> bool) {
+        if self.path.as_deref().is_some_and(&is_out) {
+            self.path = None;
+        }
+        if let Some(ranges) = &mut self.ranges {
+            ranges.retain(|path, _| !is_out(path));
+        }
+        let Some(paths) = &mut self.paths else { return };
+        for place in (0..paths.len()).rev() {
+            if !is_out(&paths[place]) {
+                continue;
+            }
+            paths.remove(place);
+            for row in self.values.iter_mut().flatten() {
+                if let toml::Value::Array(row) = row
+                    && place < row.len()
+                {
+                    row.remove(place);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_toml_or_words() {
+        let values = |text: &str| match format!("a.b={text}").parse::<Vary>() {
+            Ok(Vary {
+                values: Varied::Listed(values),
+                ..
+            }) => values
+                .iter()
+                .map(ToString::to_string)
+                .collect::<Vec<_>>()
+                .join(" "),
+            other => format!("{other:?}"),
+        };
+        assert_eq!(values("1, 2.5,true"), "1 2.5 true");
+        assert_eq!(values("hue,both"), "\"hue\" \"both\"");
+        assert_eq!(values("\"a,b\",3"), "\"a,b\" 3");
+        assert_eq!(values("[1, 2],[3, 4]"), "[1, 2] [3, 4]");
+        assert_eq!(values("\"a..b\""), "\"a..b\"");
+        assert!(values("{ label = \"x\", kind = \"plane\" }").contains("plane"));
+    }
+
+    #[test]
+    fn what_is_no_field_with_values() {
+        for (text, said) in [
+            ("scene.sensor.pitch", "is no PATH=LO..HI"),
+            ("=1..2", "is no PATH=LO..HI"),
+            ("scene.sensor.pitch=", "is no PATH=LO..HI"),
+            ("a b=1", "is no PATH=LO..HI"),
+            ("a=,", "is no PATH=LO..HI"),
+            ("a=1..", "\"\" is none"),
+            ("a=one..2", "\"one\" is none"),
+            ("a=1..nan", "\"nan\" is none"),
+            ("a=1..inf", "\"inf\" is none"),
+            ("a=2..1", "runs downwards; write 1..2"),
+        ] {
+            let error = text.parse::<Vary>().expect_err(text).to_string();
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+}

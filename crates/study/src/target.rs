@@ -1,0 +1,298 @@
+//! Targets of a design: a statistic of a quantity, and the limit that it is to keep.
+
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+use crate::number;
+use crate::quantity::Quantity;
+use crate::statistic::Statistic;
+
+/// Statistic of a quantity over trials that is to keep a limit: `relative_rms_error(mean_curvature) <= 0.05`.
+///
+/// Names are those of the columns and quantities of `cells.csv`. Without a quantity the first of the scene is meant. A limit
+/// may be in percent.
+///
+/// ```
+/// use palpate_study::{Bound, Quantity, Statistic, Target};
+///
+/// let target: Target = "relative_rms_error(mean_curvature) <= 5 %".parse()?;
+/// assert_eq!((target.statistic, target.bound), (Statistic::RelativeRmsError, Bound::AtMost));
+/// assert_eq!((target.quantity, target.limit), (Some(Quantity::MEAN_CURVATURE), 0.05));
+/// assert_eq!(target.to_string(), "relative_rms_error(mean_curvature) <= 0.05");
+/// let error = "rms(mean_curvature) <= 0.05".parse::<Target>().expect_err("no such statistic");
+/// assert!(error.to_string().starts_with("there is no statistic \"rms\"; did you mean rms_error?"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// The statistic.
+    pub statistic: Statistic,
+    /// Quantity that it is of; `None`: the first of the scene.
+    pub quantity: Option<Quantity>,
+    /// Side of the limit on which it is to be.
+    pub bound: Bound,
+    /// The limit, in the statistic's unit.
+    pub limit: f64,
+}
+
+/// Side of a limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bound {
+    /// The limit or less.
+    AtMost,
+    /// The limit or more.
+    AtLeast,
+}
+
+/// Text that is no target.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum TargetError {
+    /// There is no limit, or nothing before it.
+    #[error(
+        "{0:?} is no STATISTIC(QUANTITY) <= LIMIT, such as relative_rms_error(mean_curvature) <= 0.05"
+    )]
+    Malformed(String),
+    /// No statistic has this name.
+    #[error("there is no statistic {name:?}; {}", meant(name, known))]
+    NoStatistic {
+        /// The name.
+        name: String,
+        /// Statistics that there are.
+        known: Vec<&'static str>,
+    },
+    /// Statistic that says nothing of the estimates.
+    #[error("{0} is no target: {1}")]
+    NoTarget(&'static str, &'static str),
+    /// No quantity has this name.
+    #[error("there is no quantity {name:?}; {}", meant(name, known))]
+    NoQuantity {
+        /// The name.
+        name: String,
+        /// Quantities that there are.
+        known: Vec<&'static str>,
+    },
+    /// The limit is no finite number.
+    #[error("the limit {0:?} is no finite number")]
+    NoLimit(String),
+    /// The statistic cannot have this value.
+    #[error("{statistic} is {range}, and the limit is {}", number::exact(*limit))]
+    OutOfRange {
+        /// Name of the statistic.
+        statistic: &'static str,
+        /// Values that it may have.
+        range: &'static str,
+        /// The limit.
+        limit: f64,
+    },
+}
+
+/// The known name that looks most like another, if any does, and all of them else.
+fn meant(name: &str, known: &[&str]) -> String {
+    let likeness = |known: &str| strsim::jaro_winkler(name, known);
+    let nearest = known
+        .iter()
+        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+    match nearest.filter(|nearest| likeness(nearest) >= 0.8) {
+        Some(nearest) => format!("did you mean {nearest}? (known: {})", known.join(", ")),
+        None => format!("known: {}", known.join(", ")),
+    }
+}
+
+impl FromStr for Target {
+    type Err = TargetError;
+
+    fn from_str(text: &str) -> Result<Self, TargetError> {
+        const BOUNDS: [(&str, Bound); 6] = [
+            ("<=", Bound::AtMost),
+            (">=", Bound::AtLeast),
+            ("≤", Bound::AtMost),
+            ("≥", Bound::AtLeast),
+            ("<", Bound::AtMost),
+            (">", Bound::AtLeast),
+        ];
+        let malformed = || TargetError::Malformed(text.to_owned());
+        let split = BOUNDS.iter().find_map(|(sign, bound)| {
+            let (what, limit) = text.split_once(sign)?;
+            Some((what.trim(), *bound, limit.trim()))
+        });
+        let (what, bound, limit) = split.ok_or_else(malformed)?;
+        let (statistic, quantity) = match what.split_once('(') {
+            None => (what, None),
+            Some((statistic, rest)) => {
+                let quantity = rest.strip_suffix(')').ok_or_else(malformed)?;
+                (statistic.trim_end(), Some(quantity.trim()))
+            }
+        };
+        if statistic.is_empty() || quantity == Some("") || limit.is_empty() {
+            return Err(malformed());
+        }
+        let statistic = statistic_of(statistic)?;
+        let quantity = quantity.map(quantity_of).transpose()?;
+        let (digits, unit) = match limit.strip_suffix('%') {
+            Some(percent) => (percent.trim_end(), 0.01),
+            None => (limit, 1.0),
+        };
+        let number = digits.parse().ok().map(|number: f64| number * unit);
+        let limit = number
+            .filter(|number| number.is_finite())
+            .ok_or_else(|| TargetError::NoLimit(limit.to_owned()))?;
+        let out_of_range = |range| {
+            Err(TargetError::OutOfRange {
+                statistic: statistic.name(),
+                range,
+                limit,
+            })
+        };
+        match statistic {
+            Statistic::Coverage95 if !(limit > 0.0 && limit <= 1.0) => {
+                return out_of_range("a share, above 0 and at most 1");
+            }
+            statistic if statistic.is_size() && limit <= 0.0 => return out_of_range("above 0"),
+            _ => {}
+        }
+        Ok(Self {
+            statistic,
+            quantity,
+            bound,
+            limit,
+        })
+    }
+}
+
+/// Statistics that can be targets.
+fn statistics() -> impl Iterator<Item = Statistic> {
+    let all = Statistic::ALL.into_iter().chain([Statistic::StdBound]);
+    all.filter(|statistic| refusal(*statistic).is_none())
+}
+
+fn refusal(statistic: Statistic) -> Option<&'static str> {
+    match statistic {
+        Statistic::Truth => Some("it is known before any trial"),
+        Statistic::Trials => Some("it is chosen, and says nothing of the estimates"),
+        Statistic::Failures => {
+            Some("their share belongs to every target; --max-failures limits it")
+        }
+        _ => None,
+    }
+}
+
+fn statistic_of(name: &str) -> Result<Statistic, TargetError> {
+    let known = || statistics().map(Statistic::name).collect();
+    let statistic = Statistic::named(name).ok_or_else(|| TargetError::NoStatistic {
+        name: name.to_owned(),
+        known: known(),
+    })?;
+    match refusal(statistic) {
+        Some(why) => Err(TargetError::NoTarget(statistic.name(), why)),
+        None => Ok(statistic),
+    }
+}
+
+fn quantity_of(name: &str) -> Result<Quantity, TargetError> {
+    Quantity::named(name).ok_or_else(|| TargetError::NoQuantity {
+        name: name.to_owned(),
+        known: Quantity::ALL.iter().map(|quantity| quantity.name).collect(),
+    })
+}
+
+impl Target {
+    /// Whether a value of the statistic keeps the limit.
+    pub fn holds(&self, value: f64) -> bool {
+        match self.bound {
+            Bound::AtMost => value <= self.limit,
+            Bound::AtLeast => value >= self.limit,
+        }
+    }
+}
+
+impl Bound {
+    /// Its sign, as in a target's text.
+    pub fn sign(self) -> &'static str {
+        match self {
+            Self::AtMost => "<=",
+            Self::AtLeast => ">=",
+        }
+    }
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.statistic.name())?;
+        if let Some(quantity) = self.quantity {
+            write!(f, "({})", quantity.name)?;
+        }
+        write!(f, " {} {}", self.bound.sign(), number::exact(self.limit))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn targets_read_back() {
+        for text in [
+            "relative_rms_error(mean_curvature) <= 0.05",
+            "coverage95(object_curvature) >= 0.9",
+            "bias >= -0.001",
+            "q95(object_radius) <= 35",
+        ] {
+            assert_eq!(
+                text.parse::<Target>().map(|target| target.to_string()),
+                Ok(text.into())
+            );
+        }
+        let short: Target = " rms_error ( gaussian_curvature )≤1e-3 ".parse().unwrap();
+        assert_eq!(short.to_string(), "rms_error(gaussian_curvature) <= 0.001");
+        assert!(short.holds(0.001) && !short.holds(0.0011));
+    }
+
+    #[test]
+    fn what_is_no_target() {
+        for (text, said) in [
+            ("", "is no STATISTIC(QUANTITY) <= LIMIT"),
+            ("rms_error", "is no STATISTIC(QUANTITY) <= LIMIT"),
+            ("<= 5", "is no STATISTIC(QUANTITY) <= LIMIT"),
+            ("rms_error() <= 5", "is no STATISTIC(QUANTITY) <= LIMIT"),
+            (
+                "rms_error(mean_curvature <= 5",
+                "is no STATISTIC(QUANTITY) <= LIMIT",
+            ),
+            ("rms_error <=", "is no STATISTIC(QUANTITY) <= LIMIT"),
+            (
+                "rms_eror <= 5",
+                "no statistic \"rms_eror\"; did you mean rms_error?",
+            ),
+            (
+                "rms_error(mean_curvatur) <= 5",
+                "did you mean mean_curvature?",
+            ),
+            (
+                "rms_error(weather) <= 5",
+                "no quantity \"weather\"; known: normal_curvature_u",
+            ),
+            ("failures <= 5", "--max-failures"),
+            ("truth <= 5", "known before any trial"),
+            (
+                "rms_error <= five",
+                "the limit \"five\" is no finite number",
+            ),
+            ("rms_error <= nan", "the limit \"nan\" is no finite number"),
+            (
+                "rms_error <= inf %",
+                "the limit \"inf %\" is no finite number",
+            ),
+            ("rms_error <= 0", "rms_error is above 0, and the limit is 0"),
+            ("relative_rms_error <= -0.05", "and the limit is -0.05"),
+            (
+                "coverage95 >= 95",
+                "a share, above 0 and at most 1, and the limit is 95",
+            ),
+        ] {
+            let error = text.parse::<Target>().expect_err(text).to_string();
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! How surely trials tell on which side of a limit a number lies, as scores: standard deviations of a normal number. A
+//! score of 2 is as sure as a normal number that is found two of its standard deviations from 0.
+
+/// Largest score: of what has no spread.
+pub const CERTAIN: f64 = 40.0;
+/// Two-sided 95 % point of the normal distribution, in standard deviations.
+const WITHIN_95: f64 = 1.959_963_984_540_054;
+
+/// Probability that a standard normal number is above `score`.
+///
+/// ```
+/// assert!((palpate_sweep::tail(1.959964) - 0.025).abs() < 1e-8);
+/// assert_eq!(palpate_sweep::tail(0.0), 0.5);
+/// ```
+pub fn tail(score: f64) -> f64 {
+    0.5 * libm::erfc(score * std::f64::consts::FRAC_1_SQRT_2)
+}
+
+/// Score above which a standard normal number is with this probability, to 1e-12; at most [`CERTAIN`].
+///
+/// ```
+/// assert!((palpate_sweep::score_of_tail(0.025) - 1.959964).abs() < 1e-6);
+/// assert_eq!(palpate_sweep::score_of_tail(0.0), palpate_sweep::CERTAIN);
+/// ```
+pub fn score_of_tail(probability: f64) -> f64 {
+    let (mut low, mut high) = (-CERTAIN, CERTAIN);
+    while high - low > 1e-12 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if tail(middle) > probability {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// Score of a number that is `margin` on the right side of its limit (negative: on the wrong one) and has been found with
+/// the standard error `std` on so many degrees of freedom.
+///
+/// Student's t becomes the normal number of the same probability by Wallace's approximation (1959), which is within 1 % of
+/// the score from 5 degrees of freedom on. Without a spread the margin alone decides, and 0 is right.
+pub(crate) fn student(margin: f64, std: f64, degrees: f64) -> f64 {
+    let side = if margin >= 0.0 { 1.0 } else { -1.0 };
+    let t = margin.abs() / std;
+    if std == 0.0 || t == f64::INFINITY {
+        return side * CERTAIN;
+    }
+    if t.is_nan() {
+        return 0.0;
+    }
+    let shrunk = (8.0 * degrees + 1.0) / (8.0 * degrees + 3.0);
+    // ln(1 + t²/ν), where t² may be beyond the doubles.
+    let grown = match t < 1e150 {
+        true => libm::log1p(t * t / degrees),
+        false => 2.0 * libm::log(t) - libm::log(degrees),
+    };
+    side * (shrunk * (degrees * grown).sqrt()).min(CERTAIN)
+}
+
+/// Score by which a probability is at most `limit`, in (0, 1), after `count` of `of` independent trials: the signed root of
+/// the deviance, with a continuity correction of half a trial; 0 without trials.
+///
+/// ```
+/// // No failure in 256 trials: P = 0.95²⁵⁶ = 2.0e-6, which is a score of 4.6.
+/// assert!((palpate_sweep::share_at_most(0, 256, 0.05) - 4.7).abs() < 0.1);
+/// assert!(palpate_sweep::share_at_most(30, 256, 0.05) < -4.0);
+/// ```
+pub fn share_at_most(count: u64, of: u64, limit: f64) -> f64 {
+    let (all, expected) = (of as f64, limit * of as f64);
+    let side = if count as f64 <= expected { 1.0 } else { -1.0 };
+    let corrected = count as f64 + 0.5 * side;
+    // Within half a trial of the limit, nothing is told.
+    if of == 0 || (corrected - expected) * side >= 0.0 {
+        return 0.0;
+    }
+    let share = corrected / all;
+    let term = |share: f64, limit: f64| match share > 0.0 {
+        true => share * libm::log(share / limit),
+        false => 0.0,
+    };
+    let deviance = term(share, limit) + term(1.0 - share, 1.0 - limit);
+    side * (2.0 * all * deviance.max(0.0)).sqrt().min(CERTAIN)
+}
+
+/// Wilson's 95 % interval (1927) of a probability that has been found as `share` in as much as `of` independent trials; all
+/// of 0 to 1 without trials.
+///
+/// ```
+/// let (low, high) = palpate_sweep::wilson(0.5, 100.0);
+/// assert!((low - 0.4038).abs() < 1e-4 && (high - 0.5962).abs() < 1e-4);
+/// assert_eq!(palpate_sweep::wilson(0.0, 0.0), (0.0, 1.0));
+/// ```
+pub fn wilson(share: f64, of: f64) -> (f64, f64) {
+    if !(of > 0.0 && share.is_finite()) {
+        return (0.0, 1.0);
+    }
+    let squared = WITHIN_95 * WITHIN_95;
+    let about = (share + squared / (2.0 * of)) / (1.0 + squared / of);
+    let spread = share * (1.0 - share) / of + squared / (4.0 * of * of);
+    let half = WITHIN_95 * spread.max(0.0).sqrt() / (1.0 + squared / of);
+    // Rounding must not take the ends off the share itself.
+    (
+        (about - half).clamp(0.0, share),
+        (about + half).clamp(share, 1.0),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tails_and_scores_are_inverse() {
+        for score in [-3.0, -1.0, 0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 30.0] {
+            assert!((score_of_tail(tail(score)) - score).abs() < 1e-8, "{score}");
+        }
+    }
+
+    #[test]
+    fn students_t_has_the_normal_score_of_its_probability() {
+        // P(T > t) of Student's distribution as tables have it.
+        for (degrees, t, probability) in [
+            (31.0, 1.695_519, 0.05),
+            (31.0, 2.039_513, 0.025),
+            (31.0, 2.452_824, 0.01),
+            (31.0, 3.374_900, 0.001),
+            (5.0, 4.032_143, 0.005),
+        ] {
+            let score = student(t, 1.0, degrees);
+            assert!(
+                (score - score_of_tail(probability)).abs() < 0.012,
+                "{degrees} {t}: {score}"
+            );
+            assert_eq!(student(-t, 1.0, degrees), -score);
+        }
+        assert_eq!(student(0.0, 0.0, 31.0), CERTAIN);
+        assert_eq!(student(-1e-300, 0.0, 31.0), -CERTAIN);
+        assert!(student(1e300, 1e-300, 31.0) > 30.0);
+        assert_eq!(student(f64::NAN, 1.0, 31.0), 0.0);
+    }
+
+    /// P(X ≤ count) of a binomial number, summed up.
+    fn binomial(count: u64, of: u64, share: f64) -> f64 {
+        let (n, mut term, mut sum) = (of as f64, libm::pow(1.0 - share, of as f64), 0.0);
+        for k in 0..=count {
+            sum += term;
+            let k = k as f64;
+            term *= (n - k) / (k + 1.0) * share / (1.0 - share);
+        }
+        sum
+    }
+
+    #[test]
+    fn scores_of_shares_are_those_of_binomial_sums() {
+        for (of, limit) in [
+            (64, 0.05),
+            (256, 0.05),
+            (4096, 0.05),
+            (256, 0.5),
+            (256, 0.01),
+        ] {
+            for count in 0..of {
+                let score = share_at_most(count, of, limit);
+                let exact = match (count as f64) <= limit * of as f64 {
+                    true => score_of_tail(binomial(count, of, limit)),
+                    false => -score_of_tail(1.0 - binomial(count - 1, of, limit)),
+                };
+                if exact.abs() < 6.0 && exact.abs() > 1.0 {
+                    assert!(
+                        (score - exact).abs() < 0.2,
+                        "{count} of {of}: {score} {exact}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn intervals_hold_the_share_and_stay_within_0_and_1() {
+        for share in [0.0, 1e-9, 0.3, 0.999, 1.0] {
+            for of in [1e-3, 1.0, 7.0, 1e6, 1e300] {
+                let (low, high) = wilson(share, of);
+                assert!(
+                    0.0 <= low && low <= share && share <= high && high <= 1.0,
+                    "{share} {of}"
+                );
+            }
+        }
+        assert_eq!(wilson(f64::NAN, 5.0), (0.0, 1.0));
+    }
+}

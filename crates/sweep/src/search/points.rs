@@ -1,0 +1,142 @@
+//! Values that have been looked at.
+
+use super::curve::{Ask, Scores};
+use super::rules::Rules;
+
+/// Side of its target on which a value lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// All cells meet the target.
+    Meets,
+    /// Some cell misses it.
+    Misses,
+}
+
+/// Values that have been looked at, ascending.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Points {
+    pub(super) points: Vec<Point>,
+    /// Times that a value has been looked at.
+    pub(super) looks: usize,
+}
+
+/// Value that has been looked at.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    pub(super) value: f64,
+    pub(super) cells: Vec<CellLook>,
+}
+
+/// Cell at a value.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CellLook {
+    /// Trials asked for.
+    pub(super) trials: u64,
+    scores: Scores,
+}
+
+impl CellLook {
+    fn score(&self) -> f64 {
+        self.scores[0].min(self.scores[1])
+    }
+}
+
+impl Point {
+    /// Cell with the least score, and its condition that has it.
+    pub(super) fn worst(&self) -> (usize, usize) {
+        let all = self.cells.iter().enumerate().flat_map(|(cell, look)| {
+            let scores = look.scores.into_iter().enumerate();
+            scores.map(move |(condition, score)| ((cell, condition), score))
+        });
+        let least = all.min_by(|one, other| one.1.total_cmp(&other.1));
+        least.map_or((0, 0), |(place, _)| place)
+    }
+
+    /// Least score of all cells.
+    pub(super) fn score(&self) -> f64 {
+        let scores = self.cells.iter().map(CellLook::score);
+        scores.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Side on which it has been found; `None` where that is open.
+    pub(super) fn side(&self, rules: &Rules) -> Option<Side> {
+        match self.score() {
+            score if score >= rules.meets => Some(Side::Meets),
+            score if score <= rules.misses => Some(Side::Misses),
+            _ => None,
+        }
+    }
+
+    /// Most trials of a cell.
+    pub(super) fn trials(&self) -> u64 {
+        let trials = self.cells.iter().map(|cell| cell.trials);
+        trials.max().unwrap_or(0)
+    }
+
+    /// Questions for so many times the trials, in the cells that leave the value open.
+    pub(super) fn grown(&self, factor: f64, rules: &Rules, asks: &mut Vec<Ask>) {
+        for (cell, look) in self.cells.iter().enumerate() {
+            if look.score() < rules.meets && look.trials < rules.most_trials {
+                let trials = (look.trials as f64 * factor).ceil() as u64;
+                asks.push(Ask {
+                    value: self.value,
+                    cell,
+                    trials: trials.min(rules.most_trials),
+                    fresh: false,
+                });
+            }
+        }
+    }
+}
+
+impl Points {
+    /// Trials that the questions add to those of values and cells that have been looked at.
+    pub(super) fn added(&self, asks: &[Ask]) -> u64 {
+        let added = asks.iter().map(|ask| {
+            let known = self.points.iter().find(|point| point.value == ask.value);
+            let known = known.and_then(|point| point.cells.get(ask.cell));
+            ask.trials
+                .saturating_sub(known.map_or(0, |cell| cell.trials))
+        });
+        added.fold(0, u64::saturating_add)
+    }
+
+    /// Notes what has been told.
+    pub(super) fn take(&mut self, asks: &[Ask], told: &[Scores], cells: usize) {
+        let mut last = None;
+        for (ask, scores) in asks.iter().zip(told) {
+            if last != Some(ask.value) {
+                self.looks += 1;
+                last = Some(ask.value);
+            }
+            let place = self.points.partition_point(|point| point.value < ask.value);
+            let is_known = self
+                .points
+                .get(place)
+                .is_some_and(|point| point.value == ask.value);
+            if !is_known {
+                let cells = vec![CellLook::default(); cells];
+                self.points.insert(
+                    place,
+                    Point {
+                        value: ask.value,
+                        cells,
+                    },
+                );
+            }
+            // A score that is no number tells nothing.
+            let scores = scores.map(|score| if score.is_nan() { 0.0 } else { score });
+            if let Some(cell) = self.points[place].cells.get_mut(ask.cell) {
+                *cell = CellLook {
+                    trials: ask.trials,
+                    scores,
+                };
+            }
+        }
+    }
+
+    /// Sides of all values.
+    pub(super) fn sides(&self, rules: &Rules) -> Vec<Option<Side>> {
+        self.points.iter().map(|point| point.side(rules)).collect()
+    }
+}

@@ -1,0 +1,192 @@
+//! Numbers from one end to another, among which values are looked for.
+
+/// Range of a field.
+///
+/// ```
+/// use palpate_sweep::Span;
+///
+/// // Of positive ends far apart, ratios count.
+/// let pitch = Span::new(0.05, 2.0, false);
+/// assert!(pitch.is_log);
+/// assert_eq!(pitch.gap(0.4, 0.42), 0.42 / 0.4 - 1.0);
+/// // Else differences do, against half the range.
+/// assert_eq!(Span::new(-1.0, 1.0, false).gap(0.0, 0.05), 0.05);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Least value.
+    pub from: f64,
+    /// Largest value.
+    pub to: f64,
+    /// Whether values are spaced by ratios: where both ends are positive and the larger is more than eight times the other.
+    pub is_log: bool,
+    /// Whether only whole numbers are values.
+    pub is_whole: bool,
+}
+
+/// Ratio of the ends above which ratios count.
+const FAR: f64 = 8.0;
+/// Digits that values have beyond those that tell a gap.
+const FINER: f64 = 8.0;
+
+impl Span {
+    /// Range from one finite number to another that is no smaller; of whole numbers, those within.
+    pub fn new(from: f64, to: f64, is_whole: bool) -> Self {
+        Self {
+            from,
+            to,
+            is_log: from > 0.0 && to / from > FAR,
+            is_whole,
+        }
+    }
+
+    /// Distance of two values, the second not smaller: as a share of the first where ratios count, else of half the range.
+    pub fn gap(&self, low: f64, high: f64) -> f64 {
+        let gap = match self.is_log {
+            true => high / low - 1.0,
+            false => 2.0 * (high - low) / (self.to - self.from),
+        };
+        if gap.is_nan() { 0.0 } else { gap }
+    }
+
+    /// Place of a value on the way from one end to the other, 0 to 1.
+    pub(super) fn share(&self, value: f64) -> f64 {
+        let share = match self.is_log {
+            true => libm::log(value / self.from) / libm::log(self.to / self.from),
+            // Halves, whose difference is finite.
+            false => (0.5 * value - 0.5 * self.from) / (0.5 * self.to - 0.5 * self.from),
+        };
+        if share.is_nan() {
+            0.0
+        } else {
+            share.clamp(0.0, 1.0)
+        }
+    }
+
+    /// Value at a place, with the few digits that tell gaps of this size.
+    pub(super) fn at(&self, share: f64, gap: f64) -> f64 {
+        let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
+        let value = match self.is_log {
+            true => libm::exp(mix(libm::log(self.from), libm::log(self.to))),
+            false => mix(self.from, self.to),
+        };
+        if self.is_whole {
+            return value.round().clamp(self.from.ceil(), self.to.floor());
+        }
+        let told = match self.is_log {
+            true => gap * value,
+            false => gap * (0.5 * self.to - 0.5 * self.from),
+        };
+        rounded(value, told / FINER).clamp(self.from, self.to)
+    }
+
+    /// Values spread evenly from one end to the other; each whole number, where there are not more than twice as many.
+    pub(super) fn spread(&self, count: usize, gap: f64) -> Vec<f64> {
+        if self.is_whole && self.to - self.from < (2 * count) as f64 {
+            let (first, last) = (self.from.ceil(), self.to.floor());
+            let count = (last - first).max(0.0) as usize + 1;
+            return (0..count).map(|step| first + step as f64).collect();
+        }
+        let last = count.max(2) - 1;
+        let mut values: Vec<f64> = (0..=last)
+            .map(|step| match step {
+                0 if !self.is_whole => self.from,
+                step if step == last && !self.is_whole => self.to,
+                step => self.at(step as f64 / last as f64, gap),
+            })
+            .collect();
+        values.dedup();
+        values
+    }
+
+    /// Value midway between two, with the few digits that tell gaps of this size; `None` where there is none.
+    pub(super) fn between(&self, low: f64, high: f64, gap: f64) -> Option<f64> {
+        let middle = 0.5 * self.share(low) + 0.5 * self.share(high);
+        Some(self.at(middle, gap)).filter(|value| low < *value && *value < high)
+    }
+}
+
+/// Number with as many decimal digits as tell differences of `told`.
+fn rounded(value: f64, told: f64) -> f64 {
+    let place = |number: f64| {
+        let text = format!("{:e}", number.abs());
+        let exponent = text
+            .split_once('e')
+            .map(|(_, exponent)| exponent.parse::<i32>());
+        exponent.and_then(Result::ok).unwrap_or(0)
+    };
+    if value == 0.0 || !(told > 0.0 && told.is_finite()) {
+        return value;
+    }
+    match usize::try_from(place(value) - place(told)) {
+        Ok(digits) => format!("{value:.digits$e}").parse().unwrap_or(value),
+        Err(_) => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_have_few_digits() {
+        let span = Span::new(0.05, 2.0, false);
+        let values = span.spread(17, 0.05);
+        assert_eq!(values.len(), 17);
+        assert_eq!((values[0], values[1], values[16]), (0.05, 0.063, 2.0));
+        assert_eq!(span.between(0.4, 0.5, 0.05), Some(0.447));
+        assert_eq!(span.between(0.4, 0.4001, 0.05), None);
+        let degrees = Span::new(-30.0, 30.0, false);
+        assert_eq!(degrees.spread(5, 0.05), [-30.0, -15.0, 0.0, 15.0, 30.0]);
+        assert_eq!(rounded(1e-9, 0.1), 0.0);
+    }
+
+    #[test]
+    fn whole_numbers_are_whole() {
+        let markers = Span::new(5.0, 12.0, true);
+        assert_eq!(
+            markers.spread(17, 0.05),
+            [5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0]
+        );
+        let sizes = Span::new(64.0, 2048.0, true);
+        assert!(
+            sizes
+                .spread(17, 0.05)
+                .iter()
+                .all(|size| size.fract() == 0.0)
+        );
+        assert_eq!(sizes.between(64.0, 65.0, 0.05), None);
+    }
+
+    #[test]
+    fn ranges_of_any_numbers_are_sound() {
+        let ends = [
+            -1e308,
+            -1.0,
+            0.0,
+            5e-324,
+            1e-300,
+            1.0,
+            1.0 + f64::EPSILON,
+            1e308,
+            f64::MAX,
+        ];
+        for from in ends {
+            for to in ends.into_iter().filter(|to| *to >= from) {
+                let span = Span::new(from, to, false);
+                let values = span.spread(17, 0.05);
+                assert!(
+                    values.windows(2).all(|pair| pair[0] < pair[1]),
+                    "{from} {to}: {values:?}"
+                );
+                assert!(values.iter().all(|value| (from..=to).contains(value)));
+                assert!(
+                    values
+                        .iter()
+                        .all(|value| (0.0..=1.0).contains(&span.share(*value)))
+                );
+                assert!(!span.gap(from, to).is_nan());
+            }
+        }
+    }
+}

@@ -1,0 +1,381 @@
+//! Searches along curves whose crossings are known in closed form, through the noise of real trials.
+
+use std::collections::HashMap;
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use palpate_sweep::{
+    Among, Ask, Batches, Curves, Ended, Growth, Looked, Record, Run, Runner, Scores, Search,
+    Searched, Side, Span, Trial, search, share_at_most,
+};
+
+use crate::{normal, observation, runner, uniform};
+
+/// Trials that err by a normal number times `scale` and fail with the probability `fails`.
+struct Noisy {
+    seed: u64,
+    scale: f64,
+    fails: f64,
+}
+
+impl Trial for Noisy {
+    fn quantities(&self) -> usize {
+        1
+    }
+
+    fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
+        let number = (self.seed << 44) ^ trial;
+        record.observe(0, observation(self.scale * normal(number), 0.0, None));
+        (uniform(!number) >= self.fails)
+            .then_some(())
+            .ok_or("slipped")
+    }
+}
+
+/// Scale and share of failures at a value.
+type Curve = fn(f64) -> (f64, f64);
+
+/// Curve of the rms error of such trials, which is to be at most 1 with at most 5 % of them failing.
+struct Noise<'a> {
+    runner: &'a Runner,
+    seed: u64,
+    /// Scale and share of failures at a value, in each cell.
+    cells: Vec<Curve>,
+    known: HashMap<(u64, usize, bool), Batches>,
+    trials: u64,
+}
+
+impl<'a> Noise<'a> {
+    fn new(runner: &'a Runner, seed: u64, cells: &[Curve]) -> Self {
+        Self {
+            runner,
+            seed,
+            cells: cells.to_vec(),
+            known: HashMap::new(),
+            trials: 0,
+        }
+    }
+
+    /// Whether all cells meet the target at a value.
+    fn meets(&self, value: f64) -> bool {
+        self.cells.iter().all(|cell| {
+            let (scale, fails) = cell(value);
+            scale <= 1.0 && fails <= 0.05
+        })
+    }
+}
+
+impl Curves for Noise<'_> {
+    type Error = Infallible;
+
+    fn cells(&self) -> usize {
+        self.cells.len()
+    }
+
+    fn look(&mut self, asked: &[Ask]) -> Result<Vec<Scores>, Infallible> {
+        let score = |ask: &Ask| {
+            let (scale, fails) = self.cells[ask.cell](ask.value);
+            let trial = Noisy {
+                seed: self.seed,
+                scale,
+                fails,
+            };
+            let first = if ask.fresh { 1 << 40 } else { 0 };
+            let key = (ask.value.to_bits(), ask.cell, ask.fresh);
+            let batches = self.known.entry(key).or_insert(Batches::from_trial(first));
+            let before = batches.trials();
+            let trials = ask.trials;
+            self.runner.grow(vec![Growth {
+                trial: &trial,
+                batches,
+                trials,
+            }]);
+            self.trials += batches.trials() - before;
+            let of_rms = batches
+                .estimate(|all| all.quantities[0].rms_error)
+                .and_then(|rms| rms.map(libm::log))
+                .map_or(0.0, |rms| rms.at_most(0.0));
+            let failed = batches.statistics().failed();
+            [of_rms, share_at_most(failed, batches.trials(), 0.05)]
+        };
+        Ok(asked.iter().map(score).collect())
+    }
+}
+
+fn searched(curve: &mut Noise<'_>, among: Among, most_trials: u64) -> Searched {
+    let settings = Search {
+        among,
+        gap: 0.05,
+        most_trials,
+        budget: None,
+    };
+    let Ok(found) = search(curve, &settings, &|| Duration::ZERO);
+    found
+}
+
+fn span(from: f64, to: f64) -> Among {
+    Among::Span(Span::new(from, to, false))
+}
+
+/// Sides of the runs, and whether the ends of each are right.
+fn judged(found: &Searched, curve: &Noise<'_>) -> (Vec<Side>, bool) {
+    let right = |run: &Run| {
+        let is = run.side == Side::Meets;
+        curve.meets(run.from) == is && curve.meets(run.to) == is
+    };
+    let sides = found.runs.iter().map(|run| run.side).collect();
+    (sides, found.runs.iter().all(right))
+}
+
+const MOST: u64 = 1 << 22;
+
+#[test]
+fn a_crossing_is_bracketed_closely_and_rightly() {
+    let runner = runner(2);
+    let (mut right, mut narrowed, mut most) = (0, 0, 0);
+    for seed in 0..30 {
+        let mut curve = Noise::new(&runner, seed, &[|x| (x, 0.0)]);
+        let found = searched(&mut curve, span(0.1, 10.0), MOST);
+        let (sides, is_right) = judged(&found, &curve);
+        assert_eq!(sides, [Side::Meets, Side::Misses], "{seed}");
+        let gap = found.runs[1].from / found.runs[0].to - 1.0;
+        assert!(
+            found.ended == Ended::Known && (gap <= 0.05 || found.narrowed > 0),
+            "{gap}"
+        );
+        right += u32::from(is_right);
+        narrowed += u32::from(found.narrowed > 0);
+        most = most.max(curve.trials);
+    }
+    assert!(right >= 29, "{right} of 30 are right");
+    // It mostly stands, else it would have been said too early.
+    assert!(narrowed <= 6, "{narrowed} of 30 were narrowed");
+    assert!(most < 2_000_000, "{most} trials");
+}
+
+#[test]
+fn noise_alone_never_splits_what_is_exactly_at_the_limit() {
+    let runner = runner(2);
+    for seed in 0..10 {
+        let mut curve = Noise::new(&runner, seed, &[|_| (1.0, 0.0)]);
+        let found = searched(&mut curve, span(0.1, 10.0), 1 << 12);
+        assert_eq!(
+            (found.runs.as_slice(), found.ended),
+            (&[][..], Ended::Trials),
+            "{seed}"
+        );
+    }
+}
+
+#[test]
+fn every_crossing_is_found() {
+    let runner = runner(2);
+    let curve: Curve = |x| (0.25 + (x - 3.0).abs(), 0.0);
+    let mut curve = Noise::new(&runner, 1, &[curve]);
+    let found = searched(&mut curve, span(0.0, 10.0), MOST);
+    assert_eq!(
+        judged(&found, &curve),
+        (vec![Side::Misses, Side::Meets, Side::Misses], true)
+    );
+    let meets = found.runs[1];
+    assert!(
+        (meets.from - 2.25).abs() < 0.25 && (meets.to - 3.75).abs() < 0.25,
+        "{meets:?}"
+    );
+}
+
+#[test]
+fn failures_belong_to_the_target() {
+    let runner = runner(2);
+    // The survivors never err by much.
+    let curve: Curve = |x| (0.1, x);
+    let mut curve = Noise::new(&runner, 2, &[curve]);
+    let found = searched(&mut curve, span(0.001, 1.0), MOST);
+    assert_eq!(
+        judged(&found, &curve),
+        (vec![Side::Meets, Side::Misses], true)
+    );
+    assert!(
+        found.runs[0].to > 0.045 && found.runs[1].from < 0.055,
+        "{:?}",
+        found.runs
+    );
+}
+
+#[test]
+fn the_worst_cell_decides() {
+    let runner = runner(2);
+    let mut curve = Noise::new(
+        &runner,
+        3,
+        &[|x| (x, 0.0), |x| (0.1 * x, 0.0), |x| (2.0 * x, 0.0)],
+    );
+    let found = searched(&mut curve, span(0.1, 10.0), MOST);
+    assert_eq!(
+        judged(&found, &curve),
+        (vec![Side::Meets, Side::Misses], true)
+    );
+    let misses = |looked: &&Looked| looked.side == Some(Side::Misses);
+    let mut missing = found.looked.iter().filter(misses);
+    assert!(missing.all(|looked| looked.worst == 2));
+    // Cells that tell nothing are not asked again.
+    let easy = curve
+        .known
+        .iter()
+        .filter(|((_, cell, fresh), _)| *cell == 1 && !fresh);
+    assert!(easy.map(|(_, batches)| batches.trials()).max() < Some(10_000));
+}
+
+#[test]
+fn a_jump_has_a_small_gap_after_few_trials() {
+    let runner = runner(2);
+    let curve: Curve = |x| (if x < 0.7 { 0.1 } else { 10.0 }, 0.0);
+    let mut curve = Noise::new(&runner, 4, &[curve]);
+    let found = searched(&mut curve, span(0.1, 10.0), MOST);
+    assert_eq!(
+        judged(&found, &curve),
+        (vec![Side::Meets, Side::Misses], true)
+    );
+    assert!(found.runs[1].from / found.runs[0].to < 1.05 && curve.trials < 20_000);
+}
+
+#[test]
+fn all_or_nothing_and_a_single_value() {
+    let runner = runner(2);
+    for (from, to, side) in [
+        (0.1, 0.5, Side::Meets),
+        (2.0, 10.0, Side::Misses),
+        (0.5, 0.5, Side::Meets),
+        (2.0, 2.0, Side::Misses),
+    ] {
+        let mut curve = Noise::new(&runner, 5, &[|x| (x, 0.0)]);
+        let found = searched(&mut curve, span(from, to), MOST);
+        assert_eq!(found.runs, [Run { from, to, side }]);
+        // Fresh trials said so, too.
+        assert!(curve.known.keys().any(|(_, _, fresh)| *fresh));
+    }
+}
+
+#[test]
+fn everything_fails() {
+    let runner = runner(2);
+    let mut curve = Noise::new(&runner, 6, &[|_| (0.1, 1.0)]);
+    let found = searched(&mut curve, span(0.1, 10.0), MOST);
+    let all = Run {
+        from: 0.1,
+        to: 10.0,
+        side: Side::Misses,
+    };
+    assert_eq!(found.runs, [all]);
+}
+
+#[test]
+fn whole_numbers_and_lists() {
+    let runner = runner(2);
+    let mut curve = Noise::new(&runner, 7, &[|x| (10.5 / x, 0.0)]);
+    let among = Among::Span(Span::new(2.0, 40.0, true));
+    let found = searched(&mut curve, among, MOST);
+    let ends = found.runs.iter().map(|run| (run.from, run.to, run.side));
+    let expected = [(2.0, 10.0, Side::Misses), (11.0, 40.0, Side::Meets)];
+    assert_eq!(ends.collect::<Vec<_>>(), expected);
+
+    let scales: Curve = |place| ([0.5, 2.0, 1.0, 0.9][place as usize], 0.0);
+    let mut curve = Noise::new(&runner, 8, &[scales]);
+    let found = searched(&mut curve, Among::Listed(4), 1 << 16);
+    let sides: Vec<_> = found.looked.iter().map(|looked| looked.side).collect();
+    assert_eq!(
+        sides,
+        [
+            Some(Side::Meets),
+            Some(Side::Misses),
+            None,
+            Some(Side::Meets)
+        ]
+    );
+    assert_eq!((found.runs.len(), found.ended), (3, Ended::Trials));
+}
+
+#[test]
+fn fresh_trials_that_disagree_narrow_the_answer() {
+    /// Fresh trials meet the target only below 0.5, the others below 1; and the latter at most below `most`.
+    struct Disagreeing {
+        fresh_below: f64,
+    }
+    impl Curves for Disagreeing {
+        type Error = Infallible;
+        fn cells(&self) -> usize {
+            1
+        }
+        fn look(&mut self, asked: &[Ask]) -> Result<Vec<Scores>, Infallible> {
+            let limit = |ask: &Ask| if ask.fresh { self.fresh_below } else { 1.0 };
+            let score = |ask: &Ask| [if ask.value < limit(ask) { 40.0 } else { -40.0 }; 2];
+            Ok(asked.iter().map(score).collect())
+        }
+    }
+    let settings = Search {
+        among: span(0.1, 10.0),
+        gap: 0.05,
+        most_trials: MOST,
+        budget: None,
+    };
+    let found = |fresh_below: f64| {
+        let mut curve = Disagreeing { fresh_below };
+        let Ok(found) = search(&mut curve, &settings, &|| Duration::ZERO);
+        found
+    };
+    let agreed = found(1.0);
+    assert_eq!((agreed.narrowed, agreed.runs.len()), (0, 2));
+    let moved = found(0.9);
+    assert_eq!((moved.narrowed, moved.runs.len()), (1, 2));
+    assert!(moved.runs[0].to < 0.9 && moved.runs[1].from < 1.05);
+    // Too far to be moved: what meets is given up.
+    let lost = found(0.0);
+    assert_eq!((lost.narrowed, lost.runs.len()), (1, 1));
+    assert_eq!(lost.runs[0].side, Side::Misses);
+}
+
+#[test]
+fn a_budget_ends_the_search_and_leaves_time_to_verify() {
+    let runner = runner(1);
+    // A trial takes a microsecond.
+    let trials = AtomicU64::new(0);
+    struct Timed<'a>(Noise<'a>, &'a AtomicU64);
+    impl Curves for Timed<'_> {
+        type Error = Infallible;
+        fn cells(&self) -> usize {
+            self.0.cells()
+        }
+        fn look(&mut self, asked: &[Ask]) -> Result<Vec<Scores>, Infallible> {
+            let told = self.0.look(asked);
+            self.1.store(self.0.trials, Ordering::Relaxed);
+            told
+        }
+    }
+    let mut gaps = Vec::new();
+    for budget in [
+        Duration::from_millis(20),
+        Duration::from_millis(100),
+        Duration::from_secs(9),
+    ] {
+        trials.store(0, Ordering::Relaxed);
+        let clock = || Duration::from_micros(trials.load(Ordering::Relaxed));
+        let mut curve = Timed(Noise::new(&runner, 9, &[|x| (x, 0.0)]), &trials);
+        let settings = Search {
+            among: span(0.1, 10.0),
+            gap: 0.02,
+            most_trials: MOST,
+            budget: Some(budget),
+        };
+        let Ok(found) = search(&mut curve, &settings, &clock);
+        let (sides, is_right) = judged(&found, &curve.0);
+        assert!(is_right && sides.len() == 2, "{:?}", found.runs);
+        assert!(clock() <= budget, "{:?} of {budget:?}", clock());
+        gaps.push((found.runs[1].from / found.runs[0].to - 1.0, found.ended));
+    }
+    assert!(
+        gaps[0].1 == Ended::Time && gaps[2].1 == Ended::Known,
+        "{gaps:?}"
+    );
+    assert!(gaps[0].0 > gaps[1].0 && gaps[1].0 > gaps[2].0, "{gaps:?}");
+}
