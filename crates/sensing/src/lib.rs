@@ -12,6 +12,7 @@ mod encoder;
 mod error;
 mod gaussian;
 mod normal;
+mod normals;
 mod pads;
 mod position;
 mod sphere_map;

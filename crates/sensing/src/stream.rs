@@ -6,6 +6,7 @@ use rand::rand_core::{TryRng, utils};
 use rand_distr::Distribution;
 
 use crate::StandardNormal;
+use crate::normals::{PAIRS, normals};
 use crate::uniform::between_minus_1_and_1;
 
 /// A named source of noise. Each has a stream of its own, so that adding one changes no other.
@@ -122,6 +123,21 @@ impl Stream {
     pub fn standard_normal(&mut self) -> f64 {
         StandardNormal.sample(self)
     }
+
+    /// Independent normal numbers with mean 0 and standard deviation 1, in single precision and at most 6.67 either way:
+    /// what vector instructions draw several times as fast as one by one. Of each two the word is one.
+    #[inline(always)]
+    pub fn standard_normals(&mut self) -> [f32; Self::NORMALS] {
+        palpate_tally::drew(PAIRS as u64);
+        let key = self.state;
+        self.state = key.wrapping_add(STEP.wrapping_mul(PAIRS as u64));
+        normals(std::array::from_fn(|pair| {
+            mix(key.wrapping_add(STEP.wrapping_mul(pair as u64 + 1)))
+        }))
+    }
+
+    /// Number of normal numbers that are drawn at once.
+    pub const NORMALS: usize = 2 * PAIRS;
 }
 
 /// [`Stream`]s side by side, for vector instructions: to the last bit what each would say alone.

@@ -68,7 +68,7 @@ impl Optics {
                 Some(blur) => blur.blurred(number, &mut row, |number, row| rows.paint(number, row)),
             }
             if let Some(stream) = noise.as_deref_mut() {
-                row.add_noise(rows.inside(number), self.blemishes.pixel_std, stream);
+                row.add_noise(rows.inside(number), self.blemishes.pixel_std as f32, stream);
             }
             row.write(bytes);
         }

@@ -7,3 +7,4 @@ mod frames;
 mod optics;
 mod optics_limits;
 mod pattern;
+mod pixel_noise;

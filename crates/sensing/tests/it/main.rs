@@ -4,4 +4,5 @@
 mod every_number;
 mod extremes;
 mod lattice;
+mod normals;
 mod pads;

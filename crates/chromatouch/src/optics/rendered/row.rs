@@ -77,9 +77,18 @@ impl Row {
     }
 
     /// Adds a Gaussian error of this standard deviation to the pixels of some columns.
-    pub(super) fn add_noise(&mut self, columns: Range<usize>, std: f64, stream: &mut Stream) {
-        for level in &mut self.levels[3 * columns.start..3 * columns.end] {
-            *level += (std * stream.standard_normal()) as f32;
+    pub(super) fn add_noise(&mut self, columns: Range<usize>, std: f32, stream: &mut Stream) {
+        let levels = &mut self.levels[3 * columns.start..3 * columns.end];
+        let (whole, rest) = levels.as_chunks_mut::<{ Stream::NORMALS }>();
+        for levels in whole {
+            for (level, normal) in levels.iter_mut().zip(stream.standard_normals()) {
+                *level += std * normal;
+            }
+        }
+        if !rest.is_empty() {
+            for (level, normal) in rest.iter_mut().zip(stream.standard_normals()) {
+                *level += std * normal;
+            }
         }
     }
 

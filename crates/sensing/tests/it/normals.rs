@@ -1,0 +1,174 @@
+//! Normal numbers that are drawn many at once: their distribution, and their independence of each other.
+
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+use palpate_sensing::{Channel, Stream};
+
+const DRAWS: usize = 1 << 24;
+
+fn draws(seed: u64, trial: u64) -> impl Iterator<Item = [f32; Stream::NORMALS]> {
+    let mut stream = Stream::new(seed, trial, Channel::Pixel);
+    std::iter::repeat_with(move || stream.standard_normals())
+}
+
+/// Probability of a normal number below this.
+fn below(limit: f64) -> f64 {
+    0.5 * libm::erfc(-limit * FRAC_1_SQRT_2)
+}
+
+#[test]
+fn moments_are_those_of_a_normal_distribution() {
+    let mut sums = [0.0; 4];
+    for draw in draws(11, 0).take(DRAWS / Stream::NORMALS).flatten() {
+        let draw = f64::from(draw);
+        let square = draw * draw;
+        for (sum, power) in sums
+            .iter_mut()
+            .zip([draw, square, draw * square, square * square])
+        {
+            *sum += power;
+        }
+    }
+    // A power's variance is the mean of its square less the square of its mean: E x^2k = (2k − 1)!!.
+    for (sum, (mean, variance)) in
+        sums.into_iter()
+            .zip([(0.0, 1.0), (1.0, 2.0), (0.0, 15.0), (3.0, 96.0_f64)])
+    {
+        let score = (sum / DRAWS as f64 - mean) / (variance / DRAWS as f64).sqrt();
+        assert!(score.abs() < 4.0, "{mean}: {score}");
+    }
+}
+
+#[test]
+fn they_fill_the_normal_distribution() {
+    const COUNT: usize = 1 << 21;
+    let mut drawn: Vec<f32> = draws(12, 0)
+        .take(COUNT / Stream::NORMALS)
+        .flatten()
+        .collect();
+    drawn.sort_unstable_by(f32::total_cmp);
+    let off = drawn.iter().enumerate().map(|(rank, draw)| {
+        let share = (rank as f64 + 0.5) / COUNT as f64;
+        (below(f64::from(*draw)) - share).abs()
+    });
+    // Kolmogorov and Smirnov: 1.95/√n is exceeded once in a thousand times.
+    assert!(off.fold(0.0, f64::max) < 1.95 / (COUNT as f64).sqrt());
+}
+
+/// Chi-square of counts over intervals of a 16th, to beyond six standard deviations; and the tails by themselves, where an
+/// interval expects too few.
+#[test]
+fn every_interval_and_both_tails_have_their_share() {
+    const PER_UNIT: f64 = 16.0;
+    const MIDDLE: usize = 128;
+    let mut counts = [0_u32; 2 * MIDDLE];
+    for draw in draws(13, 0).take(DRAWS / Stream::NORMALS).flatten() {
+        let interval = (f64::from(draw) * PER_UNIT).floor() as isize + MIDDLE as isize;
+        counts[interval as usize] += 1;
+    }
+    let edge = |interval: usize| (interval as f64 - MIDDLE as f64) / PER_UNIT;
+    let (mut square, mut freedom) = (0.0, -1.0);
+    for (interval, &count) in counts.iter().enumerate() {
+        let expected = DRAWS as f64 * (below(edge(interval + 1)) - below(edge(interval)));
+        if expected >= 20.0 {
+            square += (f64::from(count) - expected).powi(2) / expected;
+            freedom += 1.0;
+        }
+    }
+    let score = (square - freedom) / (2.0 * freedom).sqrt();
+    assert!(
+        freedom > 120.0 && score.abs() < 4.0,
+        "{square} of {freedom}"
+    );
+    for units in [3, 4, 5] {
+        let beyond = units * PER_UNIT as usize;
+        let expected = DRAWS as f64 * below(-(units as f64));
+        let (low, high) = (&counts[..MIDDLE - beyond], &counts[MIDDLE + beyond..]);
+        for tail in [low, high] {
+            let count = f64::from(tail.iter().sum::<u32>());
+            // Of 4.8 beyond five none is seen once in 120 times, and 16 once in 10,000.
+            assert!(
+                (count - expected).abs() < 4.0 * expected.sqrt() + 2.0 && count > 0.0,
+                "{units}: {count} of {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn no_draw_depends_on_another() {
+    const TRIALS: u64 = 1 << 15;
+    type Draws = [f64; Stream::NORMALS];
+    let first = |stream: &mut Stream| stream.standard_normals().map(f64::from);
+    let draws = |seed, trial, channel| first(&mut Stream::new(seed, trial, channel));
+    let others: [&dyn Fn(u64) -> Draws; 6] = [
+        &|trial| draws(3, trial, Channel::Pixel),
+        &|trial| {
+            let mut stream = Stream::new(3, trial, Channel::Pixel);
+            stream.standard_normals();
+            first(&mut stream)
+        },
+        &|trial| draws(3, trial + 1, Channel::Pixel),
+        &|trial| draws(3, trial ^ 1 << 40, Channel::Pixel),
+        &|trial| draws(3, trial, Channel::Hue),
+        &|trial| draws(4, trial, Channel::Pixel),
+    ];
+    for (index, other) in others.into_iter().enumerate() {
+        let mut sums = [[[0.0; 2]; Stream::NORMALS]; Stream::NORMALS];
+        for trial in 0..TRIALS {
+            let (own, other) = (draws(3, trial, Channel::Pixel), other(trial));
+            for (sums, own) in sums.iter_mut().zip(own) {
+                for (sums, other) in sums.iter_mut().zip(other) {
+                    sums[0] += own * other;
+                    // Dependence that leaves the draws themselves uncorrelated.
+                    sums[1] += (own * own - 1.0) * (other * other - 1.0);
+                }
+            }
+        }
+        for (i, sums) in sums.iter().enumerate() {
+            for (j, [product, square]) in sums.iter().enumerate() {
+                let is_itself = index == 0 && i == j;
+                // Of variances 1 and 4; of 3000 scores the largest is below 5 with probability 0.998.
+                let scores = [*product, square / 2.0].map(|sum| sum / (TRIALS as f64).sqrt());
+                let independent = scores.iter().all(|score| score.abs() < 5.0);
+                assert!(independent != is_itself, "{index} {i} {j}: {scores:?}");
+            }
+        }
+    }
+}
+
+/// Angles of pairs are uniform, and do not depend on their lengths.
+#[test]
+fn pairs_have_no_direction() {
+    const SECTORS: usize = 48;
+    let half = Stream::NORMALS / 2;
+    let mut counts = [[0_u32; SECTORS]; 2];
+    for normals in draws(14, 0).take(DRAWS / Stream::NORMALS) {
+        for (x, y) in normals[..half].iter().zip(&normals[half..]) {
+            let (x, y) = (f64::from(*x), f64::from(*y));
+            let turn = 0.5 * (libm::atan2(y, x) / PI + 1.0);
+            let is_far = x * x + y * y > 2.0 * std::f64::consts::LN_2;
+            counts[usize::from(is_far)][(turn * SECTORS as f64) as usize % SECTORS] += 1;
+        }
+    }
+    // Half of the pairs are longer than √(2 ln 2).
+    let expected = DRAWS as f64 / 2.0 / (2 * SECTORS) as f64;
+    let squares = counts
+        .iter()
+        .flatten()
+        .map(|&count| (f64::from(count) - expected).powi(2));
+    let square = squares.sum::<f64>() / expected;
+    let freedom = (2 * SECTORS - 1) as f64;
+    let score = (square - freedom) / (2.0 * freedom).sqrt();
+    assert!(score.abs() < 4.0, "{square} of {freedom}");
+}
+
+#[test]
+fn known_draws_do_not_change() {
+    // Results are cited by seed: these may change only with a note in the changelog.
+    let normals = Stream::new(1996, 0, Channel::Pixel).standard_normals();
+    assert_eq!(
+        normals[..4],
+        [-1.899_609_2, 0.039_138_686, -0.737_819_97, -0.914_319_04]
+    );
+}
