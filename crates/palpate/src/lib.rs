@@ -7,6 +7,7 @@
 //! | refuse what it asks for and cannot have | [`refuse`] |
 //! | choose its trials from a budget of time or a target error | [`plan`] |
 //! | find the values of a field that meet a target | [`design`] |
+//! | tell how surely its objects are told apart | [`distinguish`] |
 //! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
 //! | follow one pass of a cell | [`trace`] |
 //! | take tables apart | [`columns`] |
@@ -40,6 +41,7 @@ mod check;
 mod columns;
 mod costs;
 mod design;
+mod distinguish;
 mod facts;
 mod map;
 mod means;
@@ -56,14 +58,15 @@ pub use check::{CellGroup, Check, Rungs, check};
 pub use columns::{Column, ColumnType, ValueKind, Values, columns};
 pub use costs::Cost;
 pub use design::{Answer, DesignError, Field, LookedAt, Question, Sample, design};
+pub use distinguish::{DistinguishError, Group, Object, Pair, ToldApart, distinguish};
 pub use map::Map;
 pub use palpate_report::{Figure, Files, ReportError, figure};
 pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, SeenPress, Trace, recorded};
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_study::{Table, Target, TargetError};
 pub use palpate_sweep::{
-    CellStatistics, Clock, Ended, FailingCell, Failure, Goal, NoThreads, Partial, Plan, PlanError,
-    Run, RunOptions, Runner, SHARE_OF_MODEL, Side, Summary, SweepError, Taken,
+    CellStatistics, Clock, Ended, FailingCell, Failure, Goal, NoThreads, Order, Partial, Plan,
+    PlanError, Repeats, Run, RunOptions, Runner, SHARE_OF_MODEL, Side, Summary, SweepError, Taken,
 };
 pub use plan::plan;
 pub use readings::{frame, readings};

@@ -10,6 +10,7 @@
 //! | its `[[plot]]` tables | [`Figure`]s, as SVG and PNG | [`figures`] |
 //! | one plot and tables in memory | a [`Figure`] | [`figure`] |
 //! | `trace.csv` and `readings.csv` of a press | `quiver` and `trace-profile` | [`press_figures`] |
+//! | how surely objects are told apart | a [`Figure`] of squares | [`heat_figure`] |
 //! | the answer of a design | its [`Figure`] | [`answer_figure`] |
 //! | tables of `cargo xtask tradeoff` | a Pareto front per ladder | [`tradeoff_figures`] |
 //! | its `claims = [..]` | [`Score`]s, `claims.csv` | [`score`], [`claims_csv`] |
@@ -35,8 +36,8 @@ pub use error::ReportError;
 pub use files::Files;
 pub use page::page;
 pub use plot::{
-    AnswerCurve, CurveLine, CurvePoint, Figure, Stretch, answer_figure, figure, figures,
-    press_figures, tradeoff_figures,
+    AnswerCurve, CurveLine, CurvePoint, Figure, Heat, HeatPanel, Stretch, answer_figure, figure,
+    figures, heat_figure, press_figures, tradeoff_figures,
 };
 pub use scorecard::scorecard_text;
 pub use study::{Failure, Study};

@@ -11,6 +11,7 @@ mod figure;
 mod frame;
 mod fronts;
 mod given;
+mod heat;
 mod lettering;
 mod lines;
 #[cfg(feature = "png")]
@@ -30,6 +31,7 @@ pub use answer::{AnswerCurve, CurveLine, CurvePoint, Stretch, answer_figure};
 pub use figure::Figure;
 pub(crate) use fronts::all as fronts;
 pub use fronts::tradeoff_figures;
+pub use heat::{Heat, HeatPanel, heat_figure};
 pub use press_trace::press_figures;
 
 /// Draws every `[[plot]]` of the study, in the order of the config. A plot of kind `class-map` or `profile` is of

@@ -95,6 +95,12 @@ pub trait Trials {
     /// The true value of the quantity with this index, where it is the same everywhere.
     fn truth(&self, quantity: usize) -> Option<f64>;
 
+    /// Name of the true class of the shape at more than half of the places of a patch; `None` where no class is, and of other
+    /// scenes.
+    fn true_class(&self) -> Option<&'static str> {
+        None
+    }
+
     /// The Cramér–Rao bound on the standard deviation of an estimate of the quantity with this
     /// index, where it is known: of presses with noise.
     fn std_bound(&self, _quantity: usize) -> Option<f64> {

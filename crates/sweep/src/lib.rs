@@ -39,6 +39,7 @@
 //! # Ok::<(), palpate_sweep::SweepError>(())
 //! ```
 
+mod alone;
 mod batches;
 mod certainty;
 mod column;
@@ -48,6 +49,7 @@ mod magnitude;
 mod moments;
 mod note;
 mod observation;
+mod order;
 mod part;
 mod partial;
 mod plan;
@@ -70,6 +72,7 @@ pub use certainty::{CERTAIN, score_of_tail, share_at_most, tail, wilson};
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 pub use note::Seen;
 pub use observation::{Observation, Observations};
+pub use order::{Order, Repeats, Told, both_above, in_order, repeats};
 pub use partial::Partial;
 pub use plan::{
     Clock, FailingCell, Goal, Pace, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable,

@@ -1,7 +1,6 @@
 //! Choice of the number of trials and of a model's tolerance before the first trial, from a budget of time or a target
 //! error.
 
-mod alone;
 mod clock;
 mod pace;
 mod pilot;
@@ -17,11 +16,11 @@ pub use clock::Clock;
 pub use pace::{Pace, spread};
 pub use tolerance::{Pass, PassQuantity, PassValue};
 
+use crate::alone::alone;
 use crate::failures::NOT_FINITE;
 use crate::record::Record;
 use crate::runner::{Runner, SweepError};
 use crate::trial::Trial;
-use alone::alone;
 use pilot::{CellPilot, Pilot};
 use tolerance::{Allowance, tolerance_for};
 

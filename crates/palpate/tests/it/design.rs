@@ -34,12 +34,12 @@ fn worst(table: &Table, quantity: &str, statistic: &str) -> f64 {
 #[test]
 fn both_sides_are_those_that_a_run_finds() {
     let desk = Desk::with(STUDY);
-    let answer = answer(&desk, &format!("{TARGET} {NOISE} --gap 0.1 --out out"));
+    let answer = answer(&desk, &format!("{TARGET} {NOISE} --gap 0.3 --out out"));
     let (meets, misses) = (
         number(&answer, "/meets/0/to"),
         number(&answer, "/misses/0/from"),
     );
-    assert!(meets < misses && misses < 1.12 * meets, "{answer}");
+    assert!(meets < misses && misses < 1.35 * meets, "{answer}");
     assert_eq!(number(&answer, "/meets/0/from"), 0.001);
     assert_eq!(number(&answer, "/misses/0/to"), 0.2);
     assert_eq!(
@@ -179,7 +179,7 @@ fn too_many_failures_miss_the_target() {
             "--target relative_rms_error(mean_curvature)<=100 --set scene.object.radius=30";
         answer(
             &desk,
-            &format!("{target} --vary scene.sensor.pitch=0.1..9 --max-failures {most}"),
+            &format!("{target} --vary scene.sensor.pitch=0.1..9 --gap 0.5 --max-failures {most}"),
         )
     };
     let few = number(&of("0.05"), "/meets/0/to");

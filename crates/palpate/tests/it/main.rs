@@ -6,6 +6,7 @@ mod check;
 mod design;
 mod desk;
 mod disk;
+mod distinguish;
 mod estimate;
 mod estimate_glide_refused;
 mod estimate_press_refused;

@@ -172,6 +172,14 @@ impl Trials for GlideScene {
         values.all(|value| value == Some(first)).then_some(first)
     }
 
+    fn true_class(&self) -> Option<&'static str> {
+        let places = &self.grid.places;
+        let count = |class: ShapeClass| places.iter().filter(|place| place.class == class).count();
+        let mut classes = ShapeClass::ALL.into_iter();
+        let most = classes.find(|class| 2 * count(*class) > places.len());
+        most.map(ShapeClass::name)
+    }
+
     fn needs(&self) -> Vec<String> {
         self.needs.clone()
     }

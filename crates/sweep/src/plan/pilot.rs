@@ -10,8 +10,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::alone::alone;
 use super::spread::{Part, Spread};
+use crate::alone::alone;
 use crate::record::Record;
 use crate::runner::Runner;
 use crate::trial::Trial;

@@ -1,6 +1,6 @@
 //! Sums over trials, from which the spread of squared errors follows.
 
-use super::alone::alone;
+use crate::alone::alone;
 use crate::record::Record;
 use crate::trial::Trial;
 

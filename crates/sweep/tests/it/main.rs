@@ -4,6 +4,7 @@
 mod any_number;
 mod determinism;
 mod extremes;
+mod order;
 mod plan;
 mod search;
 mod statistics;

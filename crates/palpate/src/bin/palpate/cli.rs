@@ -17,7 +17,7 @@ use palpate::Shard;
 use crate::duration;
 use crate::output::Format;
 
-pub(crate) use answers::DesignArgs;
+pub(crate) use answers::{DesignArgs, DistinguishArgs};
 pub(crate) use estimate::{
     EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs, SensorArgs,
 };
@@ -122,6 +122,14 @@ The target is to hold in every cell of the config at once; a field that is swept
 At least 16 values are scanned, and every crossing is bracketed ever more closely; fresh trials verify the
 answer, all of which is right with 95 %. Between values that were looked at, nothing is known.")]
     Design(DesignArgs),
+    /// Tell how surely one trial tells the swept objects apart, and how many trials do.
+    #[command(after_help = "Examples:
+  palpate distinguish examples/press-a-ball.toml --vary scene.object.radius=20,25,30
+  palpate distinguish my.toml --quantity class --confidence 0.99 --out out/which-shapes
+
+Two objects are told apart where a trial of each puts their estimates in the right order; by the quantity class
+of a glide, where most places of both are classified right. A trial that fails does not tell.")]
+    Distinguish(DistinguishArgs),
     /// Validate a config; prints cells, trials, the models that it needs and an estimate of the time.
     #[command(after_help = "Example:
   palpate check sim-configs/ep1-roll-length.toml")]

@@ -10,6 +10,7 @@ mod c_library;
 mod check;
 mod cli;
 mod design;
+mod distinguish;
 mod duration;
 mod estimate;
 mod failure;
@@ -78,6 +79,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Estimate(Estimator::Press(args)) => estimate::press(&args),
         Command::Sensor(command) => sensor::sensor(&command),
         Command::Design(args) => design::design(&args),
+        Command::Distinguish(args) => distinguish::distinguish(&args),
         Command::Check(args) => check::check(&args),
         Command::Plot(args) => results::plot(&args),
         Command::Report(args) => results::report(&args),

@@ -66,6 +66,63 @@ pub(crate) struct DesignArgs {
     pub(crate) force: bool,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct DistinguishArgs {
+    /// The study's config, a TOML file.
+    pub(crate) config: PathBuf,
+    /// Quantity by which objects are told apart [default: object_curvature of a press, else mean_curvature].
+    #[arg(long, value_name = "NAME")]
+    pub(crate) quantity: Option<String>,
+    /// Probability that the mean of several trials is to reach.
+    #[arg(
+        long,
+        value_name = "SHARE",
+        default_value = "0.95",
+        allow_negative_numbers = true
+    )]
+    pub(crate) confidence: f64,
+    /// Field of the object with its values, in place of what the config says of it: scene.object.radius=20,25,30.
+    #[arg(long, value_name = "PATH=VALUES", value_parser = list)]
+    pub(crate) vary: Vec<(String, Vec<toml::Value>)>,
+    /// Field that gets one value, in place of what the config and its sweeps say of it.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = set)]
+    pub(crate) set: Vec<(String, toml::Value)>,
+    /// Run this many trials of each object instead of the config's.
+    #[arg(long, value_name = "N")]
+    pub(crate) trials: Option<NonZeroU64>,
+    /// Use this seed instead of the config's.
+    #[arg(long, value_name = "S")]
+    pub(crate) seed: Option<u64>,
+    /// Use this many threads instead of all cores; results do not depend on it.
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Also write the table of all pairs and a heat map into this directory.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print the answer as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// Reads a field with listed values.
+fn list(text: &str) -> Result<(String, Vec<toml::Value>), String> {
+    match text
+        .parse()
+        .map_err(|error: palpate::config::VaryError| error.to_string())?
+    {
+        Vary {
+            path,
+            values: Varied::Listed(values),
+        } => Ok((path, values)),
+        Vary { path, .. } => Err(format!(
+            "objects are told apart one by one: list the values of {path}"
+        )),
+    }
+}
+
 /// Reads a field with one value.
 fn set(text: &str) -> Result<(String, toml::Value), String> {
     let Vary { path, values } = text

@@ -30,6 +30,10 @@ pub(crate) const DESIGN: &str = "design.csv";
 pub(crate) const DESIGN_WORDS: &str = "design.txt";
 pub(crate) const DESIGN_CONFIG: &str = "design.toml";
 pub(crate) const DESIGN_FIGURE: &str = "design";
+/// How surely objects are told apart: the table, its words, and the name of its figure.
+pub(crate) const TOLD: &str = "distinguish.csv";
+pub(crate) const TOLD_WORDS: &str = "distinguish.txt";
+pub(crate) const TOLD_FIGURE: &str = "distinguish";
 /// Scores of the claims of a study.
 pub(crate) const CLAIMS: &str = "claims.csv";
 /// Files of a pass.

@@ -5,7 +5,7 @@ use crate::record::Record;
 use crate::trial::Trial;
 
 /// Runs one trial, shows what it observed of each quantity, and forgets it. `record` is empty before and after.
-pub(super) fn alone<T>(
+pub(crate) fn alone<T>(
     record: &mut Record,
     trial: &dyn Trial,
     number: u64,

@@ -1,0 +1,160 @@
+//! `palpate distinguish`: how surely swept objects are told apart.
+
+use serde_json::Value;
+
+use super::desk::{Desk, STUDY, edited};
+
+/// Balls of 50 and 40 mm, told apart with noise of 20 %.
+fn balls() -> String {
+    let noisy = edited(STUDY, "fraction = 0.01", "fraction = 0.2");
+    edited(
+        &edited(&noisy, "values = [50, 5]", "values = [50, 40, 5]"),
+        "trials = 20",
+        "trials = 4000",
+    )
+}
+
+#[test]
+fn the_probability_is_that_of_single_trials() {
+    let desk = Desk::with(&balls());
+    let printed = desk
+        .palpate("distinguish c.toml --json --out out")
+        .printed();
+    let answer: Value = serde_json::from_str(&printed).unwrap();
+    let pairs = answer["groups"][0]["pairs"].as_array().unwrap();
+    assert_eq!(pairs.len(), 3);
+    // Sorted by curvature: 50, 40, 5 mm.
+    let of = |pair: &Value, key: &str| pair[key].as_f64().unwrap();
+    assert_eq!(
+        (&pairs[0]["first"], &pairs[0]["second"]),
+        (&"50 mm".into(), &"40 mm".into())
+    );
+    // Trials of a run, each of one object against that of the same number of the next: other pairs, drawn by a shell.
+    desk.palpate("run c.toml --trials 4000 --out run --trials-out trials.csv")
+        .printed();
+    let table = desk.table("trials.csv");
+    let estimates = |cell: &str| -> Vec<f64> {
+        let rows = (0..table.rows.len()).filter(|&row| {
+            table.text(row, "cell") == cell && table.text(row, "quantity") == "mean_curvature"
+        });
+        rows.map(|row| table.number(row, "estimate")).collect()
+    };
+    let (flat, curved) = (estimates("0"), estimates("1"));
+    // Not of the same number: those share their noise.
+    let pairs_of = flat.iter().zip(curved.iter().cycle().skip(7));
+    let right = pairs_of.filter(|(one, other)| one < other).count() as f64 / flat.len() as f64;
+    assert!(
+        (of(&pairs[0], "told_apart") - right).abs() < 0.03,
+        "{right}: {printed}"
+    );
+    assert!(of(&pairs[0], "low95") < right + 0.02 && of(&pairs[0], "high95") > right - 0.02);
+    assert!(of(&pairs[1], "told_apart") > 0.999 && of(&pairs[1], "repeats") == 1.0);
+    assert!(of(&pairs[0], "repeats") > 1.0);
+    let names = [
+        "distinguish.csv",
+        "distinguish.png",
+        "distinguish.svg",
+        "distinguish.txt",
+    ];
+    assert_eq!(desk.names("out"), names);
+    assert_eq!(desk.table("out/distinguish.csv").rows.len(), 3);
+}
+
+#[test]
+fn threads_do_not_change_a_byte_and_groups_differ_in_nothing_else() {
+    let desk = Desk::with(&balls());
+    let vary = "--vary scene.noise.angular_velocity.fraction=0.01,0.05 --trials 500";
+    for threads in [1, 2] {
+        desk.palpate(&format!(
+            "distinguish c.toml {vary} --threads {threads} --out out-{threads}"
+        ))
+        .printed();
+    }
+    for name in ["distinguish.csv", "distinguish.svg", "distinguish.txt"] {
+        assert_eq!(
+            desk.read(&format!("out-1/{name}")),
+            desk.read(&format!("out-2/{name}"))
+        );
+    }
+    let words = desk.read("out-1/distinguish.txt");
+    assert_eq!(words.lines().count(), 4);
+    assert!(
+        words.starts_with("angular velocity noise 1 %: 50 mm and 40 mm: "),
+        "{words}"
+    );
+}
+
+#[test]
+fn classes_are_told_by_most_places() {
+    let desk = Desk::with(
+        r#"name = "shapes"
+length_unit = "mm"
+trials = 40
+[scene]
+kind = "glide"
+probe = { kind = "point" }
+object = { kind = "plane" }
+motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 10 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.001 } }
+evaluate = { grid = 5, half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }
+[[sweep]]
+path = "scene.object"
+values = [{ label = "flat", kind = "plane" }, { label = "ball", kind = "sphere", radius = 40.0 }, { label = "larger ball", kind = "sphere", radius = 50.0 }]
+"#,
+    );
+    let said = desk
+        .palpate("distinguish c.toml --quantity class")
+        .printed();
+    assert!(
+        said.contains("flat and ball: 100 % of single glides tell them apart"),
+        "{said}"
+    );
+    assert!(
+        said.contains("ball and larger ball are alike in "),
+        "{said}"
+    );
+}
+
+#[test]
+fn what_cannot_be_told_apart() {
+    let desk = Desk::with(STUDY);
+    for (arguments, words) in [
+        (
+            "--set scene.object.radius=5",
+            "no field of `scene.object` is swept",
+        ),
+        (
+            "--quantity weather",
+            "a roll has no quantity \"weather\" that tells objects apart (known: normal_curvature_u",
+        ),
+        (
+            "--confidence 1",
+            "confidence is 1; it must be above 0 and below 1",
+        ),
+        ("--confidence nan", "confidence is NaN"),
+        (
+            "--vary scene.object.radius=1..2",
+            "list the values of scene.object.radius",
+        ),
+        (
+            "--vary scene.object.radius=1,1",
+            "stands twice on this axis",
+        ),
+        ("--vary scene.object.radius=0,1", "must be > 0, is 0"),
+        (
+            "--vary scene.object.radios=1,2",
+            "c.toml: scene.object.radios: ",
+        ),
+    ] {
+        desk.palpate(&format!("distinguish c.toml {arguments} --out out"))
+            .fails(2, words);
+    }
+    // Alike in the truth, and noiseless.
+    let noiseless = edited(
+        STUDY,
+        "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }\n",
+        "",
+    );
+    let desk = Desk::with(&noiseless);
+    desk.palpate("distinguish c.toml").prints("50 mm and 5 mm: 100 % of single rolls tell them apart (100 to 100); one is enough for 95 %.");
+}
