@@ -163,7 +163,8 @@ fn a_camera_paints_one_frame_for_each_press_and_draws_only_noise() {
     );
     let noisy = tallies(PRESS, &[HALF_SPACE, rendered, noise])[1];
     assert_eq!(noisy.frames, 1);
-    assert!(noisy.draws > 100_000, "{noisy:?}");
+    // A word for every two numbers of the 55,155 pixels in the circle; what is left at a row's end is not used.
+    assert!((82_733..85_000).contains(&noisy.draws), "{noisy:?}");
     // Where its 77 markers truly are, without which no match could be called wrong.
     assert_eq!(noisy.projections, 77);
 }
