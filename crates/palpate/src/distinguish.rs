@@ -51,8 +51,9 @@ const APART: u64 = 1 << 40;
 /// let runner = Runner::new(&RunOptions::default())?;
 /// let told = palpate::distinguish(&study, None, 0.95, &runner, &|_, _| ())?;
 /// let pairs = &told.groups[0].pairs;
-/// let near = pairs[0].order.ok_or("of different truths")?;
-/// let far = pairs[1].order.ok_or("of different truths")?;
+/// // The flatter object first: 60 and 21, 60 and 20, 21 and 20.
+/// let far = pairs[0].order.ok_or("of different truths")?;
+/// let near = pairs[2].order.ok_or("of different truths")?;
 /// assert!(near.probability < far.probability && far.probability > 0.99);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
