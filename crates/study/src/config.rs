@@ -21,6 +21,7 @@ mod load;
 mod model;
 mod object;
 mod output;
+mod overrides;
 mod pads;
 mod plot;
 mod press;

@@ -62,24 +62,6 @@ impl ConfigError {
         self
     }
 
-    /// The error without line and excerpt, for a text that nobody wrote: with the file alone, and the cell.
-    pub(super) fn without_line(mut self) -> Self {
-        let is_number = |text: &str| text.parse::<usize>().is_ok();
-        if let Some((rest, column)) = self.place.rsplit_once(':')
-            && let Some((file, line)) = rest.rsplit_once(':')
-            && is_number(line)
-            && is_number(column)
-        {
-            self.place = file.to_owned();
-        }
-        let cell = self
-            .details
-            .lines()
-            .find(|line| line.trim_start().starts_with("= "));
-        self.details = cell.map_or(String::new(), |line| format!("\n  {}", line.trim_start()));
-        self
-    }
-
     /// The field, as keys and array indices joined by dots; empty when the file as a whole is wrong.
     pub fn path(&self) -> &str {
         &self.path
@@ -121,6 +103,8 @@ impl Fault {
 pub(super) struct Source {
     pub(super) file: String,
     pub(super) text: String,
+    /// Whether the text is the file's, so that its lines can be named.
+    is_written: bool,
 }
 
 /// An excerpt shows at most this many characters of a line.
@@ -132,13 +116,22 @@ impl Source {
         Self {
             file: file.into(),
             text: text.strip_prefix('\u{feff}').unwrap_or(text).into(),
+            is_written: true,
+        }
+    }
+
+    /// Text that was made from the config in a file, and of which errors name no line.
+    pub(super) fn made(file: &str, text: &str) -> Self {
+        Self {
+            is_written: false,
+            ..Self::new(file, text)
         }
     }
 
     pub(super) fn error(&self, fault: Fault) -> ConfigError {
         let (place, details) = match &fault.span {
-            None => (self.file.clone(), String::new()),
-            Some(span) => self.show(span),
+            Some(span) if self.is_written => self.show(span),
+            _ => (self.file.clone(), String::new()),
         };
         ConfigError {
             place,

@@ -6,7 +6,7 @@ use super::grid::Grid;
 use super::model::ModelConfig;
 use super::plot::PlotConfig;
 use super::schema::SCHEMA;
-use super::study::{SceneConfig, StudyConfig};
+use super::study::StudyConfig;
 use super::sweep::{Axis, SweptValue};
 use super::tree::{Node, Value};
 use super::{plot, sample, schema, sweep, tree, validate};
@@ -30,9 +30,9 @@ pub struct Study {
     /// The columns of the swept fields: their paths with the unit appended where they have one.
     pub columns: Vec<String>,
     /// Model of all cells, where it has been replaced.
-    model: Option<ModelConfig>,
-    source: Source,
-    grid: Grid,
+    pub(super) model: Option<ModelConfig>,
+    pub(super) source: Source,
+    pub(super) grid: Grid,
     sample: Vec<usize>,
     /// The tree that the axes vary, where every swept value is a number, a word or a truth value, so that limits of its
     /// field are all that the schema asks of it, whatever the others are.
@@ -118,12 +118,16 @@ pub fn load(path: &Path) -> Result<Study, ConfigError> {
 /// The first thing that is wrong with the config: syntax, keys, types, limits, sweeps, plots, or fields that contradict
 /// each other, in any cell of the study's [sample](Study::sample).
 pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
-    let source = Source::new(file, text);
+    read(Source::new(file, text))
+}
+
+/// Reads a study, as [`parse`] does.
+pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
     let faulty = |fault| source.error(fault);
     let mut base = tree::parse(&source.text).map_err(faulty)?;
     if base.entries().is_empty() {
         return Err(ConfigError::of_file(
-            file,
+            &source.file,
             "the config is empty; it needs a `name` and a table `[scene]`",
         ));
     }
@@ -144,7 +148,7 @@ pub fn parse(file: &str, text: &str) -> Result<Study, ConfigError> {
         first.get_or_insert(config);
     }
     let Some(first) = first else {
-        return Err(ConfigError::of_file(file, "the study has no cell"));
+        return Err(ConfigError::of_file(&source.file, "the study has no cell"));
     };
     if sample.len() < grid.cells() {
         check_values(&source, &grid)?;
@@ -563,77 +567,5 @@ impl Study {
         let written = self.source.text.get(node.span.clone())?;
         let start = node.span.start + written.find(node.as_text()?)?;
         Some(start + part.start..start + part.end)
-    }
-
-    /// Replaces the seed of all cells.
-    ///
-    /// # Errors
-    /// When the config sweeps the seed, or it is larger than a TOML integer can be.
-    pub fn override_seed(&mut self, seed: u64) -> Result<(), ConfigError> {
-        self.check_override("seed", seed, 0)?;
-        self.config.seed = seed;
-        Ok(())
-    }
-
-    /// Replaces the number of trials of all cells.
-    ///
-    /// # Errors
-    /// When the config sweeps the number, or it is 0 or larger than a TOML integer can be.
-    pub fn override_trials(&mut self, trials: u64) -> Result<(), ConfigError> {
-        self.check_override("trials", trials, 1)?;
-        self.config.trials = trials;
-        Ok(())
-    }
-
-    /// Replaces the model of all cells.
-    ///
-    /// # Errors
-    /// When the config sweeps the model or a part of it, or the model is of another kind of scene.
-    pub fn override_model(&mut self, model: &ModelConfig) -> Result<(), ConfigError> {
-        const PATH: &str = "scene.model";
-        let is_of_model = |path: &str| path == PATH || path.starts_with("scene.model.");
-        let fault = |span, message: &str| {
-            Err(self.source.error(Fault {
-                span,
-                path: PATH.into(),
-                message: message.into(),
-            }))
-        };
-        if let Some(target) = self.grid.targets().find(|target| is_of_model(&target.path)) {
-            return fault(Some(target.span.clone()), "is swept, and so cannot be set");
-        }
-        let fits = |scene: &SceneConfig| scene.with_model(model);
-        let is_of_all = self.cells().all(|cell| fits(&cell.config.scene).is_some());
-        match fits(&self.config.scene) {
-            Some(scene) if is_of_all => {
-                self.config.scene = scene;
-                self.model = Some(model.clone());
-                Ok(())
-            }
-            _ => fault(None, "is of another kind of scene"),
-        }
-    }
-
-    fn check_override(&self, key: &str, value: u64, least: u64) -> Result<(), ConfigError> {
-        let fault = |span, message| {
-            Err(self.source.error(Fault {
-                span,
-                path: key.into(),
-                message,
-            }))
-        };
-        if let Some(target) = self.grid.targets().find(|target| target.path == key) {
-            return fault(
-                Some(target.span.clone()),
-                format!("is swept, and so cannot be set to {value}"),
-            );
-        }
-        if !(least..=i64::MAX as u64).contains(&value) {
-            return fault(
-                None,
-                format!("must be between {least} and {}, is {value}", i64::MAX),
-            );
-        }
-        Ok(())
     }
 }

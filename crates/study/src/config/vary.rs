@@ -1,7 +1,7 @@
 //! Fields that take other values than a study's config says: those of `--vary` and `--set`.
 
-use super::error::ConfigError;
-use super::load::{Study, parse};
+use super::error::{ConfigError, Source};
+use super::load::{Study, read};
 use super::output::Output;
 use super::resolved::to_toml;
 use super::schema::SCHEMA;
@@ -66,7 +66,7 @@ pub enum VaryError {
     Downwards(String, String),
 }
 
-/// What values a field takes.
+/// Kinds of values that a field takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Takes {
     /// Any number.
@@ -167,7 +167,7 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// [`ConfigError`] as [`parse`] has it.
+    /// [`ConfigError`] as [`parse`](super::parse) has it, without a line.
     pub fn varied(&self, fields: &[(String, Vec<toml::Value>)]) -> Result<Study, ConfigError> {
         let is_varied = |path: &str| fields.iter().any(|(field, _)| field == path);
         let mut sweep: Vec<SweepConfig> = self.config.sweep.to_vec();
@@ -188,11 +188,10 @@ impl Study {
             stop: None,
             ..self.config.clone()
         };
-        let parsed = parse(self.file(), &to_toml(&config));
-        parsed.map_err(ConfigError::without_line)
+        read(Source::made(self.file(), &to_toml(&config)))
     }
 
-    /// What values a field of the first cell takes; `None` where there is no such field.
+    /// Kinds of values that a field of the first cell takes; `None` where there is no such field.
     pub fn takes(&self, path: &str) -> Option<Takes> {
         let schema = validate::at(&SCHEMA, &self.first_tree(), path)?;
         Some(match schema["type"].as_str() {

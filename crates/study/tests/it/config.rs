@@ -9,6 +9,7 @@ mod round_trip;
 mod sampled;
 mod schema;
 mod text;
+mod varied;
 
 use palpate_study::config::{Study, parse};
 
