@@ -50,7 +50,7 @@ pub struct Batches {
     kept: Option<Kept>,
 }
 
-/// What is kept of the quantities of a cell.
+/// Choice of what is kept of the quantities of a cell.
 #[derive(Clone, Debug)]
 struct Kept {
     quantities: Vec<usize>,

@@ -11,7 +11,7 @@ use crate::record::Record;
 use crate::runner::Runner;
 use crate::trial::Trial;
 
-/// What a trial told of a quantity: its mean estimate and mean truth over the observations; `None` of a trial that failed.
+/// Report of a trial on a quantity: its mean estimate and mean truth over the observations; `None` of a trial that failed.
 pub type Told = Option<(f64, f64)>;
 
 /// Probability, with a 95 % interval.

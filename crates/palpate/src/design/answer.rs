@@ -7,7 +7,7 @@ use super::field::Field;
 
 /// Values of a field that meet a target, and those that miss it, with 95 % confidence that all of it is right.
 ///
-/// What is between [`Answer::runs`] is undecided. Between values that were looked at, a curve may do what nobody saw.
+/// Values between [`Answer::runs`] are undecided. Between values that were looked at, a curve may do what nobody saw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
     /// Field that was varied.

@@ -1,4 +1,4 @@
-//! What a design is asked, and why it cannot answer.
+//! Questions of a design, and reasons for which it cannot answer.
 
 use std::time::Duration;
 

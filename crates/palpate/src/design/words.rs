@@ -58,7 +58,7 @@ impl Answer {
         }
     }
 
-    /// What the sentence stands on, a line each: the target, the values and trials, and what is left open.
+    /// Grounds of the sentence, a line each: the target, the values and trials, and what is left open.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![format!("target   {}", self.target_in_words())];
         lines.push(format!("values   {}", self.values_in_words()));

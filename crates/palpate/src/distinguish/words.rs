@@ -1,4 +1,4 @@
-//! What is told apart, in sentences.
+//! Sentences on objects that are told apart.
 
 use palpate_study::{Label, number};
 use palpate_sweep::Repeats;
@@ -44,7 +44,7 @@ impl ToldApart {
         said.collect::<Vec<_>>().join(", ")
     }
 
-    /// What repeats are of: presses, rolls or glides.
+    /// Name of that which is repeated: presses, rolls or glides.
     fn trials(&self) -> &'static str {
         match self.kind {
             "press" => "presses",

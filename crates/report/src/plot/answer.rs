@@ -16,7 +16,7 @@ pub struct AnswerCurve {
     pub name: String,
     /// Title.
     pub title: String,
-    /// What is asked for.
+    /// Line below the title, on the target.
     pub subtitle: String,
     /// Lines below the picture.
     pub notes: Vec<String>,

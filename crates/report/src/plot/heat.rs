@@ -14,9 +14,9 @@ pub struct Heat {
     pub name: String,
     /// Title.
     pub title: String,
-    /// What the shares are of.
+    /// Line below the title, on that of which the shares are.
     pub subtitle: String,
-    /// What the names along both sides are of.
+    /// Field to which the names along both sides belong.
     pub axis: String,
     /// The panels.
     pub panels: Vec<HeatPanel>,
@@ -27,7 +27,7 @@ pub struct Heat {
 /// Shares of every two of some things.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatPanel {
-    /// What is the same in all of them; may be empty.
+    /// Settings that are alike in all of them; may be empty.
     pub title: String,
     /// Names of the things.
     pub names: Vec<String>,

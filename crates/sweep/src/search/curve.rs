@@ -1,4 +1,4 @@
-//! What a search asks for, and what it is told.
+//! Questions of a search, and what it is told.
 
 /// Scores of the conditions of a target in one cell: standard deviations by which each is met, negative where it is
 /// missed. There is one for the statistic, and one for the share of trials that fail.

@@ -75,7 +75,7 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     }
 }
 
-/// What was asked cannot be answered: bad usage.
+/// Bad usage: a question that has no answer.
 fn refused(error: DesignError) -> Failure {
     Failure::usage(match error {
         DesignError::Config(error) => anyhow::Error::new(error),

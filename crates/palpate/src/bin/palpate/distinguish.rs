@@ -90,7 +90,7 @@ fn write(folder: &mut Folder, study: &Study, found: &ToldApart) -> Result<(), Fa
     Ok(())
 }
 
-/// What is told apart as JSON.
+/// The answer as JSON.
 fn value(study: &Study, found: &ToldApart) -> Value {
     let groups = found.groups.iter().map(|group| {
         let pairs = group.pairs.iter().map(|pair| {

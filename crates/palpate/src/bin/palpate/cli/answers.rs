@@ -14,7 +14,7 @@ use crate::duration;
 pub(crate) struct DesignArgs {
     /// The study's config, a TOML file.
     pub(crate) config: PathBuf,
-    /// What is asked for: STATISTIC(QUANTITY) <= LIMIT, or >= LIMIT, with the names of cells.csv; the limit may
+    /// Target to meet: STATISTIC(QUANTITY) <= LIMIT, or >= LIMIT, with the names of cells.csv; the limit may
     /// be in percent. Without a quantity the first of the scene is meant.
     #[arg(long, value_name = "TARGET")]
     pub(crate) target: Target,

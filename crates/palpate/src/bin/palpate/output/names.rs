@@ -19,7 +19,7 @@ pub(crate) const JOURNAL: &str = "journal.palpate";
 pub(crate) const CELLS: &str = "cells.csv";
 pub(crate) const FAILURES: &str = "failures.csv";
 pub(crate) const MAP: &str = "map.csv";
-/// The same tables as Parquet.
+/// Names of the tables as Parquet.
 pub(crate) const CELLS_PARQUET: &str = "cells.parquet";
 pub(crate) const FAILURES_PARQUET: &str = "failures.parquet";
 pub(crate) const MAP_PARQUET: &str = "map.parquet";
