@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
-use palpate_scene::{Ladder, Scene, Scenes};
+use palpate_scene::{Ladder, Parts, Scene, Scenes};
 use palpate_study::config::{
     ConfigError, ModelConfig, PressSensorConfig, RollModelConfig, SceneConfig, Study, StudyConfig,
 };
@@ -190,7 +190,7 @@ fn scenes(
 ) -> Result<Vec<CellScene>, ConfigError> {
     let (start, sample) = (clock(), study.sample());
     let is_whole = sample.len() == study.cell_count();
-    let mut scenes = Vec::new();
+    let (mut scenes, parts) = (Vec::new(), Parts::default());
     for (done, place) in spread(sample.len()).enumerate() {
         progress(done, sample.len());
         let number = sample[place];
@@ -199,15 +199,16 @@ fn scenes(
         if is_late && (!is_whole || spent >= WHOLE) {
             break;
         }
-        let config = study.cell(number)?.config;
-        if is_late && matches!(config.scene, SceneConfig::Press(_)) {
-            Scene::new(&bare(&config.scene), config.seed)
+        let cell = study.cell(number)?;
+        if is_late && matches!(cell.config.scene, SceneConfig::Press(_)) {
+            Scene::of(&bare(&cell.config.scene), cell.config.seed, &parts)
                 .map_err(|error| study.error_at(number, &error.path, error.message))?;
         } else {
+            let scene = study.estimable_scene_of(number, &cell, &parts)?;
             scenes.push(CellScene {
                 number,
-                config,
-                trial: SceneTrial::new(study.estimable_scene(number)?),
+                config: cell.config,
+                trial: SceneTrial::new(scene),
             });
         }
     }

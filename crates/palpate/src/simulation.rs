@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use palpate_scene::{Arch, MapTable, Scene, Scenes};
+use palpate_scene::{Arch, MapTable, Parts, Scene, Scenes};
 use palpate_study::Table;
 use palpate_study::config::{Cell, ConfigError, Output, Study};
 use palpate_sweep::{
@@ -79,6 +79,8 @@ pub struct Simulation<'a> {
     tells_trials: bool,
     /// Scenes that have been checked and not yet been run, by the numbers of their cells.
     kept: Mutex<BTreeMap<usize, (Cell, Scene)>>,
+    /// Parts that scenes share.
+    parts: Parts,
 }
 
 impl<'a> Simulation<'a> {
@@ -107,11 +109,12 @@ impl<'a> Simulation<'a> {
         runner: &'a Runner,
     ) -> Result<Self, ConfigError> {
         let has_maps = study.config.outputs.contains(&Output::Map);
+        let parts = Parts::default();
         let mut kept = BTreeMap::new();
         let mut maps = None;
         if let (true, Some(&first)) = (has_maps, numbers.first()) {
             let cell = study.cell(first)?;
-            let scene = study.estimable_scene_of(first, &cell)?;
+            let scene = study.estimable_scene_of(first, &cell, &parts)?;
             maps = Some(map_table(study, &scene)?);
             kept.insert(first, (cell, scene));
         }
@@ -125,6 +128,7 @@ impl<'a> Simulation<'a> {
             warnings: Warnings::default(),
             tells_trials: false,
             kept: Mutex::new(kept),
+            parts,
         })
     }
 
@@ -146,7 +150,7 @@ impl<'a> Simulation<'a> {
                 return Ok(());
             }
             let cell = self.study.cell(part.cell)?;
-            let scene = self.study.estimable_scene_of(part.cell, &cell)?;
+            let scene = self.scene(part.cell, &cell)?;
             if let Some(maps) = &self.maps
                 && map_table(self.study, &scene)? != *maps
             {
@@ -327,6 +331,10 @@ impl<'a> Simulation<'a> {
         })
     }
 
+    fn scene(&self, number: usize, cell: &Cell) -> Result<Scene, ConfigError> {
+        self.study.estimable_scene_of(number, cell, &self.parts)
+    }
+
     /// Experiment of a cell, with what its tables state of it.
     fn set_up(&self, number: usize) -> Result<Ready, ConfigError> {
         let kept = lock(&self.kept).remove(&number);
@@ -334,7 +342,7 @@ impl<'a> Simulation<'a> {
             Some(kept) => kept,
             None => {
                 let cell = self.study.cell(number)?;
-                let scene = self.study.estimable_scene_of(number, &cell)?;
+                let scene = self.scene(number, &cell)?;
                 (cell, scene)
             }
         };

@@ -47,7 +47,7 @@ pub struct BondedLayer {
     /// Number of nodes for contacts that are solved for themselves, over the number that they need.
     resolution: f64,
     /// Tables of the ranges of radii, each made when first asked for.
-    tables: [OnceLock<Table>; ENDS.len() - 1],
+    tables: [OnceLock<Result<Table, PressError>>; ENDS.len() - 1],
 }
 
 /// A contact with a [`BondedLayer`], per unit relative curvature.
@@ -246,11 +246,9 @@ impl BondedLayer {
     }
 
     fn table(&self, place: usize) -> Result<&Table, PressError> {
-        if let Some(table) = self.tables[place].get() {
-            return Ok(table);
-        }
-        let table = Table::new(place, self.depth / self.thickness)?;
-        Ok(self.tables[place].get_or_init(|| table))
+        let table = || Table::new(place, self.depth / self.thickness);
+        let table = self.tables[place].get_or_init(table);
+        table.as_ref().map_err(|error| *error)
     }
 }
 

@@ -5,6 +5,7 @@
 //! says what all kinds of scenes have. [`recorded`] estimates from readings that somebody measured.
 
 mod glide;
+mod kept;
 mod ladder;
 mod map;
 mod marker_sphere;
@@ -26,7 +27,7 @@ pub use measured_sensor::MeasuredSensor;
 pub use palpate_rolling::TOLERANCES;
 pub use pattern::CutPattern;
 pub use plan::PlanError;
-pub use press::{PressFailure, PressScene};
+pub use press::{Parts, PressFailure, PressScene};
 pub use roll::{Arch, LANES, RollScene, SideBySide};
 pub use scene::{Scene, Scenes, quantities_of};
 pub use trace::{SeenPress, Trace, TraceError};

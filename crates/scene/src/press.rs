@@ -4,7 +4,9 @@
 mod camera;
 mod failure;
 mod ladder;
+mod looks;
 mod method;
+mod parts;
 mod plan;
 mod pressed;
 mod profile;
@@ -17,5 +19,6 @@ mod words;
 
 pub use failure::PressFailure;
 pub(crate) use method::{Assumed, body_of};
+pub use parts::Parts;
 pub use scene::PressScene;
 pub(crate) use words::large_contact;

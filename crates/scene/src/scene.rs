@@ -9,7 +9,7 @@ use crate::glide::GlideScene;
 use crate::ladder::{Ladder, Rung};
 use crate::measured_sensor::MeasuredSensor;
 use crate::plan::PlanError;
-use crate::press::PressScene;
+use crate::press::{Parts, PressScene};
 use crate::roll::RollScene;
 use crate::trials::{Outcome, Trials};
 
@@ -76,10 +76,18 @@ impl Scene {
     /// # Errors
     /// [`PlanError`] with the path of the field that makes no scene.
     pub fn new(config: &SceneConfig, seed: u64) -> Result<Self, PlanError> {
+        Self::of(config, seed, &Parts::default())
+    }
+
+    /// The scene that a config describes, with the random numbers of `seed` and parts that other scenes may share.
+    ///
+    /// # Errors
+    /// Errors of [`Scene::new`].
+    pub fn of(config: &SceneConfig, seed: u64, parts: &Parts) -> Result<Self, PlanError> {
         match config {
             SceneConfig::Roll(roll) => RollScene::new(roll, seed).map(Self::Roll),
             SceneConfig::Glide(glide) => GlideScene::new(glide, seed).map(Self::Glide),
-            SceneConfig::Press(press) => PressScene::new(press, seed).map(Self::Press),
+            SceneConfig::Press(press) => PressScene::new(press, seed, parts).map(Self::Press),
             SceneConfig::Fingertip(sensor) => MeasuredSensor::new(sensor).map(Self::Sensor),
         }
     }
@@ -112,11 +120,17 @@ pub trait Scenes {
     /// Errors of [`Scenes::scene`], and those of [`Trials::estimable`].
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError>;
 
-    /// Builds the scene of a cell that has been read, as [`Scenes::estimable_scene`] does.
+    /// Builds the scene of a cell that has been read, as [`Scenes::estimable_scene`] does, with parts that other cells may
+    /// share.
     ///
     /// # Errors
     /// Errors of [`Scenes::estimable_scene`].
-    fn estimable_scene_of(&self, number: usize, cell: &Cell) -> Result<Scene, ConfigError>;
+    fn estimable_scene_of(
+        &self,
+        number: usize,
+        cell: &Cell,
+        parts: &Parts,
+    ) -> Result<Scene, ConfigError>;
 
     /// Builds the scene of a cell on another rung of its ladder.
     ///
@@ -146,12 +160,17 @@ impl Scenes for Study {
     }
 
     fn estimable_scene(&self, cell: usize) -> Result<Scene, ConfigError> {
-        self.estimable_scene_of(cell, &self.cell(cell)?)
+        self.estimable_scene_of(cell, &self.cell(cell)?, &Parts::default())
     }
 
-    fn estimable_scene_of(&self, number: usize, cell: &Cell) -> Result<Scene, ConfigError> {
+    fn estimable_scene_of(
+        &self,
+        number: usize,
+        cell: &Cell,
+        parts: &Parts,
+    ) -> Result<Scene, ConfigError> {
         let config = &cell.config;
-        let scene = Scene::new(&config.scene, config.seed);
+        let scene = Scene::of(&config.scene, config.seed, parts);
         let is_estimable = |scene: Scene| scene.estimable().map(|()| scene);
         scene
             .and_then(is_estimable)

@@ -1,5 +1,7 @@
 //! A camera in the sensor's centre: from what a press does to the discs of each marker to what is read of it.
 
+use std::sync::Arc;
+
 use palpate_chromatouch::{MarkerMotion, Optics, SeenMarker};
 use palpate_sensing::{Channel, GaussianError, Stream};
 use palpate_tracking::{
@@ -17,7 +19,7 @@ pub(super) const AT_REST: u64 = u64::MAX;
 pub(super) struct CameraSensor {
     pub(super) eye: Eye,
     /// Picture of each marker of the layout at rest; `None` where it is not seen.
-    pub(super) rest: Vec<Option<Marker>>,
+    pub(super) rest: Arc<[Option<Marker>]>,
     pub(super) calibration: Calibration,
     /// Errors of normal and tangential displacements near a contact, standard deviations, as far as the calibration
     /// tells.
@@ -25,7 +27,7 @@ pub(super) struct CameraSensor {
 }
 
 /// Camera before the markers: its optics, and how far its work is followed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Eye {
     pub(super) optics: Optics,
     /// The lens, as far as tracking knows it.

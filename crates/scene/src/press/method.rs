@@ -12,6 +12,8 @@ pub(crate) struct Assumed<'a> {
     pub(crate) body: &'a Body,
     /// Thickness of its layer, where that has tables for fits to share.
     pub(crate) shared: Option<f64>,
+    /// Layer of a thickness, with its markers at a depth, that has tables for fits.
+    pub(crate) layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
     pub(crate) markers: &'a Markers,
     /// Depth of the markers under the skin, length.
     pub(crate) marker_depth: f64,
@@ -59,7 +61,7 @@ impl Assumed<'_> {
             PressEstimatorConfig::BondedLayer { .. } => {
                 match thickness(self.estimator, self.model) {
                     Some(thickness) if self.shared == Some(thickness) => Ok(self.body.clone()),
-                    Some(thickness) => Body::bonded_layer(thickness, self.marker_depth),
+                    Some(thickness) => (self.layer)(thickness, self.marker_depth),
                     None => Err(PressError::Undetermined {
                         what: "the thickness of the bonded layer is not given",
                     }),
@@ -104,7 +106,7 @@ pub(crate) fn thickness(estimator: &PressEstimatorConfig, model: &PressModelConf
 pub(crate) fn body_of(
     model: &PressModelConfig,
     depth: f64,
-    layer: fn(f64, f64) -> Result<Body, PressError>,
+    layer: impl Fn(f64, f64) -> Result<Body, PressError>,
 ) -> Result<Body, PressError> {
     match (model, model.thickness()) {
         (PressModelConfig::Hertz { poisson }, _) => Body::hertz(*poisson),

@@ -5,6 +5,8 @@ mod camera;
 mod discs;
 mod estimator;
 
+use std::sync::OnceLock;
+
 use palpate_number::Number;
 use palpate_press::{Body, Contact, Markers, PressError, Skin};
 
@@ -13,6 +15,7 @@ use self::discs::DiscMarkers;
 use self::estimator::EstimatorPlan;
 use super::ladder::{Choice, PressRungs};
 use super::method;
+use super::parts::Parts;
 use super::pressed::Pressed;
 use super::readings::MarkerNoise;
 use super::scene::{PressScene, PressSensor, TruePress};
@@ -28,11 +31,11 @@ const OF_TABLES: f64 = 1e-7;
 const MANY_MARKERS: usize = 1000;
 
 impl PressScene {
-    /// The scene that a config describes, with the random numbers of `seed`.
+    /// The scene that a config describes, with the random numbers of `seed` and parts that other scenes may share.
     ///
     /// # Errors
     /// [`PlanError`] with the path of the field that makes no scene.
-    pub fn new(config: &PressConfig, seed: u64) -> Result<Self, PlanError> {
+    pub fn new(config: &PressConfig, seed: u64, parts: &Parts) -> Result<Self, PlanError> {
         let sphere = MarkerSphere::of(&config.probe);
         let (markers, places) = markers(&sphere)?;
         let pressed = Pressed::of(&config.object, &config.motion, sphere.radius)?;
@@ -40,9 +43,9 @@ impl PressScene {
         let rungs = PressRungs::of(&config.model, &sphere, look.camera.is_some())?;
         let choice = rungs.choice(&markers, &pressed)?;
         let shared = tables(config, &choice, places.len());
-        let layer = match shared {
-            Some(_) => Body::bonded_layer,
-            None => Body::solved_layer,
+        let layer = |thickness, depth| match shared {
+            Some(_) => parts.layer(thickness, depth),
+            None => Body::solved_layer(thickness, depth),
         };
         let body = SoftBody::of(&choice.model, sphere.radius, sphere.marker_depth, layer)?;
         let noise = MarkerNoise::of(&config.noise, look.frames, places.len())?;
@@ -61,7 +64,8 @@ impl PressScene {
                     noise: &config.noise,
                     seed,
                     places: &places,
-                    discs: DiscMarkers::of(&sphere, &choice.model, &markers, &body)?,
+                    discs: DiscMarkers::of(&sphere, &choice.model, &markers, &body, parts)?,
+                    parts,
                 }
                 .press(&pressed)?
                 .map(Box::new),
@@ -79,6 +83,7 @@ impl PressScene {
             pressed: &pressed,
             noise: &noise,
             sensed: sensed_stds(&sensor),
+            parts,
         };
         // The errors of a camera are not known beforehand.
         let bounds = contact
@@ -108,6 +113,7 @@ impl PressScene {
             bounds,
             rungs,
             needs: needs.concat(),
+            exact: OnceLock::new(),
             markers,
             body,
         })

@@ -1,5 +1,7 @@
 //! A press that is ready to run, and its trials.
 
+use std::sync::OnceLock;
+
 use palpate_number::{BadSetting, Number};
 use palpate_press::{
     Bounds, Estimated, ForwardFit, MarkerDisplacement, Markers, Measured, PressError,
@@ -70,6 +72,8 @@ pub struct PressScene {
     pub(super) rungs: PressRungs,
     /// Needs of the scene: its model, sensor and noise in words.
     pub(super) needs: Vec<String>,
+    /// Estimate from readings without noise, once it was asked for.
+    pub(super) exact: OnceLock<Result<PressEstimate, PressFailure>>,
 }
 
 /// Truth of a press.
@@ -135,6 +139,11 @@ impl PressScene {
 
     pub(super) fn estimate(&self, trial: Option<u64>) -> Result<PressEstimate, PressFailure> {
         self.estimate_from(&self.readings(trial)?)
+    }
+
+    /// Estimate from readings without noise.
+    fn exact(&self) -> Result<&PressEstimate, &PressFailure> {
+        self.exact.get_or_init(|| self.estimate(None)).as_ref()
     }
 
     fn estimate_from(&self, readings: &MarkerReadings) -> Result<PressEstimate, PressFailure> {
@@ -256,7 +265,7 @@ impl Trials for PressScene {
     /// Whether the readings have enough markers, and the method settings that can be, to tell a press. Where there is no
     /// press, or none to be seen, the scene can still be run: its trials fail.
     fn estimable(&self) -> Result<(), PlanError> {
-        match self.estimate(None) {
+        match self.exact() {
             Err(PressFailure::Press(error @ PressError::TooFewMarkers { .. })) => {
                 Err(PlanError::at("scene.probe.layout", error))
             }
@@ -334,10 +343,10 @@ impl Trials for PressScene {
 
     fn needs(&self) -> Vec<String> {
         let mut needs = self.needs.clone();
-        let estimate = self.truth.is_ok().then(|| self.estimate(None));
+        let estimate = self.truth.is_ok().then(|| self.exact());
         needs.extend(estimate.and_then(|estimate| match estimate {
             Ok(estimate) => {
-                far_off(&estimate, self.pressed.object.curvature).or_else(|| unexplained(&estimate))
+                far_off(estimate, self.pressed.object.curvature).or_else(|| unexplained(estimate))
             }
             Err(error) => Some(format!(
                 "warning: even without noise the estimate fails as `{}`: {error}",

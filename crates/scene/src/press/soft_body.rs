@@ -22,7 +22,7 @@ impl SoftBody {
         model: &PressModelConfig,
         radius: f64,
         depth: f64,
-        layer: fn(f64, f64) -> Result<Body, PressError>,
+        layer: impl Fn(f64, f64) -> Result<Body, PressError>,
     ) -> Result<Self, PlanError> {
         if let Some(thickness) = model.thickness() {
             within_sensor("scene.model.thickness", thickness, radius)?;

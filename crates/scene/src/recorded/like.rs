@@ -9,7 +9,7 @@ use super::patch::GlideOptions;
 use super::pressed::PressOptions;
 use super::roll::RollOptions;
 use crate::plan::PlanError;
-use crate::{PressScene, RollScene};
+use crate::{Parts, PressScene, RollScene};
 use palpate_ep1::ReadingNoise;
 use palpate_geometry::ShapeThresholds;
 
@@ -144,7 +144,7 @@ impl PressOptions {
             marker_depth,
             ..
         } = config.probe;
-        let [normal_std, tangential_std] = PressScene::new(config, study.seed)?
+        let [normal_std, tangential_std] = PressScene::new(config, study.seed, &Parts::default())?
             .told_stds()
             .map(|std| std.map(|std| std * factor));
         Ok(Self {

@@ -228,6 +228,7 @@ impl Fits {
             model: &model,
             body: &body,
             shared: model.thickness(),
+            layer: &Body::bonded_layer,
             markers,
             marker_depth: options.marker_depth,
             calibrated_at: options.indentation,

@@ -7,16 +7,14 @@ use palpate_tracking::{
     NormalCalibration, NormalFrom, NormalPoint,
 };
 
-use super::super::camera::{AT_REST, Eye};
+use super::super::looks::{PressLooks, RestLook};
+use super::super::parts::Parts;
 use super::super::pressed::Pressed;
 use super::discs::DiscMarkers;
 use crate::plan::PlanError;
 use palpate_study::config::{self, CameraConfig, ShownMarkers};
 
 const PATH: &str = "scene.sensor.calibration";
-
-/// The number of the trial whose errors the first press has, below as many frames at rest as there may be.
-const FIRST: u64 = AT_REST - 1000;
 
 /// A calibration, and what displacements err by with it.
 pub(super) struct CalibratedCamera {
@@ -36,7 +34,8 @@ struct Shown {
 pub(super) struct CalibrationPresses<'a> {
     pub(super) camera: &'a CameraConfig,
     pub(super) discs: &'a DiscMarkers<'a>,
-    pub(super) eye: &'a Eye,
+    pub(super) parts: &'a Parts,
+    pub(super) look: &'a RestLook,
     /// Markers at rest.
     pub(super) rest: &'a [Option<Marker>],
     /// Indentation of the deepest press where the config gives none.
@@ -46,10 +45,7 @@ pub(super) struct CalibrationPresses<'a> {
 impl CalibrationPresses<'_> {
     /// Presses on a plane, apex down, whose displacements are known, calibrate the sensor.
     pub(super) fn calibrated(&self) -> Result<CalibratedCamera, PlanError> {
-        let presses = self.camera.calibration.presses;
-        let shown: Vec<Vec<Shown>> = (1..=presses)
-            .map(|press| self.shown(press))
-            .collect::<Result<_, _>>()?;
+        let shown = self.shown()?;
         let calibration = self
             .fit(&shown)
             .map_err(|error| PlanError::at(PATH, error))?;
@@ -57,36 +53,45 @@ impl CalibrationPresses<'_> {
         Ok(CalibratedCamera { calibration, stds })
     }
 
-    /// Markers of one of the calibration presses, with the changes of their pictures.
-    fn shown(&self, press: u32) -> Result<Vec<Shown>, PlanError> {
+    /// Markers of each of the presses, with the changes of their pictures.
+    fn shown(&self) -> Result<Vec<Vec<Shown>>, PlanError> {
+        let presses = self.presses();
+        let motions = presses.iter().map(|plane| {
+            let motions = self.discs.motions(plane);
+            motions.map_err(|error| refused(plane, error))
+        });
+        let looks = PressLooks {
+            rest: self.look.clone(),
+            motions: motions.collect::<Result<_, _>>()?,
+        };
+        let changes = self
+            .parts
+            .changes(&looks, self.rest)
+            .map_err(|error| PlanError::at(PATH, error))?;
+        let shown = presses.iter().zip(changes.iter()).map(|(plane, changes)| {
+            let known = self.discs.displacements(plane);
+            let known = known.map_err(|error| refused(plane, error))?;
+            let markers = changes.iter().zip(known).enumerate();
+            Ok(markers
+                .filter_map(|(marker, (change, known))| {
+                    Some(Shown {
+                        marker,
+                        known,
+                        change: (*change)?,
+                    })
+                })
+                .collect())
+        });
+        shown.collect()
+    }
+
+    fn presses(&self) -> Vec<Pressed> {
         let calibration = &self.camera.calibration;
         let deepest = calibration.indentation.unwrap_or(self.indentation);
-        let indentation = deepest * f64::from(press) / f64::from(calibration.presses);
-        let plane = Pressed::on_plane(indentation);
-        let refused = |error: PressError| {
-            let message = format!(
-                "a press on a plane, {} deep, fails: {error}",
-                Number(indentation)
-            );
-            PlanError::at(PATH, message)
-        };
-        let motions = self.discs.motions(&plane).map_err(refused)?;
-        let motions: Vec<_> = motions.into_iter().map(Some).collect();
-        let known = self.discs.displacements(&plane).map_err(refused)?;
-        let sight = self
-            .eye
-            .sight(self.rest, &motions, Some(FIRST - u64::from(press)))
-            .map_err(|error| PlanError::at(PATH, error))?;
-        let tracks = sight.tracks.iter().zip(known).enumerate();
-        Ok(tracks
-            .filter_map(|(marker, (track, known))| {
-                Some(Shown {
-                    marker,
-                    known,
-                    change: self.eye.lens.change(track.as_ref()?)?,
-                })
-            })
-            .collect())
+        let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
+        (1..=calibration.presses)
+            .map(|press| Pressed::on_plane(indentation(press)))
+            .collect()
     }
 
     fn fit(&self, shown: &[Vec<Shown>]) -> Result<Calibration, CalibrationError> {
@@ -120,6 +125,14 @@ impl CalibrationPresses<'_> {
         let lateral = LateralCalibration::fit(&lateral)?;
         Calibration::new(Some(normal), Some(lateral), None)
     }
+}
+
+fn refused(plane: &Pressed, error: PressError) -> PlanError {
+    let message = format!(
+        "a press on a plane, {} deep, fails: {error}",
+        Number(plane.indentation)
+    );
+    PlanError::at(PATH, message)
 }
 
 /// Rms errors of the calibrating presses' displacements near the contact, where these are at least half of the press's

@@ -6,10 +6,11 @@ use palpate_sensing::GaussianError;
 use palpate_study::config::{
     CameraConfig, CentroidNoise, HueNoise, PixelNoise, PressNoiseConfig, SizeNoise,
 };
-use palpate_tracking::{Equidistant, Marker};
+use palpate_tracking::Equidistant;
 
-use super::super::camera::{AT_REST, CameraModel, CameraSensor, Eye, SightError};
-use super::super::failure::PressFailure;
+use super::super::camera::{CameraModel, CameraSensor, Eye, SightError};
+use super::super::looks::RestLook;
+use super::super::parts::Parts;
 use super::super::pressed::Pressed;
 use super::super::readings::{count_of, gaussian};
 use super::super::seen::{CameraPress, Shows};
@@ -28,6 +29,7 @@ pub(super) struct CameraPlan<'a> {
     pub(super) seed: u64,
     pub(super) places: &'a [[f64; 2]],
     pub(super) discs: DiscMarkers<'a>,
+    pub(super) parts: &'a Parts,
 }
 
 impl CameraPlan<'_> {
@@ -43,8 +45,10 @@ impl CameraPlan<'_> {
         };
         let lost = self.noise.lost_markers.as_ref().map(|lost| lost.count);
         let lost_markers = count_of(lost, "lost_markers", self.places.len())?;
+        let look = RestLook::new(&eye, self.camera.calibration.rest_frames);
         let rest = self
-            .at_rest(&eye)
+            .parts
+            .at_rest(&look)
             .map_err(|error| PlanError::at("scene.sensor", error))?;
         let seen = rest.iter().flatten().count();
         if seen == 0 {
@@ -54,7 +58,8 @@ impl CameraPlan<'_> {
         let presses = CalibrationPresses {
             camera: self.camera,
             discs: &self.discs,
-            eye: &eye,
+            parts: self.parts,
+            look: &look,
             rest: &rest,
             indentation: pressed.indentation,
         };
@@ -73,27 +78,6 @@ impl CameraPlan<'_> {
             lost_markers,
             under_contact,
         }))
-    }
-
-    /// The markers at rest, the mean of several frames where these differ.
-    fn at_rest(&self, eye: &Eye) -> Result<Vec<Option<Marker>>, PressFailure> {
-        let frames = match eye.is_random {
-            true => u64::from(self.camera.calibration.rest_frames),
-            false => 1,
-        };
-        let first = eye.at_rest(Some(AT_REST))?;
-        let mut means: Vec<Option<Mean>> = first.iter().map(|one| one.map(Mean::of)).collect();
-        for frame in 1..frames {
-            for (mean, marker) in means.iter_mut().zip(eye.at_rest(Some(AT_REST - frame))?) {
-                if let (Some(mean), Some(marker)) = (mean, marker) {
-                    mean.add(marker);
-                }
-            }
-        }
-        Ok(means
-            .iter()
-            .map(|mean| mean.as_ref().map(Mean::marker))
-            .collect())
     }
 
     fn eye(&self) -> Result<Eye, PlanError> {
@@ -152,48 +136,6 @@ fn exact(eye: &Eye, motions: &[MarkerMotion], marker: usize) -> Option<Shows> {
     let motions: Vec<_> = motions.iter().copied().map(Some).collect();
     let sight = exact.sight(&rest, &motions, None).ok()?;
     Shows::of(&exact, &sight, marker)
-}
-
-/// The mean of several sights of a marker.
-struct Mean {
-    first: Marker,
-    count: f64,
-    /// Sums of what others differ by: centroid, hue, size.
-    sums: [f64; 4],
-}
-
-impl Mean {
-    fn of(first: Marker) -> Self {
-        Self {
-            first,
-            count: 1.0,
-            sums: [0.0; 4],
-        }
-    }
-
-    fn add(&mut self, marker: Marker) {
-        let turn = marker.hue_turns - self.first.hue_turns;
-        let differences = [
-            marker.centroid_px[0] - self.first.centroid_px[0],
-            marker.centroid_px[1] - self.first.centroid_px[1],
-            turn - (turn + 0.5).floor(),
-            marker.size_px2 - self.first.size_px2,
-        ];
-        for (sum, difference) in self.sums.iter_mut().zip(differences) {
-            *sum += difference;
-        }
-        self.count += 1.0;
-    }
-
-    fn marker(&self) -> Marker {
-        let [x, y, hue, size] = self.sums.map(|sum| sum / self.count);
-        Marker {
-            centroid_px: [self.first.centroid_px[0] + x, self.first.centroid_px[1] + y],
-            hue_turns: (self.first.hue_turns + hue).rem_euclid(1.0),
-            size_px2: self.first.size_px2 + size,
-            ..self.first
-        }
-    }
 }
 
 fn sight_error(noise: &PressNoiseConfig) -> Result<SightError, PlanError> {

@@ -1,9 +1,10 @@
 //! Markers of two discs, and the bodies that move them.
 
 use palpate_chromatouch::{DiscMotion, MarkerMotion};
-use palpate_press::{Body, MarkerDisplacement, Markers, PressError};
+use palpate_press::{MarkerDisplacement, Markers, PressError};
 use palpate_study::config::PressModelConfig;
 
+use super::super::parts::Parts;
 use super::super::pressed::Pressed;
 use super::super::soft_body::SoftBody;
 use crate::marker_sphere::MarkerSphere;
@@ -24,9 +25,11 @@ impl<'a> DiscMarkers<'a> {
         model: &PressModelConfig,
         markers: &'a Markers,
         midway: &'a SoftBody,
+        parts: &Parts,
     ) -> Result<Self, PlanError> {
         let depths = sphere.disc_depths()?;
-        let body = |depth: f64| SoftBody::of(model, sphere.radius, depth, Body::bonded_layer);
+        let layer = |thickness, depth| parts.layer(thickness, depth);
+        let body = |depth: f64| SoftBody::of(model, sphere.radius, depth, layer);
         Ok(Self {
             markers,
             midway,

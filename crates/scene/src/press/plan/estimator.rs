@@ -5,6 +5,7 @@ use palpate_sensing::GaussianError;
 use palpate_study::config::{Indentation, NoiseKnown, PressEstimatorConfig, PressModelConfig};
 
 use super::super::method::{self, Assumed};
+use super::super::parts::Parts;
 use super::super::pressed::Pressed;
 use super::super::readings::MarkerNoise;
 use super::super::scene::PressMethod;
@@ -26,6 +27,7 @@ pub(super) struct EstimatorPlan<'a> {
     pub(super) noise: &'a MarkerNoise,
     /// Standard deviations that a camera adds to the noise: normal, tangential.
     pub(super) sensed: [Option<f64>; 2],
+    pub(super) parts: &'a Parts,
 }
 
 impl EstimatorPlan<'_> {
@@ -54,6 +56,7 @@ impl EstimatorPlan<'_> {
             model,
             body: &self.body.body,
             shared: self.shared,
+            layer: &|thickness, depth| self.parts.layer(thickness, depth),
             markers: self.markers,
             marker_depth: self.sphere.marker_depth,
             calibrated_at: Some(self.pressed.indentation),

@@ -1,0 +1,87 @@
+//! Parts that presses have in common.
+
+use std::sync::Arc;
+
+use palpate_press::{Body, PressError};
+use palpate_tracking::Marker;
+
+use super::failure::PressFailure;
+use super::looks::{Changes, PressLooks, RestLook};
+use crate::kept::Kept;
+
+/// Layers that are kept, each with tables of at most 2 MB.
+const LAYERS: usize = 16;
+/// Markers that are kept as cameras saw them, each with at most 300 bytes.
+const SEEN: usize = 1 << 17;
+
+/// Parts that scenes have in common, such as those of a study's cells: layers with their tables, and what cameras see at
+/// rest and in the presses that calibrate them. Each is made when the first scene needs it and found again by all that it
+/// depends on; few are kept. A scene is the same with parts that others left and with new ones.
+///
+/// ```
+/// use palpate_scene::{Parts, Scenes};
+/// use palpate_study::config::parse;
+///
+/// let text = r#"
+///     name = "presses"
+///     scene.kind = "press"
+///     scene.probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0 }
+///     scene.object = { kind = "plane" }
+///     scene.motion = { indentation = 1.0 }
+///     scene.model = { kind = "bonded-layer", thickness = 5.0 }
+///     scene.estimator = { kind = "bonded-layer" }
+///     [[sweep]]
+///     path = "scene.motion.indentation"
+///     values = [0.5, 1.0]
+/// "#;
+/// let study = parse("study.toml", text)?;
+/// let parts = Parts::default();
+/// for (number, indentation) in [0.5, 1.0].into_iter().enumerate() {
+///     // The second finds the layer of the first.
+///     let scene = study.estimable_scene_of(number, &study.cell(number)?, &parts)?;
+///     assert_eq!(scene.truth(3), Some(indentation));
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Parts {
+    /// Layers by the bits of their thickness and of the depth at which they are read.
+    layers: Kept<[u64; 2], Result<Body, PressError>>,
+    at_rest: Kept<RestLook, Result<Arc<[Option<Marker>]>, PressFailure>>,
+    changes: Kept<PressLooks, Result<Changes, PressFailure>>,
+}
+
+impl Default for Parts {
+    fn default() -> Self {
+        Self {
+            layers: Kept::new(LAYERS),
+            at_rest: Kept::new(SEEN),
+            changes: Kept::new(SEEN),
+        }
+    }
+}
+
+impl Parts {
+    /// A layer with tables, as [`Body::bonded_layer`] makes it.
+    pub(super) fn layer(&self, thickness: f64, depth: f64) -> Result<Body, PressError> {
+        let key = [thickness, depth].map(f64::to_bits);
+        self.layers
+            .get(key, 1, || Body::bonded_layer(thickness, depth))
+    }
+
+    /// The markers that a camera sees at rest.
+    pub(super) fn at_rest(&self, look: &RestLook) -> Result<Arc<[Option<Marker>]>, PressFailure> {
+        let markers = || look.markers().map(Arc::from);
+        self.at_rest.get(look.clone(), look.size(), markers)
+    }
+
+    /// Changes of the markers' pictures in presses, since they were at rest, as `rest` has them.
+    pub(super) fn changes(
+        &self,
+        looks: &PressLooks,
+        rest: &[Option<Marker>],
+    ) -> Result<Changes, PressFailure> {
+        self.changes
+            .get(looks.clone(), looks.size(), || looks.changes(rest))
+    }
+}
