@@ -61,16 +61,3 @@ impl Estimate {
         &self.mobility
     }
 }
-
-/// Curvatures estimated from one set of readings (`N` = `f64`), or from several side by side (`N` =
-/// [`Lanes`](crate::Lanes)).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimates<N> {
-    /// Normal curvature along u and along v, Gaussian curvature and mean curvature, as in
-    /// [`Estimate`].
-    pub curvatures: [N; 4],
-    /// Their standard deviations; `None` if no noise was stated.
-    pub stds: Option<[N; 4]>,
-    /// Mean length of the shifts, length.
-    pub arc_length: N,
-}

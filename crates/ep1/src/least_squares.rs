@@ -16,9 +16,10 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector2};
 use palpate_geometry::CurvatureForm;
 
+use crate::many::MOST;
 use crate::symmetric::{Symmetric, Symmetric3};
 use crate::{
-    Ep1Error, Estimate, Estimates, Lanes, Measured, Moments, Number, ProbeReading, ReadingNoise,
+    Ep1Error, Estimate, ManyEstimates, ManyMoments, Measured, Moments, ProbeReading, ReadingNoise,
 };
 
 /// Spread across the main axis, over that along it, below which rotations are taken as parallel.
@@ -49,6 +50,13 @@ pub struct LeastSquares {
     radius: f64,
     noise: ReadingNoise,
     rotations: Vec<Vector2<f64>>,
+    law: Law,
+}
+
+/// What makes estimates of the shifts. A copy is at hand where many are made side by side.
+#[derive(Clone, Copy, Debug)]
+struct Law {
+    radius: f64,
     probe_curvature: f64,
     per_probe: f64,
     /// Inverse of the normal equations for the entries `uu`, `vv`, `uv` of `K₁ D`.
@@ -114,15 +122,18 @@ impl LeastSquares {
             radius,
             noise,
             rotations: rotations.to_vec(),
-            probe_curvature,
-            per_probe: 1.0 / rotations.len() as f64,
-            inverse: Symmetric3::of(&(inverse * probe_curvature)),
-            from_shifts: Symmetric3::of(&(inverse * (relative_shift_std * relative_shift_std))),
-            from_rotations: [
-                unit(1.0, 0.0, 0.0),
-                unit(0.0, 1.0, 0.0),
-                unit(0.0, 0.0, 1.0),
-            ],
+            law: Law {
+                radius,
+                probe_curvature,
+                per_probe: 1.0 / rotations.len() as f64,
+                inverse: Symmetric3::of(&(inverse * probe_curvature)),
+                from_shifts: Symmetric3::of(&(inverse * (relative_shift_std * relative_shift_std))),
+                from_rotations: [
+                    unit(1.0, 0.0, 0.0),
+                    unit(0.0, 1.0, 0.0),
+                    unit(0.0, 0.0, 1.0),
+                ],
+            },
         })
     }
 
@@ -156,13 +167,18 @@ impl LeastSquares {
     /// the numbers are out of range.
     #[inline]
     pub fn estimate(&self, moments: &Moments) -> Result<Estimate, Ep1Error> {
+        let is_stated = self.noise.is_stated();
         let Solution {
             travel,
             curvature: Symmetric { uu, uv, vv },
-            estimates,
+            curvatures,
+            stds,
             moved,
             in_range,
-        } = self.solve(moments);
+        } = match is_stated {
+            true => self.law.solve::<true>(moments),
+            false => self.law.solve::<false>(moments),
+        };
         if !moved {
             return Err(self.not_moving(&travel));
         }
@@ -170,8 +186,8 @@ impl LeastSquares {
             return Err(Ep1Error::OutOfRange);
         }
         let measured = |quantity: usize| Measured {
-            value: estimates.curvatures[quantity],
-            std: estimates.stds.map(|stds| stds[quantity]),
+            value: curvatures[quantity],
+            std: is_stated.then_some(stds[quantity]),
         };
         Ok(Estimate {
             curvature: CurvatureForm {
@@ -183,72 +199,34 @@ impl LeastSquares {
             normal_curvature_v: measured(1),
             gaussian_curvature: measured(2),
             mean_curvature: measured(3),
-            arc_length: estimates.arc_length,
-            probe_curvature: self.probe_curvature,
+            arc_length: self.law.arc_length(moments),
+            probe_curvature: self.law.probe_curvature,
             mobility: self.radius * travel.matrix(),
         })
     }
 
-    /// Curvatures from several sets of readings side by side, as [`LeastSquares::estimate`] finds them from
-    /// each; `None` where any set gives none.
+    /// Estimates from the first `count` of `moments`, to the last bit those of [`LeastSquares::estimate`]. Tells how many
+    /// there are before the first that cannot be found.
+    ///
+    /// Compiled for the vectors of whoever calls it.
     #[inline(always)]
-    pub fn estimates(&self, moments: &Moments<Lanes>) -> Option<Estimates<Lanes>> {
-        let solution = self.solve(moments);
-        Lanes::all(solution.moved & solution.in_range).then_some(solution.estimates)
-    }
-
-    #[inline(always)]
-    fn solve<N: Number>(&self, moments: &Moments<N>) -> Solution<N> {
-        // K₁ D, and I + K₁ D whose inverse is K_rel / K₁.
-        let deviation = self.inverse.spread().times(&moments.deviations);
-        let travel = Symmetric {
-            uu: deviation.uu + N::of(1.0),
-            vv: deviation.vv + N::of(1.0),
-            uv: deviation.uv,
-        };
-        let determinant = travel.determinant();
-        let trace = travel.uu + travel.vv;
-        let moved = N::of(0.0).is_below(travel.uu)
-            & N::of(0.0).is_below(travel.vv)
-            & (trace * N::of(SMALLEST_TRAVEL)).is_below(determinant);
-        let scale = N::of(self.probe_curvature) / determinant;
-        // −K₁ (I + K₁ D)⁻¹ K₁ D; the product of two functions of D is symmetric.
-        let mixed = deviation.uv * deviation.uv;
-        let curvature = Symmetric {
-            uu: scale * (mixed - travel.vv * deviation.uu),
-            uv: -scale * deviation.uv,
-            vv: scale * (mixed - travel.uu * deviation.vv),
-        };
-        let gaussian = curvature.determinant();
-        let half = N::of(0.5);
-        let mean = curvature.uu * half + curvature.vv * half;
-        let arc_length = moments.lengths * N::of(self.per_probe);
-        // Standard deviations are in units of K₁ / det².
-        let unit = scale / determinant;
-        let mut all = gaussian + mean + arc_length + trace * N::of(self.radius) + unit;
-        let stds = self
-            .noise
-            .is_stated()
-            .then(|| self.stds(&curvature, &travel).map(|std| unit * std));
-        if let Some([u, v, of_gaussian, of_mean]) = stds {
-            all += u + v + of_gaussian + of_mean;
+    pub fn estimate_many(
+        &self,
+        moments: &ManyMoments,
+        count: usize,
+        estimates: &mut ManyEstimates,
+    ) -> usize {
+        estimates.have_stds = self.noise.is_stated();
+        match estimates.have_stds {
+            true => self.law.solve_many::<true>(moments, count, estimates),
+            false => self.law.solve_many::<false>(moments, count, estimates),
         }
-        Solution {
-            travel,
-            curvature,
-            moved,
-            in_range: all.abs().is_below(N::of(f64::INFINITY)),
-            estimates: Estimates {
-                curvatures: [curvature.uu, curvature.vv, gaussian, mean],
-                stds,
-                arc_length,
-            },
-        }
+        estimates.told(count)
     }
 
     /// The error where the contact did not move, or moved backwards, in some direction.
     #[cold]
-    fn not_moving(&self, travel: &Symmetric<f64>) -> Ep1Error {
+    fn not_moving(&self, travel: &Symmetric) -> Ep1Error {
         let matrix = travel.matrix();
         if !matrix.iter().all(|entry| entry.is_finite()) {
             return Ep1Error::OutOfRange;
@@ -285,6 +263,76 @@ impl LeastSquares {
             radius_below: known.then_some(radius_below),
         }
     }
+}
+
+impl Law {
+    #[inline(always)]
+    fn solve_many<const IS_STATED: bool>(
+        self,
+        moments: &ManyMoments,
+        count: usize,
+        estimates: &mut ManyEstimates,
+    ) {
+        for place in 0..count.min(MOST) {
+            let moments = moments.at(place);
+            let solution = self.solve::<IS_STATED>(&moments);
+            estimates.put::<IS_STATED>(
+                place,
+                solution.moved & solution.in_range,
+                solution.curvatures,
+                solution.stds,
+                self.arc_length(&moments),
+            );
+        }
+    }
+
+    #[inline(always)]
+    fn arc_length(self, moments: &Moments) -> f64 {
+        moments.lengths * self.per_probe
+    }
+
+    /// The fit, without branches, so that many can be done side by side.
+    #[inline(always)]
+    fn solve<const IS_STATED: bool>(self, moments: &Moments) -> Solution {
+        // K₁ D, and I + K₁ D whose inverse is K_rel / K₁.
+        let deviation = self.inverse.times(&moments.deviations);
+        let travel = Symmetric {
+            uu: deviation.uu + 1.0,
+            vv: deviation.vv + 1.0,
+            uv: deviation.uv,
+        };
+        let determinant = travel.determinant();
+        let trace = travel.uu + travel.vv;
+        let moved = (0.0 < travel.uu) & (0.0 < travel.vv) & (trace * SMALLEST_TRAVEL < determinant);
+        let scale = self.probe_curvature / determinant;
+        // −K₁ (I + K₁ D)⁻¹ K₁ D; the product of two functions of D is symmetric.
+        let mixed = deviation.uv * deviation.uv;
+        let curvature = Symmetric {
+            uu: scale * (mixed - travel.vv * deviation.uu),
+            uv: -scale * deviation.uv,
+            vv: scale * (mixed - travel.uu * deviation.vv),
+        };
+        let gaussian = curvature.determinant();
+        let mean = curvature.uu * 0.5 + curvature.vv * 0.5;
+        let arc_length = self.arc_length(moments);
+        // Standard deviations are in units of K₁ / det².
+        let unit = scale / determinant;
+        let mut all = gaussian + mean + arc_length + trace * self.radius + unit;
+        let mut stds = [0.0; 4];
+        if IS_STATED {
+            let [u, v, of_gaussian, of_mean] = self.stds(&curvature, &travel);
+            stds = [unit * u, unit * v, unit * of_gaussian, unit * of_mean];
+            all += stds[0] + stds[1] + stds[2] + stds[3];
+        }
+        Solution {
+            travel,
+            curvature,
+            curvatures: [curvature.uu, curvature.vv, gaussian, mean],
+            stds,
+            moved,
+            in_range: all.abs() < f64::INFINITY,
+        }
+    }
 
     /// Standard deviations of K_uu, K_vv, Gaussian and mean curvature, in units of `K₁ / det²`
     /// for the determinant of `travel`, `K₁ B`.
@@ -293,7 +341,7 @@ impl LeastSquares {
     /// of B that follows is linear in `B²`, and `δK₂ = −K_rel δB K_rel`: a quantity with gradient
     /// `G` in K₂ changes by `−tr(S δB)` with `S = K_rel G K_rel`.
     #[inline(always)]
-    fn stds<N: Number>(&self, curvature: &Symmetric<N>, travel: &Symmetric<N>) -> [N; 4] {
+    fn stds(self, curvature: &Symmetric, travel: &Symmetric) -> [f64; 4] {
         let covariance = self
             .from_shifts
             .plus(&self.from_rotations, &travel.square());
@@ -308,32 +356,45 @@ impl LeastSquares {
         let along_v = [uv_uv, w.vv * w.vv, uv_vv + uv_vv];
         let mixed = [uu_uv, uv_vv, w.uu * w.vv + uv_uv];
         let twice_uv = curvature.uv + curvature.uv;
-        let gaussian =
-            |i: usize| curvature.vv * along_u[i] + curvature.uu * along_v[i] - twice_uv * mixed[i];
-        let gaussian = [gaussian(0), gaussian(1), gaussian(2)];
+        // No closure: one that is not inlined lacks the vector instructions of what calls it.
+        let gaussian = [
+            curvature.vv * along_u[0] + curvature.uu * along_v[0] - twice_uv * mixed[0],
+            curvature.vv * along_u[1] + curvature.uu * along_v[1] - twice_uv * mixed[1],
+            curvature.vv * along_u[2] + curvature.uu * along_v[2] - twice_uv * mixed[2],
+        ];
         let (from_u, from_v) = (covariance.times(&along_u), covariance.times(&along_v));
         let (u, v, both) = (
             from_u.dot(&along_u),
             from_v.dot(&along_v),
             from_u.dot(&along_v),
         );
-        let mean = (u + v + both + both) * N::of(0.25);
+        let mean = (u + v + both + both) * 0.25;
         let gaussian = covariance.times(&gaussian).dot(&gaussian);
-        [u, v, gaussian, mean].map(|variance| variance.larger(N::of(0.0)).sqrt())
+        [root(u), root(v), root(gaussian), root(mean)]
     }
 }
 
+/// Square root of what rounding may have made negative.
+#[inline(always)]
+fn root(variance: f64) -> f64 {
+    let variance = if variance > 0.0 { variance } else { 0.0 };
+    variance.sqrt()
+}
+
 /// The result of the fit, not yet checked to be that of a rolling contact.
-struct Solution<N: Number> {
+struct Solution {
     /// `K₁ B`.
-    travel: Symmetric<N>,
+    travel: Symmetric,
     /// The object's curvature form.
-    curvature: Symmetric<N>,
-    estimates: Estimates<N>,
+    curvature: Symmetric,
+    /// Normal curvature along u and along v, Gaussian curvature and mean curvature.
+    curvatures: [f64; 4],
+    /// Their standard deviations; 0 if no noise was stated.
+    stds: [f64; 4],
     /// Whether the contact moved along with the roll, in every direction.
-    moved: N::Holds,
+    moved: bool,
     /// Whether the numbers are finite.
-    in_range: N::Holds,
+    in_range: bool,
 }
 
 impl Estimate {
@@ -356,7 +417,7 @@ impl Estimate {
 }
 
 /// Whether `probes` rotations with this Gram matrix span the tangent plane.
-fn spans(probes: usize, gram: &Symmetric<f64>) -> Result<(), Ep1Error> {
+fn spans(probes: usize, gram: &Symmetric) -> Result<(), Ep1Error> {
     if probes < 2 {
         return Err(Ep1Error::TooFewProbes { probes });
     }
@@ -377,14 +438,14 @@ fn spans(probes: usize, gram: &Symmetric<f64>) -> Result<(), Ep1Error> {
 }
 
 /// `Σ AᵀA` with `A = [[g₁, 0, g₂], [0, g₂, g₁]]`.
-fn normal_equations(gram: &Symmetric<f64>) -> Matrix3<f64> {
+fn normal_equations(gram: &Symmetric) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     Matrix3::new(uu, 0.0, uv, 0.0, vv, uv, uv, uv, uu + vv)
 }
 
 /// `Σ σ² Aᵀ C A` for the covariance `C` of a residual per variance of a rotation, with the Gram
 /// matrix weighted by the variances σ².
-fn weighted_equations(gram: &Symmetric<f64>, c: &Symmetric<f64>) -> Matrix3<f64> {
+fn weighted_equations(gram: &Symmetric, c: &Symmetric) -> Matrix3<f64> {
     let Symmetric { uu, uv, vv } = *gram;
     let (u_mixed, v_mixed) = (c.uu * uv + c.uv * uu, c.uv * vv + c.vv * uv);
     Matrix3::new(

@@ -13,16 +13,16 @@
 mod error;
 mod estimate;
 mod least_squares;
+mod many;
 mod moments;
-mod number;
 mod reading;
 mod symmetric;
 
 pub use error::Ep1Error;
-pub use estimate::{Estimate, Estimates, Measured};
+pub use estimate::{Estimate, Measured};
 pub use least_squares::LeastSquares;
+pub use many::{MOST, ManyEstimates, ManyMoments};
 pub use moments::{Moments, ProbeRotation};
-pub use number::{LANES, Lanes, LanesHold, Number};
 pub use reading::{ProbeReading, ReadingNoise};
 
 #[cfg(doctest)]

@@ -2,19 +2,17 @@
 
 use nalgebra::{Matrix2, Matrix3};
 
-use crate::Number;
-
 /// A symmetric 2×2 matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Symmetric<N> {
-    pub(crate) uu: N,
-    pub(crate) uv: N,
-    pub(crate) vv: N,
+pub(crate) struct Symmetric {
+    pub(crate) uu: f64,
+    pub(crate) uv: f64,
+    pub(crate) vv: f64,
 }
 
-impl<N: Number> Symmetric<N> {
+impl Symmetric {
     #[inline(always)]
-    pub(crate) fn determinant(&self) -> N {
+    pub(crate) fn determinant(&self) -> f64 {
         self.uu * self.vv - self.uv * self.uv
     }
 
@@ -30,19 +28,27 @@ impl<N: Number> Symmetric<N> {
 
     /// Product of its entries `(uu, vv, uv)` with a vector.
     #[inline(always)]
-    pub(crate) fn dot(&self, v: &[N; 3]) -> N {
+    pub(crate) fn dot(&self, v: &[f64; 3]) -> f64 {
         self.uu * v[0] + self.vv * v[1] + self.uv * v[2]
     }
 
+    /// `own` plus vectors weighted by the entries.
+    #[inline(always)]
+    fn sum(&self, own: &[f64; 3], uu: &[f64; 3], vv: &[f64; 3], uv: &[f64; 3]) -> [f64; 3] {
+        [
+            own[0] + uu[0] * self.uu + vv[0] * self.vv + uv[0] * self.uv,
+            own[1] + uu[1] * self.uu + vv[1] * self.vv + uv[1] * self.uv,
+            own[2] + uu[2] * self.uu + vv[2] * self.vv + uv[2] * self.uv,
+        ]
+    }
+
     /// Adds `weight` times `other`.
-    pub(crate) fn add(&mut self, other: &Self, weight: N) {
+    pub(crate) fn add(&mut self, other: &Self, weight: f64) {
         self.uu += weight * other.uu;
         self.uv += weight * other.uv;
         self.vv += weight * other.vv;
     }
-}
 
-impl Symmetric<f64> {
     pub(crate) fn matrix(&self) -> Matrix2<f64> {
         Matrix2::new(self.uu, self.uv, self.uv, self.vv)
     }
@@ -50,9 +56,9 @@ impl Symmetric<f64> {
 
 /// A symmetric 3×3 matrix: its diagonal, and the entries (1,2), (1,3), (2,3).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Symmetric3<N = f64> {
-    diagonal: [N; 3],
-    beside: [N; 3],
+pub(crate) struct Symmetric3 {
+    diagonal: [f64; 3],
+    beside: [f64; 3],
 }
 
 impl Symmetric3 {
@@ -64,40 +70,18 @@ impl Symmetric3 {
         }
     }
 
-    /// This matrix, in every lane.
-    #[inline(always)]
-    pub(crate) fn spread<N: Number>(&self) -> Symmetric3<N> {
-        Symmetric3 {
-            diagonal: self.diagonal.map(N::of),
-            beside: self.beside.map(N::of),
-        }
-    }
-
     /// This plus the `parts`, weighted by `uu`, `vv`, `uv`.
     #[inline(always)]
-    pub(crate) fn plus<N: Number>(
-        &self,
-        parts: &[Self; 3],
-        weights: &Symmetric<N>,
-    ) -> Symmetric3<N> {
-        let own = self.spread::<N>();
-        let [uu, vv, uv] = parts.each_ref().map(Self::spread::<N>);
-        let sum = |own: [N; 3], uu: [N; 3], vv: [N; 3], uv: [N; 3]| {
-            let entry =
-                |i: usize| own[i] + uu[i] * weights.uu + vv[i] * weights.vv + uv[i] * weights.uv;
-            [entry(0), entry(1), entry(2)]
-        };
-        Symmetric3 {
-            diagonal: sum(own.diagonal, uu.diagonal, vv.diagonal, uv.diagonal),
-            beside: sum(own.beside, uu.beside, vv.beside, uv.beside),
+    pub(crate) fn plus(&self, [uu, vv, uv]: &[Self; 3], weights: &Symmetric) -> Self {
+        Self {
+            diagonal: weights.sum(&self.diagonal, &uu.diagonal, &vv.diagonal, &uv.diagonal),
+            beside: weights.sum(&self.beside, &uu.beside, &vv.beside, &uv.beside),
         }
     }
-}
 
-impl<N: Number> Symmetric3<N> {
     /// This matrix times the vector `(uu, vv, uv)`.
     #[inline(always)]
-    pub(crate) fn times(&self, v: &[N; 3]) -> Symmetric<N> {
+    pub(crate) fn times(&self, v: &[f64; 3]) -> Symmetric {
         let (d, b) = (&self.diagonal, &self.beside);
         Symmetric {
             uu: d[0] * v[0] + b[0] * v[1] + b[1] * v[2],

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use palpate_scene::{Arch, LANES, Outcome, Scene, SideBySide};
+use palpate_scene::{Arch, Outcome, Scene, SideBySide};
 use palpate_sweep::{Observation, Observations, Record, Trial};
 
 /// Repeats a scene.
@@ -69,7 +69,7 @@ fn observation(outcome: Outcome) -> Observation {
     }
 }
 
-fn observations(side_by_side: SideBySide) -> Observations<LANES> {
+fn observations(side_by_side: SideBySide<'_>) -> Observations<'_> {
     let SideBySide {
         estimates,
         truth,

@@ -28,7 +28,7 @@ pub use palpate_rolling::TOLERANCES;
 pub use pattern::CutPattern;
 pub use plan::PlanError;
 pub use press::{Parts, PressFailure, PressScene};
-pub use roll::{Arch, LANES, RollScene, SideBySide};
+pub use roll::{Arch, RollScene, SideBySide};
 pub use scene::{Scene, Scenes, quantities_of};
 pub use trace::{SeenPress, Trace, TraceError};
 pub use trials::{Outcome, Trials};

@@ -8,6 +8,5 @@ mod scene;
 mod sensor;
 mod trace;
 
-pub use palpate_ep1::LANES;
 pub use pulp::Arch;
 pub use scene::{RollScene, SideBySide};

@@ -1,6 +1,6 @@
 //! Distributions of errors.
 
-use crate::{Stream, Streams};
+use crate::Stream;
 
 /// The distribution of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,15 +18,6 @@ impl Distribution {
         match self {
             Self::Uniform => stream.symmetric_uniform(),
             Self::Gaussian => stream.standard_normal(),
-        }
-    }
-
-    /// Errors of size 1, one from each of several streams side by side.
-    #[inline(always)]
-    pub fn draw_each<const N: usize>(self, streams: &mut Streams<N>) -> [f64; N] {
-        match self {
-            Self::Uniform => streams.symmetric_uniform(),
-            Self::Gaussian => streams.standard_normal(),
         }
     }
 

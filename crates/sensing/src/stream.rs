@@ -81,7 +81,7 @@ const fn mix(mut word: u64) -> u64 {
 
 impl Stream {
     /// The stream of `channel` in trial number `trial` of a study with `seed`.
-    #[inline]
+    #[inline(always)]
     pub fn new(seed: u64, trial: u64, channel: Channel) -> Self {
         let study = mix(seed.wrapping_add((channel as u64).wrapping_mul(STEP)));
         Self {
@@ -89,7 +89,7 @@ impl Stream {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn next_word(&mut self) -> u64 {
         palpate_tally::drew(1);
         self.state = self.state.wrapping_add(STEP);
@@ -97,7 +97,7 @@ impl Stream {
     }
 
     /// Uniform in [−1, 1), in steps of 2^−51.
-    #[inline]
+    #[inline(always)]
     pub fn symmetric_uniform(&mut self) -> f64 {
         between_minus_1_and_1(self.next_word())
     }
@@ -140,42 +140,45 @@ impl Stream {
     pub const NORMALS: usize = 2 * PAIRS;
 }
 
-/// [`Stream`]s side by side, for vector instructions: to the last bit what each would say alone.
+/// [`Stream`]s of `N` trials side by side, for vector instructions: to the last bit what each would say alone.
+///
+/// Compiled for the vectors of whoever calls it.
 #[derive(Clone, Debug)]
-pub struct Streams<const N: usize>([Stream; N]);
+pub struct Streams<const N: usize> {
+    states: [u64; N],
+}
 
 impl<const N: usize> Streams<N> {
     /// The streams of `channel` in the trials from number `first` on.
     #[inline(always)]
     pub fn new(seed: u64, first: u64, channel: Channel) -> Self {
-        Self(std::array::from_fn(|lane| {
-            Stream::new(seed, first + lane as u64, channel)
-        }))
+        let mut states = [0; N];
+        for (place, state) in states.iter_mut().enumerate() {
+            *state = Stream::new(seed, first.wrapping_add(place as u64), channel).state;
+        }
+        Self { states }
     }
 
-    /// [`Stream::symmetric_uniform`] of each.
+    /// [`Stream::symmetric_uniform`] of the stream at a place below `N`.
     #[inline(always)]
-    pub fn symmetric_uniform(&mut self) -> [f64; N] {
-        palpate_tally::drew(N as u64);
-        let mut words = [0; N];
-        for (word, stream) in words.iter_mut().zip(&mut self.0) {
-            stream.state = stream.state.wrapping_add(STEP);
-            *word = stream.state;
-        }
-        for word in &mut words {
-            *word = mix(*word);
-        }
-        let mut numbers = [0.0; N];
-        for (number, word) in numbers.iter_mut().zip(words) {
-            *number = between_minus_1_and_1(word);
-        }
-        numbers
+    pub fn symmetric_uniform(&mut self, place: usize) -> f64 {
+        self.draw(place, Stream::symmetric_uniform)
     }
 
-    /// [`Stream::standard_normal`] of each.
+    /// [`Stream::standard_normal`] of the stream at a place below `N`.
     #[inline(always)]
-    pub fn standard_normal(&mut self) -> [f64; N] {
-        self.0.each_mut().map(Stream::standard_normal)
+    pub fn standard_normal(&mut self, place: usize) -> f64 {
+        self.draw(place, Stream::standard_normal)
+    }
+
+    #[inline(always)]
+    fn draw(&mut self, place: usize, number: impl FnOnce(&mut Stream) -> f64) -> f64 {
+        let mut stream = Stream {
+            state: self.states[place],
+        };
+        let number = number(&mut stream);
+        self.states[place] = stream.state;
+        number
     }
 }
 
@@ -224,10 +227,11 @@ mod tests {
         let mut together = Streams::<3>::new(7, 42, Channel::Pixel);
         let mut apart = [42, 43, 44].map(|trial| Stream::new(7, trial, Channel::Pixel));
         for _ in 0..5 {
-            let uniform = apart.each_mut().map(Stream::symmetric_uniform);
-            assert_eq!(together.symmetric_uniform(), uniform);
-            let normal = apart.each_mut().map(Stream::standard_normal);
-            assert_eq!(together.standard_normal(), normal);
+            for (place, stream) in apart.iter_mut().enumerate() {
+                let uniform = stream.symmetric_uniform();
+                assert_eq!(together.symmetric_uniform(place), uniform);
+                assert_eq!(together.standard_normal(place), stream.standard_normal());
+            }
         }
     }
 

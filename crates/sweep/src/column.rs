@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::observation::Observations;
+use crate::observation::{Observation, Observations};
 
 /// Placeholder for a standard deviation that was not reported; lower than any that can be reported, for those are at
 /// least 0.
@@ -24,35 +24,55 @@ pub(crate) enum Truths {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Column {
     estimates: Vec<f64>,
+    /// Standard deviations that were reported, one per observation; [`UNREPORTED`] where a trial gave none. The list may
+    /// end early.
     stds: Vec<f64>,
     truths: Truths,
     /// Verdicts of trials on whether their 95 % interval holds the truth, one per observation; `None` where the
-    /// interval is estimate ± 1.96 std. The list ends at the last observation that has a verdict.
+    /// interval is estimate ± 1.96 std. The list may end early.
     judgements: Vec<Option<bool>>,
     /// Number of observations of trials that have succeeded; the observations after them belong to the running trial.
     kept: usize,
 }
 
-impl Column {
-    /// Adds observations of the running trial, or of several trials that ran together.
-    #[inline(always)]
-    pub(crate) fn push<const N: usize>(&mut self, observations: &Observations<N>) {
-        if !matches!(self.truths, Truths::Same(truth) if truth == observations.truth) {
-            self.note(observations.truth + 0.0, N);
+/// Adds items to a list that may have ended before place `start`, where they belong.
+#[inline]
+fn extend<T: Copy>(list: &mut Vec<T>, start: usize, items: &[T], missing: T) {
+    if !items.is_empty() {
+        if list.len() != start {
+            list.resize(start, missing);
         }
-        let stds = observations.stds.unwrap_or([UNREPORTED; N]);
-        self.estimates.extend_from_slice(&observations.estimates);
-        self.stds.extend_from_slice(&stds);
+        list.extend_from_slice(items);
+    }
+}
+
+impl Column {
+    /// Adds an observation of the running trial.
+    #[inline]
+    pub(crate) fn push(&mut self, observation: &Observation) {
+        self.note_if_new(observation.truth + 0.0, 1);
+        let start = self.estimates.len();
+        self.estimates.push(observation.estimate);
+        extend(
+            &mut self.stds,
+            start,
+            observation.std.as_slice(),
+            UNREPORTED,
+        );
+        if observation.interval_holds.is_some() {
+            let verdict = [observation.interval_holds];
+            extend(&mut self.judgements, start, &verdict, None);
+        }
     }
 
-    /// Sets the verdict on whether the interval of the last observation holds the truth; `None` leaves it to the
-    /// standard deviation.
-    #[inline]
-    pub(crate) fn judge(&mut self, interval_holds: Option<bool>) {
-        if interval_holds.is_some() {
-            self.judgements.resize(self.estimates.len() - 1, None);
-            self.judgements.push(interval_holds);
-        }
+    /// Adds the first `count` observations of trials that ran together.
+    pub(crate) fn extend(&mut self, observations: &Observations<'_>, count: usize) {
+        self.note_if_new(observations.truth + 0.0, count);
+        let start = self.estimates.len();
+        self.estimates
+            .extend_from_slice(&observations.estimates[..count]);
+        let stds = observations.stds.map_or(&[][..], |stds| &stds[..count]);
+        extend(&mut self.stds, start, stds, UNREPORTED);
     }
 
     /// Records the truth of the next `count` observations where it differs from that of all observations before.
@@ -103,35 +123,31 @@ impl Column {
             Truths::Same(truth) => self.note_if_new(*truth, places.len()),
             Truths::Varied(truths) => {
                 for (place, &truth) in places.clone().zip(&truths[places.clone()]) {
-                    self.append_one(other, place, truth);
+                    self.note_if_new(truth, 1);
+                    self.append_untold(other, place..place + 1);
                 }
                 return self.keep();
             }
         }
-        self.estimates
-            .extend_from_slice(&other.estimates[places.clone()]);
-        self.stds.extend_from_slice(&other.stds[places.clone()]);
-        for (back, place) in places.clone().rev().enumerate() {
-            if other.judgements.get(place).is_some_and(Option::is_some) {
-                let end = self.estimates.len() - back;
-                self.judgements
-                    .resize(self.estimates.len() - places.len(), None);
-                self.judgements
-                    .extend_from_slice(&other.judgements[places.start..=place]);
-                debug_assert_eq!(self.judgements.len(), end);
-                break;
-            }
-        }
+        self.append_untold(other, places);
         self.keep();
     }
 
-    fn append_one(&mut self, other: &Self, place: usize, truth: f64) {
-        self.note_if_new(truth, 1);
-        self.estimates.push(other.estimates[place]);
-        self.stds.push(other.stds[place]);
-        self.judge(other.judgements.get(place).copied().flatten());
+    /// Adds some of the observations of another column, but not their truths.
+    fn append_untold(&mut self, other: &Self, places: Range<usize>) {
+        fn some<T>(list: &[T], places: Range<usize>) -> &[T] {
+            &list[places.start.min(list.len())..places.end.min(list.len())]
+        }
+        let start = self.estimates.len();
+        self.estimates
+            .extend_from_slice(&other.estimates[places.clone()]);
+        let stds = some(&other.stds, places.clone());
+        extend(&mut self.stds, start, stds, UNREPORTED);
+        let judgements = some(&other.judgements, places);
+        extend(&mut self.judgements, start, judgements, None);
     }
 
+    #[inline]
     fn note_if_new(&mut self, truth: f64, count: usize) {
         if count > 0 && !matches!(self.truths, Truths::Same(same) if same == truth) {
             self.note(truth, count);
@@ -158,7 +174,8 @@ impl Column {
         })
     }
 
-    /// Standard deviations of the estimates; [`UNREPORTED`] where a trial gave none.
+    /// Standard deviations of the estimates, one per observation from the first on; [`UNREPORTED`], or beyond the end of
+    /// the slice, where a trial gave none.
     pub(crate) fn stds(&self) -> &[f64] {
         &self.stds
     }
@@ -180,10 +197,15 @@ mod tests {
     use super::*;
 
     fn push(column: &mut Column, truth: f64) {
-        column.push(&Observations {
-            estimates: [0.0],
+        judge(column, truth, None);
+    }
+
+    fn judge(column: &mut Column, truth: f64, interval_holds: Option<bool>) {
+        column.push(&Observation {
+            estimate: 0.0,
             truth,
-            stds: None,
+            std: None,
+            interval_holds,
         });
     }
 
@@ -205,19 +227,64 @@ mod tests {
     fn judgements_stay_with_their_observations() {
         let mut column = Column::default();
         push(&mut column, 0.0);
-        column.judge(None);
-        push(&mut column, 0.0);
-        column.judge(Some(false));
+        judge(&mut column, 0.0, Some(false));
         column.keep();
-        push(&mut column, 0.0);
-        column.judge(Some(true));
+        judge(&mut column, 0.0, Some(true));
         column.forget();
         push(&mut column, 0.0);
-        column.judge(None);
         assert_eq!(column.judgements(), [None, Some(false)]);
         assert_eq!(column.len(), 3);
         column.clear();
         assert_eq!(column, Column::default());
+    }
+
+    #[test]
+    fn what_is_appended_stays_beside_its_observation() {
+        let observed = [
+            (0.0, None, None),
+            (0.0, Some(0.5), None),
+            (0.0, None, Some(true)),
+            (0.0, None, None),
+            (1.0, Some(0.25), Some(false)),
+        ];
+        let column = |observed: &[(f64, Option<f64>, Option<bool>)]| {
+            let mut column = Column::default();
+            for (place, &(truth, std, interval_holds)) in observed.iter().enumerate() {
+                column.push(&Observation {
+                    estimate: place as f64,
+                    truth,
+                    std,
+                    interval_holds,
+                });
+            }
+            column
+        };
+        let whole = column(&observed);
+        assert_eq!(whole.stds(), [-1.0, 0.5, -1.0, -1.0, 0.25]);
+        for cut in 0..=observed.len() {
+            // Truths of the first four are the same, those of all are not.
+            for source in [&whole, &column(&observed[..4])] {
+                let mut appended = Column::default();
+                let cut = cut.min(source.len());
+                appended.append(source, 0..cut);
+                appended.append(source, cut..source.len());
+                assert_eq!(appended.estimates(), source.estimates());
+                assert_eq!(
+                    appended.pairs().collect::<Vec<_>>(),
+                    source.pairs().collect::<Vec<_>>()
+                );
+                let place = |column: &Column, place: usize| {
+                    let std = column.stds().get(place).copied();
+                    let verdict = column.judgements().get(place).copied();
+                    (std.filter(|&std| std != UNREPORTED), verdict.flatten())
+                };
+                let observed = observed.iter().take(source.len());
+                for (at, &(_, std, verdict)) in observed.enumerate() {
+                    assert_eq!(place(&appended, at), (std, verdict));
+                    assert_eq!(place(source, at), (std, verdict));
+                }
+            }
+        }
     }
 
     #[test]

@@ -1,35 +1,45 @@
 //! A histogram over the bits of floating-point numbers: merging is integer addition, and bins are fine everywhere.
 
+use std::collections::BTreeMap;
+
+use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 /// Bins per octave and sign, as a power of two.
 const BIN_BITS: u32 = 7;
-/// Bit of a page's bin number that holds the sign.
-const SIGN_BIN: u8 = 1 << BIN_BITS;
 /// Explicit bits of a float's significand.
 const SIGNIFICAND_BITS: u32 = f64::MANTISSA_DIGITS - 1;
 /// Mask of a float's exponent bits, shifted down.
 const EXPONENT_MASK: u64 = 0x7ff;
 
-/// Counts of one octave: 128 positive bins, then 128 negative ones, each by growing magnitude.
+/// Counts of one octave by growing magnitude: of each bin first the positive numbers, then the negative ones.
 type Page = [u64; 1 << (BIN_BITS + 1)];
 
 /// Bins up to which they are listed one by one, which takes less time and memory than pages.
 const FEW: usize = 512;
 
+/// Most octaves that have pages side by side.
+const MOST_NEAR: usize = 32;
+
+/// Numbers whose places are found side by side.
+const CHUNK: usize = 64;
+
 /// Counts of finite numbers in 128 bins per octave and sign; zero has its own bin.
 ///
 /// A bin's representative is its middle, at most 0.4 % from any number in the bin. Subnormal numbers (below 2.3e-308)
-/// count as zero. An octave takes memory once a number falls into it.
+/// count as zero. Octaves take memory once numbers fall into them, or into octaves on both sides that are near.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(from = "Vec<(u32, u64)>", into = "Vec<(u32, u64)>")]
 pub(crate) struct Histogram {
     /// Bin of each number, as long as there are few of them: then there are no pages and no zeros.
     few: Vec<Bin>,
     zeros: u64,
-    /// Exponent bits of the first page.
+    /// Exponent bits of the first of the pages that are near.
     first: usize,
-    pages: Vec<Option<Box<Page>>>,
+    /// Octaves that follow each other.
+    near: Vec<Page>,
+    /// Octaves that are too far from them, by exponent bits.
+    far: BTreeMap<usize, Box<Page>>,
 }
 
 /// Bin of a number: its sign, exponent and the first bits of its significand, in the order of the numbers.
@@ -55,16 +65,18 @@ impl Bin {
     }
 
     /// Octave (exponent bits) and place in its page; octave 0 is that of zero.
-    fn place(self) -> (usize, u8) {
-        let sign = if self < Self::ZERO { SIGN_BIN } else { 0 };
-        let magnitude = self.0.abs_diff(Self::ZERO.0);
-        let bin = (magnitude as u8 & (SIGN_BIN - 1)) | sign;
-        ((magnitude >> BIN_BITS) as usize, bin)
+    fn place(self) -> (usize, usize) {
+        let magnitude = self.0.abs_diff(Self::ZERO.0) as usize;
+        let bin = magnitude % (1 << BIN_BITS);
+        (
+            magnitude >> BIN_BITS,
+            2 * bin + usize::from(self < Self::ZERO),
+        )
     }
 
-    fn at(octave: usize, bin: u8) -> Self {
-        let magnitude = ((octave as u32) << BIN_BITS) | u32::from(bin & (SIGN_BIN - 1));
-        match bin & SIGN_BIN {
+    fn at(octave: usize, place: usize) -> Self {
+        let magnitude = ((octave << BIN_BITS) + place / 2) as u32;
+        match place % 2 {
             0 => Self(Self::ZERO.0 + magnitude),
             _ => Self(Self::ZERO.0 - magnitude),
         }
@@ -92,7 +104,19 @@ impl Histogram {
             }
             self.spread();
         }
-        values.iter().for_each(|&value| self.add(value));
+        let mut values = values;
+        if self.near.is_empty() {
+            // The first numbers tell where most are.
+            let (first, rest) = values.split_at(CHUNK.min(values.len()));
+            self.count_each(first.iter().map(|&value| Bin::of(value)).collect());
+            values = rest;
+        }
+        let left = Arch::new().dispatch(CountNear {
+            start: (self.first << (BIN_BITS + 1)) as u64,
+            counts: self.near.as_flattened_mut(),
+            values,
+        });
+        self.count_each(left);
     }
 
     /// Whether there are no numbers.
@@ -101,60 +125,74 @@ impl Histogram {
     }
 
     fn is_listed(&self) -> bool {
-        self.pages.is_empty() && self.zeros == 0
+        self.near.is_empty() && self.zeros == 0
     }
 
     /// Moves the listed bins to pages.
     fn spread(&mut self) {
-        for bin in std::mem::take(&mut self.few) {
-            self.count(bin, 1);
+        let few = std::mem::take(&mut self.few);
+        self.count_each(few);
+    }
+
+    /// Counts a number of each bin, in pages.
+    fn count_each(&mut self, bins: Vec<Bin>) {
+        let octaves = bins.iter().map(|bin| bin.place().0);
+        let octaves = octaves.filter(|&octave| octave > 0);
+        if let Some((lowest, highest)) = octaves.clone().min().zip(octaves.max()) {
+            self.bring_near(lowest, highest);
         }
+        bins.into_iter().for_each(|bin| self.count(bin, 1));
     }
 
     /// Counts numbers of a bin, in pages.
     fn count(&mut self, bin: Bin, count: u64) {
         match bin.place() {
             (0, _) => self.zeros += count,
-            (octave, bin) => {
-                let page = self.slot(octave).get_or_insert_with(|| Box::new([0; _]));
-                page[usize::from(bin)] += count;
+            (octave, place) => self.page(octave)[place] += count,
+        }
+    }
+
+    /// The page of an octave.
+    fn page(&mut self, octave: usize) -> &mut Page {
+        if self.bring_near(octave, octave) {
+            &mut self.near[octave - self.first]
+        } else {
+            self.far.entry(octave).or_insert_with(|| Box::new([0; _]))
+        }
+    }
+
+    /// Makes pages for these octaves and those between them and the pages that are near, unless there are too many; tells
+    /// whether the octaves are near.
+    fn bring_near(&mut self, lowest: usize, highest: usize) -> bool {
+        if self.near.is_empty() {
+            self.first = lowest;
+        }
+        let (start, end) = (self.first, self.first + self.near.len());
+        let (lowest, most) = (lowest.min(start), end.max(highest + 1));
+        if (lowest, most) == (start, end) {
+            return true;
+        }
+        if most - lowest > MOST_NEAR {
+            return false;
+        }
+        let below = std::iter::repeat_n([0; _], start - lowest);
+        self.near.splice(0..0, below).for_each(drop);
+        self.near.resize(most - lowest, [0; _]);
+        self.first = lowest;
+        for (octave, page) in (lowest..).zip(&mut self.near) {
+            if let Some(far) = self.far.remove(&octave) {
+                *page = *far;
             }
         }
-    }
-
-    #[inline]
-    fn add(&mut self, value: f64) {
-        let bits = value.to_bits();
-        let octave = ((bits >> SIGNIFICAND_BITS) & EXPONENT_MASK) as usize;
-        let sign = (bits >> 63 << BIN_BITS) as u8;
-        let bin = sign | ((bits >> (SIGNIFICAND_BITS - BIN_BITS)) as u8 & (SIGN_BIN - 1));
-        match self.pages.get_mut(octave.wrapping_sub(self.first)) {
-            Some(Some(page)) => page[usize::from(bin)] += 1,
-            _ => self.count(Bin::of(value), 1),
-        }
-    }
-
-    /// The place of an octave's page, made by extending the range of octaves if need be.
-    fn slot(&mut self, octave: usize) -> &mut Option<Box<Page>> {
-        if self.pages.is_empty() {
-            self.first = octave;
-        }
-        if octave < self.first {
-            let missing = self.first - octave;
-            self.pages
-                .splice(0..0, std::iter::repeat_n(None, missing))
-                .for_each(drop);
-            self.first = octave;
-        }
-        let index = octave - self.first;
-        if index >= self.pages.len() {
-            self.pages.resize(index + 1, None);
-        }
-        &mut self.pages[index]
+        true
     }
 
     /// Adds the counts of `other`; exact, so in any order.
     pub(crate) fn merge(&mut self, mut other: Histogram) {
+        if self.is_empty() {
+            *self = other;
+            return;
+        }
         if other.is_listed() {
             if self.is_listed() && self.few.len() + other.few.len() <= FEW {
                 self.few.append(&mut other.few);
@@ -164,58 +202,37 @@ impl Histogram {
         }
         self.spread();
         self.zeros += other.zeros;
-        for (index, page) in other.pages.into_iter().enumerate() {
-            let Some(page) = page else { continue };
-            match self.slot(other.first + index) {
-                Some(own) => own
-                    .iter_mut()
-                    .zip(*page)
-                    .for_each(|(own, more)| *own += more),
-                empty => *empty = Some(page),
+        if let Some(last) = other.near.len().checked_sub(1) {
+            self.bring_near(other.first, other.first + last);
+        }
+        for (octave, page) in other.octaves() {
+            for (own, more) in self.page(octave).iter_mut().zip(page) {
+                *own += more;
             }
         }
+    }
+
+    /// Pages by their octaves, ascending.
+    fn octaves(&self) -> Vec<(usize, &Page)> {
+        let near = (self.first..).zip(&self.near);
+        let far = self.far.iter().map(|(&octave, page)| (octave, &**page));
+        let mut octaves: Vec<_> = near.chain(far).collect();
+        octaves.sort_unstable_by_key(|&(octave, _)| octave);
+        octaves
     }
 
     /// Quantiles of probabilities in [0, 1], linear between the order statistics 0 to n − 1 at `p (n − 1)`, each of
     /// which is at most 0.4 % off; `None` without numbers.
     pub(crate) fn quantiles<const N: usize>(&self, probabilities: [f64; N]) -> Option<[f64; N]> {
-        if self.is_listed() {
-            let mut few = self.few.clone();
-            few.sort_unstable();
-            let most = few.len().checked_sub(1)?;
-            return Some(probabilities.map(|p| {
-                let position = p * most as f64;
-                let rank = (position.floor() as usize).min(most);
-                let [lower, upper] =
-                    [rank, most.min(rank + 1)].map(|rank| few[rank].representative());
-                (1.0 - position.fract()) * lower + position.fract() * upper
-            }));
-        }
-        let bins = self.ascending();
-        let count: u64 = bins.iter().map(|(_, count)| count).sum();
-        let most = count.checked_sub(1)? as f64;
-        let quantile = |p: f64| {
-            let position = p * most;
-            let (rank, fraction) = (position.floor() as u64, position.fract());
-            let mut seen = 0;
-            let place = bins.iter().position(|(_, count)| {
-                seen += count;
-                seen > rank
-            })?;
-            let lower = bins[place].0.representative();
-            let next = if seen > rank + 1 {
-                None
-            } else {
-                bins.get(place + 1)
-            };
-            let upper = next.map_or(lower, |(bin, _)| bin.representative());
-            Some((1.0 - fraction) * lower + fraction * upper)
-        };
-        let found = probabilities.map(quantile);
-        found
-            .iter()
-            .all(Option::is_some)
-            .then(|| found.map(Option::unwrap_or_default))
+        let ranked = Ranked::new(self);
+        let most = ranked.count.checked_sub(1)?;
+        Some(probabilities.map(|p| {
+            let position = p * most as f64;
+            let rank = (position.floor() as u64).min(most);
+            let [lower, upper] = [rank, most.min(rank + 1)].map(|rank| ranked.bin(rank));
+            let fraction = position.fract();
+            (1.0 - fraction) * lower.representative() + fraction * upper.representative()
+        }))
     }
 
     /// Every bin that holds something, with its count, in ascending order.
@@ -226,25 +243,140 @@ impl Histogram {
             let equal = few.chunk_by(|one, other| one == other);
             return equal.map(|bins| (bins[0], bins.len() as u64)).collect();
         }
-        let pages = self.pages.iter().enumerate();
-        let octaves: Vec<(usize, &Page)> = pages
-            .filter_map(|(index, page)| Some((self.first + index, page.as_deref()?)))
+        let octaves = self.octaves();
+        let bins = octaves.iter().flat_map(|&(octave, page)| {
+            let places = page.iter().enumerate();
+            places.map(move |(place, &count)| (Bin::at(octave, place), count))
+        });
+        let zeros = (Bin::ZERO, self.zeros);
+        let mut all: Vec<_> = bins
+            .chain([zeros])
+            .filter(|&(_, count)| count > 0)
             .collect();
-        let of_sign = |sign: u8| {
-            let bins = move |&(octave, page): &(usize, &Page)| {
-                let counts =
-                    page[usize::from(sign)..usize::from(sign | (SIGN_BIN - 1)) + 1].to_vec();
-                let bins = (sign..=sign | (SIGN_BIN - 1)).map(move |bin| Bin::at(octave, bin));
-                bins.zip(counts).filter(|&(_, count)| count > 0)
-            };
-            octaves.iter().flat_map(bins).collect::<Vec<_>>()
-        };
-        let mut all = of_sign(SIGN_BIN);
-        all.reverse();
-        all.extend((self.zeros > 0).then_some((Bin::ZERO, self.zeros)));
-        all.extend(of_sign(0));
+        all.sort_unstable();
         all
     }
+}
+
+/// Numbers of a histogram in their order.
+struct Ranked<'a> {
+    count: u64,
+    /// Listed bins, ascending.
+    few: Vec<Bin>,
+    zeros: u64,
+    /// Pages by octaves, ascending, with the numbers of positive and of negative ones.
+    octaves: Vec<(usize, &'a Page, [u64; 2])>,
+}
+
+impl<'a> Ranked<'a> {
+    fn new(histogram: &'a Histogram) -> Self {
+        let mut few = histogram.few.clone();
+        few.sort_unstable();
+        let zeros = histogram.zeros;
+        let octaves: Vec<_> = histogram
+            .octaves()
+            .into_iter()
+            .map(|(octave, page)| {
+                let mut counts = [0; 2];
+                for [positive, negative] in page.as_chunks().0 {
+                    counts[0] += positive;
+                    counts[1] += negative;
+                }
+                (octave, page, counts)
+            })
+            .collect();
+        let in_pages: u64 = octaves.iter().flat_map(|(_, _, counts)| counts).sum();
+        Self {
+            count: few.len() as u64 + zeros + in_pages,
+            few,
+            zeros,
+            octaves,
+        }
+    }
+
+    /// Bin of the number of this rank, from 0 to `count` − 1.
+    fn bin(&self, rank: u64) -> Bin {
+        if let Some(&bin) = self.few.get(rank as usize) {
+            return bin;
+        }
+        let mut left = rank;
+        for &(octave, page, [_, negative]) in self.octaves.iter().rev() {
+            if left >= negative {
+                left -= negative;
+                continue;
+            }
+            for place in (1..page.len()).step_by(2).rev() {
+                if left < page[place] {
+                    return Bin::at(octave, place);
+                }
+                left -= page[place];
+            }
+        }
+        if left < self.zeros {
+            return Bin::ZERO;
+        }
+        left -= self.zeros;
+        for &(octave, page, [positive, _]) in &self.octaves {
+            if left >= positive {
+                left -= positive;
+                continue;
+            }
+            for place in (0..page.len()).step_by(2) {
+                if left < page[place] {
+                    return Bin::at(octave, place);
+                }
+                left -= page[place];
+            }
+        }
+        Bin::ZERO
+    }
+}
+
+/// Counts numbers in pages that follow each other.
+struct CountNear<'a> {
+    values: &'a [f64],
+    /// Place of the first count among those of all octaves.
+    start: u64,
+    counts: &'a mut [u64],
+}
+
+impl WithSimd for CountNear<'_> {
+    /// Bins of the numbers that are in none of these pages.
+    type Output = Vec<Bin>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Vec<Bin> {
+        let mut left = Vec::new();
+        let (chunks, rest) = self.values.as_chunks::<CHUNK>();
+        for chunk in chunks {
+            let mut places = [0; CHUNK];
+            for (place, value) in places.iter_mut().zip(chunk) {
+                *place = place_of(*value).wrapping_sub(self.start);
+            }
+            let mut are_near = true;
+            for place in places {
+                match self.counts.get_mut(place as usize) {
+                    Some(count) => *count += 1,
+                    None => are_near = false,
+                }
+            }
+            if !are_near {
+                let most = self.counts.len();
+                let pairs = places.iter().zip(chunk);
+                let far = pairs.filter(|&(&place, _)| place as usize >= most);
+                left.extend(far.map(|(_, &value)| Bin::of(value)));
+            }
+        }
+        left.extend(rest.iter().map(|&value| Bin::of(value)));
+        left
+    }
+}
+
+/// Place of a number's count among those of the pages of all octaves.
+#[inline(always)]
+fn place_of(value: f64) -> u64 {
+    let bits = value.to_bits();
+    (bits << 1) >> (SIGNIFICAND_BITS - BIN_BITS) & !1 | bits >> 63
 }
 
 /// Equality of the counts, however they are kept.
@@ -296,7 +428,7 @@ mod tests {
     /// Histogram in pages, however few the numbers are.
     fn in_pages(values: &[f64]) -> Histogram {
         let mut histogram = Histogram::default();
-        values.iter().for_each(|&value| histogram.add(value));
+        histogram.count_each(values.iter().map(|&value| Bin::of(value)).collect());
         histogram
     }
 
@@ -362,7 +494,7 @@ mod tests {
     #[test]
     fn extremes_take_the_memory_of_their_octaves_only() {
         let histogram = in_pages(&[1e-300, 1e300, 0.0, -1e300]);
-        assert_eq!(histogram.pages.iter().flatten().count(), 2);
+        assert_eq!((histogram.near.len(), histogram.far.len()), (1, 1));
         assert!(histogram.quantile(0.0).unwrap() < -0.99e300);
         assert!(histogram.quantile(1.0).unwrap() > 0.99e300);
     }

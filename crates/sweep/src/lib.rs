@@ -52,6 +52,7 @@ mod observation;
 mod order;
 mod part;
 mod partial;
+mod pass;
 mod plan;
 mod queue;
 mod record;

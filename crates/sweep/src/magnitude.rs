@@ -13,14 +13,18 @@ pub(crate) struct MeanMagnitude {
 }
 
 impl MeanMagnitude {
-    /// Mean magnitude of finite `values`, none of which is larger in magnitude than `largest`.
-    pub(crate) fn of(values: &[f64], largest: f64) -> MeanMagnitude {
+    /// Mean magnitude of finite `values`, none of which is larger in magnitude than `largest`, and whose magnitudes add up
+    /// to `plain`, which may be beyond the floats.
+    pub(crate) fn of(values: &[f64], largest: f64, plain: f64) -> MeanMagnitude {
         let exponent = exponent(largest);
         let per_unit = power_of_two(-exponent);
         MeanMagnitude {
             count: values.len() as u64,
             exponent,
-            sum: sum(values, |x| x.abs() * per_unit),
+            sum: match exponent {
+                0 => plain,
+                _ => sum(values, |x| x.abs() * per_unit),
+            },
         }
     }
 
@@ -54,6 +58,7 @@ mod tests {
         MeanMagnitude::of(
             values,
             values.iter().fold(0.0, |largest, x| largest.max(x.abs())),
+            sum(values, f64::abs),
         )
     }
 

@@ -2,12 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scale::{exponent, power_of_two, range, sum};
+use crate::magnitude::MeanMagnitude;
+use crate::pass::Totals;
+use crate::scale::{exponent, power_of_two, sum};
 
 /// Count, range, mean and squared deviations of some finite numbers.
 ///
-/// Sums are kept in units of a power of two near the largest magnitude, so that squares neither overflow nor vanish,
-/// and about the first number, so that a small spread about a large mean is not lost. Merging follows Chan, Golub and
+/// Sums of very large or very small numbers are kept in units of a power of two near the largest magnitude, so that
+/// squares neither overflow nor vanish, and all about the first number, so that a small spread about a large mean is not lost. Merging follows Chan, Golub and
 /// LeVeque (1983). It is exact in `count`, `min` and `max`; elsewhere the order of merging shows in the last bits.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Moments {
@@ -27,28 +29,44 @@ pub(crate) struct Moments {
 impl Moments {
     /// Moments of finite `values`; all zero without values.
     pub(crate) fn of(values: &[f64]) -> Moments {
+        Self::with_magnitude(values).0
+    }
+
+    /// Moments of finite `values`, and the mean of their magnitudes.
+    pub(crate) fn with_magnitude(values: &[f64]) -> (Moments, MeanMagnitude) {
         let Some(&first) = values.first() else {
-            return Moments::default();
+            return Default::default();
         };
-        let (min, max) = range(values, first);
-        let exponent = exponent(max.max(-min));
+        let totals = Totals::of(values, first);
+        let Totals { min, max, .. } = totals;
+        let largest = max.max(-min);
+        let exponent = exponent(largest);
         let per_unit = power_of_two(-exponent);
         let origin = first * per_unit;
-        let differences = sum(values, |x| x * per_unit - origin);
-        let mean = differences / values.len() as f64;
-        let squares = sum(values, |x| {
-            let deviation = (x * per_unit - origin) - mean;
-            deviation * deviation
-        });
-        Moments {
-            count: values.len() as u64,
+        let count = values.len() as u64;
+        let (mean, squares) = match exponent {
+            0 => (totals.differences / count as f64, totals.squares),
+            _ => {
+                let differences = sum(values, |x| x * per_unit - origin);
+                let mean = differences / count as f64;
+                let squares = sum(values, |x| {
+                    let deviation = (x * per_unit - origin) - mean;
+                    deviation * deviation
+                });
+                (mean, squares)
+            }
+        };
+        let moments = Moments {
+            count,
             min,
             max,
             exponent,
             origin,
             mean,
             squares,
-        }
+        };
+        let magnitude = MeanMagnitude::of(values, largest, totals.magnitudes);
+        (moments, magnitude)
     }
 
     /// Adds the numbers of `other`, which come after those summed so far.
@@ -99,11 +117,6 @@ impl Moments {
     /// How many numbers.
     pub(crate) fn count(&self) -> u64 {
         self.count
-    }
-
-    /// Magnitude of the number furthest from 0; 0 without numbers.
-    pub(crate) fn largest(&self) -> f64 {
-        self.max.max(-self.min)
     }
 
     /// `value` moved to the nearest number between the smallest and the largest.

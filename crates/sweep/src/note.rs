@@ -27,7 +27,11 @@ impl Seen<'_> {
                 .map(|(place, (estimate, truth))| Observation {
                     estimate,
                     truth,
-                    std: Some(column.stds()[place]).filter(|&std| std != UNREPORTED),
+                    std: column
+                        .stds()
+                        .get(place)
+                        .copied()
+                        .filter(|&std| std != UNREPORTED),
                     interval_holds: column.judgements().get(place).copied().flatten(),
                 })
         })

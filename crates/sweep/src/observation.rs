@@ -1,5 +1,7 @@
 //! Estimates of trials beside their truths.
 
+use crate::pass::are_sound;
+
 /// Estimate of one quantity by one trial beside its true value, both in the quantity's unit.
 ///
 /// ```
@@ -40,33 +42,40 @@ impl Observation {
     }
 }
 
-/// Observations of one quantity by `N` trials that ran together, trial by trial; see [`Observation`].
-///
-/// ```
-/// use palpate_sweep::{Observation, Observations};
-///
-/// let one = Observation { estimate: 2.5, truth: 2.0, std: Some(0.5), interval_holds: None };
-/// let alone = Observations { estimates: [2.5], truth: 2.0, stds: Some([0.5]) };
-/// assert_eq!(Observations::<1>::from(one), alone);
-/// ```
+/// Observations of one quantity by trials that ran together, trial by trial; see [`Observation`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observations<const N: usize> {
-    /// The estimates.
-    pub estimates: [f64; N],
+pub struct Observations<'a> {
+    /// The estimates, one per trial.
+    pub estimates: &'a [f64],
     /// The true value in all of them.
     pub truth: f64,
-    /// The standard deviations the estimator claims; `None` where it claims none.
-    pub stds: Option<[f64; N]>,
+    /// The standard deviations the estimator claims, one per trial; `None` where it claims none.
+    pub stds: Option<&'a [f64]>,
 }
 
-/// Conversion of a single observation; `interval_holds` is dropped, as [`Observations`] have none.
-impl From<Observation> for Observations<1> {
-    #[inline]
-    fn from(observation: Observation) -> Self {
-        Self {
-            estimates: [observation.estimate],
-            truth: observation.truth,
-            stds: observation.std.map(|std| [std]),
+impl Observations<'_> {
+    /// Number of trials that are told in full.
+    pub(crate) fn len(&self) -> usize {
+        let stds = self.stds.map_or(usize::MAX, <[f64]>::len);
+        self.estimates.len().min(stds)
+    }
+
+    /// Number of the first observations that are sound; at most `count`.
+    pub(crate) fn sound(&self, count: usize) -> usize {
+        let estimates = &self.estimates[..count];
+        let stds = self.stds.map_or(&[][..], |stds| &stds[..count]);
+        if are_sound(estimates, self.truth, stds) {
+            return count;
         }
+        let is_sound = |&place: &usize| {
+            let observation = Observation {
+                estimate: estimates[place],
+                truth: self.truth,
+                std: stds.get(place).copied(),
+                interval_holds: None,
+            };
+            observation.is_sound()
+        };
+        (0..count).take_while(is_sound).count()
     }
 }

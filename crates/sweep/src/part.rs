@@ -109,12 +109,8 @@ impl Part {
     pub(crate) fn add_to(self, partial: &mut Partial) {
         partial.trials += self.trials;
         partial.failures.merge(self.failures);
-        if partial.sums.is_empty() && partial.histograms.iter().all(Histogram::is_empty) {
-            partial.histograms = self.histograms;
-        } else {
-            for (own, more) in partial.histograms.iter_mut().zip(self.histograms) {
-                own.merge(more);
-            }
+        for (own, more) in partial.histograms.iter_mut().zip(self.histograms) {
+            own.merge(more);
         }
         self.blocks
             .into_iter()

@@ -37,10 +37,7 @@ impl Record {
     #[inline]
     pub fn observe(&mut self, quantity: usize, observation: Observation) {
         match self.columns.get_mut(quantity) {
-            Some(column) if observation.is_sound() => {
-                column.push(&observation.into());
-                column.judge(observation.interval_holds);
-            }
+            Some(column) if observation.is_sound() => column.push(&observation),
             column => self.rejection = Some(rejection(column.is_some(), &observation)),
         }
     }
@@ -48,65 +45,47 @@ impl Record {
     /// Records one observation of each of the first `N` quantities, as [`Record::observe`] would.
     #[inline]
     pub fn observe_each<const N: usize>(&mut self, observations: [Observation; N]) {
-        if self.push_each(&observations.map(Observations::from)) {
-            for (column, observation) in self.columns.iter_mut().zip(&observations) {
-                column.judge(observation.interval_holds);
-            }
-        } else {
-            for (quantity, observation) in observations.into_iter().enumerate() {
-                self.observe(quantity, observation);
-            }
-        }
-    }
-
-    /// Records what `N` trials that ran together and succeeded say of the first `Q` quantities: one observation of each
-    /// in every trial.
-    ///
-    /// Returns whether all of them were recorded: where [`Record::observe`] would fail any of the trials, nothing is.
-    #[inline(always)]
-    pub fn observe_together<const Q: usize, const N: usize>(
-        &mut self,
-        observations: &[Observations<N>; Q],
-    ) -> bool {
-        let sound = self.push_each(observations);
-        if sound {
-            self.columns.iter_mut().for_each(Column::keep);
-        }
-        sound
-    }
-
-    /// Adds the observations of the first `Q` quantities if all of them are sound, and returns whether they were; adds
-    /// nothing otherwise.
-    #[inline(always)]
-    fn push_each<const Q: usize, const N: usize>(
-        &mut self,
-        observations: &[Observations<N>; Q],
-    ) -> bool {
         // A sum is finite only if all its terms are: one test for what nearly always holds.
-        let (mut sums, mut lowest) = ([0.0; N], [0.0; N]);
-        for observations in observations {
-            let stds = observations.stds.unwrap_or([0.0; N]);
-            for trial in 0..N {
-                let (estimate, std) = (observations.estimates[trial], stds[trial]);
-                sums[trial] += (estimate - observations.truth).abs() + std;
-                lowest[trial] = if std < lowest[trial] {
-                    std
-                } else {
-                    lowest[trial]
-                };
-            }
+        let (mut sum, mut lowest) = (0.0, 0.0);
+        for observation in &observations {
+            let std = observation.std.unwrap_or(0.0);
+            sum += (observation.estimate - observation.truth).abs() + std;
+            lowest = if std < lowest { std } else { lowest };
         }
-        let sound = sums.iter().all(|&sum| sum < f64::INFINITY)
-            && lowest.iter().all(|&lowest| lowest == 0.0);
-        match self.columns.get_mut(..Q) {
-            Some(columns) if sound => {
-                for (column, observations) in columns.iter_mut().zip(observations) {
-                    column.push(observations);
+        match self.columns.get_mut(..N) {
+            Some(columns) if sum < f64::INFINITY && lowest == 0.0 => {
+                for (column, observation) in columns.iter_mut().zip(&observations) {
+                    column.push(observation);
                 }
-                true
             }
-            _ => false,
+            _ => {
+                for (quantity, observation) in observations.into_iter().enumerate() {
+                    self.observe(quantity, observation);
+                }
+            }
         }
+    }
+
+    /// Records what trials that ran together and succeeded say of the first `Q` quantities: one observation of each in
+    /// every trial.
+    ///
+    /// Returns how many of the first trials were recorded: those before the first that [`Record::observe`] would fail,
+    /// or that some quantity lacks.
+    pub fn observe_together<const Q: usize>(
+        &mut self,
+        observations: &[Observations<'_>; Q],
+    ) -> usize {
+        let Some(columns) = self.columns.get_mut(..Q) else {
+            return 0;
+        };
+        let told = observations.iter().map(Observations::len).min();
+        let sound = |count, observations: &Observations<'_>| observations.sound(count);
+        let count = observations.iter().fold(told.unwrap_or(0), sound);
+        for (column, observations) in columns.iter_mut().zip(observations) {
+            column.extend(observations, count);
+        }
+        self.columns.iter_mut().for_each(Column::keep);
+        count
     }
 
     /// Prepares for a block of trials that observe `quantities` quantities; the observations of the block before must
@@ -233,15 +212,18 @@ mod tests {
     }
 
     #[test]
-    fn together_is_one_after_the_other_or_not_at_all() {
+    fn together_is_one_after_the_other_up_to_what_is_unsound() {
         let together = |estimates, stds| Observations {
             estimates,
             truth: 2.0,
             stds,
         };
-        let good = together([1.0, 3.0], Some([0.5, 0.0]));
+        let good = together(&[1.0, 3.0], Some(&[0.5, 0.0]));
         let (mut at_once, mut one_by_one) = (record(3), record(3));
-        assert!(at_once.observe_together(&[good, together([5.0, 6.0], None)]));
+        assert_eq!(
+            at_once.observe_together(&[good, together(&[5.0, 6.0], None)]),
+            2
+        );
         for (first, std, second) in [(1.0, 0.5, 5.0), (3.0, 0.0, 6.0)] {
             let observations = [
                 observation(first, 2.0, Some(std)),
@@ -255,15 +237,25 @@ mod tests {
         }
         assert_eq!(at_once.columns(), one_by_one.columns());
 
-        for unsound in [
-            together([1.0, f64::NAN], None),
-            together([f64::INFINITY, 1.0], None),
-            together([1.0, 1.0], Some([0.0, -1e-300])),
-            together([1.0, 1.0], Some([f64::NAN, 0.0])),
+        for (unsound, count) in [
+            (together(&[1.0, f64::NAN], None), 1),
+            (together(&[f64::INFINITY, 1.0], None), 0),
+            (together(&[1.0, 1.0], Some(&[0.0, -1e-300])), 1),
+            (together(&[1.0, 1.0], Some(&[f64::NAN, 0.0])), 0),
+            (together(&[1.0, 1.0], Some(&[0.0, f64::INFINITY])), 1),
+            (together(&[1.0], None), 1),
+            (together(&[1.0, 2.0], Some(&[])), 0),
         ] {
-            assert!(!at_once.observe_together(&[good, unsound]), "{unsound:?}");
+            let mut record = record(2);
+            assert_eq!(
+                record.observe_together(&[good, unsound]),
+                count,
+                "{unsound:?}"
+            );
+            assert_eq!(lengths(&mut record), [count; 2]);
         }
-        assert!(!at_once.observe_together(&[good; 4]), "unknown quantity");
+        assert_eq!(at_once.observe_together(&[good; 4]), 0, "unknown quantity");
+        assert_eq!(at_once.observe_together(&[]), 0);
         assert_eq!(at_once.columns(), one_by_one.columns());
     }
 

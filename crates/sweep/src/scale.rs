@@ -1,27 +1,11 @@
 //! Sums over many numbers, kept in units of a power of two so that nothing overflows or vanishes.
 
 /// Independent partial sums, which let the compiler use vector instructions.
-const LANES: usize = 8;
-/// Units are 2^±1000: far enough that no square overflows or vanishes, and still a float themselves.
+pub(crate) const LANES: usize = 8;
+/// Units are at most 2^±1000: far enough that no square overflows or vanishes, and still a float themselves.
 const MAX_EXPONENT: i32 = 1000;
-
-/// Smallest and largest of the values and `first`.
-pub(crate) fn range(values: &[f64], first: f64) -> (f64, f64) {
-    let (mut min, mut max) = ([first; LANES], [first; LANES]);
-    let (chunks, rest) = values.as_chunks::<LANES>();
-    for chunk in chunks {
-        for (lane, &x) in chunk.iter().enumerate() {
-            // Comparisons, not `f64::min`, which would also care for NaN.
-            min[lane] = if x < min[lane] { x } else { min[lane] };
-            max[lane] = if x > max[lane] { x } else { max[lane] };
-        }
-    }
-    let all = |lanes: [f64; LANES]| lanes.into_iter().chain(rest.iter().copied());
-    (
-        all(min).fold(first, f64::min),
-        all(max).fold(first, f64::max),
-    )
-}
+/// Numbers from 2^−400 to 2^400 need no unit: their squares are floats, and so are sums of 2^60 of them.
+const ORDINARY: i32 = 400;
 
 /// Sum of a term over all values, in a fixed order.
 #[inline]
@@ -39,10 +23,13 @@ pub(crate) fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
     lanes.into_iter().sum()
 }
 
-/// Binary exponent of a number, within ±[`MAX_EXPONENT`].
-pub(crate) fn exponent(number: f64) -> i32 {
-    let biased = (number.abs().to_bits() >> 52) as i32;
-    (biased - 1023).clamp(-MAX_EXPONENT, MAX_EXPONENT)
+/// Exponent of the unit 2^exponent for numbers as large as this: 0 unless it is beyond 2^±400.
+pub(crate) fn exponent(largest: f64) -> i32 {
+    let biased = (largest.abs().to_bits() >> 52) as i32;
+    match biased - 1023 {
+        exponent if exponent.abs() <= ORDINARY => 0,
+        exponent => exponent.clamp(-MAX_EXPONENT, MAX_EXPONENT),
+    }
 }
 
 /// 2^exponent for exponents up to 1023; 0 where it would be subnormal.

@@ -6,10 +6,8 @@ use crate::column::{Column, Truths, UNREPORTED};
 use crate::histogram::Histogram;
 use crate::magnitude::MeanMagnitude;
 use crate::moments::Moments;
-use crate::scale::range;
-
-/// Two-sided 95 % point of the normal distribution, in standard deviations.
-const COVERAGE_95: f64 = 1.959_963_984_540_054;
+use crate::pass::{StdTotals, fill_errors, is_covered};
+use crate::scale::sum;
 
 /// Truth of all observations of a quantity.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
@@ -62,48 +60,49 @@ impl Sums {
     pub(crate) fn of(column: &Column, histogram: &mut Histogram, scratch: &mut Scratch) -> Sums {
         let (estimates, stds) = (column.estimates(), column.stds());
         let Scratch { errors, reported } = scratch;
-        errors.clear();
         let truth = match column.truths() {
             Truths::None => return Sums::default(),
             &Truths::Same(truth) => {
-                errors.extend(estimates.iter().map(|estimate| estimate - truth));
+                fill_errors(errors, estimates, truth);
                 Truth::Same(truth)
             }
             Truths::Varied(truths) => {
+                errors.clear();
                 let pairs = estimates.iter().zip(truths);
                 errors.extend(pairs.map(|(estimate, truth)| estimate - truth));
                 Truth::of(truths, estimates)
             }
         };
         histogram.add_all(errors);
+        let (moments, error_magnitude) = Moments::with_magnitude(errors);
 
-        let pairs = errors.iter().zip(stds);
         // None where no standard deviation was reported.
-        let mut covered: u64 = pairs
-            .map(|(error, std)| u64::from(error.abs() <= COVERAGE_95 * std))
-            .sum();
-        let (lowest, largest) = range(stds, 0.0);
+        let StdTotals {
+            lowest,
+            largest,
+            sum: plain,
+            mut covered,
+        } = StdTotals::of(stds, errors);
         let reported_std = if lowest < 0.0 {
             reported.clear();
             reported.extend(stds.iter().filter(|&&std| std != UNREPORTED));
-            MeanMagnitude::of(reported, largest)
+            MeanMagnitude::of(reported, largest, sum(reported, f64::abs))
         } else {
-            MeanMagnitude::of(stds, largest)
+            MeanMagnitude::of(stds, largest, plain)
         };
         let mut judged = reported_std.count();
-        let judgements = column.judgements().iter().zip(errors.iter().zip(stds));
-        for (interval_holds, (error, &std)) in judgements {
+        for (place, interval_holds) in column.judgements().iter().enumerate() {
             if let Some(holds) = *interval_holds {
+                let std = stds.get(place).copied().unwrap_or(UNREPORTED);
                 judged += u64::from(std == UNREPORTED);
                 covered += u64::from(holds);
-                covered -= u64::from(error.abs() <= COVERAGE_95 * std);
+                covered -= u64::from(is_covered(errors[place], std));
             }
         }
-        let moments = Moments::of(errors);
         Sums {
             truth,
             errors: moments,
-            error_magnitude: MeanMagnitude::of(errors, moments.largest()),
+            error_magnitude,
             reported_std,
             judged,
             covered,

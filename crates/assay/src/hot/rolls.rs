@@ -94,7 +94,7 @@ impl Ep1 {
                     let error = estimate / normal_curvature_u.truth - 1.0;
                     sum += error * error;
                 }
-                true
+                normal_curvature_u.estimates.len()
             });
         if taken != trials {
             return None;
@@ -106,8 +106,7 @@ impl Ep1 {
     fn alone(&self, trials: u64) -> Option<()> {
         let roll = self.roll()?;
         let together = roll.side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
-            black_box(observed);
-            true
+            black_box(observed)[0].estimates.len()
         });
         for trial in together..trials {
             let _ = black_box(roll.outcomes(trial));

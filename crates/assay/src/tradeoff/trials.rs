@@ -121,8 +121,9 @@ pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
     let mut sum = 0.0;
     let together = match scene {
         Scene::Roll(roll) => roll.side_by_side(palpate_scene::Arch::new(), 0..trials, |observed| {
-            sum += observed.iter().map(|one| one.estimates[0]).sum::<f64>();
-            true
+            let estimates = observed[0].estimates;
+            sum += estimates.iter().sum::<f64>();
+            estimates.len()
         }),
         _ => 0,
     };

@@ -1,9 +1,7 @@
 //! Rolls in closed form, where the contact's path is a constant matrix times the rotation.
 
-use std::convert::Infallible;
-
 use nalgebra::{Matrix2, Vector2};
-use palpate_ep1::{Lanes, Moments, Number, ProbeRotation};
+use palpate_ep1::{MOST, ManyMoments, Moments, ProbeRotation};
 use palpate_rolling::{Motion, Roller, Shift};
 use palpate_sensing::{Channel, Distribution, Stream, Streams};
 
@@ -19,7 +17,7 @@ pub(super) struct LinearRolls {
 }
 
 /// The roll of one probe.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct LinearRoll {
     /// Path of the contact as commanded, along u and v.
     commanded: [f64; 2],
@@ -53,13 +51,13 @@ impl LinearRoll {
 
     /// The path with an error of the rotation in units of its size.
     #[inline(always)]
-    fn path<N: Number>(&self, [error_x, error_y]: [N; 2]) -> [N; 2] {
-        let along = |axis: usize| {
-            N::of(self.commanded[axis])
-                + N::of(self.per_error_x[axis]) * error_x
-                + N::of(self.per_error_y[axis]) * error_y
-        };
-        [along(0), along(1)]
+    fn path(&self, [error_x, error_y]: [f64; 2]) -> [f64; 2] {
+        // No closure: one that is not inlined lacks the vector instructions of what calls it.
+        let ([u, v], [u_x, v_x], [u_y, v_y]) = (self.commanded, self.per_error_x, self.per_error_y);
+        [
+            u + u_x * error_x + u_y * error_y,
+            v + v_x * error_x + v_y * error_y,
+        ]
     }
 }
 
@@ -95,32 +93,61 @@ impl LinearRolls {
     /// Rolls every probe. `None` where a contact passes half way round its probe, so that the shift is not the path.
     #[inline(always)]
     pub(super) fn short(&self, seed: u64, trial: u64) -> Option<Moments> {
-        let mut stream = Stream::new(seed, trial, Channel::AngularVelocity);
-        self.all_short(|distribution| distribution.draw(&mut stream))
-    }
-
-    /// Moments of [`LinearRolls::short`] for the trials from `first` on, side by side; `None` where any of them gives
-    /// none.
-    #[inline(always)]
-    pub(super) fn side_by_side(&self, seed: u64, first: u64) -> Option<Moments<Lanes>> {
-        let mut streams = Streams::new(seed, first, Channel::AngularVelocity);
-        self.all_short(|distribution| Lanes(distribution.draw_each(&mut streams)))
-    }
-
-    #[inline(always)]
-    fn all_short<N: Number>(&self, draw: impl FnMut(Distribution) -> N) -> Option<Moments<N>> {
         let mut moments = Moments::default();
-        let mut longest = N::default();
-        self.roll(draw, |probe, path| {
-            let [u, v] = path;
-            longest = longest.larger(u * u + v * v);
+        let half_turn = self.half_turn_squared();
+        let mut are_short = true;
+        let mut stream = Stream::new(seed, trial, Channel::AngularVelocity);
+        for probe in &self.probes {
+            let path = probe.path(self.errors(&mut stream));
+            are_short &= is_short(path, half_turn);
             moments.add_shifts(&probe.reported, path);
-            Ok::<(), Infallible>(())
-        })
-        .ok()?;
+        }
+        are_short.then_some(moments)
+    }
+
+    /// What [`LinearRolls::short`] says of up to [`MOST`] trials from `first` on, in `many`; tells how many there are before
+    /// the first of which it says nothing.
+    ///
+    /// Compiled for the vectors of whoever calls it.
+    #[inline(always)]
+    pub(super) fn side_by_side(
+        &self,
+        seed: u64,
+        first: u64,
+        count: usize,
+        many: &mut ManyRolls,
+    ) -> usize {
+        let count = count.min(MOST);
+        let half_turn = self.half_turn_squared();
+        let mut streams = Streams::new(seed, first, Channel::AngularVelocity);
+        for (number, &probe) in self.probes.iter().enumerate() {
+            // Drawn apart from what is made of them: short loops are those that a processor overlaps best.
+            many.draw(self.error, &mut streams, count);
+            match number {
+                0 => many.add::<true>(probe, half_turn, count),
+                _ => many.add::<false>(probe, half_turn, count),
+            }
+        }
+        let long = &many.long[..count];
+        // Nearly always none.
+        match long.iter().sum::<u64>() {
+            0 => long.len(),
+            _ => long.iter().take_while(|&&long| long == 0).count(),
+        }
+    }
+
+    fn half_turn_squared(&self) -> f64 {
         let half_turn = std::f64::consts::PI * self.radius;
-        let too_long = N::of((half_turn * half_turn).next_up());
-        N::all(longest.is_below(too_long)).then_some(moments)
+        half_turn * half_turn
+    }
+
+    /// Errors of a rotation in units of their size.
+    #[inline(always)]
+    fn errors(&self, stream: &mut Stream) -> [f64; 2] {
+        match self.error {
+            None => [0.0; 2],
+            Some(distribution) => [distribution.draw(stream), distribution.draw(stream)],
+        }
     }
 
     /// Rolls every probe; `read` turns the contact's displacement on the probe (logarithm map) into
@@ -133,53 +160,90 @@ impl LinearRolls {
     ) -> Result<Moments, E> {
         let mut moments = Moments::default();
         let mut stream = Stream::new(seed, trial, Channel::AngularVelocity);
-        self.roll(
-            |distribution| distribution.draw(&mut stream),
-            |probe, path: [f64; 2]| {
-                let shift = Shift::along_great_circle(path.into(), self.radius);
-                let shift = read(shift.displacement)?;
-                moments.add_shifts(&probe.reported, shift.into());
-                Ok(())
-            },
-        )?;
+        for probe in &self.probes {
+            let path = probe.path(self.errors(&mut stream));
+            let shift = Shift::along_great_circle(path.into(), self.radius);
+            let shift = read(shift.displacement)?;
+            moments.add_shifts(&probe.reported, shift.into());
+        }
         Ok(moments)
     }
+}
 
-    /// Tells the contacts' paths along u and v, probe by probe, with errors from `draw`.
+/// Whether a path ends before it has passed half way round the probe.
+#[inline(always)]
+fn is_short([u, v]: [f64; 2], half_turn_squared: f64) -> bool {
+    u * u + v * v <= half_turn_squared
+}
+
+/// Rolls of up to [`MOST`] trials side by side.
+#[derive(Clone, Debug)]
+pub(super) struct ManyRolls {
+    pub(super) moments: ManyMoments,
+    /// Number of paths that pass half way round their probe.
+    long: [u64; MOST],
+    /// Errors of the rotation of one probe, in units of their size.
+    errors: [[f64; MOST]; 2],
+}
+
+impl Default for ManyRolls {
+    fn default() -> Self {
+        Self {
+            moments: ManyMoments::default(),
+            long: [0; MOST],
+            errors: [[0.0; MOST]; 2],
+        }
+    }
+}
+
+impl ManyRolls {
+    /// Draws the errors of a probe's rotation in each of the first `count` trials; there are none without a distribution.
     #[inline(always)]
-    fn roll<N: Number, E>(
-        &self,
-        mut draw: impl FnMut(Distribution) -> N,
-        each: impl FnMut(&LinearRoll, [N; 2]) -> Result<(), E>,
-    ) -> Result<(), E> {
-        use Distribution::{Gaussian, Uniform};
+    fn draw(&mut self, error: Option<Distribution>, streams: &mut Streams<MOST>, count: usize) {
         // The distribution is known where errors are drawn.
-        match self.error {
-            None => self.disturbed(N::default, each),
-            Some(Uniform) => self.disturbed(|| draw(Uniform), each),
-            Some(Gaussian) => self.disturbed(|| draw(Gaussian), each),
+        match error {
+            None => (),
+            Some(Distribution::Uniform) => {
+                for place in 0..count {
+                    self.errors[0][place] = streams.symmetric_uniform(place);
+                    self.errors[1][place] = streams.symmetric_uniform(place);
+                }
+            }
+            Some(Distribution::Gaussian) => {
+                for place in 0..count {
+                    self.errors[0][place] = streams.standard_normal(place);
+                    self.errors[1][place] = streams.standard_normal(place);
+                }
+            }
         }
     }
 
-    /// Tells the contacts' paths with errors from `error`, in units of their size.
+    /// Adds the roll of a probe to those before it, or makes it the first.
     #[inline(always)]
-    fn disturbed<N: Number, E>(
-        &self,
-        mut error: impl FnMut() -> N,
-        mut each: impl FnMut(&LinearRoll, [N; 2]) -> Result<(), E>,
-    ) -> Result<(), E> {
-        for probe in &self.probes {
-            each(probe, probe.path([error(), error()]))?;
+    fn add<const IS_FIRST: bool>(
+        &mut self,
+        probe: LinearRoll,
+        half_turn_squared: f64,
+        count: usize,
+    ) {
+        for place in 0..count {
+            let path = probe.path([self.errors[0][place], self.errors[1][place]]);
+            let (mut moments, long) = match IS_FIRST {
+                true => Default::default(),
+                false => (self.moments.at(place), self.long[place]),
+            };
+            moments.add_shifts(&probe.reported, path);
+            self.moments.put(place, moments);
+            self.long[place] = long + u64::from(!is_short(path, half_turn_squared));
         }
-        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::{Arch, LANES, RollScene, Scene, Scenes};
+    use crate::{Arch, RollScene, Scene, Scenes};
     use palpate_study::config;
+    use std::convert::Infallible;
 
     fn scene(duration_s: f64, noise: &str) -> RollScene {
         let text = format!(
@@ -245,19 +309,20 @@ mod tests {
             for duration_s in [1.0, 31.0] {
                 let scene = scene(duration_s, noise);
                 let (mut trial, mut together) = (0, 0);
-                while trial < 50 {
+                while trial < 500 {
                     let mut first = trial;
-                    let taken = scene.side_by_side(Arch::new(), trial..50, |observed| {
-                        for lane in 0..LANES {
-                            let outcomes = scene.outcomes(first + lane as u64).unwrap();
+                    let taken = scene.side_by_side(Arch::new(), trial..500, |observed| {
+                        let count = observed[0].estimates.len();
+                        for place in 0..count {
+                            let outcomes = scene.outcomes(first + place as u64).unwrap();
                             for (side_by_side, outcome) in observed.iter().zip(outcomes) {
-                                assert_eq!(side_by_side.estimates[lane], outcome.estimate);
+                                assert_eq!(side_by_side.estimates[place], outcome.estimate);
                                 assert_eq!(side_by_side.truth, outcome.truth);
-                                assert_eq!(side_by_side.stds.map(|stds| stds[lane]), outcome.std);
+                                assert_eq!(side_by_side.stds.map(|stds| stds[place]), outcome.std);
                             }
                         }
-                        first += LANES as u64;
-                        true
+                        first += count as u64;
+                        count
                     });
                     assert_eq!(first, trial + taken);
                     together += taken;
@@ -265,7 +330,7 @@ mod tests {
                 }
                 assert!(
                     if duration_s == 1.0 {
-                        together == 48
+                        together == 500
                     } else {
                         together > 0
                     },
@@ -278,16 +343,14 @@ mod tests {
     #[test]
     fn what_is_not_taken_does_not_count() {
         let scene = scene(1.0, NOISES[1]);
-        let mut offers = 0;
-        let taken = scene.side_by_side(Arch::new(), 3..50, |_| {
-            offers += 1;
-            offers < 3
+        let mut offers = Vec::new();
+        let taken = scene.side_by_side(Arch::new(), 3..1000, |observed| {
+            offers.push(observed[4].estimates.len());
+            if offers.len() < 3 { offers[0] } else { 5 }
         });
-        assert_eq!((offers, taken), (3, 2 * LANES as u64));
-        assert_eq!(
-            scene.side_by_side(Arch::new(), 3..3 + LANES as u64 - 1, |_| true),
-            0
-        );
+        assert_eq!(offers, [offers[0]; 3]);
+        assert_eq!(taken, 2 * offers[0] as u64 + 5);
+        assert_eq!(scene.side_by_side(Arch::new(), 3..3, |_| panic!("none")), 0);
     }
 
     #[test]

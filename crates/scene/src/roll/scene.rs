@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector2;
 use palpate_ep1::{
-    Ep1Error, Estimate, Estimates, LANES, Lanes, LeastSquares, Measured, Moments, ProbeReading,
+    Ep1Error, Estimate, LeastSquares, MOST, ManyEstimates, Measured, Moments, ProbeReading,
     ReadingNoise,
 };
 use palpate_geometry::CurvatureForm;
@@ -12,7 +12,7 @@ use palpate_rolling::{Chart, Motion, Roller};
 use palpate_sensing::Encoder;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::linear::LinearRolls;
+use super::linear::{LinearRolls, ManyRolls};
 use super::noise::MotionNoise;
 use super::sensor::RollSensor;
 use crate::ladder::Ladder;
@@ -63,68 +63,58 @@ pub(super) struct Truth {
     pub(super) arc_length: f64,
 }
 
-/// Outcomes of one quantity in [`LANES`] trials side by side, trial by trial.
+/// Outcomes of one quantity in trials side by side, trial by trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SideBySide {
+pub struct SideBySide<'a> {
     /// The estimates.
-    pub estimates: [f64; LANES],
+    pub estimates: &'a [f64],
     /// The true value in all of them.
     pub truth: f64,
-    /// The standard deviations that the estimator claims; `None` if no noise was stated.
-    pub stds: Option<[f64; LANES]>,
+    /// The standard deviations that the estimator claims, one per estimate; `None` if no noise was stated.
+    pub stds: Option<&'a [f64]>,
 }
 
 /// Trials side by side, compiled once for every width of vectors.
-struct Together<'a, F> {
-    scene: &'a RollScene,
+struct Together<'a> {
+    seed: u64,
     linear: &'a LinearRolls,
     fit: &'a LeastSquares,
-    trials: Range<u64>,
-    take: F,
+    first: u64,
+    /// Number of trials, at most [`MOST`].
+    count: usize,
+    rolls: &'a mut ManyRolls,
+    estimates: &'a mut ManyEstimates,
 }
 
-impl<F: FnMut(&[SideBySide; QUANTITIES.len()]) -> bool> WithSimd for Together<'_, F> {
-    type Output = u64;
+impl WithSimd for Together<'_> {
+    /// Number of trials before the first that failed.
+    type Output = usize;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, _: S) -> u64 {
-        let Range { start, end } = self.trials;
-        let truths = self.scene.truths();
-        let mut trial = start;
-        while end.saturating_sub(trial) >= LANES as u64
-            && let Some(moments) = self.linear.side_by_side(self.scene.seed, trial)
-            && let Some(estimates) = self.fit.estimates(&moments)
-            && (self.take)(&side_by_side(&estimates, &truths))
-        {
-            trial += LANES as u64;
-        }
-        trial - start
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        let rolls = self.rolls;
+        let rolled = self
+            .linear
+            .side_by_side(self.seed, self.first, self.count, rolls);
+        self.fit
+            .estimate_many(&rolls.moments, rolled, self.estimates)
     }
 }
 
-#[inline(always)]
-fn side_by_side(
-    estimates: &Estimates<Lanes>,
-    truths: &[f64; QUANTITIES.len()],
-) -> [SideBySide; QUANTITIES.len()] {
-    let Estimates {
-        curvatures: [u, v, gaussian, mean],
-        stds,
-        arc_length,
-    } = estimates;
-    let values = [u, v, gaussian, mean, arc_length];
-    let quantity = |index: usize| SideBySide {
-        estimates: values[index].0,
-        truth: truths[index],
-        stds: stds.and_then(|stds| stds.get(index).map(|stds| stds.0)),
-    };
-    [
-        quantity(0),
-        quantity(1),
-        quantity(2),
-        quantity(3),
-        quantity(4),
-    ]
+fn outcomes(
+    estimates: &ManyEstimates,
+    quantity: usize,
+    truth: f64,
+    count: usize,
+) -> SideBySide<'_> {
+    let stds = estimates.stds.get(quantity);
+    SideBySide {
+        estimates: &estimates.values[quantity][..count],
+        truth,
+        stds: stds
+            .filter(|_| estimates.have_stds)
+            .map(|stds| &stds[..count]),
+    }
 }
 
 impl RollScene {
@@ -177,27 +167,45 @@ impl RollScene {
             .map(|estimate| self.compare(&estimate))
     }
 
-    /// Runs the first of `trials`, [`LANES`] at a time, and gives what they say to `take`, in the order of
-    /// [`Trials::quantities`]: to the last bit what [`RollScene::outcomes`] says, only quicker, and quicker still on a processor
-    /// with wide vectors. Goes on until trials can only be run one by one, or `take` refuses some; tells how many were
-    /// taken.
+    /// Runs the first of `trials`, [`MOST`] at a time, and gives what they say to `take`, batch by batch in the order of
+    /// [`Trials::quantities`]: to the last bit what [`RollScene::outcomes`] says, only quicker, and quicker still on a
+    /// processor with wide vectors. `take` tells how many of them it takes. Goes on until a trial can only be run alone, or
+    /// `take` leaves some; tells how many were taken.
     pub fn side_by_side(
         &self,
         arch: Arch,
         trials: Range<u64>,
-        take: impl FnMut(&[SideBySide; QUANTITIES.len()]) -> bool,
+        mut take: impl FnMut(&[SideBySide<'_>; QUANTITIES.len()]) -> usize,
     ) -> u64 {
         let (Some(linear), Ok(fit), RollSensor::Ideal) = (&self.linear, &self.fit, &self.sensor)
         else {
             return 0;
         };
-        arch.dispatch(Together {
-            scene: self,
-            linear,
-            fit,
-            trials,
-            take,
-        })
+        let truths = self.truths();
+        let (mut rolls, mut estimates) = (ManyRolls::default(), ManyEstimates::default());
+        let mut trial = trials.start;
+        loop {
+            let count = trials.end.saturating_sub(trial).min(MOST as u64) as usize;
+            let ran = arch.dispatch(Together {
+                seed: self.seed,
+                linear,
+                fit,
+                first: trial,
+                count,
+                rolls: &mut rolls,
+                estimates: &mut estimates,
+            });
+            if ran == 0 {
+                return trial - trials.start;
+            }
+            let taken = take(&std::array::from_fn(|quantity| {
+                outcomes(&estimates, quantity, truths[quantity], ran)
+            }));
+            trial += taken as u64;
+            if taken < count {
+                return trial - trials.start;
+            }
+        }
     }
 
     /// An estimate beside the truth.

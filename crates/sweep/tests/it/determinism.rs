@@ -68,14 +68,12 @@ impl Trial for Together {
     fn run_together(&self, trials: Range<u64>, record: &mut Record) -> u64 {
         let fit = |&trial: &u64| trial < trials.end && trial % 7 != 3;
         let together = (trials.start..trials.start + 5).take_while(fit);
-        let sound = |&trial: &u64| {
-            record.observe_together(&[Observations {
-                estimates: [normal(trial)],
-                truth: 0.0,
-                stds: None,
-            }])
-        };
-        together.take_while(sound).count() as u64
+        let estimates: Vec<f64> = together.map(normal).collect();
+        record.observe_together(&[Observations {
+            estimates: &estimates,
+            truth: 0.0,
+            stds: None,
+        }]) as u64
     }
 }
 
