@@ -54,6 +54,9 @@ impl RestLook {
     }
 }
 
+/// The markers as a camera sees them; `None` for those that it does not find.
+pub(super) type Seen = Arc<[Option<Marker>]>;
+
 /// Looks at presses, with all that they depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PressLooks {

@@ -1,12 +1,10 @@
 //! Parts that presses have in common.
 
-use std::sync::Arc;
-
 use palpate_press::{Body, PressError};
 use palpate_tracking::Marker;
 
 use super::failure::PressFailure;
-use super::looks::{Changes, PressLooks, RestLook};
+use super::looks::{Changes, PressLooks, RestLook, Seen};
 use crate::kept::Kept;
 
 /// Layers that are kept, each with tables of at most 2 MB.
@@ -47,7 +45,7 @@ const SEEN: usize = 1 << 17;
 pub struct Parts {
     /// Layers by the bits of their thickness and of the depth at which they are read.
     layers: Kept<[u64; 2], Result<Body, PressError>>,
-    at_rest: Kept<RestLook, Result<Arc<[Option<Marker>]>, PressFailure>>,
+    at_rest: Kept<RestLook, Result<Seen, PressFailure>>,
     changes: Kept<PressLooks, Result<Changes, PressFailure>>,
 }
 
@@ -70,8 +68,8 @@ impl Parts {
     }
 
     /// The markers that a camera sees at rest.
-    pub(super) fn at_rest(&self, look: &RestLook) -> Result<Arc<[Option<Marker>]>, PressFailure> {
-        let markers = || look.markers().map(Arc::from);
+    pub(super) fn at_rest(&self, look: &RestLook) -> Result<Seen, PressFailure> {
+        let markers = || look.markers().map(Seen::from);
         self.at_rest.get(look.clone(), look.size(), markers)
     }
 
