@@ -241,7 +241,7 @@ impl<T: Trial + ?Sized> Job<'_, T> {
             );
             start = end;
         }
-        let mut ran = Partial::default();
+        let mut ran = Partial::new(self.trial.quantities());
         part.add_to(&mut ran);
         if let Some(kept) = self.kept {
             kept.thin(&mut ran);
