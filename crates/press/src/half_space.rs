@@ -26,6 +26,54 @@ use crate::Field;
 /// Contact radius, as a share of the distance, below which the series in it is exact to rounding.
 const FAR: f64 = 1.0 / 12.0;
 
+/// Terms of the series in that share.
+const TERMS: usize = 7;
+
+/// Orders of the Legendre polynomials in those terms.
+const ORDERS: usize = 2 * TERMS + 2;
+
+/// Series that are summed: Q₃⁰, Q₂⁰, Q₁⁰, those of order 1, and S₁, S₀ of both orders.
+const SERIES: usize = 10;
+
+/// Factors of z/ρ P_m and of P_{m−1} in P_{m+1}.
+const RECURRENCE: [[f64; 2]; ORDERS] = {
+    let mut factors = [[0.0; 2]; ORDERS];
+    let mut m = 0;
+    while m < ORDERS {
+        let order = m as f64;
+        factors[m] = [(2.0 * order + 1.0) / (order + 1.0), order / (order + 1.0)];
+        m += 1;
+    }
+    factors
+};
+
+/// Factors of the terms of each series, but for powers of −s²: sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)! and
+/// sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!, times the factorial of the power of k that is integrated.
+const FACTORS: [[f64; SERIES]; TERMS] = {
+    let mut factors = [[0.0; SERIES]; TERMS];
+    let mut n = 0;
+    while n < TERMS {
+        let even = 2.0 * n as f64;
+        let (first, second, third) = (even + 1.0, even + 2.0, even + 3.0);
+        // (m−1)! instead of m!, and no factorial for m = 0.
+        let lower = if n == 0 { 1.0 } else { even };
+        factors[n] = [
+            1.0 / (first * third),
+            1.0 / third,
+            second / third,
+            1.0 / (first * third * lower),
+            1.0 / (first * third),
+            1.0 / third,
+            1.0 / first,
+            1.0,
+            1.0 / (first * lower),
+            1.0 / first,
+        ];
+        n += 1;
+    }
+    factors
+};
+
 /// Square of the distance from the edge at the surface within which derivatives no longer grow, in squared contact
 /// radii.
 const EDGE: f64 = 1e-20;
@@ -100,11 +148,9 @@ impl Moments {
         }
     }
 
-    /// The series in a/ρ with ∫ kᵐ e^{−kz} J₀(kr) dk = m! P_m(z/ρ)/ρ^{m+1}, and for J₁
-    /// (m−1)! (r/ρ) P'_m(z/ρ)/ρ^{m+1}.
+    /// The series in s = a/ρ with ∫ kᵐ e^{−kz} J₀(kr) dk = m! P_m(z/ρ)/ρ^{m+1}, and for J₁
+    /// (m−1)! (r/ρ) P'_m(z/ρ)/ρ^{m+1}, which is r/(ρ (ρ + z)) for m = 0.
     fn far(z: f64, a: f64, r: f64) -> Self {
-        const TERMS: usize = 7;
-        const ORDERS: usize = 2 * TERMS + 2;
         let distance = (r * r + z * z).sqrt();
         let (cosine, s) = (z / distance, a / distance);
         // P_m and P'_m by their recurrences.
@@ -113,51 +159,31 @@ impl Moments {
         legendre[1] = cosine;
         slope[1] = 1.0;
         for m in 1..ORDERS - 1 {
-            let order = m as f64;
-            legendre[m + 1] = ((2.0 * order + 1.0) * cosine * legendre[m]
-                - order * legendre[m - 1])
-                / (order + 1.0);
-            slope[m + 1] = slope[m - 1] + (2.0 * order + 1.0) * legendre[m];
+            let [last, before] = RECURRENCE[m];
+            legendre[m + 1] = last * cosine * legendre[m] - before * legendre[m - 1];
+            slope[m + 1] = slope[m - 1] + (2 * m + 1) as f64 * legendre[m];
         }
-        let mut moments = Self {
-            even: [0.0; 3],
-            odd: [0.0; 3],
-            ring_even: [0.0; 2],
-            ring_odd: [0.0; 2],
+        slope[0] = 1.0 / (1.0 + cosine);
+        // In powers of −s², from the last.
+        let mut sums = [0.0; SERIES];
+        for (n, factors) in FACTORS.iter().enumerate().rev() {
+            let ([p_0, p_1, p_2], [q_0, q_1, q_2]) = (
+                [0, 1, 2].map(|more| legendre[2 * n + more]),
+                [0, 1, 2].map(|more| slope[2 * n + more]),
+            );
+            let terms = [p_0, p_1, p_2, q_0, q_1, q_2, p_0, p_1, q_0, q_1];
+            for (sum, (factor, term)) in sums.iter_mut().zip(factors.iter().zip(terms)) {
+                *sum = factor * term - s * s * *sum;
+            }
+        }
+        let (d, cube) = (distance, s * s * s);
+        Self {
+            even: [cube * d * d * sums[0], cube * d * sums[1], cube * sums[2]],
+            odd: [cube * d * sums[3], cube * sums[4], cube / d * sums[5]],
+            ring_even: [s * sums[6], s / d * sums[7]],
+            ring_odd: [s / d * sums[8], s / (d * d) * sums[9]],
             r,
-        };
-        // sin x − x cos x = Σ (−1)ⁿ (2n+2) x^{2n+3}/(2n+3)!, sin x = Σ (−1)ⁿ x^{2n+1}/(2n+1)!; with the factorial of
-        // the integral's order the powers of x^m give simple fractions.
-        let mut sign = 1.0;
-        let mut power = s;
-        for n in 0..TERMS {
-            let order = n as f64;
-            let (first, second, third) = (2.0 * order + 1.0, 2.0 * order + 2.0, 2.0 * order + 3.0);
-            let m = 2 * n;
-            // Orders m, m+1, m+2 of k under Q₃, Q₂, Q₁.
-            let cube = power * s * s;
-            let d = distance;
-            moments.even[0] += sign * cube * d * d / (first * third) * legendre[m];
-            moments.even[1] += sign * cube * d / third * legendre[m + 1];
-            moments.even[2] += sign * cube * second / third * legendre[m + 2];
-            // (m−1)! instead of m!; m = 0 is 1/(ρ (ρ + z)) for r P'/ρ².
-            let odd_0 = if n == 0 {
-                1.0 / (1.0 + cosine)
-            } else {
-                slope[m] / m as f64
-            };
-            moments.odd[0] += sign * cube * d / (first * third) * odd_0;
-            moments.odd[1] += sign * cube / (third * (m + 1) as f64) * slope[m + 1];
-            moments.odd[2] += sign * cube * second / (third * d * (m + 2) as f64) * slope[m + 2];
-            // Orders m, m+1 of k under S₁, S₀.
-            moments.ring_even[0] += sign * power / first * legendre[m];
-            moments.ring_even[1] += sign * power / d * legendre[m + 1];
-            moments.ring_odd[0] += sign * power / (first * d) * odd_0;
-            moments.ring_odd[1] += sign * power / (d * d * (m + 1) as f64) * slope[m + 1];
-            sign = -sign;
-            power = cube;
         }
-        moments
     }
 
     #[inline(always)]
