@@ -24,7 +24,10 @@ use curves::CellCurves;
 
 pub use answer::{Answer, LookedAt, Sample};
 pub use field::Field;
+pub(crate) use question::MOST_COLUMNS;
 pub use question::{DesignError, Question};
+pub(crate) use table::verdict;
+pub(crate) use words::{first_letter_large, joined, notes, sure, trials_in_words};
 
 /// Trials by which the best value is known where none meets the target.
 const BEST: u64 = 4096;
@@ -76,6 +79,7 @@ pub fn design(
         gap: question.gap,
         most_trials: question.most_trials,
         budget: question.budget,
+        wrong: 1.0 - question.confidence,
     };
     let found = search(&mut curves, &asked, clock)?;
     let answer = assembled(&curves, question, &found)?;
@@ -158,6 +162,7 @@ fn assembled(
         unit: unit(&told, &target),
         target,
         max_failures: question.max_failures,
+        confidence: question.confidence,
         columns: told.columns.iter().take(axes).cloned().collect(),
         cells: cells?,
         looked,
@@ -195,6 +200,7 @@ fn check(question: &Question) -> Result<(), DesignError> {
         set,
         gap,
         most_trials,
+        confidence,
         ..
     } = question;
     let refused = |setting, value, expected| {
@@ -213,6 +219,9 @@ fn check(question: &Question) -> Result<(), DesignError> {
     }
     if *most_trials == 0 {
         return refused("most_trials", 0.0, "at least 1");
+    }
+    if !(*confidence > 0.0 && *confidence < 1.0) {
+        return refused("confidence", *confidence, "above 0 and below 1");
     }
     if !target.limit.is_finite() || target.statistic.is_size() && target.limit <= 0.0 {
         let expected = match target.statistic.is_size() {

@@ -47,6 +47,7 @@ mod map;
 mod means;
 mod plan;
 mod readings;
+mod region;
 mod share;
 mod simulation;
 mod tables;
@@ -70,6 +71,7 @@ pub use palpate_sweep::{
 };
 pub use plan::plan;
 pub use readings::{frame, readings};
+pub use region::{Best, Extreme, Region, RegionColumn, Sought, Survey, region};
 pub use share::Shard;
 pub use simulation::{CellRows, Finished, Ran, RunError, Simulation, Warnings, run};
 pub use trace::{TraceError, trace};

@@ -36,8 +36,9 @@ pub use error::ReportError;
 pub use files::Files;
 pub use page::page;
 pub use plot::{
-    AnswerCurve, CurveLine, CurvePoint, Figure, Heat, HeatPanel, Stretch, answer_figure, figure,
-    figures, heat_figure, press_figures, tradeoff_figures,
+    AnswerCurve, CurveLine, CurvePoint, Figure, Heat, HeatPanel, RegionAxis, RegionMap,
+    RegionPanel, RegionStrip, Stretch, answer_figure, figure, figures, heat_figure, press_figures,
+    region_figure, tradeoff_figures,
 };
 pub use scorecard::scorecard_text;
 pub use study::{Failure, Study};

@@ -18,6 +18,7 @@ mod lines;
 mod pixels;
 mod press_trace;
 mod profile;
+mod region;
 mod request;
 mod scale;
 mod select;
@@ -33,6 +34,7 @@ pub(crate) use fronts::all as fronts;
 pub use fronts::tradeoff_figures;
 pub use heat::{Heat, HeatPanel, heat_figure};
 pub use press_trace::press_figures;
+pub use region::{RegionAxis, RegionMap, RegionPanel, RegionStrip, region_figure};
 
 /// Draws every `[[plot]]` of the study, in the order of the config. A plot of kind `class-map` or `profile` is of
 /// `map.csv`, one of kind `contacts` of `trace.csv` and `readings.csv`. The bytes of an SVG depend on the study's tables

@@ -1,7 +1,7 @@
 //! Search for the values of a field at which a target is met, through noise, and how sure the answer is.
 //!
 //! Every score below is of trials that draw the same random numbers at every value. What fresh trials must verify is
-//! verified at 95 %, all looks and attempts together: a fifth of the probability to be wrong is for the looks of the search
+//! verified as surely as is asked for, all looks and attempts together: a fifth of the probability to be wrong is for the looks of the search
 //! (shared evenly by at most 400), the rest for the ends of the runs, where each attempt has half the probability of the one
 //! before. So it holds whatever the curve is like; only between values that were looked at it may do what nobody saw.
 
@@ -36,6 +36,8 @@ pub struct Search {
     pub most_trials: u64,
     /// Time after which nothing more is explored; the scan and the verification are always done.
     pub budget: Option<Duration>,
+    /// Probability that anything which the search claims is wrong; above 0 and below 1.
+    pub wrong: f64,
 }
 
 /// Values that meet a target, and those that miss it.
@@ -85,7 +87,7 @@ pub struct Looked {
 ///     }
 /// }
 /// let among = Among::Span(Span::new(0.1, 10.0, false));
-/// let search_it = Search { among, gap: 0.05, most_trials: 1 << 24, budget: None };
+/// let search_it = Search { among, gap: 0.05, most_trials: 1 << 24, budget: None, wrong: 0.05 };
 /// let found = search(&mut BelowOne, &search_it, &|| Duration::ZERO)?;
 /// assert!(found.looked.len() > 16 && found.ended == Ended::Known);
 /// let [meets, misses] = found.runs[..] else { panic!("one crossing") };
@@ -101,7 +103,7 @@ pub fn search<C: Curves + ?Sized>(
     search: &Search,
     clock: &Clock<'_>,
 ) -> Result<Searched, C::Error> {
-    let rules = Rules::new(search.gap, search.most_trials, curves.cells());
+    let rules = Rules::new(search.gap, search.most_trials, search.wrong, curves.cells());
     let mut effort = Effort::new(clock, search.budget);
     let (points, ended) = explore::explore(curves, search.among, &rules, &mut effort)?;
     let (runs, narrowed) = verify::verify(curves, &points, search.among, &rules, &mut effort)?;

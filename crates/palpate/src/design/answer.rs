@@ -5,7 +5,7 @@ use palpate_sweep::{Ended, Run, Side};
 
 use super::field::Field;
 
-/// Values of a field that meet a target, and those that miss it, with 95 % confidence that all of it is right.
+/// Values of a field that meet a target, and those that miss it.
 ///
 /// Values between [`Answer::runs`] are undecided. Between values that were looked at, a curve may do what nobody saw.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +18,8 @@ pub struct Answer {
     pub unit: String,
     /// Largest share of the trials that may fail.
     pub max_failures: f64,
+    /// Probability that all of the answer is right.
+    pub confidence: f64,
     /// Columns of the swept fields that tell the cells apart which meet the target together.
     pub columns: Vec<String>,
     /// Values of these fields in each cell, as results show them.
@@ -114,11 +116,6 @@ impl Answer {
             .iter()
             .flat_map(|looked| [&looked.searched, &looked.fresh]);
         both.flatten()
-    }
-
-    /// Whether values are listed rather than numbers of a range.
-    pub fn is_listed(&self) -> bool {
-        !self.field.listed.is_empty()
     }
 
     /// Value that comes nearest to the target, and the sample of its worst cell: the best statistic of values of which few

@@ -99,6 +99,37 @@ impl Field {
         }
     }
 
+    /// Value as a number; `None` of a listed one that is none.
+    pub fn number(&self, value: f64) -> Option<f64> {
+        match self.listed.get(value as usize) {
+            Some(toml::Value::Float(number)) => Some(*number),
+            Some(toml::Value::Integer(number)) => Some(*number as f64),
+            Some(_) => None,
+            None => Some(value),
+        }
+    }
+
+    /// Whether values are listed rather than numbers of a range.
+    pub fn is_listed(&self) -> bool {
+        !self.listed.is_empty()
+    }
+
+    /// Value with its unit.
+    pub fn value(&self, value: f64) -> String {
+        self.label.value(&self.text(value))
+    }
+
+    /// Values from one to another with their unit.
+    pub(crate) fn between(&self, from: f64, to: f64) -> String {
+        match from == to {
+            true => self.value(from),
+            false => {
+                let from = self.label.bare_value(&self.text(from));
+                format!("{from} to {}", self.value(to))
+            }
+        }
+    }
+
     /// Value as results show it.
     pub fn text(&self, value: f64) -> String {
         match self.listed.get(value as usize) {

@@ -38,7 +38,7 @@ impl Answer {
             to: run.to,
             meets: run.side == Side::Meets,
         };
-        let names = match self.is_listed() {
+        let names = match self.field.is_listed() {
             true => self
                 .looked
                 .iter()

@@ -24,11 +24,13 @@ pub struct Question {
     pub most_trials: u64,
     /// Time after which nothing more is explored; the scan and the verification are always done.
     pub budget: Option<Duration>,
+    /// Probability that all of the answer is right; above 0 and below 1.
+    pub confidence: f64,
 }
 
 impl Question {
-    /// Question with at most 5 % of failures, a gap of 5 %, at most 4,194,304 trials of a cell at one value, and no end by
-    /// time.
+    /// Question with at most 5 % of failures, a gap of 5 %, at most 4,194,304 trials of a cell at one value, no end by time,
+    /// and an answer that is right with 95 %.
     pub fn new(target: Target, vary: Vary) -> Self {
         Self {
             target,
@@ -38,6 +40,7 @@ impl Question {
             gap: 0.05,
             most_trials: 1 << 22,
             budget: None,
+            confidence: 0.95,
         }
     }
 }
@@ -69,6 +72,25 @@ pub enum DesignError {
     /// Field that is given twice.
     #[error("{0} is given twice")]
     Twice(String),
+    /// No field is varied.
+    #[error("no field is varied")]
+    NothingVaried,
+    /// Field whose largest or smallest value is asked for, and which is not varied.
+    #[error("{0} is not varied, so that it has no best value: add --vary {0}=LO..HI")]
+    NotVaried(String),
+    /// Field whose largest or smallest value is asked for, and whose values are no numbers.
+    #[error("{path} has no largest or smallest value, for {text:?} is no number")]
+    NoOrder {
+        /// Path of the field.
+        path: String,
+        /// Value that is no number.
+        text: String,
+    },
+    /// More combinations of values than are searched.
+    #[error(
+        "{0} combinations of values would each be searched, and at most {MOST_COLUMNS} are: list fewer values, or vary fewer fields"
+    )]
+    TooManyColumns(usize),
     /// Scene that has no such quantity.
     #[error("a {scene} has no quantity {name:?} (known: {known})")]
     NoQuantity {
@@ -98,5 +120,7 @@ pub enum DesignError {
     TooManyCells(usize),
 }
 
+/// Most combinations of the values of a grid.
+pub(crate) const MOST_COLUMNS: usize = 64;
 /// Most cells that are to meet a target together.
 pub(crate) const MOST_CELLS: usize = 1000;

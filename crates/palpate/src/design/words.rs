@@ -13,7 +13,13 @@ const OF_ERROR: usize = 1;
 impl Answer {
     /// The answer in one sentence: what meets the target, what misses it, and what is undecided.
     pub fn sentence(&self) -> String {
-        const SURE: &str = "(95 % sure)";
+        let sure = format!(" ({})", sure(self.confidence));
+        let said = self.said(&sure);
+        format!("{}: {said}.", first_letter_large(&self.field.label.words))
+    }
+
+    /// The sentence without the name of the field, with the words that tell how sure it is.
+    pub(crate) fn said(&self, sure: &str) -> String {
         let said = |side: Side| {
             let runs: Vec<String> = self.on(side).map(|run| self.run(run)).collect();
             (!runs.is_empty()).then(|| joined(&runs))
@@ -28,30 +34,24 @@ impl Answer {
             None => String::new(),
         };
         let all = self.all();
-        let said = match (meets, misses, undecided) {
-            (Some(_), None, None) => format!("{all} meets the target {SURE}"),
-            (Some(meets), None, _) => format!("{meets} meets the target {SURE}{rest}"),
+        match (meets, misses, undecided) {
+            (Some(_), None, None) => format!("{all} meets the target{sure}"),
+            (Some(meets), None, _) => format!("{meets} meets the target{sure}{rest}"),
             (Some(meets), Some(misses), _) => {
-                format!("{meets} meets the target {SURE}, {misses} misses it{rest}")
+                format!("{meets} meets the target{sure}, {misses} misses it{rest}")
             }
-            (None, Some(_), None) => format!("{all} misses the target {SURE}{}", best()),
+            (None, Some(_), None) => format!("{all} misses the target{sure}{}", best()),
             (None, Some(misses), _) => {
-                format!("{misses} misses the target {SURE}{rest}{}", best())
+                format!("{misses} misses the target{sure}{rest}{}", best())
             }
             (None, None, _) => format!("whether {all} meets the target is undecided{}", best()),
-        };
-        let words = &self.field.label.words;
-        let mut letters = words.chars();
-        let first = letters
-            .next()
-            .map(|letter| letter.to_uppercase().to_string());
-        format!("{}{}: {said}.", first.unwrap_or_default(), letters.as_str())
+        }
     }
 
     /// Words for all values together.
-    fn all(&self) -> String {
+    pub(crate) fn all(&self) -> String {
         let span = self.field.span;
-        match (self.is_listed(), span.from == span.to) {
+        match (self.field.is_listed(), span.from == span.to) {
             (_, true) => self.value(self.looked.first().map_or(span.from, |looked| looked.value)),
             (true, _) => "every value".to_owned(),
             (false, _) => format!("every value from {}", self.between(span.from, span.to)),
@@ -65,34 +65,12 @@ impl Answer {
         let trials: u64 = self.samples().map(|sample| sample.trials).sum();
         let fresh = self.looked.iter().flat_map(|looked| &looked.fresh);
         let fresh: u64 = fresh.map(|sample| sample.trials).sum();
-        lines.push(match self.samples().all(|sample| sample.trials <= 1) {
-            true => "trials   1 of each value: nothing is random".to_owned(),
-            false => format!(
-                "trials   {}, of which {} fresh ones verify the answer",
-                number::grouped(trials),
-                number::grouped(fresh)
-            ),
-        });
-        if self.narrowed > 0 {
-            let ends = match self.narrowed {
-                1 => "an end".to_owned(),
-                count => format!("{count} ends"),
-            };
-            lines.push(format!(
-                "note     fresh trials did not verify {ends} where the search had found it: the answer is narrower there"
-            ));
-        }
-        match self.ended {
-            Ended::Known => {}
-            Ended::Time => lines.push(
-                "note     time was up before the gap was as small as it was to be: --budget gives more"
-                    .to_owned(),
-            ),
-            Ended::Trials => lines.push(
-                "note     some values are so near the limit that more trials than are taken would be needed"
-                    .to_owned(),
-            ),
-        }
+        let is_random = self.samples().any(|sample| sample.trials > 1);
+        lines.push(format!(
+            "trials   {}",
+            trials_in_words(trials, fresh, is_random)
+        ));
+        lines.extend(notes(self.narrowed, &[self.ended]));
         lines
     }
 
@@ -132,7 +110,7 @@ impl Answer {
         let count = self.looked.len();
         let worst = self.worst_cells();
         let values = match self.field.span {
-            _ if self.is_listed() => format!("{count}, listed"),
+            _ if self.field.is_listed() => format!("{count}, listed"),
             span if span.from == span.to => self.value(span.from),
             span => {
                 let spacing = if span.is_log { "ratios" } else { "differences" };
@@ -171,7 +149,7 @@ impl Answer {
 
     /// Words for the values that are undecided.
     fn undecided(&self) -> Option<String> {
-        if self.is_listed() {
+        if self.field.is_listed() {
             let open = self.looked.iter().filter(|looked| looked.side.is_none());
             let open: Vec<String> = open.map(|looked| self.value(looked.value)).collect();
             let is = if open.len() == 1 { "is" } else { "are" };
@@ -208,9 +186,10 @@ impl Answer {
         }
     }
 
-    fn run(&self, run: &Run) -> String {
+    /// Values of a run.
+    pub(crate) fn run(&self, run: &Run) -> String {
         let span = self.field.span;
-        if self.is_listed() || run.from == run.to {
+        if self.field.is_listed() || run.from == run.to {
             return self.value(run.from);
         }
         match (run.from == span.from, run.to == span.to) {
@@ -222,21 +201,15 @@ impl Answer {
 
     /// Value with its unit.
     pub fn value(&self, value: f64) -> String {
-        self.field.label.value(&self.field.text(value))
+        self.field.value(value)
     }
 
     fn between(&self, from: f64, to: f64) -> String {
-        match from == to {
-            true => self.value(from),
-            false => {
-                let from = self.field.label.bare_value(&self.field.text(from));
-                format!("{from} to {}", self.value(to))
-            }
-        }
+        self.field.between(from, to)
     }
 
     /// The statistic that a value reaches, or the share of its trials that fail.
-    fn reached(&self, looked: &LookedAt, sample: &Sample) -> String {
+    pub(crate) fn reached(&self, looked: &LookedAt, sample: &Sample) -> String {
         let value = self.value(looked.value);
         if sample.failing() > self.max_failures {
             return match sample.trials {
@@ -266,6 +239,59 @@ impl Answer {
             false => format!("{statistic} is {shown}{unit} at {value}"),
         }
     }
+}
+
+/// How sure something is.
+pub(crate) fn sure(confidence: f64) -> String {
+    format!("{} % sure", number::significant(100.0 * confidence, DIGITS))
+}
+
+/// Trials, and how many of them verify the answer.
+pub(crate) fn trials_in_words(all: u64, fresh: u64, is_random: bool) -> String {
+    match is_random {
+        false => "1 of each value: nothing is random".to_owned(),
+        true => format!(
+            "{}, of which {} fresh ones verify the answer",
+            number::grouped(all),
+            number::grouped(fresh)
+        ),
+    }
+}
+
+/// What searches left open, a line each.
+pub(crate) fn notes(narrowed: usize, ended: &[Ended]) -> Vec<String> {
+    let mut lines = Vec::new();
+    if narrowed > 0 {
+        let ends = match narrowed {
+            1 => "an end".to_owned(),
+            count => format!("{count} ends"),
+        };
+        lines.push(format!(
+            "note     fresh trials did not verify {ends} where the search had found it: the answer is narrower there"
+        ));
+    }
+    if ended.contains(&Ended::Time) {
+        lines.push(
+            "note     time was up before the gap was as small as it was to be: --budget gives more"
+                .to_owned(),
+        );
+    }
+    if ended.contains(&Ended::Trials) {
+        lines.push(
+            "note     some values are so near the limit that more trials than are taken would be needed"
+                .to_owned(),
+        );
+    }
+    lines
+}
+
+/// Words with a capital at their start.
+pub(crate) fn first_letter_large(words: &str) -> String {
+    let mut letters = words.chars();
+    let first = letters
+        .next()
+        .map(|letter| letter.to_uppercase().to_string());
+    format!("{}{}", first.unwrap_or_default(), letters.as_str())
 }
 
 /// `a`, `a and b`, `a, b and c`.

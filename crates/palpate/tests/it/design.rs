@@ -1,28 +1,9 @@
 //! `palpate design`: which values of a field meet a target.
 
-use serde_json::Value;
-
-use super::desk::{Desk, STUDY, Table, edited};
+use super::desk::{Desk, STUDY, Table, edited, noiseless, number_at as number};
 
 const TARGET: &str = "--target relative_rms_error(mean_curvature)<=0.05";
 const NOISE: &str = "--vary scene.noise.angular_velocity.fraction=0.001..0.2";
-
-/// The answer as JSON.
-#[track_caller]
-fn answer(desk: &Desk, arguments: &str) -> Value {
-    let printed = desk
-        .palpate(&format!("design c.toml {arguments} --json"))
-        .printed();
-    serde_json::from_str(&printed).unwrap()
-}
-
-#[track_caller]
-fn number(answer: &Value, place: &str) -> f64 {
-    answer
-        .pointer(place)
-        .and_then(Value::as_f64)
-        .unwrap_or_else(|| panic!("{place}: {answer}"))
-}
 
 /// The largest statistic of a quantity over the cells of a table.
 fn worst(table: &Table, quantity: &str, statistic: &str) -> f64 {
@@ -34,7 +15,9 @@ fn worst(table: &Table, quantity: &str, statistic: &str) -> f64 {
 #[test]
 fn both_sides_are_those_that_a_run_finds() {
     let desk = Desk::with(STUDY);
-    let answer = answer(&desk, &format!("{TARGET} {NOISE} --gap 0.3 --out out"));
+    let answer = desk.json(&format!(
+        "design c.toml {TARGET} {NOISE} --gap 0.3 --out out"
+    ));
     let (meets, misses) = (
         number(&answer, "/meets/0/to"),
         number(&answer, "/misses/0/from"),
@@ -89,18 +72,9 @@ fn both_sides_are_those_that_a_run_finds() {
 
 #[test]
 fn the_same_question_has_the_same_answer_on_any_threads() {
-    let desk = Desk::with(STUDY);
-    for threads in [1, 2] {
-        let out = format!("--threads {threads} --gap 0.2 --budget 1h --out out-{threads}");
-        desk.palpate(&format!("design c.toml {TARGET} {NOISE} {out}"))
-            .printed();
-    }
-    for name in ["design.csv", "design.svg", "design.txt"] {
-        assert_eq!(
-            desk.read(&format!("out-1/{name}")),
-            desk.read(&format!("out-2/{name}"))
-        );
-    }
+    let question = format!("design c.toml {TARGET} {NOISE} --gap 0.2 --budget 1h");
+    let files = ["design.csv", "design.svg", "design.txt"];
+    Desk::with(STUDY).assert_alike_on_any_threads(&question, &files);
 }
 
 #[test]
@@ -127,10 +101,9 @@ fn what_all_or_nothing_meets() {
 fn values_may_be_listed_and_fields_set() {
     let desk = Desk::with(STUDY);
     let kinds = "--vary scene.noise.angular_velocity.kind=uniform,gaussian";
-    let answer = answer(
-        &desk,
+    let answer = desk.json(
         &format!(
-            "{kinds} --target relative_rms_error(mean_curvature)<=0.016 --set scene.noise.angular_velocity.fraction=0.01 --set scene.object.radius=50"
+            "design c.toml {kinds} --target relative_rms_error(mean_curvature)<=0.016 --set scene.noise.angular_velocity.fraction=0.01 --set scene.object.radius=50"
         ),
     );
     // Errors of 1.2 and 2.1 %: uniform noise within ±0.01 has a standard deviation of 0.01/√3, Gaussian noise of 0.01.
@@ -146,12 +119,7 @@ fn values_may_be_listed_and_fields_set() {
 
 #[test]
 fn nothing_is_random() {
-    let noiseless = edited(
-        STUDY,
-        "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }\n",
-        "",
-    );
-    let desk = Desk::with(&noiseless);
+    let desk = Desk::with(&noiseless());
     // A mean curvature of 0.05 is that of a ball of 20 mm.
     let said = desk
         .palpate(
@@ -177,9 +145,8 @@ fn too_many_failures_miss_the_target() {
     let of = |most: &str| {
         let target =
             "--target relative_rms_error(mean_curvature)<=100 --set scene.object.radius=30";
-        answer(
-            &desk,
-            &format!("{target} --vary scene.sensor.pitch=0.1..9 --gap 0.5 --max-failures {most}"),
+        desk.json(
+            &format!("design c.toml {target} --vary scene.sensor.pitch=0.1..9 --gap 0.5 --max-failures {most}"),
         )
     };
     let few = number(&of("0.05"), "/meets/0/to");

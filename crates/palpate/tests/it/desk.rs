@@ -35,6 +35,12 @@ object = { kind = "sphere", radius = 50.0 }
 motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
 "#;
 
+/// The study without its noise.
+pub(crate) fn noiseless() -> String {
+    let noise = "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }\n";
+    edited(STUDY, noise, "")
+}
+
 /// A text with one piece of it replaced.
 pub(crate) fn edited(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "{from:?} is not in the text");
@@ -99,6 +105,26 @@ impl Desk {
             .args(["-c", line])
             .env("palpate", env!("CARGO_BIN_EXE_palpate"));
         self.end(command)
+    }
+
+    /// What a command prints as JSON.
+    #[track_caller]
+    pub(crate) fn json(&self, arguments: &str) -> serde_json::Value {
+        let printed = self.palpate(&format!("{arguments} --json")).printed();
+        serde_json::from_str(&printed).unwrap_or_else(|error| panic!("{error}: {printed}"))
+    }
+
+    /// Whether a command writes the same bytes on one thread and on two; the files of one are in `out-1`.
+    #[track_caller]
+    pub(crate) fn assert_alike_on_any_threads(&self, arguments: &str, names: &[&str]) {
+        for threads in [1, 2] {
+            let on = format!("--threads {threads} --out out-{threads}");
+            self.palpate(&format!("{arguments} {on}")).printed();
+        }
+        for name in names {
+            let [one, two] = [1, 2].map(|threads| self.read(&format!("out-{threads}/{name}")));
+            assert_eq!(one, two, "{name}");
+        }
     }
 
     fn end(&self, mut command: Command) -> Ended {
@@ -211,6 +237,13 @@ impl Table {
             })
             .unwrap_or_else(|| panic!("no {quantity} of cell {cell}"))
     }
+}
+
+/// The number at a place of some JSON.
+#[track_caller]
+pub(crate) fn number_at(json: &serde_json::Value, place: &str) -> f64 {
+    let number = json.pointer(place).and_then(serde_json::Value::as_f64);
+    number.unwrap_or_else(|| panic!("{place}: {json}"))
 }
 
 /// Whether two numbers agree to a part in `1 / relative`.

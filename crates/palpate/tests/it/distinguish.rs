@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::desk::{Desk, STUDY, edited};
+use super::desk::{Desk, STUDY, edited, noiseless};
 
 /// Balls of 50 and 40 mm, told apart with noise of 20 %.
 fn balls() -> String {
@@ -17,10 +17,7 @@ fn balls() -> String {
 #[test]
 fn the_probability_is_that_of_single_trials() {
     let desk = Desk::with(&balls());
-    let printed = desk
-        .palpate("distinguish c.toml --json --out out")
-        .printed();
-    let answer: Value = serde_json::from_str(&printed).unwrap();
+    let answer = desk.json("distinguish c.toml --out out");
     let pairs = answer["groups"][0]["pairs"].as_array().unwrap();
     assert_eq!(pairs.len(), 3);
     // Sorted by curvature: 50, 40, 5 mm.
@@ -45,7 +42,7 @@ fn the_probability_is_that_of_single_trials() {
     let right = pairs_of.filter(|(one, other)| one < other).count() as f64 / flat.len() as f64;
     assert!(
         (of(&pairs[0], "told_apart") - right).abs() < 0.03,
-        "{right}: {printed}"
+        "{right}: {answer}"
     );
     assert!(of(&pairs[0], "low95") < right + 0.02 && of(&pairs[0], "high95") > right - 0.02);
     assert!(of(&pairs[1], "told_apart") > 0.999 && of(&pairs[1], "repeats") == 1.0);
@@ -64,18 +61,8 @@ fn the_probability_is_that_of_single_trials() {
 fn threads_do_not_change_a_byte_and_groups_differ_in_nothing_else() {
     let desk = Desk::with(&balls());
     let vary = "--vary scene.noise.angular_velocity.fraction=0.01,0.05 --trials 500";
-    for threads in [1, 2] {
-        desk.palpate(&format!(
-            "distinguish c.toml {vary} --threads {threads} --out out-{threads}"
-        ))
-        .printed();
-    }
-    for name in ["distinguish.csv", "distinguish.svg", "distinguish.txt"] {
-        assert_eq!(
-            desk.read(&format!("out-1/{name}")),
-            desk.read(&format!("out-2/{name}"))
-        );
-    }
+    let files = ["distinguish.csv", "distinguish.svg", "distinguish.txt"];
+    desk.assert_alike_on_any_threads(&format!("distinguish c.toml {vary}"), &files);
     let words = desk.read("out-1/distinguish.txt");
     assert_eq!(words.lines().count(), 4);
     assert!(
@@ -123,6 +110,11 @@ fn what_cannot_be_told_apart() {
             "--set scene.object.radius=5",
             "no field of `scene.object` is swept",
         ),
+        // The wrong name is told first.
+        (
+            "--quantity weather --set scene.object.radius=5",
+            "a roll has no quantity \"weather\"",
+        ),
         (
             "--quantity weather",
             "a roll has no quantity \"weather\" that tells objects apart (known: normal_curvature_u",
@@ -150,11 +142,6 @@ fn what_cannot_be_told_apart() {
             .fails(2, words);
     }
     // Alike in the truth, and noiseless.
-    let noiseless = edited(
-        STUDY,
-        "noise = { angular_velocity = { kind = \"uniform\", fraction = 0.01 } }\n",
-        "",
-    );
-    let desk = Desk::with(&noiseless);
+    let desk = Desk::with(&noiseless());
     desk.palpate("distinguish c.toml").prints("50 mm and 5 mm: 100 % of single rolls tell them apart (100 to 100); one is enough for 95 %.");
 }

@@ -24,6 +24,7 @@ mod parquet;
 mod press;
 mod published;
 mod refused;
+mod region;
 mod report;
 mod run;
 mod sensor;

@@ -2,9 +2,7 @@
 
 use crate::certainty::score_of_tail;
 
-/// Probability that anything an answer claims is wrong.
-pub(super) const WRONG: f64 = 0.05;
-/// Share of it for what the search itself finds: that each value between those that fresh trials verify lies on the side
+/// Share of the probability to be wrong for what the search itself finds: that each value between those that fresh trials verify lies on the side
 /// that it has been found on.
 const OF_SEARCH: f64 = 0.2;
 /// Most times that a search looks at a value.
@@ -22,6 +20,8 @@ pub(super) const FRESH: f64 = 2.0;
 /// Rules of a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rules {
+    /// Probability that anything an answer claims is wrong.
+    wrong: f64,
     /// Largest gap that may stay between what meets and what misses.
     pub(super) gap: f64,
     /// Most trials of a cell at one value.
@@ -33,21 +33,22 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    pub(super) fn new(gap: f64, most_trials: u64, cells: usize) -> Self {
-        let wrong = OF_SEARCH * WRONG / MOST_LOOKS as f64;
+    pub(super) fn new(gap: f64, most_trials: u64, wrong: f64, cells: usize) -> Self {
+        let of_look = OF_SEARCH * wrong / MOST_LOOKS as f64;
         let conditions = 2 * cells.max(1);
         Self {
+            wrong,
             gap,
             most_trials,
-            meets: score_of_tail(wrong),
-            misses: -score_of_tail(wrong / conditions as f64),
+            meets: score_of_tail(of_look),
+            misses: -score_of_tail(of_look / conditions as f64),
         }
     }
 
     /// Score that verifies one of so many sides in an attempt, counted from 0; each attempt is half as likely to be wrong as
     /// the one before.
-    pub(super) fn verifies(sides: usize, attempt: u32) -> f64 {
-        let wrong = (1.0 - OF_SEARCH) * WRONG / sides.max(1) as f64;
+    pub(super) fn verifies(&self, sides: usize, attempt: u32) -> f64 {
+        let wrong = (1.0 - OF_SEARCH) * self.wrong / sides.max(1) as f64;
         let half = (0..=attempt).fold(wrong, |wrong, _| 0.5 * wrong);
         score_of_tail(half)
     }

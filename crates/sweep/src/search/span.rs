@@ -80,8 +80,16 @@ impl Span {
         rounded(value, told / FINER).clamp(self.from, self.to)
     }
 
-    /// Values spread evenly from one end to the other; each whole number, where there are not more than twice as many.
-    pub(super) fn spread(&self, count: usize, gap: f64) -> Vec<f64> {
+    /// Values spread evenly from one end to the other, with the few digits that tell gaps of this size; each whole number,
+    /// where there are not more than twice as many.
+    ///
+    /// ```
+    /// use palpate_sweep::Span;
+    ///
+    /// assert_eq!(Span::new(0.1, 10.0, false).spread(3, 0.05), [0.1, 1.0, 10.0]);
+    /// assert_eq!(Span::new(2.0, 5.0, true).spread(3, 0.05), [2.0, 3.0, 4.0, 5.0]);
+    /// ```
+    pub fn spread(&self, count: usize, gap: f64) -> Vec<f64> {
         if self.is_whole && self.to - self.from < (2 * count) as f64 {
             let (first, last) = (self.from.ceil(), self.to.floor());
             let count = (last - first).max(0.0) as usize + 1;
@@ -100,7 +108,7 @@ impl Span {
     }
 
     /// Value midway between two, with the few digits that tell gaps of this size; `None` where there is none.
-    pub(super) fn between(&self, low: f64, high: f64, gap: f64) -> Option<f64> {
+    pub fn between(&self, low: f64, high: f64, gap: f64) -> Option<f64> {
         let middle = 0.5 * self.share(low) + 0.5 * self.share(high);
         Some(self.at(middle, gap)).filter(|value| low < *value && *value < high)
     }

@@ -56,7 +56,7 @@ pub(super) fn verify<C: Curves + ?Sized>(
     let mut ends = ends(points, &found, among, rules);
     let count = ends.len();
     for attempt in 0..ATTEMPTS {
-        let enough = Rules::verifies(count, attempt);
+        let enough = rules.verifies(count, attempt);
         let open: Vec<usize> = (0..ends.len())
             .filter(|&end| {
                 let end = &ends[end];

@@ -109,6 +109,7 @@ fn searched(curve: &mut Noise<'_>, among: Among, most_trials: u64) -> Searched {
         gap: 0.05,
         most_trials,
         budget: None,
+        wrong: 0.05,
     };
     let Ok(found) = search(curve, &settings, &|| Duration::ZERO);
     found
@@ -318,6 +319,7 @@ fn fresh_trials_that_disagree_narrow_the_answer() {
         gap: 0.05,
         most_trials: MOST,
         budget: None,
+        wrong: 0.05,
     };
     let found = |fresh_below: f64| {
         let mut curve = Disagreeing { fresh_below };
@@ -366,6 +368,7 @@ fn a_budget_ends_the_search_and_leaves_time_to_verify() {
             gap: 0.02,
             most_trials: MOST,
             budget: Some(budget),
+            wrong: 0.05,
         };
         let Ok(found) = search(&mut curve, &settings, &clock);
         let (sides, is_right) = judged(&found, &curve.0);

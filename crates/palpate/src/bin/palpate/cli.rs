@@ -17,7 +17,7 @@ use palpate::Shard;
 use crate::duration;
 use crate::output::Format;
 
-pub(crate) use answers::{DesignArgs, DistinguishArgs};
+pub(crate) use answers::{AnswerArgs, DesignArgs, DistinguishArgs};
 pub(crate) use estimate::{
     EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs, SensorArgs,
 };
@@ -117,10 +117,15 @@ is named, and nothing is written. The shards stay; merging again gives the same.
     --vary scene.sensor.pitch=0.05..2
   palpate design my.toml --target 'coverage95(object_curvature) >= 0.9' --vary scene.sensor.normal_from=hue,both \\
     --set scene.object.radius=42 --max-failures 0.01 --out out/which-reading
+  palpate design examples/pads-for-a-ball.toml --target 'relative_rms_error(mean_curvature) <= 5 %' \\
+    --vary scene.sensor.pitch=0.05..2 --vary scene.motion.duration_s=0.1..2 --maximise scene.sensor.pitch
 
 The target is to hold in every cell of the config at once; a field that is swept can be --set to one value.
 At least 16 values are scanned, and every crossing is bracketed ever more closely; fresh trials verify the
-answer, all of which is right with 95 %. Between values that were looked at, nothing is known.")]
+answer, all of which is right with 95 %. Between values that were looked at, nothing is known.
+
+Of several fields, the last that has a range, or what is sought, is searched so at each of some values of the
+others; about the largest or smallest value that is sought, these values stand closer.")]
     Design(DesignArgs),
     /// Tell how surely one trial tells the swept objects apart, and how many trials do.
     #[command(after_help = "Examples:

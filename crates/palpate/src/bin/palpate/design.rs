@@ -3,40 +3,31 @@
 use std::time::{Duration, Instant};
 
 use palpate::config::Study;
-use palpate::{Answer, DesignError, Question, Side, load};
-use serde_json::{Value, json};
+use palpate::{Answer, DesignError, Extreme, Field, Region, Side, Sought, Survey, load};
+use serde_json::{Map, Value, json};
 
 use crate::budget::runner;
 use crate::cli::DesignArgs;
 use crate::failure::Failure;
-use crate::output::names::{DESIGN, DESIGN_CONFIG, DESIGN_FIGURE, DESIGN_WORDS};
-use crate::output::{self, Contents, Folder, Guard, StudyId};
-use crate::results::drawings;
-use crate::{progress, trace};
+use crate::output::names::{DESIGN, DESIGN_CONFIG, DESIGN_FIGURE, DESIGN_REGION, DESIGN_WORDS};
+use crate::{answers, progress, trace};
 
 /// Time after which the progress is shown.
 const QUIET: Duration = Duration::from_secs(1);
 
+/// What was found: along one field, or of several.
+enum Found {
+    Line(Box<Answer>),
+    Region(Region),
+}
+
 pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let start = Instant::now();
-    let mut study = load(&args.config).map_err(Failure::usage)?;
-    if let Some(seed) = args.seed {
+    let mut study = load(&args.answer.config).map_err(Failure::usage)?;
+    if let Some(seed) = args.answer.seed {
         study.override_seed(seed).map_err(Failure::usage)?;
     }
-    // Before the work, which would be lost where nothing can be written.
-    let guard = Guard::new([&args.config], args.force);
-    let mut folder = match &args.out {
-        Some(dir) => Some(Folder::open(dir, guard)?),
-        None => None,
-    };
-    let question = Question {
-        max_failures: args.max_failures,
-        set: args.set.clone(),
-        gap: args.gap,
-        most_trials: args.most_trials.get(),
-        budget: Some(args.budget),
-        ..Question::new(args.target, args.vary.clone())
-    };
+    let mut folder = answers::folder(&args.answer)?;
     let bar = progress::bar_of("trials");
     let told = |values: usize, trials: u64| {
         if start.elapsed() >= QUIET {
@@ -44,38 +35,64 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
             bar.set_position(trials);
         }
     };
-    let answer = palpate::design(
-        &study,
-        &question,
-        &runner(args.threads)?,
-        &|| start.elapsed(),
-        &told,
-    );
+    let survey = survey(args).map_err(refused)?;
+    let (runner, clock) = (runner(args.answer.threads)?, || start.elapsed());
+    let found = match survey.grid.is_empty() && survey.sought.is_none() {
+        true => palpate::design(&study, &survey.question, &runner, &clock, &told)
+            .map(|answer| Found::Line(Box::new(answer))),
+        false => palpate::region(&study, &survey, &runner, &clock, &told).map(Found::Region),
+    };
     bar.finish_and_clear();
-    let answer = answer.map_err(refused)?;
+    let found = found.map_err(refused)?;
+    let (sentence, lines) = match &found {
+        Found::Line(answer) => (answer.sentence(), answer.lines()),
+        Found::Region(region) => (region.sentence(), region.lines()),
+    };
+    let lines: Vec<String> = [sentence].into_iter().chain(lines).collect();
     if let Some(folder) = &mut folder {
-        write(folder, &study, &answer)?;
+        let title = answers::title(&study);
+        let mut texts = vec![
+            (DESIGN_WORDS, format!("{}\n", lines.join("\n"))),
+            (DESIGN_CONFIG, trace::resolved(&study)),
+        ];
+        let figure = match &found {
+            Found::Line(answer) => {
+                texts.push((DESIGN, answer.table().to_csv()));
+                answer.figure(DESIGN_FIGURE, title)
+            }
+            Found::Region(region) => {
+                texts.push((DESIGN, region.table().to_csv()));
+                texts.push((DESIGN_REGION, region.runs().to_csv()));
+                region.figure(DESIGN_FIGURE, title)
+            }
+        };
+        answers::write(folder, &study, texts, figure)?;
     }
-    match args.json {
-        true => output::print(&output::json(&value(&study, &answer))?),
-        false => {
-            let lines = [answer.sentence(), answer.lines().join("\n")];
-            let files = args
-                .out
-                .as_ref()
-                .map(|dir| format!("files    {}", dir.display()));
-            output::print(
-                &lines
-                    .into_iter()
-                    .chain(files)
-                    .collect::<Vec<_>>()
-                    .join("\n"),
-            )
-        }
-    }
+    answers::print(&args.answer, lines, || match &found {
+        Found::Line(answer) => line(&study, answer),
+        Found::Region(region) => several(&study, region),
+    })
 }
 
-/// Bad usage: a question that has no answer.
+/// The question that the arguments ask.
+fn survey(args: &DesignArgs) -> Result<Survey, DesignError> {
+    let sought = |path: &Option<String>, extreme: Extreme| {
+        let path = path.clone()?;
+        Some(Sought { path, extreme })
+    };
+    let sought = sought(&args.maximise, Extreme::Largest)
+        .or_else(|| sought(&args.minimise, Extreme::Smallest));
+    let mut survey = Survey::new(args.target, args.vary.clone(), sought)?;
+    let question = &mut survey.question;
+    question.max_failures = args.max_failures;
+    question.set.clone_from(&args.answer.set);
+    question.gap = args.gap;
+    question.most_trials = args.most_trials.get();
+    question.budget = Some(args.budget);
+    Ok(survey)
+}
+
+/// What was asked cannot be answered: bad usage.
 fn refused(error: DesignError) -> Failure {
     Failure::usage(match error {
         DesignError::Config(error) => anyhow::Error::new(error),
@@ -83,36 +100,70 @@ fn refused(error: DesignError) -> Failure {
     })
 }
 
-fn write(folder: &mut Folder, study: &Study, answer: &Answer) -> Result<(), Failure> {
-    let config = trace::resolved(study);
-    let title = match study.config.title.as_str() {
-        "" => study.config.name.as_str(),
-        title => title,
-    };
-    let figure = answer.figure(DESIGN_FIGURE, title).map_err(Failure::work)?;
-    let words = format!("{}\n{}\n", answer.sentence(), answer.lines().join("\n"));
-    let mut files: Vec<(String, Vec<u8>)> = vec![
-        (DESIGN.to_owned(), answer.table().to_csv().into_bytes()),
-        (DESIGN_WORDS.to_owned(), words.into_bytes()),
-        (DESIGN_CONFIG.to_owned(), config.clone().into_bytes()),
-    ];
-    files.extend(drawings(&[figure])?);
-    let contents = files
-        .iter()
-        .map(|(name, bytes)| (name.as_str(), Contents::Bytes(bytes)));
-    let of_study = StudyId::new(&study.config.name, &config);
-    let left = folder.replace(contents.collect(), &of_study)?;
-    left.iter().for_each(|line| eprintln!("warning: {line}"));
-    Ok(())
+/// The answer along one field as JSON.
+fn line(study: &Study, answer: &Answer) -> Value {
+    let mut value = json!({
+        "format_version": 1,
+        "study": study.config.name,
+        "answer": answer.sentence(),
+        "target": answer.target.to_string(),
+        "max_failures": answer.max_failures,
+        "path": answer.field.path,
+        "unit": answer.field.label.unit,
+        "confidence": answer.confidence,
+    });
+    if let Some(value) = value.as_object_mut() {
+        value.extend(found(answer));
+    }
+    value
 }
 
-/// The answer as JSON.
-fn value(study: &Study, answer: &Answer) -> Value {
-    let text = |value: f64| match answer.is_listed() {
-        true => json!(answer.field.text(value)),
+/// The answer of several fields as JSON.
+fn several(study: &Study, region: &Region) -> Value {
+    let field = |field: &Field| json!({ "path": field.path, "unit": field.label.unit });
+    let columns = region.columns.iter().map(|column| {
+        let at = region.grid.iter().zip(&column.at);
+        let at = at.map(|(field, value)| (field.path.clone(), shown(field, *value)));
+        let mut value = Map::from_iter([("at".to_owned(), Value::Object(at.collect()))]);
+        value.extend(found(&column.answer));
+        Value::Object(value)
+    });
+    let answer = &region.columns[0].answer;
+    let best = region.best().map(|best| {
+        let pairs = region.grid.iter().zip(&best.column.at);
+        let grid = pairs.map(|(field, value)| (field.path.clone(), shown(field, *value)));
+        let searched = region.searched();
+        let searched = (searched.path.clone(), shown(searched, best.searched));
+        Value::Object(grid.chain([searched]).collect())
+    });
+    json!({
+        "format_version": 1,
+        "study": study.config.name,
+        "answer": region.sentence(),
+        "target": answer.target.to_string(),
+        "max_failures": answer.max_failures,
+        "grid": region.grid.iter().map(field).collect::<Vec<_>>(),
+        "path": region.searched().path,
+        "unit": region.searched().label.unit,
+        "confidence": region.confidence,
+        "sought": region.sought.as_ref().map(|sought| &sought.path),
+        "best_that_meets": best,
+        "columns": columns.collect::<Vec<_>>(),
+    })
+}
+
+/// Value of a field: a number, or the text of one that is listed.
+fn shown(field: &Field, value: f64) -> Value {
+    match field.is_listed() {
+        true => json!(field.text(value)),
         false => json!(value),
-    };
-    let runs = |side: Side| -> Vec<Value> {
+    }
+}
+
+/// What was found along a field.
+fn found(answer: &Answer) -> Map<String, Value> {
+    let text = |value: f64| shown(&answer.field, value);
+    let runs = |side: Side| -> Value {
         let runs = answer.on(side);
         runs.map(|run| json!({ "from": text(run.from), "to": text(run.to) }))
             .collect()
@@ -125,19 +176,14 @@ fn value(study: &Study, answer: &Answer) -> Value {
             "failing": sample.failing(),
         })
     });
-    json!({
-        "format_version": 1,
-        "study": study.config.name,
-        "answer": answer.sentence(),
-        "target": answer.target.to_string(),
-        "max_failures": answer.max_failures,
-        "path": answer.field.path,
-        "unit": answer.field.label.unit,
-        "confidence": 0.95,
-        "meets": runs(Side::Meets),
-        "misses": runs(Side::Misses),
-        "best": best,
-        "narrowed": answer.narrowed,
-        "ended": format!("{:?}", answer.ended).to_lowercase(),
-    })
+    Map::from_iter([
+        ("meets".to_owned(), runs(Side::Meets)),
+        ("misses".to_owned(), runs(Side::Misses)),
+        ("best".to_owned(), best.unwrap_or(Value::Null)),
+        ("narrowed".to_owned(), json!(answer.narrowed)),
+        (
+            "ended".to_owned(),
+            json!(format!("{:?}", answer.ended).to_lowercase()),
+        ),
+    ])
 }

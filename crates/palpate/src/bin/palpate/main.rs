@@ -5,6 +5,7 @@
     reason = "results go to stdout, errors to stderr"
 )]
 
+mod answers;
 mod budget;
 mod c_library;
 mod check;

@@ -10,21 +10,50 @@ use palpate::config::{Varied, Vary};
 
 use crate::duration;
 
+/// Arguments of every command that answers a question.
 #[derive(Debug, Args)]
-pub(crate) struct DesignArgs {
+pub(crate) struct AnswerArgs {
     /// The study's config, a TOML file.
     pub(crate) config: PathBuf,
+    /// Field that gets one value, in place of what the config and its sweeps say of it.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = set)]
+    pub(crate) set: Vec<(String, toml::Value)>,
+    /// Use this seed instead of the config's.
+    #[arg(long, value_name = "S")]
+    pub(crate) seed: Option<u64>,
+    /// Use this many threads instead of all cores.
+    #[arg(long, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Also write the tables behind the answer, a figure and the answer into this directory.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print the answer as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Replace also files that palpate did not write, that were changed since, or that are read.
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DesignArgs {
+    #[command(flatten)]
+    pub(crate) answer: AnswerArgs,
     /// Target to meet: STATISTIC(QUANTITY) <= LIMIT, or >= LIMIT, with the names of cells.csv; the limit may
     /// be in percent. Without a quantity the first of the scene is meant.
     #[arg(long, value_name = "TARGET")]
     pub(crate) target: Target,
     /// The field that is varied, and its values: scene.sensor.pitch=0.05..2 or scene.sensor.normal_from=hue,both.
     /// Ranges are spaced by ratios where both ends are positive and far apart, else by differences.
-    #[arg(long, value_name = "PATH=VALUES")]
-    pub(crate) vary: Vary,
-    /// Field that gets one value, in place of what the config and its sweeps say of it.
-    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = set)]
-    pub(crate) set: Vec<(String, toml::Value)>,
+    /// Several fields give the region in which they meet the target together.
+    #[arg(long, value_name = "PATH=VALUES", required = true)]
+    pub(crate) vary: Vec<Vary>,
+    /// Varied field whose largest value that meets the target is asked for, whatever the others.
+    #[arg(long, value_name = "PATH", conflicts_with = "minimise")]
+    pub(crate) maximise: Option<String>,
+    /// Varied field whose smallest value that meets the target is asked for, whatever the others.
+    #[arg(long, value_name = "PATH")]
+    pub(crate) minimise: Option<String>,
     /// Largest share of the trials that may fail; 1: however many.
     #[arg(
         long,
@@ -49,27 +78,12 @@ pub(crate) struct DesignArgs {
     /// verification are always done.
     #[arg(long, value_name = "DURATION", value_parser = duration::parse, allow_hyphen_values = true, default_value = "60s")]
     pub(crate) budget: Duration,
-    /// Use this seed instead of the config's.
-    #[arg(long, value_name = "S")]
-    pub(crate) seed: Option<u64>,
-    /// Use this many threads instead of all cores.
-    #[arg(long, value_name = "N")]
-    pub(crate) threads: Option<NonZeroUsize>,
-    /// Also write the table of all trials, a figure and the answer into this directory.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Print the answer as JSON.
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
-    #[arg(long)]
-    pub(crate) force: bool,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct DistinguishArgs {
-    /// The study's config, a TOML file.
-    pub(crate) config: PathBuf,
+    #[command(flatten)]
+    pub(crate) answer: AnswerArgs,
     /// Quantity by which objects are told apart [default: object_curvature of a press, else mean_curvature].
     #[arg(long, value_name = "NAME")]
     pub(crate) quantity: Option<String>,
@@ -84,27 +98,9 @@ pub(crate) struct DistinguishArgs {
     /// Field of the object with its values, in place of what the config says of it: scene.object.radius=20,25,30.
     #[arg(long, value_name = "PATH=VALUES", value_parser = list)]
     pub(crate) vary: Vec<(String, Vec<toml::Value>)>,
-    /// Field that gets one value, in place of what the config and its sweeps say of it.
-    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = set)]
-    pub(crate) set: Vec<(String, toml::Value)>,
     /// Run this many trials of each object instead of the config's.
     #[arg(long, value_name = "N")]
     pub(crate) trials: Option<NonZeroU64>,
-    /// Use this seed instead of the config's.
-    #[arg(long, value_name = "S")]
-    pub(crate) seed: Option<u64>,
-    /// Use this many threads instead of all cores; results do not depend on it.
-    #[arg(long, value_name = "N")]
-    pub(crate) threads: Option<NonZeroUsize>,
-    /// Also write the table of all pairs and a heat map into this directory.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Print the answer as JSON.
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// Replace also files that palpate did not write, that were changed since, or that are read.
-    #[arg(long)]
-    pub(crate) force: bool,
 }
 
 /// Reads a field with listed values.

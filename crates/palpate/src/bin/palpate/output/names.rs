@@ -27,6 +27,7 @@ pub(crate) const MAP_PARQUET: &str = "map.parquet";
 pub(crate) const WARNINGS: &str = "warnings.txt";
 /// Answer of a design: its table, its words and the config that it is of; and the name of its figure.
 pub(crate) const DESIGN: &str = "design.csv";
+pub(crate) const DESIGN_REGION: &str = "region.csv";
 pub(crate) const DESIGN_WORDS: &str = "design.txt";
 pub(crate) const DESIGN_CONFIG: &str = "design.toml";
 pub(crate) const DESIGN_FIGURE: &str = "design";
