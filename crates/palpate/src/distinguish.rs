@@ -6,7 +6,7 @@ mod found;
 mod objects;
 mod words;
 
-use palpate_scene::Scenes;
+use palpate_scene::{Scenes, quantities_of};
 use palpate_study::Quantity;
 use palpate_study::config::Study;
 use palpate_sweep::{Runner, Told, both_above, in_order, repeats};
@@ -74,6 +74,9 @@ pub fn distinguish(
     if cells > MOST_CELLS {
         return Err(DistinguishError::TooManyCells(cells));
     }
+    // A wrong name is told before the lack of objects.
+    let first = study.cell(0)?.config.scene;
+    place_of(quantities_of(&first), first.kind(), quantity)?;
     let layout = grouped(study)?;
     let mut told: Vec<Vec<Told>> = Vec::with_capacity(cells);
     let mut facts: Vec<(Option<&'static str>, Quantity)> = Vec::with_capacity(cells);
