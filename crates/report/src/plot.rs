@@ -23,6 +23,7 @@ mod request;
 mod scale;
 mod select;
 mod style;
+mod usual;
 
 use crate::{Files, ReportError, Study};
 use palpate_study::config::{PlotConfig, PlotKind};
@@ -36,7 +37,10 @@ pub use heat::{Heat, HeatPanel, heat_figure};
 pub use press_trace::press_figures;
 pub use region::{RegionAxis, RegionMap, RegionPanel, RegionStrip, region_figure};
 
-/// Draws every `[[plot]]` of the study, in the order of the config. A plot of kind `class-map` or `profile` is of
+/// Draws every `[[plot]]` of the study, in the order of the config; where it has none, the relative rms error of the
+/// object's curvature over the first swept field, with a line per value of the second.
+///
+/// A plot of kind `class-map` or `profile` is of
 /// `map.csv`, one of kind `contacts` of `trace.csv` and `readings.csv`. The bytes of an SVG depend on the study's tables
 /// and `run.toml` alone.
 ///
@@ -44,7 +48,10 @@ pub use region::{RegionAxis, RegionMap, RegionPanel, RegionStrip, region_figure}
 /// A `[[plot]]` is malformed, names an unknown column, or leaves several rows for one point (the error says which axis
 /// is free); or its table is absent or malformed.
 pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
-    let plots = study.plots()?;
+    let mut plots = study.plots()?;
+    if plots.is_empty() {
+        plots.extend(usual::plot(study)?);
+    }
     let draw = |(at, plot): (usize, &PlotConfig)| {
         let name = plot.name.clone().unwrap_or(format!("plot-{}", at + 1));
         one(study, plot, &name)

@@ -1,6 +1,6 @@
 //! `palpate plot` and `palpate report`.
 
-use super::desk::{Desk, STUDY};
+use super::desk::{Desk, RUN_FILES, SCENE, STUDY};
 
 pub(crate) fn with_plot() -> String {
     format!(
@@ -27,12 +27,33 @@ fn plots_stand_beside_the_tables() {
 }
 
 #[test]
-fn a_study_without_plots_says_so() {
+fn a_study_without_plots_gets_the_usual_one() {
     let desk = Desk::with(STUDY);
     desk.palpate("run c.toml --out o").printed();
     let printed = desk.palpate("plot o").printed();
-    assert_eq!(printed, "a-study has no [[plot]]; nothing drawn\n");
-    assert_eq!(desk.names("o").len(), 3);
+    assert_eq!(printed, "o/plot-1.svg\no/plot-1.png\n");
+    let svg = desk.read("o/plot-1.svg");
+    for words in [
+        "object radius (mm)",
+        "rms relative error of mean curvature (%)",
+    ] {
+        assert!(svg.contains(words), "{words}: {svg}");
+    }
+    // The next run takes it away, as it does with those that the config asks for.
+    desk.palpate("run c.toml --seed 3 --out o").printed();
+    assert_eq!(desk.names("o"), RUN_FILES);
+}
+
+#[test]
+fn a_study_that_sweeps_nothing_says_so() {
+    let desk = Desk::with(SCENE);
+    desk.palpate("run c.toml --out o").printed();
+    let printed = desk.palpate("plot o").printed();
+    assert_eq!(
+        printed,
+        "a-study has no [[plot]], and sweeps nothing that one could be of; nothing drawn\n"
+    );
+    assert_eq!(desk.names("o"), RUN_FILES);
 }
 
 #[test]

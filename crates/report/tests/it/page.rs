@@ -35,7 +35,8 @@ fn the_page_stands_alone_and_tells_everything() {
     ] {
         assert!(html.contains(part), "{part}");
     }
-    assert_eq!(html.matches("<svg").count(), 1);
+    // A plot that is asked for, and the usual one of the study that asks for none.
+    assert_eq!(html.matches("<svg").count(), 2);
     for part in ["<script", "<link", "<img", "@import", "url(", "<b>", "src="] {
         assert!(!html.contains(part), "{part}");
     }

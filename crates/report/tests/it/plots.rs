@@ -16,7 +16,83 @@ fn figures_are_drawn_twice_the_same() {
     let told = |at: usize| (drawn[at].name.as_str(), drawn[at].title.as_str());
     assert_eq!((told(0), told(1)), (("plot-1", "A question?"), ("b", "B")));
     assert_eq!(drawn, figures(&study).unwrap());
-    assert!(figures(&angular_velocity("")).unwrap().is_empty());
+}
+
+#[test]
+fn a_study_without_plots_gets_the_usual_one() {
+    // Alike to one that says it, but for the radius along x, which is the first axis.
+    let asked = "[[plot]]\nx = \"scene.object.radius\"\ny = \"relative_rms_error\"\n\
+        series = \"scene.noise.angular_velocity.fraction\"\nscale = \"log-log\"\n";
+    assert_eq!(
+        drawn(&angular_velocity("")),
+        drawn(&angular_velocity(asked))
+    );
+    let table = |axes: &str, places: &[(&str, f64)]| {
+        let mut cells = Cells::new(axes);
+        for (place, error) in places {
+            cells.push(place, Numbers::new(0.2, *error));
+        }
+        cells.study(&config("sphere", ""))
+    };
+    // What varies together counts once, what does not vary not at all.
+    let together = table(
+        "scene.object.radius_cm,scene.probe.radius_cm,scene.object.s,scene.motion.duration_s",
+        &[
+            ("1,2,5,1", 0.1),
+            ("1,2,5,2", 0.2),
+            ("3,4,5,1", 0.3),
+            ("3,4,5,2", 0.4),
+        ],
+    );
+    let svg = drawn(&together);
+    shows(
+        &svg,
+        &["object radius (cm)", "duration (s)", "100 trials per point"],
+    );
+    assert!(!svg.contains("probe radius"));
+    // A third field makes panels, a fourth is shown at its first value.
+    let places: Vec<(String, f64)> = (0..16)
+        .map(|cell| {
+            let [a, b, c, d] = [8, 4, 2, 1].map(|bit| 1 + (cell & bit) / bit);
+            (format!("{a},{b},{c},{d}"), 0.1 * f64::from(cell + 1))
+        })
+        .collect();
+    let places: Vec<(&str, f64)> = places
+        .iter()
+        .map(|(place, error)| (&**place, *error))
+        .collect();
+    let four = table(
+        "scene.object.a,scene.object.b,scene.object.c,scene.object.radius_cm",
+        &places,
+    );
+    shows(
+        &drawn(&four),
+        &[
+            "object a",
+            "object b",
+            "object radius 1 cm · 100 trials per point",
+        ],
+    );
+    // Without an error there is the mean; of one cell there is nothing.
+    let mut cells = Cells::new("scene.object.radius_cm");
+    for radius in ["1", "2"] {
+        cells.push(
+            radius,
+            Numbers {
+                rms: None,
+                ..Numbers::new(0.2, 0.1)
+            },
+        );
+    }
+    shows(
+        &drawn(&cells.study(&config("sphere", ""))),
+        &["mean estimate of normal curvature along u (1/cm)"],
+    );
+    let one = table("scene.object.radius_cm", &[("1", 0.1)]);
+    assert!(figures(&one).unwrap().is_empty());
+    // Labels are along x as they are.
+    let named = table("scene.object", &[("egg", 0.1), ("ball", 0.9)]);
+    shows(&drawn(&named), &["egg", "ball"]);
 }
 
 #[test]

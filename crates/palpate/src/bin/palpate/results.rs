@@ -24,7 +24,9 @@ pub(crate) fn plot(args: &PlotArgs) -> Result<(), Failure> {
     }
     if drawn.is_empty() {
         let name = study.name();
-        return output::print(&format!("{name} has no [[plot]]; nothing drawn"));
+        return output::print(&format!(
+            "{name} has no [[plot]], and sweeps nothing that one could be of; nothing drawn"
+        ));
     }
     let files = drawings(&drawn)?;
     let named: Vec<(&str, &[u8])> = files

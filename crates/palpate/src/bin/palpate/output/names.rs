@@ -71,12 +71,14 @@ pub(crate) fn of_a_run(config: &Path, text: &str) -> (String, Vec<String>) {
         let mut studies = study.iter();
         studies.any(|study| study.config.outputs.contains(&output))
     };
-    let plots = study.iter().flat_map(|study| &study.config.plot);
-    let named = |(at, plot): (usize, &config::PlotConfig)| {
-        plot.name.clone().unwrap_or(format!("plot-{}", at + 1))
+    // Without a plot in the config there is a usual one.
+    let count = |study: &config::Study| study.config.plot.len().max(1);
+    let named = |at: usize| {
+        let plot = study.as_ref().and_then(|study| study.config.plot.get(at));
+        let name = plot.and_then(|plot| plot.name.clone());
+        name.unwrap_or(format!("plot-{}", at + 1))
     };
-    let figures = plots
-        .enumerate()
+    let figures = (0..study.as_ref().map_or(0, count))
         .map(named)
         .chain(
             FIGURES
