@@ -1,12 +1,20 @@
-//! Recorded readings: CSV in and out, and the estimators on them.
+//! Recorded readings: tables in and out, and the estimators on them.
+//!
+//! A table is CSV, with any of the usual delimiters, or a JSON object per line; its [`Form`] says what it does not show itself.
 
 mod calibration;
 mod calibration_file;
 mod calibration_report;
+mod error;
+mod extra;
 mod file;
+mod fingers;
+mod form;
 mod frame;
 mod glide;
+mod header;
 mod like;
+mod number;
 mod patch;
 mod patch_estimate;
 mod press;
@@ -19,6 +27,7 @@ mod shown;
 mod stated;
 mod suspicion;
 mod tracked;
+mod written;
 
 pub use calibration::{
     CalibrateOptions, CalibrationPoints, calibrate, parse_calibration_points,
@@ -26,7 +35,9 @@ pub use calibration::{
 };
 pub use calibration_file::{calibration_toml, parse_calibration, read_calibration};
 pub use calibration_report::{CalibrationReport, Fitted};
+pub use error::RecordedError;
 pub use file::RecordedFile;
+pub use form::{Decimal, Delimiter, Form, column_names};
 pub use frame::{parse_frame, read_frame};
 pub use glide::{GlideReadings, parse_glide, read_glide};
 pub use like::LikeError;
@@ -43,7 +54,6 @@ pub use roll::{
     roll_readings_table,
 };
 pub use sensed::{Sensed, SensorOptions, TrackedPress};
-pub use sheet::RecordedError;
 pub use shown::{KnownOfFrames, calibration_points_of_frames};
 pub use stated::{FORMAT_VERSION, INDENTATION_SHARE};
 pub use tracked::{Fates, Frame, TrackedFrames, difference_image, track_frames};

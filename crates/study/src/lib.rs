@@ -2,19 +2,21 @@
 //!
 //! [`config`] turns a TOML text into a validated [`config::Study`] of cells; a [`Quantity`] names what a scene estimates and
 //! in which [`Unit`]; a [`Statistic`] is a column over its trials; a [`Label`] says in words what a column holds; a
-//! [`Table`] is what results are written as, its numbers by [`number`](mod@number).
+//! [`Table`] is what results are written as, its numbers by [`number`](mod@number); [`readings`] names the columns of recorded
+//! readings.
 
 pub mod config;
 pub mod label;
 mod limited;
 pub mod number;
 mod quantity;
+pub mod readings;
 mod statistic;
 mod table;
 mod target;
 
 pub use label::Label;
-pub use limited::read_limited;
+pub use limited::{read_all, read_limited};
 pub use number::shortest as number;
 pub use quantity::{Quantity, QuantityKind, Unit};
 pub use statistic::Statistic;

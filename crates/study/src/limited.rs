@@ -20,18 +20,27 @@ pub fn read_limited(path: &Path, most_mib: u64) -> io::Result<Vec<u8>> {
         true => most_mib,
         false => most_mib.min(MOST_OF_A_STREAM),
     };
-    let limit = most_mib * MIB;
-    let too_large = || {
-        let message = format!("it is larger than {most_mib} MiB, the most that is read");
-        io::Error::new(ErrorKind::FileTooLarge, message)
-    };
-    if known.is_file() && known.len() > limit {
-        return Err(too_large());
+    if known.is_file() && known.len() > most_mib * MIB {
+        return Err(too_large(most_mib));
     }
+    read_all(file, most_mib)
+}
+
+/// Bytes of a stream of at most `most_mib` MiB.
+///
+/// # Errors
+/// Errors of the stream; [`ErrorKind::FileTooLarge`].
+pub fn read_all(stream: impl Read, most_mib: u64) -> io::Result<Vec<u8>> {
+    let limit = most_mib * MIB;
     let mut bytes = Vec::new();
-    file.take(limit + 1).read_to_end(&mut bytes)?;
+    stream.take(limit + 1).read_to_end(&mut bytes)?;
     match bytes.len() as u64 > limit {
-        true => Err(too_large()),
+        true => Err(too_large(most_mib)),
         false => Ok(bytes),
     }
+}
+
+fn too_large(most_mib: u64) -> io::Error {
+    let message = format!("it is larger than {most_mib} MiB, the most that is read");
+    io::Error::new(ErrorKind::FileTooLarge, message)
 }

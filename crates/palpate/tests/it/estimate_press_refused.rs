@@ -37,22 +37,27 @@ fn said_of(lines: &[String], options: &str) -> String {
 fn columns_and_fields() {
     assert_eq!(
         said(&["x_mm,normal_displacement_mm", "0,1"], ""),
-        "r.csv:1: no column `y`; the columns must be x,y,normal_displacement"
+        "r.csv:1: no column `y`; the file has `x_mm`, `normal_displacement_mm`; the columns must be x,y,normal_displacement"
     );
     assert_eq!(
         said(&["x,y,normal_displacement,tangential_x", "0,1,2,3"], ""),
-        "r.csv:1: no column `tangential_y`; the columns must be x,y,normal_displacement,tangential_x,tangential_y"
+        "r.csv:1: no column `tangential_y`; the file has `x`, `y`, `normal_displacement`, `tangential_x`; the columns must be \
+         x,y,normal_displacement,tangential_x,tangential_y"
     );
     assert_eq!(
         said(
-            &["radial_position_mm,normal_displacement_mm,y_mm", "0,1,2"],
+            &[
+                "radial_position_mm,normal_displacement_mm,y_mm,x_mm",
+                "0,1,2,3"
+            ],
             ""
         ),
-        "r.csv:1: unknown column `y_mm`; the columns must be radial_position,normal_displacement"
+        "r.csv:1: there are both places x, y and radial_position; say by --columns which of them are meant, as in --columns \
+         'radial_position=…'"
     );
     assert_eq!(
         said(&["x_mm,y_cm,normal_displacement_mm", "0,1,2"], ""),
-        "r.csv:1: lengths are in mm and in cm; one unit is needed"
+        "r.csv:1: lengths are in mm and in cm; one unit is needed: --length-unit mm converts them"
     );
     for (row, message) in [
         ("0,1", "2 fields; the header has 3"),
@@ -75,10 +80,6 @@ fn columns_and_fields() {
         "r.csv:2: column `tangential_y_mm`: must be finite, is NaN"
     );
     assert_eq!(said(&[HEADER], ""), "r.csv: has a header but no readings");
-    assert_eq!(
-        said(&[HEADER, "0,0,1"], "--length-unit cm"),
-        "r.csv: the header says mm, --length-unit says cm"
-    );
     let huge = said(
         &[HEADER, "0,0,1", "1,1,1e200", "2,2,1", "3,1,1", "4,1,1"],
         "",

@@ -29,32 +29,32 @@ fn columns() {
             "probe,rotation_x_rad,rotation_y_rad,shift_u_mm",
             "0,0,-0.5,4"
         ]),
-        format!("r.csv:1: no column `shift_v`; {columns}")
-    );
-    assert_eq!(
-        said_of(&[&format!("{HEADER},note"), "0,0,-0.5,4,0,1"]),
-        format!("r.csv:1: unknown column `note`; {columns}")
+        format!(
+            "r.csv:1: no column `shift_v`; the file has `probe`, `rotation_x_rad`, `rotation_y_rad`, `shift_u_mm`; {columns}"
+        )
     );
     assert_eq!(
         said_of(&[&format!("{HEADER},shift_u"), "0,0,-0.5,4,0,4"]),
-        "r.csv:1: column `shift_u` stands twice"
-    );
-    assert_eq!(
-        said_of(&["probe,rotation_x_rad,rotation_y_deg,shift_u,shift_v"]),
-        format!("r.csv:1: no column `rotation_y_rad`; {columns}")
+        "r.csv:1: column `shift_u` stands twice, as `shift_u_mm` and as `shift_u`; say which: --columns \
+         'shift_u=shift_u_mm'"
     );
     assert_eq!(
         said_of(&["", "probe,rotation_x_rad_mm,rotation_y_rad,shift_u,shift_v"]),
-        format!("r.csv:2: no column `rotation_x_rad`; {columns}")
+        format!(
+            "r.csv:2: no column `rotation_x_rad`; the file has `probe`, `rotation_x_rad_mm`, `rotation_y_rad`, `shift_u`, \
+             `shift_v`; {columns}; write --columns 'rotation_x_rad=…', with the file's name for it at …"
+        )
     );
     assert_eq!(
         said_of(&["0,0,-0.5,4,0", "1,0.5,0,0,4"]),
-        format!("r.csv:1: no column `probe`; {columns}")
+        "r.csv:1: no column `rotation_x_rad`: the first line holds numbers; put the columns' names before it: \
+         rotation_x_rad,rotation_y_rad,shift_u,shift_v"
     );
     assert_eq!(
         said_of(&["probe,t_s,rotation_x_rad,rotation_y_rad,shift_u_mm,pad_v_mm"]),
-        "r.csv:1: no column `pad_u`; the columns must be \
-         probe,t_s,rotation_x_rad,rotation_y_rad,pad_u,pad_v"
+        "r.csv:1: no column `pad_u`; the file has `probe`, `t_s`, `rotation_x_rad`, `rotation_y_rad`, `shift_u_mm`, \
+         `pad_v_mm`; the columns must be probe,t_s,rotation_x_rad,rotation_y_rad,pad_u,pad_v; write --columns \
+         'pad_u=…', with the file's name for it at …"
     );
 }
 
@@ -63,12 +63,12 @@ fn units() {
     let mixed = HEADER.replace("v_mm", "v_cm");
     assert_eq!(
         said_of(&[&mixed, "0,0,-0.5,4,0"]),
-        "r.csv:1: lengths are in mm and in cm; one unit is needed"
+        "r.csv:1: lengths are in mm and in cm; one unit is needed: --length-unit mm converts them"
     );
     let readings = format!("{HEADER}\n0,0,-0.5,4,0\n1,0.5,0,0,4\n");
     assert_eq!(
-        said(readings.as_bytes(), "--length-unit cm"),
-        "r.csv: the header says mm, --length-unit says cm"
+        said(readings.as_bytes(), "--length-unit unit"),
+        "r.csv:1: the header says mm, --length-unit says unit, and neither is a multiple of the other"
     );
 }
 
@@ -76,7 +76,10 @@ fn units() {
 fn fields() {
     for (row, message) in [
         ("0,0,-0.5,4", "4 fields; the header has 5"),
-        ("0,0,-0.5,4,0,0", "6 fields; the header has 5"),
+        (
+            "0,0,-0.5,4,0,0",
+            "6 fields; the header has 5; if its commas are decimal ones, separate fields by ; or tabs",
+        ),
         (
             "0,0,-0.5,four,0",
             "column `shift_u_mm`: `four` is not a number",
@@ -152,8 +155,17 @@ fn files() {
         assert_eq!(said(text.as_bytes(), ""), empty, "{text:?}");
     }
     assert_eq!(said_of(&[HEADER]), "r.csv: has a header but no readings");
-    assert_eq!(said(b"\xff\xfep\0r\0o\0", ""), "r.csv: is not UTF-8 text");
-    assert!(said(b"\0\0\0\0", "").starts_with("r.csv:1: no column `probe`"));
+    assert_eq!(
+        said(b"probe\n\xb5m", ""),
+        "r.csv: is not UTF-8 text: byte 0xb5 in line 2; save it as UTF-8"
+    );
+    for bytes in [&b"\xff\xfep\0r"[..], b"\xfe\xff\xd8\0"] {
+        assert_eq!(
+            said(bytes, ""),
+            "r.csv: is not UTF-8 text, nor UTF-16, whose byte order mark it has"
+        );
+    }
+    assert!(said(b"\0\0\0\0", "").starts_with("r.csv:1: no columns `rotation_x_rad`"));
     let desk = Desk::new();
     for (path, message) in [
         ("none.csv", "none.csv: no such file"),

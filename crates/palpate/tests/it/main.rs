@@ -19,6 +19,7 @@ mod hostile;
 mod journal;
 mod like;
 mod objects;
+mod own_data;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod press;

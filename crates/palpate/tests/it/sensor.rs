@@ -305,7 +305,7 @@ fn points_that_calibrate_nothing_are_refused() {
             "t.csv:3: column `hue_turns`: a change of hue is at most 0.5 turns either way, is 9.3",
         ),
         (format!("{header}\n"), "no readings"),
-        ("a,b\n1,2\n".to_owned(), "no column `normal_displacement`"),
+        ("a,b\n1,2\n".to_owned(), "no columns `normal_displacement`"),
         (
             format!("{header}\n1,0.02\n1e200,0.03\n"),
             "t.csv:3: a number is beyond 1e100",

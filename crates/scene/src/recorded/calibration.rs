@@ -9,8 +9,12 @@ use palpate_tracking::{
 
 use super::RecordedFile;
 use super::calibration_report::{CalibrationReport, Fitted};
-use super::sheet::{Column, RecordedError, Sheet, header};
+use super::error::RecordedError;
+use super::header::Header;
+use super::sheet::{Sheet, header};
+use super::written::Written;
 use palpate_study::config::LengthUnit;
+use palpate_study::readings::{CALIBRATIONS, Column};
 
 /// A point of a calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,13 +51,13 @@ pub struct CalibrateOptions {
     pub length_unit: Option<LengthUnit>,
 }
 
-const NORMAL: Column = Column::length("normal_displacement");
-const TANGENTIAL: Column = Column::length("tangential_displacement");
-const HUE: Column = Column::plain("hue_turns");
-const GROWTH: Column = Column::plain("growth");
-const SHIFT: Column = Column::plain("centroid_shift_px");
-const SERIES: Column = Column::plain("series");
-const MARKER: Column = Column::plain("marker");
+const NORMAL: Column = CALIBRATIONS[0];
+const TANGENTIAL: Column = CALIBRATIONS[1];
+const HUE: Column = CALIBRATIONS[2];
+const GROWTH: Column = CALIBRATIONS[3];
+const SHIFT: Column = CALIBRATIONS[4];
+const SERIES: Column = CALIBRATIONS[5];
+const MARKER: Column = CALIBRATIONS[6];
 
 /// A change of hue is known up to whole turns.
 const LARGEST_TURN: f64 = 0.5;
@@ -96,8 +100,9 @@ pub fn read_calibration_points(path: &Path) -> Result<CalibrationPoints, Recorde
 /// As [`read_calibration_points`].
 pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints, RecordedError> {
     let text = file.text()?;
-    let columns = columns(&header(text));
-    let sheet = Sheet::parse(&file.name, text, &columns)?;
+    let table = Written::of(file, &text)?;
+    let columns = columns(&header(&table, &CALIBRATIONS)?);
+    let sheet = Sheet::read(&table, &columns)?;
     let place = |column: Column| columns.iter().position(|one| *one == column);
     let has_hue = place(HUE).is_some();
     let has_growth = place(GROWTH).is_some();
@@ -160,8 +165,8 @@ pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints
 }
 
 /// The columns that a header's names ask for.
-fn columns(names: &[&str]) -> Vec<Column> {
-    let has = |column: Column| names.iter().any(|name| name.starts_with(column.name));
+fn columns(header: &Header<'_>) -> Vec<Column> {
+    let has = |column: Column| header.has(&column);
     let mut columns = Vec::new();
     if has(TANGENTIAL) || has(SHIFT) {
         columns.extend([TANGENTIAL, SHIFT]);

@@ -9,7 +9,7 @@ use palpate_tracking::{
 use serde::{Deserialize, Serialize};
 
 use super::RecordedFile;
-use super::sheet::RecordedError;
+use super::error::RecordedError;
 use palpate_study::config::LengthUnit;
 
 const HEADER: &str = "\
@@ -133,7 +133,7 @@ pub fn read_calibration(path: &Path) -> Result<(Calibration, LengthUnit), Record
 /// As [`read_calibration`].
 pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit), RecordedError> {
     let text = file.text()?;
-    let parsed: CalibrationFile = toml::from_str(text).map_err(|error| {
+    let parsed: CalibrationFile = toml::from_str(&text).map_err(|error| {
         file.error(format!(
             "is no calibration: {}",
             error.to_string().trim_end()

@@ -1,26 +1,33 @@
 //! Recorded files as bytes, with the names that messages give.
 
+use std::borrow::Cow;
+use std::io::Read;
 use std::path::Path;
 
-use palpate_study::read_limited;
+use palpate_study::{read_all, read_limited};
 
-use super::RecordedError;
+use super::error::RecordedError;
+use super::form::Form;
 
 /// Largest recorded file that is read, MiB.
 const MOST_MIB: u64 = 256;
 
-/// A recorded file: its name, for messages, and its bytes.
+/// A recorded file: its name, for messages, its bytes, and the form in which its table is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RecordedFile {
     pub(super) name: String,
     pub(super) bytes: Vec<u8>,
+    pub(super) form: Form,
 }
 
 impl RecordedFile {
     /// A file that is at hand already.
     pub fn new(name: impl Into<String>, bytes: Vec<u8>) -> Self {
-        let name = name.into();
-        Self { name, bytes }
+        Self {
+            name: name.into(),
+            bytes,
+            form: Form::default(),
+        }
     }
 
     /// Reads a file.
@@ -37,12 +44,25 @@ impl RecordedFile {
                 _ => format!("cannot be read: {error}"),
             },
         })?;
-        Ok(Self { name, bytes })
+        Ok(Self::new(name, bytes))
     }
 
-    /// Name of the file; drops its bytes.
-    pub(super) fn into_name(self) -> String {
-        self.name
+    /// Reads a stream to its end, such as standard input; `name` is what messages call it.
+    ///
+    /// # Errors
+    /// [`RecordedError::File`] if it cannot be read, or is larger than a file may be.
+    pub fn read_stream(name: &str, stream: impl Read) -> Result<Self, RecordedError> {
+        let bytes = read_all(stream, MOST_MIB).map_err(|error| RecordedError::File {
+            file: name.to_owned(),
+            message: format!("cannot be read: {error}"),
+        })?;
+        Ok(Self::new(name, bytes))
+    }
+
+    /// The file with its table in a form.
+    #[must_use]
+    pub fn written(self, form: Form) -> Self {
+        Self { form, ..self }
     }
 
     pub(super) fn error(&self, message: impl Into<String>) -> RecordedError {
@@ -52,13 +72,47 @@ impl RecordedFile {
         }
     }
 
-    /// Its text; a byte order mark is dropped.
-    pub(super) fn text(&self) -> Result<&str, RecordedError> {
-        let text = std::str::from_utf8(&self.bytes).map_err(|_| self.error("is not UTF-8 text"))?;
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    /// An error in a line.
+    pub(super) fn fail(&self, line: usize, message: impl Into<String>) -> RecordedError {
+        RecordedError::Line {
+            file: self.name.clone(),
+            line,
+            message: message.into(),
+        }
+    }
+
+    /// Its text, of UTF-8 or, with a byte order mark, UTF-16; the mark is dropped.
+    pub(super) fn text(&self) -> Result<Cow<'_, str>, RecordedError> {
+        let text = match self.bytes.as_slice() {
+            [0xff, 0xfe, rest @ ..] => Cow::Owned(self.utf16(rest, u16::from_le_bytes)?),
+            [0xfe, 0xff, rest @ ..] => Cow::Owned(self.utf16(rest, u16::from_be_bytes)?),
+            [0xef, 0xbb, 0xbf, rest @ ..] => Cow::Borrowed(self.utf8(rest)?),
+            bytes => Cow::Borrowed(self.utf8(bytes)?),
+        };
         if text.trim().is_empty() {
             return Err(self.error("is empty; a header and one row per reading are needed"));
         }
         Ok(text)
+    }
+
+    fn utf8<'a>(&self, bytes: &'a [u8]) -> Result<&'a str, RecordedError> {
+        std::str::from_utf8(bytes).map_err(|error| {
+            let (before, rest) = bytes.split_at(error.valid_up_to());
+            let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;
+            let byte = rest.first().copied().unwrap_or_default();
+            self.error(format!(
+                "is not UTF-8 text: byte 0x{byte:02x} in line {line}; save it as UTF-8"
+            ))
+        })
+    }
+
+    fn utf16(&self, bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<String, RecordedError> {
+        let fault = || self.error("is not UTF-8 text, nor UTF-16, whose byte order mark it has");
+        let pairs = bytes.chunks_exact(2);
+        if !pairs.remainder().is_empty() {
+            return Err(fault());
+        }
+        let units: Vec<u16> = pairs.map(|pair| unit([pair[0], pair[1]])).collect();
+        String::from_utf16(&units).map_err(|_| fault())
     }
 }

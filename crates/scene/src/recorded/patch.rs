@@ -6,9 +6,11 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_number::{BadSetting, Number};
 
 use super::Value;
+use super::error::RecordedError;
+use super::extra::Extras;
 use super::glide::GlideReadings;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
-use super::sheet::{RecordedError, agreed_unit};
+use super::sheet::agreed_unit;
 use super::stated::{FORMAT_VERSION, LARGE_RESIDUALS};
 use super::suspicion::of_normals;
 use crate::glide::AnyMethod;
@@ -132,7 +134,12 @@ pub fn estimate_glide(
             .into_iter()
             .chain(noise(&patch, options, unit))
             .chain(of_normals(&recorded.contacts))
+            .chain(recorded.note.clone())
             .collect(),
+    };
+    let extras = match options.map_at_contacts {
+        true => recorded.extras.clone(),
+        false => Extras::default(),
     };
     let (points, regions) = if options.map_at_contacts {
         let contacts = recorded.contacts.iter().map(|contact| contact.position);
@@ -146,6 +153,7 @@ pub fn estimate_glide(
         regions,
         thresholds: limits,
         unit,
+        extras,
     };
     Ok((estimate, map))
 }

@@ -8,6 +8,7 @@ use palpate_geometry::ShapeThresholds;
 use serde::Serialize;
 
 use super::Value;
+use super::extra::Extras;
 use crate::map::MapTable;
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
@@ -97,14 +98,28 @@ pub struct GlideMap {
     pub(super) regions: Option<Regions>,
     pub(super) thresholds: ShapeThresholds,
     pub(super) unit: LengthUnit,
+    /// What else the readings have of each contact, of a map at the contacts.
+    pub(super) extras: Extras,
 }
 
 impl GlideMap {
-    /// The map as CSV, one row per place; the regions of contacts are empty.
+    /// The map as CSV, one row per place; the regions of contacts are empty. At the contacts, the columns that palpate
+    /// does not ask for stand behind its own, those of a name that the map has itself with `readings_` before it.
     pub fn to_csv(&self) -> String {
-        let mut table = MapTable::of_readings(self.unit);
-        table.push_map(&self.points, self.regions.as_ref(), &self.thresholds);
-        table.table.to_csv()
+        let mut map = MapTable::of_readings(self.unit);
+        map.push_map(&self.points, self.regions.as_ref(), &self.thresholds);
+        let mut table = map.table;
+        for name in &self.extras.names {
+            let mut name = name.clone();
+            while table.header.contains(&name) {
+                name = format!("readings_{name}");
+            }
+            table.header.push(name);
+        }
+        for (place, row) in table.rows.iter_mut().enumerate() {
+            row.extend(self.extras.row(place));
+        }
+        table.to_csv()
     }
 }
 

@@ -3,23 +3,12 @@
 use std::path::Path;
 
 use super::RecordedFile;
-use super::sheet::{Column, RecordedError, Sheet, header};
+use super::error::RecordedError;
+use super::extra::Extras;
+use super::sheet::{Sheet, header};
+use super::written::Written;
 use palpate_study::config::LengthUnit;
-
-/// One row per marker; the last two may be missing.
-const COLUMNS: [Column; 5] = [
-    Column::length("x"),
-    Column::length("y"),
-    Column::length("normal_displacement"),
-    Column::length("tangential_x"),
-    Column::length("tangential_y"),
-];
-
-/// One row per marker of a row of them through the apex.
-const ALONG_A_ROW: [Column; 2] = [
-    Column::length("radial_position"),
-    Column::length("normal_displacement"),
-];
+use palpate_study::readings::{Column, PRESS_ROW, PRESSES, columns_of};
 
 /// Recorded readings of a press.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +25,8 @@ pub struct PressReadings {
     pub(super) tangential: Option<Vec<[f64; 2]>>,
     /// The unit that the header states.
     pub(super) unit: Option<LengthUnit>,
+    /// What else the file has of each marker.
+    pub(super) extras: Extras,
 }
 
 impl PressReadings {
@@ -66,20 +57,32 @@ pub fn read_press(path: &Path) -> Result<PressReadings, RecordedError> {
 /// As [`read_press`].
 pub fn parse_press(file: RecordedFile) -> Result<PressReadings, RecordedError> {
     let text = file.text()?;
-    let any = |start: &str| header(text).iter().any(|name| name.starts_with(start));
-    let along_a_row = any("radial_position");
-    let with_tangential = !along_a_row && any("tangential");
-    let columns = match (along_a_row, with_tangential) {
-        (true, _) => &ALONG_A_ROW[..],
-        (false, true) => &COLUMNS[..],
-        (false, false) => &COLUMNS[..3],
+    let table = Written::of(&file, &text)?;
+    let header = header(&table, &columns_of("press"))?;
+    let has = |column: &Column| header.has(column);
+    let along_a_row = match (has(&PRESS_ROW[0]), PRESSES[..2].iter().all(has)) {
+        (true, true) => {
+            let is_told = |column: &Column| header.is_told(column);
+            match (is_told(&PRESS_ROW[0]), PRESSES[..2].iter().any(is_told)) {
+                (told, other) if told != other => told,
+                _ => {
+                    let message = "there are both places x, y and radial_position; say by --columns which of them \
+                                   are meant, as in --columns 'radial_position=…'";
+                    return Err(file.fail(table.header_line, message));
+                }
+            }
+        }
+        (along_a_row, _) => along_a_row,
     };
-    let sheet = Sheet::parse(&file.name, text, columns)?;
-    let file = file.into_name();
-    let (mut lines, mut places, mut normal) = (Vec::new(), Vec::new(), Vec::new());
-    let mut tangential = Vec::new();
-    for (line, numbers) in sheet.rows() {
-        lines.push(line);
+    let with_tangential = !along_a_row && PRESSES[3..].iter().any(has);
+    let columns = match (along_a_row, with_tangential) {
+        (true, _) => &PRESS_ROW[..],
+        (false, true) => &PRESSES[..],
+        (false, false) => &PRESSES[..3],
+    };
+    let sheet = Sheet::read(&table, columns)?;
+    let (mut places, mut normal, mut tangential) = (Vec::new(), Vec::new(), Vec::new());
+    for (_, numbers) in sheet.rows() {
         match *numbers {
             [position, displacement] => {
                 places.push([position, 0.0]);
@@ -97,8 +100,9 @@ pub fn parse_press(file: RecordedFile) -> Result<PressReadings, RecordedError> {
     }
     Ok(PressReadings {
         unit: sheet.unit,
-        file,
-        lines,
+        file: sheet.file,
+        lines: sheet.lines,
+        extras: sheet.extras,
         places,
         normal,
         tangential: with_tangential.then_some(tangential),

@@ -7,9 +7,10 @@ use palpate_press::{
 };
 
 use super::Value;
+use super::error::RecordedError;
 use super::press::PressReadings;
 use super::pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
-use super::sheet::{RecordedError, agreed_unit};
+use super::sheet::agreed_unit;
 use super::stated::{self, FORMAT_VERSION};
 use super::suspicion::{Sensor, of_press};
 use crate::press::{Assumed, body_of, large_contact};
@@ -107,6 +108,7 @@ pub fn estimate_press(
         .map(|&marker| Row {
             row: marker + 1,
             line: recorded.lines.get(marker).copied(),
+            columns: recorded.extras.named(marker),
         })
         .collect();
     let left_out = stated::left_out(

@@ -1,5 +1,7 @@
 //! Report of a pressed object, as JSON.
 
+use std::collections::BTreeMap;
+
 use palpate_press::Estimated;
 use serde::Serialize;
 
@@ -31,12 +33,15 @@ pub struct Radius {
 }
 
 /// A row of the readings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Row {
     /// Number of the row from 1, without the header.
     pub(super) row: usize,
     /// Its line in the file.
     pub(super) line: Option<usize>,
+    /// What else the readings have in it, by the names of their columns.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) columns: BTreeMap<String, String>,
 }
 
 /// How far displacements are off, as given or as found from the residuals.

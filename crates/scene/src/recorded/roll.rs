@@ -1,6 +1,6 @@
 //! Recorded rolls.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
@@ -12,30 +12,16 @@ use serde::Serialize;
 
 use super::RecordedFile;
 use super::Value;
-use super::sheet::{Column, RecordedError, Sheet, agreed_unit, header};
+use super::error::RecordedError;
+use super::extra::Extras;
+use super::fingers::parted;
+use super::sheet::{Sheet, agreed_unit, header};
 use super::stated::FORMAT_VERSION;
 use super::suspicion::of_roll;
+use super::written::Written;
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
+use palpate_study::readings::{Column, Measure, ROLL_SERIES, ROLLS, columns_of};
 use palpate_study::{Table, Unit};
-
-/// One row per probe.
-const SUMMARY: [Column; 5] = [
-    Column::plain("probe"),
-    Column::plain("rotation_x_rad"),
-    Column::plain("rotation_y_rad"),
-    Column::length("shift_u"),
-    Column::length("shift_v"),
-];
-
-/// A time series per probe.
-const SERIES: [Column; 6] = [
-    Column::plain("probe"),
-    Column::plain("t_s"),
-    Column::plain("rotation_x_rad"),
-    Column::plain("rotation_y_rad"),
-    Column::length("pad_u"),
-    Column::length("pad_v"),
-];
 
 /// Settings of an estimate that the readings do not state.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,6 +101,12 @@ pub struct RollReadings {
     readings: Vec<ProbeReading>,
     /// The unit that the header states.
     unit: Option<LengthUnit>,
+    /// The row of each probe.
+    rows: Vec<usize>,
+    /// What else the file has in each row.
+    extras: Extras,
+    /// How the probes were told, where the file does not name them.
+    note: Option<String>,
 }
 
 impl RollReadings {
@@ -132,6 +124,9 @@ pub struct UnresolvedProbe {
     /// pitch is not given or too coarse to say.
     radius_below: Option<f64>,
     unit: String,
+    /// What else the readings have in the row that counts, by the names of their columns.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    columns: BTreeMap<String, String>,
 }
 
 /// Output of `estimate roll`.
@@ -162,7 +157,8 @@ pub struct RollEstimate {
     warnings: Vec<String>,
 }
 
-/// Reads recorded rolls: one row per probe, or a time series per probe, whose last row counts.
+/// Reads recorded rolls: one row per probe, or a time series per probe, whose last row counts. Without a column `probe`,
+/// each row is one, or each series, which a blank line or a time that does not rise ends.
 ///
 /// # Errors
 /// [`RecordedError`] with file, line, column and value.
@@ -176,25 +172,116 @@ pub fn read_roll(path: &Path) -> Result<RollReadings, RecordedError> {
 /// As [`read_roll`].
 pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
     let text = file.text()?;
-    let is_series = header(text)
-        .iter()
-        .any(|&name| name == "t_s" || name.starts_with("pad_"));
-    let sheet = Sheet::parse(&file.name, text, if is_series { &SERIES } else { &SUMMARY })?;
-    let file = file.into_name();
-    let unit = sheet.unit;
-    let rows = if is_series {
-        last_of_each(&sheet)?
+    let table = Written::of(&file, &text)?;
+    let is_series = is_series(&table)?;
+    let all = if is_series {
+        &ROLL_SERIES[..]
     } else {
-        one_of_each(&sheet)?
+        &ROLLS[..]
     };
-    let (probes, readings) = rows.into_iter().unzip();
+    let header = header(&table, &columns_of("roll"))?;
+    let [probe, others @ ..] = all else {
+        return Err(file.error("has no columns"));
+    };
+    let names_probes = header.has(probe);
+    let sheet = Sheet::read(&table, if names_probes { all } else { others })?;
+    let (probes, note) = match names_probes {
+        true => {
+            let of_row =
+                |(line, numbers): (usize, &[f64])| sheet.index(line, probe.name, numbers[0]);
+            let probes: Result<Vec<u64>, _> = sheet.rows().map(of_row).collect();
+            (probes?, None)
+        }
+        false => {
+            let (probes, note) = counted(&sheet, is_series);
+            (probes, Some(note))
+        }
+    };
+    let rows = sheet
+        .rows()
+        .zip(&probes)
+        .enumerate()
+        .map(|(row, ((line, numbers), &probe))| Row {
+            row,
+            line,
+            probe,
+            numbers: if names_probes { &numbers[1..] } else { numbers },
+        });
+    let rows = if is_series {
+        last_of_each(&sheet, rows)?
+    } else {
+        one_of_each(&sheet, rows)?
+    };
+    let (rows, probes, readings) = rows.into_iter().fold(
+        (Vec::new(), Vec::new(), Vec::new()),
+        |(mut rows, mut probes, mut readings), (row, probe, reading)| {
+            rows.push(row);
+            probes.push(probe);
+            readings.push(reading);
+            (rows, probes, readings)
+        },
+    );
     Ok(RollReadings {
-        file,
+        unit: sheet.unit,
+        file: sheet.file,
         probes,
         readings,
-        unit,
+        rows,
+        extras: sheet.extras,
+        note,
     })
 }
+
+/// Whether a table has time series; where it could be both, it must be told.
+fn is_series(table: &Written<'_>) -> Result<bool, RecordedError> {
+    let header = header(table, &columns_of("roll"))?;
+    let has = |column: &Column| header.has(column);
+    let is_told = |column: &Column| header.is_told(column);
+    let (shifts, pads) = (&ROLLS[3..], &ROLL_SERIES[4..]);
+    match (shifts.iter().all(has), pads.iter().all(has)) {
+        (true, true) => match (shifts.iter().any(is_told), pads.iter().any(is_told)) {
+            (shifts, pads) if shifts != pads => Ok(pads),
+            _ => {
+                let message = "there are both shift_u, shift_v and pad_u, pad_v; say by --columns which of them are meant, \
+                               as in --columns 'shift_u=…,shift_v=…'";
+                Err(table.file.fail(table.header_line, message))
+            }
+        },
+        (true, false) => Ok(false),
+        (false, true) => Ok(true),
+        (false, false) => Ok(pads.iter().any(has) || has(&ROLL_SERIES[1])),
+    }
+}
+
+/// Number of the probe of each row of a table that does not name them, and how it was told, in words.
+fn counted(sheet: &Sheet, is_series: bool) -> (Vec<u64>, String) {
+    let rows = sheet.lines.len();
+    if !is_series {
+        let note = format!("no column `probe`: each of the {rows} rows counts as a probe");
+        return ((0..rows as u64).collect(), note);
+    }
+    let times: Vec<f64> = sheet.rows().map(|(_, numbers)| numbers[0]).collect();
+    let is_start = |row: &usize| {
+        let falls = *row > 0 && times[*row] <= times[*row - 1];
+        falls || sheet.after_gaps.contains(row)
+    };
+    let starts: Vec<usize> = (0..rows).filter(is_start).collect();
+    let (parts, count) = parted(rows, &starts);
+    let note =
+        format!("no column `probe`: {count} are told, by blank lines or by times that do not rise");
+    (parts.into_iter().map(|part| part as u64).collect(), note)
+}
+
+/// A row of numbers behind that of its probe.
+struct Row<'a> {
+    row: usize,
+    line: usize,
+    probe: u64,
+    numbers: &'a [f64],
+}
+
+/// Row, probe and reading.
+type Taken = (usize, u64, ProbeReading);
 
 fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {
     ProbeReading {
@@ -203,31 +290,47 @@ fn reading(rotation_x: f64, rotation_y: f64, u: f64, v: f64) -> ProbeReading {
     }
 }
 
-fn one_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError> {
+fn one_of_each<'a>(
+    sheet: &Sheet,
+    rows: impl Iterator<Item = Row<'a>>,
+) -> Result<Vec<Taken>, RecordedError> {
     let mut known = HashSet::new();
-    let mut rows = Vec::new();
-    for (line, numbers) in sheet.rows() {
-        let &[probe, x, y, u, v] = numbers else {
+    let mut taken = Vec::new();
+    for Row {
+        row,
+        line,
+        probe,
+        numbers,
+    } in rows
+    {
+        let &[x, y, u, v] = numbers else {
             continue;
         };
-        let probe = sheet.index(line, "probe", probe)?;
         if !known.insert(probe) {
             return Err(sheet.fail(line, format!("probe {probe} stands twice")));
         }
-        rows.push((probe, reading(x, y, u, v)));
+        taken.push((row, probe, reading(x, y, u, v)));
     }
-    Ok(rows)
+    Ok(taken)
 }
 
-fn last_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError> {
+fn last_of_each<'a>(
+    sheet: &Sheet,
+    rows: impl Iterator<Item = Row<'a>>,
+) -> Result<Vec<Taken>, RecordedError> {
     let mut times: HashMap<u64, (usize, f64)> = HashMap::new();
-    let mut rows = Vec::new();
-    for (line, numbers) in sheet.rows() {
-        let &[probe, t_s, x, y, u, v] = numbers else {
+    let mut taken = Vec::new();
+    for Row {
+        row,
+        line,
+        probe,
+        numbers,
+    } in rows
+    {
+        let &[t_s, x, y, u, v] = numbers else {
             continue;
         };
-        let probe = sheet.index(line, "probe", probe)?;
-        let row = (probe, reading(x, y, u, v));
+        let one = (row, probe, reading(x, y, u, v));
         match times.get_mut(&probe) {
             Some((_, before)) if t_s <= *before => {
                 let message =
@@ -236,15 +339,15 @@ fn last_of_each(sheet: &Sheet) -> Result<Vec<(u64, ProbeReading)>, RecordedError
             }
             Some((place, before)) => {
                 *before = t_s;
-                rows[*place] = row;
+                taken[*place] = one;
             }
             None => {
-                times.insert(probe, (rows.len(), t_s));
-                rows.push(row);
+                times.insert(probe, (taken.len(), t_s));
+                taken.push(one);
             }
         }
     }
-    Ok(rows)
+    Ok(taken)
 }
 
 /// Estimates the object's curvature from recorded rolls.
@@ -371,7 +474,11 @@ pub fn estimate_roll(
             stated.shift_resolution,
             unit,
         ),
-        warnings: suspicion.into_iter().chain(noise).collect(),
+        warnings: suspicion
+            .into_iter()
+            .chain(noise)
+            .chain(recorded.note.clone())
+            .collect(),
     })
 }
 
@@ -410,8 +517,9 @@ fn unresolved(
         .probes
         .iter()
         .zip(&recorded.readings)
-        .filter(|(_, reading)| still(reading))
-        .map(|(&probe, reading)| {
+        .enumerate()
+        .filter(|(_, (_, reading))| still(reading))
+        .map(|(place, (&probe, reading))| {
             let radius = 1.0 / (reading.rotation.norm() / resolution - 1.0 / probe_radius);
             let radius_below =
                 (resolution > 0.0 && radius > 0.0 && radius.is_finite()).then_some(radius);
@@ -419,6 +527,10 @@ fn unresolved(
                 probe,
                 radius_below,
                 unit: unit.as_str().to_owned(),
+                columns: recorded
+                    .rows
+                    .get(place)
+                    .map_or_else(BTreeMap::new, |&row| recorded.extras.named(row)),
             }
         })
         .collect()
@@ -427,8 +539,8 @@ fn unresolved(
 /// Readings as a table that [`read_roll`] accepts, one row per probe.
 pub fn roll_readings_table(readings: &[ProbeReading], unit: LengthUnit) -> Table {
     let unit = unit.as_str();
-    let mut table = Table::new(SUMMARY.iter().map(|column| {
-        if column.is_length {
+    let mut table = Table::new(ROLLS.iter().map(|column| {
+        if column.measure == Measure::Length {
             format!("{}_{unit}", column.name)
         } else {
             column.name.to_owned()

@@ -5,10 +5,11 @@ use palpate_tracking::{Calibration, CalibrationError, Displaced, Equidistant, Fi
 use serde::Serialize;
 
 use super::Value;
+use super::error::RecordedError;
+use super::extra::Extras;
 use super::press::PressReadings;
 use super::pressed::{PressOptions, estimate_press};
 use super::pressed_object::PressedObject;
-use super::sheet::RecordedError;
 use super::tracked::{Fates, TrackedFrames};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Table, Unit};
@@ -181,6 +182,7 @@ impl Sensed {
             normal: markers.iter().map(|marker| marker.normal).collect(),
             tangential: self.has_tangential.then_some(tangential),
             unit: Some(self.unit),
+            extras: Extras::default(),
         };
         let mut object = estimate_press(&readings, options)?;
         object.warnings.extend(self.scale.clone());

@@ -1,176 +1,126 @@
-//! A CSV file of numbers, with errors that say where.
+//! A table's numbers in palpate's units, with errors that say where.
 
 use palpate_number::Number;
-use thiserror::Error;
-
 use palpate_study::config::LengthUnit;
+use palpate_study::push_row;
+use palpate_study::readings::{Column, ColumnNamesError, ColumnUnit, Measure, check_names};
 
-/// Readings that cannot be read.
-#[derive(Debug, Error)]
-pub enum RecordedError {
-    /// The file cannot be opened or is not text.
-    #[error("{file}: {message}")]
-    File {
-        /// The file.
-        file: String,
-        /// Problem in words.
-        message: String,
-    },
-    /// A line is wrong: the header lacks or adds a column, a row a field, or a field is no number.
-    #[error("{file}:{line}: {message}")]
-    Line {
-        /// The file.
-        file: String,
-        /// The line, from 1.
-        line: usize,
-        /// Problem in words, with the column and the value.
-        message: String,
-    },
-    /// The numbers are readable but tell nothing.
-    #[error("{file}: {message}")]
-    Readings {
-        /// The file.
-        file: String,
-        /// Problem in words.
-        message: String,
-    },
-}
+use super::error::RecordedError;
+use super::extra::Extras;
+use super::form::Decimal;
+use super::header::{Header, Place};
+use super::number::{Shown, number};
+use super::written::{Written, tidy};
 
-/// A column that a table must have: its name, and whether a unit may follow it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Column {
-    pub(super) name: &'static str,
-    pub(super) is_length: bool,
-}
+/// Most bytes of the columns that palpate does not ask for, MiB.
+const MOST_EXTRA_MIB: usize = 256;
 
-impl Column {
-    pub(super) const fn plain(name: &'static str) -> Self {
-        let is_length = false;
-        Self { name, is_length }
-    }
-
-    pub(super) const fn length(name: &'static str) -> Self {
-        let is_length = true;
-        Self { name, is_length }
-    }
-}
-
-/// Most lines of a table.
-const MOST_LINES: usize = 5_000_000;
-
-/// A header and rows of numbers, in the order of the columns asked for.
+/// Rows of numbers, in the order of the columns asked for.
 pub(super) struct Sheet {
     pub(super) file: String,
     /// The line of each row.
-    lines: Vec<usize>,
+    pub(super) lines: Vec<usize>,
+    /// Rows before which a blank line stands.
+    pub(super) after_gaps: Vec<usize>,
     /// Row by row.
     numbers: Vec<f64>,
     columns: usize,
-    /// The unit that the header states.
+    /// The unit of its lengths, where it is stated.
     pub(super) unit: Option<LengthUnit>,
-}
-
-const UNITS: [LengthUnit; 5] = [
-    LengthUnit::M,
-    LengthUnit::Cm,
-    LengthUnit::Mm,
-    LengthUnit::Um,
-    LengthUnit::Unit,
-];
-
-/// The names in the header of a text.
-pub(super) fn header(text: &str) -> Vec<&str> {
-    records(text)
-        .next()
-        .map_or_else(Vec::new, |(_, fields)| fields)
-}
-
-/// The lines that are not blank: number, from 1, and fields. Numbers need no quotes, but may have
-/// them.
-fn records(text: &str) -> impl Iterator<Item = (usize, Vec<&str>)> {
-    text.lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty())
-        .map(|(index, line)| (index + 1, fields(line)))
-}
-
-fn fields(line: &str) -> Vec<&str> {
-    line.split(',')
-        .map(|field| field.trim().trim_matches('"'))
-        .collect()
-}
-
-/// First line, from 1, with a quotation mark that is not one of a pair around a field.
-fn unclosed(text: &str) -> Option<usize> {
-    let is_unclosed = |field: &str| {
-        let field = field.trim();
-        let quoted = field
-            .strip_prefix('"')
-            .and_then(|rest| rest.strip_suffix('"'));
-        quoted.unwrap_or(field).contains('"')
-    };
-    let mut lines = text.lines();
-    lines
-        .position(|line| line.contains('"') && line.split(',').any(is_unclosed))
-        .map(|index| index + 1)
+    /// What else stands in the rows.
+    pub(super) extras: Extras,
 }
 
 impl Sheet {
-    /// Reads the `columns` of a text, which may come in any order but must be all.
-    pub(super) fn parse(file: &str, text: &str, columns: &[Column]) -> Result<Self, RecordedError> {
-        let fail = |line, message| RecordedError::Line {
-            file: file.to_owned(),
-            line,
-            message,
+    /// Reads the `columns` of a table, which may stand in any order and among others but must be all.
+    pub(super) fn read(table: &Written<'_>, columns: &[Column]) -> Result<Self, RecordedError> {
+        let form = &table.file.form;
+        let fail = |message| table.file.fail(table.header_line, message);
+        let header = Header::new(&table.header, &form.columns);
+        let places = header.places(columns).map_err(fail)?;
+        let unit = length_unit(columns, &places, form.length_unit).map_err(fail)?;
+        let factors: Vec<f64> = columns
+            .iter()
+            .zip(&places)
+            .map(|(column, place)| factor(column, place, unit))
+            .collect::<Option<_>>()
+            .ok_or_else(|| fail("lengths cannot be converted".to_owned()))?;
+        let decimal = match form.decimal {
+            Some(decimal) => decimal,
+            None => decimal_of(table, &header, &places)?,
         };
-        if let Some(line) = unclosed(text) {
-            return Err(fail(
-                line,
-                "a quotation mark is not closed before the comma or the end of the line".to_owned(),
-            ));
-        }
-        let rows = text.lines().count();
-        if rows > MOST_LINES {
-            return Err(RecordedError::File {
-                file: file.to_owned(),
-                message: format!("has {rows} lines; at most {MOST_LINES} are read"),
+        let is_other = |index: &usize| {
+            let is_asked = places.iter().any(|place| place.index == *index);
+            !is_asked && !table.header[*index].is_empty()
+        };
+        let others: Vec<usize> = (0..table.header.len()).filter(is_other).collect();
+        let (mut lines, mut numbers, mut after_gaps) = (Vec::new(), Vec::new(), Vec::new());
+        let names = others.iter().map(|&index| table.header[index].clone());
+        let mut extras = Extras::new(names.collect());
+        table.each(|record| {
+            let (found, expected) = (record.fields.len(), table.header.len());
+            if found != expected {
+                let hint = match table.has_commas() && found > expected {
+                    true => "; if its commas are decimal ones, separate fields by ; or tabs",
+                    false => "",
+                };
+                let message = format!("{found} fields; the header has {expected}{hint}");
+                return Err(table.file.fail(record.line, message));
+            }
+            for (place, &factor) in places.iter().zip(&factors) {
+                let read = number(tidy(&record.fields[place.index]), decimal).and_then(|number| {
+                    // A unit of 1 leaves even the sign of zero.
+                    let converted = if factor == 1.0 {
+                        number
+                    } else {
+                        number * factor
+                    };
+                    match converted.is_finite() {
+                        true => Ok(converted),
+                        false => Err(format!(
+                            "must be finite, is {} times {factor}",
+                            Number(number)
+                        )),
+                    }
+                });
+                numbers.push(read.map_err(|what| {
+                    let name = header.name(place.index);
+                    table
+                        .file
+                        .fail(record.line, format!("column `{name}`: {what}"))
+                })?);
+            }
+            if record.is_after_gap {
+                after_gaps.push(lines.len());
+            }
+            lines.push(record.line);
+            extras.push(|text| {
+                let fields = others
+                    .iter()
+                    .map(|&index| tidy(&record.fields[index]).to_owned());
+                push_row(text, &fields.collect::<Vec<_>>());
             });
-        }
-        let mut records = records(text);
-        let (line, header) = records.next().unwrap_or((1, Vec::new()));
-        let (places, unit) = places(&header, columns).map_err(|message| fail(line, message))?;
-        let (mut lines, mut numbers) = (Vec::new(), Vec::new());
-        for (line, fields) in records {
-            if fields.len() != header.len() {
-                let (found, expected) = (fields.len(), header.len());
-                return Err(fail(
-                    line,
-                    format!("{found} fields; the header has {expected}"),
-                ));
+            match extras.bytes() > MOST_EXTRA_MIB << 20 {
+                true => Err(table.file.error(format!(
+                    "the columns that are not asked for take more than {MOST_EXTRA_MIB} MiB"
+                ))),
+                false => Ok(()),
             }
-            for &place in &places {
-                let number = number(fields[place]);
-                numbers.push(
-                    number.map_err(|what| {
-                        fail(line, format!("column `{}`: {what}", header[place]))
-                    })?,
-                );
-            }
-            lines.push(line);
-        }
+        })?;
         if lines.is_empty() {
-            let message = "has a header but no readings".to_owned();
             return Err(RecordedError::Readings {
-                file: file.to_owned(),
-                message,
+                file: table.file.name.clone(),
+                message: "has a header but no readings".to_owned(),
             });
         }
         Ok(Self {
-            file: file.to_owned(),
+            file: table.file.name.clone(),
             lines,
+            after_gaps,
             numbers,
             columns: columns.len(),
             unit,
+            extras,
         })
     }
 
@@ -207,6 +157,21 @@ impl Sheet {
     }
 }
 
+/// Header of a table, whose told names are those of `columns`.
+pub(super) fn header<'a>(
+    table: &'a Written<'_>,
+    columns: &[Column],
+) -> Result<Header<'a>, RecordedError> {
+    let names = &table.file.form.columns;
+    check_names(names, columns).map_err(|ColumnNamesError { message, .. }| {
+        RecordedError::Readings {
+            file: table.file.name.clone(),
+            message: format!("--columns: {message}"),
+        }
+    })?;
+    Ok(Header::new(&table.header, names))
+}
+
 /// The unit that the header of a file or `--length-unit` states.
 pub(super) fn agreed_unit(
     file: &str,
@@ -225,65 +190,103 @@ pub(super) fn agreed_unit(
     }
 }
 
-/// A field as a finite number.
-fn number(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        Ok(_) => Err(format!("must be finite, is {text}")),
-        Err(_) if text.is_empty() => Err("is empty".to_owned()),
-        Err(_) => Err(format!("`{text}` is not a number")),
+/// Unit of all lengths of a table, where one is stated.
+fn length_unit(
+    columns: &[Column],
+    places: &[Place],
+    option: Option<LengthUnit>,
+) -> Result<Option<LengthUnit>, String> {
+    let lengths = columns
+        .iter()
+        .zip(places)
+        .filter(|(column, _)| column.measure == Measure::Length);
+    let mut stated: Vec<ColumnUnit> = Vec::new();
+    let mut bare: Option<&Column> = None;
+    for (column, place) in lengths {
+        match place.unit {
+            Some(unit) if !stated.contains(&unit) => stated.push(unit),
+            Some(_) => {}
+            None => bare = bare.or(Some(column)),
+        }
+    }
+    let Some(target) = option else {
+        return match stated.as_slice() {
+            [] => Ok(None),
+            [unit] => {
+                let nearest = unit.nearest();
+                let is_converted = nearest.map(ColumnUnit::Length) != Some(*unit);
+                match bare.filter(|_| is_converted) {
+                    Some(column) => Err(without_unit(column, *unit)),
+                    None => Ok(nearest),
+                }
+            }
+            [first, second, ..] => {
+                let target = first.nearest().unwrap_or_default().as_str();
+                Err(format!(
+                    "lengths are in {} and in {}; one unit is needed: --length-unit {target} converts them",
+                    first.name(),
+                    second.name()
+                ))
+            }
+        };
+    };
+    for unit in &stated {
+        if unit.to(target).is_none() {
+            let (unit, target) = (unit.name(), target.as_str());
+            return Err(format!(
+                "the header says {unit}, --length-unit says {target}, and neither is a multiple of the other"
+            ));
+        }
+        if let Some(column) = bare.filter(|_| *unit != ColumnUnit::Length(target)) {
+            return Err(without_unit(column, *unit));
+        }
+    }
+    Ok(Some(target))
+}
+
+fn without_unit(column: &Column, other: ColumnUnit) -> String {
+    let (stem, other) = (column.stem(), other.name());
+    format!(
+        "column `{stem}` states no unit and others are in {other}; say which: --columns '{stem}_{other}=NAME', with its name in the file"
+    )
+}
+
+/// Factor from a column's unit to palpate's.
+fn factor(column: &Column, place: &Place, unit: Option<LengthUnit>) -> Option<f64> {
+    match (place.unit, column.measure, unit) {
+        (None, _, _) | (_, Measure::Length, None) => Some(1.0),
+        (Some(own), _, unit) => own.to(unit.unwrap_or_default()),
     }
 }
 
-/// Places of the columns in a row, and the unit that the header states.
-fn places(header: &[&str], columns: &[Column]) -> Result<(Vec<usize>, Option<LengthUnit>), String> {
-    let wanted = || {
-        columns
-            .iter()
-            .map(|column| column.name)
-            .collect::<Vec<_>>()
-            .join(",")
-    };
-    let mut unit: Option<LengthUnit> = None;
-    let mut places = Vec::new();
-    for column in columns {
-        let mut matching = header.iter().enumerate().filter_map(|(place, name)| {
-            let rest = name.strip_prefix(column.name)?;
-            if rest.is_empty() {
-                return Some((place, None));
+/// Decimal sign of a table's numbers; a point, unless a number has a comma.
+fn decimal_of(
+    table: &Written<'_>,
+    header: &Header<'_>,
+    places: &[Place],
+) -> Result<Decimal, RecordedError> {
+    if !table.may_have_commas() {
+        return Ok(Decimal::Point);
+    }
+    let mut odd: Option<(usize, usize, String)> = None;
+    let mut shown = Shown::default();
+    table.each(|record| {
+        // A row of too few or too many fields is refused when numbers are read.
+        let is_whole = record.fields.len() == table.header.len();
+        for place in places.iter().filter(|_| is_whole) {
+            let field = tidy(&record.fields[place.index]);
+            if odd.is_none() && field.contains(',') {
+                odd = Some((record.line, place.index, field.to_owned()));
             }
-            let unit = UNITS
-                .into_iter()
-                .find(|unit| rest.strip_prefix('_') == Some(unit.as_str()))?;
-            column.is_length.then_some((place, Some(unit)))
-        });
-        let Some((place, stated)) = matching.next() else {
-            return Err(format!(
-                "no column `{}`; the columns must be {}",
-                column.name,
-                wanted()
-            ));
-        };
-        if matching.next().is_some() {
-            return Err(format!("column `{}` stands twice", column.name));
+            shown.look(field);
         }
-        if let (Some(before), Some(stated)) = (unit, stated)
-            && before != stated
-        {
-            let (before, stated) = (before.as_str(), stated.as_str());
-            return Err(format!(
-                "lengths are in {before} and in {stated}; one unit is needed"
-            ));
-        }
-        unit = unit.or(stated);
-        places.push(place);
-    }
-    if let Some(extra) = (0..header.len()).find(|place| !places.contains(place)) {
-        let name = &header[extra];
-        return Err(format!(
-            "unknown column `{name}`; the columns must be {}",
-            wanted()
-        ));
-    }
-    Ok((places, unit))
+        Ok(())
+    })?;
+    let Some((line, index, field)) = odd else {
+        return Ok(Decimal::Point);
+    };
+    shown.decimal(&field).map_err(|what| {
+        let name = header.name(index);
+        table.file.fail(line, format!("column `{name}`: {what}"))
+    })
 }

@@ -3,7 +3,7 @@
 use palpate_tracking::{Change, Equidistant, LateralPoint, NormalFrom, NormalPoint, Track};
 
 use super::calibration::CalibrationPoints;
-use super::sheet::RecordedError;
+use super::error::RecordedError;
 use super::tracked::{Frame, track_frames};
 
 /// Known displacements of the marker under the contact, one for each pressed frame.

@@ -9,7 +9,7 @@ use palpate_tracking::{
 };
 use serde::Serialize;
 
-use super::sheet::RecordedError;
+use super::error::RecordedError;
 use crate::tracks::of_tracks;
 use palpate_study::Table;
 

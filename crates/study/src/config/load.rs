@@ -11,6 +11,7 @@ use super::sweep::{Axis, SweptValue};
 use super::tree::{Node, Value};
 use super::{plot, sample, schema, sweep, tree, validate};
 use crate::limited::read_limited;
+use crate::readings::{check_names, columns_of};
 use serde_json::Value as Json;
 use std::io::ErrorKind;
 use std::ops::Range;
@@ -154,6 +155,7 @@ pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
         check_values(&source, &grid)?;
     }
     plot::check(&plots, &grid, &first.outputs).map_err(faulty)?;
+    check_columns(&grid.base, &first).map_err(faulty)?;
 
     let config = StudyConfig {
         trials: first
@@ -204,6 +206,20 @@ fn check_version(node: &Node) -> Result<(), Fault> {
         Some(_) => return Ok(()),
     };
     Err(Fault::at(&node.span, message))
+}
+
+/// Refuses names of columns that the readings of the scene do not have.
+fn check_columns(base: &Node, config: &StudyConfig) -> Result<(), Fault> {
+    let columns = columns_of(config.scene.kind());
+    check_names(&config.columns, &columns).map_err(|error| {
+        let path = format!("columns.{}", error.key);
+        let span = base.nearest(&path).span.clone();
+        Fault {
+            span: Some(span),
+            path,
+            message: error.message,
+        }
+    })
 }
 
 /// Refuses numbers of trials that a rule by which cells have had enough of them contradicts.

@@ -9,8 +9,10 @@ use super::press::PressConfig;
 use super::roll::RollConfig;
 use super::sweep::SweepConfig;
 use super::validate::NAME;
+use crate::readings::ColumnNames;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A study: one scene, the axes along which it is varied, and the plots drawn from its table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -47,6 +49,10 @@ pub struct StudyConfig {
     /// Version of the crate that wrote a resolved config; ignored when read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crate_version: Option<String>,
+    /// Names of the columns of recorded readings that `palpate estimate --like` takes with this study, by palpate's own
+    /// names: `x = "Finger X [m]"`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub columns: ColumnNames,
     /// The scene: the bodies that touch, and how that is modelled, sensed and estimated.
     pub scene: SceneConfig,
     /// Axes along which fields are varied; axes multiply, the first varies slowest.

@@ -2,6 +2,7 @@
 
 mod answers;
 mod estimate;
+mod form;
 mod number;
 mod sensor;
 mod settings;
@@ -21,6 +22,7 @@ pub(crate) use answers::{AnswerArgs, DesignArgs, DistinguishArgs};
 pub(crate) use estimate::{
     EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs, SensorArgs,
 };
+pub(crate) use form::FormArgs;
 pub(crate) use sensor::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};
 pub(crate) use settings::Settings;
 

@@ -3,22 +3,38 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use palpate_study::config::{
-    GlideEstimatorConfig, LengthUnit, PressEstimatorConfig, RollEstimatorConfig,
-};
+use palpate_study::config::{GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig};
 
-use super::number::{Direction, angle_std, direction, length_unit, not_negative, positive, share};
+use super::form::FormArgs;
+use super::number::{Direction, angle_std, direction, not_negative, positive, share};
 use super::settings::Settings;
+
+/// What every help of tables says.
+macro_rules! tables {
+    () => {
+        "The table may be CSV with commas, semicolons or tabs, with decimal points or commas, in UTF-8 or UTF-16, or
+JSON with one object per line, whose keys are the columns (those within others joined by points). Columns stand in
+any order, in any case of letters; units stand behind names, x_mm or x [mm]: m, cm, mm, um, nm, in; rad, mrad,
+deg. Inches are read as mm and nm as um, unless --length-unit says otherwise. Columns that are called otherwise
+are named by --columns, or by a table [columns] in the study of --like.
+"
+    };
+}
+pub(super) use tables;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Estimator {
     /// Curvature at a point from small rolls (EP1).
-    #[command(after_help = "The readings have one row per probe,
+    #[command(after_help = concat!("The readings have one row per probe,
   probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm
 or a time series per probe, whose last row counts,
   probe,t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm
 with rotations summed in the probe's contact frame (z out of the probe; a contact moving to +u has
-rotation_y < 0) and shifts as great-circle displacements on the probe from its first contact.
+rotation_y < 0) and shifts as great-circle displacements on the probe from its first contact. Without a column
+probe each row is one; of time series, each that a blank line or a time that does not rise ends.
+
+", tables!(), "Other columns are ignored, but those of rolls whose contact did not move stand in
+`unresolved_probes`, as `columns`.
 
 The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
 standard error repeats, tell where the readings contradict what is stated: noise (or a pitch)
@@ -31,14 +47,18 @@ unit; flags override them.
 
 Examples:
   palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5
-  palpate estimate roll examples/roll-readings.csv --like examples/pads-for-a-ball.toml --pitch 0.5")]
+  palpate estimate roll examples/roll-readings.csv --like examples/pads-for-a-ball.toml --pitch 0.5"))]
     Roll(EstimateRollArgs),
     /// Curvature over a patch from sliding fingers (EP2).
     #[command(
-        after_help = "The readings have one row per contact, the contacts of a finger in the order in which it made them,
+        after_help = concat!("The readings have one row per contact, the contacts of a finger in the order in which it made them,
   finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z
 or without normals,
   finger,x_mm,y_mm,z_mm
+Without a column finger, blank lines part the fingers; where there are none, the steps that are more than three
+times as long as most, and longer by half than all others. A warning tells which.
+
+", tables!(), "Other columns are ignored, but a map at the contacts has them behind its own columns.
 
 The JSON tells the curvature in the middle of the patch and the regions of one shape class; --map
 writes the curvature all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
@@ -57,7 +77,8 @@ Examples:
   palpate estimate glide examples/glide-readings.csv --method two-pass --smoothing 500
   palpate estimate glide examples/glide-readings.csv --criterion gcv --intervals 6
   palpate estimate glide examples/glide-readings.csv --like examples/fingers-over-a-mug.toml
-  palpate estimate glide examples/glide-readings.csv --gaussian-threshold 0.0005 --mean-threshold 0.01"
+  palpate estimate glide examples/foreign-glide.csv --columns 'x=Finger X [m],y=Finger Y [m],z=Finger Z [m]' --length-unit mm
+  palpate estimate glide examples/glide-readings.csv --gaussian-threshold 0.0005 --mean-threshold 0.01")
     )]
     Glide(EstimateGlideArgs),
     /// Curvature of an object from one press of a soft sphere with markers.
@@ -65,13 +86,16 @@ Examples:
     Press(EstimatePressArgs),
 }
 
-const PRESS_HELP: &str = "The readings have one row per marker,
+const PRESS_HELP: &str = concat!("The readings have one row per marker,
   x_mm,y_mm,normal_displacement_mm,tangential_x_mm,tangential_y_mm
 or without the last two; or one row per marker of a row of them through the apex, along x,
   radial_position_mm,normal_displacement_mm
 A place (x, y) lies sqrt(x^2 + y^2) along the skin from its apex, in the direction (x, y); normal
 displacements are positive inward, tangential ones count along the axes of the apex, carried along
 the meridian. Of a row of markers the contact is sought along the row.
+
+", tables!(), "Other columns are ignored, but those of markers that are left out stand in `wrong_markers`, as
+`columns`.
 
 The JSON tells curvatures, radii and the indentation, each with its 95 % interval (an end that is
 null: no bound); object_radius is negative for a dish and null for a plane, and has one interval of
@@ -95,7 +119,7 @@ Examples:
   palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1.5 --indentation-std 0.02
   palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --method bonded-layer --thickness 5
   palpate estimate press examples/chromatouch-2020/profile-dish.csv --sensor-radius 20 --depth 2 --radial-scale 2.19
-  palpate estimate press examples/press-readings.csv --like examples/press-a-ball.toml --indentation 1.5";
+  palpate estimate press examples/press-readings.csv --like examples/press-a-ball.toml --indentation 1.5");
 
 /// Study whose settings stand for those that are not given.
 #[derive(Debug, Args)]
@@ -110,8 +134,10 @@ pub(crate) struct LikeArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EstimateRollArgs {
-    /// The recorded readings, a CSV file.
+    /// The recorded readings, a CSV file or JSON with one object per line; - is standard input.
     pub(crate) readings: PathBuf,
+    #[command(flatten)]
+    pub(crate) form: FormArgs,
     #[command(flatten)]
     pub(crate) like: LikeArgs,
     /// The probe's radius, in the readings' length unit.
@@ -134,15 +160,14 @@ pub(crate) struct EstimateRollArgs {
     /// Standard deviation of each component of a rotation, as a fraction of its magnitude.
     #[arg(long, value_name = "F", value_parser = share, allow_negative_numbers = true)]
     pub(crate) relative_rotation_std: Option<f64>,
-    /// The unit of lengths, if the header does not state it (shift_u_mm).
-    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
-    pub(crate) length_unit: Option<LengthUnit>,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct EstimateGlideArgs {
-    /// The recorded readings, a CSV file.
+    /// The recorded readings, a CSV file or JSON with one object per line; - is standard input.
     pub(crate) readings: PathBuf,
+    #[command(flatten)]
+    pub(crate) form: FormArgs,
     #[command(flatten)]
     pub(crate) like: LikeArgs,
     #[command(flatten)]
@@ -160,9 +185,6 @@ pub(crate) struct EstimateGlideArgs {
     /// The direction out of the object, for readings without normals [default: 0,0,1].
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     pub(crate) outward: Option<Direction>,
-    /// The unit of lengths, if the header does not state it (x_mm).
-    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
-    pub(crate) length_unit: Option<LengthUnit>,
     /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square
     /// of the mean threshold [default: from the patch's size].
     #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true, requires = "mean_threshold")]
@@ -182,16 +204,15 @@ pub(crate) struct EstimateGlideArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EstimatePressArgs {
-    /// The recorded readings, a CSV file.
+    /// The recorded readings, a CSV file or JSON with one object per line; - is standard input.
     pub(crate) readings: PathBuf,
+    #[command(flatten)]
+    pub(crate) form: FormArgs,
     #[command(flatten)]
     pub(crate) sensor: SensorArgs,
     /// Multiply the positions of the markers by this factor.
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
     pub(crate) radial_scale: f64,
-    /// The unit of lengths, if the header does not state it (x_mm).
-    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
-    pub(crate) length_unit: Option<LengthUnit>,
 }
 
 /// A soft sensor with markers, and the estimator of what is pressed on it.

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use palpate_scene::recorded::NormalFrom;
-use palpate_study::config::{LengthUnit, PressEstimatorConfig};
+use palpate_study::config::PressEstimatorConfig;
 
-use super::estimate::SensorArgs;
-use super::number::{length_unit, not_negative, positive};
+use super::estimate::{SensorArgs, tables};
+use super::form::FormArgs;
+use super::number::{not_negative, positive};
 use super::settings::Flagged;
 
 #[derive(Debug, Subcommand)]
@@ -35,7 +36,7 @@ Example:
     Track(TrackArgs),
 }
 
-const CALIBRATE_HELP: &str = "Tables have one row per known displacement, of a marker that is displaced inward,
+const CALIBRATE_HELP: &str = concat!("Tables have one row per known displacement, of a marker that is displaced inward,
   normal_displacement_mm,hue_turns,growth
 with the changes of its hue and of the logarithm of its diameter, of which one may be missing; or of one that
 is displaced along the skin,
@@ -43,6 +44,8 @@ is displaced along the skin,
 or all of these. Columns `series` and `marker` may tell which series of presses and which marker it was;
 several tables are fitted together. With a normal_displacement beside the tangential one, px per length
 follow the normal displacement.
+
+", tables!(), "Other columns are ignored. One of the tables may be -, standard input.
 
 Frames are PNG images, the first at rest; --normal and --tangential tell the displacement of the marker that
 changes the most in each of the others.
@@ -53,7 +56,7 @@ residuals, slopes that may be 0 and series that disagree; that all displacements
 
 Examples:
   palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv examples/chromatouch-2020/calibration-tangential.csv --out calibration.toml
-  palpate sensor calibrate rest.png pressed-1.png pressed-2.png --normal 0.5,1.0 --length-unit mm --from size --out calibration.toml";
+  palpate sensor calibrate rest.png pressed-1.png pressed-2.png --normal 0.5,1.0 --length-unit mm --from size --out calibration.toml");
 
 const TRACK_HELP: &str = "Frames are PNG images of one size: 8 or 16 bits, grey, palette or RGB; an alpha channel is allowed if nothing
 is transparent. Writes to DIR
@@ -92,7 +95,7 @@ pub(crate) struct PatternArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArgs {
-    /// Tables of known displacements, or frames of which the first is at rest.
+    /// Tables of known displacements, of which one may be - for standard input, or frames of which the first is at rest.
     #[arg(required = true, value_name = "TABLE.csv|FRAME.png")]
     pub(crate) inputs: Vec<PathBuf>,
     /// The calibration to write, a TOML file; - is standard output.
@@ -114,9 +117,8 @@ pub(crate) struct CalibrateArgs {
     /// the frames is taken to hold everywhere].
     #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) px_per_rad: Option<f64>,
-    /// The unit of lengths, if no header states it.
-    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
-    pub(crate) length_unit: Option<LengthUnit>,
+    #[command(flatten)]
+    pub(crate) form: FormArgs,
     /// Replace also files that palpate did not write, that were changed since, or that are read.
     #[arg(long)]
     pub(crate) force: bool,

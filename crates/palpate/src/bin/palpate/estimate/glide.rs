@@ -4,11 +4,12 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_scene::recorded::{
-    GlideOptions, GlideReadings, ShapeThresholds, estimate_glide, read_glide,
+    GlideOptions, GlideReadings, ShapeThresholds, estimate_glide, parse_glide,
 };
 use palpate_study::config::GlideEstimatorConfig;
 
-use super::like::like;
+use super::like::Like;
+use super::table::{form, table};
 use super::warned::warn;
 use crate::cli::EstimateGlideArgs;
 use crate::failure::Failure;
@@ -16,8 +17,10 @@ use crate::output::{self, Guard, Single};
 
 pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
     let map_file = place_of_map(args)?;
-    let readings = read_glide(&args.readings).map_err(Failure::work)?;
-    let options = options(args, &readings)?;
+    let like = Like::of(&args.like)?;
+    let file = table(&args.readings, form(&args.form, like.as_ref()))?;
+    let readings = parse_glide(file).map_err(Failure::work)?;
+    let options = options(args, like, &readings)?;
     let (estimate, map) = estimate_glide(&readings, &options).map_err(Failure::work)?;
     warn(&estimate)?;
     let json = output::json(&estimate)?;
@@ -28,9 +31,14 @@ pub(crate) fn glide(args: &EstimateGlideArgs) -> Result<(), Failure> {
     map_file.print(&json)
 }
 
-fn options(args: &EstimateGlideArgs, readings: &GlideReadings) -> Result<GlideOptions, Failure> {
-    let unit = readings.unit().or(args.length_unit);
-    let base = like(&args.like, unit, GlideOptions::like)?.unwrap_or_default();
+fn options(
+    args: &EstimateGlideArgs,
+    like: Option<Like>,
+    readings: &GlideReadings,
+) -> Result<GlideOptions, Failure> {
+    let unit = readings.unit().or(args.form.length_unit);
+    let base = like.map(|like| like.options(unit, GlideOptions::like));
+    let base = base.transpose()?.unwrap_or_default();
     let estimator = args.estimator.over(&base.estimator)?;
     estimator
         .check()
@@ -55,7 +63,7 @@ fn options(args: &EstimateGlideArgs, readings: &GlideReadings) -> Result<GlideOp
         .map_err(Failure::usage)?;
     Ok(GlideOptions {
         estimator,
-        length_unit: args.length_unit.or(base.length_unit),
+        length_unit: args.form.length_unit.or(base.length_unit),
         outward: args.outward.map_or(base.outward, |outward| outward.0),
         grid: args.grid as usize,
         map_at_contacts: args.at_contacts,

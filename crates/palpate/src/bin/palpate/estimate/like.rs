@@ -1,27 +1,46 @@
 //! Settings of a study for recorded readings.
 
 use palpate_scene::recorded::LikeError;
-use palpate_study::config::{self, LengthUnit, StudyConfig};
+use palpate_study::config::{self, LengthUnit, Study, StudyConfig};
 
 use crate::cli::LikeArgs;
 use crate::failure::Failure;
 
-/// Options like those of the study that the arguments name, if they name one, with lengths in the readings' unit; where
-/// that is not stated, in the study's.
-pub(crate) fn like<T>(
-    args: &LikeArgs,
-    unit: Option<LengthUnit>,
-    options: fn(&StudyConfig, LengthUnit) -> Result<T, LikeError>,
-) -> Result<Option<T>, Failure> {
-    let Some(file) = &args.like else {
-        return Ok(None);
-    };
-    let study = config::load(file).map_err(Failure::usage)?;
-    let Ok(cell) = study.cell(args.cell) else {
-        return Err(Failure::no_cell(args.cell, &study));
-    };
-    let unit = unit.unwrap_or(cell.config.length_unit);
-    options(&cell.config, unit)
-        .map(Some)
-        .map_err(|error| Failure::usage(study.error_at(args.cell, error.path(), error.to_string())))
+/// Study whose settings stand for those that are not given.
+pub(crate) struct Like {
+    study: Study,
+    cell: usize,
+    /// Config of the cell.
+    pub(crate) config: StudyConfig,
+}
+
+impl Like {
+    /// The study that the arguments name, if they name one.
+    pub(crate) fn of(args: &LikeArgs) -> Result<Option<Self>, Failure> {
+        let Some(file) = &args.like else {
+            return Ok(None);
+        };
+        let study = config::load(file).map_err(Failure::usage)?;
+        let Ok(cell) = study.cell(args.cell) else {
+            return Err(Failure::no_cell(args.cell, &study));
+        };
+        Ok(Some(Self {
+            study,
+            cell: args.cell,
+            config: cell.config,
+        }))
+    }
+
+    /// Options like those of the study, with lengths in the readings' unit; where that is not stated, in the study's.
+    pub(crate) fn options<T>(
+        &self,
+        unit: Option<LengthUnit>,
+        options: fn(&StudyConfig, LengthUnit) -> Result<T, LikeError>,
+    ) -> Result<T, Failure> {
+        let unit = unit.unwrap_or(self.config.length_unit);
+        options(&self.config, unit).map_err(|error| {
+            let message = error.to_string();
+            Failure::usage(self.study.error_at(self.cell, error.path(), message))
+        })
+    }
 }

@@ -2,23 +2,26 @@
 
 use anyhow::anyhow;
 use palpate_number::Number;
-use palpate_scene::recorded::{PressOptions, PressReadings, estimate_press, read_press};
+use palpate_scene::recorded::{PressOptions, PressReadings, estimate_press, parse_press};
 use palpate_study::config::{LengthUnit, NoiseKnown, PressEstimatorConfig, PressModelConfig};
 use serde_json::Value as Json;
 
-use super::like::like;
+use super::like::Like;
+use super::table::{form, table};
 use super::warned::warn;
 use crate::cli::{EstimatePressArgs, SensorArgs, Settings};
 use crate::failure::Failure;
 use crate::output;
 
 pub(crate) fn press(args: &EstimatePressArgs) -> Result<(), Failure> {
-    let readings = read_press(&args.readings).map_err(Failure::work)?;
-    let unit = readings.unit().or(args.length_unit);
-    let options = press_options(&args.sensor, unit)?;
+    let like = Like::of(&args.sensor.like)?;
+    let file = table(&args.readings, form(&args.form, like.as_ref()))?;
+    let readings = parse_press(file).map_err(Failure::work)?;
+    let unit = readings.unit().or(args.form.length_unit);
+    let options = press_options(&args.sensor, like.as_ref(), unit)?;
     let options = PressOptions {
         radial_scale: args.radial_scale,
-        length_unit: args.length_unit.or(options.length_unit),
+        length_unit: args.form.length_unit.or(options.length_unit),
         ..options
     };
     fits_readings(args, &readings)?;
@@ -34,12 +37,11 @@ fn refuse<T>(message: impl std::fmt::Display) -> Result<T, Failure> {
 /// Options of the estimator in the readings' unit, after a check that the arguments fit together.
 pub(crate) fn press_options(
     args: &SensorArgs,
+    like: Option<&Like>,
     unit: Option<LengthUnit>,
 ) -> Result<PressOptions, Failure> {
-    let base = match (
-        like(&args.like, unit, PressOptions::like)?,
-        args.sensor_radius,
-    ) {
+    let like = like.map(|like| like.options(unit, PressOptions::like));
+    let base = match (like.transpose()?, args.sensor_radius) {
         (Some(base), _) => base,
         (None, Some(radius)) => PressOptions::new(radius),
         (None, None) => return refuse("needs --sensor-radius R, or --like STUDY.toml"),

@@ -1,18 +1,22 @@
 //! `palpate estimate roll`.
 
 use anyhow::anyhow;
-use palpate_scene::recorded::{ReadingNoise, RollOptions, estimate_roll, read_roll};
+use palpate_scene::recorded::{ReadingNoise, RollOptions, estimate_roll, parse_roll};
 
-use super::like::like;
+use super::like::Like;
+use super::table::{form, table};
 use super::warned::warn;
 use crate::cli::EstimateRollArgs;
 use crate::failure::Failure;
 use crate::output;
 
 pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
-    let readings = read_roll(&args.readings).map_err(Failure::work)?;
-    let unit = readings.unit().or(args.length_unit);
-    let base = like(&args.like, unit, RollOptions::like)?;
+    let like = Like::of(&args.like)?;
+    let file = table(&args.readings, form(&args.form, like.as_ref()))?;
+    let readings = parse_roll(file).map_err(Failure::work)?;
+    let unit = readings.unit().or(args.form.length_unit);
+    let base = like.map(|like| like.options(unit, RollOptions::like));
+    let base = base.transpose()?;
     let base = base.unwrap_or_else(|| RollOptions::new(args.probe_radius.unwrap_or_default()));
     let probe_radius = args.probe_radius.unwrap_or(base.probe_radius);
     let refused = |error| Failure::Usage(anyhow!("--{error}"));
@@ -34,7 +38,7 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
                 .unwrap_or(rotations.relative_rotation_std),
             ..shifts
         },
-        length_unit: args.length_unit.or(base.length_unit),
+        length_unit: args.form.length_unit.or(base.length_unit),
     };
     let estimate = estimate_roll(&readings, &options).map_err(Failure::work)?;
     warn(&estimate)?;

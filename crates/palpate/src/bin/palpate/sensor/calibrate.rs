@@ -5,10 +5,11 @@ use std::path::Path;
 use anyhow::anyhow;
 use palpate_scene::recorded::{
     CalibrateOptions, CalibrationPoints, Frame, KnownOfFrames, calibrate as calibrate_to,
-    calibration_points_of_frames, read_calibration_points, read_frame,
+    calibration_points_of_frames, parse_calibration_points, read_frame,
 };
 
 use crate::cli::CalibrateArgs;
+use crate::estimate::table;
 use crate::failure::Failure;
 use crate::output::{Guard, Single};
 
@@ -22,15 +23,18 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
         let points: Result<_, _> = args
             .inputs
             .iter()
-            .map(|path| read_calibration_points(path))
+            .map(|path| {
+                let file = table(path, args.form.form())?;
+                parse_calibration_points(&file).map_err(Failure::work)
+            })
             .collect();
-        (points.map_err(Failure::work)?, None)
+        (points?, None)
     };
     let options = CalibrateOptions {
         from: args.from,
         per_marker: args.per_marker,
         markers,
-        length_unit: args.length_unit,
+        length_unit: args.form.length_unit,
     };
     let report = calibrate_to(&points, &options).map_err(Failure::work)?;
     out.write(report.to_toml().as_bytes())?;
@@ -63,6 +67,9 @@ fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
             "{frames} of the {} inputs are PNG images; give tables or frames, not both",
             args.inputs.len()
         ));
+    }
+    if let Some(flag) = args.form.given() {
+        return refuse(format!("{flag} is of use only to tables"));
     }
     if !is_known {
         return refuse("frames need --normal D,D,... or --tangential D,D,...: a displacement of the marker under the contact for each but the first".to_owned());

@@ -10,7 +10,7 @@ use palpate_scene::recorded::{
 
 use super::overlay::overlay;
 use crate::cli::TrackArgs;
-use crate::estimate::{press_options, warn};
+use crate::estimate::{Like, press_options, warn};
 use crate::failure::Failure;
 use crate::output::{self, Folder, Guard};
 
@@ -103,10 +103,11 @@ impl<'a> Calibrated<'a> {
                 .ok_or_else(|| missing("--sensor-radius"))?;
             given.depth.ok_or_else(|| missing("--depth"))?;
             // Bad arguments are refused before any file is read.
-            press_options(given, None)?;
+            press_options(given, None, None)?;
         }
         let (calibration, unit) = read_calibration(file).map_err(Failure::work)?;
-        let estimate = press_options(given, Some(unit))?;
+        let like = Like::of(&given.like)?;
+        let estimate = press_options(given, like.as_ref(), Some(unit))?;
         Ok(Self {
             args,
             sensor: SensorOptions {

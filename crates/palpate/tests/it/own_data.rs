@@ -1,0 +1,653 @@
+//! Recorded readings as other programs write them: `palpate estimate` on foreign tables.
+
+use serde_json::Value;
+
+use super::desk::{Desk, assert_close};
+
+/// Rolls of a ball of radius 10 on one of radius 20: 0.3 turns into 0.3 / (1/10 + 1/20) = 2.
+const ROLLS: &str = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n\
+                     0,0,-0.3,2.125,0.25\n1,0.3,0,-0.25,2.125\n2,0,0.3,-2,0\n3,-0.3,0,0,-2\n";
+
+/// Desk with a file of readings.
+fn desk(contents: impl AsRef<[u8]>) -> Desk {
+    let desk = Desk::new();
+    desk.write("r.csv", contents);
+    desk
+}
+
+/// JSON that a line of the shell prints.
+#[track_caller]
+fn told(desk: &Desk, line: &str) -> Value {
+    serde_json::from_str(&desk.shell(line).printed()).unwrap()
+}
+
+/// Estimate of rolls in `r.csv`.
+#[track_caller]
+fn rolls(contents: impl AsRef<[u8]>, options: &str) -> Value {
+    told(
+        &desk(contents),
+        &format!("\"$palpate\" estimate roll r.csv --probe-radius 10 {options}"),
+    )
+}
+
+/// Message about `r.csv`, which is no table of rolls.
+#[track_caller]
+fn refused(contents: impl AsRef<[u8]>, options: &str) -> String {
+    let line = format!("\"$palpate\" estimate roll r.csv --probe-radius 10 {options}");
+    let said = desk(contents).shell(&line).said(1);
+    said.strip_prefix("error: ").unwrap().trim_end().to_owned()
+}
+
+#[track_caller]
+fn mean_curvature(estimate: &Value) -> f64 {
+    estimate["mean_curvature"]["value"].as_f64().unwrap()
+}
+
+fn warnings(estimate: &Value) -> Vec<&str> {
+    let all = estimate["warnings"].as_array().unwrap();
+    all.iter()
+        .map(|warning| warning.as_str().unwrap())
+        .collect()
+}
+
+/// Rolls as JSON, one object per line.
+fn as_json(table: &str) -> String {
+    let mut lines = table.lines().map(|line| line.split(','));
+    let names: Vec<&str> = lines.next().unwrap().collect();
+    lines
+        .map(|fields| {
+            let pairs = names.iter().zip(fields);
+            let pairs: Vec<String> = pairs
+                .map(|(name, field)| format!("\"{name}\": {field}"))
+                .collect();
+            format!("{{{}}}\n", pairs.join(", "))
+        })
+        .collect()
+}
+
+fn utf16(text: &str, bytes: fn(u16) -> [u8; 2]) -> Vec<u8> {
+    let units = format!("\u{feff}{text}");
+    units.encode_utf16().flat_map(bytes).collect()
+}
+
+#[test]
+fn the_writing_of_a_table_does_not_matter() {
+    let expected = rolls(ROLLS, "");
+    assert_close(mean_curvature(&expected), 0.05, 0.1);
+    let semicolons = ROLLS.replace(',', ";");
+    let commas = semicolons.replace('.', ",");
+    for (what, contents) in [
+        ("semicolons", semicolons.clone().into_bytes()),
+        ("decimal commas", commas.clone().into_bytes()),
+        ("tabs", ROLLS.replace(',', "\t").into_bytes()),
+        (
+            "tabs and decimal commas",
+            commas.replace(';', "\t").into_bytes(),
+        ),
+        ("CRLF", ROLLS.replace('\n', "\r\n").into_bytes()),
+        ("CR", ROLLS.replace('\n', "\r").into_bytes()),
+        (
+            "no end of the last line",
+            ROLLS.trim_end().as_bytes().to_vec(),
+        ),
+        (
+            "quoted",
+            ROLLS
+                .replace(',', "\",\"")
+                .replace('\n', "\"\n\"")
+                .trim_end_matches('"')
+                .replacen("probe", "\"probe", 1)
+                .into_bytes(),
+        ),
+        ("UTF-8 with a mark", format!("\u{feff}{ROLLS}").into_bytes()),
+        ("UTF-16, low byte first", utf16(ROLLS, u16::to_le_bytes)),
+        ("UTF-16, high byte first", utf16(ROLLS, u16::to_be_bytes)),
+        ("JSON", as_json(ROLLS).into_bytes()),
+        (
+            "JSON and CRLF",
+            as_json(ROLLS).replace('\n', "\r\n").into_bytes(),
+        ),
+        (
+            "capitals and spaces",
+            ROLLS.replace("shift_u_mm", " Shift U [mm] ").into_bytes(),
+        ),
+        (
+            "parentheses",
+            ROLLS.replace("shift_v_mm", "shift_v(mm)").into_bytes(),
+        ),
+    ] {
+        assert_eq!(rolls(contents, ""), expected, "{what}");
+    }
+    assert_eq!(rolls(&commas, "--delimiter ';' --decimal ,"), expected);
+    assert_eq!(
+        rolls(&commas, "--delimiter semicolon --decimal comma"),
+        expected
+    );
+    let stdin = "\"$palpate\" estimate roll - --probe-radius 10 < r.csv";
+    assert_eq!(told(&desk(ROLLS), stdin), expected);
+    assert_eq!(told(&desk(as_json(ROLLS)), stdin), expected);
+}
+
+#[test]
+fn foreign_names_units_and_columns() {
+    let expected = rolls(ROLLS, "");
+    let mut foreign = "No;Rot A (deg);Rot B [mrad];U, raw [m];V [in];Force [N];note\n".to_owned();
+    for row in ROLLS.lines().skip(1) {
+        let field: Vec<f64> = row.split(',').map(|field| field.parse().unwrap()).collect();
+        let fields = [
+            field[0],
+            field[1].to_degrees(),
+            field[2] * 1e3,
+            field[3] / 1e3,
+            field[4] / 25.4,
+        ];
+        let fields = fields.map(|field| field.to_string().replace('.', ","));
+        foreign += &format!("{};1,5;\"a; b\"\n", fields.join(";"));
+    }
+    let columns =
+        "'rotation_x=Rot A (deg),rotation_y=rot b [MRAD],\"shift_u=U, raw [m]\",shift_v=V [in]'";
+    let found = rolls(&foreign, &format!("--columns {columns} --length-unit mm"));
+    assert_close(mean_curvature(&found), mean_curvature(&expected), 1e-12);
+    assert_eq!(found["arc_length"]["unit"], "mm");
+    assert_eq!(
+        warnings(&found),
+        ["no column `probe`: each of the 4 rows counts as a probe"]
+    );
+    // Without --length-unit there is no unit that the two of the header agree on.
+    let said = refused(&foreign, &format!("--columns {columns}"));
+    assert!(
+        said.ends_with(
+            "lengths are in m and in in; one unit is needed: --length-unit m converts them"
+        ),
+        "{said}"
+    );
+    // The unit of a header that states none stands behind palpate's name.
+    let bare = ROLLS.replace("shift_u_mm", "u").replace("shift_v_mm", "v");
+    let found = rolls(&bare, "--columns shift_u_mm=u,shift_v_mm=v");
+    assert_eq!(found, expected);
+    // Inches are read as millimetres.
+    let inches = bare.replace("u,v", "shift_u_in,shift_v [inch]");
+    let found = told(
+        &desk(inches),
+        "\"$palpate\" estimate roll r.csv --probe-radius 254",
+    );
+    assert_eq!(found["mean_curvature"]["unit"], "1/mm");
+    assert_close(
+        mean_curvature(&found),
+        mean_curvature(&expected) / 25.4,
+        1e-9,
+    );
+}
+
+#[test]
+fn a_message_names_what_there_is_and_what_to_type() {
+    let foreign = "Nr;Rotation X [deg];Rotation Y [deg];Shift along U [m];Shift along V [m];Force [N]\n0;1;2;3;4;5\n";
+    let said = refused(foreign, "");
+    let pairs = "'rotation_x=Rotation X [deg]'";
+    assert!(
+        !said.contains(pairs),
+        "rotations are found by themselves: {said}"
+    );
+    let typed = said.split("write --columns ").nth(1).unwrap();
+    assert_eq!(
+        typed,
+        "'shift_u=Shift along U [m],shift_v=Shift along V [m]'"
+    );
+    assert!(
+        said.contains("no columns `shift_u`, `shift_v`; the file has `Nr`, `Rotation X [deg]`"),
+        "{said}"
+    );
+    // What it says to type goes further.
+    let next = refused(foreign, &format!("--columns {typed}"));
+    assert!(next.contains("1 probe(s)"), "{next}");
+    // A column that resembles none is left to the reader, one in another unit is not proposed.
+    let said = refused("p,q,r,Shift U [N],shift_v\n1,2,3,4,5\n", "");
+    assert!(
+        said.contains("shift_u` stands") || said.contains("`N` is none of its units"),
+        "{said}"
+    );
+    let said = refused(
+        "shift_u_deg,q,rotation_x_rad,rotation_y_rad,shift_v\n1,2,3,4,5\n",
+        "",
+    );
+    assert!(said.contains("write --columns 'shift_u=…'"), "{said}");
+    let said = refused("p,q,rotation_y,shift_u,shift_v\n1,2,3,4,5\n", "");
+    assert!(
+        said.ends_with("write --columns 'rotation_x_rad=…,rotation_y_rad=rotation_y', with the file's name for it at …"),
+        "{said}"
+    );
+}
+
+#[test]
+fn what_may_be_two_things_is_told() {
+    let table =
+        |rows: &str| format!("rotation_x_rad;rotation_y_rad;shift_u_mm;shift_v_mm\n{rows}\n");
+    for (contents, options, words) in [
+        (
+            table("0;-1;1,234;0\n1;0;0;2,345"),
+            "",
+            "r.csv:2: column `shift_u_mm`: `1,234` may be 1.234 or 1234",
+        ),
+        (
+            table("0;-1,5;1.5;0"),
+            "",
+            "write all numbers with one decimal sign",
+        ),
+        (table("0;-1;1,234.5;0"), "", "separator of thousands"),
+        (
+            table("0;-1;1,234,567;0\n0;0,5;1;1"),
+            "",
+            "`1,234,567` is not a number",
+        ),
+        (
+            table("0;-1;1.5;0"),
+            "--decimal comma",
+            "`1.5` is not a number with a decimal comma",
+        ),
+        (
+            ROLLS.replace("2.125", "2,125"),
+            "",
+            "if its commas are decimal ones",
+        ),
+        (
+            ROLLS.replace("shift_v", "SHIFT_U"),
+            "",
+            "`shift_u` stands twice, as `shift_u_mm` and as `SHIFT_U_mm`",
+        ),
+        (
+            ROLLS.replace("shift_u_mm", "shift_u_mm [cm]"),
+            "",
+            "`cm` is none of its units",
+        ),
+        (
+            ROLLS.replace("shift_u_mm", "shift_u [furlong]"),
+            "",
+            "`furlong` is none of its units (m, cm, mm, um, nm, in)",
+        ),
+        (
+            ROLLS.replace("shift_u_mm", "shift_u"),
+            "--length-unit m",
+            "column `shift_u` states no unit and others are in mm",
+        ),
+        (
+            ROLLS.replace("shift_u_mm", "plate_in"),
+            "--columns shift_u=plate_in",
+            "may be in inches",
+        ),
+        (
+            ROLLS.replace("shift_u_mm", "u [cm]"),
+            "--columns 'shift_u_mm=u [cm]'",
+            "states another unit",
+        ),
+        (
+            ROLLS.replace("rotation_x_rad", "rx"),
+            "--columns rotation_x=rx",
+            "`rx` states no unit (rad, mrad, deg)",
+        ),
+        (
+            ROLLS.replace("_mm", ""),
+            "--columns shift_u=Shift",
+            "`shift_u` is said to be `Shift`, which is no column",
+        ),
+        (
+            ROLLS.to_owned(),
+            "--columns x=probe",
+            "`x` is no column of these readings; known: probe, rotation_x_rad",
+        ),
+        (
+            ROLLS.to_owned(),
+            "--columns shift_u=probe,shift_v=probe",
+            "are both `probe`",
+        ),
+        (
+            "a;b,c\n1;2,3\n".to_owned(),
+            "",
+            "separated by semicolon or comma; say which: --delimiter semicolon",
+        ),
+        (
+            ROLLS
+                .replace("shift_v_mm", "shift_v_mm,pad_u,pad_v,t_s")
+                .replace('\n', ",1,1,1\n")
+                .replacen(",1,1,1\n", "\n", 1),
+            "",
+            "there are both shift_u, shift_v and pad_u, pad_v",
+        ),
+    ] {
+        let said = refused(&contents, options);
+        assert!(said.contains(words), "{contents}{options}: {said}");
+    }
+    // What decides is a number that can be but one thing.
+    let found = rolls(table("0;-0,3;1,234;0\n0,3;0;0;1,234"), "");
+    assert_close(found["arc_length"]["value"].as_f64().unwrap(), 1.234, 1e-12);
+    let found = rolls(table("0;-1;1,234;0\n1;0;0;1,234"), "--decimal comma");
+    assert_close(found["arc_length"]["value"].as_f64().unwrap(), 1.234, 1e-12);
+    assert_eq!(found["warnings"].as_array().unwrap().len(), 1, "{found}");
+}
+
+#[test]
+fn tables_of_json() {
+    let nested = "{\"rot\": [0, -0.3], \"shift\": {\"u\": 2, \"v\": 0}, \"note\": null}\n\n\
+                  {\"shift\": {\"v\": 2, \"u\": 0}, \"rot\": [0.3, 0]}\n";
+    let found = rolls(
+        nested,
+        "--columns rotation_x_rad=rot.0,rotation_y_rad=rot.1,shift_u=shift.u,shift_v=shift.v --length-unit mm",
+    );
+    assert_close(mean_curvature(&found), 0.05, 1e-12);
+    for (contents, words) in [
+        (
+            "[{\"probe\": 1}]",
+            "an object per line is needed, as `jq -c '.[]'` writes",
+        ),
+        (
+            "[\n{\"probe\": 1}\n]\n",
+            "r.csv:1: is no JSON object of one line",
+        ),
+        (
+            "{\"probe\": 1,\n\"x\": 2}\n",
+            "r.csv:1: is no JSON object of one line",
+        ),
+        ("{}\n", "the first object has no keys"),
+        (
+            "{\"probe\": 1, \"probe\": 2}\n",
+            "no columns `rotation_x_rad`",
+        ),
+        (
+            "{\"a.b\": 1, \"a\": {\"b\": 2}}\n",
+            "the file has `a.b`, `a.b`",
+        ),
+        (
+            "{\"rotation_x_rad\":1,\"rotation_y_rad\":1,\"shift_u\":1,\"shift_v\":1}\n{\"shift_u\":1}\n",
+            "r.csv:2: column `rotation_x_rad`: is empty",
+        ),
+        (
+            "{\"rotation_x_rad\":1,\"rotation_y_rad\":1,\"shift_u\":1,\"shift_v\":true}\n",
+            "`true` is not a number",
+        ),
+        (
+            "{\"rotation_x_rad\":1,\"rotation_y_rad\":1,\"shift_u\":1,\"shift_v\":1e999}\n",
+            "r.csv:1: is no JSON object of one line: number out of range",
+        ),
+        (
+            "{\"rotation_x_rad\":1,\"rotation_y_rad\":1,\"shift_u\":1,\"shift_v\":NaN}\n",
+            "r.csv:1: is no JSON",
+        ),
+    ] {
+        let said = refused(contents, "");
+        assert!(said.contains(words), "{contents}: {said}");
+    }
+    let deep = format!("{{\"a\":{}1{}}}\n", "[".repeat(200), "]".repeat(200));
+    assert!(refused(deep, "").contains("recursion limit"));
+    let wide: Vec<String> = (0..1001).map(|key| format!("\"{key}\":0")).collect();
+    let said = refused(format!("{{{}}}\n", wide.join(",")), "");
+    assert!(
+        said.contains("has 1001 columns; at most 1000 are read"),
+        "{said}"
+    );
+}
+
+#[test]
+fn columns_that_are_not_asked_for() {
+    let pitch = "--pitch 0.5";
+    let rolled = ROLLS.replace("0,0.3,-2,0", "0,0.3,0,0");
+    let plain = rolls(&rolled, pitch);
+    let noted = rolled
+        .replace("shift_v_mm\n", "shift_v_mm,Force [N],note\n")
+        .replace(",0.25\n", ",0.25,1,\n")
+        .replace("2.125\n2", "2.125,2,\n2")
+        .replace("0,0\n", "0,0,3,\"slow, \"\"so\"\"\"\n")
+        .replace(",-2\n", ",-2,4,\n");
+    let mut found = rolls(&noted, pitch);
+    let probes = found["unresolved_probes"].as_array_mut().unwrap();
+    assert_eq!(probes.len(), 1);
+    let columns = probes[0]
+        .as_object_mut()
+        .unwrap()
+        .remove("columns")
+        .unwrap();
+    assert_eq!(columns["note"], "slow, \"so\"");
+    assert_eq!(columns["Force [N]"], "3");
+    // Nothing else depends on them.
+    assert_eq!(found, plain);
+
+    let desk = Desk::new();
+    let mut bowl = "finger,x_mm,y_mm,z_mm,class,only\n".to_owned();
+    for contact in 0..36 {
+        let [x, y] = [contact % 6, contact / 6].map(f64::from);
+        let note = if contact == 7 { "here" } else { "" };
+        bowl += &format!(
+            "{},{x},{y},{},a{contact},{note}\n",
+            contact / 6,
+            0.02 * (x * x + y * y)
+        );
+    }
+    desk.write("r.csv", &bowl);
+    told(
+        &desk,
+        "\"$palpate\" estimate glide r.csv --map at.csv --at-contacts",
+    );
+    let map = desk.table("at.csv");
+    assert_eq!(map.header.last().unwrap(), "only");
+    assert_eq!(map.text(7, "only"), "here");
+    assert_eq!(map.text(8, "only"), "");
+    assert_eq!(map.text(35, "readings_class"), "a35");
+    assert_ne!(map.text(35, "class"), "a35");
+    told(&desk, "\"$palpate\" estimate glide r.csv --map grid.csv");
+    assert!(!desk.read("grid.csv").contains("readings_class"));
+}
+
+#[test]
+fn a_marker_that_is_left_out_keeps_its_columns() {
+    let example = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/press-readings.csv"
+    );
+    let rows = std::fs::read_to_string(example).unwrap();
+    let mut lines: Vec<String> = rows.lines().map(str::to_owned).collect();
+    for (number, line) in lines.iter_mut().enumerate() {
+        line.push_str(&if number == 0 {
+            ",label".to_owned()
+        } else {
+            format!(",m{number}")
+        });
+    }
+    let wrong = 30;
+    let mut fields: Vec<&str> = lines[wrong].split(',').collect();
+    fields[2] = "1.2";
+    lines[wrong] = fields.join(",");
+    let found = told(
+        &desk(lines.join("\n")),
+        "\"$palpate\" estimate press r.csv --sensor-radius 20 --depth 2",
+    );
+    let left_out = found["wrong_markers"].as_array().unwrap();
+    let row = left_out.iter().find(|row| row["row"] == wrong).unwrap();
+    assert_eq!(row["columns"]["label"], format!("m{wrong}"));
+}
+
+/// Contacts of three fingers on a bowl, and what parts the fingers.
+fn glide(header: &str, between: &str, row: impl Fn(usize, [f64; 3]) -> String) -> String {
+    let mut text = format!("{header}\n");
+    for finger in 0..3 {
+        for contact in 0..8 {
+            let [x, y] = [f64::from(contact), 10.0 * finger as f64];
+            text += &row(finger, [x, y, 0.01 * (x * x + y * y)]);
+            text.push('\n');
+        }
+        text += between;
+    }
+    text
+}
+
+#[test]
+fn fingers_that_are_not_named() {
+    let estimate = |contents: String| {
+        told(
+            &desk(contents),
+            "\"$palpate\" estimate glide r.csv --method two-pass --inter-finger-distance 10",
+        )
+    };
+    let numbers = |[x, y, z]: [f64; 3]| format!("{x},{y},{z}");
+    let named = estimate(glide("finger,x_mm,y_mm,z_mm", "", |finger, place| {
+        format!("{finger},{}", numbers(place))
+    }));
+    assert_eq!((&named["fingers"], warnings(&named).len()), (&3.into(), 0));
+    let jumps = estimate(glide("x_mm,y_mm,z_mm", "", |_, place| numbers(place)));
+    let blanks = estimate(glide("x_mm,y_mm,z_mm", "\n  \n", |_, place| numbers(place)));
+    let empty_rows = estimate(glide("x_mm,y_mm,z_mm", ",,\n", |_, place| numbers(place)));
+    for (found, words) in [
+        (&jumps, "3 fingers are told by steps of at least"),
+        (&blanks, "blank lines part 3 fingers"),
+        (&empty_rows, "blank lines part 3 fingers"),
+    ] {
+        assert_eq!(found["fingers"], 3);
+        assert_eq!(found["mean_curvature"], named["mean_curvature"]);
+        assert!(warnings(found)[0].contains(words), "{found}");
+    }
+    // One finger that goes steadily is one.
+    let one = estimate(glide("x_mm,y_mm,z_mm", "", |finger, [x, y, z]| {
+        numbers([if finger == 1 { 7.0 - x } else { x }, 0.1 * y, z])
+    }));
+    assert_eq!(one["fingers"], 1);
+    assert!(
+        warnings(&one)[0].contains("all contacts count as of one finger"),
+        "{one}"
+    );
+    // Blank lines mean nothing beside a column.
+    let both = estimate(glide("finger,x_mm,y_mm,z_mm", "\n", |_, place| {
+        format!("7,{}", numbers(place))
+    }));
+    assert_eq!((&both["fingers"], warnings(&both).len()), (&1.into(), 0));
+}
+
+#[test]
+fn series_of_probes_that_are_not_named() {
+    let header = "t_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm\n";
+    let [one, other] = ["0,0,0,0,0\n1,0,-0.3,2,0\n", "0,0,0,0,0\n1,0.3,0,0,2\n"];
+    let later = other
+        .replace("0,0,0,0,0", "5,0,0,0,0")
+        .replace("1,0.3", "6,0.3");
+    for text in [
+        format!("{header}{one}{other}"),
+        format!("{header}{one}\n{later}"),
+    ] {
+        let found = rolls(&text, "");
+        assert_eq!(found["probes"], 2, "{text}");
+        assert_close(mean_curvature(&found), 0.05, 1e-12);
+        assert!(warnings(&found)[0].contains("2 are told"), "{found}");
+    }
+}
+
+#[test]
+fn names_in_a_study() {
+    let study = |columns: &str| {
+        format!(
+            "name = \"s\"\nlength_unit = \"mm\"\n{columns}\n[scene]\nkind = \"roll\"\nprobe = {{ kind = \"sphere\", radius = 10.0 }}\nobject = {{ kind = \"sphere\", radius = 30.0 }}\nmotion = {{ rate_rad_per_s = 0.5, duration_s = 1.0 }}\n"
+        )
+    };
+    let desk = desk(
+        ROLLS
+            .replace("shift_u_mm", "U (mm)")
+            .replace("shift_v_mm", "V (mm)"),
+    );
+    desk.write(
+        "s.toml",
+        study("columns = { shift_u = \"U (mm)\", shift_v = \"W (mm)\" }"),
+    );
+    let found = told(
+        &desk,
+        "\"$palpate\" estimate roll r.csv --like s.toml --columns 'shift_v_mm=V (mm)'",
+    );
+    assert_close(
+        mean_curvature(&found),
+        mean_curvature(&rolls(ROLLS, "")),
+        1e-12,
+    );
+    let said = desk.palpate("estimate roll r.csv --like s.toml").said(1);
+    assert!(said.contains("`shift_v` is said to be `W (mm)`"), "{said}");
+    desk.palpate("check s.toml").printed();
+    desk.write("s.toml", study("columns = { shift = \"U\" }"));
+    let said = desk.palpate("check s.toml").said(2);
+    assert!(
+        said.contains(
+            "s.toml:3:21: columns.shift: `shift` is no column of these readings; known: probe"
+        ),
+        "{said}"
+    );
+}
+
+#[test]
+fn arguments() {
+    let desk = desk(ROLLS);
+    for (options, words) in [
+        ("--columns shift_u", "`shift_u` is no pair of names"),
+        ("--columns =u", "is no pair of names"),
+        ("--columns ''", "names no column"),
+        ("--columns shift_u=a,shift_u=b", "`shift_u` stands twice"),
+        ("--delimiter dot", "must be comma, semicolon or tab"),
+        ("--decimal dot", "must be point or comma"),
+    ] {
+        let line = format!("\"$palpate\" estimate roll r.csv --probe-radius 10 {options}");
+        let said = desk.shell(&line).said(2);
+        assert!(said.contains(words), "{options}: {said}");
+    }
+    let empty = desk
+        .shell("\"$palpate\" estimate roll - --probe-radius 10 < /dev/null")
+        .said(1);
+    assert_eq!(
+        empty,
+        "error: standard input: is empty; a header and one row per reading are needed\n"
+    );
+    desk.write("rest.png", "");
+    desk.palpate("sensor calibrate rest.png rest.png --normal 1 --columns series=a --out c.toml")
+        .fails(2, "--columns is of use only to tables");
+}
+
+#[test]
+fn known_displacements_of_another_program() {
+    let header = "normal_displacement_mm,hue_turns";
+    let rows = [(1.0, 0.02), (2.0, 0.05), (3.0, 0.07)];
+    let plain: String = rows
+        .iter()
+        .map(|(moved, hue)| format!("{moved},{hue}\n"))
+        .collect();
+    let foreign: String = rows
+        .iter()
+        .map(|(moved, hue)| format!("{};{};x\n", moved / 1e3, hue * 360.0).replace('.', ","))
+        .collect();
+    let desk = desk(format!("{header}\n{plain}"));
+    desk.write("f.csv", format!("Depth [m];Hue [deg];operator\n{foreign}"));
+    desk.palpate("sensor calibrate r.csv --out a.toml")
+        .printed();
+    let line = "\"$palpate\" sensor calibrate - --columns 'normal_displacement=Depth [m],hue=Hue [deg]' --length-unit mm --out b.toml < f.csv";
+    assert_eq!(desk.shell(line).status, Some(0));
+    let slope = |name: &str| -> f64 {
+        let text = desk.read(name);
+        let line = text
+            .lines()
+            .find(|line| line.starts_with("slope = "))
+            .unwrap();
+        line.rsplit(' ').next().unwrap().parse().unwrap()
+    };
+    assert_close(slope("b.toml"), slope("a.toml"), 1e-9);
+}
+
+/// The README's way from a foreign table to a curvature: a message, and what that says to type.
+#[test]
+fn the_second_command_tells_the_curvature() {
+    const NAME: &str = "examples/foreign-glide.csv";
+    const README: &str = include_str!("../../../../README.md");
+    let desk = Desk::new();
+    std::fs::create_dir(desk.path("examples")).unwrap();
+    desk.write(NAME, include_str!("../../../../examples/foreign-glide.csv"));
+    let said = desk.palpate(&format!("estimate glide {NAME}")).said(1);
+    assert!(README.contains(&said), "{said}");
+    let typed = said.trim_end().split("write ").nth(1).unwrap();
+    let line = format!("palpate estimate glide {NAME} {typed} --length-unit mm");
+    assert!(README.contains(&format!("\n{line}\n")), "{line}");
+    let found = told(&desk, &line.replacen("palpate", "\"$palpate\"", 1));
+    // The same contacts as examples/glide-readings.csv, without normals: a mug of radius 40 mm.
+    let (value, std) = (
+        mean_curvature(&found),
+        found["mean_curvature"]["std"].as_f64().unwrap(),
+    );
+    assert!((value - 1.0 / 80.0).abs() < 2.0 * std, "{value} +- {std}");
+}

@@ -1,0 +1,34 @@
+//! Errors of recorded readings.
+
+use thiserror::Error;
+
+/// Readings that cannot be read.
+#[derive(Debug, Error)]
+pub enum RecordedError {
+    /// The file cannot be opened or is not text.
+    #[error("{file}: {message}")]
+    File {
+        /// The file.
+        file: String,
+        /// Problem in words.
+        message: String,
+    },
+    /// A line is wrong: the header lacks a column, a row a field, or a field is no number.
+    #[error("{file}:{line}: {message}")]
+    Line {
+        /// The file.
+        file: String,
+        /// The line, from 1.
+        line: usize,
+        /// Problem in words, with the column and the value.
+        message: String,
+    },
+    /// The numbers are readable but tell nothing.
+    #[error("{file}: {message}")]
+    Readings {
+        /// The file.
+        file: String,
+        /// Problem in words.
+        message: String,
+    },
+}

@@ -1,0 +1,374 @@
+//! The columns of a table that palpate asks for, found by their names.
+
+use palpate_study::readings::{Column, ColumnNames, ColumnUnit, Measure, spelt};
+
+use super::form::pair;
+
+/// Similarity, of 1, from which a column of the file is proposed for one that is missing.
+const SIMILAR: f64 = 0.8;
+/// Most names of columns that a message lists.
+const MOST_LISTED: usize = 30;
+
+/// A name in the file's header.
+struct Heading<'a> {
+    name: &'a str,
+    /// The name without a unit in brackets, [`spelt`].
+    base: String,
+    /// Unit in brackets.
+    bracket: Option<&'a str>,
+}
+
+impl<'a> Heading<'a> {
+    fn of(name: &'a str) -> Self {
+        let name = name.trim();
+        let bracketed = [('[', ']'), ('(', ')')]
+            .into_iter()
+            .find_map(|(open, close)| {
+                let (base, unit) = name.strip_suffix(close)?.rsplit_once(open)?;
+                (!base.trim().is_empty()).then_some((base, unit.trim()))
+            });
+        let (base, bracket) = match bracketed {
+            Some((base, unit)) => (base, Some(unit)),
+            None => (name, None),
+        };
+        Self {
+            name,
+            base: spelt(base),
+            bracket,
+        }
+    }
+}
+
+/// Place of a column in a row, and the unit that it states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    pub(super) index: usize,
+    pub(super) unit: Option<ColumnUnit>,
+}
+
+/// Names of a file's columns, and what they are told to be.
+pub(super) struct Header<'a> {
+    headings: Vec<Heading<'a>>,
+    names: &'a ColumnNames,
+}
+
+impl<'a> Header<'a> {
+    pub(super) fn new(header: &'a [String], names: &'a ColumnNames) -> Self {
+        let headings = header.iter().map(|name| Heading::of(name)).collect();
+        Self { headings, names }
+    }
+
+    /// Name of a column as the file has it.
+    pub(super) fn name(&self, index: usize) -> &'a str {
+        self.headings[index].name
+    }
+
+    /// Whether the file has the column, by its own name or a told one; one with an unknown unit counts.
+    pub(super) fn has(&self, column: &Column) -> bool {
+        !matches!(self.place(column), Ok(None))
+    }
+
+    /// Whether a column is told to have some name in the file.
+    pub(super) fn is_told(&self, column: &Column) -> bool {
+        self.told(column).is_some()
+    }
+
+    /// Places of the columns.
+    ///
+    /// The error says which are missing, what the file has, and what to write.
+    pub(super) fn places(&self, columns: &[Column]) -> Result<Vec<Place>, String> {
+        let found: Result<Vec<Option<Place>>, String> =
+            columns.iter().map(|column| self.place(column)).collect();
+        let found = found?;
+        let missing: Vec<Column> = columns
+            .iter()
+            .zip(&found)
+            .filter_map(|(column, place)| place.is_none().then_some(*column))
+            .collect();
+        match missing.is_empty() {
+            true => Ok(found.into_iter().flatten().collect()),
+            false => Err(self.lacks(columns, &missing, &found)),
+        }
+    }
+
+    /// Key and name in the file that a column is told to have, and the unit that the key states.
+    fn told(&self, column: &Column) -> Option<(&'a str, &'a str, Option<ColumnUnit>)> {
+        self.names.iter().find_map(|(key, name)| {
+            let unit = column.is_named(&spelt(key))?;
+            Some((key.as_str(), name.as_str(), unit))
+        })
+    }
+
+    fn place(&self, column: &Column) -> Result<Option<Place>, String> {
+        match self.told(column) {
+            Some((key, name, unit)) => self.told_place(column, key, name, unit).map(Some),
+            None => self.own_place(column),
+        }
+    }
+
+    /// Place of a column that has palpate's name.
+    fn own_place(&self, column: &Column) -> Result<Option<Place>, String> {
+        let is_taken = |heading: &Heading<'_>| {
+            let mut told = self.names.values();
+            told.any(|name| name.trim() == heading.name)
+        };
+        let mut places = Vec::new();
+        let mut unknown = None;
+        for (index, heading) in self.headings.iter().enumerate() {
+            if is_taken(heading) {
+                continue;
+            }
+            let Some(in_name) = column.is_named(&heading.base) else {
+                continue;
+            };
+            let unit = match heading.bracket {
+                None => in_name,
+                Some(text) => match column.measure.unit(text) {
+                    Some(unit) if in_name.is_none_or(|in_name| in_name == unit) => Some(unit),
+                    _ => {
+                        unknown =
+                            unknown.or(Some(unknown_unit(heading.name, text, column.measure)));
+                        continue;
+                    }
+                },
+            };
+            if unit.is_some() || has_no_need(column.measure) {
+                places.push(Place { index, unit });
+            }
+        }
+        match (places.as_slice(), unknown) {
+            ([], Some(unknown)) => Err(unknown),
+            ([], None) => Ok(None),
+            ([place], _) => Ok(Some(*place)),
+            ([first, second, ..], _) => {
+                let [first, second] = [first, second].map(|place| self.name(place.index));
+                let twice = format!("column `{}` stands twice", column.stem());
+                Err(match first == second {
+                    true => twice,
+                    false => {
+                        let pair = pair(column.stem(), first);
+                        format!(
+                            "{twice}, as `{first}` and as `{second}`; say which: --columns '{pair}'"
+                        )
+                    }
+                })
+            }
+        }
+    }
+
+    /// Place of a column that is told to have another name.
+    fn told_place(
+        &self,
+        column: &Column,
+        key: &str,
+        name: &str,
+        of_key: Option<ColumnUnit>,
+    ) -> Result<Place, String> {
+        let exact = |heading: &Heading<'_>| heading.name == name.trim();
+        let alike = |heading: &Heading<'_>| spelt(heading.name) == spelt(name);
+        let places = |fits: &dyn Fn(&Heading<'_>) -> bool| -> Vec<usize> {
+            let headings = self.headings.iter().enumerate();
+            headings
+                .filter(|(_, heading)| fits(heading))
+                .map(|(index, _)| index)
+                .collect()
+        };
+        let exactly = places(&exact);
+        let found = if exactly.is_empty() {
+            places(&alike)
+        } else {
+            exactly
+        };
+        let &[index] = found.as_slice() else {
+            return Err(match found.len() {
+                0 => format!(
+                    "`{key}` is said to be `{name}`, which is no column; {}",
+                    self.listed()
+                ),
+                many => format!("`{key}` is said to be `{name}`, as {many} columns are called"),
+            });
+        };
+        let heading = &self.headings[index];
+        let in_file = match heading.bracket {
+            Some(text) => Some(
+                column
+                    .measure
+                    .unit(text)
+                    .ok_or_else(|| unknown_unit(heading.name, text, column.measure))?,
+            ),
+            None => suffix(heading, column)?,
+        };
+        let unit = match (of_key, in_file) {
+            (Some(of_key), Some(in_file)) if of_key != in_file => {
+                return Err(format!(
+                    "`{key}` is said to be `{name}`, whose header states another unit"
+                ));
+            }
+            (of_key, in_file) => of_key.or(in_file),
+        };
+        if unit.is_none() && !has_no_need(column.measure) {
+            return Err(no_unit(heading.name, column));
+        }
+        Ok(Place { index, unit })
+    }
+
+    fn listed(&self) -> String {
+        let names = self.headings.iter().take(MOST_LISTED);
+        let names: Vec<String> = names.map(|heading| format!("`{}`", heading.name)).collect();
+        let more = match self.headings.len().saturating_sub(MOST_LISTED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        format!("the file has {}{more}", names.join(", "))
+    }
+
+    /// Message about missing columns.
+    fn lacks(&self, columns: &[Column], missing: &[Column], found: &[Option<Place>]) -> String {
+        let wanted: Vec<&str> = columns.iter().map(|column| column.name).collect();
+        let wanted = wanted.join(",");
+        let is_number = |heading: &Heading<'_>| heading.name.parse::<f64>().is_ok();
+        if !self.headings.is_empty() && self.headings.iter().all(is_number) {
+            return format!(
+                "no column `{}`: the first line holds numbers; put the columns' names before it: {wanted}",
+                missing[0].name
+            );
+        }
+        let names: Vec<String> = missing
+            .iter()
+            .map(|column| format!("`{}`", column.name))
+            .collect();
+        let plural = if missing.len() > 1 { "s" } else { "" };
+        let mut message = format!(
+            "no column{plural} {}; {}; the columns must be {wanted}",
+            names.join(", "),
+            self.listed()
+        );
+        let is_free = |index: &usize| {
+            let mut taken = found.iter().flatten();
+            !self.headings[*index].name.is_empty() && taken.all(|place| place.index != *index)
+        };
+        let free: Vec<usize> = (0..self.headings.len()).filter(is_free).collect();
+        if !free.is_empty() {
+            let pairs = self.proposed(missing, &free);
+            message += &format!(
+                "; write --columns '{}'",
+                pairs.join(",").replace('\'', "'\\''")
+            );
+            if pairs.iter().any(|pair| pair.ends_with('…')) {
+                message += ", with the file's name for it at …";
+            }
+        }
+        message
+    }
+
+    /// Pairs of names for the missing columns, most similar first come; `…` where none is.
+    fn proposed(&self, missing: &[Column], free: &[usize]) -> Vec<String> {
+        let mut scored: Vec<(f64, usize, usize)> = Vec::new();
+        for (place, column) in missing.iter().enumerate() {
+            for &index in free {
+                let score = similarity(column, &self.headings[index]);
+                if score >= SIMILAR {
+                    scored.push((score, place, index));
+                }
+            }
+        }
+        scored.sort_by(|one, other| other.0.total_cmp(&one.0).then(one.2.cmp(&other.2)));
+        let mut of_column: Vec<Option<usize>> = vec![None; missing.len()];
+        for (_, place, index) in scored {
+            if of_column[place].is_none() && !of_column.contains(&Some(index)) {
+                of_column[place] = Some(index);
+            }
+        }
+        missing
+            .iter()
+            .zip(of_column)
+            .map(|(column, index)| match index {
+                None => format!("{}=…", column.name),
+                Some(index) => {
+                    let heading = &self.headings[index];
+                    let states = heading.bracket.is_some()
+                        || suffix(heading, column).ok().flatten().is_some();
+                    let key = if states { column.stem() } else { column.name };
+                    pair(key, heading.name)
+                }
+            })
+            .collect()
+    }
+}
+
+/// Whether a column may be without a unit: a length has that of the others or of an option, and times are only compared.
+const fn has_no_need(measure: Measure) -> bool {
+    matches!(measure, Measure::Length | Measure::Time | Measure::Plain)
+}
+
+fn no_unit(name: &str, column: &Column) -> String {
+    let own = pair(column.name, name);
+    format!(
+        "`{name}` states no unit ({}); write --columns '{own}' if it is that of `{}`",
+        column.measure.units(),
+        column.name
+    )
+}
+
+fn unknown_unit(name: &str, unit: &str, measure: Measure) -> String {
+    format!(
+        "column `{name}`: `{unit}` is none of its units ({})",
+        measure.units()
+    )
+}
+
+/// Unit at the end of a name that is not palpate's, as in `pos_x_mm`.
+fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<ColumnUnit>, String> {
+    let Some((_, last)) = heading.base.rsplit_once('_') else {
+        return Ok(None);
+    };
+    match (column.measure, column.measure.unit(last)) {
+        (Measure::Plain, _) | (_, None) => Ok(None),
+        (_, Some(ColumnUnit::Inch)) if last == "in" => {
+            let name = heading.name;
+            let stem = column.stem();
+            Err(format!(
+                "`{name}` may be in inches, or in what its name says; write --columns '{}' if it is in inches, \
+                 '{}' if it is in millimetres",
+                pair(&format!("{stem}_inch"), name),
+                pair(&format!("{stem}_mm"), name)
+            ))
+        }
+        (_, unit) => Ok(unit),
+    }
+}
+
+/// Similarity of a column's name to one in the file, from 0 to 1.
+fn similarity(column: &Column, heading: &Heading<'_>) -> f64 {
+    if heading
+        .bracket
+        .is_some_and(|unit| column.measure.unit(unit).is_none())
+    {
+        return 0.0;
+    }
+    let wanted: Vec<&str> = column.stem().split('_').collect();
+    let shown: Vec<&str> = heading.base.split('_').collect();
+    let is_unit = |measure: Measure| {
+        let last = shown.last().filter(|_| shown.len() > 1);
+        last.is_some_and(|last| measure.unit(last).is_some())
+    };
+    let others = [
+        Measure::Length,
+        Measure::Angle,
+        Measure::Time,
+        Measure::Pixel,
+    ];
+    if !is_unit(column.measure) && others.into_iter().any(is_unit) {
+        return 0.0;
+    }
+    let of_word = |word: &&str| {
+        let likeness = |other: &&str| match word.len().min(other.len()) {
+            0 | 1 => f64::from(u8::from(word == other)),
+            _ => strsim::jaro_winkler(word, other),
+        };
+        shown.iter().map(likeness).fold(0.0, f64::max)
+    };
+    let total: f64 = wanted.iter().map(of_word).sum();
+    let more = shown.len().saturating_sub(wanted.len());
+    total / wanted.len() as f64 - 0.01 * more.min(10) as f64
+}

@@ -1,0 +1,358 @@
+//! Rows of a text: CSV with any of the usual delimiters, or a JSON object per line.
+
+use std::collections::HashMap;
+
+use csv::{ReaderBuilder, StringRecord, Terminator};
+use serde_json::Value as Json;
+
+use super::error::RecordedError;
+use super::file::RecordedFile;
+use super::form::Delimiter;
+
+/// Most lines of a table.
+const MOST_LINES: usize = 5_000_000;
+/// Most columns of a table of JSON, whose rows need not have them all.
+const MOST_KEYS: usize = 1_000;
+/// Rows that tell the delimiter where the header does not.
+const ROWS_THAT_TELL: usize = 100;
+
+/// A row of fields.
+pub(super) struct Record<'a> {
+    /// Line, from 1.
+    pub(super) line: usize,
+    /// Whether a blank line stands before it.
+    pub(super) is_after_gap: bool,
+    pub(super) fields: &'a StringRecord,
+}
+
+/// A table as it is written.
+pub(super) struct Written<'a> {
+    pub(super) file: &'a RecordedFile,
+    text: Text<'a>,
+    /// Character between fields; of JSON, `None`.
+    delimiter: Option<Delimiter>,
+    /// Names of the columns.
+    pub(super) header: Vec<String>,
+    /// Line of the header.
+    pub(super) header_line: usize,
+}
+
+type Taken = Result<(), RecordedError>;
+
+/// A text and what ends its lines.
+#[derive(Clone, Copy)]
+struct Text<'a> {
+    all: &'a str,
+    end: char,
+}
+
+impl<'a> Text<'a> {
+    /// Carriage returns end lines where nothing else does; else they are blanks.
+    fn of(all: &'a str) -> Self {
+        let end = if all.contains('\n') { '\n' } else { '\r' };
+        Self { all, end }
+    }
+
+    fn lines(self) -> impl Iterator<Item = &'a str> {
+        self.all.split_terminator(self.end)
+    }
+
+    fn reader(self, text: &str, delimiter: Delimiter) -> csv::Reader<&[u8]> {
+        ReaderBuilder::new()
+            .delimiter(delimiter.byte())
+            .terminator(Terminator::Any(self.end as u8))
+            .has_headers(false)
+            .flexible(true)
+            .from_reader(text.as_bytes())
+    }
+
+    /// Fields of one line.
+    fn split(self, line: &str, delimiter: Delimiter) -> StringRecord {
+        let mut records = self.reader(line, delimiter).into_records();
+        records.next().and_then(Result::ok).unwrap_or_default()
+    }
+}
+
+impl<'a> Written<'a> {
+    /// Reads the header of a file's text.
+    pub(super) fn of(file: &'a RecordedFile, text: &'a str) -> Result<Self, RecordedError> {
+        let text = Text::of(text);
+        let lines = text.lines().count();
+        if lines > MOST_LINES {
+            return Err(file.error(format!("has {lines} lines; at most {MOST_LINES} are read")));
+        }
+        let mut numbered = text.lines().zip(1..);
+        let first = numbered.find(|(line, _)| !line.trim().is_empty());
+        let (first, header_line) = first.unwrap_or(("", 1));
+        let is_json = first.trim_start().starts_with(['{', '[']);
+        let (delimiter, header) = match is_json {
+            true => (None, keys(file, header_line, first)?),
+            false => {
+                let delimiter = file.form.delimiter;
+                let delimiter =
+                    delimiter.map_or_else(|| found(file, text, first, header_line), Ok)?;
+                if let Some(line) = unclosed(text, delimiter) {
+                    let message =
+                        "a quotation mark is not closed before the comma or the end of the line";
+                    return Err(file.fail(line, message));
+                }
+                let fields = text.split(first, delimiter);
+                (
+                    Some(delimiter),
+                    fields.iter().map(|name| tidy(name).to_owned()).collect(),
+                )
+            }
+        };
+        Ok(Self {
+            file,
+            text,
+            delimiter,
+            header,
+            header_line,
+        })
+    }
+
+    /// Whether the columns are separated by commas.
+    pub(super) fn has_commas(&self) -> bool {
+        self.delimiter == Some(Delimiter::Comma)
+    }
+
+    /// Whether there may be fields with a comma.
+    pub(super) fn may_have_commas(&self) -> bool {
+        let sign = if self.has_commas() { '"' } else { ',' };
+        self.text.all.contains(sign)
+    }
+
+    /// Gives every row to a function, until that fails.
+    pub(super) fn each(&self, mut take: impl FnMut(Record<'_>) -> Taken) -> Taken {
+        match self.delimiter {
+            Some(delimiter) => {
+                let mut is_header = true;
+                delimited(self.text, delimiter, |record| {
+                    match std::mem::take(&mut is_header) {
+                        true => Ok(()),
+                        false => take(record),
+                    }
+                })
+            }
+            None => self.objects(take),
+        }
+    }
+
+    fn objects(&self, mut take: impl FnMut(Record<'_>) -> Taken) -> Taken {
+        let mut is_after_gap = false;
+        for (text, line) in self.text.lines().zip(1..) {
+            if text.trim().is_empty() {
+                is_after_gap = line > self.header_line;
+                continue;
+            }
+            let pairs = pairs(self.file, line, text)?;
+            let values: HashMap<&str, &str> = pairs
+                .iter()
+                .map(|(key, value)| (key.as_str(), value.as_str()))
+                .collect();
+            let of_key = |name: &String| values.get(name.as_str()).copied().unwrap_or("");
+            let fields: StringRecord = self.header.iter().map(of_key).collect();
+            take(Record {
+                line,
+                is_after_gap,
+                fields: &fields,
+            })?;
+            is_after_gap = false;
+        }
+        Ok(())
+    }
+}
+
+/// A field without spaces and quotation marks around it.
+pub(super) fn tidy(field: &str) -> &str {
+    let field = field.trim();
+    let unquoted = field
+        .strip_prefix('"')
+        .and_then(|rest| rest.strip_suffix('"'));
+    unquoted.unwrap_or(field)
+}
+
+/// Gives every row that is not blank to a function, the header first. No row spans lines, or a quotation mark would be
+/// open at the end of one.
+fn delimited(
+    text: Text<'_>,
+    delimiter: Delimiter,
+    mut take: impl FnMut(Record<'_>) -> Taken,
+) -> Taken {
+    let bytes = text.all.as_bytes();
+    let is_end = |byte: &&u8| char::from(**byte) == text.end;
+    let (mut at, mut line) = (0, 1);
+    let (mut is_first, mut is_after_gap) = (true, false);
+    let mut fields = StringRecord::new();
+    let mut reader = text.reader(text.all, delimiter);
+    // The text is UTF-8 and rows may have any length, so that no row is an error.
+    while let Ok(true) = reader.read_record(&mut fields) {
+        let start = fields
+            .position()
+            .map_or(at, |position| position.byte() as usize);
+        let begin = start + bytes[start..].iter().take_while(is_end).count();
+        let lines = bytes[at..begin].iter().filter(is_end).count();
+        line += lines;
+        is_after_gap |= lines > 1;
+        at = begin;
+        let is_blank = match is_first {
+            true => fields.iter().all(|field| field.trim().is_empty()) && fields.len() == 1,
+            false => fields.iter().all(|field| field.trim().is_empty()),
+        };
+        if is_blank {
+            is_after_gap = true;
+            continue;
+        }
+        take(Record {
+            line,
+            is_after_gap: is_after_gap && !is_first,
+            fields: &fields,
+        })?;
+        is_first = false;
+        is_after_gap = false;
+    }
+    Ok(())
+}
+
+/// Delimiter that header and rows show.
+fn found(
+    file: &RecordedFile,
+    text: Text<'_>,
+    header: &str,
+    header_line: usize,
+) -> Result<Delimiter, RecordedError> {
+    let fields = |line: &str, delimiter| text.split(line, delimiter).len();
+    let mut possible: Vec<Delimiter> = Delimiter::ALL
+        .into_iter()
+        .filter(|&delimiter| fields(header, delimiter) > 1)
+        .collect();
+    if possible.len() > 1 {
+        let rows = || {
+            let rows = text.lines().skip(header_line);
+            rows.filter(|row| !row.trim().is_empty())
+                .take(ROWS_THAT_TELL)
+        };
+        let fits = |&delimiter: &Delimiter| {
+            let expected = fields(header, delimiter);
+            rows().all(|row| fields(row, delimiter) == expected)
+        };
+        let fitting: Vec<Delimiter> = possible.iter().copied().filter(fits).collect();
+        if rows().next().is_some() && fitting.len() > 1 {
+            let names: Vec<&str> = fitting.iter().map(|delimiter| delimiter.name()).collect();
+            return Err(file.fail(
+                header_line,
+                format!(
+                    "fields may be separated by {}; say which: --delimiter {}",
+                    names.join(" or "),
+                    names[0]
+                ),
+            ));
+        }
+        if !fitting.is_empty() {
+            possible = fitting;
+        }
+    }
+    Ok(possible.first().copied().unwrap_or(Delimiter::Comma))
+}
+
+/// First line, from 1, with a quotation mark that is not one of a pair around a field.
+fn unclosed(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
+    #[derive(PartialEq)]
+    enum At {
+        Start,
+        Bare,
+        Quoted,
+        Closed,
+    }
+    if !text.all.contains('"') {
+        return None;
+    }
+    let delimiter = char::from(delimiter.byte());
+    let (mut at, mut line) = (At::Start, 1);
+    let end = text.end;
+    let mut letters = text.all.chars().peekable();
+    while let Some(letter) = letters.next() {
+        at = match (at, letter) {
+            (At::Quoted, letter) if letter == end => return Some(line),
+            (_, letter) if letter == end => At::Start,
+            (At::Quoted, '"') if letters.peek() == Some(&'"') => {
+                letters.next();
+                At::Quoted
+            }
+            (At::Quoted, '"') => At::Closed,
+            (At::Quoted, _) => At::Quoted,
+            (_, letter) if letter == delimiter => At::Start,
+            (At::Start, '"') => At::Quoted,
+            (At::Start, ' ' | '\r') => At::Start,
+            (At::Closed, ' ' | '\r') => At::Closed,
+            (At::Closed, _) | (_, '"') => return Some(line),
+            _ => At::Bare,
+        };
+        line += usize::from(letter == end);
+    }
+    (at == At::Quoted).then_some(line)
+}
+
+/// Names of the values of the first line of JSON, in their order.
+fn keys(file: &RecordedFile, line: usize, text: &str) -> Result<Vec<String>, RecordedError> {
+    let keys: Vec<String> = pairs(file, line, text)?
+        .into_iter()
+        .map(|(key, _)| key)
+        .collect();
+    match keys.len() {
+        0 => Err(file.fail(line, "the first object has no keys")),
+        1..=MOST_KEYS => Ok(keys),
+        many => Err(file.fail(
+            line,
+            format!("has {many} columns; at most {MOST_KEYS} are read"),
+        )),
+    }
+}
+
+/// Names and values of an object, those of objects and lists within it joined by points: `position.0`.
+fn pairs(
+    file: &RecordedFile,
+    line: usize,
+    text: &str,
+) -> Result<Vec<(String, String)>, RecordedError> {
+    let value: Json = serde_json::from_str(text).map_err(|error| {
+        let message = error.to_string();
+        let message = message.split(" at line ").next().unwrap_or_default();
+        let column = error.column();
+        file.fail(
+            line,
+            format!("is no JSON object of one line: {message} (character {column}); an object per line is needed, as `jq -c '.[]'` writes of a list"),
+        )
+    })?;
+    if !value.is_object() {
+        let message =
+            "is no JSON object; an object per line is needed, as `jq -c '.[]'` writes of a list";
+        return Err(file.fail(line, message));
+    }
+    let mut pairs = Vec::new();
+    flatten("", &value, &mut pairs);
+    Ok(pairs)
+}
+
+fn flatten(name: &str, value: &Json, pairs: &mut Vec<(String, String)>) {
+    let within = |key: &str| match name.is_empty() {
+        true => key.to_owned(),
+        false => format!("{name}.{key}"),
+    };
+    match value {
+        Json::Object(object) => {
+            for (key, value) in object {
+                flatten(&within(key), value, pairs);
+            }
+        }
+        Json::Array(items) => {
+            for (index, value) in items.iter().enumerate() {
+                flatten(&within(&index.to_string()), value, pairs);
+            }
+        }
+        Json::Null => pairs.push((name.to_owned(), String::new())),
+        Json::String(text) => pairs.push((name.to_owned(), text.clone())),
+        Json::Bool(_) | Json::Number(_) => pairs.push((name.to_owned(), value.to_string())),
+    }
+}

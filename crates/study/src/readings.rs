@@ -1,0 +1,373 @@
+//! Columns of recorded readings: their names, what they hold, and the units that they may be written in.
+
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+
+use crate::config::LengthUnit;
+
+/// Physical quantity that a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// Length.
+    Length,
+    /// Angle, read in radians.
+    Angle,
+    /// Time, read in seconds.
+    Time,
+    /// Difference of hue, read in turns.
+    Turn,
+    /// Length in a picture, px.
+    Pixel,
+    /// Number or direction without a unit.
+    Plain,
+}
+
+/// Unit that a column is written in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ColumnUnit {
+    /// Length of a study's units.
+    Length(LengthUnit),
+    /// Inch, 25.4 mm.
+    Inch,
+    /// Nanometre.
+    Nanometre,
+    /// Factor to the unit in which the column is read.
+    Factor(f64),
+}
+
+impl ColumnUnit {
+    /// Number of these in a length unit; of units that are no lengths, in the unit in which the column is read. `None` for
+    /// lengths of no metric unit in metric ones, and the other way round.
+    pub fn to(self, length: LengthUnit) -> Option<f64> {
+        let of_metres = |metres: f64| LengthUnit::M.to(length).map(|factor| factor * metres);
+        match self {
+            Self::Length(unit) => unit.to(length),
+            Self::Inch => of_metres(0.0254),
+            Self::Nanometre => of_metres(1e-9),
+            Self::Factor(factor) => Some(factor),
+        }
+    }
+
+    /// Length unit of a study that stands for it where nothing else is asked for: millimetres for inches.
+    pub fn nearest(self) -> Option<LengthUnit> {
+        match self {
+            Self::Length(unit) => Some(unit),
+            Self::Inch => Some(LengthUnit::Mm),
+            Self::Nanometre => Some(LengthUnit::Um),
+            Self::Factor(_) => None,
+        }
+    }
+
+    /// Unit as messages name it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Length(unit) => unit.as_str(),
+            Self::Inch => "in",
+            Self::Nanometre => "nm",
+            Self::Factor(_) => "another unit",
+        }
+    }
+}
+
+impl Measure {
+    /// Unit of a column of this measure that is written so, in any case of letters; `None` for one that it does not have.
+    pub fn unit(self, text: &str) -> Option<ColumnUnit> {
+        use ColumnUnit::{Factor, Inch, Length, Nanometre};
+        let text = text.trim().to_lowercase();
+        let unit = match (self, text.as_str()) {
+            (Self::Length, "m" | "metre" | "metres" | "meter" | "meters") => Length(LengthUnit::M),
+            (Self::Length, "cm") => Length(LengthUnit::Cm),
+            (Self::Length, "mm") => Length(LengthUnit::Mm),
+            // The sign of micro and the Greek letter are two characters.
+            (Self::Length, "um" | "\u{b5}m" | "\u{3bc}m") => Length(LengthUnit::Um),
+            (Self::Length, "nm") => Nanometre,
+            (Self::Length, "in" | "inch" | "inches") => Inch,
+            (Self::Length, "unit") => Length(LengthUnit::Unit),
+            (Self::Angle, "rad" | "radian" | "radians") => Factor(1.0),
+            (Self::Angle, "mrad") => Factor(1e-3),
+            (Self::Angle, "deg" | "degree" | "degrees" | "\u{b0}") => Factor(PI / 180.0),
+            (Self::Time, "s" | "sec" | "seconds") => Factor(1.0),
+            (Self::Time, "ms") => Factor(1e-3),
+            (Self::Time, "us" | "\u{b5}s" | "\u{3bc}s") => Factor(1e-6),
+            (Self::Time, "ns") => Factor(1e-9),
+            (Self::Time, "min") => Factor(60.0),
+            (Self::Turn, "turn" | "turns") => Factor(1.0),
+            (Self::Turn, "deg" | "degree" | "degrees" | "\u{b0}") => Factor(1.0 / 360.0),
+            (Self::Turn, "rad") => Factor(1.0 / TAU),
+            (Self::Pixel, "px" | "pixel" | "pixels") => Factor(1.0),
+            (Self::Plain, "" | "-" | "1") => Factor(1.0),
+            _ => return None,
+        };
+        Some(unit)
+    }
+
+    /// Units that messages offer.
+    pub const fn units(self) -> &'static str {
+        match self {
+            Self::Length => "m, cm, mm, um, nm, in",
+            Self::Angle => "rad, mrad, deg",
+            Self::Time => "s, ms, us, ns, min",
+            Self::Turn => "turns, deg, rad",
+            Self::Pixel => "px",
+            Self::Plain => "none",
+        }
+    }
+
+    /// Unit that the name of a column of this measure ends with.
+    const fn in_name(self) -> Option<&'static str> {
+        match self {
+            Self::Length | Self::Plain => None,
+            Self::Angle => Some("rad"),
+            Self::Time => Some("s"),
+            Self::Turn => Some("turns"),
+            Self::Pixel => Some("px"),
+        }
+    }
+}
+
+/// A column of recorded readings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Name, with its unit where it is no length: `x`, `rotation_x_rad`.
+    pub name: &'static str,
+    /// Quantity that it holds.
+    pub measure: Measure,
+}
+
+impl Column {
+    const fn of(name: &'static str, measure: Measure) -> Self {
+        Self { name, measure }
+    }
+
+    /// Name without a unit.
+    pub fn stem(&self) -> &'static str {
+        let unit = self.measure.in_name();
+        unit.and_then(|unit| self.name.strip_suffix(unit)?.strip_suffix('_'))
+            .unwrap_or(self.name)
+    }
+
+    /// Whether a name is that of the column, with a unit or without, and the unit: `x`, `x_mm`, `rotation_x_deg`. Names are
+    /// [`spelt`] alike.
+    pub fn is_named(&self, name: &str) -> Option<Option<ColumnUnit>> {
+        let rest = name.strip_prefix(self.stem())?;
+        if rest.is_empty() {
+            return Some(None);
+        }
+        let unit = self.measure.unit(rest.strip_prefix('_')?)?;
+        (self.measure != Measure::Plain).then_some(Some(unit))
+    }
+}
+
+/// A name in small letters, with one underscore for whatever else than letters, digits and degrees stands between words.
+pub fn spelt(name: &str) -> String {
+    let is_part = |letter: char| letter.is_alphanumeric() || letter == '\u{b0}';
+    let words = name.split(|letter| !is_part(letter));
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    words.join("_").to_lowercase()
+}
+
+/// Columns of rolls with one row per probe.
+pub const ROLLS: [Column; 5] = [
+    Column::of("probe", Measure::Plain),
+    Column::of("rotation_x_rad", Measure::Angle),
+    Column::of("rotation_y_rad", Measure::Angle),
+    Column::of("shift_u", Measure::Length),
+    Column::of("shift_v", Measure::Length),
+];
+
+/// Columns of rolls as a time series per probe.
+pub const ROLL_SERIES: [Column; 6] = [
+    Column::of("probe", Measure::Plain),
+    Column::of("t_s", Measure::Time),
+    Column::of("rotation_x_rad", Measure::Angle),
+    Column::of("rotation_y_rad", Measure::Angle),
+    Column::of("pad_u", Measure::Length),
+    Column::of("pad_v", Measure::Length),
+];
+
+/// Columns of glides, one row per contact; the last three may be missing.
+pub const GLIDES: [Column; 7] = [
+    Column::of("finger", Measure::Plain),
+    Column::of("x", Measure::Length),
+    Column::of("y", Measure::Length),
+    Column::of("z", Measure::Length),
+    Column::of("normal_x", Measure::Plain),
+    Column::of("normal_y", Measure::Plain),
+    Column::of("normal_z", Measure::Plain),
+];
+
+/// Columns of presses, one row per marker; the last two may be missing.
+pub const PRESSES: [Column; 5] = [
+    Column::of("x", Measure::Length),
+    Column::of("y", Measure::Length),
+    Column::of("normal_displacement", Measure::Length),
+    Column::of("tangential_x", Measure::Length),
+    Column::of("tangential_y", Measure::Length),
+];
+
+/// Columns of a press, one row per marker of a row of them through the apex.
+pub const PRESS_ROW: [Column; 2] = [
+    Column::of("radial_position", Measure::Length),
+    Column::of("normal_displacement", Measure::Length),
+];
+
+/// Columns of known displacements that a camera sensor is calibrated with; a file has some of them.
+pub const CALIBRATIONS: [Column; 7] = [
+    Column::of("normal_displacement", Measure::Length),
+    Column::of("tangential_displacement", Measure::Length),
+    Column::of("hue_turns", Measure::Turn),
+    Column::of("growth", Measure::Plain),
+    Column::of("centroid_shift_px", Measure::Pixel),
+    Column::of("series", Measure::Plain),
+    Column::of("marker", Measure::Plain),
+];
+
+/// Columns of the readings of a kind of scene, each once; none of a kind that has no tables of readings.
+pub fn columns_of(kind: &str) -> Vec<Column> {
+    let all: &[&[Column]] = match kind {
+        "roll" => &[&ROLLS, &ROLL_SERIES],
+        "glide" => &[&GLIDES],
+        "press" => &[&PRESSES, &PRESS_ROW],
+        _ => &[],
+    };
+    let mut columns: Vec<Column> = Vec::new();
+    for column in all.iter().copied().flatten() {
+        if !columns.contains(column) {
+            columns.push(*column);
+        }
+    }
+    columns
+}
+
+/// Names of a file's columns, by the columns of palpate that they are; a unit may stand behind the latter: `x_mm`.
+pub type ColumnNames = BTreeMap<String, String>;
+
+/// Why names of columns cannot be.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct ColumnNamesError {
+    /// Key that is at fault.
+    pub key: String,
+    /// Problem in words.
+    pub message: String,
+}
+
+/// Holds names of columns against the columns that there are.
+///
+/// # Errors
+/// [`ColumnNamesError`] for a key that is none of `columns`, for two keys of one column and for two columns that have one
+/// name.
+pub fn check_names(names: &ColumnNames, columns: &[Column]) -> Result<(), ColumnNamesError> {
+    let fault = |key: &str, message: String| {
+        let key = key.to_owned();
+        Err(ColumnNamesError { key, message })
+    };
+    let mut known: Vec<(&str, &str, &str)> = Vec::new();
+    for (key, name) in names {
+        let Some(column) = of_key(key, columns) else {
+            let all: Vec<&str> = columns.iter().map(|column| column.name).collect();
+            return fault(
+                key,
+                match all.is_empty() {
+                    true => format!("`{key}` is no column: there are no readings with columns"),
+                    false => format!(
+                        "`{key}` is no column of these readings; known: {}",
+                        all.join(", ")
+                    ),
+                },
+            );
+        };
+        if name.trim().is_empty() {
+            return fault(key, format!("`{key}` has no name"));
+        }
+        for (other_key, other_column, other_name) in &known {
+            if *other_column == column.name {
+                return fault(key, format!("`{other_key}` and `{key}` are one column"));
+            }
+            if other_name.trim() == name.trim() {
+                let message = format!("`{other_key}` and `{key}` are both `{}`", name.trim());
+                return fault(key, message);
+            }
+        }
+        known.push((key, column.name, name));
+    }
+    Ok(())
+}
+
+/// Column that a key names, with a unit or without.
+pub fn of_key<'a>(key: &str, columns: &'a [Column]) -> Option<&'a Column> {
+    let key = spelt(key);
+    columns
+        .iter()
+        .find(|column| column.is_named(&key).is_some())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_are_those_of_the_units() {
+        let to_mm = |text: &str| Measure::Length.unit(text).unwrap().to(LengthUnit::Mm);
+        for (text, factor) in [("m", 1e3), ("CM", 10.0), ("mm", 1.0), ("in", 25.4)] {
+            assert_eq!(to_mm(text), Some(factor), "{text}");
+        }
+        for text in ["um", "\u{b5}m", "\u{3bc}m"] {
+            assert_eq!(to_mm(text), Some(1e-3), "{text}");
+        }
+        assert!((to_mm("nm").unwrap() - 1e-6).abs() < 1e-21);
+        assert_eq!(to_mm("unit"), None);
+        let angle = |text: &str| Measure::Angle.unit(text).unwrap().to(LengthUnit::Unit);
+        assert_eq!(angle("deg"), Some(1f64.to_radians()));
+        assert_eq!(angle("\u{b0}"), angle("deg"));
+        assert_eq!(Measure::Length.unit("deg"), None);
+        assert_eq!(Measure::Angle.unit("mm"), None);
+        assert_eq!(Measure::Length.unit("furlong"), None);
+    }
+
+    #[test]
+    fn names_have_units() {
+        let [probe, angle, _, shift, _] = &ROLLS;
+        assert_eq!((angle.stem(), shift.stem()), ("rotation_x", "shift_u"));
+        assert_eq!(shift.is_named("shift_u"), Some(None));
+        let mm = ColumnUnit::Length(LengthUnit::Mm);
+        assert_eq!(shift.is_named("shift_u_mm"), Some(Some(mm)));
+        assert_eq!(shift.is_named("shift_u_deg"), None);
+        assert_eq!(angle.is_named("rotation_x"), Some(None));
+        assert!(angle.is_named("rotation_x_deg").is_some());
+        assert_eq!(probe.is_named("probe_1"), None);
+        assert_eq!(spelt(" Finger  X-[mm] "), "finger_x_mm");
+        assert_eq!(spelt("\u{b5}m"), "\u{b5}m");
+    }
+
+    #[test]
+    fn names_that_contradict_are_refused() {
+        let names = |pairs: &[(&str, &str)]| -> ColumnNames {
+            let owned = |(key, name): &(&str, &str)| ((*key).to_owned(), (*name).to_owned());
+            pairs.iter().map(owned).collect()
+        };
+        let said = |pairs: &[(&str, &str)]| {
+            check_names(&names(pairs), &columns_of("roll"))
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(check_names(&names(&[("shift_u_mm", "U")]), &columns_of("roll")).is_ok());
+        assert_eq!(
+            said(&[("x", "U")]),
+            "`x` is no column of these readings; known: probe, rotation_x_rad, rotation_y_rad, shift_u, shift_v, t_s, \
+             pad_u, pad_v"
+        );
+        assert_eq!(
+            said(&[("shift_u", "U"), ("shift_u_mm", "V")]),
+            "`shift_u` and `shift_u_mm` are one column"
+        );
+        assert_eq!(
+            said(&[("shift_u", "U"), ("shift_v", "U ")]),
+            "`shift_u` and `shift_v` are both `U `".replace("U `", "U`")
+        );
+        assert_eq!(said(&[("shift_u", " ")]), "`shift_u` has no name");
+        let none = check_names(&names(&[("x", "X")]), &columns_of("fingertip"));
+        assert!(none.unwrap_err().message.contains("no readings"));
+    }
+}
