@@ -50,12 +50,12 @@ pub struct LeastSquares {
     radius: f64,
     noise: ReadingNoise,
     rotations: Vec<Vector2<f64>>,
-    law: Law,
+    pub(crate) law: Law,
 }
 
 /// What makes estimates of the shifts. A copy is at hand where many are made side by side.
 #[derive(Clone, Copy, Debug)]
-struct Law {
+pub(crate) struct Law {
     radius: f64,
     probe_curvature: f64,
     per_probe: f64,
@@ -146,6 +146,18 @@ impl LeastSquares {
         noise: ReadingNoise,
         readings: &[ProbeReading],
     ) -> Result<Estimate, Ep1Error> {
+        Self::fitted(radius, noise, readings).map(|(_, estimate)| estimate)
+    }
+
+    /// The fit of recorded readings of probes of `radius`, and its estimate.
+    ///
+    /// # Errors
+    /// As [`LeastSquares::of`].
+    pub fn fitted(
+        radius: f64,
+        noise: ReadingNoise,
+        readings: &[ProbeReading],
+    ) -> Result<(Self, Estimate), Ep1Error> {
         let rotations: Vec<_> = readings.iter().map(|reading| reading.rotation).collect();
         let fit = Self::new(radius, noise, &rotations)?;
         let is_bad = |reading: &ProbeReading| !reading.shift.iter().all(|shift| shift.is_finite());
@@ -156,7 +168,8 @@ impl LeastSquares {
         readings
             .iter()
             .for_each(|reading| moments.add(radius, reading));
-        fit.estimate(&moments)
+        let estimate = fit.estimate(&moments)?;
+        Ok((fit, estimate))
     }
 
     /// The object's curvature from the shifts of the probes, with the uncertainty that the stated
@@ -203,6 +216,47 @@ impl LeastSquares {
             probe_curvature: self.law.probe_curvature,
             mobility: self.radius * travel.matrix(),
         })
+    }
+
+    /// Covariance of the normal curvatures along u and v and of the twist `k_uv` of an estimate of this fit, to first
+    /// order, 1/length²; `None` if no noise was stated.
+    ///
+    /// ```
+    /// use nalgebra::Vector2;
+    /// use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
+    ///
+    /// let readings = [
+    ///     ProbeReading { rotation: Vector2::new(0.0, -0.1), shift: Vector2::new(0.2, 0.0) },
+    ///     ProbeReading { rotation: Vector2::new(0.1, 0.0), shift: Vector2::new(0.0, 0.2) },
+    /// ];
+    /// let noise = ReadingNoise { shift_std: 0.01, ..ReadingNoise::default() };
+    /// let (fit, estimate) = LeastSquares::fitted(2.0, noise, &readings)?;
+    /// let covariance = fit.covariance(&estimate).ok_or("noise is stated")?;
+    /// let std = estimate.normal_curvature_u.std.ok_or("noise is stated")?;
+    /// assert!((covariance[0][0] - std * std).abs() < 1e-12 * std * std);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn covariance(&self, estimate: &Estimate) -> Option<[[f64; 3]; 3]> {
+        if !self.noise.is_stated() {
+            return None;
+        }
+        let matrix = estimate.mobility * self.law.probe_curvature;
+        let travel = Symmetric {
+            uu: matrix[(0, 0)],
+            uv: matrix[(0, 1)],
+            vv: matrix[(1, 1)],
+        };
+        let determinant = travel.determinant();
+        let unit = self.law.probe_curvature / (determinant * determinant);
+        let of_mobility = self.law.of_mobility(&travel);
+        let gradients = gradients(&travel);
+        let entry = |one: usize, other: usize| {
+            let covariance = of_mobility.times(&gradients[one]).dot(&gradients[other]);
+            unit * covariance * unit
+        };
+        Some(std::array::from_fn(|one| {
+            std::array::from_fn(|other| entry(one, other))
+        }))
     }
 
     /// Estimates from the first `count` of `moments`, to the last bit those of [`LeastSquares::estimate`]. Tells how many
@@ -266,6 +320,37 @@ impl LeastSquares {
 }
 
 impl Law {
+    /// Law of probes of `radius` whose shifts alone err, for rotations whose normal equations are the unit matrix.
+    pub(crate) fn of_shifts(radius: f64, shift_std: f64, probes: usize) -> Self {
+        let probe_curvature = 1.0 / radius;
+        let relative_shift_std = shift_std * probe_curvature;
+        Self {
+            radius,
+            probe_curvature,
+            per_probe: 1.0 / probes as f64,
+            inverse: Symmetric3::unit(probe_curvature),
+            from_shifts: Symmetric3::unit(relative_shift_std * relative_shift_std),
+            from_rotations: [Symmetric3::unit(0.0); 3],
+        }
+    }
+
+    /// This law with rotations of this Gram matrix, and whether they span the plane and are in range.
+    #[inline(always)]
+    pub(crate) fn with_rotations(self, gram: &Symmetric) -> (Self, bool) {
+        let trace = gram.uu + gram.vv;
+        let least = SMALLEST_SPREAD * SMALLEST_SPREAD * trace * trace;
+        let (inverse, determinant) = Symmetric3::inverse_of_normal(gram);
+        let spans = (least < gram.determinant())
+            & (f64::MIN_POSITIVE < determinant)
+            & (determinant < f64::INFINITY);
+        let law = Self {
+            inverse: inverse.scaled(self.inverse.first()),
+            from_shifts: inverse.scaled(self.from_shifts.first()),
+            ..self
+        };
+        (law, spans)
+    }
+
     #[inline(always)]
     fn solve_many<const IS_STATED: bool>(
         self,
@@ -287,13 +372,13 @@ impl Law {
     }
 
     #[inline(always)]
-    fn arc_length(self, moments: &Moments) -> f64 {
+    pub(crate) fn arc_length(self, moments: &Moments) -> f64 {
         moments.lengths * self.per_probe
     }
 
     /// The fit, without branches, so that many can be done side by side.
     #[inline(always)]
-    fn solve<const IS_STATED: bool>(self, moments: &Moments) -> Solution {
+    pub(crate) fn solve<const IS_STATED: bool>(self, moments: &Moments) -> Solution {
         // K₁ D, and I + K₁ D whose inverse is K_rel / K₁.
         let deviation = self.inverse.times(&moments.deviations);
         let travel = Symmetric {
@@ -334,6 +419,13 @@ impl Law {
         }
     }
 
+    /// Covariance of the entries of `K₁ B`, of which `travel` is the value.
+    #[inline(always)]
+    fn of_mobility(self, travel: &Symmetric) -> Symmetric3 {
+        self.from_shifts
+            .plus(&self.from_rotations, &travel.square())
+    }
+
     /// Standard deviations of K_uu, K_vv, Gaussian and mean curvature, in units of `K₁ / det²`
     /// for the determinant of `travel`, `K₁ B`.
     ///
@@ -342,19 +434,8 @@ impl Law {
     /// `G` in K₂ changes by `−tr(S δB)` with `S = K_rel G K_rel`.
     #[inline(always)]
     fn stds(self, curvature: &Symmetric, travel: &Symmetric) -> [f64; 4] {
-        let covariance = self
-            .from_shifts
-            .plus(&self.from_rotations, &travel.square());
-        // K_rel in units of K₁ / det.
-        let w = Symmetric {
-            uu: travel.vv,
-            vv: travel.uu,
-            uv: -travel.uv,
-        };
-        let (uu_uv, uv_vv, uv_uv) = (w.uu * w.uv, w.uv * w.vv, w.uv * w.uv);
-        let along_u = [w.uu * w.uu, uv_uv, uu_uv + uu_uv];
-        let along_v = [uv_uv, w.vv * w.vv, uv_vv + uv_vv];
-        let mixed = [uu_uv, uv_vv, w.uu * w.vv + uv_uv];
+        let covariance = self.of_mobility(travel);
+        let [along_u, along_v, mixed] = gradients(travel);
         let twice_uv = curvature.uv + curvature.uv;
         // No closure: one that is not inlined lacks the vector instructions of what calls it.
         let gaussian = [
@@ -374,6 +455,23 @@ impl Law {
     }
 }
 
+/// Change of K_uu, K_vv and K_uv per entry `uu`, `vv`, `uv` of `K₁ δB`, with the sign turned, in units of `K₁ / det²`.
+#[inline(always)]
+fn gradients(travel: &Symmetric) -> [[f64; 3]; 3] {
+    // K_rel in units of K₁ / det.
+    let w = Symmetric {
+        uu: travel.vv,
+        vv: travel.uu,
+        uv: -travel.uv,
+    };
+    let (uu_uv, uv_vv, uv_uv) = (w.uu * w.uv, w.uv * w.vv, w.uv * w.uv);
+    [
+        [w.uu * w.uu, uv_uv, uu_uv + uu_uv],
+        [uv_uv, w.vv * w.vv, uv_vv + uv_vv],
+        [uu_uv, uv_vv, w.uu * w.vv + uv_uv],
+    ]
+}
+
 /// Square root of what rounding may have made negative.
 #[inline(always)]
 fn root(variance: f64) -> f64 {
@@ -382,19 +480,19 @@ fn root(variance: f64) -> f64 {
 }
 
 /// The result of the fit, not yet checked to be that of a rolling contact.
-struct Solution {
+pub(crate) struct Solution {
     /// `K₁ B`.
-    travel: Symmetric,
+    pub(crate) travel: Symmetric,
     /// The object's curvature form.
-    curvature: Symmetric,
+    pub(crate) curvature: Symmetric,
     /// Normal curvature along u and along v, Gaussian curvature and mean curvature.
-    curvatures: [f64; 4],
+    pub(crate) curvatures: [f64; 4],
     /// Their standard deviations; 0 if no noise was stated.
-    stds: [f64; 4],
+    pub(crate) stds: [f64; 4],
     /// Whether the contact moved along with the roll, in every direction.
-    moved: bool,
+    pub(crate) moved: bool,
     /// Whether the numbers are finite.
-    in_range: bool,
+    pub(crate) in_range: bool,
 }
 
 impl Estimate {

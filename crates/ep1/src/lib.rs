@@ -16,6 +16,7 @@ mod least_squares;
 mod many;
 mod moments;
 mod reading;
+mod sets;
 mod symmetric;
 
 pub use error::Ep1Error;
@@ -24,6 +25,7 @@ pub use least_squares::LeastSquares;
 pub use many::{MOST, ManyEstimates, ManyMoments};
 pub use moments::{Moments, ProbeRotation};
 pub use reading::{ProbeReading, ReadingNoise};
+pub use sets::{SetRow, Sets};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -62,6 +62,43 @@ pub(crate) struct Symmetric3 {
 }
 
 impl Symmetric3 {
+    /// The unit matrix times a number.
+    pub(crate) const fn unit(size: f64) -> Self {
+        Self {
+            diagonal: [size; 3],
+            beside: [0.0; 3],
+        }
+    }
+
+    /// First entry of the diagonal.
+    pub(crate) const fn first(&self) -> f64 {
+        self.diagonal[0]
+    }
+
+    /// The inverse of the normal equations with this Gram matrix, and their determinant.
+    #[inline(always)]
+    pub(crate) fn inverse_of_normal(gram: &Symmetric) -> (Self, f64) {
+        let Symmetric { uu, uv, vv } = *gram;
+        let trace = uu + vv;
+        let determinant = trace * gram.determinant();
+        let (scale, square) = (1.0 / determinant, uv * uv);
+        let inverse = Self {
+            diagonal: [vv * trace - square, uu * trace - square, uu * vv],
+            beside: [square, -uv * vv, -uv * uu],
+        };
+        (inverse.scaled(scale), determinant)
+    }
+
+    /// This matrix times a number.
+    #[inline(always)]
+    pub(crate) fn scaled(&self, by: f64) -> Self {
+        let ([d1, d2, d3], [b1, b2, b3]) = (self.diagonal, self.beside);
+        Self {
+            diagonal: [d1 * by, d2 * by, d3 * by],
+            beside: [b1 * by, b2 * by, b3 * by],
+        }
+    }
+
     pub(crate) fn of(matrix: &Matrix3<f64>) -> Self {
         let mean = |(i, j)| 0.5 * (matrix[(i, j)] + matrix[(j, i)]);
         Self {

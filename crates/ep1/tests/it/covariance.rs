@@ -138,3 +138,42 @@ fn residual_sees_what_the_model_does_not_explain() {
     readings[3].shift.x += 0.01;
     assert!(fit(&readings).0 > 1e-3);
 }
+
+#[test]
+fn covariance_of_the_form_against_finite_differences() {
+    // Noise of one component of one probe: the change of the form per that, to first order.
+    let noise = ReadingNoise {
+        shift_std: 1e-3,
+        ..Default::default()
+    };
+    let exact = readings(1.0, &FORM, &eight(0.1));
+    let (fit, estimate) = LeastSquares::fitted(1.0, noise, &exact).unwrap();
+    let found = fit.covariance(&estimate).unwrap();
+    let form = |readings: &[ProbeReading]| {
+        let form = LeastSquares::of(1.0, noise, readings).unwrap().curvature;
+        [form.k_uu, form.k_vv, form.k_uv]
+    };
+    let step = 1e-6;
+    let mut due = [[0.0; 3]; 3];
+    for probe in 0..exact.len() {
+        for along in 0..2 {
+            let moved = |by: f64| {
+                let mut readings = exact.clone();
+                readings[probe].shift[along] += by;
+                form(&readings)
+            };
+            let (above, below) = (moved(step), moved(-step));
+            let change: [f64; 3] = std::array::from_fn(|i| (above[i] - below[i]) / (2.0 * step));
+            for (row, one) in due.iter_mut().zip(change) {
+                for (entry, other) in row.iter_mut().zip(change) {
+                    *entry += one * other * noise.shift_std * noise.shift_std;
+                }
+            }
+        }
+    }
+    for (found, due) in found.iter().flatten().zip(due.iter().flatten()) {
+        assert_relative_eq!(found, due, max_relative = 1e-6, epsilon = 1e-12);
+    }
+    let (fit, estimate) = LeastSquares::fitted(1.0, ReadingNoise::default(), &exact).unwrap();
+    assert_eq!(fit.covariance(&estimate), None);
+}

@@ -6,6 +6,7 @@ mod every_number;
 mod exact;
 mod extremes;
 mod refusals;
+mod sets;
 
 use nalgebra::{Matrix2, Vector2};
 use palpate_ep1::ProbeReading;
