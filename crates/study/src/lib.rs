@@ -3,9 +3,10 @@
 //! [`config`] turns a TOML text into a validated [`config::Study`] of cells; a [`Quantity`] names what a scene estimates and
 //! in which [`Unit`]; a [`Statistic`] is a column over its trials; a [`Label`] says in words what a column holds; a
 //! [`Table`] is what results are written as, its numbers by [`number`](mod@number); [`readings`] names the columns of recorded
-//! readings.
+//! readings; the [`glossary`] says what words mean.
 
 pub mod config;
+pub mod glossary;
 pub mod label;
 mod limited;
 pub mod number;

@@ -79,18 +79,24 @@ pub struct Quantity {
     pub kind: QuantityKind,
     /// Its name in words, as in figures.
     pub words: &'static str,
+    /// Its meaning, a sentence.
+    pub meaning: &'static str,
+    /// Kinds of scenes that have it.
+    pub scenes: &'static [&'static str],
 }
 
 /// Constants for the quantities, and the list of all of them.
 macro_rules! quantities {
-    ($($(#[$doc:meta])* $constant:ident = $name:literal, $words:literal, $unit:ident, $kind:ident;)*) => {
+    ($(#[doc = $doc:literal] $constant:ident = $name:literal, $words:literal, $unit:ident, $kind:ident, $scenes:expr;)*) => {
         impl Quantity {
-            $($(#[$doc])*
+            $(#[doc = $doc]
             pub const $constant: Self = Self {
                 name: $name,
                 unit: Unit::$unit,
                 kind: QuantityKind::$kind,
                 words: $words,
+                meaning: $doc.trim_ascii(),
+                scenes: $scenes,
             };)*
 
             /// Every quantity that a study may tabulate.
@@ -101,51 +107,51 @@ macro_rules! quantities {
 
 quantities! {
     /// Normal curvature of the object along u at the first contact.
-    NORMAL_CURVATURE_U = "normal_curvature_u", "normal curvature along u", PerLength, Estimated;
+    NORMAL_CURVATURE_U = "normal_curvature_u", "normal curvature along u", PerLength, Estimated, &["roll"];
     /// Normal curvature of the object along v at the first contact.
-    NORMAL_CURVATURE_V = "normal_curvature_v", "normal curvature along v", PerLength, Estimated;
+    NORMAL_CURVATURE_V = "normal_curvature_v", "normal curvature along v", PerLength, Estimated, &["roll"];
     /// Gaussian curvature of the object.
-    GAUSSIAN_CURVATURE = "gaussian_curvature", "Gaussian curvature", PerLengthSquared, Estimated;
+    GAUSSIAN_CURVATURE = "gaussian_curvature", "Gaussian curvature", PerLengthSquared, Estimated, &["roll", "glide"];
     /// Mean curvature of the object.
-    MEAN_CURVATURE = "mean_curvature", "mean curvature", PerLength, Estimated;
+    MEAN_CURVATURE = "mean_curvature", "mean curvature", PerLength, Estimated, &["roll", "glide"];
     /// Mean length of the contact's paths in a roll.
-    ARC_LENGTH = "arc_length", "arc length", Length, Estimated;
+    ARC_LENGTH = "arc_length", "arc length", Length, Estimated, &["roll"];
     /// Class of the shape at a place: 1 where it is right, else 0.
-    CLASS = "class", "share classified correctly", One, Share;
+    CLASS = "class", "share classified correctly", One, Share, &["glide"];
     /// Curvature of the sensor plus that of the object.
-    RELATIVE_CURVATURE = "relative_curvature", "relative curvature", PerLength, Estimated;
+    RELATIVE_CURVATURE = "relative_curvature", "relative curvature", PerLength, Estimated, &["press"];
     /// Inverse of the relative curvature.
-    EFFECTIVE_RADIUS = "effective_radius", "effective radius", Length, Estimated;
+    EFFECTIVE_RADIUS = "effective_radius", "effective radius", Length, Estimated, &["press"];
     /// Curvature of the object that is pressed on, positive where convex.
-    OBJECT_CURVATURE = "object_curvature", "object curvature", PerLength, Estimated;
+    OBJECT_CURVATURE = "object_curvature", "object curvature", PerLength, Estimated, &["press"];
     /// Approach of sensor and object since first touch.
-    INDENTATION = "indentation", "indentation", Length, Estimated;
+    INDENTATION = "indentation", "indentation", Length, Estimated, &["press"];
     /// Radius of the circle of contact.
-    CONTACT_RADIUS = "contact_radius", "contact radius", Length, Estimated;
+    CONTACT_RADIUS = "contact_radius", "contact radius", Length, Estimated, &["press"];
     /// Share of the readings' variance that the fit explains; 1 for a perfect fit.
-    R_SQUARED = "r_squared", "R² of the fit", One, Estimated;
+    R_SQUARED = "r_squared", "R² of the fit", One, Estimated, &["press"];
     /// Displacement of a marker along the normal, as a camera tells it.
-    NORMAL_DISPLACEMENT = "normal_displacement", "normal displacement", Length, Estimated;
+    NORMAL_DISPLACEMENT = "normal_displacement", "normal displacement", Length, Estimated, &["press"];
     /// Component of a marker's displacement along the skin, as a camera tells it.
-    TANGENTIAL_DISPLACEMENT = "tangential_displacement", "tangential displacement", Length, Estimated;
+    TANGENTIAL_DISPLACEMENT = "tangential_displacement", "tangential displacement", Length, Estimated, &["press"];
     /// Change of the mean hue of the marker under the contact.
-    HUE_CHANGE = "hue_change", "hue change", Turn, Measured;
+    HUE_CHANGE = "hue_change", "hue change", Turn, Measured, &["press"];
     /// Path of the centroid of the marker under the contact in the image.
-    CENTROID_SHIFT = "centroid_shift", "centroid shift", Pixel, Measured;
+    CENTROID_SHIFT = "centroid_shift", "centroid shift", Pixel, Measured, &["press"];
     /// Number of markers that were tracked.
-    MARKERS_TRACKED = "markers_tracked", "markers tracked", One, Measured;
+    MARKERS_TRACKED = "markers_tracked", "markers tracked", One, Measured, &["press"];
     /// Number of markers that were taken for another.
-    WRONG_MATCHES = "wrong_matches", "wrong matches", One, Measured;
+    WRONG_MATCHES = "wrong_matches", "wrong matches", One, Measured, &["press"];
     /// Number of pixels rendered for a press.
-    PIXELS = "pixels", "pixels evaluated per press", One, Measured;
+    PIXELS = "pixels", "pixels evaluated per press", One, Measured, &["press"];
     /// Radius of the object that is pressed on, negative where concave.
-    OBJECT_RADIUS = "object_radius", "object radius", Length, Estimated;
+    OBJECT_RADIUS = "object_radius", "object radius", Length, Estimated, &["press"];
     /// Greatest strain of folding a skin from its flat pattern.
-    GREATEST_FOLD_STRAIN = "greatest_fold_strain", "greatest strain of folding", One, Measured;
+    GREATEST_FOLD_STRAIN = "greatest_fold_strain", "greatest strain of folding", One, Measured, &["fingertip"];
     /// Root of the mean square of the strain of folding.
-    RMS_FOLD_STRAIN = "rms_fold_strain", "rms strain of folding", One, Measured;
+    RMS_FOLD_STRAIN = "rms_fold_strain", "rms strain of folding", One, Measured, &["fingertip"];
     /// Image area of a marker's larger disc.
-    MARKER_AREA = "marker_area", "image area of a marker", PixelSquared, Measured;
+    MARKER_AREA = "marker_area", "image area of a marker", PixelSquared, Measured, &["fingertip"];
 }
 
 impl Quantity {

@@ -92,6 +92,56 @@ impl Statistic {
         }
     }
 
+    /// Its meaning, in sentences.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::Truth => "True value of the quantity.",
+            Self::Trials => "Number of trials that were run.",
+            Self::Failures => {
+                "Number of trials that gave no value; failures.csv has their kinds. All other statistics are of the trials that gave one."
+            }
+            Self::Mean => {
+                "Mean of the estimates; none for a radius whose sign the trials leave undecided."
+            }
+            Self::Std => "Standard deviation of the estimates.",
+            Self::Bias => "Mean of the errors, estimate minus truth.",
+            Self::RmsError => "Root mean square of the errors.",
+            Self::MeanAbsError => "Mean of the errors' sizes.",
+            Self::RelativeRmsError => "Root mean square of the errors as shares of the true value.",
+            Self::RelativeMeanAbsError => "Mean of the errors' sizes as shares of the true value.",
+            Self::Q05 => {
+                "5 % quantile of the estimates, right to 0.4 % of its distance to the true value."
+            }
+            Self::Q50 => {
+                "Median of the estimates, right to 0.4 % of its distance to the true value."
+            }
+            Self::Q95 => {
+                "95 % quantile of the estimates, right to 0.4 % of its distance to the true value."
+            }
+            Self::MeanReportedStd => {
+                "Mean of the standard deviations that the estimator itself reports."
+            }
+            Self::Coverage95 => {
+                "Share of the estimator's 95 % intervals that hold the true value; 0.95 where they are right."
+            }
+            Self::StdBound => {
+                "Cramér–Rao bound: no estimate without bias has a smaller standard deviation. Only presses have it."
+            }
+        }
+    }
+
+    /// Whether it is a share or a count, and so without a unit.
+    pub const fn is_number(self) -> bool {
+        matches!(
+            self,
+            Self::Trials
+                | Self::Failures
+                | Self::RelativeRmsError
+                | Self::RelativeMeanAbsError
+                | Self::Coverage95
+        )
+    }
+
     /// Short name, for a legend that already says of what.
     pub const fn short(self) -> &'static str {
         match self {

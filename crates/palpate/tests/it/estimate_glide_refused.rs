@@ -13,7 +13,11 @@ fn said(lines: &[&str], options: &str) -> String {
     let said = desk
         .palpate(&format!("estimate glide r.csv {options}"))
         .said(1);
-    said.strip_prefix("error: ").unwrap().trim_end().to_owned()
+    let said = said.strip_prefix("error: ").unwrap().trim_end();
+    let (said, _) = said
+        .split_once("; see `palpate explain ")
+        .unwrap_or((said, ""));
+    said.to_owned()
 }
 
 /// Contacts on a grid of `side` × `side`, placed by a function of x and y in [−1, 1].

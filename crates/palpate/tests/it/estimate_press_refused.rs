@@ -14,7 +14,11 @@ fn said(lines: &[&str], options: &str) -> String {
     let said = desk
         .palpate(&format!("estimate press r.csv {SENSOR} {options}"))
         .said(1);
-    said.strip_prefix("error: ").unwrap().trim_end().to_owned()
+    let said = said.strip_prefix("error: ").unwrap().trim_end();
+    let (said, _) = said
+        .split_once("; see `palpate explain ")
+        .unwrap_or((said, ""));
+    said.to_owned()
 }
 
 /// Markers on a grid of 7 × 7, 3 mm apart, that moved as a function says.

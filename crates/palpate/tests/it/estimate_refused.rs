@@ -13,7 +13,11 @@ fn said(bytes: &[u8], options: &str) -> String {
     let said = desk
         .palpate(&format!("estimate roll r.csv --probe-radius 10 {options}"))
         .said(1);
-    said.strip_prefix("error: ").unwrap().trim_end().to_owned()
+    let said = said.strip_prefix("error: ").unwrap().trim_end();
+    let (said, _) = said
+        .split_once("; see `palpate explain ")
+        .unwrap_or((said, ""));
+    said.to_owned()
 }
 
 #[track_caller]

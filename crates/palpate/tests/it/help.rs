@@ -20,6 +20,7 @@ fn every_command_shows_an_example() {
         "plot",
         "report",
         "schema",
+        "explain",
     ];
     for command in commands {
         let printed = Desk::new().palpate(&format!("{command} --help")).printed();

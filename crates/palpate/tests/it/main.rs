@@ -11,6 +11,7 @@ mod estimate;
 mod estimate_glide_refused;
 mod estimate_press_refused;
 mod estimate_refused;
+mod explain;
 mod frames;
 mod glide;
 mod help;

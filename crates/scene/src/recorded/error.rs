@@ -32,3 +32,11 @@ pub enum RecordedError {
         message: String,
     },
 }
+
+/// Message with the way to what the kind of an error means; a bad setting says that itself.
+pub(super) fn explained(message: String, kind: &str) -> String {
+    match kind {
+        "bad-setting" => message,
+        _ => format!("{message}; see `palpate explain {kind}`"),
+    }
+}

@@ -6,7 +6,7 @@ use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_number::{BadSetting, Number};
 
 use super::Value;
-use super::error::RecordedError;
+use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::glide::GlideReadings;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
@@ -228,7 +228,8 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
         | Ep2Error::Folded { contact, .. } => Some(*contact),
         _ => None,
     };
-    let (file, message) = (recorded.file.clone(), remedied(error));
+    let message = explained(remedied(error), error.name());
+    let file = recorded.file.clone();
     match contact.and_then(|contact| recorded.lines.get(contact)) {
         Some(&line) => RecordedError::Line {
             file,

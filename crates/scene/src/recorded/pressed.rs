@@ -7,7 +7,7 @@ use palpate_press::{
 };
 
 use super::Value;
-use super::error::RecordedError;
+use super::error::{RecordedError, explained};
 use super::press::PressReadings;
 use super::pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
 use super::sheet::agreed_unit;
@@ -419,6 +419,7 @@ fn refused_for(
         .into_iter()
         .flatten()
         .fold(message, |message, more| format!("{message}; {more}"));
+    let message = explained(message, error.name());
     match error {
         PressError::NotFinite { marker }
         | PressError::OffSkin { marker, .. }

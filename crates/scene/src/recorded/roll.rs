@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::RecordedFile;
 use super::Value;
-use super::error::RecordedError;
+use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::fingers::parted;
 use super::sheet::{Sheet, agreed_unit, header};
@@ -399,7 +399,7 @@ pub fn estimate_roll(
         }
     }
     let refused = |error: Ep1Error| {
-        fail(match error {
+        let message = match error {
             Ep1Error::NotFinite { probe } => {
                 format!(
                     "probe {}: the reading is not finite",
@@ -413,7 +413,8 @@ pub fn estimate_roll(
                 format!("{error} {}", unit.as_str())
             }
             _ => error.to_string(),
-        })
+        };
+        fail(explained(message, error.name()))
     };
 
     let RollEstimatorConfig::LeastSquares {} = options.estimator;

@@ -3,11 +3,98 @@
 use palpate_chromatouch::OpticsError;
 use palpate_ep1::Ep1Error;
 use palpate_ep2::Ep2Error;
-use palpate_geometry::SurfaceError;
-use palpate_press::PressError;
+use palpate_geometry::{ShapeClass, SurfaceError};
+use palpate_press::{ContactRegime, PressError, Verdict};
 use palpate_rolling::{GlideError, RollFault};
 use palpate_tracking::TrackingError;
+
+use palpate_scene::quantities_of;
+use palpate_study::Quantity;
+use palpate_study::config::parse;
+use palpate_study::glossary::meaning;
 use strum::VariantNames;
+
+/// Names that palpate prints, but for those of the variants that the compiler lists.
+const PRINTED: &str = "beyond-pads out-of-field not-seen tracked lost merged split new \
+    polynomial interpolating smoothing knots-exhausted unsettled \
+    roll glide press fingertip least-squares quadric penalised two-pass half-space bonded-layer gaussian hertz \
+    direct projected rendered saddle usage work stopped never-enough negative-std unknown-quantity";
+
+#[test]
+fn every_name_is_explained() {
+    let variants = [
+        Ep1Error::VARIANTS,
+        SurfaceError::VARIANTS,
+        RollFault::VARIANTS,
+        GlideError::VARIANTS,
+        Ep2Error::VARIANTS,
+        PressError::VARIANTS,
+        OpticsError::VARIANTS,
+        TrackingError::VARIANTS,
+    ];
+    let verdicts = [
+        Verdict::Convex,
+        Verdict::Concave,
+        Verdict::FlatWithinNoise,
+        Verdict::NotResolved,
+    ];
+    // Relative to a sensor of curvature 1.
+    let regimes = [1.0, 0.0, -0.5, -1.0, -2.0].map(|object| ContactRegime::of(1.0, object).name());
+    let names = variants
+        .iter()
+        .copied()
+        .flatten()
+        .copied()
+        .filter(|name| *name != "surface")
+        .chain(ShapeClass::ALL.map(ShapeClass::name))
+        .chain(verdicts.map(Verdict::name))
+        .chain(regimes)
+        .chain(PRINTED.split_whitespace());
+    let unknown: Vec<&str> = names.filter(|name| meaning(name).is_none()).collect();
+    assert!(unknown.is_empty(), "{unknown:?}");
+}
+
+#[test]
+fn quantities_are_those_of_their_scenes() {
+    let scenes = [
+        (
+            "roll",
+            "probe = { kind = \"sphere\", radius = 1.0 }\nobject = { kind = \"sphere\", radius = 4.0 }\nmotion = { rate_rad_per_s = 0.1, duration_s = 1.0 }",
+        ),
+        (
+            "glide",
+            "probe = { kind = \"sphere\", radius = 1.0 }\nobject = { kind = \"sphere\", radius = 4.0 }\nmotion = { finger_positions = [0.0], inter_finger_distance = 1.0, patch_length = 1.0, contacts_per_finger = 3 }\nevaluate = { grid = 3, half_width = 0.2, gaussian_threshold = 0.1, mean_threshold = 0.1 }",
+        ),
+        (
+            "press",
+            "probe = { kind = \"marker-sphere\", radius = 20.0, marker_depth = 2.0, layout = \"published\" }\nobject = { kind = \"sphere\", radius = 4.0 }\nmotion = { indentation = 1.0 }\nsensor = { kind = \"projected\" }",
+        ),
+        (
+            "fingertip",
+            "probe = { kind = \"marker-sphere\", radius = 20.0, marker_depth = 2.0, layout = \"published\" }",
+        ),
+    ];
+    for (kind, rest) in scenes {
+        let text = format!("name = \"a\"\n[scene]\nkind = \"{kind}\"\n{rest}\n");
+        let study = parse("a.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+        let found = quantities_of(&study.config.scene);
+        for quantity in Quantity::ALL {
+            assert!(
+                !found.contains(quantity) || quantity.scenes.contains(&kind),
+                "{kind}: {}",
+                quantity.name
+            );
+        }
+        // A fingertip measures what its parts allow.
+        let listed = Quantity::ALL
+            .iter()
+            .filter(|quantity| quantity.scenes.contains(&kind));
+        assert!(
+            kind == "fingertip" || listed.count() == found.len(),
+            "{kind}"
+        );
+    }
+}
 
 #[test]
 fn names_in_tables_do_not_change() {

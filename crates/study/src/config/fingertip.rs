@@ -9,12 +9,12 @@ use super::press::PressProbeConfig;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BareFingertipConfig {
-    /// The sensor.
+    /// The sensor: a sphere with markers under its skin, as of a press.
     pub probe: PressProbeConfig,
-    /// The camera in its centre.
+    /// The camera in its centre, whose lens and pixels the image of a marker depends on.
     #[serde(default)]
     pub sensor: LensConfig,
-    /// Place of the marker that is looked at.
+    /// Place of the marker that is looked at; how large it looks depends on it.
     #[serde(default)]
     pub view: ViewConfig,
 }

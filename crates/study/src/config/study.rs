@@ -124,7 +124,8 @@ pub enum SceneConfig {
     Glide(GlideConfig),
     /// A soft sphere with markers is pressed onto an object.
     Press(PressConfig),
-    /// A sensor with markers is looked at, and touches nothing.
+    /// A sensor with markers by itself, which touches nothing: how much its skin is strained by folding it from its flat
+    /// pattern (`greatest_fold_strain`, `rms_fold_strain`), and how large a marker looks (`marker_area`). Nothing is random.
     Fingertip(BareFingertipConfig),
 }
 

@@ -153,10 +153,17 @@ Example:
   palpate report results/ep1-roll-length results/ep1-pad-resolution --out report.html"
     )]
     Report(ReportArgs),
-    /// Print the JSON Schema of configs, for editors.
-    #[command(after_help = "Example:
-  palpate schema > palpate.schema.json")]
-    Schema,
+    /// Print the JSON Schema of configs, for editors; or the quantities that a plot may name.
+    #[command(after_help = "Examples:
+  palpate schema > palpate.schema.json
+  palpate schema --quantities")]
+    Schema(SchemaArgs),
+    /// Tell what a word means: a failure, a status, an estimator, a quantity, a term of the trade.
+    #[command(after_help = "Examples:
+  palpate explain not-rolling
+  palpate explain relative curvature
+  palpate explain")]
+    Explain(ExplainArgs),
 }
 
 #[derive(Debug, Args)]
@@ -314,6 +321,20 @@ pub(crate) struct TraceArgs {
 pub(crate) struct CheckArgs {
     /// The study's config, a TOML file.
     pub(crate) config: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SchemaArgs {
+    /// Print quantities and statistics with their units and meanings instead: what `quantity`, `x` and `y` of a plot
+    /// may be, besides the swept fields.
+    #[arg(long)]
+    pub(crate) quantities: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ExplainArgs {
+    /// The word or words; none to list all.
+    pub(crate) term: Vec<String>,
 }
 
 #[derive(Debug, Args)]

@@ -14,6 +14,7 @@ mod design;
 mod distinguish;
 mod duration;
 mod estimate;
+mod explain;
 mod failure;
 mod journal;
 mod merge;
@@ -84,11 +85,15 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Check(args) => check::check(&args),
         Command::Plot(args) => results::plot(&args),
         Command::Report(args) => results::report(&args),
-        Command::Schema => schema(),
+        Command::Schema(args) => schema(args.quantities),
+        Command::Explain(args) => explain::explain(&args.term.join(" ")),
     }
 }
 
-fn schema() -> Result<(), Failure> {
+fn schema(lists_quantities: bool) -> Result<(), Failure> {
+    if lists_quantities {
+        return explain::quantities();
+    }
     let schema =
         serde_json::to_string_pretty(&palpate_study::config::schema()).map_err(Failure::work)?;
     output::print(&schema)

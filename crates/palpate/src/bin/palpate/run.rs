@@ -169,7 +169,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     let summary = summary(&study.config.name, &of_shard, &totals, &out);
     if is_whole && !totals.is_alive {
-        return Err(Failure::work(anyhow!("every trial failed: {summary}")));
+        let most = totals.kinds.iter().max_by_key(|(_, count)| **count);
+        let more = most.map_or(String::new(), |(kind, _)| {
+            format!("; see `palpate explain {kind}`")
+        });
+        return Err(Failure::work(anyhow!(
+            "every trial failed: {summary}{more}"
+        )));
     }
     print(&summary)
 }

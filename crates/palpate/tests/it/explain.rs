@@ -1,0 +1,88 @@
+//! `palpate explain` and `palpate schema --quantities`.
+
+use super::desk::Desk;
+
+#[test]
+fn words_are_explained() {
+    let desk = Desk::new();
+    for (word, words) in [
+        (
+            "not-rolling",
+            "not-rolling\n  The contact moved against the roll",
+        ),
+        ("IFD", "Inter-finger distance"),
+        ("ifd", "Inter-finger distance"),
+        ("rung", "One of several models"),
+        ("conforming", "as hollow as the probe or sensor is round"),
+        ("class", "class\n  Class of the shape at a place"),
+        ("relative curvature", "1/R_s + 1/R_o"),
+        ("coverage95", "Share of the estimator's 95 % intervals"),
+        ("fingertip", "A scene without an object"),
+    ] {
+        desk.palpate(&format!("explain {word}")).prints(words);
+    }
+    let all = desk.palpate("explain").printed();
+    for word in [
+        "Failures of rolls\n",
+        "not-rolling",
+        "knots-exhausted",
+        "bonded-layer",
+    ] {
+        assert!(all.contains(word), "{word}: {all}");
+    }
+    assert!(all.lines().all(|line| line.chars().count() <= 102), "{all}");
+    assert_eq!(
+        desk.palpate("explain not-roling").said(2),
+        "error: `not-roling` is no word of palpate; did you mean not-rolling?\n"
+    );
+    desk.palpate("explain zzzzzz")
+        .fails(2, "`palpate explain` lists all words");
+}
+
+#[test]
+fn quantities_have_units_and_meanings() {
+    let desk = Desk::new();
+    let all = desk.palpate("schema --quantities").printed();
+    for entry in [
+        "\nmean_curvature  [1/length; roll, glide]\n  Mean curvature of the object.\n",
+        "\nmarker_area  [px^2; fingertip]\n",
+        "\nrms_error  [unit of the quantity]\n  Root mean square of the errors.\n",
+        "\ncoverage95  [number]\n",
+    ] {
+        assert!(all.contains(entry), "{entry}: {all}");
+    }
+    let schema = desk.palpate("schema").printed();
+    assert!(schema.contains("A sensor with markers by itself, which touches nothing"));
+}
+
+#[test]
+fn failures_lead_to_their_words() {
+    let desk = Desk::new();
+    let header = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n";
+    desk.write("few.csv", format!("{header}0,0,-0.5,4,0\n"));
+    desk.write("back.csv", format!("{header}0,0,-0.5,-4,0\n1,0.5,0,0,-4\n"));
+    desk.write(
+        "line.csv",
+        "finger,x,y,z\n0,0,0,0\n0,1,0,0\n0,2,0,0\n0,3,0,0\n0,4,0,0\n0,5,0,0\n0,6,0,0\n",
+    );
+    desk.write(
+        "still.csv",
+        "x,y,normal_displacement\n0,0,0\n1,0,0\n0,1,0\n1,1,0\n2,0,0\n0,2,0\n",
+    );
+    for (arguments, term) in [
+        ("estimate roll few.csv --probe-radius 10", "too-few-probes"),
+        ("estimate roll back.csv --probe-radius 10", "not-rolling"),
+        ("estimate glide line.csv", "collinear"),
+        ("estimate press still.csv --sensor-radius 20", "no-contact"),
+    ] {
+        let said = desk.palpate(arguments).said(1);
+        let line = said.trim_end().rsplit("; see `palpate ").next().unwrap();
+        assert_eq!(line, format!("explain {term}`"), "{said}");
+        desk.palpate(line.trim_end_matches('`')).prints(term);
+    }
+    // A setting that is wrong says so itself.
+    let said = desk
+        .palpate("estimate press still.csv --sensor-radius 1e-320")
+        .said(1);
+    assert!(!said.contains("palpate explain"), "{said}");
+}
