@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{bench_check, extremes, fuzz, peers, reproduce, same_bytes, scale, tradeoff};
+use crate::{answers, bench_check, extremes, fuzz, peers, reproduce, same_bytes, scale, tradeoff};
 
 /// Development tasks of palpate.
 #[derive(Parser)]
@@ -24,6 +24,8 @@ pub(crate) enum Task {
     Scale(scale::Options),
     /// Measure every ladder of models: error against cost, into results/tradeoff/.
     Tradeoff(tradeoff::Options),
+    /// Ask for answers on fixed scenes, and hold them against references, into results/answers.csv.
+    Answers(answers::Options),
     /// Try every public entry point at its extremes, into results/extremes.csv.
     Extremes(extremes::Options),
     /// Compare instruction counts and accuracy with the committed baseline.

@@ -1,6 +1,7 @@
 //! Development tasks: `cargo xtask ci`, `cargo xtask reproduce`.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod answers;
 mod bench_check;
 mod ci;
 mod cli;
@@ -51,6 +52,7 @@ fn run(cli: Cli) -> Result<()> {
         Task::SameBytes(options) => same_bytes::run(&shell, &options),
         Task::Scale(options) => scale::run(&shell, &options),
         Task::Tradeoff(options) => tradeoff::run(&shell, &options),
+        Task::Answers(options) => answers::run(&shell, &options),
         Task::Extremes(options) => extremes::run(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),

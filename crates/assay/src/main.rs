@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use palpate_assay::{accuracy, ours, tradeoff};
+use palpate_assay::{accuracy, answers, ours, tradeoff};
 use palpate_report::{Files, tradeoff_figures};
 
 /// Harnesses over the whole of palpate.
@@ -27,6 +27,21 @@ enum Harness {
         /// Count instructions instead; the program calls itself so under valgrind.
         #[arg(long, hide = true)]
         counted: bool,
+    },
+    /// Asks for answers on fixed scenes, and holds them against references; fails if too few are right.
+    Answers {
+        /// The table to write.
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Seeds with which each design is asked.
+        #[arg(long, default_value = "20")]
+        seeds: u64,
+        /// Pairs of trials against which each probability is held.
+        #[arg(long, default_value = "1000000")]
+        pairs: u64,
+        /// Only scenes whose names hold these words.
+        #[arg(long, default_value = "")]
+        only: String,
     },
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
@@ -85,6 +100,29 @@ fn main() -> Result<()> {
         Harness::Promise { out, counted } => {
             println!("{}", palpate_assay::promise::run(&out, counted)?);
             Ok(())
+        }
+        Harness::Answers {
+            out,
+            seeds,
+            pairs,
+            only,
+        } => {
+            let options = answers::Options {
+                seeds,
+                pairs,
+                only: &only,
+                is_quick: false,
+            };
+            let scores = answers::scores(options, |score| {
+                println!(
+                    "{}, {}: {} of {} right",
+                    score.command, score.scene, score.right, score.cases
+                );
+            })?;
+            if let Some(out) = out {
+                std::fs::write(out, answers::table(&scores)?)?;
+            }
+            answers::check(&scores)
         }
         Harness::Accuracy => {
             print!("{}", accuracy::table()?);

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 #[cfg(feature = "count")]
+mod answers;
 mod promise;
 #[cfg(feature = "count")]
 mod required;

@@ -1,0 +1,300 @@
+//! Scenes that answers are asked of.
+
+/// Design: a target, a field, and a gap that its trials can reach.
+#[derive(Debug)]
+pub(super) struct Design {
+    pub(super) name: &'static str,
+    pub(super) config: &'static str,
+    pub(super) target: &'static str,
+    pub(super) vary: &'static str,
+    pub(super) gap: f64,
+    /// Whether a trial takes more than some microseconds.
+    pub(super) is_slow: bool,
+}
+
+/// Objects that are told apart.
+#[derive(Debug)]
+pub(super) struct Objects {
+    pub(super) name: &'static str,
+    pub(super) config: &'static str,
+    pub(super) quantity: &'static str,
+    /// Whether a trial takes more than some microseconds.
+    pub(super) is_slow: bool,
+}
+
+pub(super) const DESIGNS: &[Design] = &[
+    Design {
+        name: "roll: pads",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 30.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+sensor = { kind = "pads", pitch = 0.5, layout = "uniform", offset = "random" }
+"#,
+        target: "relative_rms_error(mean_curvature) <= 5 %",
+        vary: "scene.sensor.pitch=0.05..2",
+        gap: 0.3,
+        is_slow: true,
+    },
+    Design {
+        name: "roll: wrist sensor",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 30.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+sensor = { kind = "wrist", std = 0.54 }
+"#,
+        target: "relative_rms_error(mean_curvature) <= 10 %",
+        vary: "scene.sensor.std=0.01..1",
+        gap: 0.2,
+        is_slow: false,
+    },
+    Design {
+        name: "roll: largest ball",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 30.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
+"#,
+        target: "relative_rms_error(mean_curvature) <= 2 %",
+        vary: "scene.object.radius=5..200",
+        gap: 0.1,
+        is_slow: false,
+    },
+    Design {
+        name: "roll: noise on a cylinder",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "cylinder", radius = 20.0, direction_deg = 30.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+noise = { angular_velocity = { kind = "gaussian", fraction = 0.01 } }
+"#,
+        target: "rms_error(normal_curvature_u) <= 0.002",
+        vary: "scene.noise.angular_velocity.fraction=0.001..0.2",
+        gap: 0.1,
+        is_slow: false,
+    },
+    Design {
+        name: "glide: noise of positions",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "glide"
+probe = { kind = "point" }
+object = { kind = "cylinder", radius = 40.0, direction_deg = 30.0 }
+motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 5 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.02 } }
+evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }
+"#,
+        target: "rms_error(mean_curvature) <= 0.0005",
+        vary: "scene.noise.position.fraction_of_ifd=0.01..0.5",
+        gap: 0.5,
+        is_slow: true,
+    },
+    Design {
+        name: "glide: share of classes",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "glide"
+probe = { kind = "point" }
+object = { kind = "cylinder", radius = 40.0, direction_deg = 30.0 }
+motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 5 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.02 } }
+evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }
+"#,
+        target: "mean(class) >= 95 %",
+        vary: "scene.noise.position.fraction_of_ifd=0.1..2",
+        gap: 0.8,
+        is_slow: true,
+    },
+    Design {
+        name: "press: noise of markers",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 4.0, cap_deg = 50.0 } }
+object = { kind = "sphere", radius = 30.0 }
+motion = { indentation = 1.5 }
+noise = { normal_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
+estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
+"#,
+        target: "relative_rms_error(object_curvature) <= 10 %",
+        vary: "scene.noise.normal_displacement.std=0.01..1",
+        gap: 1.0,
+        is_slow: true,
+    },
+    Design {
+        name: "press: noise of the indentation",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 4.0, cap_deg = 50.0 } }
+object = { kind = "sphere", radius = 30.0 }
+motion = { indentation = 1.5 }
+noise = { normal_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
+estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
+"#,
+        target: "std(object_curvature) <= 0.003",
+        vary: "scene.noise.indentation.std=0.005..0.5",
+        gap: 1.0,
+        is_slow: true,
+    },
+    Design {
+        name: "press: honest intervals",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 4.0, cap_deg = 50.0 } }
+object = { kind = "sphere", radius = 30.0 }
+motion = { indentation = 1.5 }
+noise = { normal_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
+estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
+"#,
+        target: "coverage95(object_curvature) >= 0.9",
+        vary: "scene.estimator.indentation_std=0.001..0.1",
+        gap: 1.0,
+        is_slow: true,
+    },
+    Design {
+        name: "fingertip: size of a marker",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "fingertip"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 4.0, cap_deg = 65.0 }, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 } }
+sensor = { lens = "fisheye", size_px = 640, field_deg = 65.0 }
+view = { polar_deg = 0.0 }
+"#,
+        target: "mean(marker_area) >= 900",
+        vary: "scene.view.polar_deg=0..60",
+        gap: 0.05,
+        is_slow: false,
+    },
+];
+
+/// Twenty pairs of objects.
+pub(super) const PAIRS: &[Objects] = &[
+    Objects {
+        name: "roll: balls by noisy rates",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 30.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+noise = { angular_velocity = { kind = "uniform", fraction = 0.2 } }
+[[sweep]]
+path = "scene.object.radius"
+values = [30.0, 33.0, 40.0, 60.0]
+"#,
+        quantity: "mean_curvature",
+        is_slow: false,
+    },
+    Objects {
+        name: "roll: balls by pads",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 30.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+sensor = { kind = "pads", pitch = 1.0, layout = "uniform", offset = "random" }
+[[sweep]]
+path = "scene.object.radius"
+values = [30.0, 33.0, 40.0, 60.0]
+"#,
+        quantity: "mean_curvature",
+        is_slow: true,
+    },
+    Objects {
+        name: "roll: balls by the wrist",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 30.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+sensor = { kind = "wrist", std = 0.54 }
+[[sweep]]
+path = "scene.object.radius"
+values = [25.0, 50.0]
+"#,
+        quantity: "mean_curvature",
+        is_slow: false,
+    },
+    Objects {
+        name: "roll: cylinders by noisy rates",
+        config: r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "cylinder", radius = 20.0, direction_deg = 30.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+noise = { angular_velocity = { kind = "gaussian", fraction = 0.1 } }
+[[sweep]]
+path = "scene.object.radius"
+values = [20.0, 30.0]
+"#,
+        quantity: "normal_curvature_u",
+        is_slow: false,
+    },
+    Objects {
+        name: "glide: balls",
+        config: r#"name = "scene"
+length_unit = "mm"
+trials = 2000
+[scene]
+kind = "glide"
+probe = { kind = "point" }
+object = { kind = "sphere", radius = 30.0 }
+motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 5 }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.5 } }
+evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }
+[[sweep]]
+path = "scene.object.radius"
+values = [40.0, 45.0, 60.0]
+"#,
+        quantity: "mean_curvature",
+        is_slow: true,
+    },
+    Objects {
+        name: "press: balls",
+        config: r#"name = "scene"
+length_unit = "mm"
+trials = 1000
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 4.0, cap_deg = 50.0 } }
+object = { kind = "sphere", radius = 30.0 }
+motion = { indentation = 1.5 }
+noise = { normal_displacement = { kind = "gaussian", std = 0.2 }, indentation = { kind = "gaussian", std = 0.02 } }
+estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
+[[sweep]]
+path = "scene.object.radius"
+values = [30.0, 35.0, 50.0]
+"#,
+        quantity: "object_curvature",
+        is_slow: true,
+    },
+];
