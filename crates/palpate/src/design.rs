@@ -180,14 +180,14 @@ fn side_of(runs: &[Run], value: f64) -> Option<Side> {
 }
 
 /// Unit of a target's statistic.
-fn unit(study: &Study, target: &Target) -> String {
+fn unit(study: &Study, target: &Target) -> &'static str {
     match target.statistic {
         Statistic::RelativeRmsError | Statistic::RelativeMeanAbsError | Statistic::Coverage95 => {
-            "1".to_owned()
+            "1"
         }
-        _ => target.quantity.map_or(String::new(), |quantity| {
-            quantity.unit.of(study.config.length_unit)
-        }),
+        _ => target
+            .quantity
+            .map_or("", |quantity| quantity.unit.of(study.config.length_unit)),
     }
 }
 

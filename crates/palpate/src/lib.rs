@@ -10,8 +10,10 @@
 //! | tell how surely its objects are told apart | [`distinguish`] |
 //! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
 //! | follow one pass of a cell | [`trace`] |
+//! | write its config as a run does | [`resolved`] |
 //! | take tables apart | [`columns`] |
 //! | draw a figure of tables as SVG text | [`figure`] of [`Files`] |
+//! | cut the skin of a sensor | [`CutPattern`], [`marker_places`] |
 //! | estimate from recorded readings, track camera images | [`recorded`], with [`readings`] for numbers and [`frame`] for pixels |
 //!
 //! Nothing here prints, exits, reads a clock or writes a file; only files that the caller names are read. It runs where
@@ -48,6 +50,7 @@ mod means;
 mod plan;
 mod readings;
 mod region;
+mod resolved;
 mod share;
 mod simulation;
 mod tables;
@@ -61,8 +64,10 @@ pub use costs::Cost;
 pub use design::{Answer, DesignError, Field, LookedAt, Question, Sample, design};
 pub use distinguish::{DistinguishError, Group, Object, Pair, ToldApart, distinguish};
 pub use map::Map;
-pub use palpate_report::{Figure, Files, ReportError, figure};
-pub use palpate_scene::{Arch, Ladder, Rung, Scene, Scenes, SeenPress, Trace, recorded};
+pub use palpate_report::{Figure, Files, ReportError, figure, press_figures};
+pub use palpate_scene::{
+    Arch, CutPattern, Ladder, Rung, Scene, Scenes, SeenPress, Trace, marker_places, recorded,
+};
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
 pub use palpate_study::{Table, Target, TargetError};
 pub use palpate_sweep::{
@@ -72,6 +77,7 @@ pub use palpate_sweep::{
 pub use plan::plan;
 pub use readings::{frame, readings};
 pub use region::{Best, Extreme, Region, RegionColumn, Sought, Survey, region};
+pub use resolved::resolved;
 pub use share::Shard;
 pub use simulation::{CellRows, Finished, Ran, RunError, Simulation, Warnings, run};
 pub use trace::{TraceError, trace};

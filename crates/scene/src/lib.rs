@@ -25,7 +25,7 @@ pub use ladder::{Ladder, Rung};
 pub use map::MapTable;
 pub use measured_sensor::MeasuredSensor;
 pub use palpate_rolling::TOLERANCES;
-pub use pattern::CutPattern;
+pub use pattern::{CutPattern, marker_places};
 pub use plan::PlanError;
 pub use press::{Parts, PressFailure, PressScene};
 pub use roll::{Arch, RollScene, SideBySide};

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use palpate_chromatouch::{FoldStrain, Layout, Pattern, PatternError};
 use palpate_study::config::{
-    BareFingertipConfig, ConfigError, LengthUnit, PressConfig, SceneConfig, Study,
+    BareFingertipConfig, ConfigError, LengthUnit, PressConfig, PressProbeConfig, SceneConfig, Study,
 };
 
 use crate::marker_sphere::{LAYOUT, MarkerSphere};
@@ -56,21 +56,49 @@ impl CutPattern {
     /// discs, no unit, discs that overlap or would be cut.
     pub fn of(study: &Study) -> Result<Self, ConfigError> {
         let refuse = |error: PlanError| study.error_at(0, &error.path, error.message);
-        let config = &study.config;
-        let probe = match &config.scene {
-            SceneConfig::Press(PressConfig { probe, .. })
-            | SceneConfig::Fingertip(BareFingertipConfig { probe, .. }) => probe,
-            SceneConfig::Roll(_) | SceneConfig::Glide(_) => {
-                let message = "has no sensor with markers; a press and a fingertip have";
-                return Err(study.error_at(0, "scene.kind", message));
-            }
-        };
+        let (config, probe) = (&study.config, probe(study)?);
         let unit_mm = millimetres(config.length_unit).ok_or_else(|| {
             let message = "a cutting file is in millimetres: must be m, cm, mm or um";
             study.error_at(0, "length_unit", message)
         })?;
         planned(&MarkerSphere::of(probe), unit_mm).map_err(refuse)
     }
+}
+
+/// The sensor of a study's first cell.
+fn probe(study: &Study) -> Result<&PressProbeConfig, ConfigError> {
+    match &study.config.scene {
+        SceneConfig::Press(PressConfig { probe, .. })
+        | SceneConfig::Fingertip(BareFingertipConfig { probe, .. }) => Ok(probe),
+        SceneConfig::Roll(_) | SceneConfig::Glide(_) => {
+            let message = "has no sensor with markers; a press and a fingertip have";
+            Err(study.error_at(0, "scene.kind", message))
+        }
+    }
+}
+
+/// Places of the markers along the skin of the sensor of a study's first cell: (x, y) lies √(x² + y²) along the skin from
+/// the apex, in the direction (x, y).
+///
+/// ```
+/// use palpate_scene::marker_places;
+/// use palpate_study::config::parse;
+///
+/// let text = r#"
+///     name = "fingertip"
+///     scene.kind = "fingertip"
+///     scene.probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0 }
+/// "#;
+/// let places = marker_places(&parse("study.toml", text)?)?;
+/// assert_eq!((places.len(), places[0]), (77, [0.0, 0.0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`ConfigError`] of a scene without such a sensor, and of a layout that is none.
+pub fn marker_places(study: &Study) -> Result<Vec<[f64; 2]>, ConfigError> {
+    let places = MarkerSphere::of(probe(study)?).places();
+    places.map_err(|error| study.error_at(0, &error.path, error.message))
 }
 
 fn millimetres(unit: LengthUnit) -> Option<f64> {

@@ -5,28 +5,34 @@
 mod calibration;
 mod calibration_file;
 mod calibration_report;
+mod drawing;
 mod error;
 mod extra;
 mod file;
 mod fingers;
 mod form;
 mod frame;
+mod given;
 mod glide;
 mod header;
 mod like;
 mod number;
+mod origin;
+mod overlay;
 mod patch;
 mod patch_estimate;
 mod press;
 mod pressed;
 mod pressed_object;
 mod roll;
+mod rolls;
 mod sensed;
 mod sheet;
 mod shown;
 mod stated;
 mod suspicion;
 mod tracked;
+mod wording;
 mod written;
 
 pub use calibration::{
@@ -39,10 +45,13 @@ pub use error::RecordedError;
 pub use file::RecordedFile;
 pub use form::{Decimal, Delimiter, Form, column_names};
 pub use frame::{parse_frame, read_frame};
+pub use given::{GlideGiven, PressGiven, RollGiven};
 pub use glide::{GlideReadings, parse_glide, read_glide};
 pub use like::LikeError;
-pub use palpate_ep1::ReadingNoise;
-pub use palpate_geometry::ShapeThresholds;
+pub use overlay::overlay;
+pub use palpate_ep1::{ReadingNoise, SetRow};
+pub use palpate_ep2::MapPoint;
+pub use palpate_geometry::{ShapeClass, ShapeThresholds};
 pub use palpate_tracking::{Calibration, Marker, NormalFrom, Status, Track};
 pub use patch::{GlideOptions, estimate_glide};
 pub use patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds};
@@ -53,10 +62,14 @@ pub use roll::{
     RollEstimate, RollOptions, RollReadings, UnresolvedProbe, estimate_roll, parse_roll, read_roll,
     roll_readings_table,
 };
+pub use rolls::RollSets;
 pub use sensed::{Sensed, SensorOptions, TrackedPress};
 pub use shown::{KnownOfFrames, calibration_points_of_frames};
 pub use stated::{FORMAT_VERSION, INDENTATION_SHARE};
 pub use tracked::{Fates, Frame, TrackedFrames, difference_image, track_frames};
+pub use wording::{GivenError, Wording};
+
+use std::borrow::Cow;
 
 use serde::Serialize;
 
@@ -68,7 +81,7 @@ use palpate_study::config::LengthUnit;
 pub struct Value {
     value: f64,
     std: Option<f64>,
-    unit: String,
+    unit: Cow<'static, str>,
 }
 
 impl Value {
@@ -76,7 +89,7 @@ impl Value {
         Self {
             value: value + 0.0,
             std,
-            unit: power.of(length),
+            unit: Cow::Borrowed(power.of(length)),
         }
     }
 }

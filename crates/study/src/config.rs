@@ -10,6 +10,7 @@
 //!
 //! Whatever fails becomes a [`ConfigError`] with file, line, column, field and an excerpt.
 
+mod edit;
 mod error;
 mod field;
 mod fingertip;
@@ -36,6 +37,7 @@ mod tree;
 mod validate;
 mod vary;
 
+pub use edit::{of_json, with_axes, with_fields};
 pub use error::ConfigError;
 pub use field::field;
 pub use fingertip::{BareFingertipConfig, LensConfig, LensName, ViewConfig};

@@ -34,17 +34,23 @@ pub enum Unit {
 
 impl Unit {
     /// The unit in words, as in the `unit` column: `cm`, `1/cm`, `1/cm^2`.
-    pub fn of(self, length: LengthUnit) -> String {
-        let length = length.as_str();
+    pub fn of(self, length: LengthUnit) -> &'static str {
+        let of_length = |m, cm, mm, um, unit| match length {
+            LengthUnit::M => m,
+            LengthUnit::Cm => cm,
+            LengthUnit::Mm => mm,
+            LengthUnit::Um => um,
+            LengthUnit::Unit => unit,
+        };
         match self {
-            Self::Length => length.to_owned(),
-            Self::PerLength => format!("1/{length}"),
-            Self::PerLengthSquared => format!("1/{length}^2"),
-            Self::LengthSquared => format!("{length}^2"),
-            Self::One => "1".to_owned(),
-            Self::Turn => "turn".to_owned(),
-            Self::Pixel => "px".to_owned(),
-            Self::PixelSquared => "px^2".to_owned(),
+            Self::Length => length.as_str(),
+            Self::PerLength => of_length("1/m", "1/cm", "1/mm", "1/um", "1/unit"),
+            Self::PerLengthSquared => of_length("1/m^2", "1/cm^2", "1/mm^2", "1/um^2", "1/unit^2"),
+            Self::LengthSquared => of_length("m^2", "cm^2", "mm^2", "um^2", "unit^2"),
+            Self::One => "1",
+            Self::Turn => "turn",
+            Self::Pixel => "px",
+            Self::PixelSquared => "px^2",
         }
     }
 }

@@ -15,7 +15,7 @@ pub struct Answer {
     /// Target, with its quantity.
     pub target: Target,
     /// Unit of the target's statistic, as in `cells.csv`.
-    pub unit: String,
+    pub unit: &'static str,
     /// Largest share of the trials that may fail.
     pub max_failures: f64,
     /// Probability that all of the answer is right.

@@ -30,7 +30,7 @@ impl Answer {
             let coordinates = self.cells.get(sample.cell).into_iter().flatten().cloned();
             let statistics = [
                 quantity.to_owned(),
-                self.unit.clone(),
+                self.unit.to_owned(),
                 name.to_owned(),
                 sample.trials.to_string(),
                 sample.failed.to_string(),

@@ -77,7 +77,7 @@ impl Answer {
     /// Label of the target's statistic.
     pub fn label(&self) -> Label {
         let name = self.target.quantity.map_or("", |quantity| quantity.name);
-        self.target.statistic.label(&[name], &self.unit)
+        self.target.statistic.label(&[name], self.unit)
     }
 
     /// The target in words: what is to be at most or at least how much, in which cells.

@@ -9,7 +9,7 @@ pub struct ToldApart {
     /// Quantity by which they are.
     pub quantity: Quantity,
     /// Its unit, as in `cells.csv`.
-    pub unit: String,
+    pub unit: &'static str,
     /// Probability that the numbers of repeats are to reach.
     pub confidence: f64,
     /// Kind of the scene.
@@ -147,7 +147,7 @@ impl ToldApart {
                 let order = pair.order;
                 let statistics = [
                     self.quantity.name.to_owned(),
-                    self.unit.clone(),
+                    self.unit.to_owned(),
                     truth(one),
                     truth(other),
                     one.trials.to_string(),

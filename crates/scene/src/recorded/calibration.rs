@@ -12,6 +12,7 @@ use super::calibration_report::{CalibrationReport, Fitted};
 use super::error::RecordedError;
 use super::header::Header;
 use super::sheet::{Sheet, header};
+use super::wording::Wording;
 use super::written::Written;
 use palpate_study::config::LengthUnit;
 use palpate_study::readings::{CALIBRATIONS, Column};
@@ -49,6 +50,8 @@ pub struct CalibrateOptions {
     pub markers: Option<usize>,
     /// The unit of lengths, where the headers do not state it.
     pub length_unit: Option<LengthUnit>,
+    /// Way in which these settings are given, for messages.
+    pub wording: Wording,
 }
 
 const NORMAL: Column = CALIBRATIONS[0];
@@ -195,11 +198,11 @@ pub fn calibrate(
     points: &[CalibrationPoints],
     options: &CalibrateOptions,
 ) -> Result<CalibrationReport, RecordedError> {
-    let length_unit = agreed_units(points, options.length_unit)?;
+    let length_unit = agreed_units(points, options)?;
     let normal = Pooled::of(points, |points| &points.normal);
     let lateral = Pooled::of(points, |points| &points.lateral);
     if !normal.points.is_empty() {
-        shows(points, options.from)?;
+        shows(points, options)?;
     }
     let of_normal = |points: &[NormalPoint]| NormalCalibration::fit(points, options.from);
     let normal_part = (!normal.points.is_empty() || lateral.points.is_empty())
@@ -243,9 +246,10 @@ pub fn calibrate(
 /// The unit that headers or `--length-unit` state.
 fn agreed_units(
     points: &[CalibrationPoints],
-    option: Option<LengthUnit>,
+    options: &CalibrateOptions,
 ) -> Result<LengthUnit, RecordedError> {
-    let mut stated = option.map(|unit| (unit, "--length-unit"));
+    let setting = options.wording.name("length_unit");
+    let mut stated = options.length_unit.map(|unit| (unit, setting.as_str()));
     for CalibrationPoints { file, unit, .. } in points {
         match (*unit, stated) {
             (Some(unit), Some((before, source))) if unit != before => {
@@ -263,7 +267,8 @@ fn agreed_units(
 }
 
 /// Refuses files that do not show what is asked for.
-fn shows(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), RecordedError> {
+fn shows(points: &[CalibrationPoints], options: &CalibrateOptions) -> Result<(), RecordedError> {
+    let from = options.from;
     let needs_hue = matches!(from, NormalFrom::Hue | NormalFrom::Both);
     let needs_growth = matches!(from, NormalFrom::Size | NormalFrom::Both);
     for one in points.iter().filter(|one| !one.normal.is_empty()) {
@@ -274,7 +279,10 @@ fn shows(points: &[CalibrationPoints], from: NormalFrom) -> Result<(), RecordedE
             if is_needed && !is_there {
                 return Err(RecordedError::Readings {
                     file: one.file.clone(),
-                    message: format!("no column `{column}`; --from {} needs it", from.name()),
+                    message: format!(
+                        "no column `{column}`; {} needs it",
+                        options.wording.with("from", from.name())
+                    ),
                 });
             }
         }

@@ -10,6 +10,7 @@ use super::RecordedFile;
 use super::error::RecordedError;
 use super::extra::Extras;
 use super::fingers::told_apart;
+use super::origin::{Origin, finite, same_length};
 use super::sheet::{Sheet, header};
 use super::written::Written;
 use palpate_study::config::LengthUnit;
@@ -18,10 +19,7 @@ use palpate_study::readings::{Column, GLIDES};
 /// Recorded readings of a glide.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlideReadings {
-    /// The file, for messages.
-    pub(super) file: String,
-    /// The line of each contact.
-    pub(super) lines: Vec<usize>,
+    pub(super) origin: Origin,
     /// The contacts, in the order of the file.
     pub(super) contacts: Vec<Contact>,
     /// How many fingers there are.
@@ -35,6 +33,53 @@ pub struct GlideReadings {
 }
 
 impl GlideReadings {
+    /// Contacts at `points` with these outward `normals` of any length; `fingers` tells the number of the finger of each,
+    /// and all are one finger's without. The contacts of a finger stand in the order in which it made them.
+    /// Lengths are in `unit`.
+    ///
+    /// ```
+    /// use palpate_scene::recorded::GlideReadings;
+    ///
+    /// let readings = GlideReadings::new(&[[0.0, 0.0, 1.0]], None, Some(&[7]), None)?;
+    /// assert!(!readings.has_normals());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RecordedError::Array`] for a number that is not finite, and where there are not as many normals or fingers as
+    /// points.
+    pub fn new(
+        points: &[[f64; 3]],
+        normals: Option<&[[f64; 3]]>,
+        fingers: Option<&[u64]>,
+        unit: Option<LengthUnit>,
+    ) -> Result<Self, RecordedError> {
+        let all = ("points", points.len());
+        finite("points", points)?;
+        if let Some(normals) = normals {
+            same_length(("normals", normals.len()), all)?;
+            finite("normals", normals)?;
+        }
+        if let Some(fingers) = fingers {
+            same_length(("fingers", fingers.len()), all)?;
+        }
+        let mut known = Fingers::default();
+        let contact = |(place, point): (usize, &[f64; 3])| {
+            let finger = known.place(fingers.map_or(0, |fingers| fingers[place]));
+            let normal = normals.map(|normals| Vector3::from(normals[place]));
+            Contact::new(finger, Point3::from(*point), normal)
+        };
+        let contacts = points.iter().enumerate().map(contact).collect();
+        Ok(Self {
+            origin: Origin::Arrays,
+            contacts,
+            fingers: known.0.len(),
+            unit,
+            extras: Extras::default(),
+            note: None,
+        })
+    }
+
     /// Whether the contacts have normals.
     pub fn has_normals(&self) -> bool {
         self.contacts.iter().any(|contact| contact.normal.is_some())
@@ -43,6 +88,17 @@ impl GlideReadings {
     /// The unit of lengths that the header states.
     pub fn unit(&self) -> Option<LengthUnit> {
         self.unit
+    }
+}
+
+/// Numbers of fingers, which may be any; contacts count them in the order in which they appear.
+#[derive(Default)]
+struct Fingers(HashMap<u64, usize>);
+
+impl Fingers {
+    fn place(&mut self, number: u64) -> usize {
+        let next = self.0.len();
+        *self.0.entry(number).or_insert(next)
     }
 }
 
@@ -76,14 +132,13 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideReadings, RecordedError> {
     let sheet = Sheet::read(&table, &columns)?;
     let mut positions = Vec::new();
     // Fingers may have any numbers; contacts count them in the order in which they appear.
-    let mut known: HashMap<u64, usize> = HashMap::new();
+    let mut known = Fingers::default();
     let (mut fingers, mut normals) = (Vec::new(), Vec::new());
     for (line, numbers) in sheet.rows() {
         let numbers = match names_fingers {
             true => {
                 let number = sheet.index(line, finger.name, numbers[0])?;
-                let next = known.len();
-                fingers.push(*known.entry(number).or_insert(next));
+                fingers.push(known.place(number));
                 &numbers[1..]
             }
             false => numbers,
@@ -102,8 +157,10 @@ pub fn parse_glide(file: RecordedFile) -> Result<GlideReadings, RecordedError> {
     Ok(GlideReadings {
         contacts: contacts.collect(),
         fingers: fingers.iter().max().map_or(0, |most| most + 1),
-        file: sheet.file,
-        lines: sheet.lines,
+        origin: Origin::File {
+            name: sheet.file,
+            lines: sheet.lines,
+        },
         unit: sheet.unit,
         extras: sheet.extras,
         note,

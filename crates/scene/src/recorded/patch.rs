@@ -3,16 +3,17 @@
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{Curvature, Ep2Error, Fit, Method, Patch, Status, Uncertainty, regions};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
-use palpate_number::{BadSetting, Number};
+use palpate_number::Number;
 
 use super::Value;
 use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::glide::GlideReadings;
+use super::origin::agreed_unit;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
-use super::sheet::agreed_unit;
 use super::stated::{FORMAT_VERSION, LARGE_RESIDUALS};
 use super::suspicion::of_normals;
+use super::wording::Wording;
 use crate::glide::AnyMethod;
 use palpate_study::Unit;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
@@ -61,7 +62,7 @@ pub fn estimate_glide(
     recorded: &GlideReadings,
     options: &GlideOptions,
 ) -> Result<(GlideEstimate, GlideMap), RecordedError> {
-    let unit = agreed_unit(&recorded.file, recorded.unit, options.length_unit)?;
+    let unit = agreed_unit(&recorded.origin, recorded.unit, options.length_unit)?;
     let refused = |error| refused(recorded, &error);
     let patch = Patch::new(&recorded.contacts, &Vector3::from(options.outward)).map_err(refused)?;
     let method = AnyMethod::of(&options.estimator, options.inter_finger_distance);
@@ -136,6 +137,13 @@ pub fn estimate_glide(
             .chain(of_normals(&recorded.contacts))
             .chain(recorded.note.clone())
             .collect(),
+        covariance: stds.map(|stds| {
+            let mixed = stds.correlation * stds.gaussian_std * stds.mean_std;
+            [
+                [stds.gaussian_std * stds.gaussian_std, mixed],
+                [mixed, stds.mean_std * stds.mean_std],
+            ]
+        }),
     };
     let extras = match options.map_at_contacts {
         true => recorded.extras.clone(),
@@ -228,35 +236,35 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
         | Ep2Error::Folded { contact, .. } => Some(*contact),
         _ => None,
     };
-    let message = explained(remedied(error), error.name());
-    let file = recorded.file.clone();
-    match contact.and_then(|contact| recorded.lines.get(contact)) {
-        Some(&line) => RecordedError::Line {
-            file,
-            line,
-            message,
-        },
-        None => RecordedError::Readings { file, message },
+    let origin = &recorded.origin;
+    let message = explained(remedied(error, origin.wording()), error.name());
+    match contact {
+        Some(contact) => origin.fail_at(contact, message),
+        None => origin.fail(message),
     }
 }
 
-/// The error in the words of the command line, with the option that helps where there is one.
-fn remedied(error: &Ep2Error) -> String {
+/// The error with the setting that helps where there is one.
+fn remedied(error: &Ep2Error, wording: Wording) -> String {
+    let distance = wording.name("inter_finger_distance");
     match error {
         Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
-            "the contacts are of one finger, which has no distance to another: two-pass needs \
-             --inter-finger-distance"
-                .to_owned()
+            format!(
+                "the contacts are of one finger, which has no distance to another: two-pass needs \
+                 {distance}"
+            )
         }
-        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" => BadSetting {
-            setting: "--inter-finger-distance",
-            ..*bad
+        Ep2Error::BadSetting(bad) if bad.setting == "unit_length" => {
+            let bad = wording.bad("inter_finger_distance", bad.value, bad.expected);
+            bad.message
         }
-        .to_string(),
         Ep2Error::Folded { angle_deg, .. } if *angle_deg > 90.0 => {
             format!("{error}: does its normal point inward?")
         }
-        Ep2Error::NoSide { .. } => format!("{error}; give another with --outward X,Y,Z"),
+        Ep2Error::NoSide { .. } => {
+            let outward = wording.with("outward", "X,Y,Z");
+            format!("{error}; give another with {outward}")
+        }
         _ => error.to_string(),
     }
 }

@@ -89,6 +89,16 @@ pub struct GlideEstimate {
     pub(super) regions: Vec<PatchRegion>,
     /// Doubts, in words.
     pub(super) warnings: Vec<String>,
+    #[serde(skip)]
+    pub(super) covariance: Option<[[f64; 2]; 2]>,
+}
+
+impl GlideEstimate {
+    /// Covariance of Gaussian and mean curvature in the middle of the patch, 1/length⁴, 1/length³ and 1/length²; `None`
+    /// where the method states no uncertainty.
+    pub fn covariance(&self) -> Option<[[f64; 2]; 2]> {
+        self.covariance
+    }
 }
 
 /// The estimated curvature on a grid over the patch, or at the contacts.
@@ -103,6 +113,23 @@ pub struct GlideMap {
 }
 
 impl GlideMap {
+    /// Places of the map: of a grid, along the fingers' travel slowest; else those of the contacts.
+    pub fn points(&self) -> &[MapPoint] {
+        &self.points
+    }
+
+    /// Number of the region that each place belongs to; `None` of a map at contacts.
+    pub fn regions(&self) -> Option<&[usize]> {
+        self.regions
+            .as_ref()
+            .map(|regions| regions.of_point.as_slice())
+    }
+
+    /// Limits below which curvatures count as zero.
+    pub fn thresholds(&self) -> &ShapeThresholds {
+        &self.thresholds
+    }
+
     /// The map as CSV, one row per place; the regions of contacts are empty. At the contacts, the columns that palpate
     /// does not ask for stand behind its own, those of a name that the map has itself with `readings_` before it.
     pub fn to_csv(&self) -> String {

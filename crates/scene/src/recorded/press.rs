@@ -5,6 +5,7 @@ use std::path::Path;
 use super::RecordedFile;
 use super::error::RecordedError;
 use super::extra::Extras;
+use super::origin::{Origin, finite, same_length};
 use super::sheet::{Sheet, header};
 use super::written::Written;
 use palpate_study::config::LengthUnit;
@@ -13,10 +14,7 @@ use palpate_study::readings::{Column, PRESS_ROW, PRESSES, columns_of};
 /// Recorded readings of a press.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressReadings {
-    /// The file, for messages.
-    pub(super) file: String,
-    /// The line of each marker.
-    pub(super) lines: Vec<usize>,
+    pub(super) origin: Origin,
     /// Chart coordinates of each marker on the skin.
     pub(super) places: Vec<[f64; 2]>,
     /// Inward displacement of each marker.
@@ -30,6 +28,44 @@ pub struct PressReadings {
 }
 
 impl PressReadings {
+    /// Markers at these `positions` on the skin, displaced inward by `normal` and, where it was sensed, along the skin by
+    /// `tangential`. Lengths are in `unit`.
+    ///
+    /// ```
+    /// use palpate_scene::recorded::PressReadings;
+    ///
+    /// let readings = PressReadings::new(&[[0.0, 0.0], [1.0, 0.0]], &[0.5, f64::NAN], None, None);
+    /// let error = readings.expect_err("no number").to_string();
+    /// assert_eq!(error, "displacements[1]: must be finite, is NaN");
+    /// ```
+    ///
+    /// # Errors
+    /// [`RecordedError::Array`] for a number that is not finite, and where there are not as many displacements as
+    /// positions.
+    pub fn new(
+        positions: &[[f64; 2]],
+        normal: &[f64],
+        tangential: Option<&[[f64; 2]]>,
+        unit: Option<LengthUnit>,
+    ) -> Result<Self, RecordedError> {
+        let all = ("positions", positions.len());
+        finite("positions", positions)?;
+        same_length(("displacements", normal.len()), all)?;
+        finite("displacements", normal.as_chunks::<1>().0)?;
+        if let Some(tangential) = tangential {
+            same_length(("tangential", tangential.len()), all)?;
+            finite("tangential", tangential)?;
+        }
+        Ok(Self {
+            origin: Origin::Arrays,
+            places: positions.to_vec(),
+            normal: normal.to_vec(),
+            tangential: tangential.map(<[_]>::to_vec),
+            unit,
+            extras: Extras::default(),
+        })
+    }
+
     /// The unit of lengths that the header states.
     pub fn unit(&self) -> Option<LengthUnit> {
         self.unit
@@ -100,8 +136,10 @@ pub fn parse_press(file: RecordedFile) -> Result<PressReadings, RecordedError> {
     }
     Ok(PressReadings {
         unit: sheet.unit,
-        file: sheet.file,
-        lines: sheet.lines,
+        origin: Origin::File {
+            name: sheet.file,
+            lines: sheet.lines,
+        },
         extras: sheet.extras,
         places,
         normal,

@@ -1,6 +1,6 @@
 //! The curvature of an object from a recorded press.
 
-use palpate_number::{BadSetting, Number};
+use palpate_number::BadSetting;
 use palpate_press::{
     Body, ContactRegime, Estimated, ForwardFit, Markers, PressError, PressEstimate, Prior, Reading,
     Skin,
@@ -8,11 +8,12 @@ use palpate_press::{
 
 use super::Value;
 use super::error::{RecordedError, explained};
+use super::origin::agreed_unit;
 use super::press::PressReadings;
 use super::pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
-use super::sheet::agreed_unit;
 use super::stated::{self, FORMAT_VERSION};
 use super::suspicion::{Sensor, of_press};
+use super::wording::Wording;
 use crate::press::{Assumed, body_of, large_contact};
 use palpate_study::Unit;
 use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig, PressModelConfig};
@@ -73,7 +74,7 @@ pub fn estimate_press(
     recorded: &PressReadings,
     options: &PressOptions,
 ) -> Result<PressedObject, RecordedError> {
-    let unit = agreed_unit(&recorded.file, recorded.unit, options.length_unit)?;
+    let unit = agreed_unit(&recorded.origin, recorded.unit, options.length_unit)?;
     let refused = |error| refused(recorded, options, &error);
     let scaled = |place: &[f64; 2]| place.map(|component| component * options.radial_scale);
     let places: Vec<[f64; 2]> = recorded.places.iter().map(scaled).collect();
@@ -88,9 +89,10 @@ pub fn estimate_press(
         indentation: None,
     };
     let std = options.estimator.priors().indentation_std;
+    let wording = recorded.origin.wording();
     let stated = options
         .indentation
-        .map(|value| stated::indentation(value, std, unit.as_str()));
+        .map(|value| stated::indentation(value, std, unit.as_str(), wording));
     let indentation = stated.as_ref().map(|(indentation, _)| *indentation);
     let estimate = fit.estimate(&Reading {
         indentation,
@@ -107,7 +109,7 @@ pub fn estimate_press(
         .iter()
         .map(|&marker| Row {
             row: marker + 1,
-            line: recorded.lines.get(marker).copied(),
+            line: recorded.origin.line(marker),
             columns: recorded.extras.named(marker),
         })
         .collect();
@@ -135,7 +137,8 @@ pub fn estimate_press(
         value: estimate.most_likely_object_curvature(),
         ..curvature
     };
-    let [force, peak_pressure] = stresses(&fit.body, &estimate, options, unit).map_err(refused)?;
+    let [force, peak_pressure] =
+        stresses(&fit.body, &estimate, options, (unit, wording)).map_err(refused)?;
     Ok(PressedObject {
         format_version: FORMAT_VERSION,
         method: options.estimator.name(),
@@ -302,7 +305,7 @@ fn stresses(
     body: &Body,
     estimate: &PressEstimate,
     options: &PressOptions,
-    unit: LengthUnit,
+    (unit, wording): (LengthUnit, Wording),
 ) -> Result<[Option<Value>; 2], PressError> {
     let Some(young) = options.young else {
         return Ok([None, None]);
@@ -312,13 +315,14 @@ fn stresses(
     let value = |value: f64, unit: &str| Value {
         value,
         std: None,
-        unit: unit.to_owned(),
+        unit: unit.to_owned().into(),
     };
     let sound = |number: Option<f64>| number.filter(|number| number.is_finite());
-    let area = format!("unit of --young x {}^2", unit.as_str());
+    let young_unit = format!("unit of {}", wording.name("young"));
+    let area = format!("{young_unit} x {}^2", unit.as_str());
     Ok([
         sound(contact.force(young)).map(|force| value(force, &area)),
-        sound(contact.peak_pressure(young)).map(|pressure| value(pressure, "unit of --young")),
+        sound(contact.peak_pressure(young)).map(|pressure| value(pressure, &young_unit)),
     ])
 }
 
@@ -374,7 +378,7 @@ fn stand_out(recorded: &PressReadings) -> bool {
         .is_some_and(|&large| large > MANY_TIMES * middle)
 }
 
-/// The error in the words of the command line, with the line of the marker that is at fault, if it is one.
+/// The error with the line of the marker that is at fault, if it is one.
 fn refused(recorded: &PressReadings, options: &PressOptions, error: &PressError) -> RecordedError {
     refused_for(recorded, options, error, None)
 }
@@ -392,21 +396,23 @@ fn refused_for(
         PressError::BadSetting(_) => (None, None),
         _ => (suspicion(recorded, options, unit), contradiction),
     };
-    let file = recorded.file.clone();
+    let origin = &recorded.origin;
+    let wording = origin.wording();
     let message = match error {
         PressError::BadSetting(BadSetting {
             setting,
             value,
             expected,
         }) => {
-            let option = match *setting {
-                "radius" => "sensor-radius".to_owned(),
-                setting => setting.replace('_', "-"),
+            let key = match *setting {
+                "radius" => "sensor_radius",
+                setting => setting,
             };
-            format!("--{option} is {}; it must be {expected}", Number(*value))
+            wording.bad(key, *value, expected).message
         }
         PressError::Undetermined { .. } if options.indentation.is_none() => {
-            format!("{error}; give the indentation with --indentation D if it is known")
+            let indentation = wording.with("indentation", "D");
+            format!("{error}; give the indentation with {indentation} if it is known")
         }
         PressError::NoContact { .. } | PressError::OneMarker { .. } if stand_out(recorded) => {
             format!(
@@ -423,15 +429,7 @@ fn refused_for(
     match error {
         PressError::NotFinite { marker }
         | PressError::OffSkin { marker, .. }
-        | PressError::OneMarker { marker, .. }
-            if *marker < recorded.lines.len() =>
-        {
-            RecordedError::Line {
-                file,
-                line: recorded.lines[*marker],
-                message,
-            }
-        }
-        _ => RecordedError::Readings { file, message },
+        | PressError::OneMarker { marker, .. } => origin.fail_at(*marker, message),
+        _ => origin.fail(message),
     }
 }

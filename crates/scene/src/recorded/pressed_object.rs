@@ -15,7 +15,7 @@ pub struct Told {
     value: f64,
     std: Option<f64>,
     interval95: [Option<f64>; 2],
-    unit: String,
+    unit: &'static str,
 }
 
 /// The radius of an object that may be flat: the larger, the flatter.
@@ -29,7 +29,7 @@ pub struct Radius {
     convex95: Option<[Option<f64>; 2]>,
     /// Radii that it may have if it is concave, likewise.
     concave95: Option<[Option<f64>; 2]>,
-    unit: String,
+    unit: &'static str,
 }
 
 /// A row of the readings.

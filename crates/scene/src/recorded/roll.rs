@@ -15,7 +15,8 @@ use super::Value;
 use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::fingers::parted;
-use super::sheet::{Sheet, agreed_unit, header};
+use super::origin::{Origin, agreed_unit, finite, same_length};
+use super::sheet::{Sheet, header};
 use super::stated::FORMAT_VERSION;
 use super::suspicion::of_roll;
 use super::written::Written;
@@ -93,8 +94,7 @@ impl RollOptions {
 /// Recorded readings of a roll.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RollReadings {
-    /// The file, for messages.
-    file: String,
+    origin: Origin,
     /// The probes' numbers, as recorded.
     probes: Vec<u64>,
     /// Their readings.
@@ -110,6 +110,45 @@ pub struct RollReadings {
 }
 
 impl RollReadings {
+    /// Readings of probes that turned by `rotations`, whose contacts moved by `shifts`; a third component of a rotation is
+    /// the turn about the normal, which moves no contact. Lengths are in `unit`.
+    ///
+    /// ```
+    /// use palpate_scene::recorded::{RollOptions, RollReadings, estimate_roll};
+    ///
+    /// // A probe of radius 10 that is turned by 0.3 on a ball of radius 20 rolls over 2.
+    /// let rotations = [[0.0, -0.3], [0.3, 0.0]];
+    /// let readings = RollReadings::new(&rotations, &[[2.0, 0.0], [0.0, 2.0]], None)?;
+    /// let estimate = estimate_roll(&readings, &RollOptions::new(10.0))?;
+    /// assert_eq!(serde_json::to_value(estimate)?["probes"], 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`RecordedError::Array`] for a number that is not finite, and where there are not as many shifts as rotations.
+    pub fn new<const D: usize>(
+        rotations: &[[f64; D]],
+        shifts: &[[f64; 2]],
+        unit: Option<LengthUnit>,
+    ) -> Result<Self, RecordedError> {
+        const { assert!(D == 2 || D == 3) };
+        same_length(("shifts", shifts.len()), ("rotations", rotations.len()))?;
+        finite("rotations", rotations)?;
+        finite("shifts", shifts)?;
+        let pairs = rotations.iter().zip(shifts);
+        Ok(Self {
+            origin: Origin::Arrays,
+            probes: (0..rotations.len() as u64).collect(),
+            readings: pairs
+                .map(|(turned, [u, v])| reading(turned[0], turned[1], *u, *v))
+                .collect(),
+            unit,
+            rows: (0..rotations.len()).collect(),
+            extras: Extras::default(),
+            note: None,
+        })
+    }
+
     /// The unit of lengths that the header states.
     pub fn unit(&self) -> Option<LengthUnit> {
         self.unit
@@ -155,6 +194,16 @@ pub struct RollEstimate {
     unresolved_probes: Vec<UnresolvedProbe>,
     /// Doubts, in words.
     warnings: Vec<String>,
+    #[serde(skip)]
+    covariance: Option<[[f64; 3]; 3]>,
+}
+
+impl RollEstimate {
+    /// Covariance of the normal curvatures along u and v and of the twist k_uv, 1/length²; `None` where nothing tells the
+    /// noise.
+    pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
+        self.covariance
+    }
 }
 
 /// Reads recorded rolls: one row per probe, or a time series per probe, whose last row counts. Without a column `probe`,
@@ -223,7 +272,10 @@ pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
     );
     Ok(RollReadings {
         unit: sheet.unit,
-        file: sheet.file,
+        origin: Origin::File {
+            name: sheet.file,
+            lines: Vec::new(),
+        },
         probes,
         readings,
         rows,
@@ -375,16 +427,13 @@ pub fn estimate_roll(
     recorded: &RollReadings,
     options: &RollOptions,
 ) -> Result<RollEstimate, RecordedError> {
-    let fail = |message: String| RecordedError::Readings {
-        file: recorded.file.clone(),
-        message,
-    };
-    let unit = agreed_unit(&recorded.file, recorded.unit, options.length_unit)?;
+    let origin = &recorded.origin;
+    let unit = agreed_unit(origin, recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;
     let suspicion = of_roll(readings, options.probe_radius);
     let fail = |message: String| {
         let suspicion = suspicion.as_deref();
-        fail(suspicion.map_or(message.clone(), |more| format!("{message}; {more}")))
+        origin.fail(suspicion.map_or(message.clone(), |more| format!("{message}; {more}")))
     };
     let half_way = PI * options.probe_radius;
     for (probe, reading) in recorded.probes.iter().zip(readings) {
@@ -419,8 +468,8 @@ pub fn estimate_roll(
 
     let RollEstimatorConfig::LeastSquares {} = options.estimator;
     let stated = options.noise;
-    let fit = |noise| LeastSquares::of(options.probe_radius, noise, readings).map_err(refused);
-    let mut estimate = fit(stated)?;
+    let fit = |noise| LeastSquares::fitted(options.probe_radius, noise, readings).map_err(refused);
+    let (mut fitted, mut estimate) = fit(stated)?;
     let (residual, freedom) = estimate.residual(readings);
     let mut std_from = match stated {
         ReadingNoise {
@@ -435,7 +484,7 @@ pub fn estimate_roll(
         std_from = "none: the residuals are zero and no pitch is given";
         if freedom > 0 && residual > 0.0 {
             std_from = "the residuals";
-            estimate = fit(ReadingNoise {
+            (fitted, estimate) = fit(ReadingNoise {
                 shift_std: residual,
                 ..stated
             })?;
@@ -480,6 +529,7 @@ pub fn estimate_roll(
             .chain(noise)
             .chain(recorded.note.clone())
             .collect(),
+        covariance: fitted.covariance(&estimate),
     })
 }
 

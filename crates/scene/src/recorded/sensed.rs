@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::Value;
 use super::error::RecordedError;
 use super::extra::Extras;
+use super::origin::Origin;
 use super::press::PressReadings;
 use super::pressed::{PressOptions, estimate_press};
 use super::pressed_object::PressedObject;
@@ -31,7 +32,7 @@ const FAR_OFF: f64 = 1.25;
 /// The displacements of the markers that were tracked.
 #[derive(Clone, Debug)]
 pub struct Sensed {
-    file: String,
+    origin: Origin,
     unit: LengthUnit,
     radius: f64,
     has_tangential: bool,
@@ -53,7 +54,8 @@ pub struct TrackedPress {
 }
 
 impl Sensed {
-    /// Reads the markers that were tracked with a calibration. `file` is the name of the readings, for messages.
+    /// Reads the markers that were tracked with a calibration. `file` is the name of the readings, for messages; `None`
+    /// where they are no file.
     ///
     /// # Errors
     /// [`RecordedError::Readings`] for a calibration of a sensor with other markers or of no normal displacements, a
@@ -62,12 +64,14 @@ impl Sensed {
         frames: &TrackedFrames,
         (calibration, unit): (&Calibration, LengthUnit),
         options: &SensorOptions,
-        file: String,
+        file: Option<String>,
     ) -> Result<Self, RecordedError> {
-        let fail = |message: String| RecordedError::Readings {
-            file: file.clone(),
-            message,
-        };
+        let origin = file.map_or(Origin::Arrays, |name| Origin::File {
+            name,
+            // A header stands before them.
+            lines: (2..frames.tracks.len() + 2).collect(),
+        });
+        let fail = |message: String| origin.fail(message);
         let refused = |error: CalibrationError| fail(error.to_string());
         calibration.fits(frames.at_rest()).map_err(refused)?;
         if calibration.normal_part().is_none() {
@@ -80,7 +84,10 @@ impl Sensed {
         let distance = options.radius - options.depth;
         let calibrated = lateral.map(|lateral| lateral.px_per_length * distance);
         let px_per_rad = options.px_per_rad.or(calibrated).ok_or_else(|| {
-            fail("the calibration tells no px per length: give --px-per-rad F".to_owned())
+            let scale = origin.wording().with("px_per_rad", "F");
+            fail(format!(
+                "the calibration tells no px per length: give {scale}"
+            ))
         })?;
         let lens = Equidistant::new(frames.centre_px, px_per_rad).map_err(refused)?;
         let mut displaced = Vec::new();
@@ -122,7 +129,7 @@ impl Sensed {
             radius: options.radius,
             has_tangential: lateral.is_some(),
             fates: frames.fates(),
-            file,
+            origin,
         })
     }
 
@@ -138,10 +145,7 @@ impl Sensed {
     /// [`RecordedError::Readings`] for a filter of no width.
     pub fn field(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
         let smooth = self.field.smoothed(filter_std / self.radius);
-        let smooth = smooth.map_err(|error| RecordedError::Readings {
-            file: self.file.clone(),
-            message: error.to_string(),
-        })?;
+        let smooth = smooth.map_err(|error| self.origin.fail(error.to_string()))?;
         Ok(self.table(&smooth.grid(grid)))
     }
 
@@ -173,8 +177,7 @@ impl Sensed {
         let markers = self.field.markers();
         let tangential = markers.iter().map(|marker| marker.tangential).collect();
         let readings = PressReadings {
-            file: self.file.clone(),
-            lines: (2..markers.len() + 2).collect(),
+            origin: self.origin.clone(),
             places: markers
                 .iter()
                 .map(|marker| marker.place.map(|angle| self.radius * angle))

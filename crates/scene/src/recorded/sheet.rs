@@ -172,24 +172,6 @@ pub(super) fn header<'a>(
     Ok(Header::new(&table.header, names))
 }
 
-/// The unit that the header of a file or `--length-unit` states.
-pub(super) fn agreed_unit(
-    file: &str,
-    header: Option<LengthUnit>,
-    option: Option<LengthUnit>,
-) -> Result<LengthUnit, RecordedError> {
-    match (header, option) {
-        (Some(header), Some(option)) if header != option => {
-            let (header, option) = (header.as_str(), option.as_str());
-            Err(RecordedError::Readings {
-                file: file.to_owned(),
-                message: format!("the header says {header}, --length-unit says {option}"),
-            })
-        }
-        (header, option) => Ok(header.or(option).unwrap_or_default()),
-    }
-}
-
 /// Unit of all lengths of a table, where one is stated.
 fn length_unit(
     columns: &[Column],

@@ -4,6 +4,7 @@ use palpate_number::Number;
 use palpate_press::{ForwardFit, Measured, PressError, PressEstimate, Reading};
 
 use super::pressed_object::Row;
+use super::wording::Wording;
 
 /// Version of the format of the JSON that estimates from recorded readings have: it rises when a key goes, or
 /// changes its meaning, and stays when a key is added.
@@ -24,15 +25,21 @@ pub(super) const LARGE_RESIDUALS: f64 = 1.5;
 const MANY: usize = 20;
 
 /// The stated indentation with its standard deviation, and the warning where none is stated.
-pub(super) fn indentation(value: f64, std: f64, unit: &str) -> (Measured, Option<String>) {
+pub(super) fn indentation(
+    value: f64,
+    std: f64,
+    unit: &str,
+    wording: Wording,
+) -> (Measured, Option<String>) {
     if std > 0.0 {
         return (Measured { value, std }, None);
     }
     let std = INDENTATION_SHARE * value;
     let percent = 100.0 * INDENTATION_SHARE;
     let warning = format!(
-        "the indentation is stated without a standard deviation: {percent} % of it, {} {unit}, is assumed (--indentation-std)",
-        Number::rounded(std)
+        "the indentation is stated without a standard deviation: {percent} % of it, {} {unit}, is assumed ({})",
+        Number::rounded(std),
+        wording.name("indentation_std")
     );
     (Measured { value, std }, Some(warning))
 }

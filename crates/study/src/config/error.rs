@@ -50,6 +50,14 @@ impl ConfigError {
         }
     }
 
+    /// An error of a field that has no place in a text.
+    pub(super) fn of_field(file: &str, path: &str, message: impl Into<String>) -> Self {
+        Self {
+            path: path.into(),
+            ..Self::of_file(file, message)
+        }
+    }
+
     /// Adds the cell, and the swept values that make it, to the message.
     pub(super) fn in_cell(mut self, cell: usize, coordinates: &str) -> Self {
         let indent = " ".repeat(

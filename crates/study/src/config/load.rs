@@ -584,4 +584,9 @@ impl Study {
         let start = node.span.start + written.find(node.as_text()?)?;
         Some(start + part.start..start + part.end)
     }
+
+    /// Text that it was read from.
+    pub fn text(&self) -> &str {
+        &self.source.text
+    }
 }

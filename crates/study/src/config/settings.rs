@@ -1,7 +1,10 @@
 //! Settings of a config's table one by one, as a command line or a form offers them, and a table with some of them
 //! replaced.
 
+use std::any::TypeId;
+use std::collections::HashMap;
 use std::fmt;
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use palpate_number::Number;
 use schemars::JsonSchema;
@@ -52,6 +55,30 @@ pub enum Accepts {
     Word(Vec<(String, String)>),
 }
 
+impl Accepts {
+    /// Checks a value's range, or that it is one of the words; its type shows when the table is read.
+    fn check(&self, value: &Json) -> Result<(), String> {
+        match (self, value) {
+            (Self::Number(range), Json::Number(_)) => {
+                value.as_f64().map_or(Ok(()), |number| range.check(number))
+            }
+            (Self::Word(words), Json::String(word)) => {
+                let mut known = words.iter().map(|(known, _)| known.as_str());
+                if known.clone().any(|known| known == word) {
+                    return Ok(());
+                }
+                let last = known.next_back().unwrap_or_default();
+                let others: Vec<&str> = known.collect();
+                Err(format!(
+                    "must be {} or {last}, is {word:?}",
+                    others.join(", ")
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// Range of a finite number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
@@ -87,15 +114,29 @@ impl Range {
     /// The expectation that it does not meet, in words that follow the name of the setting.
     pub fn parse(&self, text: &str) -> Result<f64, String> {
         let number: f64 = text.parse().map_err(|_| "is not a number".to_owned())?;
-        let is_good = number.is_finite()
+        match self.holds(number) {
+            true => Ok(number),
+            false => Err(format!("must be {self}, is {text}")),
+        }
+    }
+
+    /// Whether it holds a number.
+    pub fn holds(&self, number: f64) -> bool {
+        number.is_finite()
             && (!self.is_whole || number == libm::trunc(number))
             && self.above.is_none_or(|bound| number > bound)
             && self.least.is_none_or(|least| number >= least)
-            && self.most.is_none_or(|most| number <= most);
-        if is_good {
-            Ok(number)
-        } else {
-            Err(format!("must be {self}, is {text}"))
+            && self.most.is_none_or(|most| number <= most)
+    }
+
+    /// Checks a number.
+    ///
+    /// # Errors
+    /// As [`Range::parse`].
+    pub fn check(&self, number: f64) -> Result<(), String> {
+        match self.holds(number) {
+            true => Ok(()),
+            false => Err(format!("must be {self}, is {}", Number(number))),
         }
     }
 
@@ -125,9 +166,31 @@ impl fmt::Display for Range {
     }
 }
 
+/// What is known of a type of tables.
+struct Known {
+    schema: Json,
+    settings: Vec<Setting>,
+}
+
+/// What is known of the tables that were asked for: to find it out takes longer than many an estimate.
+static KNOWN: LazyLock<Mutex<HashMap<TypeId, Arc<Known>>>> = LazyLock::new(Mutex::default);
+
+fn known<T: JsonSchema + 'static>() -> Arc<Known> {
+    let mut all = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = all.entry(TypeId::of::<T>()).or_insert_with(|| {
+        let schema = schema_of::<T>();
+        let settings = settings_in(&schema);
+        Arc::new(Known { schema, settings })
+    });
+    Arc::clone(known)
+}
+
 /// All settings of a table that has kinds, in the order in which its kinds state them.
-pub fn settings<T: JsonSchema>() -> Vec<Setting> {
-    let schema = schema_of::<T>();
+pub fn settings<T: JsonSchema + 'static>() -> Vec<Setting> {
+    known::<T>().settings.clone()
+}
+
+fn settings_in(schema: &Json) -> Vec<Setting> {
     let mut settings: Vec<Setting> = vec![Setting {
         key: "kind".to_owned(),
         kinds: Vec::new(),
@@ -136,7 +199,7 @@ pub fn settings<T: JsonSchema>() -> Vec<Setting> {
         default: None,
         is_length: false,
     }];
-    for variant in variants(&schema) {
+    for variant in variants(schema) {
         let Some(kind) = kind_of(variant) else {
             continue;
         };
@@ -226,12 +289,12 @@ pub enum SettingError {
 /// ```
 ///
 /// # Errors
-/// [`SettingError`] names the setting that the kind does not have, or whose value is none of its.
+/// [`SettingError`] names the setting that the kind does not have, or whose value is out of its range or none of its words.
 pub fn with_settings<T>(base: &T, given: &Map<String, Json>) -> Result<T, SettingError>
 where
-    T: Serialize + DeserializeOwned + JsonSchema,
+    T: Serialize + DeserializeOwned + JsonSchema + 'static,
 {
-    let schema = schema_of::<T>();
+    let known = known::<T>();
     let bad = |key: &str, message: String| SettingError::Bad {
         key: key.to_owned(),
         message,
@@ -242,21 +305,29 @@ where
         Err(error) => return Err(bad("", error.to_string())),
     };
     if let Some(kind) = given.get("kind") {
+        if let Some(setting) = known.settings.first() {
+            let checked = setting.accepts.check(kind);
+            checked.map_err(|message| bad("kind", message))?;
+        }
         table.insert("kind".to_owned(), kind.clone());
     }
     let kind = table.get("kind").and_then(Json::as_str);
-    let variant = variant(&schema, kind);
+    let variant = variant(&known.schema, kind);
     let properties = variant.and_then(|variant| variant["properties"].as_object());
     let knows = |key: &str| properties.is_some_and(|properties| properties.contains_key(key));
     table.retain(|key, _| knows(key));
     for (key, value) in given {
+        let setting = known.settings.iter().find(|setting| setting.key == *key);
         if !knows(key) {
-            let all = settings::<T>();
-            let kinds = all.into_iter().find(|setting| setting.key == *key);
+            let kinds = setting.map(|setting| setting.kinds.clone());
             return Err(SettingError::Useless {
                 key: key.clone(),
-                kinds: kinds.map(|setting| setting.kinds).unwrap_or_default(),
+                kinds: kinds.unwrap_or_default(),
             });
+        }
+        if let Some(setting) = setting {
+            let checked = setting.accepts.check(value);
+            checked.map_err(|message| bad(key, message))?;
         }
         table.insert(key.clone(), value.clone());
     }
@@ -274,10 +345,10 @@ where
 /// ```
 pub fn in_unit<T>(table: &T, factor: f64) -> T
 where
-    T: Clone + Serialize + DeserializeOwned + JsonSchema,
+    T: Clone + Serialize + DeserializeOwned + JsonSchema + 'static,
 {
     let scaled = serde_json::to_value(table).ok().and_then(|mut json| {
-        scale(&schema_of::<T>(), &mut json, factor);
+        scale(&known::<T>().schema, &mut json, factor);
         serde_json::from_value(json).ok()
     });
     scaled.unwrap_or_else(|| table.clone())

@@ -24,7 +24,6 @@ pub(crate) use estimate::{
 };
 pub(crate) use form::FormArgs;
 pub(crate) use sensor::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};
-pub(crate) use settings::Settings;
 
 /// Simulate a fingertip exploring a surface, model what its sensors really deliver, and estimate
 /// the surface's curvature from that.

@@ -10,7 +10,7 @@ use crate::budget::runner;
 use crate::cli::DesignArgs;
 use crate::failure::Failure;
 use crate::output::names::{DESIGN, DESIGN_CONFIG, DESIGN_FIGURE, DESIGN_REGION, DESIGN_WORDS};
-use crate::{answers, progress, trace};
+use crate::{answers, progress};
 
 /// Time after which the progress is shown.
 const QUIET: Duration = Duration::from_secs(1);
@@ -53,7 +53,7 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
         let title = answers::title(&study);
         let mut texts = vec![
             (DESIGN_WORDS, format!("{}\n", lines.join("\n"))),
-            (DESIGN_CONFIG, trace::resolved(&study)),
+            (DESIGN_CONFIG, palpate::resolved(&study)),
         ];
         let figure = match &found {
             Found::Line(answer) => {

@@ -1,8 +1,6 @@
 //! `palpate sensor`.
 
 mod calibrate;
-mod drawing;
-mod overlay;
 mod pattern;
 mod track;
 

@@ -1,7 +1,6 @@
 //! `palpate trace`.
 
-use palpate::config::{self, StudyConfig};
-use palpate::{Study, Trace, TraceError, load};
+use palpate::{Trace, TraceError, load};
 
 use palpate_report::{Files, press_figures};
 
@@ -10,6 +9,8 @@ use crate::failure::Failure;
 use crate::output::names::{FRAMES, MARKERS, READINGS, TRACE};
 use crate::output::{self, Folder, Guard, StudyId};
 use crate::results::drawings;
+
+pub(crate) use palpate::resolved;
 
 pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
     let study = load(&args.config).map_err(Failure::usage)?;
@@ -41,14 +42,6 @@ pub(crate) fn trace(args: &TraceArgs) -> Result<(), Failure> {
         trace.what,
         args.out.display()
     ))
-}
-
-/// The config with all defaults and overrides, as a run of it is.
-pub(crate) fn resolved(study: &Study) -> String {
-    config::to_toml(&StudyConfig {
-        crate_version: Some(env!("CARGO_PKG_VERSION").to_owned()),
-        ..study.config.clone()
-    })
 }
 
 /// Names and contents of the files of a pass.

@@ -3,25 +3,23 @@
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-use anyhow::anyhow;
 use clap::builder::{
     PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser, ValueParser,
 };
 use clap::error::Error;
 use clap::{Arg, ArgGroup, ArgMatches, Args, Command, FromArgMatches, Id};
 use palpate_study::config::{
-    Accepts, GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig, Setting,
-    SettingError, settings, with_settings,
+    Accepts, GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig, Setting, settings,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value as Json};
 
-use crate::failure::Failure;
-
 /// Estimator whose settings are flags; its `kind` is `--method`.
-pub(crate) trait Flagged: Default + Serialize + DeserializeOwned + JsonSchema {
+pub(crate) trait Flagged:
+    Default + Serialize + DeserializeOwned + JsonSchema + 'static
+{
     /// Name of the group of flags.
     const GROUP: &'static str;
     /// Keys of the config that are no flags, because recorded readings have other means to tell them.
@@ -49,28 +47,8 @@ pub(crate) struct Settings<T> {
     of: PhantomData<T>,
 }
 
-impl<T: Flagged> Settings<T> {
-    /// Kind that was asked for, if any.
-    pub(crate) fn kind(&self) -> Option<&str> {
-        self.given.get("kind").and_then(Json::as_str)
-    }
-
-    /// Estimator with these settings in place of a base's.
-    pub(crate) fn over(&self, base: &T) -> Result<T, Failure> {
-        with_settings(base, &self.given).map_err(|error| {
-            Failure::Usage(match error {
-                SettingError::Useless { key, kinds } => {
-                    let kinds = kinds.join(" or ");
-                    anyhow!("--{} is of use only to --method {kinds}", flag(&key))
-                }
-                SettingError::Bad { key, message } => anyhow!("--{}: {message}", flag(&key)),
-            })
-        })
-    }
-}
-
 /// Name of the flag of a key.
-pub(crate) fn flag(key: &str) -> String {
+fn flag(key: &str) -> String {
     match key {
         "kind" => "method".to_owned(),
         key => key.replace('_', "-"),

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_scene::recorded::{
-    GlideOptions, GlideReadings, ShapeThresholds, estimate_glide, parse_glide,
+    GlideGiven, GlideOptions, GlideReadings, Wording, estimate_glide, parse_glide,
 };
-use palpate_study::config::GlideEstimatorConfig;
 
 use super::like::Like;
 use super::table::{form, table};
@@ -38,38 +37,23 @@ fn options(
 ) -> Result<GlideOptions, Failure> {
     let unit = readings.unit().or(args.form.length_unit);
     let base = like.map(|like| like.options(unit, GlideOptions::like));
-    let base = base.transpose()?.unwrap_or_default();
-    let estimator = args.estimator.over(&base.estimator)?;
-    estimator
-        .check()
-        .map_err(|message| Failure::Usage(anyhow!("--gamma: {message}")))?;
-    let is_two_pass = matches!(estimator, GlideEstimatorConfig::TwoPass { .. });
-    if args.inter_finger_distance.is_some() && !is_two_pass {
-        let message = "--inter-finger-distance is of use only to --method two-pass";
-        return Err(Failure::Usage(anyhow!(message)));
-    }
-    if args.outward.is_some() && readings.has_normals() {
-        let message = "--outward is of use only to readings without normals";
-        return Err(Failure::Usage(anyhow!(message)));
-    }
-    if args.estimator.given.contains_key("normal_std_deg") && !readings.has_normals() {
-        let message = "--normal-std-deg is of use only to readings with normals";
-        return Err(Failure::Usage(anyhow!(message)));
-    }
-    let thresholds = args.gaussian_threshold.zip(args.mean_threshold);
-    let thresholds = thresholds
-        .map(|(gaussian, mean)| ShapeThresholds::new(gaussian, mean))
-        .transpose()
-        .map_err(Failure::usage)?;
-    Ok(GlideOptions {
-        estimator,
-        length_unit: args.form.length_unit.or(base.length_unit),
-        outward: args.outward.map_or(base.outward, |outward| outward.0),
-        grid: args.grid as usize,
-        map_at_contacts: args.at_contacts,
-        thresholds: thresholds.or(base.thresholds),
-        inter_finger_distance: args.inter_finger_distance.or(base.inter_finger_distance),
-    })
+    let given = GlideGiven {
+        estimator: args.estimator.given.clone(),
+        grid: Some(args.grid),
+        at_contacts: args.at_contacts,
+        outward: args.outward.map(|outward| outward.0),
+        length_unit: args.form.length_unit,
+        gaussian_threshold: args.gaussian_threshold,
+        mean_threshold: args.mean_threshold,
+        inter_finger_distance: args.inter_finger_distance,
+    };
+    GlideOptions::given(
+        &given,
+        base.transpose()?,
+        readings.has_normals(),
+        Wording::Flags,
+    )
+    .map_err(Failure::usage)
 }
 
 /// Place of the map, whose directory must be there.

@@ -1,7 +1,6 @@
 //! `palpate estimate roll`.
 
-use anyhow::anyhow;
-use palpate_scene::recorded::{ReadingNoise, RollOptions, estimate_roll, parse_roll};
+use palpate_scene::recorded::{RollGiven, RollOptions, Wording, estimate_roll, parse_roll};
 
 use super::like::Like;
 use super::table::{form, table};
@@ -17,29 +16,16 @@ pub(crate) fn roll(args: &EstimateRollArgs) -> Result<(), Failure> {
     let unit = readings.unit().or(args.form.length_unit);
     let base = like.map(|like| like.options(unit, RollOptions::like));
     let base = base.transpose()?;
-    let base = base.unwrap_or_else(|| RollOptions::new(args.probe_radius.unwrap_or_default()));
-    let probe_radius = args.probe_radius.unwrap_or(base.probe_radius);
-    let refused = |error| Failure::Usage(anyhow!("--{error}"));
-    let shifts = match (args.pitch, args.shift_std) {
-        (Some(pitch), _) => RollOptions::noise_of_pads(probe_radius, pitch).map_err(refused)?,
-        (None, Some(shift_std)) => {
-            RollOptions::noise_of_shifts(probe_radius, shift_std).map_err(refused)?
-        }
-        (None, None) => base.noise,
+    let given = RollGiven {
+        probe_radius: args.probe_radius,
+        estimator: args.estimator.given.clone(),
+        pitch: args.pitch,
+        shift_std: args.shift_std,
+        rotation_std_rad: args.rotation_std_rad,
+        relative_rotation_std: args.relative_rotation_std,
+        length_unit: args.form.length_unit,
     };
-    let rotations = base.noise;
-    let options = RollOptions {
-        probe_radius,
-        estimator: args.estimator.over(&base.estimator)?,
-        noise: ReadingNoise {
-            rotation_std_rad: args.rotation_std_rad.unwrap_or(rotations.rotation_std_rad),
-            relative_rotation_std: args
-                .relative_rotation_std
-                .unwrap_or(rotations.relative_rotation_std),
-            ..shifts
-        },
-        length_unit: args.form.length_unit.or(base.length_unit),
-    };
+    let options = RollOptions::given(&given, base, Wording::Flags).map_err(Failure::usage)?;
     let estimate = estimate_roll(&readings, &options).map_err(Failure::work)?;
     warn(&estimate)?;
     output::print(&output::json(&estimate)?)

@@ -5,10 +5,9 @@ use std::path::Path;
 use anyhow::anyhow;
 use palpate_scene::recorded::{
     Fates, PressOptions, RecordedError, Sensed, SensorOptions, TrackedFrames, difference_image,
-    read_calibration, read_frame, track_frames,
+    overlay, read_calibration, read_frame, track_frames,
 };
 
-use super::overlay::overlay;
 use crate::cli::TrackArgs;
 use crate::estimate::{Like, press_options, warn};
 use crate::failure::Failure;
@@ -124,7 +123,7 @@ impl<'a> Calibrated<'a> {
     fn read(&self, frames: &TrackedFrames) -> Result<Read, RecordedError> {
         let file = self.args.out.join("readings.csv").display().to_string();
         let calibration = (&self.calibration, self.unit);
-        let sensed = Sensed::read(frames, calibration, &self.sensor, file)?;
+        let sensed = Sensed::read(frames, calibration, &self.sensor, Some(file))?;
         let field = sensed.field(self.args.grid as usize, self.args.filter)?;
         let field = field.to_csv();
         Ok(Read { sensed, field })

@@ -1,15 +1,16 @@
 //! Picture of a pressed frame with the fate of each marker drawn on it.
 
 use image::RgbImage;
-use palpate_scene::recorded::{Marker, Status, TrackedFrames};
+use palpate_tracking::{Marker, Status};
 
 use super::drawing::{Canvas, Colour};
+use super::tracked::TrackedFrames;
 
 /// Side to which smaller frames are enlarged, px, so that numbers can be read.
 const SIDE: u32 = 1000;
 
 /// Factor by which arrows are longer than the shifts they show.
-pub(super) const ARROW_SCALE: f64 = 5.0;
+const ARROW_SCALE: f64 = 5.0;
 
 /// Least diameter of a marker, in pixels of the canvas, with which it gets a number.
 const LEGIBLE: f64 = 12.0;
@@ -28,8 +29,9 @@ const fn colour(status: Status) -> Colour {
 }
 
 /// The pressed frame with a circle around each marker in the colour of its fate, its number, and an arrow along its
-/// shift from its place at rest.
-pub(super) fn overlay(pressed: &RgbImage, frames: &TrackedFrames) -> RgbImage {
+/// shift from its place at rest, 5 times as long: blue where it was tracked, red lost, orange merged, violet split, cyan
+/// new, grey where the rim cut it at rest. Small frames are enlarged by a whole factor.
+pub fn overlay(pressed: &RgbImage, frames: &TrackedFrames) -> RgbImage {
     let mut canvas = Canvas::new(pressed, SIDE);
     for marker in &frames.cut {
         canvas.circle(marker.centroid_px, radius(marker), CUT);

@@ -1,0 +1,9 @@
+//! Options of estimates from settings that were given by their names, on a command line or in a call.
+
+mod glide;
+mod press;
+mod roll;
+
+pub use glide::GlideGiven;
+pub use press::PressGiven;
+pub use roll::RollGiven;

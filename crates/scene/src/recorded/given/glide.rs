@@ -1,0 +1,137 @@
+//! Settings of an estimate from glides.
+
+use palpate_geometry::ShapeThresholds;
+use palpate_study::config::{GlideEstimatorConfig, LengthUnit, Range, with_settings};
+use serde_json::{Map, Value as Json};
+
+use super::super::patch::GlideOptions;
+use super::super::wording::{GivenError, Wording};
+
+/// Most places along each side of a map.
+const MOST_PLACES: f64 = 1000.0;
+
+/// Settings of an estimate from glides, each as far as it was given; lengths in the readings' unit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GlideGiven {
+    /// Settings of the estimator by their keys in a config, its `kind` among them.
+    pub estimator: Map<String, Json>,
+    /// Places along each side of the map's grid, from 1 to 1000.
+    pub grid: Option<u32>,
+    /// Whether the map has a place per contact instead of a grid.
+    pub at_contacts: bool,
+    /// Direction out of the object, of any length; of use only to readings without normals.
+    pub outward: Option<[f64; 3]>,
+    /// Unit of lengths, where the readings do not state it.
+    pub length_unit: Option<LengthUnit>,
+    /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; goes with the next.
+    pub gaussian_threshold: Option<f64>,
+    /// Magnitude of the mean curvature below which it counts as zero, 1/length.
+    pub mean_threshold: Option<f64>,
+    /// Distance between fingers; of use only to two-pass.
+    pub inter_finger_distance: Option<f64>,
+}
+
+impl GlideOptions {
+    /// Options from settings that were given, the others those of `base`, for readings with normals or without.
+    ///
+    /// ```
+    /// use palpate_scene::recorded::{GlideGiven, GlideOptions, Wording};
+    ///
+    /// let given = GlideGiven { inter_finger_distance: Some(1.0), ..GlideGiven::default() };
+    /// let error = GlideOptions::given(&given, None, true, Wording::Arguments).expect_err("no two-pass");
+    /// let said = "inter_finger_distance is of use only to method=\"two-pass\"";
+    /// assert_eq!(error.to_string(), said);
+    /// ```
+    ///
+    /// # Errors
+    /// [`GivenError`] for a setting that is out of its range or of no use beside the others.
+    pub fn given(
+        given: &GlideGiven,
+        base: Option<Self>,
+        has_normals: bool,
+        wording: Wording,
+    ) -> Result<Self, GivenError> {
+        let grid = Range {
+            least: Some(1.0),
+            most: Some(MOST_PLACES),
+            is_whole: true,
+            ..Range::default()
+        };
+        let distance = given.inter_finger_distance;
+        wording.check([
+            ("grid", given.grid.map(f64::from), grid),
+            (
+                "gaussian_threshold",
+                given.gaussian_threshold,
+                Range::NOT_NEGATIVE,
+            ),
+            ("mean_threshold", given.mean_threshold, Range::NOT_NEGATIVE),
+            ("inter_finger_distance", distance, Range::POSITIVE),
+        ])?;
+        let base = base.unwrap_or_default();
+        let estimator = match given.estimator.is_empty() {
+            true => base.estimator,
+            false => with_settings(&base.estimator, &given.estimator)
+                .map_err(|error| wording.of_estimator(error))?,
+        };
+        estimator.check().map_err(|message| {
+            wording.refused("gamma", format!("{}: {message}", wording.name("gamma")))
+        })?;
+        let useless = |key: &str, to: String| {
+            let message = format!("{} is of use only to {to}", wording.name(key));
+            Err(wording.refused(key, message))
+        };
+        let is_two_pass = matches!(estimator, GlideEstimatorConfig::TwoPass { .. });
+        if distance.is_some() && !is_two_pass {
+            return useless("inter_finger_distance", wording.with("kind", "two-pass"));
+        }
+        if given.outward.is_some() && has_normals {
+            return useless("outward", "readings without normals".to_owned());
+        }
+        if given.estimator.contains_key("normal_std_deg") && !has_normals {
+            return useless("normal_std_deg", "readings with normals".to_owned());
+        }
+        Ok(Self {
+            estimator,
+            length_unit: given.length_unit.or(base.length_unit),
+            outward: match given.outward {
+                Some(outward) => direction(outward, wording)?,
+                None => base.outward,
+            },
+            grid: given.grid.map_or(base.grid, |grid| grid as usize),
+            map_at_contacts: given.at_contacts,
+            thresholds: thresholds(given, wording)?.or(base.thresholds),
+            inter_finger_distance: distance.or(base.inter_finger_distance),
+        })
+    }
+}
+
+/// A direction whose largest component is 1.
+fn direction(components: [f64; 3], wording: Wording) -> Result<[f64; 3], GivenError> {
+    let largest = components
+        .iter()
+        .fold(0.0, |largest: f64, one| largest.max(one.abs()));
+    if components.iter().all(|one| one.is_finite()) && largest > 0.0 {
+        return Ok(components.map(|one| one / largest));
+    }
+    let message = format!("{} must be finite and not zero", wording.name("outward"));
+    Err(wording.refused("outward", message))
+}
+
+fn thresholds(given: &GlideGiven, wording: Wording) -> Result<Option<ShapeThresholds>, GivenError> {
+    let [gaussian, mean] = ["gaussian_threshold", "mean_threshold"];
+    match (given.gaussian_threshold, given.mean_threshold) {
+        (None, None) => Ok(None),
+        (Some(of_gaussian), Some(of_mean)) => ShapeThresholds::new(of_gaussian, of_mean)
+            .map(Some)
+            .map_err(|error| wording.refused(gaussian, error.to_string())),
+        (of_gaussian, _) => {
+            let (key, other) = match of_gaussian {
+                Some(_) => (gaussian, mean),
+                None => (mean, gaussian),
+            };
+            let [named, other] = [key, other].map(|key| wording.name(key));
+            Err(wording.refused(key, format!("{named} is of use only with {other}")))
+        }
+    }
+}

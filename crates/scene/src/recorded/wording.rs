@@ -1,0 +1,113 @@
+//! Words by which messages name settings.
+
+use palpate_number::Number;
+use palpate_study::config::{Range, SettingError};
+use thiserror::Error;
+
+/// Way in which settings are given, and so how messages name them.
+///
+/// ```
+/// use palpate_scene::recorded::Wording;
+///
+/// assert_eq!(Wording::Flags.name("sensor_radius"), "--sensor-radius");
+/// assert_eq!(Wording::Arguments.name("sensor_radius"), "sensor_radius");
+/// assert_eq!(Wording::Flags.with("kind", "gaussian"), "--method gaussian");
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wording {
+    /// Flags of a command line.
+    #[default]
+    Flags,
+    /// Arguments of a call.
+    Arguments,
+}
+
+/// Settings of an estimate that cannot be, or do not go together.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{message}")]
+pub struct GivenError {
+    /// Key of the setting that is at fault, with underscores.
+    pub setting: String,
+    /// Its value, where it is a number.
+    pub value: Option<f64>,
+    /// Problem in words, with the names that the settings have where they are given.
+    pub message: String,
+}
+
+impl Wording {
+    /// Name of the setting with this key; `kind` of an estimator is its method.
+    pub fn name(self, key: &str) -> String {
+        let key = match key {
+            "kind" => "method",
+            key => key,
+        };
+        match self {
+            Self::Flags => format!("--{}", key.replace('_', "-")),
+            Self::Arguments => key.replace('-', "_"),
+        }
+    }
+
+    /// A setting with what stands for its value, or with a word that is its value.
+    pub fn with(self, key: &str, value: &str) -> String {
+        let name = self.name(key);
+        let is_word = value
+            .chars()
+            .all(|letter| letter.is_lowercase() || " -".contains(letter));
+        match (self, is_word) {
+            (Self::Flags, _) => format!("{name} {value}"),
+            (Self::Arguments, true) => format!("{name}={value:?}"),
+            (Self::Arguments, false) => name,
+        }
+    }
+
+    /// Error of a setting.
+    pub(super) fn refused(self, key: &str, message: impl Into<String>) -> GivenError {
+        GivenError {
+            setting: key.replace('-', "_"),
+            value: None,
+            message: message.into(),
+        }
+    }
+
+    /// Error of a setting that is a number: `--depth is 25; it must be …`.
+    pub(super) fn bad(self, key: &str, value: f64, expected: &str) -> GivenError {
+        let message = format!(
+            "{} is {}; it must be {expected}",
+            self.name(key),
+            Number(value)
+        );
+        GivenError {
+            value: Some(value),
+            ..self.refused(key, message)
+        }
+    }
+
+    /// Checks numbers that settings are given as.
+    pub(super) fn check<const N: usize>(
+        self,
+        numbers: [(&str, Option<f64>, Range); N],
+    ) -> Result<(), GivenError> {
+        for (key, value, range) in numbers {
+            if let Some(value) = value.filter(|&value| !range.holds(value)) {
+                return Err(self.bad(key, value, &range.to_string()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Error of an estimator's settings.
+    pub fn of_estimator(self, error: SettingError) -> GivenError {
+        match error {
+            SettingError::Useless { key, kinds } => {
+                let method = self.with("kind", &kinds.join(" or "));
+                self.refused(
+                    &key,
+                    format!("{} is of use only to {method}", self.name(&key)),
+                )
+            }
+            SettingError::Bad { key, message } => {
+                self.refused(&key, format!("{}: {message}", self.name(&key)))
+            }
+        }
+    }
+}
