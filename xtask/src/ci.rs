@@ -5,11 +5,13 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-use crate::{bench_check, extremes, house, palpate, readme, reproduce, same_bytes, scale, tools};
+use crate::{
+    bench_check, extremes, house, palpate, python, readme, reproduce, same_bytes, scale, tools,
+};
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 13] = [
+const STEPS: [Step; 14] = [
     ("tools", tools::prepare),
     ("format", format),
     ("house", house),
@@ -18,6 +20,7 @@ const STEPS: [Step; 13] = [
     ("examples", examples),
     ("docs", docs),
     ("licences", licences),
+    ("python", python::check),
     ("results", results),
     ("same bytes", same_bytes),
     ("scale", scale),

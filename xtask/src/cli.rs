@@ -2,7 +2,9 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{answers, bench_check, extremes, fuzz, peers, reproduce, same_bytes, scale, tradeoff};
+use crate::{
+    answers, bench_check, extremes, fuzz, peers, python, reproduce, same_bytes, scale, tradeoff,
+};
 
 /// Development tasks of palpate.
 #[derive(Parser)]
@@ -32,6 +34,8 @@ pub(crate) enum Task {
     BenchCheck(bench_check::Options),
     /// Run what a user would pick instead beside our benchmarks, into results/peers.csv.
     Peers(peers::Options),
+    /// Build the wheel of the Python package, install it into an environment of its own, and test it there.
+    Python(python::Options),
     /// Feed the readers of files what nobody would write.
     Fuzz(fuzz::Options),
     /// Check which file imports which, and which crate which: no circles.

@@ -11,6 +11,7 @@ mod fuzz;
 mod house;
 mod palpate;
 mod peers;
+mod python;
 mod readme;
 mod reproduce;
 mod same_bytes;
@@ -56,6 +57,7 @@ fn run(cli: Cli) -> Result<()> {
         Task::Extremes(options) => extremes::run(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),
+        Task::Python(options) => python::run(&shell, &options),
         Task::Fuzz(options) => fuzz::run(&shell, &options),
         Task::House => house::check(&shell),
     }

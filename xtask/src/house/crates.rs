@@ -41,6 +41,7 @@ const CRATES: &[(&str, May)] = &[
     ("report", Import(&["study"])),
     ("palpate", Import(&["study", "scene", "sweep", "report"])),
     ("replica", Import(&["palpate"])),
+    ("python", Import(&["palpate"])),
     ("tally", Import(&[])),
     ("frames", Import(&[])),
     ("number", Import(&[])),

@@ -1,0 +1,444 @@
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from os import PathLike
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__version__: str
+SHAPE_CLASSES: tuple[str, ...]
+
+_Floats = NDArray[np.float64]
+_Pixels = NDArray[np.uint8]
+
+class PalpateError(ValueError):
+    argument: str | None
+    index: tuple[int, ...]
+    value: float | None
+
+class ArgumentError(PalpateError): ...
+class ReadingsError(PalpateError): ...
+
+class ConfigError(PalpateError):
+    path: str
+
+class RunError(PalpateError): ...
+
+class Record:
+    def __new__(cls, fields: dict[str, Any], arrays: dict[str, Any] | None = None) -> Record: ...
+    def __getattr__(self, name: str) -> Any: ...
+    def __float__(self) -> float: ...
+    def __eq__(self, other: object) -> bool: ...
+    def to_dict(self, *, arrays: bool = False) -> dict[str, Any]: ...
+    def _repr_html_(self) -> str: ...
+
+class _Value(Record):
+    value: float
+    std: float | None
+    unit: str
+
+class _Told(_Value):
+    interval95: _Floats
+
+class _Radius(Record):
+    value: float | None
+    std: float | None
+    convex95: _Floats | None
+    concave95: _Floats | None
+    unit: str
+
+@final
+class RollEstimate(Record):
+    method: str
+    probes: int
+    normal_curvature_u: _Value
+    normal_curvature_v: _Value
+    gaussian_curvature: _Value
+    mean_curvature: _Value
+    arc_length: _Value
+    principal_curvature_min: _Value
+    principal_curvature_max: _Value
+    principal_direction_max_deg: float
+    amplification_u: float | None
+    amplification_v: float | None
+    residual_rms: _Value
+    std_from: str
+    unresolved_probes: list[Record]
+    warnings: list[str]
+    covariance: _Floats
+
+class _Map(Record):
+    position: _Floats
+    normal: _Floats
+    gaussian_curvature: _Floats
+    gaussian_curvature_std: _Floats
+    mean_curvature: _Floats
+    mean_curvature_std: _Floats
+    k_min: _Floats
+    k_max: _Floats
+    direction_of_min: _Floats
+    direction_of_max: _Floats
+    shape_index: _Floats
+    class_index: NDArray[np.int64]
+    region: NDArray[np.int64]
+    class_probabilities: _Floats
+
+@final
+class GlideEstimate(Record):
+    method: str
+    contacts: int
+    fingers: int
+    with_normals: bool
+    length_unit: str
+    position: _Floats
+    normal: _Floats
+    gaussian_curvature: _Value
+    mean_curvature: _Value
+    k_min: _Value
+    k_max: _Value
+    direction_of_min: _Floats
+    direction_of_max: _Floats
+    shape_index: float | None
+    class_: str
+    class_probabilities: Record | None
+    sign_class: str
+    thresholds: Record
+    noise: Record | None
+    status: str | None
+    effective_unknowns: float
+    grid: int
+    regions: list[Record]
+    warnings: list[str]
+    covariance: _Floats
+    map: _Map
+    map_csv: str
+
+@final
+class PressEstimate(Record):
+    method: str
+    c: float | None
+    markers: int
+    with_tangential: bool
+    length_unit: str
+    relative_curvature: _Told
+    effective_radius: _Told
+    object_curvature: _Told
+    object_radius: _Radius
+    regime: str
+    verdict: str
+    indentation: _Told
+    contact_radius: _Told
+    force: _Value | None
+    peak_pressure: _Value | None
+    contact: _Floats
+    contact_std: _Floats
+    baseline: _Told | None
+    gain: _Told | None
+    wrong_markers: list[Record]
+    noise: Record
+    r_squared: float
+    warnings: list[str]
+
+@final
+class RollBatch:
+    @property
+    def normal_curvature_u(self) -> Record: ...
+    @property
+    def normal_curvature_v(self) -> Record: ...
+    @property
+    def twist(self) -> _Floats: ...
+    @property
+    def gaussian_curvature(self) -> Record: ...
+    @property
+    def mean_curvature(self) -> Record: ...
+    @property
+    def arc_length(self) -> Record: ...
+    @property
+    def residual_rms(self) -> Record: ...
+    @property
+    def principal_curvature_min(self) -> _Floats: ...
+    @property
+    def principal_curvature_max(self) -> _Floats: ...
+    @property
+    def principal_direction_max_deg(self) -> _Floats: ...
+    @property
+    def errors(self) -> dict[int, str]: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> Record: ...
+    def to_dict(self) -> dict[str, _Floats]: ...
+
+@final
+class Batch:
+    @property
+    def errors(self) -> dict[int, str]: ...
+    def __getattr__(self, name: str) -> Any: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> Any: ...
+    def to_dict(self) -> dict[str, Any]: ...
+
+@final
+class Table(Mapping[str, NDArray[Any]]):
+    @property
+    def height(self) -> int: ...
+    @property
+    def units(self) -> dict[str, str | None]: ...
+    def __len__(self) -> int: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __getitem__(self, name: str, /) -> NDArray[Any]: ...
+    def to_dict(self) -> dict[str, NDArray[Any]]: ...
+    def to_csv(self) -> str: ...
+    def _repr_html_(self) -> str: ...
+
+@final
+class Figure:
+    def __new__(cls, name: str, title: str, svg: str) -> Figure: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def svg(self) -> str: ...
+    def _repr_svg_(self) -> str: ...
+
+@final
+class Calibration:
+    def __new__(
+        cls, toml: str, summary: list[str] | None = None, warnings: list[str] | None = None
+    ) -> Calibration: ...
+    @property
+    def summary(self) -> list[str]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def length_unit(self) -> str: ...
+    def to_toml(self) -> str: ...
+    def to_dict(self) -> dict[str, Any]: ...
+
+@final
+class Tracked:
+    @property
+    def markers(self) -> Table: ...
+    @property
+    def fates(self) -> Record: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def overlay(self) -> _Pixels: ...
+    @property
+    def difference(self) -> _Pixels: ...
+    @property
+    def readings(self) -> Table | None: ...
+    @property
+    def field(self) -> Table | None: ...
+    @property
+    def estimate(self) -> PressEstimate | None: ...
+
+@final
+class Pattern:
+    @property
+    def svg(self) -> str: ...
+    @property
+    def dxf(self) -> str: ...
+    @property
+    def gores(self) -> int: ...
+    @property
+    def markers(self) -> int: ...
+    @property
+    def greatest_fold_strain(self) -> float: ...
+    @property
+    def rms_fold_strain(self) -> float: ...
+    def _repr_svg_(self) -> str: ...
+
+@final
+class Layout:
+    def __new__(
+        cls,
+        radius: float,
+        layout: str | dict[str, Any] | None = None,
+        *,
+        marker_depth: float = 0.0,
+        discs: dict[str, float] | None = None,
+        length_unit: str = "mm",
+    ) -> Layout: ...
+    @staticmethod
+    def of(study: Study) -> Layout: ...
+    @property
+    def positions(self) -> _Floats: ...
+    def pattern(self) -> Pattern: ...
+    def __len__(self) -> int: ...
+
+@final
+class Study:
+    def __new__(cls, source: str | dict[str, Any] | PathLike[str], *, name: str | None = None) -> Study: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def length_unit(self) -> str: ...
+    @property
+    def cell_count(self) -> int: ...
+    @property
+    def trials(self) -> int: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def toml(self) -> str: ...
+    @property
+    def resolved(self) -> str: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    def cell(self, number: int) -> dict[str, Any]: ...
+    def with_(self, fields: dict[str, Any] | None = None, /, **more: Any) -> Study: ...
+    def sweep(self, axes: dict[str, Any] | None = None, /, **more: Any) -> Study: ...
+    def check(self, *, threads: int | None = None, progress: Callable[[int], Any] | None = None) -> Record: ...
+    def plan(
+        self, *, budget: float | None = None, target_error: float | None = None, threads: int | None = None
+    ) -> Study: ...
+    def run(
+        self,
+        *,
+        trials: int | None = None,
+        seed: int | None = None,
+        threads: int | None = None,
+        progress: Callable[[int], Any] | None = None,
+    ) -> Results: ...
+    def trace(self, cell: int = 0, trial: int | None = None) -> Trace: ...
+    def pattern(self) -> Pattern: ...
+
+@final
+class Results:
+    @property
+    def study(self) -> Study: ...
+    @property
+    def cells(self) -> Table: ...
+    @property
+    def failures(self) -> Table: ...
+    @property
+    def map(self) -> Table | None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def plots(self) -> list[str]: ...
+    def plot(self, name: str | None = None, **keys: Any) -> Figure: ...
+    def trace(self, cell: int = 0, trial: int | None = None) -> Trace: ...
+    def files(self) -> dict[str, str]: ...
+    def _repr_html_(self) -> str: ...
+
+@final
+class Trace:
+    @property
+    def what(self) -> str: ...
+    @property
+    def contacts(self) -> Table: ...
+    @property
+    def readings(self) -> Table: ...
+    @property
+    def markers(self) -> Table | None: ...
+    @property
+    def rest(self) -> _Pixels | None: ...
+    @property
+    def pressed(self) -> _Pixels | None: ...
+    @property
+    def figures(self) -> list[Figure]: ...
+
+def schema() -> dict[str, Any]: ...
+def estimate_roll(
+    rotations: ArrayLike,
+    shifts: ArrayLike,
+    *,
+    probe_radius: float | None = None,
+    pitch: float | None = None,
+    shift_std: float | None = None,
+    rotation_std_rad: float | None = None,
+    relative_rotation_std: float | None = None,
+    method: str | None = None,
+    length_unit: str | None = None,
+    like: Study | None = None,
+    cell: int = 0,
+    threads: int | None = None,
+) -> RollEstimate | Any: ...
+def estimate_glide(
+    points: ArrayLike,
+    normals: ArrayLike | None = None,
+    fingers: ArrayLike | None = None,
+    *,
+    method: str | None = None,
+    grid: int | None = None,
+    at_contacts: bool = False,
+    outward: Sequence[float] | None = None,
+    gaussian_threshold: float | None = None,
+    mean_threshold: float | None = None,
+    inter_finger_distance: float | None = None,
+    intervals: int | None = None,
+    criterion: str | None = None,
+    gamma: float | None = None,
+    position_std: float | None = None,
+    normal_std_deg: float | None = None,
+    first_degree: int | None = None,
+    second_degree: int | None = None,
+    weight: float | None = None,
+    smoothing: float | None = None,
+    second_smoothing: float | None = None,
+    tangent_step: float | None = None,
+    tangent_normals: str | None = None,
+    passes: int | None = None,
+    length_unit: str | None = None,
+    like: Study | None = None,
+    cell: int = 0,
+    threads: int | None = None,
+) -> GlideEstimate | Any: ...
+def estimate_press(
+    positions: ArrayLike,
+    displacements: ArrayLike,
+    *,
+    sensor_radius: float | None = None,
+    depth: float | None = None,
+    method: str | None = None,
+    indentation: float | None = None,
+    indentation_std: float | None = None,
+    normal_std: float | None = None,
+    tangential_std: float | None = None,
+    radial_scale: float | None = None,
+    young: float | None = None,
+    poisson: float | None = None,
+    thickness: float | None = None,
+    c: float | None = None,
+    window: float | None = None,
+    baseline: str | None = None,
+    gain_std: float | None = None,
+    noise: str | None = None,
+    length_unit: str | None = None,
+    like: Study | None = None,
+    cell: int = 0,
+    threads: int | None = None,
+) -> PressEstimate | Any: ...
+def calibrate(
+    *tables: Mapping[str, ArrayLike],
+    source: str = "hue",
+    per_marker: bool = False,
+    length_unit: str | None = None,
+) -> Calibration: ...
+def calibrate_frames(
+    rest: ArrayLike,
+    pressed: Sequence[ArrayLike],
+    *,
+    normal: ArrayLike | None = None,
+    tangential: ArrayLike | None = None,
+    px_per_rad: float | None = None,
+    source: str = "hue",
+    per_marker: bool = False,
+    length_unit: str | None = None,
+) -> Calibration: ...
+def track(
+    rest: ArrayLike,
+    pressed: ArrayLike,
+    *,
+    calibration: Calibration | None = None,
+    px_per_rad: float | None = None,
+    grid: int = 30,
+    filter: float = 0.0,
+    like: Study | None = None,
+    cell: int = 0,
+    **settings: Any,
+) -> Tracked: ...
+def pattern(sensor: Study | Layout) -> str: ...

@@ -1,0 +1,115 @@
+//! Exceptions, and errors of the library as such.
+
+use palpate::ConfigError as BadConfig;
+use palpate::recorded::{GivenError, RecordedError};
+use pyo3::create_exception;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+create_exception!(
+    palpate,
+    PalpateError,
+    PyValueError,
+    "Error of palpate, a ValueError.\n\n`argument` is the name of the argument at fault, or None; `index` the place in it, counted from 0;\n`value` the number there, or None."
+);
+create_exception!(
+    palpate,
+    ArgumentError,
+    PalpateError,
+    "Argument that cannot be: a shape, a number that is not finite, a setting out of its range or of no use beside\nthe others."
+);
+create_exception!(
+    palpate,
+    ReadingsError,
+    PalpateError,
+    "Readings that tell no curvature, with the reason."
+);
+create_exception!(
+    palpate,
+    ConfigError,
+    PalpateError,
+    "Config of a study that cannot be used. `path` is the field at fault, as keys joined by dots."
+);
+create_exception!(
+    palpate,
+    RunError,
+    PalpateError,
+    "Work on a study that failed, with the reason."
+);
+
+/// Adds the exceptions to the module, with what each of them has.
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    let base = py.get_type::<PalpateError>();
+    base.setattr("argument", py.None())?;
+    base.setattr("index", PyTuple::empty(py))?;
+    base.setattr("value", py.None())?;
+    let config = py.get_type::<ConfigError>();
+    config.setattr("path", "")?;
+    module.add("PalpateError", base)?;
+    module.add("ArgumentError", py.get_type::<ArgumentError>())?;
+    module.add("ReadingsError", py.get_type::<ReadingsError>())?;
+    module.add("ConfigError", config)?;
+    module.add("RunError", py.get_type::<RunError>())
+}
+
+/// Error of an argument, with the place in it and the number there.
+pub(crate) fn argument(
+    name: &str,
+    index: &[usize],
+    value: Option<f64>,
+    message: impl Into<String>,
+) -> PyErr {
+    let error = ArgumentError::new_err(message.into());
+    // Its attributes cannot fail to be set: it has a dictionary of its own.
+    let _ = Python::attach(|py| {
+        let own = error.value(py);
+        own.setattr("argument", name)?;
+        own.setattr("index", PyTuple::new(py, index)?)?;
+        own.setattr("value", value)
+    });
+    error
+}
+
+/// Error of a shape: `points: must have shape (n, 3), has (30, 2)`.
+pub(crate) fn shape(name: &str, wanted: &str, found: &[usize]) -> PyErr {
+    let found: Vec<String> = found.iter().map(usize::to_string).collect();
+    let found = match found.as_slice() {
+        [one] => format!("({one},)"),
+        all => format!("({})", all.join(", ")),
+    };
+    argument(
+        name,
+        &[],
+        None,
+        format!("{name}: must have shape {wanted}, has {found}"),
+    )
+}
+
+/// Error of readings.
+pub(crate) fn recorded(error: RecordedError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        RecordedError::Array {
+            array,
+            index,
+            value,
+            ..
+        } => argument(array, &index, value, message),
+        _ => ReadingsError::new_err(message),
+    }
+}
+
+/// Error of settings.
+pub(crate) fn given(error: GivenError) -> PyErr {
+    argument(&error.setting, &[], error.value, error.message)
+}
+
+/// Error of a config.
+pub(crate) fn config(error: BadConfig) -> PyErr {
+    let path = error.path().to_owned();
+    let error = ConfigError::new_err(error.to_string());
+    let _ = Python::attach(|py| error.value(py).setattr("path", path));
+    error
+}

@@ -1,0 +1,15 @@
+//! Estimates from arrays.
+
+mod batch;
+mod glide;
+mod like;
+mod press;
+mod roll;
+mod settings;
+
+pub(crate) use batch::Batch;
+pub(crate) use glide::{GlideEstimate, estimate_glide};
+pub(crate) use like::like;
+pub(crate) use press::{PressArguments, PressEstimate, estimate_press};
+pub(crate) use roll::{RollBatch, RollEstimate, estimate_roll};
+pub(crate) use settings::length_unit;

@@ -1,0 +1,360 @@
+//! Estimates from glides.
+
+use palpate::recorded::{
+    self, GlideGiven, GlideMap, GlideOptions, GlideReadings, MapPoint, RecordedError, ShapeClass,
+    Wording,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::prelude::*;
+use serde_json::Value as Json;
+
+use super::batch::Batch;
+use super::like::like;
+use super::settings::{given, length_unit, number, word};
+use crate::arrays::{Numbers, array, whole};
+use crate::error;
+use crate::json::to_python;
+use crate::record::{Made, record};
+use crate::study::Study;
+use crate::watch::{pool, watched};
+
+record!(
+    GlideEstimate,
+    "Curvature of a patch, from contacts of gliding fingers.\n\nFields: what `palpate estimate glide` prints, of the patch's middle: `gaussian_curvature`, `mean_curvature`,\n`k_min`, `k_max` (each with `value`, `std` or None, and `unit`), `position`, `normal`, `direction_of_min`,\n`direction_of_max` (arrays of 3), `shape_index`, `class_`, `class_probabilities`,\n`thresholds`, `noise`, `regions` and `warnings`; `covariance`, (2, 2), of Gaussian and mean curvature, NaN where\nthe method states no uncertainty; and `map`: arrays (grid, grid), along the fingers' travel first, or (n,) at the\ncontacts: `position`, `normal`, `direction_of_min`, `direction_of_max` with 3 numbers each, `gaussian_curvature`,\n`gaussian_curvature_std`, `mean_curvature`, `mean_curvature_std`, `k_min`, `k_max`, `shape_index`, `class_index` of\n`palpate.SHAPE_CLASSES`, `region` (-1: none) and `class_probabilities` with 8 numbers each."
+);
+
+/// What an estimate of a patch is made from.
+struct Patch {
+    estimate: recorded::GlideEstimate,
+    map: GlideMap,
+    /// Places along each side; `None` of a map at contacts.
+    grid: Option<usize>,
+}
+
+impl Made for Patch {
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.estimate)
+    }
+
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let covariance = self.estimate.covariance().unwrap_or([[f64::NAN; 2]; 2]);
+        let arrays = PyDict::new(py);
+        let numbers = covariance.as_flattened().to_vec();
+        arrays.set_item("covariance", array(py, numbers, &[2, 2])?)?;
+        arrays.set_item("map", self.map_arrays(py)?)?;
+        arrays.set_item("map_csv", self.map.to_csv())?;
+        Ok(arrays)
+    }
+}
+
+impl Patch {
+    fn new(readings: &GlideReadings, options: &GlideOptions) -> Result<Self, RecordedError> {
+        let (estimate, map) = recorded::estimate_glide(readings, options)?;
+        let grid = (!options.map_at_contacts).then_some(options.grid);
+        Ok(Self {
+            estimate,
+            map,
+            grid,
+        })
+    }
+
+    fn map_arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (points, limits) = (self.map.points(), self.map.thresholds());
+        let shape: Vec<usize> = match self.grid {
+            Some(grid) => vec![grid, grid],
+            None => vec![points.len()],
+        };
+        let map = PyDict::new(py);
+        let put = |name: &str, numbers: Vec<f64>, each: usize| {
+            let mut shape = shape.clone();
+            shape.extend((each > 1).then_some(each));
+            map.set_item(name, array(py, numbers, &shape)?)
+        };
+        let each = |of: &dyn Fn(&MapPoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
+        let vectors = |of: &dyn Fn(&MapPoint) -> [f64; 3]| {
+            points
+                .iter()
+                .map(of)
+                .collect::<Vec<[f64; 3]>>()
+                .into_flattened()
+        };
+        put("position", vectors(&|one| one.position.coords.into()), 3)?;
+        put("normal", vectors(&|one| one.normal.into()), 3)?;
+        let std = |one: &MapPoint, of: usize| {
+            let stds = one.curvature.uncertainty;
+            stds.map_or(f64::NAN, |stds| [stds.gaussian_std, stds.mean_std][of])
+        };
+        put("gaussian_curvature", each(&|one| one.curvature.gaussian), 1)?;
+        put("gaussian_curvature_std", each(&|one| std(one, 0)), 1)?;
+        put("mean_curvature", each(&|one| one.curvature.mean), 1)?;
+        put("mean_curvature_std", each(&|one| std(one, 1)), 1)?;
+        put("k_min", each(&|one| one.k_min), 1)?;
+        put("k_max", each(&|one| one.k_max), 1)?;
+        put(
+            "direction_of_min",
+            vectors(&|one| one.direction_of_min.into()),
+            3,
+        )?;
+        put(
+            "direction_of_max",
+            vectors(&|one| one.direction_of_max.into()),
+            3,
+        )?;
+        put(
+            "shape_index",
+            each(&|one| one.shape_index.unwrap_or(f64::NAN)),
+            1,
+        )?;
+        let class = |one: &MapPoint| {
+            let class = one.curvature.class(limits);
+            let place = ShapeClass::ALL.iter().position(|one| *one == class);
+            place.map_or(f64::NAN, |place| place as f64)
+        };
+        put("class_index", each(&class), 1)?;
+        let region = |place: usize| match self.map.regions() {
+            Some(regions) => regions[place] as f64,
+            None => -1.0,
+        };
+        put("region", (0..points.len()).map(region).collect(), 1)?;
+        let unknown = [f64::NAN; ShapeClass::ALL.len()];
+        let probabilities: Vec<[f64; ShapeClass::ALL.len()]> = points
+            .iter()
+            .map(|one| one.curvature.class_probabilities(limits).unwrap_or(unknown))
+            .collect();
+        put(
+            "class_probabilities",
+            probabilities.into_flattened(),
+            ShapeClass::ALL.len(),
+        )?;
+        for name in ["class_index", "region"] {
+            if let Some(numbers) = map.get_item(name)? {
+                map.set_item(name, numbers.call_method1("astype", ("int64",))?)?;
+            }
+        }
+        Ok(map)
+    }
+}
+
+/// Curvature of a patch all over it, from contacts of fingers that glide over the object.
+///
+/// Parameters
+/// ----------
+/// points : array, (n, 3)
+///     Places of the contacts, length; those of a finger in the order in which it made them.
+/// normals : array, (n, 3), optional
+///     Sensed normals out of the object, of any length.
+/// fingers : array, (n,), optional
+///     Number of the finger of each contact, from 0; without, all are of one finger.
+/// method : str, optional
+///     "penalised" (the default): one bicubic spline through heights and slopes, with its uncertainty;
+///     "two-pass": the 1996 paper's smoothing splines; "quadric": least squares.
+/// grid : int, optional
+///     Places along each side of the map, from 1 to 1000; 30 by default.
+/// at_contacts : bool
+///     Whether the map has a place per contact, in their order, instead of a grid.
+/// outward : array, (3,), optional
+///     Direction out of the object, for contacts without normals; +z by default.
+/// gaussian_threshold, mean_threshold : float, optional
+///     Magnitudes below which a curvature counts as zero, 1/length² and 1/length; by default from the patch's size.
+/// inter_finger_distance : float, optional
+///     Length in which the settings of two-pass count; by default the mean distance between neighbouring fingers.
+/// intervals : int, optional
+///     Of penalised: intervals of the spline along each side, from 1 to 24; by default as many as the contacts bear.
+/// criterion : str, optional
+///     Of penalised: how the penalty is chosen, "robust-gcv" (the default), "gcv" or "reml".
+/// gamma : float, optional
+///     Of robust-gcv: how much stronger it smooths than gcv, from 1 to 100; 1.4 by default.
+/// position_std : float, optional
+///     Of penalised and quadric: standard deviation of a position along each axis, length; else found.
+/// normal_std_deg : float, optional
+///     Of penalised and quadric: standard deviation of a normal's tilt about each tangent, degrees; else found.
+/// first_degree, second_degree : int, optional
+///     Of two-pass: degrees of its splines, from 1 to 5; 2 and 3 by default.
+/// weight : float, optional
+///     Of two-pass: factor on residuals; 100 by default.
+/// smoothing, second_smoothing : float, optional
+///     Of two-pass: sums of squared weighted residuals that its splines aim at; 1000 by default.
+/// tangent_step : float, optional
+///     Of two-pass: step to either side along the tangent; 0.05 by default.
+/// tangent_normals : str, optional
+///     Of two-pass: whose normals the tangents are of, "measured" (the default) or "first-fit".
+/// passes : int, optional
+///     Of two-pass: 1 stops after the first spline; 2 by default.
+/// length_unit : str, optional
+///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
+/// like : Study, optional
+///     Study of kind glide whose estimator, finger distance and thresholds stand for what is not given.
+/// cell : int
+///     Number of the study's cell, from 0.
+/// threads : int, optional
+///     Threads that a batch is worked on by; by default one per processor.
+///
+/// Returns
+/// -------
+/// GlideEstimate
+///     Of a batch, points (m, n, 3) with normals (m, n, 3), a Batch of them; fingers (n,) count for all m sets.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     For a shape, a number that is not finite, or a setting out of its range or of no use to the method.
+/// ReadingsError
+///     Where the contacts do not tell the patch: too few, on one line, of a surface that is no graph.
+///
+/// Source
+/// ------
+/// M. Charlebois, K. Gupta and S. Payandeh, Curvature Based Shape Estimation Using Tactile Sensing, ICRA 1996;
+/// P. Dierckx, Curve and Surface Fitting with Splines, 1993 (two-pass); S. Wood, Generalized Additive Models, 2017.
+#[pyfunction]
+#[pyo3(signature = (points, normals=None, fingers=None, *, method=None, grid=None, at_contacts=false, outward=None,
+    gaussian_threshold=None, mean_threshold=None, inter_finger_distance=None, intervals=None, criterion=None,
+    gamma=None, position_std=None, normal_std_deg=None, first_degree=None, second_degree=None, weight=None,
+    smoothing=None, second_smoothing=None, tangent_step=None, tangent_normals=None, passes=None, length_unit=None,
+    like=None, cell=0, threads=None))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn estimate_glide<'py>(
+    py: Python<'py>,
+    points: &Bound<'py, PyAny>,
+    normals: Option<Bound<'py, PyAny>>,
+    fingers: Option<Bound<'py, PyAny>>,
+    method: Option<String>,
+    grid: Option<u32>,
+    at_contacts: bool,
+    outward: Option<[f64; 3]>,
+    gaussian_threshold: Option<f64>,
+    mean_threshold: Option<f64>,
+    inter_finger_distance: Option<f64>,
+    intervals: Option<u32>,
+    criterion: Option<String>,
+    gamma: Option<f64>,
+    position_std: Option<f64>,
+    normal_std_deg: Option<f64>,
+    first_degree: Option<u32>,
+    second_degree: Option<u32>,
+    weight: Option<f64>,
+    smoothing: Option<f64>,
+    second_smoothing: Option<f64>,
+    tangent_step: Option<f64>,
+    tangent_normals: Option<String>,
+    passes: Option<u32>,
+    length_unit: Option<&str>,
+    like: Option<Bound<'py, Study>>,
+    cell: usize,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let unit = self::length_unit(length_unit)?;
+    let whole_number = |number: Option<u32>| number.map(Json::from);
+    let given = GlideGiven {
+        estimator: given([
+            ("kind", word(method)),
+            ("intervals", whole_number(intervals)),
+            ("criterion", word(criterion)),
+            ("gamma", number("gamma", gamma)?),
+            ("position_std", number("position_std", position_std)?),
+            ("normal_std_deg", number("normal_std_deg", normal_std_deg)?),
+            ("first_degree", whole_number(first_degree)),
+            ("second_degree", whole_number(second_degree)),
+            ("weight", number("weight", weight)?),
+            ("smoothing", number("smoothing", smoothing)?),
+            (
+                "second_smoothing",
+                number("second_smoothing", second_smoothing)?,
+            ),
+            ("tangent_step", number("tangent_step", tangent_step)?),
+            ("normals", word(tangent_normals)),
+            ("passes", whole_number(passes)),
+        ]),
+        grid,
+        at_contacts,
+        outward,
+        length_unit: unit,
+        gaussian_threshold,
+        mean_threshold,
+        inter_finger_distance,
+    };
+    let base = self::like(
+        like.as_ref().map(Bound::get),
+        cell,
+        unit,
+        GlideOptions::like,
+    )?;
+    let has_normals = normals.is_some();
+    let options = GlideOptions::given(&given, base, has_normals, Wording::Arguments);
+    let options = options.map_err(error::given)?;
+    let points = Numbers::of("points", points)?;
+    let axes = points.shape().len().clamp(2, 3);
+    points.columns(axes, &[3], "(n, 3) or (m, n, 3)")?;
+    let normals = normals
+        .map(|normals| Numbers::of("normals", &normals))
+        .transpose()?;
+    if let Some(normals) = normals.as_ref().filter(|one| one.shape() != points.shape()) {
+        let wanted = format!("{:?}, as points have it,", points.shape());
+        let wanted = wanted.replace('[', "(").replace(']', ")");
+        return Err(error::shape("normals", &wanted, normals.shape()));
+    }
+    let contacts = points.shape()[axes - 2];
+    let fingers = fingers
+        .map(|fingers| {
+            let fingers = Numbers::of("fingers", &fingers)?;
+            match fingers.shape() {
+                [_] => whole(&fingers),
+                found => Err(error::shape("fingers", "(n,)", found)),
+            }
+        })
+        .transpose()?;
+    let readings = |points: &[[f64; 3]], normals: Option<&[[f64; 3]]>| {
+        GlideReadings::new(points, normals, fingers.as_deref(), unit)
+    };
+    let (rows, normals) = (points.rows::<3>(), normals.as_ref().map(Numbers::rows::<3>));
+    if axes == 2 {
+        let readings = readings(rows, normals).map_err(error::recorded)?;
+        let patch = py.detach(|| Patch::new(&readings, &options));
+        return GlideEstimate::of(py, patch.map_err(error::recorded)?);
+    }
+    let sets = (0..points.shape()[0]).map(|set| {
+        let of_set = |rows: &[[f64; 3]]| rows[set * contacts..][..contacts].to_vec();
+        let readings = readings(&of_set(rows), normals.map(of_set).as_deref());
+        readings.map_err(|error| in_set(set, error))
+    });
+    let sets: Vec<GlideReadings> = sets.collect::<Result<_, _>>().map_err(error::recorded)?;
+    let pool = pool(threads)?;
+    let patches: Vec<Result<(Patch, Json), RecordedError>> = watched(py, |watch| {
+        pool.install(|| {
+            let patch = |readings: &GlideReadings| {
+                let patch = Patch::new(readings, &options)?;
+                let fields = serde_json::to_value(&patch.estimate).unwrap_or(Json::Null);
+                Ok((patch, fields))
+            };
+            let going = sets.par_iter().filter(|_| !watch.is_cancelled());
+            going.map(patch).collect()
+        })
+    })?;
+    let estimates = patches.into_iter().map(|patch| {
+        let (patch, fields) = match patch {
+            Ok(patch) => patch,
+            Err(error) => return Ok(Err(error)),
+        };
+        Ok(Ok((GlideEstimate::of(py, patch)?, fields)))
+    });
+    let batch = Batch::of(py, estimates.collect::<PyResult<_>>()?)?;
+    Ok(Bound::new(py, batch)?.into_any())
+}
+
+/// Error of an array with the number of the set before the place in it.
+pub(crate) fn in_set(set: usize, error: RecordedError) -> RecordedError {
+    match error {
+        RecordedError::Array {
+            array,
+            index,
+            value,
+            message,
+        } => RecordedError::Array {
+            array,
+            index: std::iter::once(set).chain(index).collect(),
+            value,
+            message,
+        },
+        error => error,
+    }
+}

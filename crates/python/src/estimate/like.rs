@@ -1,0 +1,26 @@
+//! Settings of a study for readings.
+
+use palpate::config::{LengthUnit, StudyConfig};
+use palpate::recorded::LikeError;
+use pyo3::prelude::*;
+
+use crate::error;
+use crate::study::Study;
+
+/// Options like those of a cell of a study, with lengths in the readings' unit; where that is not stated, in the study's.
+pub(crate) fn like<T>(
+    study: Option<&Study>,
+    cell: usize,
+    unit: Option<LengthUnit>,
+    options: fn(&StudyConfig, LengthUnit) -> Result<T, LikeError>,
+) -> PyResult<Option<T>> {
+    let Some(study) = study.map(Study::study) else {
+        return Ok(None);
+    };
+    let of_cell = study.cell(cell).map_err(error::config)?;
+    let unit = unit.unwrap_or(of_cell.config.length_unit);
+    let options = options(&of_cell.config, unit);
+    options
+        .map(Some)
+        .map_err(|error| error::config(study.error_at(cell, error.path(), error.to_string())))
+}

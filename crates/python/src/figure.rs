@@ -1,0 +1,49 @@
+//! Figures.
+
+use pyo3::prelude::*;
+
+/// Figure as SVG, which a notebook shows.
+#[pyclass(frozen, module = "palpate")]
+pub(crate) struct Figure {
+    /// Name of its files, without an ending.
+    #[pyo3(get)]
+    name: String,
+    /// Title, which also stands in the picture.
+    #[pyo3(get)]
+    title: String,
+    /// The picture.
+    #[pyo3(get)]
+    svg: String,
+}
+
+impl From<palpate::Figure> for Figure {
+    fn from(figure: palpate::Figure) -> Self {
+        Self {
+            name: figure.name,
+            title: figure.title,
+            svg: figure.svg,
+        }
+    }
+}
+
+#[pymethods]
+impl Figure {
+    #[new]
+    fn new(name: String, title: String, svg: String) -> Self {
+        Self { name, title, svg }
+    }
+
+    fn _repr_svg_(&self) -> &str {
+        &self.svg
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyAny>, (String, String, String)) {
+        let own = slf.get();
+        let state = (own.name.clone(), own.title.clone(), own.svg.clone());
+        (slf.get_type().into_any(), state)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Figure {:?}: {}>", self.name, self.title)
+    }
+}

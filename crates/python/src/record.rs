@@ -1,0 +1,224 @@
+//! Results with named fields.
+
+use pyo3::exceptions::PyAttributeError;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyFloat, PyInt, PyList, PyTuple, PyType};
+use serde::Serialize;
+
+use crate::json::to_python;
+
+/// What a result is made from: its fields are not made before they are asked for.
+pub(crate) trait Made: Send + Sync {
+    /// Fields as plain values: what the command line prints as JSON.
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
+
+    /// Fields beside them that are arrays, or tables of arrays.
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        Ok(PyDict::new(py))
+    }
+}
+
+/// Result with named fields.
+///
+/// A field that is a table is a `Record` itself, one that is a list of numbers an array of float64, in which NaN stands for
+/// none. `float(record)` is its `value`.
+#[pyclass(subclass, frozen, module = "palpate")]
+pub(crate) struct Record {
+    made: Option<Box<dyn Made>>,
+    fields: PyOnceLock<Py<PyDict>>,
+    arrays: PyOnceLock<Py<PyDict>>,
+}
+
+impl Record {
+    pub(crate) fn new(made: impl Made + 'static) -> Self {
+        Self {
+            made: Some(Box::new(made)),
+            fields: PyOnceLock::new(),
+            arrays: PyOnceLock::new(),
+        }
+    }
+
+    pub(crate) fn restored(fields: Bound<'_, PyDict>, arrays: Option<Bound<'_, PyDict>>) -> Self {
+        let py = fields.py();
+        let arrays = arrays.unwrap_or_else(|| PyDict::new(py));
+        let known = |dict: Bound<'_, PyDict>| {
+            let lock = PyOnceLock::new();
+            lock.get_or_init(py, || dict.unbind());
+            lock
+        };
+        Self {
+            made: None,
+            fields: known(fields),
+            arrays: known(arrays),
+        }
+    }
+
+    /// Record of a value that serialises.
+    pub(crate) fn of(py: Python<'_>, value: &impl Serialize) -> PyResult<Self> {
+        let fields = to_python(py, value)?.cast_into::<PyDict>()?;
+        Ok(Self::restored(fields, None))
+    }
+
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
+        let fields = self.fields.get_or_try_init(py, || match &self.made {
+            Some(made) => Ok(made.fields(py)?.cast_into::<PyDict>()?.unbind()),
+            None => Ok::<_, PyErr>(PyDict::new(py).unbind()),
+        })?;
+        Ok(fields.bind(py))
+    }
+
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
+        let arrays = self.arrays.get_or_try_init(py, || match &self.made {
+            Some(made) => Ok(made.arrays(py)?.unbind()),
+            None => Ok::<_, PyErr>(PyDict::new(py).unbind()),
+        })?;
+        Ok(arrays.bind(py))
+    }
+}
+
+#[pymethods]
+impl Record {
+    #[new]
+    #[pyo3(signature = (fields, arrays=None))]
+    fn py_new(fields: Bound<'_, PyDict>, arrays: Option<Bound<'_, PyDict>>) -> Self {
+        Self::restored(fields, arrays)
+    }
+
+    fn __getattr__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let (py, own) = (slf.py(), slf.get());
+        // A word of the language, such as `class_`.
+        let key = name.strip_suffix('_').unwrap_or(name);
+        if let Some(value) = own.fields(py)?.get_item(key)? {
+            return field(value);
+        }
+        if let Some(value) = own.arrays(py)?.get_item(name)? {
+            return field(value);
+        }
+        let kind = slf.get_type().name()?;
+        let message = format!("{kind} has no field {name:?}");
+        Err(PyAttributeError::new_err(message))
+    }
+
+    fn __dir__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyList>> {
+        let (py, own) = (slf.py(), slf.get());
+        let of_class = slf.get_type().call_method0("mro")?;
+        let names = PyList::empty(py);
+        for class in of_class.try_iter()? {
+            names.call_method1("extend", (class?.getattr("__dict__")?,))?;
+        }
+        names.call_method1("extend", (own.fields(py)?,))?;
+        names.call_method1("extend", (own.arrays(py)?,))?;
+        Ok(names)
+    }
+
+    fn __float__(slf: &Bound<'_, Self>) -> PyResult<f64> {
+        slf.getattr("value")?.extract()
+    }
+
+    /// Fields as dictionaries, lists, numbers and texts: what `palpate estimate` prints as JSON.
+    ///
+    /// With `arrays=True` also those that are arrays, as such.
+    #[pyo3(signature = (*, arrays=false))]
+    fn to_dict<'py>(slf: &Bound<'py, Self>, arrays: bool) -> PyResult<Bound<'py, PyAny>> {
+        let (py, own) = (slf.py(), slf.get());
+        let copy = py.import("copy")?.getattr("deepcopy")?;
+        let fields = copy.call1((own.fields(py)?,))?;
+        if arrays {
+            fields.call_method1("update", (copy.call1((own.arrays(py)?,))?,))?;
+        }
+        Ok(fields)
+    }
+
+    fn __eq__(slf: &Bound<'_, Self>, other: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let py = slf.py();
+        let is_same_kind = slf.get_type().is(other.get_type());
+        match other.cast::<Self>() {
+            Ok(other) if is_same_kind => slf.get().fields(py)?.eq(other.get().fields(py)?),
+            _ => Ok(false),
+        }
+    }
+
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyType>, Bound<'py, PyTuple>)> {
+        let (py, own) = (slf.py(), slf.get());
+        let state = PyTuple::new(py, [own.fields(py)?, own.arrays(py)?])?;
+        Ok((slf.get_type(), state))
+    }
+
+    fn __repr__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py()
+            .import("palpate._show")?
+            .call_method1("text", (slf,))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py()
+            .import("palpate._show")?
+            .call_method1("html", (slf,))
+    }
+}
+
+/// Field as it is handed out.
+fn field(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
+    let py = value.py();
+    if let Ok(table) = value.cast::<PyDict>() {
+        return Ok(Bound::new(py, Record::restored(table.clone(), None))?.into_any());
+    }
+    let Ok(list) = value.cast::<PyList>() else {
+        return Ok(value);
+    };
+    let is_number = |item: &Bound<'_, PyAny>| {
+        item.is_none() || item.is_instance_of::<PyFloat>() || item.is_instance_of::<PyInt>()
+    };
+    if !list.is_empty() && list.iter().all(|item| is_number(&item)) {
+        let number = |item: Bound<'_, PyAny>| match item.is_none() {
+            true => Ok(f64::NAN),
+            false => item.extract(),
+        };
+        let numbers: Vec<f64> = list.iter().map(number).collect::<PyResult<_>>()?;
+        return Ok(numpy::PyArray1::from_vec(py, numbers).into_any());
+    }
+    let handed = PyList::empty(py);
+    for item in list.iter() {
+        handed.append(field(item)?)?;
+    }
+    Ok(handed.into_any())
+}
+
+/// Declares a class of results.
+macro_rules! record {
+    ($name:ident, $doc:literal) => {
+        #[doc = $doc]
+        #[pyo3::pyclass(extends = $crate::record::Record, frozen, module = "palpate")]
+        pub(crate) struct $name;
+
+        impl $name {
+            /// Result that is made from this.
+            pub(crate) fn of<'py>(
+                py: pyo3::Python<'py>,
+                made: impl $crate::record::Made + 'static,
+            ) -> pyo3::PyResult<pyo3::Bound<'py, pyo3::PyAny>> {
+                let record = $crate::record::Record::new(made);
+                let class = pyo3::PyClassInitializer::from(record).add_subclass(Self);
+                Ok(pyo3::Bound::new(py, class)?.into_any())
+            }
+        }
+
+        #[pyo3::pymethods]
+        impl $name {
+            #[new]
+            #[pyo3(signature = (fields, arrays=None))]
+            fn py_new(
+                fields: pyo3::Bound<'_, pyo3::types::PyDict>,
+                arrays: Option<pyo3::Bound<'_, pyo3::types::PyDict>>,
+            ) -> pyo3::PyClassInitializer<Self> {
+                let record = $crate::record::Record::restored(fields, arrays);
+                pyo3::PyClassInitializer::from(record).add_subclass(Self)
+            }
+        }
+    };
+}
+
+pub(crate) use record;

@@ -1,0 +1,11 @@
+//! Sensors with markers: calibration, frames, layouts and patterns.
+
+mod calibration;
+mod cut;
+mod frames;
+mod layout;
+
+pub(crate) use calibration::{Calibration, calibrate, calibrate_frames};
+pub(crate) use cut::{Pattern, pattern_of};
+pub(crate) use frames::{Tracked, track};
+pub(crate) use layout::{Layout, pattern};

@@ -1,0 +1,274 @@
+//! Calibration of a camera sensor.
+
+use palpate::Table as Rows;
+use palpate::config::LengthUnit;
+use palpate::recorded::{
+    self, CalibrateOptions, CalibrationReport, KnownOfFrames, NormalFrom, RecordedFile, Wording,
+    calibration_points_of_frames, calibration_toml, parse_calibration, parse_calibration_points,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::Numbers;
+use crate::error;
+use crate::estimate::length_unit;
+use crate::json::of_json;
+use crate::pixels::frame;
+
+/// How the sight of a sensor's markers follows their displacements.
+///
+/// `Calibration(toml)` reads what `palpate sensor calibrate` writes. `summary` and `warnings` are lines of text.
+#[pyclass(frozen, module = "palpate")]
+pub(crate) struct Calibration {
+    pub(super) calibration: recorded::Calibration,
+    pub(super) unit: LengthUnit,
+    /// The calibration in words, a line each: slopes, standard errors, R² and residuals.
+    #[pyo3(get)]
+    summary: Vec<String>,
+    /// Doubts, in words.
+    #[pyo3(get)]
+    warnings: Vec<String>,
+}
+
+impl From<CalibrationReport> for Calibration {
+    fn from(report: CalibrationReport) -> Self {
+        Self {
+            summary: report.summary(),
+            warnings: report.warnings(),
+            unit: report.length_unit,
+            calibration: report.calibration,
+        }
+    }
+}
+
+#[pymethods]
+impl Calibration {
+    #[new]
+    #[pyo3(signature = (toml, summary=None, warnings=None))]
+    fn new(
+        toml: String,
+        summary: Option<Vec<String>>,
+        warnings: Option<Vec<String>>,
+    ) -> PyResult<Self> {
+        let file = RecordedFile::new("calibration", toml.into_bytes());
+        let (calibration, unit) = parse_calibration(&file).map_err(error::recorded)?;
+        Ok(Self {
+            calibration,
+            unit,
+            summary: summary.unwrap_or_default(),
+            warnings: warnings.unwrap_or_default(),
+        })
+    }
+
+    /// Unit of its lengths.
+    #[getter]
+    fn length_unit(&self) -> &'static str {
+        self.unit.as_str()
+    }
+
+    /// The calibration as TOML, which `palpate sensor track --calibration` reads.
+    fn to_toml(&self) -> String {
+        calibration_toml(&self.calibration, self.unit)
+    }
+
+    /// The same as a dictionary.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let parsed: Result<serde_json::Value, toml::de::Error> = toml::from_str(&self.to_toml());
+        let parsed = parsed.map_err(|error| error::RunError::new_err(error.to_string()))?;
+        of_json(py, &parsed)
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.to_toml() == other.to_toml()
+    }
+
+    #[allow(clippy::type_complexity)]
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> (Bound<'py, PyAny>, (String, Vec<String>, Vec<String>)) {
+        let own = slf.get();
+        let state = (own.to_toml(), own.summary.clone(), own.warnings.clone());
+        (slf.get_type().into_any(), state)
+    }
+
+    fn __repr__(&self) -> String {
+        match self.summary.is_empty() {
+            true => format!("<Calibration in {}>", self.unit.as_str()),
+            false => self.summary.join("\n"),
+        }
+    }
+}
+
+fn source(name: &str) -> PyResult<NormalFrom> {
+    let mut all = NormalFrom::ALL.into_iter();
+    all.find(|from| from.name() == name).ok_or_else(|| {
+        let message = format!("source: must be hue, size or both, is {name:?}");
+        error::argument("source", &[], None, message)
+    })
+}
+
+/// Calibrates hue, size and centroid of markers against displacements that are known, from tables.
+///
+/// Parameters
+/// ----------
+/// *tables : mapping of str to array, (n,)
+///     Each with `normal_displacement` (length, inward) and `hue_turns`, `growth` (of the logarithm of the marker's
+///     diameter) or both; with `tangential_displacement` (length) and `centroid_shift_px`; or with all of these. `series`
+///     and `marker` may tell which series and which marker it was. Data frames are mappings too.
+/// source : str
+///     What normal displacements are read from: "hue", "size" or "both".
+/// per_marker : bool
+///     Whether each marker that was seen at 3 or more displacements has a slope of its own.
+/// length_unit : str, optional
+///     Unit of all lengths: "m", "cm", "mm", "um" or "unit", which is the default.
+///
+/// Returns
+/// -------
+/// Calibration
+///
+/// Raises
+/// ------
+/// ArgumentError, ReadingsError
+///     For columns that are missing, unknown, of different lengths or not finite; for points that tell no slope.
+///
+/// Source
+/// ------
+/// X. Lin et al., ICRA 2020, section IV.
+#[pyfunction]
+#[pyo3(signature = (*tables, source="hue", per_marker=false, length_unit=None))]
+pub(crate) fn calibrate(
+    tables: Vec<Bound<'_, PyAny>>,
+    source: &str,
+    per_marker: bool,
+    length_unit: Option<&str>,
+) -> PyResult<Calibration> {
+    let options = CalibrateOptions {
+        from: self::source(source)?,
+        per_marker,
+        markers: None,
+        length_unit: self::length_unit(length_unit)?,
+        wording: Wording::Arguments,
+    };
+    let points = tables.iter().enumerate().map(|(place, table)| {
+        let file = RecordedFile::new(format!("tables[{place}]"), csv(place, table)?);
+        parse_calibration_points(&file).map_err(error::recorded)
+    });
+    let points: Vec<_> = points.collect::<PyResult<_>>()?;
+    let report = recorded::calibrate(&points, &options).map_err(error::recorded)?;
+    Ok(report.into())
+}
+
+/// A table of columns as CSV, every digit of its numbers kept.
+fn csv(place: usize, table: &Bound<'_, PyAny>) -> PyResult<Vec<u8>> {
+    let py = table.py();
+    let columns = py
+        .get_type::<PyDict>()
+        .call1((table,))?
+        .cast_into::<PyDict>()?;
+    let mut names: Vec<String> = Vec::new();
+    let mut all: Vec<Vec<f64>> = Vec::new();
+    for (name, column) in columns.iter() {
+        let name: String = name.extract()?;
+        let numbers = Numbers::of("tables", &column)?;
+        let column = numbers.flat().to_vec();
+        let at = |message: String, index: &[usize], value| {
+            let message = format!("tables[{place}][{name:?}]{message}");
+            error::argument("tables", index, value, message)
+        };
+        let rows = all.first().map_or(column.len(), Vec::len);
+        if numbers.shape().len() != 1 || column.len() != rows {
+            let message = format!(": must have shape ({rows},), has {:?}", numbers.shape());
+            return Err(at(message, &[place], None));
+        }
+        if let Some(row) = column.iter().position(|number| !number.is_finite()) {
+            let message = format!("[{row}]: must be finite, is {}", column[row]);
+            return Err(at(message, &[place, row], Some(column[row])));
+        }
+        names.push(name);
+        all.push(column);
+    }
+    let mut rows = Rows::new(names);
+    for row in 0..all.first().map_or(0, Vec::len) {
+        rows.push_numbers(all.iter().map(|column| column[row]));
+    }
+    Ok(rows.to_csv().into_bytes())
+}
+
+/// Calibrates against displacements that are known, from frames.
+///
+/// Parameters
+/// ----------
+/// rest : array of uint8, (h, w, 3)
+///     Frame at rest, red, green and blue.
+/// pressed : sequence of such arrays
+///     Pressed frames; the marker that changes the most in each is the one under the contact.
+/// normal, tangential : array, (k,), optional
+///     Displacement of that marker inward, and along the skin, in each of the k frames, length.
+/// px_per_rad : float, optional
+///     Focal length of the fisheye; else the scale in the middle of the frames is taken to hold everywhere.
+/// source, per_marker, length_unit
+///     As of `calibrate`.
+///
+/// Returns
+/// -------
+/// Calibration
+///
+/// Raises
+/// ------
+/// ArgumentError, ReadingsError
+///     For frames of different sizes, without markers or of another sensor; for points that tell no slope.
+#[pyfunction]
+#[pyo3(signature = (rest, pressed, *, normal=None, tangential=None, px_per_rad=None, source="hue", per_marker=false,
+    length_unit=None))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn calibrate_frames(
+    py: Python<'_>,
+    rest: &Bound<'_, PyAny>,
+    pressed: Vec<Bound<'_, PyAny>>,
+    normal: Option<Bound<'_, PyAny>>,
+    tangential: Option<Bound<'_, PyAny>>,
+    px_per_rad: Option<f64>,
+    source: &str,
+    per_marker: bool,
+    length_unit: Option<&str>,
+) -> PyResult<Calibration> {
+    let known = |name: &'static str, numbers: Option<Bound<'_, PyAny>>| {
+        let of_frames = |numbers: Bound<'_, PyAny>| {
+            let numbers = Numbers::of(name, &numbers)?;
+            if numbers.shape() != [pressed.len()] {
+                let wanted = format!("({},), one per pressed frame,", pressed.len());
+                return Err(error::shape(name, &wanted, numbers.shape()));
+            }
+            Ok(numbers.flat().to_vec())
+        };
+        numbers.map(of_frames).transpose()
+    };
+    let from = self::source(source)?;
+    let known = KnownOfFrames {
+        normal: known("normal", normal)?,
+        tangential: known("tangential", tangential)?,
+        from,
+        px_per_rad,
+    };
+    if known.normal.is_none() && known.tangential.is_none() {
+        let message = "frames need normal or tangential: a displacement of the marker under the contact for each";
+        return Err(error::argument("normal", &[], None, message));
+    }
+    let rest = frame("rest", rest)?;
+    let frames = pressed.iter().enumerate();
+    let frames = frames.map(|(place, one)| frame(&format!("pressed[{place}]"), one));
+    let frames: Vec<recorded::Frame> = frames.collect::<PyResult<_>>()?;
+    let unit = self::length_unit(length_unit)?;
+    let report = py.detach(|| {
+        let (points, markers) = calibration_points_of_frames(&rest, &frames, &known)?;
+        let options = CalibrateOptions {
+            from,
+            per_marker,
+            markers: Some(markers),
+            length_unit: unit,
+            wording: Wording::Arguments,
+        };
+        recorded::calibrate(&[points], &options)
+    });
+    Ok(report.map_err(error::recorded)?.into())
+}

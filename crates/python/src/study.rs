@@ -1,0 +1,312 @@
+//! Studies: configs, what they will do, and their runs.
+
+mod results;
+mod runs;
+mod trace;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use palpate::config;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+
+use crate::error;
+use crate::json::{from_python, of_json};
+use crate::record::Record;
+use crate::sensor;
+
+pub(crate) use results::Results;
+pub(crate) use trace::Trace;
+
+/// Simulated study: a scene, the axes along which it varies, and the plots of its results.
+///
+/// Parameters
+/// ----------
+/// source : str, dict or path
+///     Config as TOML text, as a dictionary with the same keys, or the path of a file. `palpate.schema()` has every key
+///     with its unit and its default.
+/// name : str, optional
+///     Name of a text or a dictionary, for messages; "study" by default.
+///
+/// Raises
+/// ------
+/// ConfigError
+///     Where a field is missing, unknown or out of its range: `path` names it.
+///
+/// Examples
+/// --------
+/// >>> study = palpate.Study({
+/// ...     "name": "a-ball", "length_unit": "mm", "trials": 100,
+/// ...     "scene": palpate.scene(
+/// ...         "roll", probe=palpate.surface("sphere", radius=10.0), object=palpate.surface("sphere", radius=30.0),
+/// ...         motion={"rate_rad_per_s": 0.1, "duration_s": 1.0},
+/// ...         sensor={"kind": "pads", "pitch": 0.5}),
+/// ... })
+/// >>> study.with_(**{"scene.sensor.pitch": 0.2}).run().cells["mean"].shape
+/// (5,)
+#[pyclass(frozen, module = "palpate")]
+pub(crate) struct Study {
+    study: Arc<palpate::Study>,
+    file: String,
+    text: String,
+}
+
+impl Study {
+    /// Study of a text.
+    pub(crate) fn of(file: String, text: String) -> PyResult<Self> {
+        let study = config::parse(&file, &text).map_err(error::config)?;
+        let study = Arc::new(study);
+        Ok(Self { study, file, text })
+    }
+
+    pub(crate) fn study(&self) -> &palpate::Study {
+        &self.study
+    }
+
+    pub(crate) fn shared(&self) -> Arc<palpate::Study> {
+        Arc::clone(&self.study)
+    }
+}
+
+/// Fields that are set, from a dictionary and from keyword arguments.
+fn fields(
+    fields: Option<&Bound<'_, PyDict>>,
+    more: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Vec<(String, serde_json::Value)>> {
+    let all = fields
+        .into_iter()
+        .chain(more)
+        .flat_map(|fields| fields.iter());
+    all.map(|(path, value)| Ok((path.extract()?, from_python(&value)?)))
+        .collect()
+}
+
+#[pymethods]
+impl Study {
+    #[new]
+    #[pyo3(signature = (source, *, name=None))]
+    fn new(source: &Bound<'_, PyAny>, name: Option<String>) -> PyResult<Self> {
+        let file = name.unwrap_or_else(|| "study".to_owned());
+        if let Ok(text) = source.cast::<PyString>() {
+            return Self::of(file, text.to_cow()?.into_owned());
+        }
+        if source.is_instance_of::<PyDict>() {
+            let text = config::of_json(&file, &from_python(source)?).map_err(error::config)?;
+            return Self::of(file, text);
+        }
+        let path: PathBuf = source.extract().map_err(|_| {
+            let message = "source must be a text, a dictionary or the path of a file";
+            PyTypeError::new_err(message)
+        })?;
+        let study = config::load(&path).map_err(error::config)?;
+        Ok(Self {
+            file: path.display().to_string(),
+            text: study.text().to_owned(),
+            study: Arc::new(study),
+        })
+    }
+
+    /// Name of the study.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.study.config.name
+    }
+
+    /// Question that it answers; may be empty.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.study.config.title
+    }
+
+    /// Unit of every length.
+    #[getter]
+    fn length_unit(&self) -> &'static str {
+        self.study.config.length_unit.as_str()
+    }
+
+    /// Number of cells: of combinations of the swept values.
+    #[getter]
+    fn cell_count(&self) -> usize {
+        self.study.cell_count()
+    }
+
+    /// Number of trials that are asked for, of all cells together; cells in which nothing is random run fewer.
+    #[getter]
+    fn trials(&self) -> u64 {
+        self.study.trials()
+    }
+
+    /// Seed of all random draws.
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.study.config.seed
+    }
+
+    /// Config as it was given, as TOML.
+    #[getter]
+    fn toml(&self) -> &str {
+        &self.text
+    }
+
+    /// Config with every default written out, as TOML: the `run.toml` of the command line.
+    #[getter]
+    fn resolved(&self) -> String {
+        palpate::resolved(&self.study)
+    }
+
+    /// Config as a dictionary, every default filled in.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        crate::json::to_python(py, &self.study.config)
+    }
+
+    /// Swept values of a cell by their paths.
+    fn cell<'py>(&self, py: Python<'py>, number: usize) -> PyResult<Bound<'py, PyDict>> {
+        let cell = self.study.cell(number).map_err(error::config)?;
+        let values = PyDict::new(py);
+        for (path, text) in self.study.paths.iter().zip(&cell.coordinates) {
+            // A value as it is written: a number where it is one.
+            let value = serde_json::from_str(text);
+            let value = value.unwrap_or_else(|_| serde_json::Value::String(text.clone()));
+            values.set_item(path, of_json(py, &value)?)?;
+        }
+        Ok(values)
+    }
+
+    /// Study with some fields set, each by its path: `study.with_(**{"scene.sensor.pitch": 0.2}, trials=100)`.
+    ///
+    /// None takes a field away. Raises ConfigError.
+    #[pyo3(signature = (fields=None, /, **more))]
+    fn with_(
+        &self,
+        fields: Option<Bound<'_, PyDict>>,
+        more: Option<Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let fields = self::fields(fields.as_ref(), more.as_ref())?;
+        let text = config::with_fields(&self.file, &self.text, &fields);
+        Self::of(self.file.clone(), text.map_err(error::config)?)
+    }
+
+    /// Study with an axis more for each path, which takes the values of a list in turn:
+    /// `study.sweep(**{"scene.sensor.pitch": [0.1, 0.2, 0.5]})`. Several axes multiply. Raises ConfigError.
+    #[pyo3(signature = (axes=None, /, **more))]
+    fn sweep(
+        &self,
+        axes: Option<Bound<'_, PyDict>>,
+        more: Option<Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let axes = self::fields(axes.as_ref(), more.as_ref())?;
+        let text = config::with_axes(&self.file, &self.text, &axes);
+        Self::of(self.file.clone(), text.map_err(error::config)?)
+    }
+
+    /// What a run will do: cells, trials, models and why, and roughly how long.
+    ///
+    /// Returns a Record with `cells`, `checked`, `set_up`, `single`, `trials`, `seconds`, `threads` and `groups`, of each
+    /// the number of its `cells`, what it `needs` and why, and the `rungs` of its model with errors and costs (s).
+    /// `threads` are those that the time is for; `progress` is called with numbers of cells.
+    /// Raises ConfigError.
+    #[pyo3(signature = (*, threads=None, progress=None))]
+    fn check<'py>(
+        &self,
+        py: Python<'py>,
+        threads: Option<usize>,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let check = runs::check(py, self.shared(), threads, progress.as_ref())?;
+        Ok(Bound::new(py, Record::of(py, &check)?)?.into_any())
+    }
+
+    /// Study with the number of trials, and the rung of its model, that a budget of time (s) or a target error (the
+    /// relative standard error of every rms error) allow. Raises ConfigError, RunError.
+    #[pyo3(signature = (*, budget=None, target_error=None, threads=None))]
+    fn plan(
+        &self,
+        py: Python<'_>,
+        budget: Option<f64>,
+        target_error: Option<f64>,
+        threads: Option<usize>,
+    ) -> PyResult<Self> {
+        let text = runs::plan(py, self.shared(), budget, target_error, threads)?;
+        Self::of(self.file.clone(), text)
+    }
+
+    /// Runs all trials, without the interpreter's lock.
+    ///
+    /// Parameters
+    /// ----------
+    /// trials, seed : int, optional
+    ///     In place of the study's own.
+    /// threads : int, optional
+    ///     By default one per processor. No result depends on it.
+    /// progress : callable, optional
+    ///     Called now and then with the number of trials done since it was last called: `tqdm(total=…).update`.
+    ///
+    /// Returns
+    /// -------
+    /// Results
+    ///     Tables byte for byte those of `palpate run`. Ctrl-C stops the run within 0.1 s.
+    ///
+    /// Raises
+    /// ------
+    /// ConfigError
+    ///     Where a cell makes no scene.
+    #[pyo3(signature = (*, trials=None, seed=None, threads=None, progress=None))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        trials: Option<u64>,
+        seed: Option<u64>,
+        threads: Option<usize>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Results> {
+        let mut study = palpate::Study::clone(&self.study);
+        if let Some(trials) = trials {
+            study.override_trials(trials).map_err(error::config)?;
+        }
+        if let Some(seed) = seed {
+            study.override_seed(seed).map_err(error::config)?;
+        }
+        let study = Arc::new(study);
+        let (ran, warnings) = runs::run(py, Arc::clone(&study), threads, progress.as_ref())?;
+        let shown = Self::of("run.toml".to_owned(), palpate::resolved(&study))?;
+        let shown = Py::new(py, shown)?.into_any();
+        Results::of(py, study, shown, ran, warnings)
+    }
+
+    /// Follows one pass of a cell: noiseless, or as in trial number `trial`. Returns a Trace.
+    ///
+    /// Raises ConfigError for a cell that there is not, RunError for a pass that ends early.
+    #[pyo3(signature = (cell=0, trial=None))]
+    fn trace(&self, py: Python<'_>, cell: usize, trial: Option<u64>) -> PyResult<Trace> {
+        Trace::of(py, self.shared(), cell, trial)
+    }
+
+    /// Flat pattern that the sensor's skin is cut from: a Pattern. Raises ConfigError where there is none.
+    fn pattern<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        sensor::pattern_of(py, &self.study)
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.resolved() == other.resolved()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, String))> {
+        let own = slf.get();
+        let restored = slf.get_type().getattr("_restored")?;
+        Ok((restored, (own.file.clone(), own.text.clone())))
+    }
+
+    #[staticmethod]
+    fn _restored(file: String, text: String) -> PyResult<Self> {
+        Self::of(file, text)
+    }
+
+    fn __repr__(&self) -> String {
+        let (cells, trials) = (self.study.cell_count(), self.study.trials());
+        let name = &self.study.config.name;
+        let kind = self.study.config.scene.kind();
+        format!("<Study {name:?}: a {kind}, {cells} cells, {trials} trials>")
+    }
+}

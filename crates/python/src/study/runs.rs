@@ -1,0 +1,165 @@
+//! Work on studies, on threads of its own.
+
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use palpate::{
+    Check, Cost, Goal, PlanError, Ran, RunOptions, Rungs, Runner, Simulation, Study, SweepError,
+    resolved,
+};
+use pyo3::prelude::*;
+use serde_json::{Value as Json, json};
+
+use crate::error;
+use crate::watch::watched_alone;
+
+/// More threads than this only cost their setting up.
+const MOST_THREADS: usize = 256;
+
+fn runner(threads: Option<usize>) -> PyResult<Runner> {
+    let threads = match threads {
+        None => None,
+        Some(threads) => match NonZeroUsize::new(threads.min(MOST_THREADS)) {
+            Some(threads) => Some(threads),
+            None => {
+                let message = "threads is 0; it must be at least 1";
+                return Err(error::argument("threads", &[], Some(0.0), message));
+            }
+        },
+    };
+    let runner = Runner::new(&RunOptions {
+        threads,
+        ..RunOptions::default()
+    });
+    runner.map_err(|error| error::RunError::new_err(error.to_string()))
+}
+
+/// Error of cells that cannot be run.
+fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
+    match error {
+        SweepError::SetUp(error) => error::config(error),
+        error => error::RunError::new_err(error.to_string()),
+    }
+}
+
+pub(super) fn run(
+    py: Python<'_>,
+    study: Arc<Study>,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Ran, Vec<String>)> {
+    let runner = runner(threads)?;
+    let ran = watched_alone(py, progress, move |watch| {
+        palpate::refuse(&study).map_err(SweepError::SetUp)?;
+        let simulation = Simulation::new(&study, 0..study.cell_count(), &runner);
+        let simulation = simulation.map_err(SweepError::SetUp)?;
+        let ran = simulation.run(&watch.cancelled, &|trials| watch.tell(trials))?;
+        Ok((ran, simulation.warnings()))
+    })?;
+    ran.map_err(of_sweep)
+}
+
+pub(super) fn check(
+    py: Python<'_>,
+    study: Arc<Study>,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Json> {
+    let runner = runner(threads)?;
+    let check = watched_alone(py, progress, move |watch| {
+        let start = Instant::now();
+        let told = std::cell::Cell::new(0);
+        let tell = |done: usize, _all: usize| {
+            watch.tell(done.saturating_sub(told.replace(done)) as u64);
+        };
+        palpate::check(&study, &runner, &|| start.elapsed(), &tell)
+    })?;
+    check.map(|check| of_check(&check)).map_err(of_sweep)
+}
+
+fn of_check(check: &Check) -> Json {
+    let groups = check.groups.iter().map(|group| {
+        json!({
+            "cells": group.cells,
+            "needs": group.needs,
+            "needless": group.needless,
+            "rungs": of_rungs(&group.rungs),
+        })
+    });
+    json!({
+        "cells": check.cells,
+        "checked": check.checked,
+        "set_up": check.set_up,
+        "single": check.single,
+        "trials": check.trials,
+        "seconds": check.seconds,
+        "threads": check.threads,
+        "groups": groups.collect::<Vec<Json>>(),
+    })
+}
+
+fn of_rungs(rungs: &Rungs) -> Json {
+    match rungs {
+        Rungs::None | Rungs::NotMeasured => Json::Null,
+        Rungs::AsIn(cell) => json!({ "as_in_cell": cell }),
+        Rungs::Measured {
+            cell,
+            ladder,
+            costs,
+        } => {
+            let all = costs.iter().map(|(place, cost)| {
+                let rung = &ladder.rungs[*place];
+                json!({
+                    "name": rung.name,
+                    "taken": *place == ladder.taken,
+                    "error": rung.outcome.as_ref().ok(),
+                    "cannot": rung.outcome.as_ref().err(),
+                    "seconds": cost.map(|cost| cost.seconds()),
+                    "each_trial": cost.map(|cost| matches!(cost, Cost::EachTrial(_))),
+                })
+            });
+            json!({
+                "cell": cell,
+                "reason": ladder.reason,
+                "tolerance": ladder.tolerance,
+                "rungs": all.collect::<Vec<Json>>(),
+            })
+        }
+    }
+}
+
+/// Text of the study that a goal chooses.
+pub(super) fn plan(
+    py: Python<'_>,
+    study: Arc<Study>,
+    budget: Option<f64>,
+    target_error: Option<f64>,
+    threads: Option<usize>,
+) -> PyResult<String> {
+    for (name, value) in [("budget", budget), ("target_error", target_error)] {
+        if let Some(value) = value.filter(|value| !(*value > 0.0 && *value <= 1e10)) {
+            let message = format!("{name} is {value}; it must be > 0 and <= 1e10");
+            return Err(error::argument(name, &[], Some(value), message));
+        }
+    }
+    let goal = Goal {
+        budget: budget.map(Duration::from_secs_f64),
+        target_error,
+    };
+    if goal == Goal::default() {
+        let message = "needs budget, target_error or both";
+        return Err(error::argument("budget", &[], None, message));
+    }
+    let runner = runner(threads)?;
+    let planned = watched_alone(py, None, move |_| {
+        let start = Instant::now();
+        let cells: Vec<usize> = (0..study.cell_count()).collect();
+        palpate::plan(&study, &cells, &goal, &runner, &|| start.elapsed())
+            .map(|(study, _)| resolved(&study))
+    })?;
+    planned.map_err(|error| match error {
+        PlanError::SetUp(error) => error::config(error),
+        error => error::RunError::new_err(error.to_string()),
+    })
+}

@@ -1,0 +1,93 @@
+"""The package: documents, stubs, metadata."""
+
+import importlib.metadata
+import inspect
+import re
+import subprocess
+import sys
+
+import palpate
+
+
+def test_everything_is_documented():
+    for name in palpate.__all__:
+        thing = getattr(palpate, name)
+        if isinstance(thing, (str, tuple)):
+            continue
+        assert inspect.getdoc(thing), name
+        if inspect.isclass(thing):
+            for member, value in vars(thing).items():
+                if not member.startswith("_") and callable(value):
+                    assert inspect.getdoc(value), f"{name}.{member}"
+
+
+def test_every_argument_is_described():
+    for name in ("estimate_roll", "estimate_glide", "estimate_press", "track", "calibrate", "calibrate_frames"):
+        function = getattr(palpate, name)
+        document = inspect.getdoc(function)
+        for argument in inspect.signature(function).parameters:
+            assert re.search(rf"^[^\n]*\b{argument}\b[^\n]* :|\b{argument}\b", document, re.M), f"{name}: {argument}"
+        for section in ("Parameters", "Returns", "Raises"):
+            assert section in document, f"{name}: {section}"
+
+
+def test_settings_of_estimators_are_arguments():
+    """A setting that a config has is an argument too."""
+    schema = palpate.schema()
+    renamed = {"kind": "method", "normals": "tangent_normals"}
+    scenes = {
+        variant["properties"]["kind"]["const"]: variant["properties"]
+        for variant in schema["properties"]["scene"]["oneOf"]
+    }
+    for scene, function in [
+        ("roll", palpate.estimate_roll),
+        ("glide", palpate.estimate_glide),
+        ("press", palpate.estimate_press),
+    ]:
+        arguments = inspect.signature(function).parameters
+        estimator = scenes[scene]["estimator"]
+        for variant in estimator.get("oneOf", [estimator]):
+            for key in variant["properties"]:
+                assert renamed.get(key, key) in arguments, f"{scene}: {key}"
+
+
+def test_metadata():
+    data = importlib.metadata.metadata("palpate")
+    assert data["Version"] == palpate.__version__
+    assert data["License-Expression"] == "MIT OR Apache-2.0"
+    files = {path.name for path in importlib.metadata.files("palpate")}
+    assert {"LICENSE-MIT", "LICENSE-APACHE", "py.typed", "_native.pyi"} <= files
+
+
+def test_errors_are_value_errors_that_pickle():
+    import pickle
+
+    try:
+        palpate.estimate_roll([[0, 1]], [[0, float("nan")]], probe_radius=1)
+    except ValueError as error:
+        again = pickle.loads(pickle.dumps(error))
+        assert type(again) is palpate.ArgumentError and str(again) == str(error)
+        assert (again.argument, again.index) == ("shifts", (0, 1))
+
+
+def test_examples_in_the_documents():
+    """The lines of the docstrings do what they say."""
+    import doctest
+
+    for name in palpate.__all__:
+        thing = getattr(palpate, name)
+        text = inspect.getdoc(thing) if not isinstance(thing, (str, tuple)) else None
+        examples = doctest.DocTestParser().get_doctest(text or "", {"palpate": palpate}, name, None, 0)
+        runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+        runner.run(examples)
+        assert runner.summarize().failed == 0, name
+
+
+def test_import_is_light():
+    """Nothing but NumPy and the package itself is imported."""
+    script = (
+        "import sys, numpy; before = set(sys.modules); import palpate;"
+        "print(*sorted({name.split('.')[0] for name in set(sys.modules) - before}))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert set(done.stdout.split()) <= {"__future__", "palpate"}

@@ -1,0 +1,197 @@
+"""Results: fields, arrays, words, pickles; batches."""
+
+import copy
+import json
+import multiprocessing
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import palpate
+import pytest
+from conftest import SENSOR
+
+
+def everything(rolls, glides, presses, ball):
+    results = ball.run()
+    calibration = palpate.calibrate(
+        {"normal_displacement": [0.0, 0.5, 1.0, 1.5], "hue_turns": [0.0, 0.011, 0.019, 0.031]}
+    )
+    return [
+        palpate.estimate_roll(*rolls, probe_radius=10, length_unit="mm"),
+        palpate.estimate_roll(*rolls, probe_radius=10).mean_curvature,
+        palpate.estimate_roll(rolls[0], np.stack([rolls[1], 0 * rolls[1]]), probe_radius=10),
+        palpate.estimate_glide(*glides),
+        palpate.estimate_glide(np.stack([glides[0], 0 * glides[0]]), None, glides[2]),
+        palpate.estimate_press(*presses, **SENSOR),
+        palpate.estimate_press(presses[0], np.stack([presses[1]] * 2), **SENSOR),
+        calibration,
+        palpate.Layout(20.0),
+        palpate.Layout(20.0, discs={"magenta_diameter": 2.0, "yellow_diameter": 2.0}).pattern(),
+        ball,
+        results,
+        results.cells,
+        results.trace(),
+        palpate.Figure("a", "b", "<svg/>"),
+    ]
+
+
+def test_all_results_have_words_and_pickle(rolls, glides, presses, ball):
+    for result in everything(rolls, glides, presses, ball):
+        assert type(result).__name__ in repr(result) or isinstance(result, (palpate.Record, palpate.Calibration))
+        if hasattr(result, "_repr_html_"):
+            assert "<table" in result._repr_html_()
+        for again in (pickle.loads(pickle.dumps(result)), copy.deepcopy(result)):
+            assert type(again) is type(result)
+            assert repr(again) == repr(result)
+            if isinstance(result, palpate.Record):
+                assert again == result and again.to_dict() == result.to_dict()
+            if hasattr(result, "to_csv"):
+                assert again.to_csv() == result.to_csv()
+
+
+def test_fields_are_those_of_the_dictionary(rolls, glides, presses):
+    for estimate in (
+        palpate.estimate_roll(*rolls, probe_radius=10),
+        palpate.estimate_glide(*glides),
+        palpate.estimate_press(*presses, **SENSOR),
+    ):
+        fields = estimate.to_dict()
+        assert json.loads(json.dumps(fields)) == fields
+        assert set(fields) <= set(dir(estimate))
+        for name, value in fields.items():
+            found = getattr(estimate, name)
+            if isinstance(value, dict):
+                assert isinstance(found, palpate.Record)
+            elif isinstance(value, float):
+                assert found == value
+        arrays = estimate.to_dict(arrays=True)
+        assert set(arrays) >= set(fields)
+        with pytest.raises(AttributeError, match="no field .curvature"):
+            estimate.curvature
+        # Changing a copy changes nothing.
+        fields["method"] = "another"
+        assert estimate.method != "another"
+    assert estimate.relative_curvature.interval95.shape == (2,)
+    assert float(estimate.relative_curvature) == estimate.relative_curvature.value
+
+
+def test_the_map_of_a_patch(glides):
+    estimate = palpate.estimate_glide(*glides, grid=12)
+    grid = estimate.map
+    assert grid.mean_curvature.shape == (12, 12) and grid.position.shape == (12, 12, 3)
+    assert grid.class_probabilities.shape == (12, 12, len(palpate.SHAPE_CLASSES))
+    np.testing.assert_allclose(grid.class_probabilities.sum(axis=-1), 1, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(grid.normal, axis=-1), 1)
+    np.testing.assert_allclose(grid.k_min + grid.k_max, 2 * grid.mean_curvature)
+    np.testing.assert_allclose(grid.k_min * grid.k_max, grid.gaussian_curvature, atol=1e-12)
+    assert grid.class_index.dtype == np.int64 and set(np.unique(grid.region)) == set(
+        range(len(estimate.regions))
+    )
+    assert estimate.class_ == getattr(estimate, "class")
+    std = estimate.covariance.diagonal() ** 0.5
+    assert std == pytest.approx([estimate.gaussian_curvature.std, estimate.mean_curvature.std])
+    here = palpate.estimate_glide(*glides, at_contacts=True).map
+    assert here.mean_curvature.shape == (30,) and (here.region == -1).all()
+    assert np.isnan(palpate.estimate_glide(*glides, method="two-pass").covariance).all()
+
+
+def test_batches_of_glides_and_presses(glides, presses):
+    points, normals, fingers = glides
+    random = np.random.default_rng(1)
+    many = points + random.normal(0, 0.1, (6, *points.shape))
+    many[4] = 0
+    batch = palpate.estimate_glide(many, np.stack([normals] * 6), fingers, grid=5)
+    assert len(batch) == 6 and list(batch.errors) == [4]
+    for place in (0, 3, -1):
+        one = palpate.estimate_glide(many[place], normals, fingers, grid=5)
+        assert batch[place] == one
+        assert batch.mean_curvature.value[place] == one.mean_curvature.value
+        np.testing.assert_array_equal(batch.normal[place], one.normal)
+        assert batch.to_dict()["class"][place] == one.class_
+    assert np.isnan(batch.mean_curvature.value[4]) and np.isnan(batch.normal[4]).all()
+    with pytest.raises(palpate.ReadingsError, match="one point"):
+        batch[4]
+    with pytest.raises(IndexError):
+        batch[6]
+    positions, displacements = presses
+    pressed = displacements * np.linspace(0.8, 1.2, 4)[:, None, None]
+    batch = palpate.estimate_press(positions, pressed, threads=2, **SENSOR)
+    for place in range(4):
+        one = palpate.estimate_press(positions, pressed[place], **SENSOR)
+        assert batch[place] == one
+        assert batch.object_curvature.value[place] == one.object_curvature.value
+        np.testing.assert_array_equal(
+            batch.object_curvature.interval95[place], one.object_curvature.interval95
+        )
+    assert batch.errors == {}
+
+
+def test_a_batch_of_rolls_in_which_some_tell_nothing(rolls):
+    rotations, shifts = rolls
+    many = np.stack([shifts] * 10_001)
+    many[[0, 7, 10_000]] = [0 * shifts, -shifts, 1e3 * shifts]
+    for threads in (1, 2, None):
+        batch = palpate.estimate_roll(rotations, many, probe_radius=10, threads=threads)
+        assert sorted(batch.errors) == [0, 7, 10_000]
+        assert np.isnan(batch.mean_curvature.value).sum() == 3
+        assert "half way" in batch.errors[10_000]
+        with pytest.raises(palpate.ReadingsError, match="did not move"):
+            batch[0]
+        assert batch[1].mean_curvature == pytest.approx(
+            palpate.estimate_roll(rotations, shifts, probe_radius=10).mean_curvature.value
+        )
+    many[5000, 3, 1] = np.nan
+    many[9000, 0, 0] = np.nan
+    with pytest.raises(palpate.ArgumentError) as caught:
+        palpate.estimate_roll(rotations, many, probe_radius=10)
+    assert caught.value.index == (5000, 3, 1)
+    assert len(palpate.estimate_roll(rotations, many[:0], probe_radius=10)) == 0
+    with pytest.raises(palpate.ArgumentError, match="threads is 0"):
+        palpate.estimate_roll(rotations, shifts[None], probe_radius=10, threads=0)
+
+
+def test_many_threads_of_python(glides):
+    points, normals, fingers = glides
+    alone = palpate.estimate_glide(points, normals, fingers)
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda _: palpate.estimate_glide(points, normals, fingers), range(64)))
+    assert all(one == alone for one in found)
+
+
+def worker(shifts):
+    rotations = [[0, -0.3], [0.3, 0]]
+    return palpate.estimate_roll(rotations, shifts, probe_radius=10)
+
+
+def test_processes_that_are_spawned():
+    shifts = [[[2, 0], [0, scale]] for scale in (1.5, 2.0, 2.5)]
+    with multiprocessing.get_context("spawn").Pool(2) as pool:
+        found = pool.map(worker, shifts)
+    assert [one.mean_curvature.value for one in found] == [
+        worker(one).mean_curvature.value for one in shifts
+    ]
+
+
+def test_memory_does_not_grow(rolls, glides, presses, ball):
+    def resident():
+        with open("/proc/self/statm") as statm:
+            return int(statm.read().split()[1]) * 4096 / 1e6
+
+    def once():
+        palpate.estimate_roll(*rolls, probe_radius=10).to_dict()
+        palpate.estimate_roll(rolls[0], np.stack([rolls[1]] * 100), probe_radius=10).to_dict()
+        palpate.estimate_glide(*glides).map.mean_curvature.sum()
+        palpate.estimate_press(*presses, **SENSOR).to_dict()
+        ball.run(trials=20, threads=1).cells.to_dict()
+        try:
+            palpate.estimate_roll(*rolls, probe_radius=-1)
+        except palpate.ArgumentError:
+            pass
+
+    for _ in range(30):
+        once()
+    before = resident()
+    for _ in range(200):
+        once()
+    assert resident() - before < 4, "MB in 200 runs"

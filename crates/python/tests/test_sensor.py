@@ -1,0 +1,126 @@
+"""Camera sensors: frames, calibrations, layouts, patterns."""
+
+import numpy as np
+import palpate
+import pytest
+from conftest import EXAMPLES
+
+CAMERA = palpate.Study(EXAMPLES / "press-with-a-camera.toml")
+
+
+@pytest.fixture(scope="module")
+def trace():
+    return CAMERA.trace(3, 0)
+
+
+def test_frames_are_tracked(trace):
+    assert trace.rest.dtype == np.uint8 and trace.rest.shape == trace.pressed.shape
+    tracked = palpate.track(trace.rest, trace.pressed)
+    assert tracked.fates.tracked >= 0.9 * tracked.fates.at_rest > 50
+    assert tracked.markers.height == len(tracked.markers["status"])
+    assert tracked.difference.shape == trace.rest.shape
+    assert tracked.overlay.shape[2] == 3 and tracked.estimate is None
+    strided = np.repeat(trace.rest, 2, axis=1)[:, ::2]
+    again = palpate.track(strided, np.asfortranarray(trace.pressed))
+    assert again.markers.to_csv() == tracked.markers.to_csv()
+
+
+def test_frames_that_cannot_be(trace):
+    for frame in (trace.rest[..., 0], trace.rest[..., :2], trace.rest / 255, trace.rest.astype(int), "frame"):
+        with pytest.raises(palpate.ArgumentError) as caught:
+            palpate.track(frame, trace.pressed)
+        assert caught.value.argument == "rest"
+    with pytest.raises(palpate.ReadingsError, match="px"):
+        palpate.track(trace.rest, trace.pressed[:-1])
+    with pytest.raises(palpate.ReadingsError):
+        palpate.track(np.full_like(trace.rest, 90), trace.pressed)
+    with pytest.raises(palpate.ArgumentError, match="depth is of use only with calibration"):
+        palpate.track(trace.rest, trace.pressed, depth=2.0)
+
+
+def test_from_two_frames_to_an_object():
+    """Presses of the known depth calibrate the sensor; then one on a ball tells its radius."""
+    scene = CAMERA.to_dict()["scene"]
+    probe = scene["probe"]
+    plane = CAMERA.with_({"sweep": None, "plot": None, "scene.object": {"kind": "plane"}})
+    frames, depths = [], [0.3, 0.6, 0.9, 1.2]
+    for depth in depths:
+        frames.append(plane.with_(**{"scene.motion.indentation": depth}).trace(0, 0))
+    # Displacement of the marker under the contact, which is not the indentation at its depth.
+    inward = [float(np.max(one.contacts["normal_displacement_mm"])) for one in frames]
+    focal = 0.5 * scene["sensor"]["size_px"] / np.radians(scene["sensor"]["field_deg"])
+    calibration = palpate.calibrate_frames(
+        frames[0].rest, [one.pressed for one in frames], normal=inward, source="size",
+        length_unit="mm", px_per_rad=focal,
+    )
+    assert "normal" in calibration.to_dict() and repr(calibration)
+    ball = CAMERA.with_({"sweep": None, "plot": None, "scene.object": {"kind": "sphere", "radius": 30.0}})
+    seen = ball.with_(**{"scene.motion.indentation": 1.2}).trace(0, 0)
+    settings = {"sensor_radius": probe["radius"], "depth": probe["marker_depth"]}
+    model = scene["model"]
+    if model["kind"] == "bonded-layer":
+        settings |= {"method": "bonded-layer", "thickness": model["thickness"]}
+    tracked = palpate.track(
+        seen.rest, seen.pressed, calibration=calibration, px_per_rad=focal, indentation=1.2,
+        indentation_std=0.05, **settings,
+    )
+    low, high = tracked.estimate.object_curvature.interval95
+    assert tracked.estimate.verdict in ("convex", "flat-within-noise", "not-resolved")
+    assert tracked.readings.height == tracked.fates.tracked and tracked.field.height > 0
+    assert "Tracked" in repr(tracked) and "PressEstimate" in repr(tracked)
+    with pytest.raises(palpate.ArgumentError, match="sensor_radius"):
+        palpate.track(seen.rest, seen.pressed, calibration=calibration)
+    with pytest.raises(TypeError, match="thicknes"):
+        palpate.track(seen.rest, seen.pressed, calibration=calibration, thicknes=1)
+    with pytest.raises(palpate.ArgumentError, match="grid"):
+        palpate.track(seen.rest, seen.pressed, calibration=calibration, grid=0, **settings)
+
+
+def test_calibrations_that_cannot_be(trace):
+    good = {"normal_displacement": [0.0, 0.5, 1.0], "hue_turns": [0.0, 0.01, 0.02]}
+    assert palpate.calibrate(good, length_unit="mm").length_unit == "mm"
+    for table in (
+        {**good, "hue_turns": [0.0, 0.01]},
+        {**good, "hue_turns": [0.0, np.nan, 0.02]},
+        {**good, "hue_turns": np.zeros((3, 1))},
+    ):
+        with pytest.raises(palpate.ArgumentError):
+            palpate.calibrate(table)
+    for table in (
+        {"normal_displacement": [0.0, 1.0]},
+        {**good, "colour": [1, 2, 3]},
+        {**good, "hue_turns": [0.0, 0.0, 0.0]},
+    ):
+        with pytest.raises(palpate.ReadingsError):
+            palpate.calibrate(table)
+    with pytest.raises(palpate.ReadingsError, match="growth"):
+        palpate.calibrate(good, source="size")
+    with pytest.raises(palpate.ArgumentError, match="hue, size or both"):
+        palpate.calibrate(good, source="shape")
+    with pytest.raises(palpate.ReadingsError):
+        palpate.calibrate()
+    with pytest.raises(palpate.ArgumentError, match="normal or tangential"):
+        palpate.calibrate_frames(trace.rest, [trace.pressed])
+    with pytest.raises(palpate.ArgumentError, match="one per pressed frame"):
+        palpate.calibrate_frames(trace.rest, [trace.pressed], normal=[1, 2])
+    with pytest.raises(palpate.ReadingsError, match="calibration"):
+        palpate.Calibration("no = 1")
+
+
+def test_layouts_and_patterns():
+    layout = palpate.Layout(20.0, marker_depth=2.0, discs={"magenta_diameter": 2.0, "yellow_diameter": 2.0})
+    assert len(layout) == 77 and layout.positions.shape == (77, 2)
+    away = np.hypot(*layout.positions.T)
+    assert sorted(set(np.round(np.degrees(away / 20.0), 6))) == pytest.approx(11.9 * np.arange(6), abs=1e-6)
+    pattern = layout.pattern()
+    assert (pattern.gores, pattern.markers) == (4, 77)
+    assert palpate.pattern(layout) == pattern.svg and pattern.svg.startswith("<")
+    row = palpate.Layout(10.0, {"kind": "line", "markers": 5, "length": 8.0})
+    np.testing.assert_allclose(row.positions[:, 0], [-4, -2, 0, 2, 4], atol=1e-12)
+    for arguments in ({"radius": -1.0}, {"radius": 1.0, "layout": "none"}, {"radius": 1.0, "layout": {"kind": "line"}}):
+        with pytest.raises(palpate.ConfigError):
+            palpate.Layout(**arguments)
+    with pytest.raises(palpate.ConfigError, match="gores"):
+        row.pattern()
+    with pytest.raises(palpate.ConfigError, match="markers"):
+        palpate.Layout.of(palpate.Study(EXAMPLES / "pads-for-a-ball.toml"))
