@@ -8,6 +8,7 @@ mod answer;
 mod curves;
 mod field;
 mod figure;
+mod json;
 mod measure;
 mod question;
 mod table;
@@ -24,6 +25,7 @@ use curves::CellCurves;
 
 pub use answer::{Answer, LookedAt, Sample};
 pub use field::Field;
+pub(crate) use json::{found, shown};
 pub(crate) use question::MOST_COLUMNS;
 pub use question::{DesignError, Question};
 pub(crate) use table::verdict;

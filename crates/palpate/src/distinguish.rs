@@ -3,6 +3,7 @@
 mod error;
 mod figure;
 mod found;
+mod json;
 mod objects;
 mod words;
 

@@ -7,6 +7,7 @@
 mod figure;
 mod found;
 mod grid;
+mod json;
 mod survey;
 mod table;
 mod words;

@@ -2,9 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use palpate::config::Study;
-use palpate::{Answer, DesignError, Extreme, Field, Region, Side, Sought, Survey, load};
-use serde_json::{Map, Value, json};
+use palpate::{Answer, DesignError, Extreme, Region, Sought, Survey, load};
 
 use crate::budget::runner;
 use crate::cli::DesignArgs;
@@ -69,8 +67,8 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
         answers::write(folder, &study, texts, figure)?;
     }
     answers::print(&args.answer, lines, || match &found {
-        Found::Line(answer) => line(&study, answer),
-        Found::Region(region) => several(&study, region),
+        Found::Line(answer) => answer.to_json(&study),
+        Found::Region(region) => region.to_json(&study),
     })
 }
 
@@ -98,92 +96,4 @@ fn refused(error: DesignError) -> Failure {
         DesignError::Config(error) => anyhow::Error::new(error),
         error => anyhow::Error::new(error),
     })
-}
-
-/// The answer along one field as JSON.
-fn line(study: &Study, answer: &Answer) -> Value {
-    let mut value = json!({
-        "format_version": 1,
-        "study": study.config.name,
-        "answer": answer.sentence(),
-        "target": answer.target.to_string(),
-        "max_failures": answer.max_failures,
-        "path": answer.field.path,
-        "unit": answer.field.label.unit,
-        "confidence": answer.confidence,
-    });
-    if let Some(value) = value.as_object_mut() {
-        value.extend(found(answer));
-    }
-    value
-}
-
-/// The answer of several fields as JSON.
-fn several(study: &Study, region: &Region) -> Value {
-    let field = |field: &Field| json!({ "path": field.path, "unit": field.label.unit });
-    let columns = region.columns.iter().map(|column| {
-        let at = region.grid.iter().zip(&column.at);
-        let at = at.map(|(field, value)| (field.path.clone(), shown(field, *value)));
-        let mut value = Map::from_iter([("at".to_owned(), Value::Object(at.collect()))]);
-        value.extend(found(&column.answer));
-        Value::Object(value)
-    });
-    let answer = &region.columns[0].answer;
-    let best = region.best().map(|best| {
-        let pairs = region.grid.iter().zip(&best.column.at);
-        let grid = pairs.map(|(field, value)| (field.path.clone(), shown(field, *value)));
-        let searched = region.searched();
-        let searched = (searched.path.clone(), shown(searched, best.searched));
-        Value::Object(grid.chain([searched]).collect())
-    });
-    json!({
-        "format_version": 1,
-        "study": study.config.name,
-        "answer": region.sentence(),
-        "target": answer.target.to_string(),
-        "max_failures": answer.max_failures,
-        "grid": region.grid.iter().map(field).collect::<Vec<_>>(),
-        "path": region.searched().path,
-        "unit": region.searched().label.unit,
-        "confidence": region.confidence,
-        "sought": region.sought.as_ref().map(|sought| &sought.path),
-        "best_that_meets": best,
-        "columns": columns.collect::<Vec<_>>(),
-    })
-}
-
-/// Value of a field: a number, or the text of one that is listed.
-fn shown(field: &Field, value: f64) -> Value {
-    match field.is_listed() {
-        true => json!(field.text(value)),
-        false => json!(value),
-    }
-}
-
-/// What was found along a field.
-fn found(answer: &Answer) -> Map<String, Value> {
-    let text = |value: f64| shown(&answer.field, value);
-    let runs = |side: Side| -> Value {
-        let runs = answer.on(side);
-        runs.map(|run| json!({ "from": text(run.from), "to": text(run.to) }))
-            .collect()
-    };
-    let best = answer.best().map(|(looked, sample)| {
-        json!({
-            "value": text(looked.value),
-            "statistic": sample.statistic.map(|(value, _)| value),
-            "std_error": sample.statistic.map(|(_, std)| std),
-            "failing": sample.failing(),
-        })
-    });
-    Map::from_iter([
-        ("meets".to_owned(), runs(Side::Meets)),
-        ("misses".to_owned(), runs(Side::Misses)),
-        ("best".to_owned(), best.unwrap_or(Value::Null)),
-        ("narrowed".to_owned(), json!(answer.narrowed)),
-        (
-            "ended".to_owned(),
-            json!(format!("{:?}", answer.ended).to_lowercase()),
-        ),
-    ])
 }

@@ -1,9 +1,5 @@
 //! `palpate distinguish`.
 
-use palpate::config::Study;
-use palpate::{Repeats, ToldApart};
-use serde_json::{Value, json};
-
 use crate::budget::runner;
 use crate::cli::DistinguishArgs;
 use crate::failure::Failure;
@@ -42,39 +38,5 @@ pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
         let figure = found.figure(TOLD_FIGURE, answers::title(&study));
         answers::write(folder, &study, texts, figure)?;
     }
-    answers::print(&args.answer, found.sentences(), || value(&study, &found))
-}
-
-/// The answer as JSON.
-fn value(study: &Study, found: &ToldApart) -> Value {
-    let groups = found.groups.iter().map(|group| {
-        let pairs = group.pairs.iter().map(|pair| {
-            let [first, second] =
-                [pair.first, pair.second].map(|place| found.object_in_words(&group.objects[place]));
-            let repeats = match pair.repeats {
-                Some(Repeats::Found(count) | Repeats::About(count)) => json!(count),
-                _ => Value::Null,
-            };
-            json!({
-                "first": first,
-                "second": second,
-                "told_apart": pair.order.map(|order| order.probability),
-                "low95": pair.order.map(|order| order.low),
-                "high95": pair.order.map(|order| order.high),
-                "repeats": repeats,
-            })
-        });
-        json!({
-            "settings": found.settings_in_words(group),
-            "pairs": pairs.collect::<Vec<_>>(),
-        })
-    });
-    json!({
-        "format_version": 1,
-        "study": study.config.name,
-        "quantity": found.quantity.name,
-        "confidence": found.confidence,
-        "groups": groups.collect::<Vec<_>>(),
-        "answer": found.sentences(),
-    })
+    answers::print(&args.answer, found.sentences(), || found.to_json(&study))
 }
