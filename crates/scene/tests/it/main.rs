@@ -1,6 +1,7 @@
 //! Integration tests.
 #![allow(clippy::unwrap_used)]
 
+mod arrays;
 mod camera;
 mod extremes;
 mod fingertip;

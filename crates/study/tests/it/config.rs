@@ -1,6 +1,7 @@
 //! Study configs, from text to cells.
 
 mod cells;
+mod edited;
 mod many;
 mod refused;
 mod refused_plots;
