@@ -8,6 +8,14 @@ use serde_json::{Map, Number, Value as Json};
 
 use crate::error;
 
+/// JSON as TOML; `path` is the field that it is of.
+pub(crate) fn to_toml(path: &str, json: &Json) -> PyResult<toml::Value> {
+    toml::Value::try_from(json).map_err(|error| {
+        let message = format!("{path}: no value of a config: {json}: {error}");
+        PyTypeError::new_err(message)
+    })
+}
+
 /// Value that serialises, as dictionaries, lists, numbers and texts.
 pub(crate) fn to_python<'py>(
     py: Python<'py>,

@@ -1,5 +1,6 @@
 //! The native module of the Python package palpate: arrays and arguments in, the library's answers out.
 
+mod answers;
 mod arrays;
 mod error;
 mod estimate;
@@ -44,6 +45,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<study::Study>()?;
     module.add_class::<study::Results>()?;
     module.add_class::<study::Trace>()?;
+    module.add_class::<answers::design::DesignAnswer>()?;
+    module.add_class::<answers::distinguish::ToldApart>()?;
     module.add_function(wrap_pyfunction!(schema, module)?)?;
     module.add_function(wrap_pyfunction!(estimate::estimate_roll, module)?)?;
     module.add_function(wrap_pyfunction!(estimate::estimate_glide, module)?)?;
@@ -52,5 +55,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sensor::calibrate_frames, module)?)?;
     module.add_function(wrap_pyfunction!(sensor::track, module)?)?;
     module.add_function(wrap_pyfunction!(sensor::pattern, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::design::design, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::distinguish::distinguish, module)?)?;
     Ok(())
 }

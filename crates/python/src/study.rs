@@ -18,6 +18,7 @@ use crate::record::Record;
 use crate::sensor;
 
 pub(crate) use results::Results;
+pub(crate) use runs::runner;
 pub(crate) use trace::Trace;
 
 /// Simulated study: a scene, the axes along which it varies, and the plots of its results.
@@ -65,8 +66,28 @@ impl Study {
         &self.study
     }
 
+    /// The study with another number of trials, and another seed.
+    pub(crate) fn with(&self, trials: Option<u64>, seed: Option<u64>) -> PyResult<palpate::Study> {
+        let mut study = palpate::Study::clone(&self.study);
+        if let Some(trials) = trials {
+            study.override_trials(trials).map_err(error::config)?;
+        }
+        if let Some(seed) = seed {
+            study.override_seed(seed).map_err(error::config)?;
+        }
+        Ok(study)
+    }
+
     pub(crate) fn shared(&self) -> Arc<palpate::Study> {
         Arc::clone(&self.study)
+    }
+}
+
+/// Title of a study's figures.
+pub(crate) fn title(study: &palpate::Study) -> &str {
+    match study.config.title.as_str() {
+        "" => &study.config.name,
+        title => title,
     }
 }
 
@@ -261,14 +282,7 @@ impl Study {
         threads: Option<usize>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Results> {
-        let mut study = palpate::Study::clone(&self.study);
-        if let Some(trials) = trials {
-            study.override_trials(trials).map_err(error::config)?;
-        }
-        if let Some(seed) = seed {
-            study.override_seed(seed).map_err(error::config)?;
-        }
-        let study = Arc::new(study);
+        let study = Arc::new(self.with(trials, seed)?);
         let (ran, warnings) = runs::run(py, Arc::clone(&study), threads, progress.as_ref())?;
         let shown = Self::of("run.toml".to_owned(), palpate::resolved(&study))?;
         let shown = Py::new(py, shown)?.into_any();

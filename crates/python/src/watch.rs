@@ -32,6 +32,13 @@ impl Watch {
         self.cancelled.load(Ordering::Relaxed)
     }
 
+    /// Unwinds work that is cancelled, where nothing else ends it.
+    pub(crate) fn unwind_if_cancelled(&self) {
+        if self.is_cancelled() {
+            std::panic::resume_unwind(Box::new("cancelled"));
+        }
+    }
+
     /// Calls a progress with how much has been done since the last call.
     fn call(&self, py: Python<'_>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
         let done = self.done.swap(0, Ordering::Relaxed);

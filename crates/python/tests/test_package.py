@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import palpate
+from conftest import EXAMPLES
 
 
 def test_everything_is_documented():
@@ -81,6 +82,15 @@ def test_examples_in_the_documents():
         runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
         runner.run(examples)
         assert runner.summarize().failed == 0, name
+
+
+def test_the_lines_of_the_readme(monkeypatch, capsys):
+    root = EXAMPLES.parent
+    monkeypatch.chdir(root)
+    (block,) = re.findall(r"```python\n(.*?)```", (root / "README.md").read_text(), re.S)
+    assert block.count("\n") <= 12
+    exec(compile(block, "README.md", "exec"), {})
+    assert "1/mm" in capsys.readouterr().out
 
 
 def test_import_is_light():

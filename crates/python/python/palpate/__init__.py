@@ -11,6 +11,8 @@ estimate from a press                 estimate_press(positions, displacements, s
 find markers in camera frames         track(rest, pressed), calibrate(table), calibrate_frames(…)
 lay out a skin, and cut it            Layout(radius), pattern(layout)
 simulate                              Study(toml or dict).run()
+find what sensor or motion will do    design(study, target, vary)
+know which objects can be told apart  distinguish(study, vary=…)
 ====================================  ==========================================================
 
 Lengths are in whatever unit the caller has, angles in radians where a name does not end in ``_deg``; a curvature is
@@ -23,6 +25,7 @@ from ._native import (
     Batch,
     Calibration,
     ConfigError,
+    DesignAnswer,
     Figure,
     GlideEstimate,
     Layout,
@@ -37,11 +40,14 @@ from ._native import (
     RunError,
     Study,
     Table,
+    ToldApart,
     Trace,
     Tracked,
     __version__,
     calibrate,
     calibrate_frames,
+    design,
+    distinguish,
     estimate_glide,
     estimate_press,
     estimate_roll,
@@ -57,6 +63,7 @@ __all__ = [
     "Batch",
     "Calibration",
     "ConfigError",
+    "DesignAnswer",
     "Figure",
     "GlideEstimate",
     "Layout",
@@ -71,11 +78,14 @@ __all__ = [
     "RunError",
     "Study",
     "Table",
+    "ToldApart",
     "Trace",
     "Tracked",
     "__version__",
     "calibrate",
     "calibrate_frames",
+    "design",
+    "distinguish",
     "estimate_glide",
     "estimate_press",
     "estimate_roll",

@@ -5,6 +5,43 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__all__ = [
+    "SHAPE_CLASSES",
+    "ArgumentError",
+    "Batch",
+    "Calibration",
+    "ConfigError",
+    "DesignAnswer",
+    "Figure",
+    "GlideEstimate",
+    "Layout",
+    "PalpateError",
+    "Pattern",
+    "PressEstimate",
+    "ReadingsError",
+    "Record",
+    "Results",
+    "RollBatch",
+    "RollEstimate",
+    "RunError",
+    "Study",
+    "Table",
+    "ToldApart",
+    "Trace",
+    "Tracked",
+    "__version__",
+    "calibrate",
+    "calibrate_frames",
+    "design",
+    "distinguish",
+    "estimate_glide",
+    "estimate_press",
+    "estimate_roll",
+    "pattern",
+    "schema",
+    "track",
+]
+
 __version__: str
 SHAPE_CLASSES: tuple[str, ...]
 
@@ -28,7 +65,7 @@ class Record:
     def __new__(cls, fields: dict[str, Any], arrays: dict[str, Any] | None = None) -> Record: ...
     def __getattr__(self, name: str) -> Any: ...
     def __float__(self) -> float: ...
-    def __eq__(self, other: object) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
     def to_dict(self, *, arrays: bool = False) -> dict[str, Any]: ...
     def _repr_html_(self) -> str: ...
 
@@ -66,6 +103,56 @@ class RollEstimate(Record):
     unresolved_probes: list[Record]
     warnings: list[str]
     covariance: _Floats
+
+class _Run(Record):
+    from_: float | str
+    to: float | str
+
+class _Best(Record):
+    value: float | str
+    statistic: float | None
+    std_error: float | None
+    failing: float
+
+@final
+class DesignAnswer(Record):
+    study: str
+    answer: str
+    target: str
+    max_failures: float
+    path: str
+    unit: str
+    confidence: float
+    meets: list[_Run]
+    misses: list[_Run]
+    best: _Best | None
+    narrowed: int
+    ended: str
+    lines: list[str]
+    table: Table
+    figure: Figure
+
+class _Pair(Record):
+    first: str
+    second: str
+    told_apart: float | None
+    low95: float | None
+    high95: float | None
+    repeats: int | None
+
+class _Group(Record):
+    settings: str
+    pairs: list[_Pair]
+
+@final
+class ToldApart(Record):
+    study: str
+    quantity: str
+    confidence: float
+    groups: list[_Group]
+    answer: list[str]
+    table: Table
+    figure: Figure
 
 class _Map(Record):
     position: _Floats
@@ -442,3 +529,29 @@ def track(
     **settings: Any,
 ) -> Tracked: ...
 def pattern(sensor: Study | Layout) -> str: ...
+def design(
+    study: Study,
+    target: str,
+    vary: str | dict[str, Any],
+    *,
+    set: dict[str, Any] | None = None,
+    max_failures: float = 0.05,
+    gap: float = 0.05,
+    most_trials: int = 4_194_304,
+    budget: float | None = ...,
+    seed: int | None = None,
+    threads: int | None = None,
+    progress: Callable[[int], Any] | None = None,
+) -> DesignAnswer: ...
+def distinguish(
+    study: Study,
+    *,
+    vary: dict[str, list[Any]] | None = None,
+    set: dict[str, Any] | None = None,
+    quantity: str | None = None,
+    confidence: float = 0.95,
+    trials: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    progress: Callable[[int], Any] | None = None,
+) -> ToldApart: ...

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 _LONG = 6
+_FEW = 3
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -54,7 +55,9 @@ def _words(value: Any) -> str | None:
         if all(isinstance(item, (int, float)) or item is None for item in value):
             ends = ("-" if item is None else number(item) for item in value)
             return "(" + ", ".join(ends) + ")"
-        return f"{len(value)}"
+        if len(value) > _FEW:
+            return f"{len(value)}"
+        return "; ".join(_words(item) or "-" for item in value)
     return str(value)
 
 
@@ -89,9 +92,75 @@ def html(record: Any) -> str:
         f'<td style="text-align:left">{_html.escape(words)}</td></tr>'
         for key, words in _rows(record)
     )
-    figure = getattr(record, "svg", "")
+    figure = _figure(record)
     name = type(record).__name__
     return f"<table><caption>{name}</caption>{rows}</table>{figure}"
+
+
+def _figure(record: Any) -> str:
+    """Figure of a record as SVG: its own, a map of its mean curvature, or its curvatures with their intervals."""
+    if hasattr(record, "figure"):
+        return str(record.figure.svg)
+    curvature = getattr(getattr(record, "map", None), "mean_curvature", None)
+    if curvature is not None and curvature.ndim == 2:
+        return _heat(curvature, f"mean curvature, {record.mean_curvature.unit}")
+    return _intervals(record)
+
+
+def _svg(width: float, height: float, parts: list[str]) -> str:
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" width="{width:g}" '
+        f'height="{height:g}" font-family="sans-serif" font-size="12">{"".join(parts)}</svg>'
+    )
+
+
+def _heat(values: np.ndarray[Any, Any], title: str) -> str:
+    """Squares, the first axis to the right and the second upwards; darker the larger."""
+    low, high = float(np.min(values)), float(np.max(values))
+    columns, rows = values.shape
+    side = 240 / max(columns, rows)
+    shade = (values - low) / ((high - low) or 1.0)
+    parts = [
+        f'<rect x="{side * i:.2f}" y="{20 + side * (rows - 1 - j):.2f}" width="{side + 0.1:.2f}" '
+        f'height="{side + 0.1:.2f}" fill="rgb({245 - 225 * s:.0f},{245 - 165 * s:.0f},{250 - 110 * s:.0f})"/>'
+        for (i, j), s in np.ndenumerate(shade)
+    ]
+    text = f"{title}: {number(low)} (light) to {number(high)} (dark)"
+    return _svg(420, 25 + side * rows, [f'<text x="0" y="13">{_html.escape(text)}</text>', *parts])
+
+
+def _intervals(record: Any) -> str:
+    """Curvatures of one unit as points with 95 % bars; nothing where there is none."""
+    lines: list[tuple[str, float, float, float]] = []
+    for name, value in record.to_dict().items():
+        if not isinstance(value, dict) or not str(value.get("unit", "")).startswith("1/"):
+            continue
+        if str(value["unit"]).endswith("^2") or not isinstance(value.get("value"), float):
+            continue
+        middle = float(value["value"])
+        spread = 1.96 * (value.get("std") or 0.0)
+        low, high = value.get("interval95") or (middle - spread, middle + spread)
+        lines.append((name, middle if low is None else float(low), middle, middle if high is None else float(high)))
+    if not lines:
+        return ""
+    ends = [end for _, *all_ends in lines for end in all_ends] + [0.0]
+    least, most = min(ends), max(ends)
+    scale = 250 / ((most - least) or 1.0)
+
+    def at(value: float) -> str:
+        return f"{160 + scale * (value - least):.1f}"
+
+    parts = [f'<line x1="{at(0)}" x2="{at(0)}" y1="4" y2="{18 * len(lines) + 6}" stroke="#999"/>']
+    for row, (name, low, middle, high) in enumerate(lines):
+        y = 18 * row + 14
+        parts.append(
+            f'<text x="0" y="{y + 4}">{_html.escape(name.replace("_", " "))}</text>'
+            f'<line x1="{at(low)}" x2="{at(high)}" y1="{y}" y2="{y}" stroke="#1a5fa8" stroke-width="2"/>'
+            f'<circle cx="{at(middle)}" cy="{y}" r="4" fill="#1a5fa8"/>'
+        )
+    y = 18 * len(lines) + 20
+    parts.append(f'<text x="{at(0)}" y="{y}" text-anchor="middle">flat</text>')
+    return _svg(430, y + 6, parts)
 
 
 def table(header: list[str], rows: list[list[str]], height: int) -> str:

@@ -30,8 +30,8 @@ pub(crate) struct Pattern {
 
 #[pymethods]
 impl Pattern {
-    #[new]
-    fn new(
+    #[staticmethod]
+    fn _restored(
         svg: String,
         dxf: String,
         gores: u32,
@@ -63,8 +63,8 @@ impl Pattern {
             own.greatest_fold_strain,
             own.rms_fold_strain,
         );
-        let class = slf.get_type().into_any();
-        Ok((class, state.into_pyobject(slf.py())?.into_any()))
+        let restored = slf.get_type().getattr("_restored")?;
+        Ok((restored, state.into_pyobject(slf.py())?.into_any()))
     }
 
     fn __repr__(&self) -> String {

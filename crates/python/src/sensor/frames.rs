@@ -53,9 +53,9 @@ pub(crate) struct Tracked {
 
 #[pymethods]
 impl Tracked {
-    #[new]
+    #[staticmethod]
     #[allow(clippy::too_many_arguments)]
-    fn new(
+    fn _restored(
         markers: Py<Table>,
         fates: Py<PyAny>,
         warnings: Vec<String>,
@@ -90,8 +90,8 @@ impl Tracked {
             table(&own.field),
             own.estimate.as_ref().map(|estimate| estimate.clone_ref(py)),
         );
-        let class = slf.get_type().into_any();
-        Ok((class, state.into_pyobject(py)?.into_any()))
+        let restored = slf.get_type().getattr("_restored")?;
+        Ok((restored, state.into_pyobject(py)?.into_any()))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -170,12 +170,13 @@ pub(crate) fn track(
                 PressOptions::like,
             )?;
             let given = arguments.given(None)?;
-            if base.is_none() && given.depth.is_none() {
+            let is_stated = base.is_some() || given.depth.is_some();
+            let options = PressOptions::given(&given, base, Wording::Arguments);
+            let options = options.map_err(error::given)?;
+            if !is_stated {
                 let message = "calibration needs depth, or like";
                 return Err(error::argument("depth", &[], None, message));
             }
-            let options = PressOptions::given(&given, base, Wording::Arguments);
-            let options = options.map_err(error::given)?;
             if !(1..=1000).contains(&grid) {
                 let message = format!("grid is {grid}; it must be a whole number from 1 to 1000");
                 return Err(error::argument("grid", &[], Some(grid as f64), message));

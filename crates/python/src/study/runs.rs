@@ -17,7 +17,7 @@ use crate::watch::watched_alone;
 /// More threads than this only cost their setting up.
 const MOST_THREADS: usize = 256;
 
-fn runner(threads: Option<usize>) -> PyResult<Runner> {
+pub(crate) fn runner(threads: Option<usize>) -> PyResult<Runner> {
     let threads = match threads {
         None => None,
         Some(threads) => match NonZeroUsize::new(threads.min(MOST_THREADS)) {
@@ -72,6 +72,7 @@ pub(super) fn check(
         let told = std::cell::Cell::new(0);
         let tell = |done: usize, _all: usize| {
             watch.tell(done.saturating_sub(told.replace(done)) as u64);
+            watch.unwind_if_cancelled();
         };
         palpate::check(&study, &runner, &|| start.elapsed(), &tell)
     })?;

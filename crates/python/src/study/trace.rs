@@ -88,8 +88,8 @@ impl Trace {
         Ok(drawn.into_iter().map(Figure::from).collect())
     }
 
-    #[new]
-    fn new(
+    #[staticmethod]
+    fn _restored(
         what: String,
         contacts: Py<Table>,
         readings: Py<Table>,
@@ -118,8 +118,8 @@ impl Trace {
             shared(&own.rest),
             shared(&own.pressed),
         );
-        let class = slf.get_type().into_any();
-        Ok((class, state.into_pyobject(py)?.into_any()))
+        let restored = slf.get_type().getattr("_restored")?;
+        Ok((restored, state.into_pyobject(py)?.into_any()))
     }
 
     fn __repr__(&self) -> String {

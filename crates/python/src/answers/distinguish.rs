@@ -1,0 +1,162 @@
+//! How surely objects are told apart.
+
+use palpate::DistinguishError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::Value as Json;
+
+use crate::error;
+use crate::figure::Figure;
+use crate::json::{from_python, of_json, to_toml};
+use crate::record::{Made, record};
+use crate::study::{Study, runner};
+use crate::table::Table;
+use crate::watch::watched_alone;
+
+record!(
+    ToldApart,
+    "How surely one trial of each of two objects puts them in the right order, and how many trials do.\n\nFields: what `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings` and `pairs` of `first`, `second`, `told_apart` (a probability, None where they are alike), `low95`, `high95`\nand `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
+);
+
+/// What an answer is made from.
+struct Told {
+    fields: Json,
+    told: palpate::ToldApart,
+    study: palpate::Study,
+}
+
+impl Made for Told {
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        of_json(py, &self.fields)
+    }
+
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let title = crate::study::title(&self.study);
+        let figure = self.told.figure("distinguish", title);
+        let figure = figure.map_err(|error| error::RunError::new_err(error.to_string()))?;
+        let unit = self.study.config.length_unit;
+        let others = PyDict::new(py);
+        others.set_item("table", Table::new(py, self.told.table(), unit)?)?;
+        others.set_item("figure", Figure::from(figure))?;
+        Ok(others)
+    }
+}
+
+/// Error of objects that cannot be told apart at all.
+fn refused(error: DistinguishError) -> PyErr {
+    let message = error.to_string();
+    match error {
+        DistinguishError::Config(error) => error::config(error),
+        DistinguishError::NoObjects => {
+            let message = "no field of scene.object is swept, so that there is nothing to tell apart; \
+                           vary={\"scene.object.radius\": [20, 25, 30]} would be such a sweep";
+            error::argument("vary", &[], None, message)
+        }
+        DistinguishError::NoQuantity { .. } => error::argument("quantity", &[], None, message),
+        DistinguishError::Confidence(value) => {
+            error::argument("confidence", &[], Some(value), message)
+        }
+        DistinguishError::TooManyCells(_) => error::argument("study", &[], None, message),
+    }
+}
+
+/// How surely one trial of each of two objects tells them apart, for every two objects that a study sweeps, and how many
+/// trials do.
+///
+/// Two objects are told apart where a trial of each puts their estimates in the right order; by the quantity "class" of a
+/// glide, where most places of both are classified right. A trial that fails does not tell.
+///
+/// Parameters
+/// ----------
+/// study : Study
+///     Scene; its swept fields of `scene.object` make the objects, the others the groups.
+/// vary : dict, optional
+///     Fields of the object with lists of values, in place of what the study says of them:
+///     `{"scene.object.radius": [20, 25, 30]}`.
+/// set : dict, optional
+///     Fields that get one value each, in place of what the study and its sweeps say of them.
+/// quantity : str, optional
+///     Quantity by which objects are told apart; by default "object_curvature" of a press, else "mean_curvature".
+/// confidence : float
+///     Probability that the mean of several trials is to reach, above 0 and below 1.
+/// trials, seed, threads
+///     As of `Study.run`; no result depends on the threads.
+/// progress : callable, optional
+///     Called now and then with the number of cells done since it was last called.
+///
+/// Returns
+/// -------
+/// ToldApart
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     Where there is nothing to tell apart, for a quantity that the scene does not have, and a confidence out of its range.
+/// ConfigError
+///     Where a value of a field makes no scene.
+///
+/// Examples
+/// --------
+/// >>> study = palpate.Study({
+/// ...     "name": "a-ball", "length_unit": "mm", "trials": 2000,
+/// ...     "scene": palpate.scene(
+/// ...         "roll", probe=palpate.surface("sphere", radius=10.0), object=palpate.surface("sphere", radius=30.0),
+/// ...         motion={"rate_rad_per_s": 0.1, "duration_s": 1.0},
+/// ...         noise={"angular_velocity": {"kind": "uniform", "fraction": 0.05}}),
+/// ... })
+/// >>> told = palpate.distinguish(study, vary={"scene.object.radius": [20, 21, 60]})
+/// >>> [pair.told_apart > 0.99 for pair in told.groups[0].pairs]
+/// [True, True, False]
+#[pyfunction]
+#[pyo3(signature = (study, *, vary=None, set=None, quantity=None, confidence=0.95, trials=None, seed=None, threads=None,
+    progress=None))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn distinguish<'py>(
+    py: Python<'py>,
+    study: &Bound<'py, Study>,
+    vary: Option<Bound<'py, PyDict>>,
+    set: Option<Bound<'py, PyDict>>,
+    quantity: Option<String>,
+    confidence: f64,
+    trials: Option<u64>,
+    seed: Option<u64>,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let mut fields = Vec::new();
+    for (path, values) in vary.iter().flat_map(|vary| vary.iter()) {
+        let path: String = path.extract()?;
+        let Json::Array(values) = from_python(&values)? else {
+            let message =
+                format!("vary: objects are told apart one by one: list the values of {path}");
+            return Err(error::argument("vary", &[], None, message));
+        };
+        let values = values.iter().map(|value| to_toml(&path, value));
+        fields.push((path.clone(), values.collect::<PyResult<_>>()?));
+    }
+    for (path, value) in set.iter().flat_map(|set| set.iter()) {
+        let path: String = path.extract()?;
+        let value = to_toml(&path, &from_python(&value)?)?;
+        fields.push((path, vec![value]));
+    }
+    let mut study = study.get().with(trials, seed)?;
+    if !fields.is_empty() {
+        study = study.varied(&fields).map_err(error::config)?;
+    }
+    let runner = runner(threads)?;
+    let told = watched_alone(py, progress.as_ref(), move |watch| {
+        let told = std::cell::Cell::new(0);
+        let tell = |done: usize, _all: usize| {
+            watch.tell(done.saturating_sub(told.replace(done)) as u64);
+            watch.unwind_if_cancelled();
+        };
+        let found = palpate::distinguish(&study, quantity.as_deref(), confidence, &runner, &tell)?;
+        Ok(Told {
+            fields: found.to_json(&study),
+            told: found,
+            study,
+        })
+    })?
+    .map_err(refused)?;
+    ToldApart::of(py, told)
+}

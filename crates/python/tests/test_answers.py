@@ -1,0 +1,126 @@
+"""Answers to questions: those of the command line, and what is said of questions that have none."""
+
+import pickle
+import signal
+import threading
+import time
+
+import palpate
+import pytest
+from conftest import BALL, EXAMPLES
+
+PADS = palpate.Study(EXAMPLES / "pads-for-a-ball.toml")
+TARGET = "relative_rms_error(mean_curvature) <= 5 %"
+SET = {"scene.motion.duration_s": 0.5}
+
+
+def test_a_design_is_that_of_the_command_line(cli, tmp_path):
+    # Without a budget of time that matters, so that both end where all is known.
+    found = palpate.design(PADS, TARGET, {"scene.sensor.pitch": (0.05, 2.0)}, set=SET, budget=3600.0)
+    said = cli(
+        "design", EXAMPLES / "pads-for-a-ball.toml", "--target", TARGET, "--vary", "scene.sensor.pitch=0.05..2",
+        "--set", "scene.motion.duration_s=0.5", "--budget", "1h", "--json", "--out", tmp_path,
+    )
+    assert found.to_dict() == said
+    assert found.table.to_csv() == (tmp_path / "design.csv").read_text()
+    assert found.figure.svg == (tmp_path / "design.svg").read_text()
+    assert f"{found.answer}\n{chr(10).join(found.lines)}\n" == (tmp_path / "design.txt").read_text()
+    # What meets the target ends where what misses it begins, but for the gap that was asked for.
+    (meets,), (misses,) = found.meets, found.misses
+    assert 0.05 <= meets.from_ < meets.to < misses.from_ < 1.06 * meets.to
+    again = pickle.loads(pickle.dumps(found))
+    assert again == found and again.table == found.table and again.figure.svg == found.figure.svg
+    assert found.answer in repr(found) and "<svg" in found._repr_html_()
+
+
+def test_a_design_over_words_and_as_a_text():
+    study = PADS.with_({"sweep": None, "plot": None})
+    one = palpate.design(study, TARGET, "scene.sensor.layout=square,uniform", most_trials=4096)
+    other = palpate.design(study, TARGET, {"scene.sensor.layout": ["square", "uniform"]}, most_trials=4096)
+    assert one == other
+    said = {run.from_ for run in one.meets + one.misses}
+    assert said <= {"square", "uniform"} and said
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind", "argument", "says"),
+    [
+        ({"target": "small"}, palpate.ArgumentError, "target", "target: "),
+        ({"target": "rms_error(mean_curvature) <= -1"}, palpate.ArgumentError, "target", "the limit is -1"),
+        ({"target": "rms_error(contact_radius) <= 1"}, palpate.ArgumentError, "target", "no quantity"),
+        ({"vary": "scene.sensor.pitch=2..1"}, palpate.ArgumentError, "vary", "runs downwards"),
+        ({"vary": {"scene.sensor.pitch": (2, 1)}}, palpate.ArgumentError, "vary", "run upwards"),
+        ({"vary": {"scene.sensor.pitch": (0, float("inf"))}}, palpate.ArgumentError, "vary", "finite"),
+        ({"vary": {"scene.sensor.pitch": 1.0}}, palpate.ArgumentError, "vary", "a tuple (from, to) or a list"),
+        ({"vary": {}}, palpate.ArgumentError, "vary", "one path"),
+        ({"vary": 3}, palpate.ArgumentError, "vary", "one path"),
+        ({"vary": {"scene.sensor.kind": (1, 2)}}, palpate.ArgumentError, "vary", "scene.sensor.kind"),
+        ({"max_failures": 0.0}, palpate.ArgumentError, "max_failures", "above 0"),
+        ({"gap": 2.0}, palpate.ArgumentError, "gap", "at most 1"),
+        ({"most_trials": 0}, palpate.ArgumentError, "most_trials", "at least 1"),
+        ({"budget": 0.0}, palpate.ArgumentError, "budget", "> 0"),
+        ({"set": {"scene.sensor.pitch": 1.0}}, palpate.ArgumentError, "set", "given twice"),
+        ({"threads": 0}, palpate.ArgumentError, "threads", "at least 1"),
+        ({"vary": {"scene.sensor.pich": (1, 2)}}, palpate.ConfigError, None, "pich"),
+        ({"set": {"scene.object.radius": -1.0}}, palpate.ConfigError, None, "must be > 0"),
+    ],
+)
+def test_designs_that_cannot_be(changes, kind, argument, says):
+    arguments = {"target": TARGET, "vary": {"scene.sensor.pitch": (0.1, 1.0)}, "most_trials": 100, **changes}
+    with pytest.raises(kind) as caught:
+        palpate.design(PADS, **arguments)
+    assert caught.value.argument == argument
+    assert says in str(caught.value)
+
+
+def test_objects_are_told_apart_as_on_the_command_line(cli, tmp_path):
+    radii = {"scene.object.radius": [20, 25, 30]}
+    config = EXAMPLES / "press-a-ball.toml"
+    found = palpate.distinguish(palpate.Study(config), vary=radii, trials=40, threads=2)
+    said = cli(
+        "distinguish", config, "--vary", "scene.object.radius=20,25,30", "--trials", 40, "--json", "--out", tmp_path,
+    )
+    assert found.to_dict() == said
+    assert found.table.to_csv() == (tmp_path / "distinguish.csv").read_text()
+    assert found.figure.svg == (tmp_path / "distinguish.svg").read_text()
+    again = pickle.loads(pickle.dumps(found))
+    assert again == found and again.table == found.table
+    assert "<svg" in found._repr_html_()
+
+
+def test_objects_that_cannot_be_told_apart(ball):
+    balls = {"scene.object.radius": [20.0, 30.0]}
+    for arguments, argument, says in [
+        ({}, "vary", "nothing to tell apart"),
+        ({"vary": balls, "quantity": "force"}, "quantity", "no quantity"),
+        ({"vary": balls, "confidence": 1.0}, "confidence", "below 1"),
+        ({"vary": {"scene.object.radius": 20.0}}, "vary", "list the values"),
+    ]:
+        with pytest.raises(palpate.ArgumentError) as caught:
+            palpate.distinguish(ball, **arguments)
+        assert caught.value.argument == argument and says in str(caught.value)
+    with pytest.raises(palpate.ConfigError, match="trials"):
+        palpate.distinguish(ball, vary=balls, trials=0)
+    told = []
+    palpate.distinguish(ball, vary=balls, progress=told.append)
+    assert 0 <= sum(told) <= 2
+
+
+def test_ctrl_c_ends_a_design():
+    study = palpate.Study(BALL)
+    late = []
+
+    def interrupt():
+        late.append(time.perf_counter())
+        signal.raise_signal(signal.SIGINT)
+
+    timer = threading.Timer(0.2, interrupt)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        while True:
+            palpate.design(
+                study, "relative_rms_error(mean_curvature) <= 2 %",
+                {"scene.noise.angular_velocity.fraction": (0.001, 0.5)}, budget=None, gap=1e-4,
+            )
+    # 0.1 s, and as much again for a machine that does other things.
+    assert time.perf_counter() - late[0] < 0.3
