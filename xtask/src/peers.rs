@@ -16,6 +16,9 @@ use crate::palpate;
 use figure::{Figure, medians};
 use workshop::{Absent, Kind, Workshop};
 
+/// Name of palpate for Python, which xtask/peers/python_package.py times beside its peers.
+const PACKAGE: &str = "palpate for Python";
+
 /// Where the table is committed.
 const RESULTS: &str = "results/peers.csv";
 
@@ -43,7 +46,7 @@ struct Group {
     slack: f64,
 }
 
-const GROUPS: [Group; 7] = [
+const GROUPS: [Group; 11] = [
     Group {
         name: "rolling-long",
         peer: Kind::Rust("ode_solvers"),
@@ -87,6 +90,31 @@ const GROUPS: [Group; 7] = [
         target: 1.0,
         slack: 0.0,
     },
+    Group {
+        name: "python-roll",
+        peer: Kind::Package("python-roll"),
+        target: 5.0,
+        slack: 1e-9,
+    },
+    Group {
+        name: "python-batch",
+        peer: Kind::Package("python-batch"),
+        target: 3.0,
+        slack: 1e-9,
+    },
+    // The peer is palpate in Rust: what Python adds.
+    Group {
+        name: "python-glide",
+        peer: Kind::Package("python-glide"),
+        target: 1.0 / 1.3,
+        slack: 1e-9,
+    },
+    Group {
+        name: "python-two-pass",
+        peer: Kind::Package("python-two-pass"),
+        target: 2.0,
+        slack: 1e-3,
+    },
 ];
 
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
@@ -122,10 +150,22 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
         for _ in 0..options.rounds {
             let figures = peer.figures(shell, &core, &inputs)?;
             let name = group.name;
-            theirs.extend(figures);
+            let (package, others): (Vec<_>, Vec<_>) = figures
+                .into_iter()
+                .partition(|figure| figure.peer.starts_with(PACKAGE));
+            theirs.extend(others);
             let limits = strictest(&theirs);
-            let command = cmd!(shell, "taskset -c {core} {ours} ours {name} {limits...}");
-            mine.extend(Figure::read(&command.quiet().read()?)?);
+            let in_rust = || {
+                let command = cmd!(shell, "taskset -c {core} {ours} ours {name} {limits...}");
+                Figure::read(&command.quiet().read()?)
+            };
+            match package.is_empty() {
+                true => mine.extend(in_rust()?),
+                // It times its peers itself, but for palpate in Rust.
+                false if name == "python-glide" => theirs.extend(in_rust()?),
+                false => {}
+            }
+            mine.extend(package);
         }
         rows.extend(table::rows(
             &medians(theirs),

@@ -2,6 +2,7 @@
 //! print it.
 
 mod figure;
+mod glides;
 mod patches;
 mod presses;
 mod rolls;
@@ -70,6 +71,7 @@ pub fn lines(group: &str, error_at_most: &[(String, f64)]) -> Result<Vec<String>
         "ep1-trial" => rolls::ep1()?,
         "ep2-few" => patches::few()?,
         "ep2-many" => patches::many()?,
+        "python-glide" => glides::recorded()?,
         "press-contact" => presses::contact()?,
         "image" => sights::frames()?,
         _ => bail!("no group of tasks `{group}`"),

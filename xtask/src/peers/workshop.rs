@@ -9,6 +9,7 @@ use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
 use super::figure::Figure;
+use crate::python;
 
 /// Libraries that would otherwise take every core.
 const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"];
@@ -17,6 +18,8 @@ const ONE_THREAD: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_N
 pub(crate) enum Kind {
     /// A script in xtask/peers/.
     Python(&'static str),
+    /// A group of tasks of xtask/peers/python_package.py, which times palpate for Python too.
+    Package(&'static str),
     /// A source file in xtask/peers/, compiled by g++.
     Cpp(&'static str),
     /// A package in xtask/peers/.
@@ -36,13 +39,26 @@ pub(crate) struct Workshop<'s> {
 }
 
 /// A peer that can be run.
-pub(crate) struct Peer(Vec<OsString>);
+pub(crate) struct Peer {
+    command: Vec<OsString>,
+    /// Group of tasks, where the program has several.
+    group: Option<&'static str>,
+}
+
+impl From<Vec<OsString>> for Peer {
+    fn from(command: Vec<OsString>) -> Self {
+        Self {
+            command,
+            group: None,
+        }
+    }
+}
 
 impl Peer {
     /// Runs the peer on one core and reads the figures that it prints.
     pub(crate) fn figures(&self, shell: &Shell, core: &str, inputs: &Path) -> Result<Vec<Figure>> {
-        let command = &self.0;
-        let mut run = cmd!(shell, "taskset -c {core} {command...} {inputs}").quiet();
+        let Self { command, group } = self;
+        let mut run = cmd!(shell, "taskset -c {core} {command...} {inputs} {group...}").quiet();
         for variable in ONE_THREAD {
             run = run.env(variable, "1");
         }
@@ -70,9 +86,17 @@ impl<'s> Workshop<'s> {
     pub(crate) fn make(&self, kind: &Kind) -> Result<Result<Peer, Absent>> {
         match kind {
             Kind::Python(script) => Ok(match &self.python {
-                Ok(python) => Ok(Peer(vec![python.into(), self.sources.join(script).into()])),
+                Ok(python) => Ok(vec![python.into(), self.sources.join(script).into()].into()),
                 Err(why) => Err(Absent(why.clone())),
             }),
+            Kind::Package(group) => {
+                let python = python::installed(self.shell)?;
+                let script = self.sources.join("python_package.py");
+                Ok(Ok(Peer {
+                    command: vec![python.into(), script.into()],
+                    group: Some(group),
+                }))
+            }
             Kind::Cpp(source) => self.compile(source),
             Kind::Rust(package) => self.build(package),
         }
@@ -96,7 +120,7 @@ impl<'s> Workshop<'s> {
         )
         .quiet()
         .run()?;
-        Ok(Ok(Peer(vec![program.into()])))
+        Ok(Ok(Peer::from(vec![program.into()])))
     }
 
     fn build(&self, package: &str) -> Result<Result<Peer, Absent>> {
@@ -126,7 +150,7 @@ impl<'s> Workshop<'s> {
             })
             .context("the peer's package has no name")?;
         let program = release.join(format!("{name}{}", env::consts::EXE_SUFFIX));
-        Ok(Ok(Peer(vec![program.into()])))
+        Ok(Ok(Peer::from(vec![program.into()])))
     }
 }
 

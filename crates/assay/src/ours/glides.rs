@@ -1,0 +1,69 @@
+//! Estimates from recorded glides, as the package for Python asks for them.
+
+use std::hint::black_box;
+
+use anyhow::Result;
+use palpate::recorded::{
+    self, GlideGiven, GlideOptions, GlideReadings, RecordedError, Wording, estimate_glide,
+};
+use palpate_ep2::Contact;
+
+use super::figure::{Figure, MANY, PATCHES};
+use crate::accuracy::rms;
+use crate::hot::patches;
+
+fn positions(contacts: &[Contact]) -> Vec<[f64; 3]> {
+    let position = |contact: &Contact| contact.position.coords.into();
+    contacts.iter().map(position).collect()
+}
+
+/// The estimate with its map.
+fn estimated(points: &[[f64; 3]]) -> Result<recorded::GlideMap, RecordedError> {
+    let options = GlideOptions::given(&GlideGiven::default(), None, false, Wording::Arguments);
+    let readings = GlideReadings::new(points, None, None, None)?;
+    let options = options.map_err(|error| RecordedError::Readings {
+        file: "options".to_owned(),
+        message: error.message,
+    })?;
+    let (estimate, map) = estimate_glide(&readings, &options)?;
+    black_box(estimate);
+    Ok(map)
+}
+
+/// Mean curvatures all over a map, relative to those of the sphere of few contacts, less 1.
+fn errors(map: &recorded::GlideMap) -> impl Iterator<Item = f64> {
+    let mean = |point: &recorded::MapPoint| point.curvature.mean * patches::RADIUS - 1.0;
+    map.points().iter().map(mean)
+}
+
+/// Few contacts and many.
+pub(super) fn recorded() -> Result<Vec<Figure>> {
+    const RUNG: &str = "palpate in Rust";
+    let few: Vec<_> = (0..PATCHES)
+        .map(|patch| positions(&patches::few(patch)))
+        .collect();
+    let mut of_few = Vec::new();
+    for points in &few {
+        of_few.extend(errors(&estimated(points)?));
+    }
+    let all = move || -> Result<(), RecordedError> {
+        for points in black_box(&few) {
+            black_box(estimated(points)?);
+        }
+        Ok(())
+    };
+    let task = "estimate_glide of 30 contacts, map of 30 x 30";
+    let mut figures = vec![Figure::measured(
+        task,
+        RUNG,
+        rms(of_few),
+        PATCHES as usize,
+        all,
+    )];
+    let many = positions(&patches::many(MANY));
+    let of_many = rms(errors(&estimated(&many)?));
+    let task = "estimate_glide of 100 000 contacts, map of 30 x 30";
+    let all = move || estimated(black_box(&many));
+    figures.push(Figure::measured(task, RUNG, of_many, 1, all));
+    Ok(figures)
+}

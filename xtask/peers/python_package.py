@@ -1,0 +1,160 @@
+"""palpate for Python beside NumPy and SciPy, in one process on the same arrays.
+
+Reads DIRECTORY/few.csv, patches of 30 contacts of a sphere of radius 5, and many.csv. The second argument is the group of tasks.
+
+Errors: of the mean curvature, relative, root of the mean square over sets, or over all points of all maps.
+"""
+
+import sys
+import warnings
+
+import numpy as np
+import palpate
+import scipy
+from figure import median_us, tell
+
+RADIUS, SPHERE, PROBES, SETS = 1.0, 5.0, 8, 100_000
+# Name by which `cargo xtask peers` knows what is palpate's.
+OURS = "palpate for Python"
+
+random = np.random.default_rng(1)
+direction = 2 * np.pi * np.arange(PROBES) / PROBES
+drive = 0.1 * np.stack([np.cos(direction), np.sin(direction)], axis=1)
+rotations = np.stack([drive[:, 1], -drive[:, 0]], axis=1)
+shifts = drive / (1 / RADIUS + 1 / SPHERE) + random.normal(0, 1e-4, (SETS, PROBES, 2))
+
+
+def error_of(mean):
+    return np.sqrt(np.mean((np.asarray(mean) * SPHERE - 1) ** 2))
+
+
+def curvatures(uu, uv, vv):
+    """Normal curvatures, Gaussian and mean, of an object on which the contact has this mobility."""
+    determinant = uu * vv - uv * uv
+    k_u, k_v, twist = vv / determinant - 1 / RADIUS, uu / determinant - 1 / RADIUS, -uv / determinant
+    return k_u, k_v, k_u * k_v - twist * twist, (k_u + k_v) / 2
+
+
+def of_drives(drives):
+    """Equations for the three components of a symmetric mobility: two per probe."""
+    equations = np.zeros((2 * PROBES, 3))
+    equations[0::2, 0], equations[0::2, 1] = drives.T
+    equations[1::2, 1], equations[1::2, 2] = drives.T
+    return equations
+
+
+def one_by_numpy(turned, moved):
+    drives = np.stack([-turned[:, 1], turned[:, 0]], axis=1)
+    mobility, *_ = np.linalg.lstsq(of_drives(drives), moved.ravel(), rcond=None)
+    return curvatures(*mobility)
+
+
+def roll():
+    few = shifts[:200]
+    task = "estimate_roll of 8 probes"
+    theirs = [one_by_numpy(rotations, moved)[3] for moved in few]
+    ours = [palpate.estimate_roll(rotations, moved, probe_radius=RADIUS).mean_curvature.value for moved in few]
+    one = few[0].copy()
+    time_us = median_us(lambda: one_by_numpy(rotations, one))
+    tell(task, "NumPy lstsq", np.__version__, time_us, error_of(theirs))
+    time_us = median_us(lambda: palpate.estimate_roll(rotations, one, probe_radius=RADIUS))
+    tell(task, f"{OURS}, arrays", palpate.__version__, time_us, error_of(ours))
+    turned, moved = rotations.tolist(), one.tolist()
+    time_us = median_us(lambda: palpate.estimate_roll(turned, moved, probe_radius=RADIUS))
+    tell(task, f"{OURS}, lists", palpate.__version__, time_us, error_of(ours))
+
+
+def all_by_numpy(turned, moved):
+    """The normal equations of every set, [[a, b, 0], [b, a + c, b], [0, b, c]], eliminated from both ends."""
+    x, y = -turned[..., 1], turned[..., 0]
+    u, v = moved[..., 0], moved[..., 1]
+    a, b, c = (np.einsum("...i,...i", one, other) for one, other in ((x, x), (x, y), (y, y)))
+    r1, r3 = np.einsum("...i,...i", x, u), np.einsum("...i,...i", y, v)
+    r2 = np.einsum("...i,...i", y, u) + np.einsum("...i,...i", x, v)
+    uv = (r2 - b * r1 / a - b * r3 / c) / (a + c - b * b / a - b * b / c)
+    return curvatures((r1 - b * uv) / a, uv, (r3 - b * uv) / c)
+
+
+def batch():
+    solve = np.linalg.pinv(of_drives(drive))
+
+    def alike(moved):
+        return curvatures(*(solve @ moved.reshape(len(moved), -1).T))
+
+    each = np.broadcast_to(rotations, shifts.shape).copy()
+    for task, theirs, turned in (
+        ("EP1 estimates, 100 000 sets of 8 probes turned alike", lambda: alike(shifts), rotations),
+        ("EP1 estimates, 100 000 sets of 8 probes", lambda: all_by_numpy(each, shifts), each),
+    ):
+        tell(task, "NumPy, vectorised", np.__version__, median_us(theirs, SETS), error_of(theirs()[3]))
+
+        def ours(turned=turned):
+            return palpate.estimate_roll(turned, shifts, probe_radius=RADIUS, shift_std=1e-4, threads=1)
+
+        error = error_of(ours().mean_curvature.value)
+        tell(task, OURS, palpate.__version__, median_us(ours, SETS), error)
+
+
+def patches():
+    table = np.loadtxt(f"{sys.argv[1]}/few.csv", delimiter=",", skiprows=1)
+    return [np.ascontiguousarray(table[table[:, 0] == patch, 1:]) for patch in np.unique(table[:, 0])]
+
+
+def of_all(work, everything):
+    for one in everything:
+        work(one)
+
+
+def glide():
+    few = patches()
+    task = "estimate_glide of 30 contacts, map of 30 x 30"
+
+    def ours(points):
+        return palpate.estimate_glide(points).map.mean_curvature
+
+    error = error_of([ours(points) for points in few])
+    tell(task, OURS, palpate.__version__, median_us(lambda: of_all(ours, few), len(few)), error)
+    many = np.loadtxt(f"{sys.argv[1]}/many.csv", delimiter=",", skiprows=1)
+    # Not of a sphere: only that both say the same.
+    error = error_of(ours(many))
+    task = "estimate_glide of 100 000 contacts, map of 30 x 30"
+    tell(task, OURS, palpate.__version__, median_us(lambda: ours(many), batches=5), error)
+
+
+def two_pass():
+    from scipy.interpolate import BSpline, bisplrep
+
+    warnings.simplefilter("ignore")
+    few = patches()
+    grid_x, grid_y = np.linspace(-1.5, 1.5, 30), np.linspace(-1.0, 1.0, 30)
+
+    def theirs(points):
+        """Curvatures on the grid of one spline of degree 2: half of the method's work."""
+        x, y, z = points.T
+        knots_x, knots_y, found = bisplrep(x, y, z, w=np.full(len(x), 100.0), kx=2, ky=2, s=1000.0)[:3]
+        rows, columns = len(knots_x) - 3, len(knots_y) - 3
+        found = np.asarray(found).reshape(rows, columns)
+        along_x, along_y = BSpline(knots_x, np.eye(rows), 2), BSpline(knots_y, np.eye(columns), 2)
+        x0, x1, x2 = (along_x(grid_x, order) for order in range(3))
+        y0, y1, y2 = (along_y(grid_y, order).T for order in range(3))
+        p, q = x1 @ found @ y0, x0 @ found @ y1
+        r, s, t = x2 @ found @ y0, x1 @ found @ y1, x0 @ found @ y2
+        return -((1 + q * q) * r - 2 * p * q * s + (1 + p * p) * t) / (2 * (1 + p * p + q * q) ** 1.5)
+
+    fingers = np.repeat(np.arange(3), 10)
+
+    def ours(points):
+        return palpate.estimate_glide(
+            points, None, fingers, method="two-pass", passes=1, inter_finger_distance=1.0
+        )
+
+    task = "two-pass of 30 contacts, one pass, map of 30 x 30"
+    error = error_of([theirs(points) for points in few])
+    time_us = median_us(lambda: of_all(theirs, few), len(few))
+    tell(task, "FITPACK bisplrep", scipy.__version__, time_us, error)
+    error = error_of([ours(points).map.mean_curvature for points in few])
+    time_us = median_us(lambda: of_all(ours, few), len(few))
+    tell(task, OURS, palpate.__version__, time_us, error)
+
+
+{"python-roll": roll, "python-batch": batch, "python-glide": glide, "python-two-pass": two_pass}[sys.argv[2]]()
