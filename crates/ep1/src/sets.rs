@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use crate::least_squares::{Law, LeastSquares, Solution};
 use crate::symmetric::Symmetric;
-use crate::{Ep1Error, Moments, ProbeReading, ProbeRotation, ReadingNoise};
+use crate::{Ep1Error, Moments, ProbeReading, ReadingNoise};
 
 /// Row of estimates from one set of readings: normal curvature along u and v, twist k_uv, Gaussian and mean curvature; the
 /// standard deviations of all but the twist, in the same order; mean length of the shifts; root mean square of the
@@ -90,7 +90,7 @@ impl Sets<'_> {
             }
             for (place, row) in rows.iter_mut().enumerate() {
                 *row = match abreast.told[place] {
-                    1 => abreast.columns.map(|column| column[place]),
+                    1 => std::array::from_fn(|column| abreast.columns[column][place]),
                     _ => match self.alone(first + place) {
                         Ok(row) => row,
                         Err(error @ Ep1Error::NotFinite { .. }) => {
@@ -233,23 +233,26 @@ impl SideBySide {
     /// Puts the readings of the sets from `first` on side by side.
     #[inline(always)]
     fn gather(&mut self, sets: &Sets<'_>, first: usize, is_first: bool) {
-        let mut put = |numbers: &[[f64; 2]], of: fn(&mut SetProbe) -> &mut [Abreast; 2]| {
-            let is_shared = numbers.len() == sets.probes;
-            // What all sets share stands there from the first group on.
-            if is_shared && !is_first {
-                return;
-            }
+        // What all sets share stands there from the first group on.
+        let is_new = |numbers: &[[f64; 2]]| is_first || numbers.len() != sets.probes;
+        if is_new(sets.rotations) {
             for place in 0..ABREAST {
-                let of_set = sets.of_set(numbers, first + place);
-                for (probe, pair) in self.probes.iter_mut().zip(of_set) {
-                    let [along_u, along_v] = of(probe);
-                    along_u[place] = pair[0];
-                    along_v[place] = pair[1];
+                let of_set = sets.of_set(sets.rotations, first + place);
+                for (probe, [x, y]) in self.probes.iter_mut().zip(of_set) {
+                    probe.rotation[0][place] = *x;
+                    probe.rotation[1][place] = *y;
                 }
             }
-        };
-        put(sets.rotations, |probe| &mut probe.rotation);
-        put(sets.shifts, |probe| &mut probe.shift);
+        }
+        if is_new(sets.shifts) {
+            for place in 0..ABREAST {
+                let of_set = sets.of_set(sets.shifts, first + place);
+                for (probe, [u, v]) in self.probes.iter_mut().zip(of_set) {
+                    probe.shift[0][place] = *u;
+                    probe.shift[1][place] = *v;
+                }
+            }
+        }
     }
 
     /// Sums over the probes of each set.
@@ -259,14 +262,14 @@ impl SideBySide {
         *sums = Sums::ZERO;
         for probe in &self.probes {
             for place in 0..ABREAST {
-                let [x, y] = [probe.rotation[0][place], probe.rotation[1][place]];
-                let [u, v] = [probe.shift[0][place], probe.shift[1][place]];
-                let mut moments = sums.moments(place);
-                moments.add_shifts(&ProbeRotation::new(radius, &Vector2::new(x, y)), [u, v]);
-                sums.deviations[0][place] = moments.deviations[0];
-                sums.deviations[1][place] = moments.deviations[1];
-                sums.deviations[2][place] = moments.deviations[2];
-                sums.lengths[place] = moments.lengths;
+                let (x, y) = (probe.rotation[0][place], probe.rotation[1][place]);
+                let (u, v) = (probe.shift[0][place], probe.shift[1][place]);
+                // As `Moments` does, in the open: what is not inlined lacks the vectors of what calls it.
+                let (d_u, d_v) = (u + radius * y, v - radius * x);
+                sums.deviations[0][place] -= y * d_u;
+                sums.deviations[1][place] += x * d_v;
+                sums.deviations[2][place] += x * d_u - y * d_v;
+                sums.lengths[place] += (u * u + v * v).sqrt();
                 sums.gram[0][place] += y * y;
                 sums.gram[1][place] -= x * y;
                 sums.gram[2][place] += x * x;
