@@ -5,7 +5,7 @@ use numpy::{
     get_array_module,
 };
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyFloat, PyList};
 
 use crate::error;
 
@@ -13,8 +13,14 @@ use crate::error;
 /// laid out, else a copy.
 pub(crate) struct Numbers<'py> {
     name: &'static str,
-    array: PyReadonlyArrayDyn<'py, f64>,
-    copied: Option<Vec<f64>>,
+    shape: Vec<usize>,
+    stored: Stored<'py>,
+}
+
+/// Where the numbers are.
+enum Stored<'py> {
+    Shared(PyReadonlyArrayDyn<'py, f64>),
+    Copied(Vec<f64>),
 }
 
 impl<'py> Numbers<'py> {
@@ -22,7 +28,16 @@ impl<'py> Numbers<'py> {
     pub(crate) fn of(name: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
         let array = match value.cast::<PyArrayDyn<f64>>() {
             Ok(array) => array.clone(),
-            Err(_) => converted(name, value)?,
+            Err(_) => {
+                if let Some((numbers, columns)) = rows_of_lists(value) {
+                    return Ok(Self {
+                        name,
+                        shape: vec![numbers.len() / columns, columns],
+                        stored: Stored::Copied(numbers),
+                    });
+                }
+                converted(name, value)?
+            }
         };
         let busy = |_| {
             let message = format!("{name}: is being written by another thread");
@@ -30,19 +45,20 @@ impl<'py> Numbers<'py> {
         };
         let array = array.try_readonly().map_err(busy)?;
         // A slice may also be of an array whose first axis is the fastest.
-        let copied = match array.is_c_contiguous() {
-            true => None,
-            false => Some(array.as_array().iter().copied().collect()),
+        let shape = array.shape().to_vec();
+        let stored = match array.is_c_contiguous() {
+            true => Stored::Shared(array),
+            false => Stored::Copied(array.as_array().iter().copied().collect()),
         };
         Ok(Self {
             name,
-            array,
-            copied,
+            shape,
+            stored,
         })
     }
 
     pub(crate) fn shape(&self) -> &[usize] {
-        self.array.shape()
+        &self.shape
     }
 
     pub(crate) fn name(&self) -> &'static str {
@@ -50,10 +66,10 @@ impl<'py> Numbers<'py> {
     }
 
     pub(crate) fn flat(&self) -> &[f64] {
-        match &self.copied {
-            Some(copied) => copied,
+        match &self.stored {
+            Stored::Copied(numbers) => numbers,
             // Where it was no slice, it was copied.
-            None => self.array.as_slice().unwrap_or_default(),
+            Stored::Shared(array) => array.as_slice().unwrap_or_default(),
         }
     }
 
@@ -69,6 +85,28 @@ impl<'py> Numbers<'py> {
             found => Err(error::shape(self.name, wanted, found)),
         }
     }
+}
+
+/// Rows of a list of lists of as many floats each, and how many those are; `None` of anything else, which NumPy knows
+/// better but takes longer over.
+fn rows_of_lists(value: &Bound<'_, PyAny>) -> Option<(Vec<f64>, usize)> {
+    let rows = value.cast_exact::<PyList>().ok()?;
+    let mut numbers = Vec::new();
+    let mut columns = 0;
+    for row in rows.iter() {
+        let row = row.cast_into_exact::<PyList>().ok()?;
+        if columns == 0 {
+            columns = row.len();
+            numbers.reserve(columns * rows.len());
+        }
+        if row.len() != columns {
+            return None;
+        }
+        for item in row.iter() {
+            numbers.push(item.cast_exact::<PyFloat>().ok()?.value());
+        }
+    }
+    (columns > 0).then_some((numbers, columns))
 }
 
 /// Array of doubles that NumPy makes of a value.

@@ -13,9 +13,14 @@ pub(crate) trait Made: Send + Sync {
     /// Fields as plain values: what the command line prints as JSON.
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;
 
-    /// Fields beside them that are arrays, or tables of arrays.
-    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        Ok(PyDict::new(py))
+    /// Names of the fields beside them: arrays, tables, figures.
+    fn others(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// One of the fields beside them, by its name.
+    fn other<'py>(&self, _: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        Err(PyAttributeError::new_err(name.to_owned()))
     }
 }
 
@@ -68,12 +73,36 @@ impl Record {
         Ok(fields.bind(py))
     }
 
+    /// Fields beside the plain ones, as far as they were made.
+    fn made_arrays<'py>(&self, py: Python<'py>) -> &Bound<'py, PyDict> {
+        let arrays = self.arrays.get_or_init(py, || PyDict::new(py).unbind());
+        arrays.bind(py)
+    }
+
+    /// A field beside the plain ones, made where it was not.
+    fn array<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let arrays = self.made_arrays(py);
+        if let Some(value) = arrays.get_item(name)? {
+            return Ok(Some(value));
+        }
+        let Some(made) = self
+            .made
+            .as_ref()
+            .filter(|made| made.others().contains(&name))
+        else {
+            return Ok(None);
+        };
+        let value = made.other(py, name)?;
+        arrays.set_item(name, &value)?;
+        Ok(Some(value))
+    }
+
+    /// All fields beside the plain ones.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyDict>> {
-        let arrays = self.arrays.get_or_try_init(py, || match &self.made {
-            Some(made) => Ok(made.arrays(py)?.unbind()),
-            None => Ok::<_, PyErr>(PyDict::new(py).unbind()),
-        })?;
-        Ok(arrays.bind(py))
+        for name in self.made.iter().flat_map(|made| made.others()) {
+            self.array(py, name)?;
+        }
+        Ok(self.made_arrays(py))
     }
 }
 
@@ -92,7 +121,7 @@ impl Record {
         if let Some(value) = own.fields(py)?.get_item(key)? {
             return field(value);
         }
-        if let Some(value) = own.arrays(py)?.get_item(name)? {
+        if let Some(value) = own.array(py, name)? {
             return field(value);
         }
         let kind = slf.get_type().name()?;
@@ -108,7 +137,10 @@ impl Record {
             names.call_method1("extend", (class?.getattr("__dict__")?,))?;
         }
         names.call_method1("extend", (own.fields(py)?,))?;
-        names.call_method1("extend", (own.arrays(py)?,))?;
+        names.call_method1("extend", (own.made_arrays(py),))?;
+        for name in own.made.iter().flat_map(|made| made.others()) {
+            names.append(name)?;
+        }
         Ok(names)
     }
 
@@ -125,7 +157,13 @@ impl Record {
         let copy = py.import("copy")?.getattr("deepcopy")?;
         let fields = copy.call1((own.fields(py)?,))?;
         if arrays {
-            fields.call_method1("update", (copy.call1((own.arrays(py)?,))?,))?;
+            for (name, value) in own.arrays(py)?.iter() {
+                let value = match value.cast::<Self>() {
+                    Ok(record) => Self::to_dict(record, true)?,
+                    Err(_) => copy.call1((value,))?,
+                };
+                fields.set_item(name, value)?;
+            }
         }
         Ok(fields)
     }
@@ -134,7 +172,11 @@ impl Record {
         let py = slf.py();
         let is_same_kind = slf.get_type().is(other.get_type());
         match other.cast::<Self>() {
-            Ok(other) if is_same_kind => slf.get().fields(py)?.eq(other.get().fields(py)?),
+            // Arrays alone, as of a map, tell whether they are equal only one by one.
+            Ok(other) if is_same_kind && !slf.get().fields(py)?.is_empty() => {
+                slf.get().fields(py)?.eq(other.get().fields(py)?)
+            }
+            Ok(other) => Ok(slf.is(other)),
             _ => Ok(false),
         }
     }

@@ -33,19 +33,25 @@ impl Made for Answered {
         of_json(py, &self.fields)
     }
 
-    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let figure = self
-            .answer
-            .figure("design", crate::study::title(&self.study));
-        let figure = figure.map_err(|error| error::RunError::new_err(error.to_string()))?;
-        let others = PyDict::new(py);
-        others.set_item("lines", self.answer.lines())?;
-        others.set_item(
-            "table",
-            Table::new(py, self.answer.table(), self.study.config.length_unit)?,
-        )?;
-        others.set_item("figure", Figure::from(figure))?;
-        Ok(others)
+    fn others(&self) -> &'static [&'static str] {
+        &["lines", "table", "figure"]
+    }
+
+    fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match name {
+            "lines" => self.answer.lines().into_pyobject(py)?.into_any(),
+            "table" => {
+                let unit = self.study.config.length_unit;
+                Bound::new(py, Table::new(py, self.answer.table(), unit)?)?.into_any()
+            }
+            _ => {
+                let figure = self
+                    .answer
+                    .figure("design", crate::study::title(&self.study));
+                let figure = figure.map_err(|error| error::RunError::new_err(error.to_string()))?;
+                Bound::new(py, Figure::from(figure))?.into_any()
+            }
+        })
     }
 }
 

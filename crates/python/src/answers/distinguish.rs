@@ -30,15 +30,24 @@ impl Made for Told {
         of_json(py, &self.fields)
     }
 
-    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let title = crate::study::title(&self.study);
-        let figure = self.told.figure("distinguish", title);
-        let figure = figure.map_err(|error| error::RunError::new_err(error.to_string()))?;
-        let unit = self.study.config.length_unit;
-        let others = PyDict::new(py);
-        others.set_item("table", Table::new(py, self.told.table(), unit)?)?;
-        others.set_item("figure", Figure::from(figure))?;
-        Ok(others)
+    fn others(&self) -> &'static [&'static str] {
+        &["table", "figure"]
+    }
+
+    fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match name {
+            "table" => {
+                let unit = self.study.config.length_unit;
+                Bound::new(py, Table::new(py, self.told.table(), unit)?)?.into_any()
+            }
+            _ => {
+                let figure = self
+                    .told
+                    .figure("distinguish", crate::study::title(&self.study));
+                let figure = figure.map_err(|error| error::RunError::new_err(error.to_string()))?;
+                Bound::new(py, Figure::from(figure))?.into_any()
+            }
+        })
     }
 }
 

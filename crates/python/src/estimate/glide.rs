@@ -1,5 +1,8 @@
 //! Estimates from glides.
 
+use std::sync::Arc;
+
+use numpy::{PyArray1, PyArrayMethods};
 use palpate::recorded::{
     self, GlideGiven, GlideMap, GlideOptions, GlideReadings, MapPoint, RecordedError, ShapeClass,
     Wording,
@@ -15,7 +18,7 @@ use super::settings::{given, length_unit, number, word};
 use crate::arrays::{Numbers, array, whole};
 use crate::error;
 use crate::json::to_python;
-use crate::record::{Made, record};
+use crate::record::{Made, Record, record};
 use crate::study::Study;
 use crate::watch::{pool, watched};
 
@@ -27,6 +30,11 @@ record!(
 /// What an estimate of a patch is made from.
 struct Patch {
     estimate: recorded::GlideEstimate,
+    map: Arc<Map>,
+}
+
+/// What a map of a patch is made from.
+struct Map {
     map: GlideMap,
     /// Places along each side; `None` of a map at contacts.
     grid: Option<usize>,
@@ -37,14 +45,19 @@ impl Made for Patch {
         to_python(py, &self.estimate)
     }
 
-    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let covariance = self.estimate.covariance().unwrap_or([[f64::NAN; 2]; 2]);
-        let arrays = PyDict::new(py);
-        let numbers = covariance.as_flattened().to_vec();
-        arrays.set_item("covariance", array(py, numbers, &[2, 2])?)?;
-        arrays.set_item("map", self.map_arrays(py)?)?;
-        arrays.set_item("map_csv", self.map.to_csv())?;
-        Ok(arrays)
+    fn others(&self) -> &'static [&'static str] {
+        &["covariance", "map", "map_csv"]
+    }
+
+    fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        match name {
+            "covariance" => {
+                let covariance = self.estimate.covariance().unwrap_or([[f64::NAN; 2]; 2]);
+                array(py, covariance.as_flattened().to_vec(), &[2, 2])
+            }
+            "map" => Ok(Bound::new(py, Record::new(Arc::clone(&self.map)))?.into_any()),
+            _ => Ok(self.map.map.to_csv().into_pyobject(py)?.into_any()),
+        }
     }
 }
 
@@ -54,85 +67,103 @@ impl Patch {
         let grid = (!options.map_at_contacts).then_some(options.grid);
         Ok(Self {
             estimate,
-            map,
-            grid,
+            map: Arc::new(Map { map, grid }),
         })
     }
+}
 
-    fn map_arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (points, limits) = (self.map.points(), self.map.thresholds());
-        let shape: Vec<usize> = match self.grid {
-            Some(grid) => vec![grid, grid],
-            None => vec![points.len()],
-        };
-        let map = PyDict::new(py);
-        let put = |name: &str, numbers: Vec<f64>, each: usize| {
-            let mut shape = shape.clone();
-            shape.extend((each > 1).then_some(each));
-            map.set_item(name, array(py, numbers, &shape)?)
-        };
-        let each = |of: &dyn Fn(&MapPoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
-        let vectors = |of: &dyn Fn(&MapPoint) -> [f64; 3]| {
-            points
-                .iter()
-                .map(of)
-                .collect::<Vec<[f64; 3]>>()
-                .into_flattened()
-        };
-        put("position", vectors(&|one| one.position.coords.into()), 3)?;
-        put("normal", vectors(&|one| one.normal.into()), 3)?;
+impl Made for Arc<Map> {
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(PyDict::new(py).into_any())
+    }
+
+    fn others(&self) -> &'static [&'static str] {
+        &[
+            "position",
+            "normal",
+            "gaussian_curvature",
+            "gaussian_curvature_std",
+            "mean_curvature",
+            "mean_curvature_std",
+            "k_min",
+            "k_max",
+            "direction_of_min",
+            "direction_of_max",
+            "shape_index",
+            "class_index",
+            "region",
+            "class_probabilities",
+        ]
+    }
+
+    fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let limits = self.map.thresholds();
         let std = |one: &MapPoint, of: usize| {
             let stds = one.curvature.uncertainty;
             stds.map_or(f64::NAN, |stds| [stds.gaussian_std, stds.mean_std][of])
         };
-        put("gaussian_curvature", each(&|one| one.curvature.gaussian), 1)?;
-        put("gaussian_curvature_std", each(&|one| std(one, 0)), 1)?;
-        put("mean_curvature", each(&|one| one.curvature.mean), 1)?;
-        put("mean_curvature_std", each(&|one| std(one, 1)), 1)?;
-        put("k_min", each(&|one| one.k_min), 1)?;
-        put("k_max", each(&|one| one.k_max), 1)?;
-        put(
-            "direction_of_min",
-            vectors(&|one| one.direction_of_min.into()),
-            3,
-        )?;
-        put(
-            "direction_of_max",
-            vectors(&|one| one.direction_of_max.into()),
-            3,
-        )?;
-        put(
-            "shape_index",
-            each(&|one| one.shape_index.unwrap_or(f64::NAN)),
-            1,
-        )?;
-        let class = |one: &MapPoint| {
-            let class = one.curvature.class(limits);
-            let place = ShapeClass::ALL.iter().position(|one| *one == class);
-            place.map_or(f64::NAN, |place| place as f64)
-        };
-        put("class_index", each(&class), 1)?;
-        let region = |place: usize| match self.map.regions() {
-            Some(regions) => regions[place] as f64,
-            None => -1.0,
-        };
-        put("region", (0..points.len()).map(region).collect(), 1)?;
-        let unknown = [f64::NAN; ShapeClass::ALL.len()];
-        let probabilities: Vec<[f64; ShapeClass::ALL.len()]> = points
-            .iter()
-            .map(|one| one.curvature.class_probabilities(limits).unwrap_or(unknown))
-            .collect();
-        put(
-            "class_probabilities",
-            probabilities.into_flattened(),
-            ShapeClass::ALL.len(),
-        )?;
-        for name in ["class_index", "region"] {
-            if let Some(numbers) = map.get_item(name)? {
-                map.set_item(name, numbers.call_method1("astype", ("int64",))?)?;
+        match name {
+            "position" => self.of_each(py, |one| one.position.coords.into()),
+            "normal" => self.of_each::<3>(py, |one| one.normal.into()),
+            "gaussian_curvature" => self.of_each(py, |one| [one.curvature.gaussian]),
+            "gaussian_curvature_std" => self.of_each(py, |one| [std(one, 0)]),
+            "mean_curvature" => self.of_each(py, |one| [one.curvature.mean]),
+            "mean_curvature_std" => self.of_each(py, |one| [std(one, 1)]),
+            "k_min" => self.of_each(py, |one| [one.k_min]),
+            "k_max" => self.of_each(py, |one| [one.k_max]),
+            "direction_of_min" => self.of_each::<3>(py, |one| one.direction_of_min.into()),
+            "direction_of_max" => self.of_each::<3>(py, |one| one.direction_of_max.into()),
+            "shape_index" => self.of_each(py, |one| [one.shape_index.unwrap_or(f64::NAN)]),
+            "class_probabilities" => {
+                let unknown = [f64::NAN; ShapeClass::ALL.len()];
+                self.of_each(py, |one| {
+                    let told = one.curvature.class_probabilities(limits);
+                    told.unwrap_or(unknown)
+                })
             }
+            "class_index" => {
+                let place = |one: &MapPoint| {
+                    let class = one.curvature.class(limits);
+                    let place = ShapeClass::ALL.iter().position(|one| *one == class);
+                    place.map_or(-1, |place| place as i64)
+                };
+                self.whole(py, self.map.points().iter().map(place).collect())
+            }
+            _ => self.whole(
+                py,
+                match self.map.regions() {
+                    Some(regions) => regions.iter().map(|region| *region as i64).collect(),
+                    None => vec![-1; self.map.points().len()],
+                },
+            ),
         }
-        Ok(map)
+    }
+}
+
+impl Map {
+    /// Shape of an array with a number per place.
+    fn shape(&self) -> Vec<usize> {
+        match self.grid {
+            Some(grid) => vec![grid, grid],
+            None => vec![self.map.points().len()],
+        }
+    }
+
+    /// Array of `D` numbers of each place.
+    fn of_each<'py, const D: usize>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&MapPoint) -> [f64; D],
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let numbers: Vec<[f64; D]> = self.map.points().iter().map(of).collect();
+        let mut shape = self.shape();
+        shape.extend((D > 1).then_some(D));
+        array(py, numbers.into_flattened(), &shape)
+    }
+
+    fn whole<'py>(&self, py: Python<'py>, numbers: Vec<i64>) -> PyResult<Bound<'py, PyAny>> {
+        let flat = PyArray1::from_vec(py, numbers);
+        Ok(flat.reshape(self.shape())?.into_any())
     }
 }
 

@@ -28,12 +28,13 @@ impl Made for recorded::RollEstimate {
         to_python(py, self)
     }
 
-    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn others(&self) -> &'static [&'static str] {
+        &["covariance"]
+    }
+
+    fn other<'py>(&self, py: Python<'py>, _: &str) -> PyResult<Bound<'py, PyAny>> {
         let covariance = self.covariance().unwrap_or([[f64::NAN; 3]; 3]);
-        let arrays = PyDict::new(py);
-        let numbers = covariance.as_flattened().to_vec();
-        arrays.set_item("covariance", array(py, numbers, &[3, 3])?)?;
-        Ok(arrays)
+        array(py, covariance.as_flattened().to_vec(), &[3, 3])
     }
 }
 
