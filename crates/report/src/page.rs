@@ -7,7 +7,10 @@ use crate::{Figure, ReportError, Score, Study, Verdict, figures, score};
 use minijinja::value::Value;
 use minijinja::{Environment, context};
 use palpate_study::number::grouped;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Part of its size to which a figure shrinks before it scrolls sideways: its text is then as high as 11 pixels.
+const LEAST_SCALE: f64 = 0.61;
 
 /// The page: the scorecard, then per study its source, sample size, figures, failures and config; then, where all
 /// studies lie in one folder, what is measured in it: `tradeoff/`, `extremes.csv`, `peers.csv`. It has no scripts and
@@ -46,22 +49,38 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
         .iter()
         .map(section)
         .collect::<Result<Vec<Value>, ReportError>>()?;
-    let scores: Vec<Value> = score(studies)
-        .iter()
-        .map(|score| row(score, studies))
-        .collect();
+    let scored = score(studies);
+    let scores: Vec<Value> = scored.iter().map(|score| row(score, studies)).collect();
+    let claims: BTreeSet<u32> = scored.iter().map(|score| score.claim).collect();
+    let claims = claims.len();
+    let counts = counts(&scored);
     let measured = measurements::folder(studies)
         .map(|folder| measurements::sections(&folder))
         .transpose()?;
     let template = environment.get_template("page.html")?;
-    Ok(template.render(context! { scores, studies => sections, measured })?)
+    Ok(template.render(context! { scores, claims, counts, studies => sections, measured })?)
+}
+
+/// How many rows have each verdict, in words.
+fn counts(scores: &[Score]) -> String {
+    let all = [Verdict::Holds, Verdict::Differs, Verdict::NotTestable];
+    let counted = all.map(|verdict| {
+        let count = scores.iter().filter(|score| score.verdict == verdict);
+        (count.count(), verdict)
+    });
+    let said = counted.iter().filter(|(count, _)| *count > 0);
+    let said = said.map(|(count, verdict)| match verdict {
+        Verdict::Holds if *count != 1 => format!("{count} hold"),
+        Verdict::Differs if *count != 1 => format!("{count} differ"),
+        verdict => format!("{count} {verdict}"),
+    });
+    said.collect::<Vec<_>>().join(", ")
 }
 
 fn row(score: &Score, studies: &[Study]) -> Value {
-    let section = studies
-        .iter()
-        .position(|study| study.name() == score.study)
-        .map_or(0, |at| at + 1);
+    let place = studies.iter().position(|study| study.name() == score.study);
+    let section = place.map_or(0, |at| at + 1);
+    let source = place.map_or("", |at| studies[at].source());
     let class = match score.verdict {
         Verdict::Holds => "holds",
         Verdict::Differs => "differs",
@@ -71,6 +90,7 @@ fn row(score: &Score, studies: &[Study]) -> Value {
         claim => score.claim,
         study => &score.study,
         section,
+        source,
         paper_says => &score.paper_says,
         measured => &score.measured,
         why => &score.why,
@@ -80,8 +100,11 @@ fn row(score: &Score, studies: &[Study]) -> Value {
 }
 
 fn section(study: &Study) -> Result<Value, ReportError> {
-    let shown =
-        |Figure { title, svg, .. }: Figure| context! { title, svg => Value::from_safe_string(svg) };
+    let shown = |figure: Figure| {
+        let least = (LEAST_SCALE * figure.width()).ceil();
+        let svg = Value::from_safe_string(figure.svg);
+        context! { title => figure.title, svg, least }
+    };
     let figures: Vec<Value> = figures(study)?.into_iter().map(shown).collect();
     let mut kinds: BTreeMap<&str, (u64, usize)> = BTreeMap::new();
     for failure in study.failures() {

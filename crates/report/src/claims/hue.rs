@@ -2,7 +2,7 @@
 
 use super::evidence::{groups, near, range, short, span};
 use super::finding::Finding;
-use super::presses::{label, number, rows_of};
+use super::presses::{label, millimetres, number, rows_of};
 use super::straight_line::{Reading, StraightLine};
 use crate::Study;
 use crate::group::distinct;
@@ -10,6 +10,10 @@ use crate::group::distinct;
 /// The paper's own R² of its lines through the hue and through the centroid.
 const HUE: f64 = 0.89;
 const CENTROID: f64 = 0.99;
+
+/// Slope of the line through all 39 readings of the paper's Fig. 6b, turns/mm: what `palpate sensor calibrate` tells of
+/// `examples/chromatouch-2020/calibration-normal.csv`.
+const PUBLISHED_SLOPE: f64 = 0.02583;
 
 const MOTION: &str = "scene.motion";
 
@@ -26,8 +30,9 @@ pub(super) fn and_centroid_are_linear(study: &Study) -> Result<Finding, String> 
     Ok(Finding {
         holds: reaches(&hue, HUE) && reaches(&centroid, CENTROID),
         measured: format!(
-            "Hue against indentation: {}. Centroid against shift: {}.",
+            "Hue against indentation: {}{}. Centroid against shift: {}.",
             told(&hue, &format!("turns/{length}")),
+            beside_the_published(&hue, millimetres(study)),
             told(&centroid, &format!("px/{length}"))
         ),
         why: format!(
@@ -101,6 +106,21 @@ fn lines(
     } else {
         Ok(lines)
     }
+}
+
+/// How far the mean slope of the hue is from the published one; a unit is so many millimetres.
+fn beside_the_published(hue: &Lines, millimetres: Option<f64>) -> String {
+    let Some(unit) = millimetres else {
+        return String::new();
+    };
+    let slopes: f64 = hue.iter().map(|(_, line)| line.slope).sum();
+    let ratio = PUBLISHED_SLOPE * unit * hue.len() as f64 / slopes;
+    let said = match ratio {
+        ratio if ratio.is_finite() && ratio >= 1.0 => format!("{} times below", short(ratio)),
+        ratio if ratio > 0.0 => format!("{} times", short(1.0 / ratio)),
+        _ => return String::new(),
+    };
+    format!("; the slope is {said} the published one of {PUBLISHED_SLOPE} turns/mm")
 }
 
 /// R², the slopes per object and by how much they differ.

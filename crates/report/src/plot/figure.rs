@@ -40,6 +40,11 @@ impl Figure {
         })
     }
 
+    /// Width in pixels.
+    pub(crate) const fn width(&self) -> f64 {
+        self.size.0
+    }
+
     /// Bytes of the picture as PNG, in pixels of the SVG's size and in the built-in fonts.
     ///
     /// # Errors

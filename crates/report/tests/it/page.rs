@@ -32,6 +32,10 @@ fn the_page_stands_alone_and_tells_everything() {
         "<details>",
         "claims = [2, 99]",
         "prefers-color-scheme: dark",
+        "3 rows on 3 claims: 1 holds, 2 not testable.",
+        "<span class=\"why\">somewhere</span>",
+        "<figure style=\"--least: 586.0px\">",
+        "<details class=\"contents\">",
     ] {
         assert!(html.contains(part), "{part}");
     }
