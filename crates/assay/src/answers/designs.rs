@@ -5,8 +5,8 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use palpate::{Answer, Question, RunOptions, Runner, Side, design, parse};
 
-use super::Score;
 use super::scenes::Design;
+use super::score::Score;
 
 pub(super) const COMMAND: &str = "design";
 /// Part of the gap that a reference has: its trials at a crossing are 100 times as many.

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use palpate::{RunOptions, Runner, SceneTrial, Scenes, distinguish, parse};
 
 use super::scenes::Objects;
-use super::{Options, Score};
+use super::score::{Options, Score};
 
 pub(super) const COMMAND: &str = "distinguish";
 /// Number of the first fresh trial; each object has its own.

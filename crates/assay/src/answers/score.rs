@@ -1,0 +1,27 @@
+//! What is asked of answers, and how many are right.
+
+/// How much is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Options<'a> {
+    /// Number of seeds with which each scene is asked.
+    pub seeds: u64,
+    /// Number of pairs of trials against which each probability is held.
+    pub pairs: u64,
+    /// Only scenes whose names hold these words.
+    pub only: &'a str,
+    /// Without slow scenes.
+    pub is_quick: bool,
+}
+
+/// Number of answers that were asked for, and of those that are right.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Score {
+    /// `design` or `distinguish`.
+    pub command: &'static str,
+    /// Name of the scene.
+    pub scene: &'static str,
+    /// Number of answers.
+    pub cases: u64,
+    /// Number of right ones.
+    pub right: u64,
+}
