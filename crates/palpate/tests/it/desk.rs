@@ -134,10 +134,17 @@ impl Desk {
             .env_remove("RUST_LIB_BACKTRACE")
             .output()
             .unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        // Many configs of tests write what they sweep; notes of that have a test of their own.
+        let is_swept =
+            |line: &&str| line.starts_with("note: ") && line.contains(" is swept over by ");
+        let lines = stderr.split_inclusive('\n');
+        let (swept, stderr): (Vec<&str>, Vec<&str>) = lines.partition(is_swept);
         Ended {
             status: output.status.code(),
             stdout: String::from_utf8(output.stdout).unwrap(),
-            stderr: String::from_utf8(output.stderr).unwrap(),
+            stderr: stderr.concat(),
+            swept: swept.concat(),
         }
     }
 }
@@ -147,7 +154,10 @@ impl Desk {
 pub(crate) struct Ended {
     pub(crate) status: Option<i32>,
     pub(crate) stdout: String,
+    /// Standard error, but for the notes below.
     pub(crate) stderr: String,
+    /// Notes of fields that a config writes although it sweeps them.
+    pub(crate) swept: String,
 }
 
 impl Ended {

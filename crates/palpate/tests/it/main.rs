@@ -32,4 +32,5 @@ mod run;
 mod sensor;
 mod shards;
 mod stated;
+mod swept_over;
 mod trace;

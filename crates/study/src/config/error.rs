@@ -136,6 +136,13 @@ impl Source {
         }
     }
 
+    /// Line of a byte of the file, from 1; `None` of a text that was made.
+    pub(super) fn line(&self, byte: usize) -> Option<usize> {
+        let before = self.text.as_bytes().get(..byte)?;
+        let lines = before.iter().filter(|&&byte| byte == b'\n').count();
+        self.is_written.then_some(lines + 1)
+    }
+
     pub(super) fn error(&self, fault: Fault) -> ConfigError {
         let (place, details) = match &fault.span {
             Some(span) if self.is_written => self.show(span),

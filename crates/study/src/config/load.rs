@@ -40,6 +40,8 @@ pub struct Study {
     flat: Option<toml::Value>,
     /// The plots as they are written.
     plots: Node,
+    /// Whether palpate wrote the config, every swept field of which has its first value.
+    is_resolved: bool,
 }
 
 /// One combination of the swept values.
@@ -135,7 +137,9 @@ pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
     let schema = &*SCHEMA;
     let sweeps = section(schema, &mut base, "sweep").map_err(faulty)?;
     let plots = section(schema, &mut base, "plot").map_err(faulty)?;
-    if let Some(entry) = base.take("crate_version") {
+    let version = base.take("crate_version");
+    let is_resolved = version.is_some();
+    if let Some(entry) = version {
         check_version(&entry.node).map_err(|fault| faulty(fault.under("crate_version")))?;
     }
     let axes = sweep::axes(&sweeps).map_err(faulty)?;
@@ -181,6 +185,7 @@ pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
         grid,
         sample,
         plots,
+        is_resolved,
     })
 }
 
@@ -520,6 +525,48 @@ impl Study {
     /// Cells in the order of their numbers, each made when it is asked for; one that is not valid is left out.
     pub fn cells(&self) -> impl Iterator<Item = Cell> + '_ {
         (0..self.cell_count()).filter_map(|number| self.cell(number).ok())
+    }
+
+    /// Fields that the config writes although it sweeps them, by their paths, with a note for each: the sweep stands in the
+    /// place of what is written. None of a config that palpate wrote.
+    pub fn swept_over(&self) -> Vec<(String, String)> {
+        const MOST_VALUES: usize = 8;
+        let note = |(axis, place): (&Axis, usize)| {
+            let target = &axis.targets[place];
+            let written = self.grid.base.at(&target.path)?;
+            let line = self.source.line(written.span.start)?;
+            let of_sweep = self.source.line(target.span.start)?;
+            let value = |row: usize| axis.row(row)[place].text().into_owned();
+            let mut values: Vec<String> = Vec::new();
+            for row in 0..axis.len() {
+                let value = value(row);
+                if !values.contains(&value) {
+                    values.push(value);
+                }
+                if values.len() > MOST_VALUES {
+                    values[MOST_VALUES] = "…".to_owned();
+                    break;
+                }
+            }
+            let values = values.join(", ");
+            let text = match written.value {
+                Value::Table(_) | Value::Array(_) => String::new(),
+                _ => format!(" = {}", written.text()),
+            };
+            let path = &target.path;
+            Some((
+                path.clone(),
+                format!(
+                    "line {line}: {path}{text} is swept over by line {of_sweep}, which sets it to {values}"
+                ),
+            ))
+        };
+        let axes = self.grid.axes.iter();
+        let targets = axes.flat_map(|axis| (0..axis.targets.len()).map(move |place| (axis, place)));
+        targets
+            .filter(|_| !self.is_resolved)
+            .filter_map(note)
+            .collect()
     }
 
     /// An error in a field of a cell that shows only when the config is used, e.g. a pitch larger than the probe. It

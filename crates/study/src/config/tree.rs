@@ -164,6 +164,19 @@ impl Node {
         node
     }
 
+    /// The node at a path, if there is one.
+    pub(super) fn at(&self, path: &str) -> Option<&Node> {
+        path.split('.')
+            .try_fold(self, |node, key| match &node.value {
+                Value::Table(entries) => {
+                    let entry = entries.iter().find(|entry| entry.key == key)?;
+                    Some(&entry.node)
+                }
+                Value::Array(items) => items.get(key.parse::<usize>().ok()?),
+                _ => None,
+            })
+    }
+
     /// Puts a value at a path of keys and array indices. Everything but the last key must exist; a new last key takes
     /// `key_span`. The error says what is in the way.
     pub(super) fn set(&mut self, path: &str, value: Node, key_span: &Span) -> Result<(), String> {

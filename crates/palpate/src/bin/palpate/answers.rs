@@ -24,6 +24,16 @@ pub(crate) fn set(args: &AnswerArgs) -> impl Iterator<Item = (String, Vec<toml::
     set.map(|(path, value)| (path.clone(), vec![value.clone()]))
 }
 
+/// Tells of fields that the config writes although it sweeps them, but for those at `paths`, which arguments set.
+pub(crate) fn tell_swept<'a>(study: &Study, paths: impl Iterator<Item = &'a str>) {
+    let set: Vec<&str> = paths.collect();
+    for (path, note) in study.swept_over() {
+        if !set.contains(&path.as_str()) {
+            eprintln!("note: {note}");
+        }
+    }
+}
+
 /// Title of an answer's figure.
 pub(crate) fn title(study: &Study) -> &str {
     match study.config.title.as_str() {

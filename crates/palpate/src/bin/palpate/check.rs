@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use palpate::config::ModelConfig;
 use palpate::{Check, Cost, Ladder, Rungs, load};
 
+use crate::answers::tell_swept;
 use crate::budget::runner;
 use crate::cli::CheckArgs;
 use crate::duration::{roughly, short, two_digits};
@@ -20,6 +21,7 @@ const MOST_GROUPS: usize = 50;
 pub(crate) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let start = Instant::now();
     let study = load(&args.config).map_err(Failure::usage)?;
+    tell_swept(&study, std::iter::empty());
     let bar = progress::bar_of("cells");
     let told = |done: usize, all: usize| {
         if start.elapsed() >= QUIET {

@@ -25,6 +25,9 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     if let Some(seed) = args.answer.seed {
         study.override_seed(seed).map_err(Failure::usage)?;
     }
+    let vary = args.vary.iter().map(|vary| vary.path.as_str());
+    let set = args.answer.set.iter().map(|(path, _)| path.as_str());
+    answers::tell_swept(&study, vary.chain(set));
     let mut folder = answers::folder(&args.answer)?;
     let bar = progress::bar_of("trials");
     let told = |values: usize, trials: u64| {

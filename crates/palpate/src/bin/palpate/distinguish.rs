@@ -9,6 +9,9 @@ use crate::{answers, progress};
 
 pub(crate) fn distinguish(args: &DistinguishArgs) -> Result<(), Failure> {
     let study = overridden(&args.answer.config, args.answer.seed, args.trials, None)?;
+    let paths = args.vary.iter().map(|(path, _)| path.as_str());
+    let set = args.answer.set.iter().map(|(path, _)| path.as_str());
+    answers::tell_swept(&study, paths.chain(set));
     let vary = args.vary.iter().cloned();
     let fields: Vec<_> = vary.chain(answers::set(&args.answer)).collect();
     let study = match fields.is_empty() {

@@ -11,6 +11,7 @@ use std::time::Instant;
 use anyhow::{Context, anyhow};
 use palpate::{RunOptions, Runner, Simulation, Study, Warnings, load, parse, refuse};
 
+use crate::answers::tell_swept;
 use crate::cli::RunArgs;
 use crate::failure::Failure;
 use crate::journal::{self, Asked, Header, Reader, Totals};
@@ -38,6 +39,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         )));
     }
     let study = asked_study(args)?;
+    tell_swept(&study, std::iter::empty());
     let shard = args.shard.unwrap_or_default();
     let is_whole = args.shard.is_none();
     let out = args.out.clone().unwrap_or_else(|| {
