@@ -1,8 +1,10 @@
 //! The cells of a study: every combination of its axes' rows, the first axis slowest.
 
 use super::error::Fault;
+use super::schema::SCHEMA;
 use super::sweep::{Axis, SweptValue, Target};
 use super::tree::Node;
+use super::validate;
 
 /// The tree without its `sweep` and `plot` sections, and the axes.
 #[derive(Debug, Clone)]
@@ -70,11 +72,34 @@ impl Grid {
     pub(super) fn tree(&self, cell: usize) -> Result<Node, (Node, Fault)> {
         let mut tree = self.base.clone();
         for (target, setting) in self.settings(cell) {
+            write_defaults(&mut tree, target);
             if let Err(reason) = tree.set(&target.path, setting.node, &target.span) {
                 let message = format!("the sweep path names nothing: {reason}");
                 return Err((tree, Fault::at(&target.span, message).under(&target.path)));
             }
         }
         Ok(tree)
+    }
+}
+
+/// Writes the tables that a swept field lies in, as far as they are left out, with their defaults.
+fn write_defaults(tree: &mut Node, target: &Target) {
+    let path = &target.path;
+    for (end, _) in path.match_indices('.') {
+        let parent = &path[..end];
+        if tree.at(parent).is_some() {
+            continue;
+        }
+        let default = validate::at(&SCHEMA, tree, parent).and_then(|schema| schema.get("default"));
+        let Some(default) = default.filter(|default| default.is_object()) else {
+            return;
+        };
+        let Some(default) = Node::of_default(default, &target.span) else {
+            return;
+        };
+        // A parent that cannot be set is told with the field itself.
+        if tree.set(parent, default, &target.span).is_err() {
+            return;
+        }
     }
 }

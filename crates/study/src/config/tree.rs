@@ -2,6 +2,7 @@
 
 use super::error::{Fault, Span};
 use palpate_number::Number;
+use serde_json::Value as Json;
 use toml::de::{DeTable, DeValue};
 
 /// A value and the bytes it was read from. Where a sweep has put it in, the bytes are those of the sweep.
@@ -162,6 +163,37 @@ impl Node {
             }
         }
         node
+    }
+
+    /// A default of the schema, standing at a place of the text; `None` where a value in it has no counterpart in TOML.
+    pub(super) fn of_default(value: &Json, span: &Span) -> Option<Self> {
+        let value = match value {
+            Json::Null => return None,
+            Json::Bool(boolean) => Value::Boolean(*boolean),
+            Json::Number(number) => match number.as_i64() {
+                Some(integer) => Value::Integer(integer),
+                None => Value::Float(number.as_f64()?),
+            },
+            Json::String(text) => Value::Text(text.clone()),
+            Json::Array(items) => {
+                let items = items.iter().map(|item| Self::of_default(item, span));
+                Value::Array(items.collect::<Option<_>>()?)
+            }
+            Json::Object(object) => {
+                // What is null is left out, as it may be.
+                let entries = object.iter().filter(|(_, value)| !value.is_null());
+                let entries = entries.map(|(key, value)| {
+                    Some(Entry {
+                        key: key.clone(),
+                        key_span: span.clone(),
+                        node: Self::of_default(value, span)?,
+                    })
+                });
+                Value::Table(entries.collect::<Option<_>>()?)
+            }
+        };
+        let span = span.clone();
+        Some(Self { value, span })
     }
 
     /// The node at a path, if there is one.

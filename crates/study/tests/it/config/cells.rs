@@ -297,3 +297,33 @@ fn overrides_are_checked() {
         "study.toml:10:8: seed: is swept, and so cannot be set to 3\n   |\n10 | path = \"seed\"\n   |        ^^^^^^"
     );
 }
+
+/// A field of a table that is left out can be swept: the table stands with its defaults.
+#[test]
+fn fields_of_defaulted_tables_can_be_swept() {
+    let glide = r#"
+        name = "a-glide"
+        [scene]
+        kind = "glide"
+        probe = { kind = "sphere", radius = 4.0 }
+        object = { kind = "saddle", a = 0.01 }
+        motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 10 }
+        evaluate = { half_width = 10.0, gaussian_threshold = 0.00005, mean_threshold = 0.003 }
+        [[sweep]]
+        path = "PATH"
+        values = VALUES
+    "#;
+    let cells = |path: &str, values: &str| {
+        let text = glide.replace("PATH", path).replace("VALUES", values);
+        let study = palpate_study::config::parse("study.toml", &text);
+        study.map(|study| study.cells().map(|cell| cell.config).collect::<Vec<_>>())
+    };
+    let swept = cells("scene.sensor.normals", "[true, false]");
+    let swept = swept.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(swept.len(), 2);
+    assert_ne!(swept[0], swept[1]);
+    let error = cells("scene.sensr.normals", "[1]").expect_err("misspelt");
+    assert!(error.to_string().contains("has no `sensr`"), "{error}");
+    let error = cells("scene.sensor.normls", "[1]").expect_err("misspelt");
+    assert!(error.to_string().contains("normls"), "{error}");
+}
