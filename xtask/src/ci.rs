@@ -6,12 +6,13 @@ use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
 use crate::{
-    bench_check, extremes, house, palpate, python, readme, reproduce, same_bytes, scale, tools,
+    answers, bench_check, extremes, house, palpate, python, readme, reproduce, same_bytes, scale,
+    tools,
 };
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 14] = [
+const STEPS: [Step; 15] = [
     ("tools", tools::prepare),
     ("format", format),
     ("house", house),
@@ -23,6 +24,7 @@ const STEPS: [Step; 14] = [
     ("python", python::check),
     ("results", results),
     ("same bytes", same_bytes),
+    ("answers", answers::check),
     ("scale", scale),
     ("instructions and accuracy", bench),
     ("README", readme::check),

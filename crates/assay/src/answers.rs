@@ -21,12 +21,12 @@ pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> 
         scores.push(score);
     };
     for scene in scenes::DESIGNS {
-        if scene.name.contains(options.only) && !(options.is_quick && scene.is_slow) {
+        if scene.name.contains(options.only) {
             push(designs::score(scene, options.seeds)?);
         }
     }
     for scene in scenes::PAIRS {
-        if scene.name.contains(options.only) && !(options.is_quick && scene.is_slow) {
+        if scene.name.contains(options.only) {
             push(pairs::score(scene, options)?);
         }
     }

@@ -111,7 +111,6 @@ fn main() -> Result<()> {
                 seeds,
                 pairs,
                 only: &only,
-                is_quick: false,
             };
             let scores = answers::scores(options, |score| {
                 println!(

@@ -8,8 +8,6 @@ pub(super) struct Design {
     pub(super) target: &'static str,
     pub(super) vary: &'static str,
     pub(super) gap: f64,
-    /// Whether a trial takes more than some microseconds.
-    pub(super) is_slow: bool,
 }
 
 /// Objects that are told apart.
@@ -18,8 +16,6 @@ pub(super) struct Objects {
     pub(super) name: &'static str,
     pub(super) config: &'static str,
     pub(super) quantity: &'static str,
-    /// Whether a trial takes more than some microseconds.
-    pub(super) is_slow: bool,
 }
 
 pub(super) const DESIGNS: &[Design] = &[
@@ -37,7 +33,6 @@ sensor = { kind = "pads", pitch = 0.5, layout = "uniform", offset = "random" }
         target: "relative_rms_error(mean_curvature) <= 5 %",
         vary: "scene.sensor.pitch=0.05..2",
         gap: 0.3,
-        is_slow: true,
     },
     Design {
         name: "roll: wrist sensor",
@@ -53,7 +48,6 @@ sensor = { kind = "wrist", std = 0.54 }
         target: "relative_rms_error(mean_curvature) <= 10 %",
         vary: "scene.sensor.std=0.01..1",
         gap: 0.2,
-        is_slow: false,
     },
     Design {
         name: "roll: largest ball",
@@ -69,7 +63,6 @@ noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
         target: "relative_rms_error(mean_curvature) <= 2 %",
         vary: "scene.object.radius=5..200",
         gap: 0.1,
-        is_slow: false,
     },
     Design {
         name: "roll: noise on a cylinder",
@@ -85,7 +78,6 @@ noise = { angular_velocity = { kind = "gaussian", fraction = 0.01 } }
         target: "rms_error(normal_curvature_u) <= 0.002",
         vary: "scene.noise.angular_velocity.fraction=0.001..0.2",
         gap: 0.1,
-        is_slow: false,
     },
     Design {
         name: "glide: noise of positions",
@@ -102,7 +94,6 @@ evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_thre
         target: "rms_error(mean_curvature) <= 0.0005",
         vary: "scene.noise.position.fraction_of_ifd=0.01..0.5",
         gap: 0.5,
-        is_slow: true,
     },
     Design {
         name: "glide: share of classes",
@@ -119,7 +110,6 @@ evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_thre
         target: "mean(class) >= 95 %",
         vary: "scene.noise.position.fraction_of_ifd=0.1..2",
         gap: 0.8,
-        is_slow: true,
     },
     Design {
         name: "press: noise of markers",
@@ -136,7 +126,6 @@ estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02
         target: "relative_rms_error(object_curvature) <= 10 %",
         vary: "scene.noise.normal_displacement.std=0.01..1",
         gap: 1.0,
-        is_slow: true,
     },
     Design {
         name: "press: noise of the indentation",
@@ -153,7 +142,6 @@ estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02
         target: "std(object_curvature) <= 0.003",
         vary: "scene.noise.indentation.std=0.005..0.5",
         gap: 1.0,
-        is_slow: true,
     },
     Design {
         name: "press: honest intervals",
@@ -170,7 +158,6 @@ estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02
         target: "coverage95(object_curvature) >= 0.9",
         vary: "scene.estimator.indentation_std=0.001..0.1",
         gap: 1.0,
-        is_slow: true,
     },
     Design {
         name: "fingertip: size of a marker",
@@ -185,7 +172,6 @@ view = { polar_deg = 0.0 }
         target: "mean(marker_area) >= 900",
         vary: "scene.view.polar_deg=0..60",
         gap: 0.05,
-        is_slow: false,
     },
 ];
 
@@ -206,7 +192,6 @@ path = "scene.object.radius"
 values = [30.0, 33.0, 40.0, 60.0]
 "#,
         quantity: "mean_curvature",
-        is_slow: false,
     },
     Objects {
         name: "roll: balls by pads",
@@ -223,7 +208,6 @@ path = "scene.object.radius"
 values = [30.0, 33.0, 40.0, 60.0]
 "#,
         quantity: "mean_curvature",
-        is_slow: true,
     },
     Objects {
         name: "roll: balls by the wrist",
@@ -240,7 +224,6 @@ path = "scene.object.radius"
 values = [25.0, 50.0]
 "#,
         quantity: "mean_curvature",
-        is_slow: false,
     },
     Objects {
         name: "roll: cylinders by noisy rates",
@@ -257,7 +240,6 @@ path = "scene.object.radius"
 values = [20.0, 30.0]
 "#,
         quantity: "normal_curvature_u",
-        is_slow: false,
     },
     Objects {
         name: "glide: balls",
@@ -276,7 +258,6 @@ path = "scene.object.radius"
 values = [40.0, 45.0, 60.0]
 "#,
         quantity: "mean_curvature",
-        is_slow: true,
     },
     Objects {
         name: "press: balls",
@@ -295,6 +276,5 @@ path = "scene.object.radius"
 values = [30.0, 35.0, 50.0]
 "#,
         quantity: "object_curvature",
-        is_slow: true,
     },
 ];

@@ -9,8 +9,6 @@ pub struct Options<'a> {
     pub pairs: u64,
     /// Only scenes whose names hold these words.
     pub only: &'a str,
-    /// Without slow scenes.
-    pub is_quick: bool,
 }
 
 /// Number of answers that were asked for, and of those that are right.
