@@ -13,18 +13,19 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
     shell.current_dir().join(target)
 }
 
+/// Crate that needs Python to be built: `cargo xtask python` lints and tests it.
+pub(crate) const PYTHON: &str = "palpate-python";
+
 /// Arguments that select what tasks build of the release profile, all of it together: cargo joins the features of
 /// what is built at once, so that other selections would build most crates again. Without counters, as users have
-/// palpate. The Python package is among them for its features, although it has no program.
-pub(crate) const RELEASED: [&str; 11] = [
+/// palpate.
+pub(crate) const RELEASED: [&str; 9] = [
     "-p",
     "palpate",
     "-p",
     "palpate-assay",
     "-p",
     "palpate-replica",
-    "-p",
-    "palpate-python",
     "--no-default-features",
     "--features",
     "palpate/cli",

@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use xshell::{Shell, cmd};
 
-use crate::palpate;
+use crate::palpate::{self, PYTHON};
 
 /// What the environment has beside the wheel.
 const REQUIREMENTS: &str = "crates/python/requirements.txt";
@@ -17,11 +17,6 @@ pub(crate) struct Options {
     /// Build and install the wheel, and test nothing.
     #[arg(long)]
     install: bool,
-}
-
-/// The step of CI.
-pub(crate) fn check(shell: &Shell) -> Result<()> {
-    run(shell, &Options { install: false })
 }
 
 /// Interpreter of the environment, in which the wheel is installed.
@@ -52,6 +47,12 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     if options.install {
         return Ok(());
     }
+    cmd!(
+        shell,
+        "cargo clippy --package {PYTHON} --all-targets -- -D warnings"
+    )
+    .env("PYO3_PYTHON", &python)
+    .run()?;
     // The program that the tests compare with.
     let program = palpate::build(shell, "palpate")?;
     let root = shell.current_dir();

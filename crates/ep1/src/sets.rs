@@ -25,7 +25,7 @@ pub type SetRow = [f64; 11];
 ///     shifts: &[[0.075, 0.0], [0.0, 0.075], [0.05, 0.0], [0.0, 0.05]],
 /// };
 /// let mut rows: [SetRow; 2] = Default::default();
-/// sets.estimate(0, &mut rows)?;
+/// sets.estimate(0, &mut rows).map_err(|(_, error)| error)?;
 /// assert!((rows[0][4] - 1.0 / 3.0).abs() < 1e-13 && (rows[1][4] - 1.0).abs() < 1e-13);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
