@@ -53,7 +53,7 @@ pub struct LeastSquares {
     pub(crate) law: Law,
 }
 
-/// What makes estimates of the shifts. A copy is at hand where many are made side by side.
+/// Linear map from shifts to estimates. A copy is at hand where many are made side by side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Law {
     radius: f64,

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::json::to_python;
 
-/// What a result is made from: its fields are not made before they are asked for.
+/// Source that a result is made from: its fields are not made before they are asked for.
 pub(crate) trait Made: Send + Sync {
     /// Fields as plain values: what the command line prints as JSON.
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>;

@@ -70,7 +70,7 @@ impl Drop for Ending<'_> {
 /// the work ends.
 ///
 /// # Errors
-/// What a signal or the progress raises; the work is told to end.
+/// Error that a signal or the progress raises; the work is told to end.
 fn look(watch: &Watch, progress: Option<&Py<PyAny>>) -> PyResult<()> {
     while !watch.wait() {
         let raised = Python::attach(|py| {
@@ -88,7 +88,7 @@ fn look(watch: &Watch, progress: Option<&Py<PyAny>>) -> PyResult<()> {
 /// Does work on another thread, which must end soon after it is cancelled, while this one looks for signals.
 ///
 /// # Errors
-/// What a signal raises; the work has ended then.
+/// Error that a signal raises; the work has ended then.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&Watch) -> T + Send,

@@ -19,6 +19,7 @@ mod glide;
 mod grid;
 mod length_unit;
 mod load;
+mod located;
 mod model;
 mod object;
 mod output;

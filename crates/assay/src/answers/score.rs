@@ -1,4 +1,4 @@
-//! What is asked of answers, and how many are right.
+//! Number of answers that are asked for, and of those that are right.
 
 /// How much is asked.
 #[derive(Clone, Copy, Debug)]

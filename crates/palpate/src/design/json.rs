@@ -35,7 +35,7 @@ pub(crate) fn shown(field: &Field, value: f64) -> Value {
     }
 }
 
-/// What was found along a field.
+/// Findings along a field.
 pub(crate) fn found(answer: &Answer) -> Map<String, Value> {
     let text = |value: f64| shown(&answer.field, value);
     let runs = |side: Side| -> Value {

@@ -258,7 +258,7 @@ pub(crate) fn trials_in_words(all: u64, fresh: u64, is_random: bool) -> String {
     }
 }
 
-/// What searches left open, a line each.
+/// Notes on what searches left open, a line each.
 pub(crate) fn notes(narrowed: usize, ended: &[Ended]) -> Vec<String> {
     let mut lines = Vec::new();
     if narrowed > 0 {

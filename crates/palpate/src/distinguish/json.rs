@@ -1,4 +1,4 @@
-//! What is told apart as JSON.
+//! Objects told apart, as JSON.
 
 use palpate_study::config::Study;
 use palpate_sweep::Repeats;
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::found::ToldApart;
 
 impl ToldApart {
-    /// What is told apart as JSON: every two objects of each group with the probability, its 95 % interval and the trials
+    /// Objects told apart, as JSON: every two of each group with the probability, its 95 % interval and the trials
     /// that are enough, and the sentences.
     pub fn to_json(&self, study: &Study) -> Value {
         let groups = self.groups.iter().map(|group| {

@@ -1,4 +1,4 @@
-//! What a survey of several fields is asked.
+//! Question of a survey of several fields.
 
 use palpate_study::Target;
 use palpate_study::config::{Varied, Vary};

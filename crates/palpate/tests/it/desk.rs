@@ -107,7 +107,7 @@ impl Desk {
         self.end(command)
     }
 
-    /// What a command prints as JSON.
+    /// JSON that a command prints.
     #[track_caller]
     pub(crate) fn json(&self, arguments: &str) -> serde_json::Value {
         let printed = self.palpate(&format!("{arguments} --json")).printed();

@@ -21,7 +21,7 @@ record!(
     "Values of a field that meet a target, all of it right with 95 %.\n\nFields: what `palpate design --json` prints: `answer`, a sentence; `meets` and `misses`, lists of runs with `from` and\n`to`; `best` with `value`, `statistic`, `std_error` and `failing`; `target`, `path`, `unit`, `max_failures`,\n`confidence`, `narrowed` (ends of runs that fresh trials did not verify) and `ended` (\"known\", \"time\" or \"trials\"). `lines` are its\ngrounds, in words; `table` is a Table of all trials, `figure` a Figure of them."
 );
 
-/// What an answer is made from.
+/// Source that an answer is made from.
 struct Answered {
     fields: Json,
     answer: palpate::Answer,

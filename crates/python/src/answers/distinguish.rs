@@ -18,7 +18,7 @@ record!(
     "How surely one trial of each of two objects puts them in the right order, and how many trials do.\n\nFields: what `palpate distinguish --json` prints: `answer`, a sentence for every two neighbours; `groups`, each with\n`settings` and `pairs` of `first`, `second`, `told_apart` (a probability, None where they are alike), `low95`, `high95`\nand `repeats`; `quantity` and `confidence`. `table` is a Table of all pairs, `figure` a Figure of them."
 );
 
-/// What an answer is made from.
+/// Source that an answer is made from.
 struct Told {
     fields: Json,
     told: palpate::ToldApart,

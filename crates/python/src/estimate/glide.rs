@@ -27,13 +27,13 @@ record!(
     "Curvature of a patch, from contacts of gliding fingers.\n\nFields: what `palpate estimate glide` prints, of the patch's middle: `gaussian_curvature`, `mean_curvature`,\n`k_min`, `k_max` (each with `value`, `std` or None, and `unit`), `position`, `normal`, `direction_of_min`,\n`direction_of_max` (arrays of 3), `shape_index`, `class_`, `class_probabilities`,\n`thresholds`, `noise`, `regions` and `warnings`; `covariance`, (2, 2), of Gaussian and mean curvature, NaN where\nthe method states no uncertainty; and `map`: arrays (grid, grid), along the fingers' travel first, or (n,) at the\ncontacts: `position`, `normal`, `direction_of_min`, `direction_of_max` with 3 numbers each, `gaussian_curvature`,\n`gaussian_curvature_std`, `mean_curvature`, `mean_curvature_std`, `k_min`, `k_max`, `shape_index`, `class_index` of\n`palpate.SHAPE_CLASSES`, `region` (-1: none) and `class_probabilities` with 8 numbers each."
 );
 
-/// What an estimate of a patch is made from.
+/// Source that an estimate of a patch is made from.
 struct Patch {
     estimate: recorded::GlideEstimate,
     map: Arc<Map>,
 }
 
-/// What a map of a patch is made from.
+/// Source that a map of a patch is made from.
 struct Map {
     map: GlideMap,
     /// Places along each side; `None` of a map at contacts.

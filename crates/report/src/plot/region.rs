@@ -16,7 +16,7 @@ pub struct RegionMap {
     pub name: String,
     /// Title.
     pub title: String,
-    /// What is asked for.
+    /// Target, and what is sought.
     pub subtitle: String,
     /// Lines below the picture.
     pub notes: Vec<String>,
@@ -54,7 +54,7 @@ pub struct RegionPanel {
     pub best: Option<(f64, f64)>,
 }
 
-/// What meets the target at one value of x.
+/// Values that meet the target at one value of x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionStrip {
     /// The value.

@@ -26,7 +26,7 @@ pub struct GlideReadings {
     pub(super) fingers: usize,
     /// The unit that the header states.
     pub(super) unit: Option<LengthUnit>,
-    /// What else the file has of each contact.
+    /// Other fields of the file, contact by contact.
     pub(super) extras: Extras,
     /// How the fingers were told, where the file does not name them.
     pub(super) note: Option<String>,

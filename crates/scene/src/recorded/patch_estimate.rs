@@ -108,7 +108,7 @@ pub struct GlideMap {
     pub(super) regions: Option<Regions>,
     pub(super) thresholds: ShapeThresholds,
     pub(super) unit: LengthUnit,
-    /// What else the readings have of each contact, of a map at the contacts.
+    /// Other fields of the readings, contact by contact, of a map at the contacts.
     pub(super) extras: Extras,
 }
 

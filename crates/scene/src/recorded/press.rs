@@ -23,7 +23,7 @@ pub struct PressReadings {
     pub(super) tangential: Option<Vec<[f64; 2]>>,
     /// The unit that the header states.
     pub(super) unit: Option<LengthUnit>,
-    /// What else the file has of each marker.
+    /// Other fields of the file, marker by marker.
     pub(super) extras: Extras,
 }
 

@@ -39,7 +39,7 @@ pub struct Row {
     pub(super) row: usize,
     /// Its line in the file.
     pub(super) line: Option<usize>,
-    /// What else the readings have in it, by the names of their columns.
+    /// Other fields of the readings in it, by the names of their columns.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) columns: BTreeMap<String, String>,
 }

@@ -103,7 +103,7 @@ pub struct RollReadings {
     unit: Option<LengthUnit>,
     /// The row of each probe.
     rows: Vec<usize>,
-    /// What else the file has in each row.
+    /// Other fields of the file, row by row.
     extras: Extras,
     /// How the probes were told, where the file does not name them.
     note: Option<String>,
@@ -163,7 +163,7 @@ pub struct UnresolvedProbe {
     /// pitch is not given or too coarse to say.
     radius_below: Option<f64>,
     unit: String,
-    /// What else the readings have in the row that counts, by the names of their columns.
+    /// Other fields of the readings in the row that counts, by the names of their columns.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     columns: BTreeMap<String, String>,
 }

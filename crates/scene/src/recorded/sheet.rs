@@ -27,7 +27,7 @@ pub(super) struct Sheet {
     columns: usize,
     /// The unit of its lengths, where it is stated.
     pub(super) unit: Option<LengthUnit>,
-    /// What else stands in the rows.
+    /// Other fields of the rows.
     pub(super) extras: Extras,
 }
 

@@ -105,8 +105,8 @@ impl LinearRolls {
         are_short.then_some(moments)
     }
 
-    /// What [`LinearRolls::short`] says of up to [`MOST`] trials from `first` on, in `many`; tells how many there are before
-    /// the first of which it says nothing.
+    /// Rolls of up to [`MOST`] trials from `first` on, as [`LinearRolls::short`] has each, in `many`; tells how many
+    /// there are before the first of which it says nothing.
     ///
     /// Compiled for the vectors of whoever calls it.
     #[inline(always)]

@@ -14,7 +14,6 @@ use crate::limited::read_limited;
 use crate::readings::{check_names, columns_of};
 use serde_json::Value as Json;
 use std::io::ErrorKind;
-use std::ops::Range;
 use std::path::Path;
 
 /// Largest config that is read, MiB.
@@ -39,7 +38,7 @@ pub struct Study {
     /// field are all that the schema asks of it, whatever the others are.
     flat: Option<toml::Value>,
     /// The plots as they are written.
-    plots: Node,
+    pub(super) plots: Node,
     /// Whether palpate wrote the config, every swept field of which has its first value.
     is_resolved: bool,
 }
@@ -567,69 +566,6 @@ impl Study {
             .filter(|_| !self.is_resolved)
             .filter_map(note)
             .collect()
-    }
-
-    /// An error in a field of a cell that shows only when the config is used, e.g. a pitch larger than the probe. It
-    /// points at the field, at the sweep where that has set it, or at the nearest parent that is written down.
-    pub fn error_at(&self, cell: usize, path: &str, message: impl Into<String>) -> ConfigError {
-        self.error_within(cell, path, None, message.into())
-    }
-
-    /// An error in what the config says beside its cells: in a plot (`plot.0.y`) or at the top level (`claims.0`).
-    pub fn error_beside(&self, path: &str, message: impl Into<String>) -> ConfigError {
-        let root = &self.grid.base;
-        let node = match path.strip_prefix("plot.") {
-            Some(path) => self.plots.nearest(path),
-            None => root.nearest(path),
-        };
-        self.source.error(Fault {
-            span: (node.span != root.span && !node.span.is_empty()).then(|| node.span.clone()),
-            path: path.into(),
-            message: message.into(),
-        })
-    }
-
-    /// An error in a part of a field that is a text, given by its bytes, e.g. an unknown name in a formula.
-    pub fn error_in_text(
-        &self,
-        cell: usize,
-        path: &str,
-        part: Range<usize>,
-        message: impl Into<String>,
-    ) -> ConfigError {
-        self.error_within(cell, path, Some(part), message.into())
-    }
-
-    fn error_within(
-        &self,
-        cell: usize,
-        path: &str,
-        part: Option<Range<usize>>,
-        message: String,
-    ) -> ConfigError {
-        let tree = self.grid.tree(cell).unwrap_or_else(|(tree, _)| tree);
-        let node = tree.nearest(path);
-        let span = part
-            .and_then(|part| self.part_of(node, part))
-            .unwrap_or_else(|| node.span.clone());
-        let span = (span != tree.span).then_some(span);
-        let error = self.source.error(Fault {
-            span,
-            path: path.into(),
-            message,
-        });
-        if self.grid.axes.is_empty() {
-            error
-        } else {
-            error.in_cell(cell, &self.grid.describe(cell))
-        }
-    }
-
-    /// Place of a part of a string in the config's text, if the string is written without escapes.
-    fn part_of(&self, node: &Node, part: Range<usize>) -> Option<Range<usize>> {
-        let written = self.source.text.get(node.span.clone())?;
-        let start = node.span.start + written.find(node.as_text()?)?;
-        Some(start + part.start..start + part.end)
     }
 
     /// Text that it was read from.

@@ -1,4 +1,4 @@
-//! What commands that answer questions have in common: where they write, and what they print.
+//! Output of commands that answer questions: where they write, and what they print.
 
 use palpate::config::Study;
 use palpate::{Figure, ReportError};

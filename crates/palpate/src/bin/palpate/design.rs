@@ -13,7 +13,7 @@ use crate::{answers, progress};
 /// Time after which the progress is shown.
 const QUIET: Duration = Duration::from_secs(1);
 
-/// What was found: along one field, or of several.
+/// Findings along one field, or of several.
 enum Found {
     Line(Box<Answer>),
     Region(Region),
@@ -93,7 +93,7 @@ fn survey(args: &DesignArgs) -> Result<Survey, DesignError> {
     Ok(survey)
 }
 
-/// What was asked cannot be answered: bad usage.
+/// Failure of a question that cannot be answered: bad usage.
 fn refused(error: DesignError) -> Failure {
     Failure::usage(match error {
         DesignError::Config(error) => anyhow::Error::new(error),

@@ -9,7 +9,7 @@ use super::form::FormArgs;
 use super::number::{Direction, angle_std, direction, not_negative, positive, share};
 use super::settings::Settings;
 
-/// What every help of tables says.
+/// Paragraph on tables that every help of them has.
 macro_rules! tables {
     () => {
         "The table may be CSV with commas, semicolons or tabs, with decimal points or commas, in UTF-8 or UTF-16, or

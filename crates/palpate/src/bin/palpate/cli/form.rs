@@ -7,7 +7,7 @@ use palpate_study::readings::ColumnNames;
 
 use super::number::length_unit;
 
-/// What a table does not tell of itself.
+/// Form of a table, as far as it does not tell it itself.
 #[derive(Debug, Args)]
 pub(crate) struct FormArgs {
     /// The file's names of columns that it calls otherwise, such as x=Finger X [m],y=Finger Y [m]; a pair with a comma in
