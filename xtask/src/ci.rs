@@ -85,7 +85,10 @@ fn examples(shell: &Shell) -> Result<()> {
 }
 
 fn docs(shell: &Shell) -> Result<()> {
-    let doc = cmd!(shell, "cargo doc --workspace --exclude {PYTHON} --no-deps");
+    let doc = cmd!(
+        shell,
+        "cargo doc --workspace --exclude {PYTHON} --features {FEATURES} --no-deps"
+    );
     Ok(doc.env("RUSTDOCFLAGS", "-D warnings").run()?)
 }
 
