@@ -134,6 +134,7 @@ fn table(study: &Study, numbers: &[usize]) -> Result<String, ConfigError> {
                 std: value,
                 bias: value,
                 rms_error: value,
+                rms_error_std: value,
                 mean_abs_error: value,
                 relative_rms_error: value,
                 relative_mean_abs_error: value,
@@ -141,6 +142,8 @@ fn table(study: &Study, numbers: &[usize]) -> Result<String, ConfigError> {
                 q50: value,
                 q95: value,
                 mean_reported_std: value,
+                coverage50: value,
+                coverage80: value,
                 coverage95: value,
             }
         };

@@ -73,9 +73,11 @@ const COUNTS: [&str; 7] = [
 /// Columns of texts.
 const TEXTS: [&str; 6] = ["quantity", "unit", "kind", "failure", "class", "true_class"];
 /// Columns of pure numbers among those whose other numbers have the unit of their row.
-const SHARES: [&str; 3] = [
+const SHARES: [&str; 5] = [
     "relative_rms_error",
     "relative_mean_abs_error",
+    "coverage50",
+    "coverage80",
     "coverage95",
 ];
 

@@ -17,8 +17,8 @@ mod words;
 use std::collections::BTreeMap;
 
 use palpate_scene::quantities_of;
+use palpate_study::Target;
 use palpate_study::config::Study;
-use palpate_study::{Statistic, Target};
 use palpate_sweep::{Ask, Clock, Curves, Run, Runner, Search, Searched, Side, search};
 
 use curves::CellCurves;
@@ -184,9 +184,7 @@ fn side_of(runs: &[Run], value: f64) -> Option<Side> {
 /// Unit of a target's statistic.
 fn unit(study: &Study, target: &Target) -> &'static str {
     match target.statistic {
-        Statistic::RelativeRmsError | Statistic::RelativeMeanAbsError | Statistic::Coverage95 => {
-            "1"
-        }
+        statistic if statistic.is_number() => "1",
         _ => target
             .quantity
             .map_or("", |quantity| quantity.unit.of(study.config.length_unit)),

@@ -28,6 +28,7 @@ pub(crate) fn withhold(quantities: &[Quantity], summaries: &mut [Summary]) {
             std: None,
             bias: None,
             rms_error: None,
+            rms_error_std: None,
             mean_abs_error: None,
             relative_rms_error: None,
             relative_mean_abs_error: None,

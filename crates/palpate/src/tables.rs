@@ -134,6 +134,7 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
         std,
         bias,
         rms_error,
+        rms_error_std,
         mean_abs_error,
         relative_rms_error,
         relative_mean_abs_error,
@@ -141,6 +142,8 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
         q50,
         q95,
         mean_reported_std,
+        coverage50,
+        coverage80,
         coverage95,
     } = *summary;
     row.number(truth);
@@ -156,6 +159,7 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
         std,
         bias,
         rms_error,
+        rms_error_std,
         mean_abs_error,
         relative_rms_error,
         relative_mean_abs_error,
@@ -163,6 +167,8 @@ fn push_statistics(row: &mut Fields, cell: &CellStatistics, summary: &Summary) {
         quantile(q50),
         quantile(q95),
         mean_reported_std,
+        coverage50,
+        coverage80,
         coverage95,
     ] {
         row.number(value);

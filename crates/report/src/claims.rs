@@ -194,9 +194,9 @@ const CLAIMS: [Claim; 21] = [
 /// # let config = "name = \"ball\"\ntitle = \"How round is the ball?\"\nclaims = [99]\n";
 /// # std::fs::write(dir.join("run.toml"), config)?;
 /// # std::fs::write(dir.join("failures.csv"), "cell,kind,count,first_trial\n")?;
-/// # let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
-/// #     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
-/// # let row = format!("0,curvature,1/mm,0.2,9,0,0.25{}", ",".repeat(11));
+/// # let statistics = "truth,trials,failures,mean,std,bias,rms_error,rms_error_std,mean_abs_error,relative_rms_error,\
+/// #     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
+/// # let row = format!("0,curvature,1/mm,0.2,9,0,0.25{}", ",".repeat(14));
 /// # std::fs::write(dir.join("cells.csv"), format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
 /// // A study that names a claim of a number that no claim has.
 /// let study = Study::load(&dir)?;

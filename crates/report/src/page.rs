@@ -25,9 +25,9 @@ const LEAST_SCALE: f64 = 0.61;
 /// # let config = "name = \"ball\"\ntitle = \"How round is the ball?\"\nclaims = [99]\n";
 /// # std::fs::write(dir.join("run.toml"), config)?;
 /// # std::fs::write(dir.join("failures.csv"), "cell,kind,count,first_trial\n")?;
-/// # let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
-/// #     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
-/// # let row = format!("0,curvature,1/mm,0.2,9,0,0.25{}", ",".repeat(11));
+/// # let statistics = "truth,trials,failures,mean,std,bias,rms_error,rms_error_std,mean_abs_error,relative_rms_error,\
+/// #     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
+/// # let row = format!("0,curvature,1/mm,0.2,9,0,0.25{}", ",".repeat(14));
 /// # std::fs::write(dir.join("cells.csv"), format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
 /// let study = Study::load(&dir)?;
 /// assert_eq!(study.title(), "How round is the ball?");

@@ -68,9 +68,9 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, ReportError> {
 /// use palpate_study::config::plots;
 ///
 /// let plot = plots("plot.toml", "[[plot]]\nx = \"scene.object.radius\"\ny = \"mean\"\n")?;
-/// let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
-///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
-/// let row = |radius: f64, mean: f64| format!("0,{radius},curvature,1/mm,0.2,9,0,{mean}{}\n", ",".repeat(11));
+/// let statistics = "truth,trials,failures,mean,std,bias,rms_error,rms_error_std,mean_abs_error,relative_rms_error,\
+///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
+/// let row = |radius: f64, mean: f64| format!("0,{radius},curvature,1/mm,0.2,9,0,{mean}{}\n", ",".repeat(14));
 /// let header = format!("cell,scene.object.radius_mm,quantity,unit,{statistics}\n");
 /// let cells = header + &row(5.0, 0.21) + &row(10.0, 0.11);
 ///

@@ -39,9 +39,9 @@ impl Study {
     /// let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text);
     /// write("run.toml", "name = \"ball\"\n[scene.probe]\nradius = 20.0\n")?;
     /// write("failures.csv", "cell,kind,count,first_trial\n0,slipped,3,7\n")?;
-    /// let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
-    ///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
-    /// let row = format!("0,curvature,1/mm,0.2,9,3,0.25{}", ",".repeat(11));
+    /// let statistics = "truth,trials,failures,mean,std,bias,rms_error,rms_error_std,mean_abs_error,relative_rms_error,\
+    ///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
+    /// let row = format!("0,curvature,1/mm,0.2,9,3,0.25{}", ",".repeat(14));
     /// write("cells.csv", &format!("cell,quantity,unit,{statistics}\n{row}\n"))?;
     ///
     /// let study = Study::load(dir.path())?;

@@ -71,9 +71,9 @@ impl Table {
     /// ```
     /// use palpate_report::{Files, Table};
     ///
-    /// let statistics = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,relative_rms_error,\
-    ///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
-    /// let row = format!("0,5,curvature,1/mm,0.2,1,0,0.25{}", ",".repeat(11));
+    /// let statistics = "truth,trials,failures,mean,std,bias,rms_error,rms_error_std,mean_abs_error,relative_rms_error,\
+    ///     relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
+    /// let row = format!("0,5,curvature,1/mm,0.2,1,0,0.25{}", ",".repeat(14));
     /// let text = format!("cell,scene.object.radius_mm,quantity,unit,{statistics}\n{row}\n");
     ///
     /// let table = Table::read(&Files::in_memory([("cells.csv", text)]))?;

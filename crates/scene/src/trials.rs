@@ -17,9 +17,9 @@ pub struct Outcome {
     pub truth: f64,
     /// The standard deviation that the estimator states; `None` if it states none.
     pub std: Option<f64>,
-    /// Whether the 95 % interval that the estimator states holds the truth; `None` where it is the
-    /// estimate ± 1.96 std.
-    pub interval_holds: Option<bool>,
+    /// Whether the intervals of 50, 80 and 95 % that the estimator states hold the truth; `None` where they are the
+    /// estimate ± 0.67, 1.28 and 1.96 std.
+    pub interval_holds: Option<[bool; 3]>,
 }
 
 impl Outcome {

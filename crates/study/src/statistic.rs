@@ -29,6 +29,8 @@ pub enum Statistic {
     Bias,
     /// Root mean square of the errors.
     RmsError,
+    /// Standard deviation of the rms error over sets of as many trials: how exact the trials tell it.
+    RmsErrorStd,
     /// Mean of the errors' sizes.
     MeanAbsError,
     /// Root mean square of the errors as shares of the true value.
@@ -44,6 +46,10 @@ pub enum Statistic {
     Q95,
     /// Mean of the standard deviations that the estimator reports.
     MeanReportedStd,
+    /// Share of the estimator's 50 % intervals that hold the true value.
+    Coverage50,
+    /// Share of the estimator's 80 % intervals that hold the true value.
+    Coverage80,
     /// Share of the estimator's 95 % intervals that hold the true value.
     Coverage95,
     /// Cramér–Rao bound on the standard deviation; only presses have it.
@@ -52,7 +58,7 @@ pub enum Statistic {
 
 impl Statistic {
     /// Statistics that every `cells.csv` has, in the order of its columns.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 18] = [
         Self::Truth,
         Self::Trials,
         Self::Failures,
@@ -60,6 +66,7 @@ impl Statistic {
         Self::Std,
         Self::Bias,
         Self::RmsError,
+        Self::RmsErrorStd,
         Self::MeanAbsError,
         Self::RelativeRmsError,
         Self::RelativeMeanAbsError,
@@ -67,6 +74,8 @@ impl Statistic {
         Self::Q50,
         Self::Q95,
         Self::MeanReportedStd,
+        Self::Coverage50,
+        Self::Coverage80,
         Self::Coverage95,
     ];
 
@@ -80,6 +89,7 @@ impl Statistic {
             Self::Std => "std",
             Self::Bias => "bias",
             Self::RmsError => "rms_error",
+            Self::RmsErrorStd => "rms_error_std",
             Self::MeanAbsError => "mean_abs_error",
             Self::RelativeRmsError => "relative_rms_error",
             Self::RelativeMeanAbsError => "relative_mean_abs_error",
@@ -87,6 +97,8 @@ impl Statistic {
             Self::Q50 => "q50",
             Self::Q95 => "q95",
             Self::MeanReportedStd => "mean_reported_std",
+            Self::Coverage50 => "coverage50",
+            Self::Coverage80 => "coverage80",
             Self::Coverage95 => "coverage95",
             Self::StdBound => "std_bound",
         }
@@ -106,6 +118,9 @@ impl Statistic {
             Self::Std => "Standard deviation of the estimates.",
             Self::Bias => "Mean of the errors, estimate minus truth.",
             Self::RmsError => "Root mean square of the errors.",
+            Self::RmsErrorStd => {
+                "Monte Carlo error of the rms error: its standard deviation from one set of as many trials to the next, from how the squared errors scatter from trial to trial; none of a single trial."
+            }
             Self::MeanAbsError => "Mean of the errors' sizes.",
             Self::RelativeRmsError => "Root mean square of the errors as shares of the true value.",
             Self::RelativeMeanAbsError => "Mean of the errors' sizes as shares of the true value.",
@@ -120,6 +135,12 @@ impl Statistic {
             }
             Self::MeanReportedStd => {
                 "Mean of the standard deviations that the estimator itself reports."
+            }
+            Self::Coverage50 => {
+                "Share of the estimator's 50 % intervals that hold the true value; 0.50 where they are right. An interval is the estimate ± 0.67 standard deviations; where the estimator states a 95 % interval of its own, each of its sides is cut down to 0.67/1.96."
+            }
+            Self::Coverage80 => {
+                "Share of the estimator's 80 % intervals that hold the true value; 0.80 where they are right. As coverage50, of 1.28 standard deviations."
             }
             Self::Coverage95 => {
                 "Share of the estimator's 95 % intervals that hold the true value; 0.95 where they are right."
@@ -138,8 +159,15 @@ impl Statistic {
                 | Self::Failures
                 | Self::RelativeRmsError
                 | Self::RelativeMeanAbsError
+                | Self::Coverage50
+                | Self::Coverage80
                 | Self::Coverage95
         )
+    }
+
+    /// Whether it is a share of intervals that hold the true value.
+    pub const fn is_coverage(self) -> bool {
+        matches!(self, Self::Coverage50 | Self::Coverage80 | Self::Coverage95)
     }
 
     /// Short name, for a legend that already says of what.
@@ -152,6 +180,7 @@ impl Statistic {
             Self::Std => "standard deviation",
             Self::Bias => "bias",
             Self::RmsError => "rms error",
+            Self::RmsErrorStd => "std of the rms error",
             Self::MeanAbsError => "mean |error|",
             Self::RelativeRmsError => "rms relative error",
             Self::RelativeMeanAbsError => "mean |relative error|",
@@ -159,6 +188,8 @@ impl Statistic {
             Self::Q50 => "median estimate",
             Self::Q95 => "q95",
             Self::MeanReportedStd => "mean reported std",
+            Self::Coverage50 => "coverage of 50 % intervals",
+            Self::Coverage80 => "coverage of 80 % intervals",
             Self::Coverage95 => "coverage of 95 % intervals",
             Self::StdBound => "Cramér–Rao bound",
         }
@@ -174,6 +205,7 @@ impl Statistic {
             Self::Std => "standard deviation of {}",
             Self::Bias => "bias of {}",
             Self::RmsError => "rms error of {}",
+            Self::RmsErrorStd => "Monte Carlo std of the rms error of {}",
             Self::MeanAbsError => "mean |error| of {}",
             Self::RelativeRmsError => "rms relative error of {}",
             Self::RelativeMeanAbsError => "mean |relative error| of {}",
@@ -181,6 +213,8 @@ impl Statistic {
             Self::Q50 => "median estimate of {}",
             Self::Q95 => "95 % quantile of the estimates of {}",
             Self::MeanReportedStd => "mean reported std of {}",
+            Self::Coverage50 => "share of 50 % intervals that hold the true {}",
+            Self::Coverage80 => "share of 80 % intervals that hold the true {}",
             Self::Coverage95 => "share of 95 % intervals that hold the true {}",
             Self::StdBound => "Cramér–Rao bound on the std of {}",
         }
@@ -192,6 +226,7 @@ impl Statistic {
             self,
             Self::Std
                 | Self::RmsError
+                | Self::RmsErrorStd
                 | Self::MeanAbsError
                 | Self::RelativeRmsError
                 | Self::RelativeMeanAbsError
@@ -223,9 +258,7 @@ impl Statistic {
         };
         match self {
             Self::Trials | Self::Failures => Label::in_unit(words, ""),
-            Self::RelativeRmsError | Self::RelativeMeanAbsError | Self::Coverage95 => {
-                Label::in_percent(words, "%")
-            }
+            _ if self.is_number() => Label::in_percent(words, "%"),
             _ if is_share => Label::in_percent(words, "%"),
             _ => Label::in_unit(words, &spoken_unit(unit)),
         }

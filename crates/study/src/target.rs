@@ -146,7 +146,7 @@ impl FromStr for Target {
             })
         };
         match statistic {
-            Statistic::Coverage95 if !(limit > 0.0 && limit <= 1.0) => {
+            statistic if statistic.is_coverage() && !(limit > 0.0 && limit <= 1.0) => {
                 return out_of_range("a share, above 0 and at most 1");
             }
             statistic if statistic.is_size() && limit <= 0.0 => return out_of_range("above 0"),

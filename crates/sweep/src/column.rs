@@ -28,9 +28,11 @@ pub(crate) struct Column {
     /// end early.
     stds: Vec<f64>,
     truths: Truths,
-    /// Verdicts of trials on whether their 95 % interval holds the truth, one per observation; `None` where the
-    /// interval is estimate ± 1.96 std. The list may end early.
-    judgements: Vec<Option<bool>>,
+    /// Verdicts of trials on whether their intervals of 50, 80 and 95 % hold the truth, one per observation; `None` where
+    /// the intervals are of the standard deviation. The list may end early.
+    judgements: Vec<Option<[bool; 3]>>,
+    /// Places of the observations of each trial that made several.
+    several: Vec<Range<usize>>,
     /// Number of observations of trials that have succeeded; the observations after them belong to the running trial.
     kept: usize,
 }
@@ -92,6 +94,16 @@ impl Column {
     /// Keeps the observations of the trial that ran.
     #[inline]
     pub(crate) fn keep(&mut self) {
+        let places = self.kept..self.estimates.len();
+        if places.len() > 1 {
+            self.several.push(places);
+        }
+        self.keep_each();
+    }
+
+    /// Keeps the observations of trials that made one each.
+    #[inline]
+    pub(crate) fn keep_each(&mut self) {
         self.kept = self.estimates.len();
     }
 
@@ -113,10 +125,11 @@ impl Column {
         self.estimates.clear();
         self.stds.clear();
         self.judgements.clear();
+        self.several.clear();
         self.truths = Truths::None;
     }
 
-    /// Adds some of the observations of another column.
+    /// Adds the observations that a trial made in another column.
     pub(crate) fn append(&mut self, other: &Self, places: Range<usize>) {
         match &other.truths {
             Truths::None => return,
@@ -182,8 +195,13 @@ impl Column {
 
     /// Verdicts on whether intervals hold the truth, one per observation from the first on; `None`, or beyond the end
     /// of the slice, where the standard deviation decides.
-    pub(crate) fn judgements(&self) -> &[Option<bool>] {
+    pub(crate) fn judgements(&self) -> &[Option<[bool; 3]>] {
         &self.judgements
+    }
+
+    /// Places of the observations of each trial that made several, in their order; every other trial made one at most.
+    pub(crate) fn several(&self) -> &[Range<usize>] {
+        &self.several
     }
 
     /// Truths of the estimates.
@@ -200,7 +218,7 @@ mod tests {
         judge(column, truth, None);
     }
 
-    fn judge(column: &mut Column, truth: f64, interval_holds: Option<bool>) {
+    fn judge(column: &mut Column, truth: f64, interval_holds: Option<[bool; 3]>) {
         column.push(&Observation {
             estimate: 0.0,
             truth,
@@ -227,12 +245,12 @@ mod tests {
     fn judgements_stay_with_their_observations() {
         let mut column = Column::default();
         push(&mut column, 0.0);
-        judge(&mut column, 0.0, Some(false));
+        judge(&mut column, 0.0, Some([false; 3]));
         column.keep();
-        judge(&mut column, 0.0, Some(true));
+        judge(&mut column, 0.0, Some([true; 3]));
         column.forget();
         push(&mut column, 0.0);
-        assert_eq!(column.judgements(), [None, Some(false)]);
+        assert_eq!(column.judgements(), [None, Some([false; 3])]);
         assert_eq!(column.len(), 3);
         column.clear();
         assert_eq!(column, Column::default());
@@ -243,11 +261,11 @@ mod tests {
         let observed = [
             (0.0, None, None),
             (0.0, Some(0.5), None),
-            (0.0, None, Some(true)),
+            (0.0, None, Some([true; 3])),
             (0.0, None, None),
-            (1.0, Some(0.25), Some(false)),
+            (1.0, Some(0.25), Some([false, false, true])),
         ];
-        let column = |observed: &[(f64, Option<f64>, Option<bool>)]| {
+        let column = |observed: &[(f64, Option<f64>, Option<[bool; 3]>)]| {
             let mut column = Column::default();
             for (place, &(truth, std, interval_holds)) in observed.iter().enumerate() {
                 column.push(&Observation {

@@ -60,6 +60,7 @@ mod run;
 mod runner;
 mod scale;
 mod search;
+mod squares;
 mod stop;
 mod stream;
 mod summary;

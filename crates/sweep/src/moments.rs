@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::magnitude::MeanMagnitude;
 use crate::pass::Totals;
 use crate::scale::{exponent, power_of_two, sum};
+use crate::squares::TrialSquares;
 
 /// Count, range, mean and squared deviations of some finite numbers.
 ///
@@ -32,8 +33,8 @@ impl Moments {
         Self::with_magnitude(values).0
     }
 
-    /// Moments of finite `values`, and the mean of their magnitudes.
-    pub(crate) fn with_magnitude(values: &[f64]) -> (Moments, MeanMagnitude) {
+    /// Moments of finite `values`, the mean of their magnitudes, and their squares where each is of a trial of its own.
+    pub(crate) fn with_magnitude(values: &[f64]) -> (Moments, MeanMagnitude, TrialSquares) {
         let Some(&first) = values.first() else {
             return Default::default();
         };
@@ -66,7 +67,8 @@ impl Moments {
             squares,
         };
         let magnitude = MeanMagnitude::of(values, largest, totals.magnitudes);
-        (moments, magnitude)
+        let squares = TrialSquares::of_each(values, largest, totals.of_squares);
+        (moments, magnitude, squares)
     }
 
     /// Adds the numbers of `other`, which come after those summed so far.

@@ -7,18 +7,19 @@ use crate::pass::are_sound;
 /// ```
 /// use palpate_sweep::{Cell, Observation, Record, RunOptions, Trial, run};
 ///
-/// /// Claims an interval of its own, which misses the truth in one trial of four.
+/// /// Claims intervals of its own: those of 95 % miss the truth in one trial of four, the narrower ones in two.
 /// struct Intervals;
 /// impl Trial for Intervals {
 ///     fn quantities(&self) -> usize { 1 }
 ///     fn run(&self, trial: u64, record: &mut Record) -> Result<(), &'static str> {
-///         let interval_holds = Some(trial % 4 != 0);
+///         let interval_holds = Some([trial % 2 != 0, trial % 2 != 0, trial % 4 != 0]);
 ///         record.observe(0, Observation { estimate: 1.0, truth: 1.0, std: None, interval_holds });
 ///         Ok(())
 ///     }
 /// }
 /// let statistics = run(&[Cell { trials: 8, trial: &Intervals }], &RunOptions::default(), &|_| ())?;
-/// assert_eq!(statistics[0].quantities[0].coverage95, Some(0.75));
+/// let summary = statistics[0].quantities[0];
+/// assert_eq!([summary.coverage50, summary.coverage80, summary.coverage95], [0.5, 0.5, 0.75].map(Some));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +30,9 @@ pub struct Observation {
     pub truth: f64,
     /// The standard deviation the estimator claims, at least 0; `None` where it claims none.
     pub std: Option<f64>,
-    /// Whether the 95 % interval that the estimator claims holds the truth; `None` where it is estimate ± 1.96 std.
-    pub interval_holds: Option<bool>,
+    /// Whether the intervals of 50, 80 and 95 % that the estimator claims hold the truth; `None` where they are estimate
+    /// ± 0.67, 1.28 and 1.96 std.
+    pub interval_holds: Option<[bool; 3]>,
 }
 
 impl Observation {

@@ -6,8 +6,12 @@ use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use crate::scale::LANES;
 
-/// Two-sided 95 % point of the normal distribution, in standard deviations.
-const COVERAGE_95: f64 = 1.959_963_984_540_054;
+/// Half-widths of the intervals of 50, 80 and 95 %, in standard deviations of the normal distribution.
+const HALF_WIDTHS: [f64; 3] = [
+    0.674_489_750_196_081_7,
+    1.281_551_565_544_600_4,
+    1.959_963_984_540_054,
+];
 
 /// Whether all errors of estimates are finite, and standard deviations finite and at least 0. May deny it where the
 /// sum of some of them is beyond the floats.
@@ -95,6 +99,8 @@ pub(crate) struct Totals {
     pub(crate) differences: f64,
     /// Sum of the squared differences to the mean.
     pub(crate) squares: f64,
+    /// Sums of the differences of the squares to that of the first, and of their squares.
+    pub(crate) of_squares: [f64; 2],
 }
 
 impl Totals {
@@ -147,18 +153,27 @@ impl WithSimd for TotalsOf<'_> {
         let differences: f64 = differences.into_iter().sum();
         let mean = differences / values.len() as f64;
         let means = simd.splat_f64s(mean);
+        let first_square = simd.splat_f64s(first * first);
         let mut squares = [simd.splat_f64s(0.0); LANES];
+        let (mut beyond, mut fourths) = (squares, squares);
         for group in groups {
             for (part, &value) in group.iter().enumerate() {
                 let deviation = simd.sub_f64s(simd.sub_f64s(value, firsts), means);
                 let square = simd.mul_f64s(deviation, deviation);
                 squares[part] = simd.add_f64s(squares[part], square);
+                let excess = simd.sub_f64s(simd.mul_f64s(value, value), first_square);
+                beyond[part] = simd.add_f64s(beyond[part], excess);
+                fourths[part] = simd.add_f64s(fourths[part], simd.mul_f64s(excess, excess));
             }
         }
         let mut squares = lanes::<S>(&squares);
-        for (square, value) in squares.iter_mut().zip(rest) {
+        let (mut beyond, mut fourths) = (lanes::<S>(&beyond), lanes::<S>(&fourths));
+        for (lane, &value) in rest.iter().enumerate() {
             let deviation = (value - first) - mean;
-            *square += deviation * deviation;
+            squares[lane] += deviation * deviation;
+            let excess = value * value - first * first;
+            beyond[lane] += excess;
+            fourths[lane] += excess * excess;
         }
         Totals {
             min: min.into_iter().fold(first, f64::min),
@@ -166,6 +181,7 @@ impl WithSimd for TotalsOf<'_> {
             magnitudes: magnitudes.into_iter().sum(),
             differences,
             squares: squares.into_iter().sum(),
+            of_squares: [beyond, fourths].map(|lanes| lanes.into_iter().sum()),
         }
     }
 }
@@ -186,8 +202,8 @@ pub(crate) struct StdTotals {
     /// Largest of them; 0 if none is positive.
     pub(crate) largest: f64,
     pub(crate) sum: f64,
-    /// Number of errors that are at most 1.96 standard deviations.
-    pub(crate) covered: u64,
+    /// Numbers of errors that the intervals of 50, 80 and 95 % hold.
+    pub(crate) covered: [u64; 3],
 }
 
 impl StdTotals {
@@ -202,10 +218,10 @@ struct StdTotalsOf<'a> {
     errors: &'a [f64],
 }
 
-/// Whether the 95 % interval of a standard deviation holds an error.
+/// Whether the intervals of 50, 80 and 95 % of a standard deviation hold an error.
 #[inline(always)]
-pub(crate) fn is_covered(error: f64, std: f64) -> bool {
-    error.abs() <= COVERAGE_95 * std
+pub(crate) fn is_covered(error: f64, std: f64) -> [bool; 3] {
+    HALF_WIDTHS.map(|half_width| error.abs() <= half_width * std)
 }
 
 impl WithSimd for StdTotalsOf<'_> {
@@ -219,24 +235,27 @@ impl WithSimd for StdTotalsOf<'_> {
         let (stds, _) = S::as_simd_f64s(stds.as_flattened());
         let (errors, _) = S::as_simd_f64s(errors.as_flattened());
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
-        let coverage = simd.splat_f64s(COVERAGE_95);
+        let half_widths = HALF_WIDTHS.map(|half_width| simd.splat_f64s(half_width));
 
         let mut lowest = [zero; LANES];
-        let (mut largest, mut sums, mut covered) = (lowest, lowest, lowest);
+        let (mut largest, mut sums, mut covered) = (lowest, lowest, [lowest; 3]);
         for (stds, errors) in stds.chunks_exact(group).zip(errors.chunks_exact(group)) {
             for (part, (&std, &error)) in stds.iter().zip(errors).enumerate() {
                 let (low, high) = (lowest[part], largest[part]);
                 lowest[part] = simd.select_f64s(simd.less_than_f64s(std, low), std, low);
                 largest[part] = simd.select_f64s(simd.less_than_f64s(high, std), std, high);
                 sums[part] = simd.add_f64s(sums[part], std);
-                let bound = simd.mul_f64s(coverage, std);
-                let is_covered = simd.less_than_or_equal_f64s(simd.abs_f64s(error), bound);
-                let count = simd.select_f64s(is_covered, one, zero);
-                covered[part] = simd.add_f64s(covered[part], count);
+                let size = simd.abs_f64s(error);
+                for (covered, &half_width) in covered.iter_mut().zip(&half_widths) {
+                    let bound = simd.mul_f64s(half_width, std);
+                    let is_covered = simd.less_than_or_equal_f64s(size, bound);
+                    let count = simd.select_f64s(is_covered, one, zero);
+                    covered[part] = simd.add_f64s(covered[part], count);
+                }
             }
         }
         let (mut lowest, mut largest) = (lanes::<S>(&lowest), lanes::<S>(&largest));
-        let (mut sums, mut covered) = (lanes::<S>(&sums), lanes::<S>(&covered));
+        let (mut sums, mut covered) = (lanes::<S>(&sums), covered.map(|them| lanes::<S>(&them)));
         for (lane, (&std, &error)) in last_stds.iter().zip(last_errors).enumerate() {
             lowest[lane] = if std < lowest[lane] {
                 std
@@ -249,13 +268,15 @@ impl WithSimd for StdTotalsOf<'_> {
                 largest[lane]
             };
             sums[lane] += std;
-            covered[lane] += f64::from(is_covered(error, std));
+            for (covered, is_covered) in covered.iter_mut().zip(is_covered(error, std)) {
+                covered[lane] += f64::from(is_covered);
+            }
         }
         StdTotals {
             lowest: lowest.into_iter().fold(0.0, f64::min),
             largest: largest.into_iter().fold(0.0, f64::max),
             sum: sums.into_iter().sum(),
-            covered: covered.into_iter().sum::<f64>() as u64,
+            covered: covered.map(|lanes| lanes.into_iter().sum::<f64>() as u64),
         }
     }
 }
@@ -330,9 +351,9 @@ mod tests {
         let stds = vec![1.0; 21];
         let errors: Vec<f64> = (0..21).map(|i| f64::from(i) - 10.0).collect();
         let totals = StdTotals::of(&stds, &errors);
-        // −1, 0 and 1.
-        assert_eq!((totals.covered, totals.sum), (3, 21.0));
+        // 0; −1, 0 and 1; the same.
+        assert_eq!((totals.covered, totals.sum), ([1, 3, 3], 21.0));
         assert_eq!((totals.lowest, totals.largest), (0.0, 1.0));
-        assert_eq!(StdTotals::of(&stds[..10], &errors).covered, 1);
+        assert_eq!(StdTotals::of(&stds[..10], &errors).covered, [0, 1, 1]);
     }
 }

@@ -84,7 +84,7 @@ impl Record {
         for (column, observations) in columns.iter_mut().zip(observations) {
             column.extend(observations, count);
         }
-        self.columns.iter_mut().for_each(Column::keep);
+        self.columns.iter_mut().for_each(Column::keep_each);
         count
     }
 
@@ -200,7 +200,7 @@ mod tests {
         let (first, second) = (
             observation(1.0, 2.0, None),
             Observation {
-                interval_holds: Some(true),
+                interval_holds: Some([true; 3]),
                 ..observation(3.0, 4.0, Some(0.5))
             },
         );

@@ -6,6 +6,8 @@ pub(crate) const LANES: usize = 8;
 const MAX_EXPONENT: i32 = 1000;
 /// Numbers from 2^−400 to 2^400 need no unit: their squares are floats, and so are sums of 2^60 of them.
 const ORDINARY: i32 = 400;
+/// Numbers from 2^−200 to 2^200 need none for the squares of their squares either.
+const ORDINARY_SQUARE: i32 = ORDINARY / 2;
 
 /// Sum of a term over all values, in a fixed order.
 #[inline]
@@ -25,9 +27,18 @@ pub(crate) fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
 
 /// Exponent of the unit 2^exponent for numbers as large as this: 0 unless it is beyond 2^±400.
 pub(crate) fn exponent(largest: f64) -> i32 {
+    exponent_beyond(largest, ORDINARY)
+}
+
+/// Exponent of the unit 2^exponent for numbers as large as this whose squares are squared: 0 unless it is beyond 2^±200.
+pub(crate) fn exponent_of_squares(largest: f64) -> i32 {
+    exponent_beyond(largest, ORDINARY_SQUARE)
+}
+
+fn exponent_beyond(largest: f64, ordinary: i32) -> i32 {
     let biased = (largest.abs().to_bits() >> 52) as i32;
     match biased - 1023 {
-        exponent if exponent.abs() <= ORDINARY => 0,
+        exponent if exponent.abs() <= ordinary => 0,
         exponent => exponent.clamp(-MAX_EXPONENT, MAX_EXPONENT),
     }
 }

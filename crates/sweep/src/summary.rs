@@ -77,6 +77,9 @@ pub struct Summary {
     pub bias: Option<f64>,
     /// Root of the mean squared error.
     pub rms_error: Option<f64>,
+    /// Standard deviation of `rms_error` from one set of as many trials to the next: to first order from how the squared
+    /// errors scatter from trial to trial, of which a trial's own count together. `None` of fewer than two trials.
+    pub rms_error_std: Option<f64>,
     /// Mean magnitude of the error.
     pub mean_abs_error: Option<f64>,
     /// `rms_error` over the magnitude of the truth; `None` where the truth is 0 or varies.
@@ -93,8 +96,12 @@ pub struct Summary {
     pub q95: Option<f64>,
     /// Mean of the reported standard deviations; `None` where none was reported.
     pub mean_reported_std: Option<f64>,
-    /// Share of the 95 % intervals that hold the truth. An interval is estimate ± 1.96 std unless the trial gives its
+    /// Share of the 50 % intervals that hold the truth. An interval is estimate ± 0.67 std unless the trial gives its
     /// own verdict (`interval_holds`). `None` where no trial reported either.
+    pub coverage50: Option<f64>,
+    /// Share of the 80 % intervals that hold the truth, estimate ± 1.28 std; else as `coverage50`.
+    pub coverage80: Option<f64>,
+    /// Share of the 95 % intervals that hold the truth, estimate ± 1.96 std; else as `coverage50`.
     pub coverage95: Option<f64>,
 }
 
@@ -122,6 +129,9 @@ impl Summary {
         let estimates = sums.estimates();
         let rms_error = finite(errors.rms());
         let mean_abs_error = finite(error_magnitude.mean());
+        let coverage =
+            |covered: u64| (sums.judged > 0).then(|| covered as f64 / sums.judged as f64);
+        let [coverage50, coverage80, coverage95] = sums.covered.map(coverage);
         Summary {
             observations: errors.count(),
             truth,
@@ -129,6 +139,7 @@ impl Summary {
             std: finite(estimates.std()),
             bias: finite(errors.mean()),
             rms_error,
+            rms_error_std: finite(sums.squares.std_of_rms()),
             mean_abs_error,
             relative_rms_error: relative(rms_error),
             relative_mean_abs_error: relative(mean_abs_error),
@@ -136,7 +147,9 @@ impl Summary {
             q50: quantile(1),
             q95: quantile(2),
             mean_reported_std: finite(reported_std.mean()),
-            coverage95: (sums.judged > 0).then(|| sums.covered as f64 / sums.judged as f64),
+            coverage50,
+            coverage80,
+            coverage95,
         }
     }
 }

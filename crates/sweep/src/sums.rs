@@ -8,6 +8,7 @@ use crate::magnitude::MeanMagnitude;
 use crate::moments::Moments;
 use crate::pass::{StdTotals, fill_errors, is_covered};
 use crate::scale::sum;
+use crate::squares::TrialSquares;
 
 /// Truth of all observations of a quantity.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Serialize)]
@@ -42,10 +43,11 @@ pub(crate) struct Sums {
     pub(crate) errors: Moments,
     pub(crate) error_magnitude: MeanMagnitude,
     pub(crate) reported_std: MeanMagnitude,
-    /// Observations that have a 95 % interval.
+    pub(crate) squares: TrialSquares,
+    /// Observations that have intervals.
     pub(crate) judged: u64,
-    /// Observations whose 95 % interval holds the truth.
-    pub(crate) covered: u64,
+    /// Observations whose intervals of 50, 80 and 95 % hold the truth.
+    pub(crate) covered: [u64; 3],
 }
 
 /// Buffers that are used again for each quantity.
@@ -74,7 +76,11 @@ impl Sums {
             }
         };
         histogram.add_all(errors);
-        let (moments, error_magnitude) = Moments::with_magnitude(errors);
+        let (moments, error_magnitude, each) = Moments::with_magnitude(errors);
+        let squares = match column.several() {
+            [] => each,
+            several => TrialSquares::of(errors, several),
+        };
 
         // None where no standard deviation was reported.
         let StdTotals {
@@ -95,8 +101,11 @@ impl Sums {
             if let Some(holds) = *interval_holds {
                 let std = stds.get(place).copied().unwrap_or(UNREPORTED);
                 judged += u64::from(std == UNREPORTED);
-                covered += u64::from(holds);
-                covered -= u64::from(is_covered(errors[place], std));
+                let verdicts = holds.into_iter().zip(is_covered(errors[place], std));
+                for (covered, (holds, would)) in covered.iter_mut().zip(verdicts) {
+                    *covered += u64::from(holds);
+                    *covered -= u64::from(would);
+                }
             }
         }
         Sums {
@@ -104,6 +113,7 @@ impl Sums {
             errors: moments,
             error_magnitude,
             reported_std,
+            squares,
             judged,
             covered,
         }
@@ -123,8 +133,11 @@ impl Sums {
         self.errors.merge(&other.errors);
         self.error_magnitude.merge(&other.error_magnitude);
         self.reported_std.merge(&other.reported_std);
+        self.squares.merge(&other.squares);
         self.judged += other.judged;
-        self.covered += other.covered;
+        for (own, more) in self.covered.iter_mut().zip(other.covered) {
+            *own += more;
+        }
     }
 
     /// Moments of the estimates.

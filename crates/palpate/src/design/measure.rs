@@ -134,7 +134,7 @@ impl Measure {
             Statistic::Q05 | Statistic::Q50 | Statistic::Q95 if summary.truth.is_none() => {
                 Some("the true value differs from place to place")
             }
-            Statistic::MeanReportedStd | Statistic::Coverage95 => {
+            statistic if statistic == Statistic::MeanReportedStd || statistic.is_coverage() => {
                 Some("the estimator states no standard deviation")
             }
             Statistic::StdBound => Some("there is no bound; only presses with noise have one"),
@@ -166,7 +166,7 @@ impl Measure {
             Some(logs) => of(&logs, libm::log(limit)),
             None => of(estimate, limit),
         };
-        let is_share = statistic == Statistic::Coverage95
+        let is_share = statistic.is_coverage()
             || statistic == Statistic::Mean && self.quantity().kind == QuantityKind::Share;
         if !(is_share && limit > 0.0 && limit < 1.0) {
             return score;
@@ -193,6 +193,7 @@ fn of_summary(summary: &Summary, statistic: Statistic) -> Option<f64> {
         Statistic::Std => summary.std,
         Statistic::Bias => summary.bias,
         Statistic::RmsError => summary.rms_error,
+        Statistic::RmsErrorStd => summary.rms_error_std,
         Statistic::MeanAbsError => summary.mean_abs_error,
         Statistic::RelativeRmsError => summary.relative_rms_error,
         Statistic::RelativeMeanAbsError => summary.relative_mean_abs_error,
@@ -200,6 +201,8 @@ fn of_summary(summary: &Summary, statistic: Statistic) -> Option<f64> {
         Statistic::Q50 => summary.q50,
         Statistic::Q95 => summary.q95,
         Statistic::MeanReportedStd => summary.mean_reported_std,
+        Statistic::Coverage50 => summary.coverage50,
+        Statistic::Coverage80 => summary.coverage80,
         Statistic::Coverage95 => summary.coverage95,
         // Known without trials, or no statistic of estimates.
         Statistic::Truth | Statistic::Trials | Statistic::Failures | Statistic::StdBound => None,

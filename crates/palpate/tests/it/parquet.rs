@@ -198,9 +198,9 @@ fn columns_have_types_and_units() {
     };
     let statistics = "quantity text\nunit text\ntruth f64 in column unit\ntrials u64 in 1\nfailures u64 in 1\n\
         mean f64 in column unit\nstd f64 in column unit\nbias f64 in column unit\nrms_error f64 in column unit\n\
-        mean_abs_error f64 in column unit\nrelative_rms_error f64 in 1\nrelative_mean_abs_error f64 in 1\n\
+        rms_error_std f64 in column unit\nmean_abs_error f64 in column unit\nrelative_rms_error f64 in 1\nrelative_mean_abs_error f64 in 1\n\
         q05 f64 in column unit\nq50 f64 in column unit\nq95 f64 in column unit\n\
-        mean_reported_std f64 in column unit\ncoverage95 f64 in 1";
+        mean_reported_std f64 in column unit\ncoverage50 f64 in 1\ncoverage80 f64 in 1\ncoverage95 f64 in 1";
     assert_eq!(
         types(KINDS, "cells"),
         format!(

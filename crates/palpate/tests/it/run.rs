@@ -3,8 +3,8 @@
 use super::desk::{Desk, RUN_FILES, SCENE, STUDY, edited};
 
 const HEADER: &str = "cell,scene.object.radius_mm,quantity,unit,truth,trials,failures,\
-    mean,std,bias,rms_error,mean_abs_error,relative_rms_error,relative_mean_abs_error,\
-    q05,q50,q95,mean_reported_std,coverage95";
+    mean,std,bias,rms_error,rms_error_std,mean_abs_error,relative_rms_error,relative_mean_abs_error,\
+    q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
 
 const QUANTITIES: [(&str, &str); 5] = [
     ("normal_curvature_u", "1/mm"),

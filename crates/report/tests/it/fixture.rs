@@ -2,8 +2,8 @@
 
 use palpate_report::{Files, Score, Study, Verdict, figures, score};
 
-pub(crate) const STATISTICS: &str = "truth,trials,failures,mean,std,bias,rms_error,mean_abs_error,\
-    relative_rms_error,relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage95";
+pub(crate) const STATISTICS: &str = "truth,trials,failures,mean,std,bias,rms_error,rms_error_std,mean_abs_error,\
+    relative_rms_error,relative_mean_abs_error,q05,q50,q95,mean_reported_std,coverage50,coverage80,coverage95";
 
 /// A config with a spherical probe of radius 1 and an object of `kind`.
 pub(crate) fn config(kind: &str, rest: &str) -> String {
@@ -71,7 +71,7 @@ impl Cells {
         let text = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
         let times = |value: Option<f64>| text(value.map(|value| value * truth));
         self.rows.push(format!(
-            "{cell},{place},normal_curvature_u,1/cm,{truth},{trials},{failures},{},,{},{},{},{},{},,,,{},0.95",
+            "{cell},{place},normal_curvature_u,1/cm,{truth},{trials},{failures},{},,{},{},,{},{},{},,,,{},,,0.95",
             text(mean),
             text(mean.map(|mean| mean - truth)),
             times(rms),

@@ -65,7 +65,7 @@ pub(crate) fn patches(claims: &str, made: impl Fn(&str, f64, &str) -> Made) -> S
                     ("class", "1", "", String::new(), share.to_string()),
                 ] {
                     text += &format!(
-                        "{place},{quantity},{unit},{truth},200,{failures},{average},,,{rms},,,,,,,,\n"
+                        "{place},{quantity},{unit},{truth},200,{failures},{average},,,{rms},,,,,,,,,,,\n"
                     );
                 }
                 cell += 1;
@@ -84,7 +84,7 @@ pub(crate) fn study(config: &str, cells: &str, others: &[(&str, &str)]) -> Study
 pub(crate) fn cells(axes: &str, places: &[&str]) -> String {
     let mut text = format!("cell,{axes},quantity,unit,{STATISTICS}\n");
     for (cell, place) in places.iter().enumerate() {
-        text += &format!("{cell},{place},class,1,,1,0,1,,,,,,,,,,,\n");
+        text += &format!("{cell},{place},class,1,,1,0,1,,,,,,,,,,,,,,\n");
     }
     text
 }

@@ -73,7 +73,7 @@ impl Cells {
         let cell = self.rows;
         self.rows += 1;
         self.text += &format!(
-            "{cell},{place},{quantity},1/mm,{},{trials},{failures},{},{},,,,,,{quantiles},,{},{}\n",
+            "{cell},{place},{quantity},1/mm,{},{trials},{failures},{},{},,,,,,,{quantiles},,,,{},{}\n",
             text(numbers.truth),
             text(numbers.mean),
             text(numbers.std),

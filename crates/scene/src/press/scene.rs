@@ -377,9 +377,32 @@ impl Trials for PressScene {
 fn outcome(estimated: &Estimated, truth: f64) -> Outcome {
     Outcome {
         std: finite(estimated.std),
-        interval_holds: Some(estimated.interval.holds(truth)),
+        interval_holds: Some(hold(estimated, truth)),
         ..Outcome::plain(estimated.value, truth)
     }
+}
+
+/// Half-widths of the intervals of 50 and 80 % of a normal distribution, in standard deviations.
+const NARROW: [f64; 2] = [0.674_489_750_196_081_7, 1.281_551_565_544_600_4];
+/// Half-width of the interval of 95 %.
+const WIDE: f64 = 1.959_963_984_540_054;
+
+/// Whether the intervals of 50, 80 and 95 % hold a truth. The last is that of the estimate; the sides of the others are
+/// as much shorter as those of a normal distribution, or, where that one is open, as long as those.
+fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
+    let Estimated {
+        value,
+        std,
+        interval,
+    } = *estimated;
+    let end = if truth < value {
+        interval.low
+    } else {
+        interval.high
+    };
+    let one_std = end.map_or(std, |end| (end - value).abs() / WIDE);
+    let [narrowest, narrow] = NARROW.map(|width| (truth - value).abs() <= width * one_std);
+    [narrowest, narrow, interval.holds(truth)]
 }
 
 fn finite(value: f64) -> Option<f64> {

@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 pub(super) use check::{check, check_alone};
 
 /// Names of the columns of a table of cells that hold numbers of a quantity, in their order.
-pub const STATISTICS: [&str; 15] = {
-    let mut names = [""; 15];
+pub const STATISTICS: [&str; 18] = {
+    let mut names = [""; 18];
     let mut at = 0;
     while at < names.len() {
         names[at] = Statistic::ALL[at].name();

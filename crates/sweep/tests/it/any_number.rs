@@ -17,6 +17,7 @@ fn numbers(summary: &Summary) -> Vec<f64> {
         summary.std,
         summary.bias,
         summary.rms_error,
+        summary.rms_error_std,
         summary.mean_abs_error,
         summary.relative_rms_error,
         summary.relative_mean_abs_error,
@@ -24,6 +25,8 @@ fn numbers(summary: &Summary) -> Vec<f64> {
         summary.q50,
         summary.q95,
         summary.mean_reported_std,
+        summary.coverage50,
+        summary.coverage80,
         summary.coverage95,
     ];
     all.into_iter().flatten().collect()
@@ -34,7 +37,7 @@ proptest! {
 
     #[test]
     fn any_observations(numbers_of in prop::collection::vec(
-        (any_number(), any_number(), prop::option::of(any_number()), prop::option::of(any::<bool>())), 1..40)
+        (any_number(), any_number(), prop::option::of(any_number()), prop::option::of(any::<[bool; 3]>())), 1..40)
     ) {
         let trial = observing(|trial| {
             let (estimate, truth, std, interval_holds) = numbers_of[trial as usize % numbers_of.len()];
@@ -44,7 +47,7 @@ proptest! {
         let summary = &found.quantities[0];
         prop_assert!(numbers(summary).iter().all(|number| number.is_finite()), "{summary:?}");
         prop_assert_eq!(summary.observations + found.failed(), 2 * BLOCK + 7);
-        if let Some(coverage) = summary.coverage95 {
+        for coverage in [summary.coverage50, summary.coverage80, summary.coverage95].into_iter().flatten() {
             prop_assert!((0.0..=1.0).contains(&coverage));
         }
         if let (Some(low), Some(middle), Some(high)) = (summary.q05, summary.q50, summary.q95) {

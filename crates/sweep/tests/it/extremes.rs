@@ -60,6 +60,7 @@ fn numbers(summary: &Summary) -> Vec<f64> {
         summary.std,
         summary.bias,
         summary.rms_error,
+        summary.rms_error_std,
         summary.mean_abs_error,
         summary.relative_rms_error,
         summary.relative_mean_abs_error,
@@ -67,6 +68,8 @@ fn numbers(summary: &Summary) -> Vec<f64> {
         summary.q50,
         summary.q95,
         summary.mean_reported_std,
+        summary.coverage50,
+        summary.coverage80,
         summary.coverage95,
     ];
     all.into_iter().flatten().collect()
@@ -225,7 +228,7 @@ fn failures(bad: Observation, quantity: usize, kind: &'static str) -> Answer {
 fn covered(share: f64) -> Answer {
     let holds = |trial: u64| ((trial % 100) as f64) < 100.0 * share;
     let found = summary(10_000, |trial| Observation {
-        interval_holds: Some(holds(trial)),
+        interval_holds: Some([holds(trial); 3]),
         ..observation(1e300, 0.0, None)
     });
     Answer::at_scale(value(found.coverage95), share, 1.0).within(1e-15)

@@ -38,6 +38,51 @@ fn an_arithmetic_sequence_has_its_closed_forms() {
 }
 
 #[test]
+fn rms_errors_scatter_as_they_say() {
+    // Trials of one observation, of three that err alike, and of one to three beside a bias.
+    let observe = |kind: u64, trial: u64, record: &mut Record| {
+        let (count, bias) = [(1, 0.0), (3, 0.5), (1 + trial % 3, 2.0)][kind as usize];
+        let shared = normal(2 * trial);
+        for place in 0..count {
+            let own = if kind == 2 {
+                0.3 * normal(9 * trial + place)
+            } else {
+                0.0
+            };
+            record.observe(0, observation(5.0 + bias + shared + own, 5.0, None));
+        }
+        Ok(())
+    };
+    for kind in 0..3 {
+        let (sets, trials) = (400, 150);
+        let found = (0..sets).map(|set| {
+            let function =
+                |trial: u64, record: &mut Record| observe(kind, set * trials + trial, record);
+            let summary = run_cell(
+                trials,
+                &Function {
+                    quantities: 1,
+                    function,
+                },
+            )
+            .quantities[0];
+            (summary.rms_error.unwrap(), summary.rms_error_std.unwrap())
+        });
+        let found: Vec<(f64, f64)> = found.collect();
+        let sets = sets as f64;
+        let mean = found.iter().map(|(rms, _)| rms).sum::<f64>() / sets;
+        let square = found
+            .iter()
+            .map(|(rms, _)| (rms - mean).powi(2))
+            .sum::<f64>();
+        let stated = found.iter().map(|(_, std)| std * std).sum::<f64>() / sets;
+        // A standard deviation of 400 is known to 3.5 %.
+        let scattered = (square / (sets - 1.0)).sqrt();
+        assert_relative_eq!(scattered, stated.sqrt(), max_relative = 0.14);
+    }
+}
+
+#[test]
 fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
     let trials = 200_000;
     let (truth, std) = (1000.0, 1e-6);
@@ -49,7 +94,24 @@ fn a_normal_sample_has_the_normal_quantiles_and_coverage() {
     assert!(summary.bias.unwrap().abs() < four_sigma * std);
     assert_relative_eq!(summary.std.unwrap(), std, max_relative = four_sigma);
     assert_relative_eq!(summary.rms_error.unwrap(), std, max_relative = four_sigma);
-    assert!((summary.coverage95.unwrap() - 0.95).abs() < four_sigma * 0.22);
+    for (coverage, share) in [
+        (summary.coverage50, 0.50),
+        (summary.coverage80, 0.80),
+        (summary.coverage95, 0.95f64),
+    ] {
+        let binomial = (share * (1.0 - share)).sqrt();
+        assert!(
+            (coverage.unwrap() - share).abs() < four_sigma * binomial,
+            "{share}"
+        );
+    }
+    // σ/√(2n), itself as exact as the fourth moment.
+    let of_rms = std / (2.0 * trials as f64).sqrt();
+    assert_relative_eq!(
+        summary.rms_error_std.unwrap(),
+        of_rms,
+        max_relative = 2.0 * four_sigma
+    );
     assert_relative_eq!(
         summary.mean_reported_std.unwrap(),
         std,
@@ -160,7 +222,7 @@ fn many_observations_in_a_trial_all_count() {
 #[test]
 fn a_trial_may_judge_its_own_interval() {
     // Errors of 1 with a standard deviation of 1 are covered, those with one of 0.1 or none are not.
-    let judged = |stds: [Option<f64>; 4], holds: [Option<bool>; 4]| {
+    let judged = |stds: [Option<f64>; 4], holds: [Option<[bool; 3]>; 4]| {
         let trial = observing(move |trial| {
             let kind = (trial % 4) as usize;
             Observation {
@@ -168,24 +230,31 @@ fn a_trial_may_judge_its_own_interval() {
                 ..observation(3.0, 2.0, stds[kind])
             }
         });
-        run_cell(3 * BLOCK, &trial).quantities[0].coverage95
+        let summary = run_cell(3 * BLOCK, &trial).quantities[0];
+        [summary.coverage50, summary.coverage80, summary.coverage95]
     };
+    let third = |thirds: f64| Some(thirds / 3.0);
+    let (none, all) = (Some([false; 3]), Some([true; 3]));
     let stds = [Some(1.0), Some(1.0), Some(0.1), None];
-    assert_eq!(judged(stds, [None; 4]), Some(2.0 / 3.0));
+    // One standard deviation is outside of the middle half.
+    assert_eq!(judged(stds, [None; 4]), [0.0, 2.0, 2.0].map(third));
     // Turned against the standard deviation in two of four.
-    let turned = [None, Some(false), Some(true), None];
-    assert_eq!(judged(stds, turned), Some(2.0 / 3.0));
     assert_eq!(
-        judged(stds, [None, Some(false), None, None]),
-        Some(1.0 / 3.0)
+        judged(stds, [None, none, all, None]),
+        [1.0, 2.0, 2.0].map(third)
+    );
+    assert_eq!(
+        judged(stds, [None, none, None, None]),
+        [0.0, 1.0, 1.0].map(third)
     );
     // An interval needs no standard deviation.
-    assert_eq!(judged(stds, [None, None, None, Some(true)]), Some(0.75));
+    let wide = Some([false, true, true]);
     assert_eq!(
-        judged([None; 4], [Some(true), None, None, Some(false)]),
-        Some(0.5)
+        judged(stds, [None, None, None, wide]),
+        [0.0, 0.75, 0.75].map(Some)
     );
-    assert_eq!(judged([None; 4], [None; 4]), None);
+    assert_eq!(judged([None; 4], [all, None, None, none]), [Some(0.5); 3]);
+    assert_eq!(judged([None; 4], [None; 4]), [None; 3]);
 }
 
 #[test]

@@ -29,7 +29,11 @@ impl Trial for Rich {
         for place in 0..self.places {
             let estimate = 2.0 + normal(31 * trial + place);
             let truth = if trial % 700 < 300 { 2.0 } else { place as f64 };
-            let interval_holds = (trial % 6 == 2).then_some(place.is_multiple_of(2));
+            let interval_holds = (trial % 6 == 2).then_some([
+                place.is_multiple_of(3),
+                place.is_multiple_of(2),
+                true,
+            ]);
             record.observe(
                 0,
                 Observation {
@@ -39,7 +43,8 @@ impl Trial for Rich {
             );
         }
         record.observe(1, observation(normal(trial), 0.0, None));
-        let interval_holds = (trial % 5 == 1).then_some(trial.is_multiple_of(3));
+        let interval_holds =
+            (trial % 5 == 1).then_some([trial.is_multiple_of(7), trial.is_multiple_of(3), true]);
         let std = (trial % 4 < 2).then_some(0.5);
         record.observe(
             2,

@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::output::names::JOURNAL;
 
 /// First bytes of a journal; the last is the version of its format.
-const MAGIC: &[u8; 8] = b"palpate\x02";
+const MAGIC: &[u8; 8] = b"palpate\x03";
 /// Rows that are kept in memory before they are written, bytes.
 const MOST_PENDING: usize = 1 << 18;
 /// Time after which they are written, and the journal is brought to the disk.

@@ -49,7 +49,7 @@ y = "mean"
 compare = "scene.object.radius"
 "#
         )),
-        r#"study.toml:15:11: plot.0.compare: no column `scene.object.radius`; known: truth, trials, failures, mean, std, bias, rms_error, mean_abs_error, relative_rms_error, relative_mean_abs_error, q05, q50, q95, mean_reported_std, coverage95
+        r#"study.toml:15:11: plot.0.compare: no column `scene.object.radius`; known: truth, trials, failures, mean, std, bias, rms_error, rms_error_std, mean_abs_error, relative_rms_error, relative_mean_abs_error, q05, q50, q95, mean_reported_std, coverage50, coverage80, coverage95
    |
 15 | compare = "scene.object.radius"
    |           ^^^^^^^^^^^^^^^^^^^^^"#
@@ -65,7 +65,7 @@ y = "mean"
 series = "kind"
 "#
         )),
-        r#"study.toml:15:10: plot.0.series: no column `kind`; known: scene.object.radius, truth, trials, failures, mean, std, bias, rms_error, mean_abs_error, relative_rms_error, relative_mean_abs_error, q05, q50, q95, mean_reported_std, coverage95, quantity
+        r#"study.toml:15:10: plot.0.series: no column `kind`; known: scene.object.radius, truth, trials, failures, mean, std, bias, rms_error, rms_error_std, mean_abs_error, relative_rms_error, relative_mean_abs_error, q05, q50, q95, mean_reported_std, coverage50, coverage80, coverage95, quantity
    |
 15 | series = "kind"
    |          ^^^^^^"#
