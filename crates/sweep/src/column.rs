@@ -265,7 +265,8 @@ mod tests {
             (0.0, None, None),
             (1.0, Some(0.25), Some([false, false, true])),
         ];
-        let column = |observed: &[(f64, Option<f64>, Option<[bool; 3]>)]| {
+        type Observed = (f64, Option<f64>, Option<[bool; 3]>);
+        let column = |observed: &[Observed]| {
             let mut column = Column::default();
             for (place, &(truth, std, interval_holds)) in observed.iter().enumerate() {
                 column.push(&Observation {
