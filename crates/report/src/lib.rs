@@ -18,6 +18,7 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+mod calibration;
 mod claims;
 mod error;
 mod files;

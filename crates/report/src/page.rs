@@ -1,5 +1,7 @@
 //! Self-contained HTML page of several studies.
 
+mod calibration;
+mod glossary;
 mod measurements;
 
 use crate::words;
@@ -12,9 +14,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Part of its size to which a figure shrinks before it scrolls sideways: its text is then as high as 11 pixels.
 const LEAST_SCALE: f64 = 0.61;
 
-/// The page: the scorecard, then per study its source, sample size, figures, failures and config; then, where all
-/// studies lie in one folder, what is measured in it: `tradeoff/`, `extremes.csv`, `peers.csv`. It has no scripts and
-/// loads nothing.
+/// The page: the scorecard, then per study its source, sample size, figures, failures and config; then how often the
+/// intervals of each estimator hold the truth; then, where all studies lie in one folder, what is measured in it:
+/// `tradeoff/`, `extremes.csv`, `peers.csv`; then the words of `palpate explain`. It has no scripts and loads nothing.
 ///
 /// ```
 /// use palpate_report::{Study, page};
@@ -43,8 +45,19 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     // A name in .html switches escaping on.
     environment.add_template("page.html", include_str!("../templates/page.html"))?;
-    let measurements = include_str!("../templates/measurements.html");
-    environment.add_template("measurements.html", measurements)?;
+    for (name, text) in [
+        (
+            "measurements.html",
+            include_str!("../templates/measurements.html"),
+        ),
+        (
+            "calibration.html",
+            include_str!("../templates/calibration.html"),
+        ),
+        ("glossary.html", include_str!("../templates/glossary.html")),
+    ] {
+        environment.add_template(name, text)?;
+    }
     let sections = studies
         .iter()
         .map(section)
@@ -57,8 +70,12 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
     let measured = measurements::folder(studies)
         .map(|folder| measurements::sections(&folder))
         .transpose()?;
+    let calibration = calibration::section(studies)?;
+    let glossary = glossary::section();
     let template = environment.get_template("page.html")?;
-    Ok(template.render(context! { scores, claims, counts, studies => sections, measured })?)
+    Ok(template.render(context! {
+        scores, claims, counts, studies => sections, calibration, measured, glossary
+    })?)
 }
 
 /// How many rows have each verdict, in words.
@@ -101,7 +118,7 @@ fn row(score: &Score, studies: &[Study]) -> Value {
 
 fn section(study: &Study) -> Result<Value, ReportError> {
     let shown = |figure: Figure| {
-        let least = (LEAST_SCALE * figure.width()).ceil();
+        let least = least(&figure);
         let svg = Value::from_safe_string(figure.svg);
         context! { title => figure.title, svg, least }
     };
@@ -114,7 +131,7 @@ fn section(study: &Study) -> Result<Value, ReportError> {
     }
     let failures: Vec<Value> = kinds
         .into_iter()
-        .map(|(kind, (trials, cells))| context! { kind, trials => grouped(trials), cells => grouped(cells as u64) })
+        .map(|(kind, (trials, cells))| context! { kind, word => glossary::address(kind), trials => grouped(trials), cells => grouped(cells as u64) })
         .collect();
     let setting = |key: &str| {
         study
@@ -135,6 +152,11 @@ fn section(study: &Study) -> Result<Value, ReportError> {
         failures,
         config => study.config_text(),
     })
+}
+
+/// Width below which a figure does not shrink, pixels.
+fn least(figure: &Figure) -> f64 {
+    (LEAST_SCALE * figure.width()).ceil()
 }
 
 fn cells(study: &Study) -> u64 {

@@ -1,6 +1,7 @@
 //! Figures of a study, as its `[[plot]]` tables ask for them.
 
 mod answer;
+mod calibration;
 mod canvas;
 mod captions;
 mod cells;
@@ -23,6 +24,7 @@ mod request;
 mod scale;
 mod select;
 mod style;
+mod uncertainty;
 mod usual;
 
 use crate::{Files, ReportError, Study};
@@ -30,6 +32,8 @@ use palpate_study::config::{PlotConfig, PlotKind};
 use request::Request;
 
 pub use answer::{AnswerCurve, CurveLine, CurvePoint, Stretch, answer_figure};
+pub(crate) use calibration::figure as calibration;
+pub(crate) use captions::swept_values;
 pub use figure::Figure;
 pub(crate) use fronts::all as fronts;
 pub use fronts::tradeoff_figures;

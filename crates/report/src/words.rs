@@ -28,7 +28,7 @@ pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
     trials.sort_unstable();
     trials.dedup();
     match trials.as_slice() {
-        [] | [1] => "noiseless".to_owned(),
+        [] | [1] => "nothing is random".to_owned(),
         [n] => format!("{} trials per {of}", number::grouped(*n)),
         [1, n] => format!(
             "{} trials per {of} (1 where nothing is random)",
@@ -40,6 +40,19 @@ pub(crate) fn sample(trials: impl Iterator<Item = f64>, of: &str) -> String {
             number::grouped(*most)
         ),
     }
+}
+
+/// Sentence that says what is true of everything shown, and then something else of it.
+pub(crate) fn sentence(shared: &[String], then: &str) -> String {
+    let shared = match shared {
+        [] => String::new(),
+        [one] => format!("for {one}: "),
+        [others @ .., last] => format!("for {} and {last}: ", others.join(", ")),
+    };
+    let text = format!("{shared}{then}.");
+    let mut letters = text.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
 }
 
 /// Words for a cost in instructions or nanoseconds.

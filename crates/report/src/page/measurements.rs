@@ -55,8 +55,6 @@ fn tradeoff(folder: &Files) -> Result<Value, ReportError> {
                 .collect();
             context! {
                 title => &ladder.title,
-                error_of => &ladder.error_of,
-                evaluation => &ladder.evaluation,
                 svg => Value::from_safe_string(picture.svg),
                 targets,
                 scenes,

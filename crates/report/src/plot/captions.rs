@@ -1,6 +1,6 @@
 //! Values of a study in words: settings held fixed, failed trials, the object.
 
-use crate::table::Axis;
+use crate::table::{Axis, Table};
 use crate::{Study, study};
 use palpate_study::{Label, label, number};
 use std::collections::BTreeMap;
@@ -25,6 +25,12 @@ pub(crate) fn full_value(axis: &Axis, value: &str) -> String {
         (_, None) if !value.contains(' ') => format!("{} {value}", field.words),
         (_, None) => value.to_owned(),
     }
+}
+
+/// The swept values of a row, in words.
+pub(crate) fn swept_values(table: &Table, row: usize) -> Vec<String> {
+    let axes = table.axes().iter();
+    axes.map(|axis| full_value(axis, axis.text(row))).collect()
 }
 
 /// The object of the config in words: its kind and its numbers.

@@ -47,8 +47,7 @@ pub(crate) fn choose(of: Request<'_>, mapped: &[u64]) -> Result<Chosen, ReportEr
 
 /// Words for the place of a row in the sweep.
 fn place(study: &Study, row: usize) -> String {
-    let axes = study.cells().axes().iter();
-    let values: Vec<String> = axes.map(|axis| full_value(axis, axis.text(row))).collect();
+    let values = captions::swept_values(study.cells(), row);
     match values.is_empty() {
         true => "the only cell".to_owned(),
         false => values.join(", "),

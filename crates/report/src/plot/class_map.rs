@@ -12,7 +12,7 @@ use super::lettering::{width, wrap};
 use super::request::Request;
 use super::scale::{Scale, Tick};
 use super::style::{CLASSES, Colour, FRAME, INK, QUIET, WHITE};
-use crate::ReportError;
+use crate::{ReportError, words};
 use arrange::{Row, Shown};
 use palpate_study::{label, number};
 use squares::{Band, bands, boundaries};
@@ -62,15 +62,15 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
 /// Subtitle of the maps: the settings that all panels share.
 fn subtitle(of: Request<'_>, shown: &[Shown<'_>]) -> String {
     let rows: Vec<usize> = shown.iter().map(|cell| cell.row).collect();
-    let mut parts = cells::in_common(of.study, &rows);
+    let parts = cells::in_common(of.study, &rows);
+    let mut shown_of = "one trial per panel".to_owned();
     let mut sides: Vec<usize> = shown.iter().map(|cell| cell.map.side).collect();
     sides.sort_unstable();
     sides.dedup();
     if let [side] = sides.as_slice() {
-        parts.push(format!("{side} × {side} points"));
+        shown_of = format!("{side} × {side} points of {shown_of}");
     }
-    parts.push("one trial per panel".to_owned());
-    parts.join(" · ")
+    words::sentence(&parts, &shown_of)
 }
 
 /// Row of panels.

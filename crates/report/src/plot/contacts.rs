@@ -74,7 +74,7 @@ fn around(places: &[Vector], axis: usize) -> Scale {
 
 /// Subtitle of the plot: the object, the numbers of fingers and contacts, and the error of the readings.
 fn subtitle(of: Request<'_>, contacts: &Contacts) -> String {
-    let mut parts: Vec<String> = captions::object(of.study).into_iter().collect();
+    let object: Vec<String> = captions::object(of.study).into_iter().collect();
     let fingers = contacts.fingers.len();
     let mut counts: Vec<usize> = contacts.fingers.iter().map(|f| f.touches.len()).collect();
     counts.sort_unstable();
@@ -84,13 +84,13 @@ fn subtitle(of: Request<'_>, contacts: &Contacts) -> String {
         [least, .., most] => format!("{least} to {most} contacts each"),
         [] => String::new(),
     };
-    parts.push(format!("{}, {each}", plural(fingers, "finger")));
+    let mut seen = format!("{} with {each}", plural(fingers, "finger"));
     if let Some(off) = contacts.off {
         let unit = spoken_unit(&contacts.unit);
         let off = format!("{} {unit}", number::significant(off, 3));
-        parts.push(format!("readings off by {} rms", off.trim_end()));
+        seen += &format!("; the readings are off by {} (rms)", off.trim_end());
     }
-    parts.join(" · ")
+    words::sentence(&object, &seen)
 }
 
 fn plural(count: usize, of: &str) -> String {

@@ -1,4 +1,5 @@
-//! Pareto fronts of a ladder: error against cost, one panel per scene, the rungs on the front named.
+//! Pareto fronts of a ladder: error against cost, one panel per scene; the rungs on the front named, the others as far as
+//! there is room.
 
 mod names;
 
@@ -6,21 +7,22 @@ use super::canvas::{Anchor, Canvas, Point};
 use super::figure::Figure;
 use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, Words, widest};
 use super::scale::{Scale, Spacing};
-use super::style::{Colour, FAINT, FRAME, GRID, INK, Marker, Style};
+use super::style::{FAINT, FRAME, GRID, INK, QUIET, Style};
+use crate::group::distinct;
 use crate::tradeoff::{Ladder, LadderScene, Rung, Tradeoff};
-use crate::{Files, ReportError};
+use crate::{Files, ReportError, words};
 use names::NAME;
 use palpate_study::number;
 
 const PANEL_HEIGHT: f64 = 235.0;
 const MARKER: f64 = 5.0;
-const OTHER: f64 = 3.0;
+const OTHER: f64 = 4.0;
 const STROKE: f64 = 2.0;
+/// Length of a sample in the key.
+const SAMPLE: f64 = 2.4 * MARKER;
 /// Ten times the truth; no answer that errs by more is worth telling apart. Such a rung is drawn as high as this, and
 /// as off the scale.
 const WORST: f64 = 10.0;
-/// Rungs that another beats.
-const BEATEN: Colour = Colour(178, 178, 178);
 
 /// Draws the Pareto fronts of every ladder that `cargo xtask tradeoff` has measured into a folder.
 ///
@@ -43,17 +45,41 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let rungs = || ladder.scenes.iter().flat_map(|scene| &scene.rungs);
     let x = Scale::around(Spacing::Log, rungs().map(|rung| rung.cost));
     let y = Scale::around(Spacing::Log, rungs().map(shown));
-    let off_scale = match rungs().any(is_off_scale) {
-        true => format!("; triangles: off the scale, more than {WORST}"),
-        false => String::new(),
-    };
+    // What errs, then remarks on it.
+    let mut told = ladder.error_of.split("; ");
+    let error_of = told.next().unwrap_or_default();
+    let remarks = told.map(|remark| words::sentence(&[], remark));
+    let off_scale = rungs().any(is_off_scale).then(|| {
+        format!("Points below an arrow are off the scale: they err by more than {WORST}.")
+    });
+    let subtitle = "Each point is one choice. The line joins those that no other beats in both error and cost; \
+                    pale ones are beaten.";
     let words = Words {
         name: ladder.name.clone(),
         title: ladder.title.clone(),
-        subtitle: format!("up: {}{off_scale}", ladder.error_of),
-        notes: Vec::new(),
+        subtitle: subtitle.to_owned(),
+        notes: remarks.chain(off_scale).collect(),
     };
     let mut frame = Frame::new(words, WIDTH);
+    let families: Vec<String> = rungs().map(|rung| family(&rung.name)).collect();
+    let families = distinct(families.iter().map(String::as_str));
+    let choices = distinct(rungs().map(|rung| rung.name.as_str())).len();
+    // One choice of each family has its name beside it.
+    if (2..choices).contains(&families.len()) {
+        let entries = families.iter().enumerate();
+        let entries: Vec<(Style, String)> = entries
+            .map(|(place, family)| (Style::of(place), (*family).to_owned()))
+            .collect();
+        frame.key(SAMPLE, &entries, |canvas, (x, y), style| {
+            canvas.marker(style.marker, (x + SAMPLE / 2.0, y), MARKER, style.colour);
+        });
+    }
+    frame.heading(&format!("{error_of} (no unit)"), EDGE, WIDTH - 2.0 * EDGE);
+    let style_of = |rung: &Rung| {
+        let family = family(&rung.name);
+        let place = families.iter().position(|known| *known == family);
+        Style::of(place.unwrap_or_default())
+    };
     let left = EDGE + widest(&y.ticks(5)) + TICK_GAP;
     let size = (WIDTH - EDGE - left, PANEL_HEIGHT);
     let mut axes = Axes {
@@ -68,7 +94,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
         frame.heading(&heading, left, size.0);
         axes.corner.1 = frame.top + 2.0;
         grid(axes, &mut frame.canvas);
-        panel(axes, scene, &mut frame.canvas);
+        panel(axes, scene, style_of, &mut frame.canvas);
         frame.top = axes.corner.1 + PANEL_HEIGHT + 12.0;
     }
     for tick in x.ticks(8) {
@@ -76,7 +102,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     }
     // Below the ticks of the last panel.
     frame.top += TICK_GAP + 2.0 * LINE - 12.0;
-    let label = format!("cost of {}, {unit}", ladder.evaluation);
+    let label = format!("cost of {} ({unit})", ladder.evaluation);
     let place = (left + size.0 / 2.0, frame.top - LINE + TEXT / 2.0);
     frame.canvas.text(&label, place, TEXT, Anchor::Middle, INK);
     frame.finish()
@@ -95,42 +121,49 @@ fn grid(axes: Axes<'_>, canvas: &mut Canvas) {
 }
 
 /// The rungs of one scene.
-fn panel(axes: Axes<'_>, scene: &LadderScene, canvas: &mut Canvas) {
+fn panel(
+    axes: Axes<'_>,
+    scene: &LadderScene,
+    style_of: impl Fn(&Rung) -> Style,
+    canvas: &mut Canvas,
+) {
     let place = |rung: &Rung| axes.at((rung.cost, shown(rung)));
     let (mut front, beaten): (Vec<&Rung>, Vec<&Rung>) =
         scene.rungs.iter().partition(|rung| rung.on_front);
     front.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    let named = front.iter().map(|rung| (named(rung), place(rung)));
-    let named: Vec<(String, Point)> = named.collect();
-    let hidden: Vec<Point> = beaten.iter().map(|rung| place(rung)).collect();
+    let called = |rungs: &[&Rung]| -> Vec<(String, Point)> {
+        let called = rungs.iter().map(|rung| (named(rung), place(rung)));
+        called.collect()
+    };
     let (left, right, top, bottom) = axes.edges();
-    let names = names::place(&named, &hidden, [left, top, right, bottom]);
-    // Those that another beats have no name beside them, but their titles.
-    for rung in beaten {
-        match is_off_scale(rung) {
-            true => canvas.polygon(&triangle(place(rung)), BEATEN),
-            false => canvas.disc(place(rung), OTHER, BEATEN),
-        }
-        canvas.title(&self::named(rung));
-    }
-    let Style { colour, marker } = Style::of(0);
+    let frame = [left, top, right, bottom];
+    let names = names::place(&called(&front), &called(&beaten), frame);
     if front.len() > 1 {
-        let places: Vec<Point> = named.iter().map(|(_, place)| *place).collect();
-        canvas.line(&places, colour, STROKE);
+        let places: Vec<Point> = front.iter().map(|rung| place(rung)).collect();
+        canvas.line(&places, QUIET, STROKE);
+    }
+    for rung in beaten {
+        let style = style_of(rung);
+        if is_off_scale(rung) {
+            canvas.polygon(&arrow(place(rung)), style.pale());
+        }
+        canvas.marker(style.marker, place(rung), OTHER, style.pale());
+        // Where there is no room for its name.
+        canvas.title(&named(rung));
     }
     for leader in names.iter().filter_map(|name| name.leader) {
         canvas.line(&leader, FRAME, 1.0);
     }
     for rung in front {
-        let marker = if is_off_scale(rung) {
-            Marker::Up
-        } else {
-            marker
-        };
+        let Style { colour, marker } = style_of(rung);
+        if is_off_scale(rung) {
+            canvas.polygon(&arrow(place(rung)), colour);
+        }
         canvas.marker(marker, place(rung), MARKER, colour);
     }
     for name in &names {
-        canvas.text(&name.text, name.place, NAME, Anchor::Left, INK);
+        let colour = if name.of_front { INK } else { QUIET };
+        canvas.text(&name.text, name.place, NAME, Anchor::Left, colour);
     }
 }
 
@@ -150,13 +183,57 @@ fn is_off_scale(rung: &Rung) -> bool {
     rung.error > WORST
 }
 
-/// Points upwards, about as large as a disc of a beaten rung.
-fn triangle((x, y): Point) -> [Point; 3] {
-    let half = 1.3 * OTHER;
-    [(x - half, y + OTHER), (x + half, y + OTHER), (x, y - half)]
+/// Head of an arrow that points upwards, above a marker.
+fn arrow((x, y): Point) -> [Point; 3] {
+    let bottom = y - MARKER - 3.0;
+    [
+        (x - OTHER, bottom),
+        (x + OTHER, bottom),
+        (x, bottom - 1.3 * OTHER),
+    ]
+}
+
+/// Name of a rung without its numbers: what rungs that differ in a setting have in common.
+fn family(name: &str) -> String {
+    let is_number = |word: &&str| word.starts_with(|letter: char| letter.is_ascii_digit());
+    let kept = name.split(", ").map(|part| {
+        let words = part.split(' ').take_while(|word| !is_number(word));
+        let words: Vec<&str> = words.filter(|word| !["×", "="].contains(word)).collect();
+        words.join(" ")
+    });
+    let mut kept = kept.zip(name.split(", "));
+    let first = kept.next().map_or(String::new(), |(words, _)| words);
+    // Of what follows, only what is no setting.
+    let others = kept.filter(|(words, part)| !words.is_empty() && !part.contains('='));
+    let others = others.map(|(words, _)| words);
+    std::iter::once(first)
+        .chain(others)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// The error as drawn: what errs by more is drawn as high as this.
 fn shown(rung: &Rung) -> f64 {
     rung.error.min(WORST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::family;
+
+    #[test]
+    fn a_family_is_what_the_numbers_leave() {
+        for (name, expected) in [
+            ("closed form", "closed form"),
+            ("RK4 × 16", "RK4"),
+            ("DOP853 1e-3, Montana", "DOP853, Montana"),
+            ("two-pass, S = 3000, 30 points", "two-pass"),
+            ("layer, solved × 3/8", "layer, solved"),
+            ("layer, first table", "layer, first table"),
+            ("16 × 0.2 rad", ""),
+            ("", ""),
+        ] {
+            assert_eq!(family(name), expected);
+        }
+    }
 }

@@ -8,6 +8,7 @@ use super::request::{Request, nearest};
 use super::scale::{Scale, Spacing};
 use super::select::{Column, Selection};
 use super::style::Style;
+use super::uncertainty;
 use crate::table::{Axis, same};
 use crate::{ReportError, words};
 use palpate_study::{Label, number};
@@ -97,7 +98,9 @@ impl<'a> Lines<'a> {
         let [x, y] = self.scales(&panels, &marks);
         let mut lines = panels.iter().flat_map(|panel| &panel.lines);
         let is_circled = lines.any(|line| !line.circled.is_empty());
-        let words = of.words(self.subtitle(), self.notes(skipped, is_circled));
+        let mut lines = panels.iter().flat_map(|panel| &panel.lines);
+        let has_bars = lines.any(|line| !line.bars.is_empty());
+        let words = of.words(self.subtitle(), self.notes(skipped, is_circled, has_bars));
         let legend = Legend {
             points: points.legend(),
             ..self.legend()
@@ -147,6 +150,10 @@ impl<'a> Lines<'a> {
                     dashed,
                     runs: self.runs(&rows, statistic, skipped),
                     circled: circled.concat(),
+                    bars: match dashed {
+                        true => Vec::new(),
+                        false => self.bars(&rows),
+                    },
                 });
             }
         }
@@ -187,6 +194,19 @@ impl<'a> Lines<'a> {
             places.collect::<Vec<_>>()
         };
         runs.map(drawn).filter(|run| !run.is_empty()).collect()
+    }
+
+    /// Intervals of the points that are drawn of `rows`, by the Monte Carlo error.
+    fn bars(&self, rows: &[usize]) -> Vec<(f64, [f64; 2])> {
+        let [across, up] = self.spacing;
+        let bar = |&row: &usize| {
+            let x = self.across(row).filter(|x| across.refusal(*x).is_none())?;
+            let y = self.of.table.statistic(row, self.of.y)? * self.y.factor;
+            up.refusal(y).is_none().then_some(())?;
+            let ends = uncertainty::interval(self.of.table, row, self.of.y)?;
+            Some((x, ends.map(|end| up.nearest(end * self.y.factor))))
+        };
+        rows.iter().filter_map(bar).collect()
     }
 
     /// Whether so many trials failed that the statistics of `row` tell of the others alone.
@@ -279,16 +299,15 @@ impl<'a> Lines<'a> {
                 _ => None,
             }
         });
-        let mut parts: Vec<String> = fixed.collect();
+        let fixed: Vec<String> = fixed.collect();
         let trials = rows
             .iter()
             .filter_map(|row| table.statistic(*row, "trials"));
-        parts.push(words::sample(trials, "point"));
-        parts.join(" · ")
+        words::sentence(&fixed, &words::sample(trials, "point"))
     }
 
     /// Notes on the points that are not drawn or not counted, with reasons.
-    fn notes(&self, skipped: Skipped<'_>, is_circled: bool) -> Vec<String> {
+    fn notes(&self, skipped: Skipped<'_>, is_circled: bool, has_bars: bool) -> Vec<String> {
         let note = |(why, (count, series)): (&str, (usize, Vec<&str>))| {
             let points = match count {
                 1 => "1 point is".to_owned(),
@@ -307,7 +326,12 @@ impl<'a> Lines<'a> {
         let failed = captions::failed(self.of.of.study, &self.of.rows);
         let survivors = is_circled
             .then(|| "Circled: points of which more than 5 % of the trials failed.".to_owned());
-        let notes = skipped.into_iter().map(note).chain(survivors).chain(failed);
+        let bars = has_bars.then(|| {
+            "Bars, where longer than their marker: 95 % intervals by the number of trials."
+                .to_owned()
+        });
+        let notes = skipped.into_iter().map(note).chain(survivors);
+        let notes = notes.chain(bars).chain(failed);
         notes.chain(captions::absent(&self.of.absent)).collect()
     }
 }

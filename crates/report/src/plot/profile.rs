@@ -8,10 +8,10 @@ use super::given::{self, Along, Points};
 use super::request::{Request, nearest};
 use super::scale::{Scale, Spacing};
 use super::style::{PLAIN, Style};
-use crate::ReportError;
 use crate::group::distinct;
 use crate::records::Records;
 use crate::table::Axis;
+use crate::{ReportError, words};
 use palpate_study::Label;
 use palpate_study::config::Component;
 use palpate_study::label::{spoken_unit, with_unit};
@@ -79,8 +79,11 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
     };
     let mut shown = panels.iter().flat_map(|panel| &panel.lines);
     let estimated = shown.any(|line| line.dashed);
-    let mut subtitle = cells::in_common(of.study, &rows);
-    subtitle.extend(estimated.then(|| "estimates of one trial each".to_owned()));
+    let of_what = match estimated {
+        true => "true displacements, and the estimates of one trial each",
+        false => "true displacements",
+    };
+    let subtitle = words::sentence(&cells::in_common(of.study, &rows), of_what);
     let named = series.iter().filter(|_| !axes.names.is_empty());
     let [x_unit, y_unit] = profiles.units.each_ref().map(|unit| spoken_unit(unit));
     let chart = Chart {
@@ -100,7 +103,7 @@ pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
         marks,
         markers: false,
     };
-    chart::figure(of.words(subtitle.join(" · "), notes), &[chart])
+    chart::figure(of.words(subtitle, notes), &[chart])
 }
 
 /// The lines of one panel: what is true, then what is estimated. A truth that several cells share is drawn once, in
@@ -111,6 +114,7 @@ fn lines(shown: &[(Style, &Profile)]) -> Vec<Line> {
         dashed,
         runs: runs.clone(),
         circled: Vec::new(),
+        bars: Vec::new(),
     };
     let mut truths: Vec<Line> = Vec::new();
     for (style, profile) in shown {

@@ -41,6 +41,17 @@ impl Spacing {
     }
 }
 
+impl Spacing {
+    /// The number nearest to `value` that has a place on such an axis.
+    pub(crate) fn nearest(self, value: f64) -> f64 {
+        let least = match self {
+            Self::Linear => -LARGEST,
+            Self::Log => 1.0 / LARGEST,
+        };
+        value.clamp(least, LARGEST)
+    }
+}
+
 impl Scale {
     /// An axis that holds all `values` (which must be drawable) with a margin.
     pub(crate) fn around(spacing: Spacing, values: impl Iterator<Item = f64>) -> Self {

@@ -46,7 +46,7 @@ fn contacts_normals_and_axes_are_drawn() {
     let svg = drawn(&made(&[("trace.csv", &trace(1.0, 0.0))]));
     let texts = [
         "Three fingers",
-        "saddle, a = 0.3 · 3 fingers, 2 contacts each",
+        "For saddle, a = 0.3: 3 fingers with 2 contacts each",
         "finger 0",
         "finger 2",
         "normal",

@@ -29,7 +29,7 @@ fn the_true_map_stands_first_and_each_panel_tells_its_cell_and_share() {
     assert!(place("two-pass") < place("100 % correct"));
     let parts = [
         "penalised",
-        "saddle, a = 0.3 · position noise 5 % of the IFD · 3 × 3 points · one trial per panel",
+        "For saddle, a = 0.3 and position noise 5 % of the IFD: 3 × 3 points of one trial per panel.",
         "x (mm)",
         "y (mm)",
         "true boundary",

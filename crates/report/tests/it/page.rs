@@ -1,6 +1,6 @@
 //! The page and the scorecard.
 
-use crate::fixture::{Cells, Numbers, angular_velocity, config};
+use crate::fixture::{self, Cells, Numbers, STATISTICS, angular_velocity, config};
 use palpate_report::{ReportError, page, score, scorecard_text};
 use std::collections::BTreeSet;
 
@@ -55,11 +55,64 @@ fn the_page_stands_alone_and_tells_everything() {
         .skip(1)
         .map(|rest| rest.split('"').next().unwrap())
         .collect();
-    assert_eq!(ids, ["study-1", "study-2"]);
-    assert!(
-        ids.iter()
-            .all(|id| html.contains(&format!("href=\"#{id}\"")) || *id == "study-2")
-    );
+    let distinct: BTreeSet<&str> = ids.iter().copied().collect();
+    assert_eq!(distinct.len(), ids.len(), "{ids:?}");
+    for id in [
+        "claims",
+        "study-1",
+        "study-2",
+        "words",
+        "word-unresolved",
+        "word-IFD",
+    ] {
+        assert!(distinct.contains(id), "{id}");
+    }
+    let links = html.split("href=\"#").skip(1);
+    let links: BTreeSet<&str> = links.map(|rest| rest.split('"').next().unwrap()).collect();
+    assert!(links.is_subset(&distinct), "{links:?}");
+    assert!(links.is_superset(&BTreeSet::from([
+        "claims",
+        "study-1",
+        "words",
+        "word-unresolved"
+    ])));
+    // Its tables do not tell how often intervals hold the truth.
+    assert!(!html.contains("Calibration of intervals"));
+}
+
+#[test]
+fn intervals_are_held_against_what_they_say() {
+    let table = |rows: &[(f64, [&str; 3], u64)]| {
+        let mut text = format!("cell,scene.object.radius_cm,quantity,unit,{STATISTICS}\n");
+        for (cell, (radius, shares, failures)) in rows.iter().enumerate() {
+            text += &format!(
+                "{cell},{radius},normal_curvature_u,1/cm,0.2,100,{failures},,,,,,,,,,,,,{}\n",
+                shares.join(",")
+            );
+        }
+        let estimator = "[scene.estimator]\nkind = \"least-squares\"\n";
+        let config = config("sphere", "") + estimator;
+        fixture::study(&config, &text, fixture::NO_FAILURES, &[])
+    };
+    let first = table(&[
+        (5.0, ["0.5", "0.8", "0.95"], 0),
+        (50.0, ["0.3", "0.6", "0.75"], 98),
+        // One trial tells nothing, and neither does a table without shares.
+        (500.0, ["0", "0", "0"], 99),
+        (900.0, ["", "", ""], 0),
+    ]);
+    let second = table(&[(5.0, ["0.6", "0.9", "1"], 0)]);
+    let html = page(&[first, second]).unwrap();
+    for part in [
+        "<section id=\"calibration-of-intervals\">",
+        "roll: least-squares: 46.7 % of 50 %, 76.7 % of 80 %, 90.0 % of 95 %; 1 of 3 fall short",
+        "<td><a href=\"#study-1\">study</a></td><td class=\"number\">2</td><td class=\"number\">40.0 %</td>",
+        "<td>75.0 %<span class=\"why\">normal curvature along u, object radius 50 cm</span></td>",
+        "<td><a href=\"#study-2\">study</a></td><td class=\"number\">1</td><td class=\"number\">60.0 %</td>",
+        "Do intervals hold the truth as often as they say?",
+    ] {
+        assert!(html.contains(part), "{part}\n{html}");
+    }
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn a_study_without_plots_gets_the_usual_one() {
         &[
             "object a",
             "object b",
-            "object radius 1 cm · 100 trials per point",
+            "For object radius 1 cm: 100 trials per point.",
         ],
     );
     // Without an error there is the mean; of one cell there is nothing.
@@ -154,7 +154,7 @@ fn colours_belong_to_values_not_to_places_in_a_plot() {
     let svg = drawn(&angular_velocity(&one));
     // Okabe and Ito's third colour, for the third radius of the study; the first does not occur.
     assert!(svg.contains("#009E73") && !svg.contains("#0072B2"));
-    shows(&svg, &["object radius 5 cm · 100 trials per point"]);
+    shows(&svg, &["For object radius 5 cm: 100 trials per point."]);
 }
 
 #[test]

@@ -76,7 +76,7 @@ fn a_line_per_cell_in_the_colour_of_its_object() {
     let svg = drawn(&made(&(PROFILE.to_owned() + only), &map()));
     let texts = [
         "A question?",
-        "half-space · estimates of one trial each",
+        "For half-space: true displacements, and the estimates of one trial each.",
         "radial position (mm)",
         "displacement inward (mm)",
         "object",

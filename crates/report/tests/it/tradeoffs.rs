@@ -51,20 +51,23 @@ fn drawn(rungs: &str) -> String {
 }
 
 #[test]
-fn a_picture_names_the_front_and_nothing_else() {
+fn a_picture_names_every_rung_that_has_room() {
     let svg = drawn(RUNGS);
     let texts = [
         "easy: a ball",
         "hard: an ellipsoid",
-        "cost of one roll, instructions",
+        "error of the place (no unit)",
+        "cost of one roll (instructions)",
         "closed form",
         "RK4 × 8",
     ];
     says(&svg, &texts);
-    // Beaten on the easy scene, where it is a title only; on the front of the hard one.
-    assert_eq!(svg.matches("RK4 × 1\n").count(), 1, "{svg}");
-    assert_eq!(svg.matches("><title>RK4 × 1</title></circle>").count(), 1);
+    // Beaten on the easy scene; on the front of the hard one.
+    assert_eq!(svg.matches("RK4 × 1\n").count(), 2, "{svg}");
+    assert_eq!(svg.matches("><title>RK4 × 1</title></polygon>").count(), 1);
     assert_eq!(svg.matches("<title>").count(), 1);
+    // In the key, by what they have in common.
+    assert_eq!(svg.matches("RK4\n").count(), 1, "{svg}");
     assert!(!svg.contains("off the scale"));
 }
 
@@ -72,7 +75,7 @@ fn a_picture_names_the_front_and_nothing_else() {
 fn a_rung_off_the_scale_is_shown_as_such() {
     let rungs = RUNGS.replace(",1e-3,", ",345.6,").replace(",0.2,", ",12,");
     let texts = [
-        "triangles: off the scale, more than 10",
+        "Points below an arrow are off the scale: they err by more than 10.",
         "><title>RK4 × 1, errs by 346</title></polygon>",
         "RK4 × 1, errs by 12\n",
     ];
@@ -83,7 +86,7 @@ fn a_rung_off_the_scale_is_shown_as_such() {
 fn without_instructions_the_axis_is_time() {
     says(
         &drawn(&RUNGS.replace(",6000,", ",,")),
-        &["cost of one roll, ns"],
+        &["cost of one roll (ns)"],
     );
 }
 

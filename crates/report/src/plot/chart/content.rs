@@ -59,6 +59,8 @@ pub(crate) struct Line {
     pub(crate) runs: Runs,
     /// Places of the points that are marked with a circle.
     pub(crate) circled: Vec<(f64, f64)>,
+    /// Bars of points: x, and both ends.
+    pub(crate) bars: Vec<(f64, [f64; 2])>,
 }
 
 /// The key to the lines; empty if there is one series and nothing to compare.

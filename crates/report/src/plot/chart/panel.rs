@@ -11,6 +11,10 @@ use crate::plot::style::{FAINT, FRAME, GRID, INK, MARKER, OPEN_MARKER, QUIET, ST
 const MANY_POINTS: usize = 25;
 /// Width of the circle around a marker.
 const CIRCLE: f64 = 1.5;
+/// Width of a bar.
+const BAR: f64 = 1.5;
+/// Half the width of the cap at the end of a bar.
+const CAP: f64 = 4.0;
 
 /// Panel in its place.
 pub(super) struct Placed<'a> {
@@ -45,6 +49,9 @@ impl Placed<'_> {
                     canvas.disc(self.axes.at(*place), 1.7 * size(line) + width, colour);
                 }
             }
+        }
+        for &line in &marked {
+            self.bars(line, size(line), canvas);
         }
         for line in marked {
             for place in line.runs.iter().flatten() {
@@ -108,6 +115,25 @@ impl Placed<'_> {
                     canvas.line(&points, line.style.pale(), STROKE);
                 }
                 _ => canvas.line(&points, line.style.colour, STROKE),
+            }
+        }
+    }
+
+    /// Bars of points, as far as they are longer than the marker and within the panel.
+    fn bars(&self, line: &Line, marker: f64, canvas: &mut Canvas) {
+        let (_, _, top, bottom) = self.axes.edges();
+        for (x, ends) in &line.bars {
+            let x = self.axes.across(*x);
+            let [low, high] = ends.map(|end| self.axes.down(end).clamp(top, bottom));
+            if low - high <= 2.0 * marker {
+                continue;
+            }
+            canvas.line(&[(x, low), (x, high)], line.style.colour, BAR);
+            for end in [low, high]
+                .into_iter()
+                .filter(|&end| end > top && end < bottom)
+            {
+                canvas.line(&[(x - CAP, end), (x + CAP, end)], line.style.colour, BAR);
             }
         }
     }

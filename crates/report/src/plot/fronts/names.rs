@@ -9,6 +9,8 @@ pub(super) const NAME: f64 = 15.0;
 const DISTANCES: [f64; 9] = [9.0, 18.0, 30.0, 45.0, 62.0, 82.0, 105.0, 130.0, 160.0];
 /// Distance from which on a line leads from the point to its name, pixels.
 const LED: f64 = 20.0;
+/// Number of these distances for names of points that are not on the front.
+const BESIDE: usize = 2;
 const DIRECTIONS: usize = 24;
 /// Half the height of a name with the space around it, pixels.
 const HALF: f64 = 0.62 * NAME;
@@ -30,6 +32,8 @@ pub(super) struct Name {
     /// Line from the point to the name, where they are far apart.
     pub(super) leader: Option<[Point; 2]>,
     pub(super) bounds: Bounds,
+    /// Whether its point is on the front.
+    pub(super) of_front: bool,
 }
 
 /// A rectangle: left, top, right, bottom.
@@ -62,19 +66,30 @@ impl Bounds {
     }
 }
 
-/// Places the names of points one after the other, each where it hides the least, within a frame.
-pub(super) fn place(named: &[(String, Point)], beaten: &[Point], frame: [f64; 4]) -> Vec<Name> {
-    let front: Vec<Point> = named.iter().map(|(_, place)| *place).collect();
+/// Places the names of points one after the other within a frame: first of those on the front, each where it hides the
+/// least, then of the others, those that have room beside their points.
+pub(super) fn place(
+    front: &[(String, Point)],
+    beaten: &[(String, Point)],
+    frame: [f64; 4],
+) -> Vec<Name> {
+    let points = |named: &[(String, Point)]| named.iter().map(|(_, place)| *place).collect();
+    let [of_front, of_beaten]: [Vec<Point>; 2] = [points(front), points(beaten)];
     let mut names: Vec<Name> = Vec::new();
-    for (text, point) in named {
+    let all = front.iter().map(|named| (named, true));
+    for ((text, point), is_on_front) in all.chain(beaten.iter().map(|named| (named, false))) {
         let half_width = 0.5 * width(text, NAME) + 2.0;
-        let candidates = DISTANCES.iter().flat_map(|&distance| {
+        let reach = match is_on_front {
+            true => DISTANCES.len(),
+            false => BESIDE,
+        };
+        let candidates = DISTANCES[..reach].iter().flat_map(|&distance| {
             (0..DIRECTIONS).map(move |at| candidate(*point, half_width, distance, at))
         });
-        let cost = |(distance, bounds): &(f64, Bounds)| {
-            *distance + hidden(bounds, *point, &names, &front, beaten, frame)
-        };
+        let hidden = |bounds: &Bounds| hidden(bounds, *point, &names, &of_front, &of_beaten, frame);
+        let cost = |(distance, bounds): &(f64, Bounds)| *distance + hidden(bounds);
         let best = candidates.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let best = best.filter(|(_, bounds)| is_on_front || hidden(bounds) == 0.0);
         let Some((distance, bounds)) = best else {
             continue;
         };
@@ -84,6 +99,7 @@ pub(super) fn place(named: &[(String, Point)], beaten: &[Point], frame: [f64; 4]
             place: (left + 2.0, 0.5 * (top + bottom)),
             leader: (distance > LED).then(|| [*point, bounds.nearest(*point)]),
             bounds,
+            of_front: is_on_front,
         });
     }
     names

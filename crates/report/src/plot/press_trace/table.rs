@@ -170,10 +170,10 @@ impl Trace {
         let told = |off: Option<f64>, of: &str| Some(format!("{} {of}", self.length(off?, 3)));
         let off = [told(normal, "inward"), told(tangential, "along the skin")];
         let off: Vec<String> = off.into_iter().flatten().collect();
-        match off.is_empty() {
-            true => markers,
-            false => format!("{markers} · rms error {}", off.join(", ")),
+        if !off.is_empty() {
+            markers += &format!("; rms error {}", off.join(", "));
         }
+        words::sentence(&[], &markers)
     }
 
     /// A length with its unit.

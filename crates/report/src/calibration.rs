@@ -1,0 +1,82 @@
+//! How often the intervals of every estimator hold the true value, beside how often they say that they do.
+
+use crate::group::by_key;
+use crate::{Study, Table};
+use palpate_study::Statistic;
+
+/// Statistics that count intervals which hold the true value, and the share that each should be.
+pub(crate) const STATED: [(Statistic, f64); 3] = [
+    (Statistic::Coverage50, 0.50),
+    (Statistic::Coverage80, 0.80),
+    (Statistic::Coverage95, 0.95),
+];
+
+/// Intervals of one estimator under one sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Estimator {
+    /// Kind of scene, estimator and sensor.
+    pub(crate) name: String,
+    /// Rows of each study that has some, by the study's place among all.
+    pub(crate) studies: Vec<(usize, Vec<Measured>)>,
+}
+
+/// Shares of intervals that hold the true value, of a quantity in a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Measured {
+    /// Row of the study's table.
+    pub(crate) row: usize,
+    /// Shares in the order of [`STATED`].
+    pub(crate) shares: [f64; 3],
+}
+
+impl Estimator {
+    /// Every estimator whose intervals the studies have tested, in the order in which they appear. Cells of which fewer
+    /// than two trials gave a value test nothing.
+    pub(crate) fn all(studies: &[Study]) -> Vec<Self> {
+        let of_study = |(place, study): (usize, &Study)| {
+            let rows = 0..study.cells().rows();
+            let measured =
+                rows.filter_map(|row| Some((name(study, row)?, measured(study.cells(), row)?)));
+            let estimators = by_key(measured).into_iter();
+            estimators
+                .map(|(name, rows)| (name, (place, rows)))
+                .collect::<Vec<_>>()
+        };
+        let each = studies.iter().enumerate().flat_map(of_study);
+        by_key(each)
+            .into_iter()
+            .map(|(name, studies)| Self { name, studies })
+            .collect()
+    }
+
+    /// All rows of all studies.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &Measured> {
+        self.studies.iter().flat_map(|(_, rows)| rows)
+    }
+}
+
+fn measured(table: &Table, row: usize) -> Option<Measured> {
+    let of = |statistic: Statistic| table.statistic(row, statistic.name());
+    let successes = of(Statistic::Trials)? - of(Statistic::Failures)?;
+    let [narrowest, narrow, wide] = STATED.map(|(statistic, _)| of(statistic));
+    let shares = [narrowest?, narrow?, wide?];
+    (successes >= 2.0).then_some(Measured { row, shares })
+}
+
+/// Kind of scene, estimator and sensor of a row, as far as the study says them.
+fn name(study: &Study, row: usize) -> Option<String> {
+    let of = |key: &str| {
+        let path = format!("scene.{key}");
+        let named = study.text(row, &path);
+        named.or_else(|| study.text(row, &format!("{path}.kind")))
+    };
+    let kind = study.text(row, "scene.kind")?;
+    let others: Vec<&str> = ["estimator", "sensor"].into_iter().filter_map(of).collect();
+    Some(format!("{kind}: {}", others.join(", ")))
+}
+
+/// Mean of each of the shares.
+pub(crate) fn means<'a>(rows: impl Iterator<Item = &'a Measured> + Clone) -> [f64; 3] {
+    let count = rows.clone().count().max(1) as f64;
+    [0, 1, 2].map(|at| rows.clone().map(|row| row.shares[at]).sum::<f64>() / count)
+}

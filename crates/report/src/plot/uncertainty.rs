@@ -1,0 +1,194 @@
+//! How far the trials behind a point leave its statistic open.
+
+use crate::Table;
+use palpate_study::{Quantity, QuantityKind, Statistic};
+
+/// Half-width of a 95 % interval, in standard deviations.
+const HALF_WIDTH: f64 = 1.96;
+
+/// Ends of the 95 % interval of a statistic of `row` by its Monte Carlo error, in the unit of the table; `None` of what is
+/// known without trials, of fewer than two, and of a mean reported standard deviation, whose scatter no column tells.
+///
+/// Of trials that observe several places it is that of the rms error for errors and for shares of places; for other
+/// statistics it is too wide, as if all places of a trial erred alike.
+pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]> {
+    let statistic = Statistic::named(name)?;
+    let of = |statistic: Statistic| table.statistic(row, statistic.name());
+    let value = of(statistic)?;
+    let trials = of(Statistic::Trials)?;
+    let successes = trials - of(Statistic::Failures)?;
+    if successes < 2.0 {
+        return None;
+    }
+    let is_share = Quantity::named(table.quantity(row))
+        .is_some_and(|quantity| quantity.kind == QuantityKind::Share);
+    let error = match statistic {
+        Statistic::RmsError => of(Statistic::RmsErrorStd)?,
+        Statistic::RelativeRmsError => {
+            value * ratio(of(Statistic::RmsErrorStd)?, of(Statistic::RmsError)?)
+        }
+        Statistic::MeanAbsError => of_mean_size(of(Statistic::RmsError)?, value, successes),
+        Statistic::RelativeMeanAbsError => {
+            let mean = of(Statistic::MeanAbsError)?;
+            value
+                * ratio(
+                    of_mean_size(of(Statistic::RmsError)?, mean, successes),
+                    mean,
+                )
+        }
+        // Each place errs by 0 or by 1, so that the mean square error is the share of wrong ones.
+        Statistic::Mean | Statistic::Bias if is_share => {
+            2.0 * of(Statistic::RmsError)? * of(Statistic::RmsErrorStd)?
+        }
+        Statistic::Mean | Statistic::Bias => of(Statistic::Std)? / successes.sqrt(),
+        Statistic::Std => of_std(value, of(Statistic::Bias)?, &of, successes)?,
+        Statistic::Q05 | Statistic::Q50 | Statistic::Q95 => {
+            let spread = of(Statistic::Q95)? - of(Statistic::Q05)?;
+            let per_spread = match statistic {
+                Statistic::Q50 => MEDIAN_PER_SPREAD,
+                _ => TAIL_PER_SPREAD,
+            };
+            per_spread * spread / successes.sqrt()
+        }
+        Statistic::Coverage50 | Statistic::Coverage80 | Statistic::Coverage95 => {
+            return Some(of_share(value, successes));
+        }
+        Statistic::Failures => {
+            return Some(of_share(value / trials, trials).map(|share| share * trials));
+        }
+        Statistic::Truth
+        | Statistic::Trials
+        | Statistic::RmsErrorStd
+        | Statistic::MeanReportedStd
+        | Statistic::StdBound => return None,
+    };
+    Some([value - HALF_WIDTH * error, value + HALF_WIDTH * error])
+}
+
+/// Standard errors of the median and of the 5 and 95 % quantiles of a normal distribution, times the root of the number,
+/// over the distance between those quantiles.
+const MEDIAN_PER_SPREAD: f64 = 0.381;
+const TAIL_PER_SPREAD: f64 = 0.642;
+
+fn ratio(error: f64, of: f64) -> f64 {
+    if of > 0.0 { error / of } else { 0.0 }
+}
+
+/// Standard error of the mean of sizes whose root mean square is `rms`.
+fn of_mean_size(rms: f64, mean: f64, count: f64) -> f64 {
+    ((rms * rms - mean * mean).max(0.0) / count).sqrt()
+}
+
+/// Standard error of a standard deviation: from the scatter of the squared errors where the bias is small, else as of a
+/// normal distribution.
+fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f64) -> Option<f64> {
+    if bias.abs() > 0.5 * std || std == 0.0 {
+        return Some(std / (2.0 * (count - 1.0)).sqrt());
+    }
+    let of_square = 2.0 * of(Statistic::RmsError)? * of(Statistic::RmsErrorStd)?;
+    let of_bias = 4.0 * bias * bias * std * std / count;
+    Some((of_square * of_square - of_bias).max(0.0).sqrt() / (2.0 * std))
+}
+
+/// Wilson's interval of a share.
+pub(crate) fn of_share(share: f64, count: f64) -> [f64; 2] {
+    let squared = HALF_WIDTH * HALF_WIDTH / count;
+    let middle = share + 0.5 * squared;
+    let half = (squared * (share * (1.0 - share) + 0.25 * squared))
+        .max(0.0)
+        .sqrt();
+    [middle - half, middle + half].map(|end| (end / (1.0 + squared)).clamp(0.0, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Files;
+
+    /// Interval of a statistic in a table of one row with these columns, of 100 trials.
+    fn found(quantity: &str, columns: &[(Statistic, f64)], of: Statistic) -> Option<[f64; 2]> {
+        let names = Statistic::ALL.map(Statistic::name).join(",");
+        let texts = Statistic::ALL.map(|statistic| {
+            let given = columns.iter().find(|(one, _)| *one == statistic);
+            match (given, statistic) {
+                (Some((_, value)), _) => value.to_string(),
+                (None, Statistic::Trials) => "100".to_owned(),
+                (None, Statistic::Failures) => "0".to_owned(),
+                _ => String::new(),
+            }
+        });
+        let text = format!(
+            "cell,quantity,unit,{names}\n0,{quantity},1/mm,{}\n",
+            texts.join(",")
+        );
+        let table = Table::read(&Files::in_memory([("cells.csv", text)])).unwrap();
+        interval(&table, 0, of.name())
+    }
+
+    fn is(found: Option<[f64; 2]>, middle: f64, half: f64) {
+        let [low, high] = found.unwrap();
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-9;
+        assert!(
+            close(low, middle - half) && close(high, middle + half),
+            "{low} {high}"
+        );
+    }
+
+    #[test]
+    fn errors_have_the_intervals_of_their_formulas() {
+        use Statistic as S;
+        let errors = [
+            (S::RmsError, 0.5),
+            (S::RmsErrorStd, 0.02),
+            (S::RelativeRmsError, 5.0),
+            (S::MeanAbsError, 0.4),
+            (S::RelativeMeanAbsError, 4.0),
+            (S::Std, 0.5),
+            (S::Bias, 0.0),
+            (S::Mean, 2.0),
+        ];
+        let found = |statistic| found("mean_curvature", &errors, statistic);
+        is(found(S::RmsError), 0.5, 1.96 * 0.02);
+        is(found(S::RelativeRmsError), 5.0, 1.96 * 0.2);
+        // √(0.5² − 0.4²)/√100.
+        is(found(S::MeanAbsError), 0.4, 1.96 * 0.03);
+        is(found(S::RelativeMeanAbsError), 4.0, 1.96 * 0.3);
+        is(found(S::Mean), 2.0, 1.96 * 0.05);
+        // Without a bias the standard deviation is the rms error.
+        is(found(S::Std), 0.5, 1.96 * 0.02);
+        for none in [
+            S::Truth,
+            S::Trials,
+            S::MeanReportedStd,
+            S::Q50,
+            S::Coverage95,
+        ] {
+            assert_eq!(found(none), None);
+        }
+    }
+
+    #[test]
+    fn shares_stay_shares() {
+        use Statistic as S;
+        // A share p of right places: the mean square error is 1 − p, its standard deviation twice rms × its own.
+        let right = [(S::Mean, 0.91), (S::RmsError, 0.3), (S::RmsErrorStd, 0.01)];
+        is(found("class", &right, S::Mean), 0.91, 1.96 * 0.006);
+        let all = found("class", &[(S::Coverage95, 1.0)], S::Coverage95).unwrap();
+        assert!(all[0] > 0.96 && all[0] < 0.97 && all[1] == 1.0, "{all:?}");
+        let failures = found("class", &[(S::Failures, 50.0)], S::Failures).unwrap();
+        assert!((failures[0] - 40.4).abs() < 0.1 && (failures[1] - 59.6).abs() < 0.1);
+    }
+
+    #[test]
+    fn few_trials_leave_everything_open() {
+        use Statistic as S;
+        for gone in [99.0, 100.0] {
+            let columns = [
+                (S::Failures, gone),
+                (S::RmsError, 1.0),
+                (S::RmsErrorStd, 1.0),
+            ];
+            assert_eq!(found("class", &columns, S::RmsError), None);
+        }
+    }
+}
