@@ -10,7 +10,7 @@ use super::frame::{EDGE, Frame, TEXT, WIDTH};
 use super::request::Request;
 use super::scale::{Scale, Spacing, Tick};
 use super::style::{Colour, FAINT, FRAME, GRID, INK, QUIET, Style};
-use crate::ReportError;
+use crate::{ReportError, words};
 use palpate_study::label::{spoken_unit, with_unit};
 use palpate_study::number;
 use table::{Contacts, Finger, Touch, Vector};

@@ -1,7 +1,7 @@
 //! `trace.csv` and `readings.csv` of a press: how the markers moved, and what the sensor says of it.
 
 use crate::records::Records;
-use crate::{Files, ReportError};
+use crate::{Files, ReportError, words};
 use palpate_study::label::spoken_unit;
 use palpate_study::number;
 
