@@ -2,34 +2,34 @@
 
 use minijinja::context;
 use minijinja::value::Value;
-use palpate_study::glossary::{SUBJECTS, Term, meaning};
+use palpate_study::glossary::{SUBJECTS, meaning};
 use palpate_study::{Quantity, Statistic};
 
-/// Words by their subject, then quantities and statistics.
+/// Words by their subject, then quantities and statistics, which are no places to link to.
 pub(super) fn section() -> Vec<Value> {
-    let quantities = Quantity::ALL.iter().map(|one| (one.name, one.meaning));
-    let statistics = Statistic::ALL.into_iter().chain([Statistic::StdBound]);
-    let statistics = statistics.map(|one| (one.name(), one.meaning()));
-    let subject = |title: &str, terms: Vec<(&str, &str)>| {
-        let terms = terms.into_iter();
+    let words = SUBJECTS.iter().map(|subject| {
+        let terms = subject.terms.iter();
         let terms: Vec<Value> = terms
-            .map(|(name, meaning)| context! { name, meaning, place => address(name) })
+            .map(|term| context! { place => place(term.name), ..entry(term.name, term.meaning) })
             .collect();
-        context! { title, terms }
-    };
-    let of = |term: &Term| (term.name, term.meaning);
-    let subjects = SUBJECTS
-        .iter()
-        .map(|it| subject(it.title, it.terms.iter().map(of).collect()));
-    subjects
+        context! { title => subject.title, terms }
+    });
+    let quantities = Quantity::ALL.iter();
+    let quantities: Vec<Value> = quantities.map(|one| entry(one.name, one.meaning)).collect();
+    let statistics = Statistic::ALL.into_iter().chain([Statistic::StdBound]);
+    let statistics: Vec<Value> = statistics
+        .map(|one| entry(one.name(), one.meaning()))
+        .collect();
+    words
         .chain([
-            subject("Quantities", quantities.collect()),
-            subject(
-                "Statistics of them over the trials of a cell",
-                statistics.collect(),
-            ),
+            context! { title => "Quantities", terms => quantities },
+            context! { title => "Statistics of them over the trials of a cell", terms => statistics },
         ])
         .collect()
+}
+
+fn entry(name: &str, meaning: &str) -> Value {
+    context! { name, meaning }
 }
 
 /// Place on the page of a word, if it is one: several spellings have one place.

@@ -97,7 +97,9 @@ pub(crate) fn of_share(share: f64, count: f64) -> [f64; 2] {
     let half = (squared * (share * (1.0 - share) + 0.25 * squared))
         .max(0.0)
         .sqrt();
-    [middle - half, middle + half].map(|end| (end / (1.0 + squared)).clamp(0.0, 1.0))
+    let [low, high] = [middle - half, middle + half].map(|end| end / (1.0 + squared));
+    // Rounding must not take the ends off the share itself.
+    [low.clamp(0.0, share), high.clamp(share, 1.0)]
 }
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ fn contacts_normals_and_axes_are_drawn() {
     let svg = drawn(&made(&[("trace.csv", &trace(1.0, 0.0))]));
     let texts = [
         "Three fingers",
-        "For saddle, a = 0.3: 3 fingers with 2 contacts each",
+        "For saddle, a = 0.3: 3 fingers with 2 contacts each.",
         "finger 0",
         "finger 2",
         "normal",
@@ -75,7 +75,7 @@ fn readings_are_drawn_where_they_differ_and_tips_where_they_are_apart() {
     assert_eq!(read(0.0), drawn(&made(&[("trace.csv", &trace_0)])));
     let noisy = read(0.125);
     shows(&noisy, &["reading"]);
-    assert!(noisy.contains("readings off by 0.125 cm rms"));
+    assert!(noisy.contains("the readings are off by 0.125 cm (rms)"));
     assert_eq!(count(&noisy, "circle", "#0072B2"), 5);
     shows(
         &drawn(&made(&[("trace.csv", &trace(1.0, 0.5))])),
@@ -91,7 +91,7 @@ fn patches_of_any_size_and_shape_are_drawn() {
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{scale}");
     }
     let one = format!("{HEADER}0,1,2,3,0,0,0,1,2,3\n");
-    assert!(drawn(&made(&[("trace.csv", &one)])).contains("1 finger, 1 contact each"));
+    assert!(drawn(&made(&[("trace.csv", &one)])).contains("1 finger with 1 contact each"));
 }
 
 #[test]

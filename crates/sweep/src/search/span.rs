@@ -71,7 +71,7 @@ impl Span {
             false => mix(self.from, self.to),
         };
         if self.is_whole {
-            return value.round().clamp(self.from.ceil(), self.to.floor());
+            return value.round().min(self.to.floor()).max(self.from.ceil());
         }
         let told = match self.is_log {
             true => gap * value,
@@ -81,7 +81,8 @@ impl Span {
     }
 
     /// Values spread evenly from one end to the other, with the few digits that tell gaps of this size; each whole number,
-    /// where there are not more than twice as many.
+    /// where there are not more than twice as many. Of a range without any whole number there are none; else at least one, and
+    /// of other ranges both ends.
     ///
     /// ```
     /// use palpate_sweep::Span;
@@ -90,10 +91,13 @@ impl Span {
     /// assert_eq!(Span::new(2.0, 5.0, true).spread(3, 0.05), [2.0, 3.0, 4.0, 5.0]);
     /// ```
     pub fn spread(&self, count: usize, gap: f64) -> Vec<f64> {
-        if self.is_whole && self.to - self.from < (2 * count) as f64 {
-            let (first, last) = (self.from.ceil(), self.to.floor());
-            let count = (last - first).max(0.0) as usize + 1;
-            return (0..count).map(|step| first + step as f64).collect();
+        let (first, last) = (self.from.ceil(), self.to.floor());
+        if self.is_whole && first > last {
+            return Vec::new();
+        }
+        if self.is_whole && last - first < 2.0 * count as f64 {
+            let steps = 0..=(last - first) as usize;
+            return steps.map(|step| first + step as f64).collect();
         }
         let last = count.max(2) - 1;
         let mut values: Vec<f64> = (0..=last)

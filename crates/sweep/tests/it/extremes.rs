@@ -1,5 +1,7 @@
 //! Statistics of trials whose numbers are extreme.
 
+mod searches;
+
 use palpate_sweep::{
     Cell, CellStatistics, NEGATIVE_STD, NOT_FINITE, Observation, Record, RunOptions, Summary,
     SweepError, UNKNOWN_QUANTITY, run,
@@ -42,10 +44,24 @@ rows! {
     OBSERVE, "a subnormal negative one: trials fail by kind" => failing([0.0, 0.0, -f64::from_bits(1)], NEGATIVE_STD);
     OBSERVE, "quantity {quantity} of one: trials fail by kind" =>
         failures(observation(1.0, 1.0, None), quantity, UNKNOWN_QUANTITY), for quantity in [1, usize::MAX];
+    RUN, "{trials} errors, one of four {unit:e}, the others 0: how exact their rms is" => of_rms(trials, unit),
+        for trials in [4, 4096, 5000], for unit in UNITS;
     RUN, "no trial: nothing is defined" => undefined();
     RUN, "more trials than can be counted", "too-many-trials" => uncountable();
     RUN, "intervals of which {share} hold the truth: coverage" => covered(share), for share in [0.0, 0.05, 0.95, 1.0];
     RUN, "standard deviations of 0 and errors of 0: all intervals hold the truth" => exact();
+}
+
+/// A share p of ones among n: the mean square is p, its variance p (1 − p)/(n − 1).
+fn of_rms(trials: u64, unit: f64) -> Answer {
+    let summary = summary(trials, |trial| {
+        observation(if trial % 4 == 3 { unit } else { 0.0 }, 0.0, None)
+    });
+    let share = 0.25;
+    let std = Precise::new(share * (1.0 - share) / (trials - 1) as f64).sqrt();
+    let of_rms = std / Precise::new(2.0 * f64::sqrt(share)) * Precise::new(unit);
+    let scale = unit.max(f64::MIN_POSITIVE);
+    Answer::at_scale(value(summary.rms_error_std), of_rms.to_f64(), scale).within(BOUND)
 }
 
 fn summary(trials: u64, of: impl Fn(u64) -> Observation + Sync) -> Summary {
