@@ -47,7 +47,7 @@ fn a_study_without_plots_gets_the_usual_one() {
     let svg = drawn(&together);
     shows(
         &svg,
-        &["object radius (cm)", "duration (s)", "100 trials per point"],
+        &["object radius (cm)", "duration (s)", "100 trials per point."],
     );
     assert!(!svg.contains("probe radius"));
     // A third field makes panels, a fourth is shown at its first value.
@@ -114,7 +114,7 @@ fn axes_are_words_with_units_in_real_text() {
     let svg = drawn(&angular_velocity(BASIC));
     let texts = [
         "A question?",
-        "100 trials per point",
+        "100 trials per point.",
         "angular velocity noise (%)",
         "mean |relative error| of normal curvature along u (%)",
         "object radius (cm)",

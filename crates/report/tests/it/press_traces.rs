@@ -52,7 +52,7 @@ fn the_quiver_has_arrows_a_scale_shades_and_marks_what_is_lost() {
     let [quiver, _] = drawn(TRACE, READINGS);
     let texts = [
         // rms of 0.05 along the skin: three markers are off by it, and the last by hypot(0, 0.05).
-        "5 markers, 1 without a reading; rms error 0.1 mm inward, 0.05 mm along the skin",
+        "5 markers, 1 without a reading; rms error 0.1 mm inward, 0.05 mm along the skin.",
         "x (mm)",
         "y (mm)",
         "truth",
@@ -102,20 +102,20 @@ fn what_is_not_read_is_not_drawn() {
     assert!(!says(&quiver, "reading") && says(&quiver, "no reading"));
     assert!(says(
         &quiver,
-        "5 markers, 4 without a reading; rms error 0.1 mm inward"
+        "5 markers, 4 without a reading; rms error 0.1 mm inward."
     ));
     assert!(!profile.contains("along the skin"));
     assert!(says(&profile, "distance from the contact (mm)"));
     // No marker was found at all.
     let [quiver, profile] = drawn(TRACE, READINGS.lines().next().unwrap());
-    assert!(says(&quiver, "5 markers, 5 without a reading"));
+    assert!(says(&quiver, "5 markers, 5 without a reading."));
     assert_eq!(heights(&profile, VERMILION).len(), 1);
     // Nothing moves along the skin.
     let still = "marker,x,y,radial_position,normal_displacement,tangential_x,tangential_y\n\
         0,1,0,1,0.5,0,0\n";
     let [quiver, _] = drawn(still, "x,y,normal_displacement\n1,0,0.5\n");
     assert!(says(&quiver, "nothing along the skin") && says(&quiver, "x"));
-    assert!(says(&quiver, "1 marker; rms error 0 inward"));
+    assert!(says(&quiver, "1 marker; rms error 0 inward."));
 }
 
 #[test]
