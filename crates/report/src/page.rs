@@ -3,16 +3,15 @@
 mod calibration;
 mod glossary;
 mod measurements;
+mod size;
 
-use crate::words;
 use crate::{Figure, ReportError, Score, Study, Verdict, figures, score};
+use crate::{plot, words};
 use minijinja::value::Value;
 use minijinja::{Environment, context};
 use palpate_study::number::grouped;
+use size::least;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Part of its size to which a figure shrinks before it scrolls sideways: its text is then as high as 11 pixels.
-const LEAST_SCALE: f64 = 0.61;
 
 /// The page: the scorecard, then per study its source, sample size, figures, failures and config; then how often the
 /// intervals of each estimator hold the truth; then, where all studies lie in one folder, what is measured in it:
@@ -72,9 +71,14 @@ pub fn page(studies: &[Study]) -> Result<String, ReportError> {
         .transpose()?;
     let calibration = calibration::section(studies)?;
     let glossary = glossary::section();
+    let on_dark = plot::on_dark().into_iter();
+    let on_dark: Vec<[String; 2]> = on_dark
+        .map(|(white, dark)| [white.hex(), dark.hex()])
+        .collect();
+    let dark = plot::DARK.hex();
     let template = environment.get_template("page.html")?;
     Ok(template.render(context! {
-        scores, claims, counts, studies => sections, calibration, measured, glossary
+        scores, claims, counts, studies => sections, calibration, measured, glossary, dark, on_dark
     })?)
 }
 
@@ -152,11 +156,6 @@ fn section(study: &Study) -> Result<Value, ReportError> {
         failures,
         config => study.config_text(),
     })
-}
-
-/// Width below which a figure does not shrink, pixels.
-fn least(figure: &Figure) -> f64 {
-    (LEAST_SCALE * figure.width()).ceil()
 }
 
 fn cells(study: &Study) -> u64 {

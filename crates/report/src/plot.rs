@@ -40,6 +40,7 @@ pub use fronts::tradeoff_figures;
 pub use heat::{Heat, HeatPanel, heat_figure};
 pub use press_trace::press_figures;
 pub use region::{RegionAxis, RegionMap, RegionPanel, RegionStrip, region_figure};
+pub(crate) use style::{DARK, on_dark};
 
 /// Draws every `[[plot]]` of the study, in the order of the config; where it has none, the relative rms error of the
 /// object's curvature over the first swept field, with a line per value of the second.

@@ -1,5 +1,6 @@
 //! Section of the page on how often intervals hold the truth.
 
+use super::size::least;
 use crate::calibration::{Estimator, Measured, means};
 use crate::{ReportError, Study, plot};
 use minijinja::context;
@@ -20,7 +21,7 @@ pub(super) fn section(studies: &[Study]) -> Result<Option<Value>, ReportError> {
         return Ok(None);
     }
     let figure = plot::calibration(&estimators)?;
-    let least = super::least(&figure);
+    let least = least(&figure);
     let svg = Value::from_safe_string(figure.svg);
     let estimators: Vec<Value> = estimators.iter().map(|it| estimator(it, studies)).collect();
     Ok(Some(

@@ -3,6 +3,7 @@
 
 mod extremes;
 
+use super::size::least;
 use crate::plot;
 use crate::records::Records;
 use crate::tradeoff::{Answer, Promise, Tradeoff};
@@ -55,6 +56,7 @@ fn tradeoff(folder: &Files) -> Result<Value, ReportError> {
                 .collect();
             context! {
                 title => &ladder.title,
+                least => least(&picture),
                 svg => Value::from_safe_string(picture.svg),
                 targets,
                 scenes,

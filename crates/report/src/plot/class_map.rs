@@ -11,7 +11,7 @@ use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, outline, wide
 use super::lettering::{width, wrap};
 use super::request::Request;
 use super::scale::{Scale, Tick};
-use super::style::{CLASSES, Colour, FRAME, INK, QUIET, WHITE};
+use super::style::{CLASSES, Colour, FRAME, INK, OUTLINE, QUIET, WHITE};
 use crate::{ReportError, words};
 use arrange::{Row, Shown};
 use palpate_study::{label, number};
@@ -145,7 +145,7 @@ fn sample(canvas: &mut Canvas, (x, y): Point, sample: &Sample) {
             canvas.polygon(&square, colour(*class));
             outline(canvas, (x, top), (SAMPLE, SAMPLE));
         }
-        Sample::Boundary => canvas.line(&[(x, y), (x + SAMPLE, y)], INK, BOUNDARY),
+        Sample::Boundary => canvas.line(&[(x, y), (x + SAMPLE, y)], OUTLINE, BOUNDARY),
     }
 }
 
@@ -276,7 +276,7 @@ impl Placed<'_> {
             canvas.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour(class));
         }
         for edge in boundaries(*side, truth) {
-            canvas.line(&edge.map(corner), INK, BOUNDARY);
+            canvas.line(&edge.map(corner), OUTLINE, BOUNDARY);
         }
         self.axes.outline(canvas);
         self.label(canvas, title, below, beside);

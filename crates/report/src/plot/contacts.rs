@@ -9,7 +9,7 @@ use super::figure::Figure;
 use super::frame::{EDGE, Frame, TEXT, WIDTH};
 use super::request::Request;
 use super::scale::{Scale, Spacing, Tick};
-use super::style::{Colour, FAINT, FRAME, GRID, INK, QUIET, Style};
+use super::style::{Colour, FAINT, FLOOR, FRAME, GRID, INK, QUIET, Style};
 use crate::{ReportError, words};
 use palpate_study::label::{spoken_unit, with_unit};
 use palpate_study::number;
@@ -29,7 +29,6 @@ const PATH: f64 = 2.5;
 const DOT: f64 = 5.0;
 /// Pixels per tick.
 const APART: f64 = 64.0;
-const FLOOR: Colour = Colour(248, 248, 246);
 
 /// The figure that a plot asks for.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {

@@ -11,6 +11,45 @@ pub(crate) const GRID: Colour = Colour(210, 210, 210);
 pub(crate) const FAINT: Colour = Colour(238, 238, 238);
 pub(crate) const WHITE: Colour = Colour(255, 255, 255);
 
+/// Ground below what stands in space.
+pub(crate) const FLOOR: Colour = Colour(248, 248, 246);
+
+/// Boundary on coloured ground, as dark on every page.
+pub(crate) const OUTLINE: Colour = Colour(33, 33, 33);
+
+/// Ground of figures on a dark page.
+pub(crate) const DARK: Colour = Colour(27, 29, 31);
+
+/// Colours on white, and what stands for each on a dark page; the others are seen on both.
+pub(crate) fn on_dark() -> Vec<(Colour, Colour)> {
+    let light = Colour(232, 232, 230);
+    let neutral = [
+        (INK, light),
+        (QUIET, Colour(168, 171, 175)),
+        (FRAME, Colour(138, 141, 145)),
+        (GRID, Colour(66, 69, 73)),
+        (FAINT, Colour(44, 47, 50)),
+        (FLOOR, Colour(34, 36, 39)),
+        (WHITE, DARK),
+        (NEUTRAL, Colour(196, 198, 200)),
+    ];
+    let on_dark = |series: Colour| match series {
+        Colour(0, 0, 0) => light,
+        Colour(0, 114, 178) => Colour(64, 158, 217),
+        other => other,
+    };
+    let paled = |colour: Colour| colour.mixed(WHITE);
+    let series = COLOURS.into_iter().flat_map(|colour| {
+        let dark = on_dark(colour);
+        [(colour, dark), (paled(colour), dark.mixed(DARK))]
+    });
+    neutral
+        .into_iter()
+        .chain(series)
+        .filter(|(white, dark)| white != dark)
+        .collect()
+}
+
 /// Width of a line of numbers, and radius of its markers.
 pub(crate) const STROKE: f64 = 2.5;
 pub(crate) const MARKER: f64 = 6.0;
@@ -96,9 +135,24 @@ impl Style {
 
     /// The colour mixed half with white.
     pub(crate) fn pale(self) -> Colour {
-        let half = |channel: u8| u8::try_from((u16::from(channel) + 255) / 2).unwrap_or(u8::MAX);
-        let Colour(r, g, b) = self.colour;
-        Colour(half(r), half(g), half(b))
+        self.colour.mixed(WHITE)
+    }
+}
+
+impl Colour {
+    /// Mean of this colour and another.
+    fn mixed(self, other: Self) -> Self {
+        Self(
+            self.0.midpoint(other.0),
+            self.1.midpoint(other.1),
+            self.2.midpoint(other.2),
+        )
+    }
+
+    /// Its name in SVG and CSS.
+    pub(crate) fn hex(self) -> String {
+        let Self(red, green, blue) = self;
+        format!("#{red:02X}{green:02X}{blue:02X}")
     }
 }
 
@@ -134,6 +188,33 @@ mod tests {
             for (other, second) in &CLASSES[..at] {
                 let apart = (lightness(*colour) - lightness(*second)).abs();
                 assert!(apart > 7.0, "{name} {other}: {apart}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_carries_a_line_does_so_on_dark_pages() {
+        let rules = on_dark();
+        for (at, (white, _)) in rules.iter().enumerate() {
+            assert!(
+                rules[..at].iter().all(|(other, _)| other != white),
+                "{white:?} twice"
+            );
+        }
+        let shown = |colour: Colour| {
+            let rule = rules.iter().find(|(white, _)| *white == colour);
+            rule.map_or(colour, |(_, dark)| *dark)
+        };
+        assert_eq!(shown(WHITE), DARK);
+        for colour in COLOURS.into_iter().chain([INK, QUIET, FRAME, NEUTRAL]) {
+            assert!(
+                lightness(shown(colour)) > lightness(DARK) + 38.0,
+                "{colour:?}"
+            );
+            // What is paler on white is darker here: it steps back on both.
+            let pale = shown(colour.mixed(WHITE));
+            if COLOURS.contains(&colour) {
+                assert!(lightness(pale) < lightness(shown(colour)), "{colour:?}");
             }
         }
     }

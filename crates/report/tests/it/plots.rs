@@ -47,7 +47,11 @@ fn a_study_without_plots_gets_the_usual_one() {
     let svg = drawn(&together);
     shows(
         &svg,
-        &["object radius (cm)", "duration (s)", "100 trials per point."],
+        &[
+            "object radius (cm)",
+            "duration (s)",
+            "100 trials per point.",
+        ],
     );
     assert!(!svg.contains("probe radius"));
     // A third field makes panels, a fourth is shown at its first value.
