@@ -13,8 +13,6 @@ const PANEL_HEIGHT: f64 = 390.0;
 const LARGEST_WIDTH: f64 = 1500.0;
 /// Gap between names along x.
 const BESIDE: f64 = 12.0;
-/// More panels than this make several rows.
-const PER_ROW: usize = 4;
 
 /// Sizes of a chart's parts.
 pub(super) struct Room {
@@ -94,7 +92,14 @@ fn margins(chart: &Chart) -> (f64, f64) {
 fn columns(count: usize, margins: f64, named: f64) -> usize {
     let even = |per_row: usize| count.div_ceil(count.div_ceil(per_row).max(1)).max(1);
     let room = (LARGEST_WIDTH - margins + GAP) / (named + GAP);
-    even(PER_ROW.min(room as usize).max(1))
+    // Four in a square are larger than four in a row.
+    let most = match count {
+        0..=3 => count,
+        4 => 2,
+        5 | 6 => 3,
+        _ => 4,
+    };
+    even(most.min(room as usize).max(1))
 }
 
 /// The least width of a panel.
