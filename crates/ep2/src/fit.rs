@@ -1,8 +1,6 @@
 //! The surface that a method fits to a patch.
 
-use nalgebra::DMatrix;
-
-use crate::{Ep2Error, NoiseEstimate, Patch, PatchFrame, Status, TensorSpline};
+use crate::{Ep2Error, NoiseEstimate, Patch, PatchFrame, Posterior, Status, TensorSpline};
 
 /// A way from the contacts of a patch to its surface.
 pub trait Method {
@@ -22,8 +20,8 @@ pub struct Fit {
     pub domain: [[f64; 2]; 2],
     /// The surface w(u, v).
     pub spline: TensorSpline,
-    /// Covariance of the spline's coefficients, if the method states one.
-    pub covariance: Option<DMatrix<f64>>,
+    /// What the contacts leave open of the surface, if the method states it.
+    pub posterior: Option<Posterior>,
     /// Noise of the contacts, if the method finds it.
     pub noise: Option<NoiseEstimate>,
     /// Effective number of unknowns that the fit has taken up: the trace of the map from the

@@ -34,6 +34,7 @@
 //! # Ok::<(), palpate_ep2::Ep2Error>(())
 //! ```
 
+mod chebyshev;
 mod class;
 mod contact;
 mod curvature;
@@ -46,9 +47,11 @@ mod line;
 mod noise;
 mod patch;
 mod penalised;
+mod posterior;
 mod quadric;
 mod regions;
 mod smoothing;
+mod sparse;
 mod spline;
 mod square;
 mod surface;
@@ -64,6 +67,7 @@ pub use knots::{Knots, MAX_DEGREE};
 pub use noise::{Noise, NoiseEstimate};
 pub use patch::{Patch, Sample};
 pub use penalised::{Criterion, Penalised};
+pub use posterior::Posterior;
 pub use quadric::Quadric;
 pub use regions::{Region, Regions, regions};
 pub use smoothing::{Smoothed, SmoothingSpline, Status, WeightedPoint};

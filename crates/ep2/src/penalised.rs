@@ -1,20 +1,27 @@
 //! One penalised spline through heights and slopes, with a smoothing weight from the data.
 
 mod equations;
+mod mixture;
+mod process;
 mod product;
 mod roughness;
+mod series;
 mod spectrum;
+mod tridiagonal;
 mod weight;
 
 pub use weight::Criterion;
 
-use crate::noise::Noise;
+use crate::chebyshev::count;
+use crate::noise::{Noise, Variances};
 use crate::quadric::SquareQuadric;
 use crate::square::Square;
-use crate::{Ep2Error, Fit, Knots, Method, Patch, TensorSpline};
+use crate::{Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
 use equations::{DEGREE, Equations};
+use mixture::Given;
+use series::SeriesEquations;
 use spectrum::Spectrum;
-use weight::{Expected, Search};
+use weight::Search;
 
 /// Largest number of intervals per side: beyond, the dense algebra of the coefficients takes seconds.
 const MOST_INTERVALS: usize = 24;
@@ -25,13 +32,18 @@ const BEARABLE: f64 = 0.3;
 /// Unless told otherwise, a spline of which the fit takes up more than this share of the
 /// coefficients gets more intervals: the contacts are exact enough to show what it cannot follow.
 const CROWDED: f64 = 0.6;
+/// The series that the posterior is of has at least so many more coefficients than the spline, so that it follows what
+/// the spline does not.
+const MORE_COEFFICIENTS: usize = 5;
 
 /// One bicubic tensor-product spline, fitted by weighted least squares to the heights and, where
 /// there are normals, to both slopes, with a penalty on its third derivatives.
 ///
-/// Quadrics cost no penalty. The weight of the penalty is chosen by a [`Criterion`]. The stated
-/// covariance is that of the posterior of a Gaussian process, averaged over what the data leave
-/// open of that weight (so that the bias of smoothing and the choice of the weight are in it).
+/// Quadrics cost no penalty. The weight of the penalty is chosen by a [`Criterion`].
+///
+/// The stated [`Posterior`] is not that of the spline, but of a series of higher degree: a quadric plus a Gaussian
+/// process of unknown length and amplitude. So it knows of what the spline cannot follow, and of how far smoothing has
+/// moved it.
 ///
 /// The cost grows linearly with the contacts, and with the sixth power of the intervals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,23 +57,55 @@ pub struct Penalised {
     pub noise: Noise,
 }
 
+/// The chosen spline, and what its posterior needs.
+struct Estimated {
+    fit: Fit,
+    square: Square,
+    quadric: SquareQuadric,
+    intervals: [usize; 2],
+    /// Variances of the contacts.
+    variances: Variances,
+    /// Whether they were known.
+    is_known: bool,
+    /// Whether they are known or found.
+    told: bool,
+}
+
 impl Method for Penalised {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
-        self.criterion.check()?;
-        let mut intervals = self.intervals(patch)?;
-        loop {
-            let fit = self.fit_with(intervals, patch)?;
-            let taken = fit.effective_unknowns / coefficients(intervals) as f64;
-            match finer(intervals, patch) {
-                Some(finer) if self.intervals.is_none() && taken > CROWDED => intervals = finer,
-                _ => return Ok(fit),
-            }
-        }
+        let estimated = self.estimated(patch)?;
+        let posterior = estimated.posterior(patch)?;
+        Ok(Fit {
+            posterior,
+            ..estimated.fit
+        })
     }
 }
 
 impl Penalised {
-    fn fit_with(&self, intervals: [usize; 2], patch: &Patch) -> Result<Fit, Ep2Error> {
+    /// The surface through the contacts of a patch, without its uncertainty: the same as that of [`Method::fit`], at
+    /// less cost.
+    ///
+    /// # Errors
+    /// As [`Method::fit`].
+    pub fn estimate(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
+        Ok(self.estimated(patch)?.fit)
+    }
+
+    fn estimated(&self, patch: &Patch) -> Result<Estimated, Ep2Error> {
+        self.criterion.check()?;
+        let mut intervals = self.intervals(patch)?;
+        loop {
+            let estimated = self.estimated_with(intervals, patch)?;
+            let taken = estimated.fit.effective_unknowns / coefficients(intervals) as f64;
+            match finer(intervals, patch) {
+                Some(finer) if self.intervals.is_none() && taken > CROWDED => intervals = finer,
+                _ => return Ok(estimated),
+            }
+        }
+    }
+
+    fn estimated_with(&self, intervals: [usize; 2], patch: &Patch) -> Result<Estimated, Ep2Error> {
         let known = self.noise.in_patch(&patch.frame)?;
         let square = Square::of(patch);
         let quadric = SquareQuadric::of(patch, &square, &known)?;
@@ -69,7 +113,7 @@ impl Penalised {
         let equations = Equations::around(&quadric, patch, &square, &knots);
         let roughness = roughness::of(&knots);
 
-        let expected = Expected::of(quadric.bending(&square));
+        let expected = weight::of_a_sphere(quadric.bending(&square));
 
         let mut variances = quadric.variances;
         let is_known = known.position_std.is_some()
@@ -104,7 +148,7 @@ impl Penalised {
         }
         variances.heights *= choice.scale;
         variances.slopes *= choice.scale;
-        Ok(Fit {
+        let fit = Fit {
             frame: patch.frame,
             domain: patch.domain,
             spline: TensorSpline {
@@ -112,10 +156,19 @@ impl Penalised {
                 v: square.knots(1, &knots[1]),
                 coefficients,
             },
-            covariance: told.then(|| spectrum.covariance(&search.spread(&choice))),
+            posterior: None,
             noise: told.then(|| variances.estimate(patch)),
             effective_unknowns: choice.effective_unknowns,
             status: None,
+        };
+        Ok(Estimated {
+            fit,
+            square,
+            quadric,
+            intervals,
+            variances,
+            is_known,
+            told,
         })
     }
 
@@ -127,6 +180,29 @@ impl Penalised {
         let is_good = (1..=MOST_INTERVALS).contains(&intervals);
         Ep2Error::unless_good("intervals", intervals as f64, is_good, "1 to 24")?;
         Ok([intervals; 2])
+    }
+}
+
+impl Estimated {
+    /// What the contacts leave open of the surface; `None` where they do not tell their noise.
+    fn posterior(&self, patch: &Patch) -> Result<Option<Posterior>, Ep2Error> {
+        if !self.told {
+            return Ok(None);
+        }
+        let least = coefficients(self.intervals) + MORE_COEFFICIENTS;
+        let degree = (0..).find(|&degree| count(degree) >= least).unwrap_or(0);
+        let (quadric, square) = (&self.quadric, self.square);
+        let equations = SeriesEquations::around(quadric, patch, &square, &self.variances, degree);
+        mixture::posterior(&Given {
+            equations: &equations,
+            degree,
+            observations: patch.equations(),
+            is_known: self.is_known,
+            square,
+            quadric: quadric.series(),
+            bend: quadric.bend(),
+        })
+        .map(Some)
     }
 }
 

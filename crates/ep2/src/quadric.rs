@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, SMatrix, SVector, SymmetricEigen};
 
 use crate::noise::{Kinds, Noise, NoiseEstimate, Variances};
 use crate::square::Square;
-use crate::{Ep2Error, Fit, Knots, Method, Patch, TensorSpline};
+use crate::{Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
 
 /// Unknowns of a quadric: 1, a, b, a², ab, b².
 pub(crate) const UNKNOWNS: usize = 6;
@@ -15,6 +15,17 @@ const ROUNDS: usize = 4;
 
 type Row = SVector<f64, UNKNOWNS>;
 type Gram = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+
+/// The coefficients of products of Chebyshev polynomials, from those of 1, a, b, a², ab, b².
+#[rustfmt::skip]
+const SERIES: Gram = Gram::new(
+    1.0, 0.0, 0.0, 0.5, 0.0, 0.5,
+    0.0, 1.0, 0.0, 0.0, 0.0, 0.0,
+    0.0, 0.0, 1.0, 0.0, 0.0, 0.0,
+    0.0, 0.0, 0.0, 0.5, 0.0, 0.0,
+    0.0, 0.0, 0.0, 0.0, 1.0, 0.0,
+    0.0, 0.0, 0.0, 0.0, 0.0, 0.5,
+);
 
 /// The quadric w = c₀ + c₁a + c₂b + c₃a² + c₄ab + c₅b² that fits heights and slopes best, weighted
 /// by their noise.
@@ -49,14 +60,10 @@ impl Method for Quadric {
         let known = self.noise.in_patch(&patch.frame)?;
         let quadric = SquareQuadric::of(patch, &square, &known)?;
         let knots = Knots::uniform(2, -1.0, 1.0, 1);
-        let covariance = quadric.noise.map(|_| {
-            // The columns are the coefficients of the spline for each unknown alone.
-            let columns = DMatrix::from_fn(9, UNKNOWNS, |row, unknown| {
-                let mut alone = Row::zeros();
-                alone[unknown] = 1.0;
-                coefficient(&alone, &knots, &knots, row)
-            });
-            &columns * quadric.covariance * columns.transpose()
+        let posterior = quadric.noise.map(|_| {
+            let covariance = SERIES * quadric.covariance * SERIES.transpose();
+            let covariance = DMatrix::from_column_slice(UNKNOWNS, UNKNOWNS, covariance.as_slice());
+            Posterior::new(square, 2, &quadric.series(), &covariance)
         });
         Ok(Fit {
             frame: patch.frame,
@@ -66,7 +73,7 @@ impl Method for Quadric {
                 v: square.knots(1, &knots),
                 coefficients: quadric.spline_coefficients(&knots, &knots),
             },
-            covariance,
+            posterior,
             noise: quadric.noise,
             effective_unknowns: UNKNOWNS as f64,
             status: None,
@@ -230,6 +237,21 @@ impl SquareQuadric {
                 slope_weights,
             }
         })
+    }
+
+    /// Root of the mean over the directions of the square of the second derivative, in units of the square.
+    pub(crate) fn bend(&self) -> f64 {
+        let [aa, ab, bb] = [
+            2.0 * self.unknowns[3],
+            self.unknowns[4],
+            2.0 * self.unknowns[5],
+        ];
+        (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
+    }
+
+    /// The quadric as a series of products of Chebyshev polynomials.
+    pub(crate) fn series(&self) -> [f64; UNKNOWNS] {
+        (SERIES * self.unknowns).into()
     }
 
     /// Mean over the directions of the square of the slope's change per length.

@@ -4,7 +4,7 @@ use crate::{Knots, Patch};
 
 /// The square [−1, 1]² over the rectangle of a patch, in which fits are made: how much longer than
 /// wide a patch is does not spoil their condition.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Square {
     centre: [f64; 2],
     half: [f64; 2],
@@ -16,6 +16,11 @@ impl Square {
             centre: patch.domain.map(|[low, high]| 0.5 * low + 0.5 * high),
             half: patch.domain.map(|[low, high]| 0.5 * high - 0.5 * low),
         }
+    }
+
+    /// The middle of the rectangle, in the patch's unit.
+    pub(crate) const fn centre(&self) -> [f64; 2] {
+        self.centre
     }
 
     /// Half the sides of the rectangle, in the patch's unit.

@@ -4,6 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::curvature::{Curvatures, form_and_basis};
 use crate::line::Line;
+use crate::posterior::Series;
 use crate::spline::{LANES, Lanes, Local};
 use crate::{Curvature, Ep2Error, Fit, Jet};
 
@@ -58,7 +59,9 @@ impl Fit {
     pub fn curvature_at(&self, world: &Point3<f64>) -> Result<Curvature, Ep2Error> {
         let place = self.frame.point(world);
         let (u, line) = self.around(place.x, place.y);
-        Ok(self.curvatures_on(&line, &u, &line.jet(&u, self))?.at(0))
+        let jet = line.jet(&u, self);
+        let series = self.series([place.x; LANES]);
+        Ok(self.curvatures_on(&line, &series, &jet)?.at(0))
     }
 
     /// The surface at a place of the patch, in the patch's coordinates.
@@ -68,7 +71,8 @@ impl Fit {
     pub fn point_at(&self, u: f64, v: f64) -> Result<MapPoint, Ep2Error> {
         let (local, line) = self.around(u, v);
         let jet = line.jet(&local, self);
-        let curvature = self.curvatures_on(&line, &local, &jet)?.at(0);
+        let series = self.series([u; LANES]);
+        let curvature = self.curvatures_on(&line, &series, &jet)?.at(0);
         self.map_point([u, v], &jet.apart()[0], curvature)
     }
 
@@ -107,7 +111,7 @@ impl Fit {
         self.for_each_line(side, |_, line| {
             for one in &columns {
                 let jet = line.jet(&one.locals, self);
-                by_v.push(self.curvatures_on(line, &one.locals, &jet)?);
+                by_v.push(self.curvatures_on(line, &one.series, &jet)?);
             }
             Ok(())
         })?;
@@ -132,7 +136,7 @@ impl Fit {
         self.for_each_line(side, |v, line| {
             for one in &columns {
                 let jet = line.jet(&one.locals, self);
-                let curvatures = self.curvatures_on(line, &one.locals, &jet)?;
+                let curvatures = self.curvatures_on(line, &one.series, &jet)?;
                 for (lane, jet) in jet.apart()[..one.count].iter().enumerate() {
                     by_v.push(self.map_point([one.places[lane], v], jet, curvatures.at(lane))?);
                 }
@@ -153,7 +157,8 @@ impl Fit {
             .collect();
         columns
             .chunk_by(|(_, one), (_, other)| one.first == other.first)
-            .flat_map(|interval| interval.chunks(LANES).map(Columns::of))
+            .flat_map(|interval| interval.chunks(LANES))
+            .map(|columns| Columns::of(columns, self))
             .collect()
     }
 
@@ -177,16 +182,23 @@ impl Fit {
         (Local::side_by_side([&local; LANES]), line)
     }
 
+    /// The polynomials in u of the posterior, if there is one.
+    fn series(&self, u: [f64; LANES]) -> Option<Series> {
+        let posterior = self.posterior.as_ref()?;
+        Some(posterior.series(Lanes::from(u)))
+    }
+
     /// Curvatures at places on a line, where the surface has these jets.
     #[inline(always)]
     fn curvatures_on(
         &self,
         line: &Line,
-        u: &Local<Lanes>,
+        series: &Option<Series>,
         jet: &Jet<Lanes>,
     ) -> Result<Curvatures, Ep2Error> {
-        let covariance = line.covariance(u, self);
-        Curvatures::of_graph(jet, covariance.as_ref(), self.frame.scale())
+        let posterior = line.posterior.as_ref().zip(series.as_ref());
+        let errors = posterior.map(|(line, series)| line.errors(series, jet));
+        Curvatures::of_graph(jet, errors.as_ref(), self.frame.scale())
     }
 
     fn map_point(
@@ -223,16 +235,19 @@ struct Columns {
     places: [f64; LANES],
     count: usize,
     locals: Local<Lanes>,
+    series: Option<Series>,
 }
 
 impl Columns {
-    fn of(columns: &[(f64, Local)]) -> Self {
+    fn of(columns: &[(f64, Local)], fit: &Fit) -> Self {
         let count = columns.len();
         let in_lane = |lane: usize| &columns[lane.min(count - 1)];
+        let places = std::array::from_fn(|lane| in_lane(lane).0);
         Self {
-            places: std::array::from_fn(|lane| in_lane(lane).0),
+            places,
             count,
             locals: Local::side_by_side(std::array::from_fn(|lane| &in_lane(lane).1)),
+            series: fit.series(places),
         }
     }
 }

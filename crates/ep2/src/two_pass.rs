@@ -296,7 +296,7 @@ fn fit(patch: &Patch, smoothed: Smoothed, before: Option<Status>) -> Fit {
         frame: patch.frame,
         domain: patch.domain,
         spline: smoothed.spline,
-        covariance: None,
+        posterior: None,
         noise: None,
         effective_unknowns: smoothed.effective_unknowns,
         status: unmet.or(Some(smoothed.status)),

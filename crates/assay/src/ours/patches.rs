@@ -65,7 +65,7 @@ pub(super) fn few() -> Result<Vec<Figure>> {
 /// The peers know no standard deviations.
 fn bare(fit: Fit) -> Fit {
     Fit {
-        covariance: None,
+        posterior: None,
         ..fit
     }
 }

@@ -34,27 +34,16 @@ fn add_columns(sum: &mut [f64], columns: &[f64], height: usize, factor: impl Fn(
     let count = columns.len().checked_div(height).unwrap_or(0);
     let column = |index: usize| &columns[index * height + skipped..(index + 1) * height];
     for first in (0..count).step_by(ABREAST) {
-        match count - first {
-            1 => add_abreast::<1>(sum, first, column, &factor),
-            2 => add_abreast::<2>(sum, first, column, &factor),
-            3 => add_abreast::<3>(sum, first, column, &factor),
-            _ => add_abreast::<ABREAST>(sum, first, column, &factor),
+        let last = count - 1;
+        let [a, b, c, d] =
+            [first, first + 1, first + 2, first + 3].map(|one| column(one.min(last)));
+        // What is not there counts 0.
+        let factor = |index: usize| if index < count { factor(index) } else { 0.0 };
+        let (by_a, by_b) = (factor(first), factor(first + 1));
+        let (by_c, by_d) = (factor(first + 2), factor(first + 3));
+        for ((((sum, a), b), c), d) in sum.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *sum += a * by_a + b * by_b + c * by_c + d * by_d;
         }
-    }
-}
-
-#[inline]
-fn add_abreast<'a, const N: usize>(
-    sum: &mut [f64],
-    first: usize,
-    column: impl Fn(usize) -> &'a [f64],
-    factor: impl Fn(usize) -> f64,
-) {
-    let columns: [&[f64]; N] = std::array::from_fn(|place| &column(first + place)[..sum.len()]);
-    let factors: [f64; N] = std::array::from_fn(|place| factor(first + place));
-    for (row, sum) in sum.iter_mut().enumerate() {
-        let products = columns.iter().zip(factors);
-        *sum += products.fold(0.0, |all, (column, factor)| all + column[row] * factor);
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::equations::Equations;
-use super::product::{add_symmetric, product};
+use super::product::add_symmetric;
 use crate::Ep2Error;
 use crate::noise::Kinds;
 use crate::quadric::UNKNOWNS;
@@ -28,13 +28,6 @@ pub(super) struct Spectrum {
     pub(super) square: f64,
     /// Number of observations.
     pub(super) equations: f64,
-}
-
-/// Covariance of the modes: variances of their own, and distances that those with a penalty have together, one column
-/// each.
-pub(super) struct Spread {
-    pub(super) variances: Vec<f64>,
-    pub(super) distances: DMatrix<f64>,
 }
 
 impl Spectrum {
@@ -107,20 +100,12 @@ impl Spectrum {
         &self.modes * DVector::from_iterator(self.right.len(), in_modes)
     }
 
-    /// Inverse of A + λP, of which the modes keep these shares; likewise the covariance of modes with these variances.
+    /// Inverse of A + λP, of which the modes keep these shares.
     pub(super) fn inverse(&self, kept: &[f64]) -> DMatrix<f64> {
         let size = self.modes.nrows();
         let mut inverse = DMatrix::zeros(size, size);
         add_symmetric(&mut inverse, &self.scaled(kept), &self.modes);
         inverse
-    }
-
-    /// Covariance of the coefficients.
-    pub(super) fn covariance(&self, spread: &Spread) -> DMatrix<f64> {
-        let mut covariance = self.inverse(&spread.variances);
-        let distances = product(&self.modes, &spread.distances);
-        add_symmetric(&mut covariance, &distances, &distances);
-        covariance
     }
 
     /// The modes, each times its factor.

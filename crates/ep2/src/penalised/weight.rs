@@ -1,10 +1,8 @@
-//! The choice of the smoothing weight, and what the data leave open of it.
+//! The choice of the smoothing weight.
 
-use std::f64::consts::{LN_2, LN_10};
+use std::f64::consts::LN_2;
 
-use nalgebra::DMatrix;
-
-use super::spectrum::{Spectrum, Spread};
+use super::spectrum::Spectrum;
 use crate::Ep2Error;
 use crate::quadric::UNKNOWNS;
 use crate::spline::{LANES, Lanes};
@@ -25,8 +23,6 @@ const FAINT: f64 = 1e-8;
 /// at which a mode is half kept, both in logarithms.
 const BEYOND_EXPECTED: f64 = 5.0;
 const FARTHEST: f64 = 16.0;
-/// Logarithm of the smallest probability of a weight that counts, relative to the most probable.
-const NEGLIGIBLE: f64 = -4.0 * LN_10;
 
 /// A criterion by which the smoothing weight is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,24 +167,22 @@ pub(super) struct Search<'a> {
     criterion: Criterion,
     /// Whether the variances are known, not only their ratio.
     is_known: bool,
-    expected: Expected,
     /// Logarithms of the weights.
     places: Vec<f64>,
     sums: Vec<Sums>,
 }
 
 impl<'a> Search<'a> {
+    /// The weights that are to be looked at where one of about `expected`, in logarithms, would be no surprise.
     pub(super) fn new(
         spectrum: &'a Spectrum,
         criterion: Criterion,
         is_known: bool,
-        expected: Expected,
+        expected: f64,
     ) -> Self {
         let (low, largest) = range(spectrum);
-        let expected = Expected {
-            log_weight: expected.log_weight.min(largest + FARTHEST),
-        };
-        let high = (largest + libm::log(MOST)).max(expected.log_weight + BEYOND_EXPECTED);
+        let expected = expected.min(largest + FARTHEST);
+        let high = (largest + libm::log(MOST)).max(expected + BEYOND_EXPECTED);
         let step = (high - low) / (NODES - 1) as f64;
         let places: Vec<f64> = (0..NODES).map(|node| low + step * node as f64).collect();
         let sums = places
@@ -199,7 +193,6 @@ impl<'a> Search<'a> {
             spectrum,
             criterion,
             is_known,
-            expected,
             places,
             sums,
         }
@@ -232,55 +225,6 @@ impl<'a> Search<'a> {
             log_weight,
             scale,
             effective_unknowns: chosen.unknowns,
-        }
-    }
-
-    /// Spread of the modes around the fit of a choice.
-    ///
-    /// What the data leave open of the weight is taken from its likelihood and from what is
-    /// [`Expected`]: the covariance is the mean over weights of that of the posterior, and of the
-    /// squared distance to the chosen fit.
-    pub(super) fn spread(&self, choice: &Choice) -> Spread {
-        let log_probabilities: Vec<f64> = self
-            .sums
-            .iter()
-            .zip(&self.places)
-            .map(|(sums, &place)| -0.5 * self.deviance(sums) + self.expected.log_probability(place))
-            .collect();
-        let most = log_probabilities
-            .iter()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max);
-        let likely: Vec<(f64, f64)> = self
-            .places
-            .iter()
-            .zip(log_probabilities)
-            .filter(|(_, probability)| *probability - most > NEGLIGIBLE)
-            .map(|(&place, probability)| (place, libm::exp(probability - most)))
-            .collect();
-        let total: f64 = likely.iter().map(|(_, probability)| probability).sum();
-        let chosen = self.spectrum.kept(choice.log_weight);
-        let modes = chosen.len();
-        let mut variances = vec![0.0; modes];
-        // No weight moves what the penalty leaves alone.
-        let mut distances = DMatrix::zeros(modes - UNKNOWNS, likely.len());
-        for (mut distances, (place, probability)) in distances.column_iter_mut().zip(likely) {
-            let share = probability / total;
-            let kept = self.spectrum.kept(place);
-            for (variance, kept) in variances.iter_mut().zip(&kept) {
-                *variance += share * choice.scale * kept;
-            }
-            let root = share.sqrt();
-            let moved = kept.iter().zip(&chosen).zip(&self.spectrum.right);
-            for (distance, ((kept, chosen), right)) in
-                distances.iter_mut().zip(moved.skip(UNKNOWNS))
-            {
-                *distance = root * (kept - chosen) * right;
-            }
-        }
-        Spread {
-            variances,
-            distances,
         }
     }
 
@@ -349,34 +293,13 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The roughness that is expected of a surface before its third derivatives are seen: about that of a
-/// sphere of the same curvature.
+/// Logarithm of the weight that goes with the roughness of a sphere, for a mean square of the curvature in units of the
+/// square.
 ///
-/// The penalty of a sphere of curvature κ over the square is 32 κ⁶, in units of the square. With
-/// τ = λ^(−1/2) the amplitude of the third derivatives and τ₀ = ¾ κ³, the probability of ln τ falls
-/// as τ² below τ₀ and as 1/τ above.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Expected {
-    log_weight: f64,
-}
-
-impl Expected {
-    /// The expectation for a mean square of the curvature, in units of the square.
-    pub(super) fn of(square_curvature: f64) -> Self {
-        Self {
-            log_weight: -2.0 * libm::log(0.75_f64) - 3.0 * libm::log(square_curvature),
-        }
-    }
-
-    fn log_probability(&self, log_weight: f64) -> f64 {
-        // x²/(1 + x³) with x = τ/τ₀, ln x = roughness/2.
-        let roughness = self.log_weight - log_weight;
-        if roughness > 0.0 {
-            -0.5 * roughness - libm::log1p(libm::exp(-1.5 * roughness))
-        } else {
-            roughness - libm::log1p(libm::exp(1.5 * roughness))
-        }
-    }
+/// The penalty of a sphere of curvature κ over the square is 32 κ⁶: the amplitude λ^(−1/2) of its third derivatives is
+/// ¾ κ³.
+pub(super) fn of_a_sphere(square_curvature: f64) -> f64 {
+    -2.0 * libm::log(0.75_f64) - 3.0 * libm::log(square_curvature)
 }
 
 /// Logarithms of the smallest weight to look at, and of the largest at which a mode is half kept.

@@ -1,0 +1,107 @@
+//! Polynomials over the square, as series of products T_i(a) T_j(b) of Chebyshev polynomials with i + j up to a degree.
+
+use std::ops::{Mul, Sub};
+
+use crate::sparse::SparseMap;
+
+/// Number of products up to a degree.
+pub(crate) const fn count(degree: usize) -> usize {
+    (degree + 1) * (degree + 2) / 2
+}
+
+/// The products (i, j) up to a degree, those of a lower degree i + j first: a series of a lower degree is the start of
+/// one of a higher.
+pub(crate) fn products(degree: usize) -> impl Iterator<Item = [usize; 2]> {
+    (0..=degree).flat_map(|sum| (0..=sum).map(move |j| [sum - j, j]))
+}
+
+/// Place of T_i(a) T_j(b) among [`products`].
+#[inline]
+pub(crate) const fn place([i, j]: [usize; 2]) -> usize {
+    count(i + j) - i - 1
+}
+
+/// The Chebyshev polynomials up to a degree at `x`.
+pub(crate) fn values<T>(x: T, degree: usize) -> impl Iterator<Item = T>
+where
+    T: Copy + From<f64> + Sub<Output = T> + Mul<Output = T>,
+{
+    let mut next = [T::from(1.0), x];
+    (0..=degree).map(move |_| {
+        let [this, after] = next;
+        next = [after, T::from(2.0) * x * after - this];
+        this
+    })
+}
+
+/// The map from a series to its derivative along an axis, a series of one degree less; that of a constant is 0.
+pub(crate) fn derivative(degree: usize, axis: usize) -> SparseMap {
+    let mut entries = Vec::new();
+    for (at, product) in products(degree).enumerate() {
+        let order = product[axis];
+        // T_n' = 2n (T_(n−1) + T_(n−3) + …), where T_0 counts half.
+        for lower in (0..order).rev().step_by(2) {
+            let share = if lower == 0 { 1.0 } else { 2.0 };
+            let mut part = product;
+            part[axis] = lower;
+            entries.push((at, place(part), share * order as f64));
+        }
+    }
+    SparseMap::new(count(degree), count(degree.saturating_sub(1)), entries)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use nalgebra::DMatrix;
+
+    #[test]
+    fn polynomials_are_cosines_of_multiples() {
+        for x in [-1.0, -0.3, 0.0, 0.7, 1.0] {
+            for (n, value) in values(x, 9).enumerate() {
+                assert_relative_eq!(value, libm::cos(n as f64 * libm::acos(x)), epsilon = 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn products_stand_at_their_places() {
+        assert_eq!(products(7).count(), count(7));
+        assert!(
+            products(7)
+                .enumerate()
+                .all(|(at, product)| place(product) == at)
+        );
+        let first: Vec<_> = products(2).collect();
+        assert_eq!(first, [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]]);
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_polynomials() {
+        let (a, b, degree, step) = (0.3, -0.6, 7, 1e-6);
+        let at = |a: f64, b: f64| -> Vec<f64> {
+            let [a, b] = [a, b].map(|x| values(x, degree).collect::<Vec<f64>>());
+            products(degree).map(|[i, j]| a[i] * b[j]).collect()
+        };
+        let here = at(a, b);
+        let neighbours = [
+            [at(a - step, b), at(a + step, b)],
+            [at(a, b - step), at(a, b + step)],
+        ];
+        for (axis, [low, high]) in neighbours.iter().enumerate() {
+            // One row per product.
+            let slopes =
+                derivative(degree, axis).of_rows(&DMatrix::identity(count(degree), count(degree)));
+            for (product, parts) in slopes.row_iter().enumerate() {
+                let slope: f64 = parts
+                    .iter()
+                    .zip(&here)
+                    .map(|(part, value)| part * value)
+                    .sum();
+                let difference = (high[product] - low[product]) / (2.0 * step);
+                assert_relative_eq!(slope, difference, epsilon = 1e-7);
+            }
+        }
+    }
+}

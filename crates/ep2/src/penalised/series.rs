@@ -1,0 +1,125 @@
+//! The normal equations of a series of Chebyshev polynomials, from sums over the contacts.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::Patch;
+use crate::chebyshev::{count, derivative, products, values};
+use crate::noise::Variances;
+use crate::quadric::SquareQuadric;
+use crate::square::Square;
+
+/// The weighted normal equations of heights and slopes, of unit variance, for the deviation from a quadric.
+pub(super) struct SeriesEquations {
+    pub(super) gram: DMatrix<f64>,
+    pub(super) right: DVector<f64>,
+    /// Weighted sum of squares of the deviations.
+    pub(super) square: f64,
+}
+
+/// Weighted sums over observations of one kind. Products of Chebyshev polynomials are sums of such polynomials, so that
+/// the cost of an observation is that of a series of twice the degree.
+struct Sums {
+    degree: usize,
+    /// Σ weight T_p(a) T_q(b) for p + q up to twice the degree, p slowest.
+    moments: Vec<f64>,
+    /// Σ weight value T_i(a) T_j(b), as [`products`].
+    right: DVector<f64>,
+    square: f64,
+}
+
+impl Sums {
+    fn new(degree: usize) -> Self {
+        let side = 2 * degree + 1;
+        Self {
+            degree,
+            moments: vec![0.0; side * side],
+            right: DVector::zeros(count(degree)),
+            square: 0.0,
+        }
+    }
+
+    fn add(&mut self, a: &[f64], b: &[f64], value: f64, weight: f64) {
+        let side = 2 * self.degree + 1;
+        for (p, (row, a)) in self.moments.chunks_exact_mut(side).zip(a).enumerate() {
+            let weighted = weight * a;
+            for (sum, b) in row[..side - p].iter_mut().zip(b) {
+                *sum += weighted * b;
+            }
+        }
+        let weighted = weight * value;
+        for (sum, [i, j]) in self.right.iter_mut().zip(products(self.degree)) {
+            *sum += weighted * a[i] * b[j];
+        }
+        self.square += weighted * value;
+    }
+
+    fn gram(&self) -> DMatrix<f64> {
+        let side = 2 * self.degree + 1;
+        let size = count(self.degree);
+        let mut gram = DMatrix::zeros(size, size);
+        for (row, [i, j]) in products(self.degree).enumerate() {
+            for (column, [k, l]) in products(self.degree).enumerate().take(row + 1) {
+                let (high, low) = ((i + k) * side, i.abs_diff(k) * side);
+                let (far, near) = (j + l, j.abs_diff(l));
+                let moments = &self.moments;
+                let sum = moments[high + far]
+                    + moments[high + near]
+                    + moments[low + far]
+                    + moments[low + near];
+                gram[(row, column)] = 0.25 * sum;
+                gram[(column, row)] = 0.25 * sum;
+            }
+        }
+        gram
+    }
+}
+
+impl SeriesEquations {
+    /// The equations of a series of a degree, for the deviation of a patch from `quadric`.
+    pub(super) fn around(
+        quadric: &SquareQuadric,
+        patch: &Patch,
+        square: &Square,
+        variances: &Variances,
+        degree: usize,
+    ) -> Self {
+        let (per_height, per_slope) = (1.0 / variances.heights, 1.0 / variances.slopes);
+        let mut heights = Sums::new(degree);
+        let mut slopes = [Sums::new(degree - 1), Sums::new(degree - 1)];
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        for one in quadric.observations(patch, square) {
+            for (polynomials, x) in [(&mut a, one.a), (&mut b, one.b)] {
+                polynomials.clear();
+                polynomials.extend(values(x, 2 * degree));
+            }
+            heights.add(&a, &b, one.height, one.height_weight * per_height);
+            if patch.has_normals() {
+                let along = one.slopes.into_iter().zip(one.slope_weights);
+                for (sums, (slope, weight)) in slopes.iter_mut().zip(along) {
+                    sums.add(&a, &b, slope, weight * per_slope);
+                }
+            }
+        }
+        let mut equations = Self {
+            gram: heights.gram(),
+            right: heights.right,
+            square: heights.square,
+        };
+        if patch.has_normals() {
+            for (axis, sums) in slopes.iter().enumerate() {
+                equations.add_derivatives(sums, axis, degree);
+            }
+        }
+        equations
+    }
+
+    /// Adds the equations of the derivatives along an axis, from those of the series that the derivatives are.
+    fn add_derivatives(&mut self, sums: &Sums, axis: usize, degree: usize) {
+        let adjoint = derivative(degree, axis).transposed();
+        let half = adjoint.of_rows(&sums.gram());
+        self.gram += adjoint.of_rows(&half.transpose());
+        let right = DMatrix::from_row_slice(1, sums.right.len(), sums.right.as_slice());
+        self.right += adjoint.of_rows(&right).transpose().column(0);
+        self.square += sums.square;
+    }
+}

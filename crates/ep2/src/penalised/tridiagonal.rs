@@ -1,0 +1,127 @@
+//! Symmetric tridiagonal matrices: what stands in for eigenvalues where only their sums are asked for.
+
+use nalgebra::{DMatrix, SymmetricTridiagonal};
+
+/// A symmetric matrix T with no entries but on the diagonal and beside it.
+pub(super) struct Tridiagonal {
+    diagonal: Vec<f64>,
+    beside: Vec<f64>,
+}
+
+/// The factors L D Lᵀ of 1 + s T.
+pub(super) struct Factors {
+    pivots: Vec<f64>,
+    /// The entries of L below the diagonal.
+    below: Vec<f64>,
+}
+
+impl Tridiagonal {
+    /// The matrix T and the orthogonal Q with A = Q T Qᵀ, for a symmetric A of at least one row.
+    pub(super) fn of(matrix: DMatrix<f64>) -> (Self, DMatrix<f64>) {
+        let (turn, diagonal, beside) = SymmetricTridiagonal::new(matrix).unpack();
+        let tridiagonal = Self {
+            diagonal: diagonal.as_slice().to_vec(),
+            beside: beside.as_slice().to_vec(),
+        };
+        (tridiagonal, turn)
+    }
+
+    /// The factors of 1 + s T.
+    pub(super) fn factors(&self, s: f64) -> Factors {
+        let mut pivots = Vec::with_capacity(self.diagonal.len());
+        let mut below = Vec::with_capacity(self.beside.len());
+        let mut carried = 0.0;
+        for (index, diagonal) in self.diagonal.iter().enumerate() {
+            let pivot = 1.0 + s * diagonal - carried;
+            pivots.push(pivot);
+            if let Some(beside) = self.beside.get(index) {
+                let beside = s * beside;
+                below.push(beside / pivot);
+                carried = beside * beside / pivot;
+            }
+        }
+        Factors { pivots, below }
+    }
+}
+
+impl Factors {
+    /// Logarithm of the determinant.
+    pub(super) fn log_determinant(&self) -> f64 {
+        // Few enough for their product not to overflow.
+        let products = self.pivots.chunks(8).map(|few| few.iter().product());
+        products.map(|product: f64| libm::log(product)).sum()
+    }
+
+    /// Solves for a right side, in place.
+    pub(super) fn solve(&self, right: &mut [f64]) {
+        for index in 1..right.len() {
+            right[index] -= self.below[index - 1] * right[index - 1];
+        }
+        for (right, pivot) in right.iter_mut().zip(&self.pivots) {
+            *right /= pivot;
+        }
+        for index in (1..right.len()).rev() {
+            right[index - 1] -= self.below[index - 1] * right[index];
+        }
+    }
+
+    /// Adds a multiple of the inverse to the lower triangle of a matrix.
+    pub(super) fn add_inverse(&self, sum: &mut DMatrix<f64>, factor: f64) {
+        let size = self.pivots.len();
+        // Each row of the inverse, right of the diagonal, is a multiple of the next (Takahashi et al., 1973).
+        let mut row = vec![0.0; size];
+        for index in (0..size).rev() {
+            let mut own = factor / self.pivots[index];
+            if let Some(below) = self.below.get(index) {
+                let below = -below;
+                row[index + 1..]
+                    .iter_mut()
+                    .for_each(|entry| *entry *= below);
+                own += below * row[index + 1];
+            }
+            row[index] = own;
+            let column = &mut sum.as_mut_slice()[index * size..(index + 1) * size];
+            for (sum, entry) in column[index..].iter_mut().zip(&row[index..]) {
+                *sum += entry;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use nalgebra::DVector;
+
+    #[test]
+    fn a_shifted_matrix_is_solved_and_has_its_determinant() {
+        for size in [1, 2, 5, 20] {
+            let entry = |i: usize, j: usize| libm::sin((3 * (i + j) + i * j) as f64);
+            let any = DMatrix::from_fn(size, size, entry);
+            let matrix = &any * any.transpose();
+            let shifted = DMatrix::identity(size, size) + &matrix * 7.0;
+            let (tridiagonal, turn) = Tridiagonal::of(matrix);
+            let factors = tridiagonal.factors(7.0);
+            let determinant = shifted.determinant();
+            assert_relative_eq!(
+                factors.log_determinant(),
+                libm::log(determinant),
+                max_relative = 1e-10
+            );
+            let right = DVector::from_fn(size, |i, _| libm::cos(i as f64));
+            let mut solution = turn.tr_mul(&right);
+            factors.solve(solution.as_mut_slice());
+            assert_relative_eq!(&shifted * (&turn * solution), right, epsilon = 1e-10);
+            let mut inverse = DMatrix::zeros(size, size);
+            factors.add_inverse(&mut inverse, 3.0);
+            inverse.fill_upper_triangle_with_lower_triangle();
+            let identity = &turn * inverse * turn.transpose() * shifted;
+            assert_relative_eq!(
+                identity,
+                DMatrix::identity(size, size) * 3.0,
+                epsilon = 1e-9
+            );
+        }
+    }
+}

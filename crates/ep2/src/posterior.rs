@@ -1,0 +1,208 @@
+//! What the contacts and a prior leave open of a surface.
+
+use nalgebra::DMatrix;
+
+use crate::Jet;
+use crate::chebyshev::{count, derivative, place, products, values};
+use crate::curvature::{DERIVATIVES, JetCovariance};
+use crate::sparse::SparseMap;
+use crate::spline::Lanes;
+use crate::square::Square;
+
+/// Pairs of derivatives, in both orders alike.
+const PAIRS: usize = DERIVATIVES * (DERIVATIVES + 1) / 2;
+
+/// The surfaces that the contacts leave possible: the mean and the covariance of their slopes and second derivatives,
+/// as polynomials over the rectangle of the patch.
+///
+/// An estimate is off by the spread of these surfaces, and by its distance from their mean.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Posterior {
+    square: Square,
+    /// Degree of the surfaces.
+    degree: usize,
+    /// Coefficients of the mean derivatives, as [`products`].
+    means: Vec<[f64; DERIVATIVES]>,
+    /// Coefficients of the covariances of derivatives, of twice the degree: T_i(a) T_j(b), all j of one i after another.
+    covariances: Vec<[f64; PAIRS]>,
+}
+
+/// Chebyshev polynomials in u at places side by side.
+pub(crate) type Series = Vec<Lanes>;
+
+impl Posterior {
+    /// The posterior of surfaces that are series of [`products`] over the square.
+    pub(crate) fn new(
+        square: Square,
+        degree: usize,
+        mean: &[f64],
+        covariance: &DMatrix<f64>,
+    ) -> Self {
+        let maps = Maps::of(&square, degree);
+        let mean = DMatrix::from_row_slice(1, mean.len(), mean);
+        let mut means = vec![[0.0; DERIVATIVES]; count(degree)];
+        for (derivative, coefficients) in maps.all(&mean, 0).iter().enumerate() {
+            for (means, coefficient) in means.iter_mut().zip(coefficients) {
+                means[derivative] = *coefficient;
+            }
+        }
+        let mut pairs = Vec::with_capacity(PAIRS);
+        for (one, half) in maps.all(covariance, 0).iter().enumerate() {
+            let both = maps.all(&half.transpose(), one);
+            pairs.extend(both.iter().map(|both| doubled(both, degree)));
+        }
+        let of_pairs = |index: usize| std::array::from_fn(|pair| pairs[pair][index]);
+        let side = 2 * degree + 1;
+        let covariances = (0..side * side).map(of_pairs).collect();
+        Self {
+            square,
+            degree,
+            means,
+            covariances,
+        }
+    }
+
+    /// The polynomials in u at places side by side.
+    pub(crate) fn series(&self, u: Lanes) -> Series {
+        let ([u0, _], [half, _]) = (self.square.centre(), self.square.half());
+        values((u - u0) * (1.0 / half), 2 * self.degree).collect()
+    }
+
+    /// The posterior along the line of constant `v`.
+    pub(crate) fn line(&self, v: f64) -> PosteriorLine {
+        let ([_, v0], [_, half]) = (self.square.centre(), self.square.half());
+        let v: Vec<f64> = values((v - v0) / half, 2 * self.degree).collect();
+        let mut means = vec![[0.0; DERIVATIVES]; self.degree + 1];
+        for (coefficients, [i, j]) in self.means.iter().zip(products(self.degree)) {
+            add(&mut means[i], coefficients, v[j]);
+        }
+        let side = v.len();
+        let rows = self.covariances.chunks_exact(side).enumerate();
+        let covariances = rows.map(|(i, row)| {
+            let mut sums = [0.0; PAIRS];
+            for (coefficients, v) in row[..side - i].iter().zip(&v) {
+                add(&mut sums, coefficients, *v);
+            }
+            sums
+        });
+        PosteriorLine {
+            means,
+            covariances: covariances.collect(),
+        }
+    }
+}
+
+/// The maps from a series to its derivatives.
+struct Maps {
+    /// By u and by v.
+    slopes: [SparseMap; 2],
+    /// Those of slopes.
+    bends: [SparseMap; 2],
+}
+
+impl Maps {
+    fn of(square: &Square, degree: usize) -> Self {
+        let [half_u, half_v] = square.half();
+        let of = |degree: usize| {
+            [(0, half_u), (1, half_v)].map(|(axis, half)| derivative(degree, axis).in_unit(half))
+        };
+        Self {
+            slopes: of(degree),
+            bends: of(degree.saturating_sub(1)),
+        }
+    }
+
+    /// The derivatives (p, q, r, s, t) from one of them on, of series of which each row holds the coefficients of one.
+    fn all(&self, series: &DMatrix<f64>, first: usize) -> Vec<DMatrix<f64>> {
+        let by_v = self.slopes[1].of_rows(series);
+        let last = self.bends[1].of_rows(&by_v);
+        if first == DERIVATIVES - 1 {
+            return vec![last];
+        }
+        let by_u = self.slopes[0].of_rows(series);
+        let [by_uu, by_uv] = self.bends.each_ref().map(|bend| bend.of_rows(&by_u));
+        let mut all = vec![by_u, by_v, by_uu, by_uv, last];
+        all.drain(..first);
+        all
+    }
+}
+
+/// The series of twice the degree that a covariance between the coefficients of two series is at places, all j of one i
+/// after another: products of Chebyshev polynomials are sums of such.
+fn doubled(covariance: &DMatrix<f64>, degree: usize) -> Vec<f64> {
+    let side = 2 * degree + 1;
+    let mut series = vec![0.0; side * side];
+    let mut sums = vec![0.0; side];
+    let (rows, columns) = covariance.shape();
+    for i in 0..=degree {
+        for k in 0..=degree {
+            sums.fill(0.0);
+            for l in 0..=degree - k {
+                let column = place([k, l]);
+                if column >= columns {
+                    break;
+                }
+                let entries = &covariance.as_slice()[column * rows..(column + 1) * rows];
+                let mut row = place([i, 0]);
+                for j in 0..=degree - i {
+                    let Some(entry) = entries.get(row) else { break };
+                    sums[j + l] += 0.25 * entry;
+                    sums[j.abs_diff(l)] += 0.25 * entry;
+                    row += i + j + 2;
+                }
+            }
+            for order in [i + k, i.abs_diff(k)] {
+                let series = &mut series[order * side..(order + 1) * side];
+                series
+                    .iter_mut()
+                    .zip(&sums)
+                    .for_each(|(series, sum)| *series += sum);
+            }
+        }
+    }
+    series
+}
+
+#[inline(always)]
+fn add<const N: usize>(sums: &mut [f64; N], coefficients: &[f64; N], factor: f64) {
+    for (sum, coefficient) in sums.iter_mut().zip(coefficients) {
+        *sum += factor * coefficient;
+    }
+}
+
+/// A posterior along a line of constant v: series in u.
+pub(crate) struct PosteriorLine {
+    means: Vec<[f64; DERIVATIVES]>,
+    covariances: Vec<[f64; PAIRS]>,
+}
+
+impl PosteriorLine {
+    /// Mean products of the errors of an estimated jet's (p, q, r, s, t) = (∂u, ∂v, ∂u², ∂u∂v, ∂v²) at places on the
+    /// line where the polynomials in u have these values.
+    #[inline(always)]
+    pub(crate) fn errors(&self, series: &Series, jet: &Jet<Lanes>) -> JetCovariance {
+        let mut distance = [jet.u, jet.v, jet.uu, jet.uv, jet.vv];
+        for (means, value) in self.means.iter().zip(series) {
+            for (distance, mean) in distance.iter_mut().zip(means) {
+                *distance -= *value * *mean;
+            }
+        }
+        let mut spread = [Lanes::ZERO; PAIRS];
+        for (covariances, value) in self.covariances.iter().zip(series) {
+            for (spread, covariance) in spread.iter_mut().zip(covariances) {
+                *spread += *value * *covariance;
+            }
+        }
+        let mut errors = JetCovariance::default();
+        let mut pair = 0;
+        for one in 0..DERIVATIVES {
+            for other in one..DERIVATIVES {
+                let both = spread[pair] + distance[one] * distance[other];
+                errors[one][other] = both;
+                errors[other][one] = both;
+                pair += 1;
+            }
+        }
+        errors
+    }
+}
