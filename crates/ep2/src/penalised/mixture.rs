@@ -29,6 +29,9 @@ const AMPLITUDE_POWER: f64 = 4.0;
 /// Amplitudes to either side of the expected one, and how far apart their logarithms are.
 const STEPS: i32 = 6;
 const STEP: f64 = 0.5;
+/// Power of the likelihood of an amplitude and a length. A surface is no draw of such a process: its roughness differs
+/// from place to place and by direction, so that the contacts tell less of it than they would of a draw.
+const EVIDENCE: f64 = 0.5;
 /// Logarithm of the smallest probability that counts, relative to the largest.
 const NEGLIGIBLE: f64 = -7.0;
 /// How much more the equations may tell than the prior of the expected amplitude: beyond, they are rounding.
@@ -299,7 +302,7 @@ impl Process {
         };
         Candidate {
             square_amplitude,
-            log_probability: -0.5 * (misfit + factors.log_determinant())
+            log_probability: -0.5 * EVIDENCE * (misfit + factors.log_determinant())
                 - log_cosh(AMPLITUDE_POWER * log_ratio)
                 - log_cosh(LENGTH_POWER * self.log_length),
             factors,

@@ -13,6 +13,61 @@ pub(crate) struct Surface {
     pub(crate) at: fn(f64, f64) -> Truth,
 }
 
+/// A random quadric plus two random waves, in closed form.
+pub(crate) struct Waves {
+    quadric: [f64; 3],
+    /// Amplitude, wave numbers along x and y, and phase.
+    waves: [[f64; 4]; 2],
+}
+
+impl Waves {
+    /// Second derivatives of the quadric up to 0.24, waves of 0.4 to 1.6 with second derivatives of 0.02 to 0.25.
+    pub(crate) fn random(index: u64) -> Self {
+        let mut stream = Stream::new(29, index, Channel::Misalignment);
+        let mut between =
+            |low: f64, high: f64| low + 0.5 * (high - low) * (1.0 + stream.symmetric_uniform());
+        Self {
+            quadric: std::array::from_fn(|_| between(-0.12, 0.12)),
+            waves: std::array::from_fn(|_| {
+                let (number, turn) = (between(0.4, 1.6), between(0.0, std::f64::consts::TAU));
+                [
+                    between(0.02, 0.25) / (number * number),
+                    number * libm::cos(turn),
+                    number * libm::sin(turn),
+                    between(0.0, std::f64::consts::TAU),
+                ]
+            }),
+        }
+    }
+
+    pub(crate) fn at(&self, x: f64, y: f64) -> Truth {
+        let [a, b, c] = self.quadric;
+        let mut jet = [
+            a * x * x + b * x * y + c * y * y,
+            2.0 * a * x + b * y,
+            b * x + 2.0 * c * y,
+            2.0 * a,
+            b,
+            2.0 * c,
+        ];
+        for [size, k, l, phase] in self.waves {
+            let (sin, cos) = libm::sincos(k * x + l * y + phase);
+            let parts = [
+                sin,
+                k * cos,
+                l * cos,
+                -k * k * sin,
+                -k * l * sin,
+                -l * l * sin,
+            ];
+            jet.iter_mut()
+                .zip(parts)
+                .for_each(|(sum, part)| *sum += size * part);
+        }
+        graph(x, y, jet)
+    }
+}
+
 /// Curvature of a graph from its slopes p, q and second derivatives r, s, t.
 fn graph(x: f64, y: f64, jet: [f64; 6]) -> Truth {
     let [z, p, q, r, s, t] = jet;
@@ -120,6 +175,15 @@ impl Sweep {
 
     /// Contacts over |x|, |y| <= 1.5.
     pub(crate) fn contacts(&self, surface: &Surface, trial: u64) -> Vec<Contact> {
+        self.contacts_on(surface.at, trial)
+    }
+
+    /// Contacts over |x|, |y| <= 1.5 of any surface.
+    pub(crate) fn contacts_on(
+        &self,
+        surface: impl Fn(f64, f64) -> Truth,
+        trial: u64,
+    ) -> Vec<Contact> {
         let mut position = Stream::new(1996, trial, Channel::Position);
         let mut tilt = Stream::new(1996, trial, Channel::Normal);
         let spread = |index: usize, count: usize| 3.0 * index as f64 / (count - 1) as f64 - 1.5;
@@ -128,7 +192,7 @@ impl Sweep {
             for step in 0..self.contacts_per_finger {
                 let x = spread(step, self.contacts_per_finger);
                 let y = spread(finger, self.fingers);
-                let (point, normal, ..) = (surface.at)(x, y);
+                let (point, normal, ..) = surface(x, y);
                 let error = Vector3::from_fn(|_, _| self.position_std * position.standard_normal());
                 let normal = normal.normalize();
                 let along = normal.cross(&Vector3::y()).normalize();

@@ -1,0 +1,163 @@
+//! How often intervals hold, and how wide they are.
+
+use anyhow::Result;
+use nalgebra::Vector3;
+use palpate_ep2::{Curvature, Ep2Error, Method, Patch, Penalised};
+use serde::Serialize;
+
+use super::Options;
+use super::case::{Case, Sweep};
+use super::surface::{Place, Surface};
+
+/// Half widths of intervals of 50, 80 and 95 %, in standard deviations.
+const WIDTHS: [f64; 3] = [0.674_489_750_196_081_7, 1.281_551_565_544_600_4, 1.959_963_984_540_054];
+/// Intervals of 95 % that hold less often than this do not hold on a surface.
+const HOLDS: f64 = 0.85;
+
+/// How often the intervals of a case hold, on all its surfaces or those of one kind.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Score {
+    /// The case.
+    pub case: String,
+    /// Kind of the surfaces; `all` for all.
+    pub on: &'static str,
+    /// `gaussian_curvature` or `mean_curvature`.
+    pub quantity: &'static str,
+    /// Number of surfaces.
+    pub surfaces: usize,
+    /// Share of trials that gave no interval; a miss of each.
+    pub failed: f64,
+    /// Shares of true curvatures within intervals of 50 %.
+    pub coverage50: f64,
+    /// Shares of true curvatures within intervals of 80 %.
+    pub coverage80: f64,
+    /// Shares of true curvatures within intervals of 95 %.
+    pub coverage95: f64,
+    /// Share of surfaces on which those of 95 % hold in at least 85 %.
+    pub surfaces_above_85: f64,
+    /// Coverage of intervals of 95 % on the surface where it is lowest.
+    pub lowest: f64,
+    /// Median over surfaces of stated standard deviation over error, both root mean squares.
+    pub std_per_rms: f64,
+    /// Mean width of intervals of 95 %, in distances between fingers to the power −2 or −1; all are closed.
+    pub width: f64,
+    /// Root mean square of the errors.
+    pub rms: f64,
+}
+
+/// Sums over the places and trials of one surface.
+#[derive(Clone, Debug, Default)]
+struct Sums {
+    asked: f64,
+    stated: f64,
+    within: [f64; 3],
+    square_error: f64,
+    square_std: f64,
+    std: f64,
+}
+
+impl Sums {
+    fn add(&mut self, error: f64, std: f64) {
+        self.stated += 1.0;
+        for (within, width) in self.within.iter_mut().zip(WIDTHS) {
+            *within += f64::from(u8::from(error.abs() <= width * std));
+        }
+        self.square_error += error * error;
+        self.square_std += std * std;
+        self.std += std;
+    }
+
+    fn coverage(&self, width: usize) -> f64 {
+        self.within[width] / self.asked
+    }
+
+    fn std_per_rms(&self) -> f64 {
+        (self.square_std / self.square_error).sqrt()
+    }
+}
+
+/// The scores of a case: on all surfaces, and on those of each kind, of both curvatures.
+///
+/// # Errors
+/// A case that cannot be asked.
+pub(super) fn scores(
+    case: &Case,
+    surfaces: &[Surface],
+    options: Options<'_>,
+) -> Result<Vec<Score>> {
+    let mut all = Vec::new();
+    for (index, surface) in surfaces.iter().enumerate() {
+        all.push((surface.kind(), sums(case, surface, index as u64, options)?));
+    }
+    let kinds = ["all", "quadric and waves", "ball"];
+    let quantities = ["gaussian_curvature", "mean_curvature"];
+    let mut scores = Vec::new();
+    for on in kinds {
+        for (place, quantity) in quantities.into_iter().enumerate() {
+            let of_kind = all.iter().filter(|(kind, _)| on == "all" || on == *kind);
+            let sums: Vec<&Sums> = of_kind.map(|(_, sums)| &sums[place]).collect();
+            if !sums.is_empty() {
+                scores.push(score(case, on, quantity, &sums));
+            }
+        }
+    }
+    Ok(scores)
+}
+
+fn score(case: &Case, on: &'static str, quantity: &'static str, sums: &[&Sums]) -> Score {
+    let count = sums.len() as f64;
+    let mean = |part: &dyn Fn(&Sums) -> f64| sums.iter().map(|one| part(one)).sum::<f64>() / count;
+    let stated: f64 = sums.iter().map(|one| one.stated).sum();
+    let of_stated = |part: fn(&Sums) -> f64| sums.iter().map(|one| part(one)).sum::<f64>() / stated;
+    let mut ratios: Vec<f64> = sums.iter().map(|one| one.std_per_rms()).collect();
+    ratios.sort_by(f64::total_cmp);
+    let lowest = sums.iter().map(|one| one.coverage(2));
+    Score {
+        case: case.name(),
+        on,
+        quantity,
+        surfaces: sums.len(),
+        failed: mean(&|one| 1.0 - one.stated / one.asked),
+        coverage50: mean(&|one| one.coverage(0)),
+        coverage80: mean(&|one| one.coverage(1)),
+        coverage95: mean(&|one| one.coverage(2)),
+        surfaces_above_85: mean(&|one| f64::from(u8::from(one.coverage(2) >= HOLDS))),
+        lowest: lowest.fold(1.0, f64::min),
+        std_per_rms: ratios[ratios.len() / 2],
+        width: 2.0 * WIDTHS[2] * of_stated(|one| one.std),
+        rms: of_stated(|one| one.square_error).sqrt(),
+    }
+}
+
+/// Sums of both curvatures on a surface.
+fn sums(case: &Case, surface: &Surface, index: u64, options: Options<'_>) -> Result<[Sums; 2]> {
+    let sweep = Sweep::random(options.seed, index);
+    let asked = sweep.asked(surface);
+    let mut sums = [Sums::default(), Sums::default()];
+    for trial in 0..options.trials {
+        let number = index * options.trials + trial;
+        let contacts = case.contacts(surface, &sweep, options.seed, number)?;
+        sums.iter_mut()
+            .for_each(|sums| sums.asked += asked.len() as f64);
+        let fitted = Patch::new(&contacts, &Vector3::z()).and_then(|patch| {
+            let method = Penalised {
+                noise: case.told(),
+                ..Penalised::default()
+            };
+            method.fit(&patch)
+        });
+        let curvatures = fitted.and_then(|fit| {
+            let at = |place: &Place| fit.curvature_at(&place.point);
+            asked.iter().map(at).collect::<Result<Vec<Curvature>, Ep2Error>>()
+        });
+        for (curvature, place) in curvatures.iter().flatten().zip(&asked) {
+            let Some(told) = curvature.uncertainty else {
+                continue;
+            };
+            let [gaussian, mean] = place.curvatures;
+            sums[0].add(curvature.gaussian - gaussian, told.gaussian_std);
+            sums[1].add(curvature.mean - mean, told.mean_std);
+        }
+    }
+    Ok(sums)
+}
