@@ -3,7 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::{
-    answers, bench_check, extremes, fuzz, peers, python, reproduce, same_bytes, scale, tradeoff,
+    answers, bench_check, extremes, fuzz, intervals, peers, python, reproduce, same_bytes, scale,
+    tradeoff,
 };
 
 /// Development tasks of palpate.
@@ -28,6 +29,8 @@ pub(crate) enum Task {
     Tradeoff(tradeoff::Options),
     /// Ask for answers on fixed scenes, and hold them against references, into results/answers.csv.
     Answers(answers::Options),
+    /// Hold the intervals of EP2 against the truth on random surfaces, into results/intervals.csv.
+    Intervals(intervals::Options),
     /// Try every public entry point at its extremes, into results/extremes.csv.
     Extremes(extremes::Options),
     /// Compare instruction counts and accuracy with the committed baseline.

@@ -9,6 +9,7 @@ mod compare;
 mod extremes;
 mod fuzz;
 mod house;
+mod intervals;
 mod palpate;
 mod peers;
 mod python;
@@ -54,6 +55,7 @@ fn run(cli: Cli) -> Result<()> {
         Task::Scale(options) => scale::run(&shell, &options),
         Task::Tradeoff(options) => tradeoff::run(&shell, &options),
         Task::Answers(options) => answers::run(&shell, &options),
+        Task::Intervals(options) => intervals::run(&shell, &options),
         Task::Extremes(options) => extremes::run(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),

@@ -113,6 +113,7 @@ fn runner(mut path: Hot) -> Hot {
 #[library_benchmark]
 #[bench::quadric_fit(fitted(Quadric::default()))]
 #[bench::penalised_fit(fitted(Penalised::default()))]
+#[bench::penalised_estimate(ready(patches::estimated(Penalised::default(), &patches::few(0))))]
 #[bench::two_pass_fit(fitted(TwoPass::default()))]
 #[bench::quadric_map(mapped(&Quadric::default()))]
 #[bench::penalised_map(mapped(&Penalised::default()))]

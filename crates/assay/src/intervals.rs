@@ -1,28 +1,17 @@
-//! Whether stated intervals hold on scenes that nobody chose: of random surfaces, the share of curvatures within what
-//! EP2 states.
+//! Random surfaces, and how many of their curvatures are within the intervals that EP2 states: whether intervals hold
+//! on scenes that nobody chose.
 
 mod case;
+mod options;
 mod score;
 mod surface;
 
-pub use case::{Case, cases};
+pub use options::Options;
 pub use score::Score;
 
 use anyhow::Result;
+use case::{Case, cases};
 use surface::Surface;
-
-/// How much is asked.
-#[derive(Clone, Copy, Debug)]
-pub struct Options<'a> {
-    /// Seed of the surfaces, the fingers' places and the noise.
-    pub seed: u64,
-    /// Number of surfaces of each case; every fifth is a ball.
-    pub surfaces: u64,
-    /// Number of trials on each surface.
-    pub trials: u64,
-    /// Only cases whose names hold each of these words.
-    pub only: &'a str,
-}
 
 /// The scores of all cases; `say` is told each as it is known.
 ///
@@ -32,7 +21,10 @@ pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> 
     let mut scores = Vec::new();
     let is_asked = |case: &Case| {
         let name = case.name();
-        options.only.split_whitespace().all(|word| name.contains(word))
+        options
+            .only
+            .split_whitespace()
+            .all(|word| name.contains(word))
     };
     for case in cases().filter(is_asked) {
         let surfaces: Vec<Surface> = (0..options.surfaces)
@@ -44,6 +36,15 @@ pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> 
         }
     }
     Ok(scores)
+}
+
+/// Number of figures within their limits, in words.
+pub fn summary(scores: &[Score]) -> String {
+    let judged = scores.iter().filter_map(|score| score.is_within_limits);
+    let (all, within) = judged.fold((0, 0), |(all, within), is_within| {
+        (all + 1, within + u64::from(is_within))
+    });
+    format!("{within} of {all} cases within the limits")
 }
 
 /// Table of the scores.

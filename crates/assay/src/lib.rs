@@ -1,11 +1,13 @@
 //! Harnesses over the whole of palpate. They measure the cost and the error of each rung ([`tradeoff`]), and check that
-//! `auto` takes an adequate and cheap rung ([`promise`]), and that answers keep their word ([`answers`]). The instructions of the [`hot`] paths and the errors in [`accuracy`] must not grow. [`ours`] times
-//! palpate on the tasks of its peers. The truths come from independent computations: [`pressed`] for presses,
+//! `auto` takes an adequate and cheap rung ([`promise`]), that answers keep their word ([`answers`]), and that stated
+//! intervals hold ([`intervals`]). The instructions of the [`hot`] paths and the errors in [`accuracy`] must not grow.
+//! [`ours`] times palpate on the tasks of its peers. The truths come from independent computations: [`pressed`] for presses,
 //! [`touched`] for fingertips with a radius.
 
 pub mod accuracy;
 pub mod answers;
 pub mod hot;
+pub mod intervals;
 pub mod measured;
 pub mod ours;
 pub mod pressed;

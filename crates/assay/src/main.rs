@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
-use palpate_assay::{accuracy, answers, ours, tradeoff};
+use palpate_assay::{accuracy, answers, intervals, ours, tradeoff};
 use palpate_report::{Files, tradeoff_figures};
 
 /// Harnesses over the whole of palpate.
@@ -40,6 +40,24 @@ enum Harness {
         #[arg(long, default_value = "1000000")]
         pairs: u64,
         /// Only scenes whose names hold these words.
+        #[arg(long, default_value = "")]
+        only: String,
+    },
+    /// Holds the intervals of EP2 against the truth on random surfaces.
+    Intervals {
+        /// The table to write.
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Seed of the surfaces, the fingers' places and the noise.
+        #[arg(long, default_value = "1919")]
+        seed: u64,
+        /// Surfaces of each case; every fifth is a ball.
+        #[arg(long, default_value = "60")]
+        surfaces: u64,
+        /// Trials on each surface.
+        #[arg(long, default_value = "12")]
+        trials: u64,
+        /// Only cases whose names hold each of these words.
         #[arg(long, default_value = "")]
         only: String,
     },
@@ -122,6 +140,26 @@ fn main() -> Result<()> {
                 std::fs::write(out, answers::table(&scores)?)?;
             }
             answers::check(&scores)
+        }
+        Harness::Intervals {
+            out,
+            seed,
+            surfaces,
+            trials,
+            only,
+        } => {
+            let options = intervals::Options {
+                seed,
+                surfaces,
+                trials,
+                only: &only,
+            };
+            let scores = intervals::scores(options, |score| println!("{score}"))?;
+            println!("{}", intervals::summary(&scores));
+            if let Some(out) = out {
+                std::fs::write(out, intervals::table(&scores)?)?;
+            }
+            Ok(())
         }
         Harness::Accuracy => {
             print!("{}", accuracy::table()?);

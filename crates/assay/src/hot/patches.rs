@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use anyhow::Result;
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::{Contact, Ep2Error, Method, Patch};
+use palpate_ep2::{Contact, Ep2Error, Method, Patch, Penalised};
 use palpate_sensing::{Channel, Stream};
 
 use super::{Hot, warm};
@@ -93,6 +93,15 @@ pub fn places_on_waves() -> Vec<(Point3<f64>, f64)> {
 pub fn fitted(method: impl Method + 'static, contacts: &[Contact]) -> Result<Hot> {
     let patch = patch(contacts)?;
     Ok(warm(move || method.fit(black_box(&patch))))
+}
+
+/// Estimates of the penalised spline from contacts, without their uncertainty.
+///
+/// # Errors
+/// Where the contacts make no patch.
+pub fn estimated(method: Penalised, contacts: &[Contact]) -> Result<Hot> {
+    let patch = patch(contacts)?;
+    Ok(warm(move || method.estimate(black_box(&patch))))
 }
 
 /// Maps of a fit, this many places a side.

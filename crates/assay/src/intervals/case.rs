@@ -31,21 +31,21 @@ const SIDE: usize = 10;
 
 /// Fingers that slide over a surface, and their noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Case {
+pub(super) struct Case {
     /// Number of fingers.
-    pub fingers: usize,
+    pub(super) fingers: usize,
     /// Standard deviation of a coordinate, in distances between fingers.
-    pub position_std: f64,
+    pub(super) position_std: f64,
     /// Distribution of the coordinates' errors.
-    pub distribution: Distribution,
+    pub(super) distribution: Distribution,
     /// Standard deviation of the normals, degrees; `None` where there are none.
-    pub normal_std_deg: Option<f64>,
+    pub(super) normal_std_deg: Option<f64>,
     /// Whether the estimator is told the noise.
-    pub is_told: bool,
+    pub(super) is_told: bool,
 }
 
 /// All cases.
-pub fn cases() -> impl Iterator<Item = Case> {
+pub(super) fn cases() -> impl Iterator<Item = Case> {
     let noises = [Distribution::Gaussian, Distribution::Uniform];
     let told = noises
         .into_iter()
@@ -107,10 +107,10 @@ fn share(index: usize, count: usize) -> f64 {
 
 impl Case {
     /// The case in words.
-    pub fn name(&self) -> String {
-        let normals = self.normal_std_deg.map_or("no normals".to_owned(), |std| {
-            format!("normals {std} deg")
-        });
+    pub(super) fn name(&self) -> String {
+        let normals = self
+            .normal_std_deg
+            .map_or("no normals".to_owned(), |std| format!("normals {std} deg"));
         let distribution = match self.distribution {
             Distribution::Gaussian => "Gaussian",
             Distribution::Uniform => "uniform",

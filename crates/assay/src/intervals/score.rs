@@ -1,16 +1,22 @@
 //! How often intervals hold, and how wide they are.
 
+use std::fmt;
+
 use anyhow::Result;
 use nalgebra::Vector3;
 use palpate_ep2::{Curvature, Ep2Error, Method, Patch, Penalised};
 use serde::Serialize;
 
-use super::Options;
 use super::case::{Case, Sweep};
+use super::options::Options;
 use super::surface::{Place, Surface};
 
 /// Half widths of intervals of 50, 80 and 95 %, in standard deviations.
-const WIDTHS: [f64; 3] = [0.674_489_750_196_081_7, 1.281_551_565_544_600_4, 1.959_963_984_540_054];
+const WIDTHS: [f64; 3] = [
+    0.674_489_750_196_081_7,
+    1.281_551_565_544_600_4,
+    1.959_963_984_540_054,
+];
 /// Intervals of 95 % that hold less often than this do not hold on a surface.
 const HOLDS: f64 = 0.85;
 
@@ -43,6 +49,70 @@ pub struct Score {
     pub width: f64,
     /// Root mean square of the errors.
     pub rms: f64,
+    /// Whether the figures of `all` surfaces are within the limits for contacts with or without normals; `None` of
+    /// other rows.
+    pub is_within_limits: Option<bool>,
+}
+
+impl fmt::Display for Score {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            case,
+            on,
+            quantity,
+            coverage95,
+            surfaces_above_85,
+            std_per_rms,
+            width,
+            failed,
+            ..
+        } = self;
+        write!(
+            f,
+            "{case}, {on}, {quantity}: {:.1} % covered, {:.1} % of surfaces above 85 %, std/rms {std_per_rms:.2}, \
+             width {width:.4}, failed {:.1} %",
+            100.0 * coverage95,
+            100.0 * surfaces_above_85,
+            100.0 * failed
+        )?;
+        match self.is_within_limits {
+            Some(false) => write!(f, ", beyond the limits"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What the intervals of a case must reach on all surfaces together.
+struct Limits {
+    coverage95: [f64; 2],
+    least_above_85: f64,
+    std_per_rms: [f64; 2],
+}
+
+impl Limits {
+    /// Limits of contacts with normals, and of contacts without.
+    const fn of(has_normals: bool) -> Self {
+        if has_normals {
+            Self {
+                coverage95: [0.92, 0.98],
+                least_above_85: 0.9,
+                std_per_rms: [0.8, 1.5],
+            }
+        } else {
+            Self {
+                coverage95: [0.88, 0.99],
+                least_above_85: 0.8,
+                std_per_rms: [0.8, 1.8],
+            }
+        }
+    }
+
+    fn hold(&self, score: &Score) -> bool {
+        let within = |[low, high]: [f64; 2], value: f64| (low..=high).contains(&value);
+        within(self.coverage95, score.coverage95)
+            && score.surfaces_above_85 >= self.least_above_85
+            && within(self.std_per_rms, score.std_per_rms)
+    }
 }
 
 /// Sums over the places and trials of one surface.
@@ -112,7 +182,7 @@ fn score(case: &Case, on: &'static str, quantity: &'static str, sums: &[&Sums]) 
     let mut ratios: Vec<f64> = sums.iter().map(|one| one.std_per_rms()).collect();
     ratios.sort_by(f64::total_cmp);
     let lowest = sums.iter().map(|one| one.coverage(2));
-    Score {
+    let score = Score {
         case: case.name(),
         on,
         quantity,
@@ -126,6 +196,12 @@ fn score(case: &Case, on: &'static str, quantity: &'static str, sums: &[&Sums]) 
         std_per_rms: ratios[ratios.len() / 2],
         width: 2.0 * WIDTHS[2] * of_stated(|one| one.std),
         rms: of_stated(|one| one.square_error).sqrt(),
+        is_within_limits: None,
+    };
+    let limits = Limits::of(case.normal_std_deg.is_some());
+    Score {
+        is_within_limits: (on == "all").then(|| limits.hold(&score)),
+        ..score
     }
 }
 
@@ -148,7 +224,10 @@ fn sums(case: &Case, surface: &Surface, index: u64, options: Options<'_>) -> Res
         });
         let curvatures = fitted.and_then(|fit| {
             let at = |place: &Place| fit.curvature_at(&place.point);
-            asked.iter().map(at).collect::<Result<Vec<Curvature>, Ep2Error>>()
+            asked
+                .iter()
+                .map(at)
+                .collect::<Result<Vec<Curvature>, Ep2Error>>()
         });
         for (curvature, place) in curvatures.iter().flatten().zip(&asked) {
             let Some(told) = curvature.uncertainty else {
@@ -160,4 +239,49 @@ fn sums(case: &Case, surface: &Surface, index: u64, options: Options<'_>) -> Res
         }
     }
     Ok(sums)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_and_ratios_are_those_of_what_was_added() {
+        let mut sums = Sums {
+            asked: 5.0,
+            ..Sums::default()
+        };
+        // Of five places one has no interval; errors of ½, 1, 1½ and 3 standard deviations.
+        for error in [-0.5, 1.0, 1.5, -3.0] {
+            sums.add(0.2 * error, 0.2);
+        }
+        assert_eq!([0, 1, 2].map(|width| sums.coverage(width)), [0.2, 0.4, 0.6]);
+        let mean_square = (0.25 + 1.0 + 2.25 + 9.0) / 4.0;
+        assert!((sums.std_per_rms() - 1.0 / f64::sqrt(mean_square)).abs() < 1e-12);
+        let case = crate::intervals::case::cases().next().unwrap();
+        let of_both = score(&case, "all", "mean_curvature", &[&sums, &sums]);
+        assert!((of_both.failed - 0.2).abs() < 1e-12 && of_both.surfaces_above_85 == 0.0);
+        assert!((of_both.width - 2.0 * WIDTHS[2] * 0.2).abs() < 1e-12);
+        assert!((of_both.rms - 0.2 * mean_square.sqrt()).abs() < 1e-12);
+        assert_eq!(of_both.is_within_limits, Some(false));
+    }
+
+    #[test]
+    fn limits_are_met_within() {
+        let case = crate::intervals::case::cases().next().unwrap();
+        let mut sums = Sums {
+            asked: 20.0,
+            ..Sums::default()
+        };
+        (0..19).for_each(|_| sums.add(1.0, 1.0));
+        sums.add(2.1, 1.0);
+        assert_eq!(
+            score(&case, "all", "mean_curvature", &[&sums]).is_within_limits,
+            Some(true)
+        );
+        assert_eq!(
+            score(&case, "ball", "mean_curvature", &[&sums]).is_within_limits,
+            None
+        );
+    }
 }
