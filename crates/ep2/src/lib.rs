@@ -10,6 +10,8 @@
 //! | [`TwoPass`] | the 1996 paper's: a smoothing spline, then another through the first and its tangents | no |
 //! | [`Penalised`] | one spline through heights and slopes, smoothed as much as the data ask for | yes, with the bias of smoothing |
 //!
+//! Of round fingertips that tell their centre or their lowest point, [`RoundTip`] makes contacts first.
+//!
 //! A [`Fit`] gives Gaussian and mean curvature anywhere ([`Fit::curvature_at`]), principal
 //! curvatures and directions on a map ([`Fit::map`]), the probability of each of the eight shape
 //! classes ([`Curvature::class_probabilities`]) and connected [`regions`] of one class. Curvature is
@@ -55,6 +57,7 @@ mod sparse;
 mod spline;
 mod square;
 mod surface;
+mod tip;
 mod two_pass;
 
 pub use class::SignClass;
@@ -73,6 +76,7 @@ pub use regions::{Region, Regions, regions};
 pub use smoothing::{Smoothed, SmoothingSpline, Status, WeightedPoint};
 pub use spline::{Jet, TensorSpline};
 pub use surface::{MOST_PLACES, MapPoint};
+pub use tip::{RoundTip, TipPoint};
 pub use two_pass::{Pass, Passes, TangentNormals, TwoPass, TwoPassFit};
 
 #[cfg(doctest)]

@@ -77,11 +77,7 @@ impl Patch {
             });
         }
         check(contacts)?;
-        let outward_length = outward.amax();
-        let is_good = outward_length > 0.0 && outward_length <= LARGEST;
-        let expected = "a direction of finite length > 0";
-        Ep2Error::unless_good("outward", outward_length, is_good, expected)?;
-        let mut frame = PatchFrame::of(contacts, &(outward / outward_length))?;
+        let mut frame = PatchFrame::of(contacts, &direction(outward)?)?;
         let mut samples = contacts
             .iter()
             .enumerate()
@@ -122,6 +118,16 @@ impl Patch {
     pub fn equations(&self) -> usize {
         self.samples.len() * if self.has_normals() { 3 } else { 1 }
     }
+}
+
+/// The direction, so long that its largest component is 1.
+pub(crate) fn direction(outward: &Vector3<f64>) -> Result<Vector3<f64>, Ep2Error> {
+    // Not a number where a component is none, which the largest does not tell.
+    let length = outward.abs().sum();
+    let is_good = length > 0.0 && length <= LARGEST;
+    let expected = "a direction of finite length > 0";
+    Ep2Error::unless_good("outward", length, is_good, expected)?;
+    Ok(outward / outward.amax())
 }
 
 fn check(contacts: &[Contact]) -> Result<(), Ep2Error> {

@@ -50,7 +50,7 @@ pub use glide::{GlideReadings, parse_glide, read_glide};
 pub use like::LikeError;
 pub use overlay::overlay;
 pub use palpate_ep1::{ReadingNoise, SetRow};
-pub use palpate_ep2::MapPoint;
+pub use palpate_ep2::{MapPoint, RoundTip, TipPoint};
 pub use palpate_geometry::{ShapeClass, ShapeThresholds};
 pub use palpate_tracking::{Calibration, Marker, NormalFrom, Status, Track};
 pub use patch::{GlideOptions, estimate_glide};

@@ -9,4 +9,5 @@ mod penalised;
 mod refusals;
 mod samples;
 mod smoothing;
+mod tips;
 mod two_pass;

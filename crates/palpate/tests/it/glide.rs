@@ -278,3 +278,65 @@ fn a_cell_without_a_map_is_told() {
     assert!(ended.stderr.contains("\nerror: every trial failed: "));
     assert_eq!(ended.status, Some(1));
 }
+
+/// A study of tips of 4 mm on a ball of 20 mm, told by their lowest points.
+const ROUND: &str = r#"name = "round-tips"
+length_unit = "mm"
+seed = 7
+trials = 1
+outputs = ["cells", "trace"]
+
+[scene]
+kind = "glide"
+probe = { kind = "sphere", radius = 4.0 }
+object = { kind = "sphere", radius = 20.0 }
+motion = { finger_positions = [-5.0, 0.0, 5.0], inter_finger_distance = 5.0, patch_length = 10.0, contacts_per_finger = 10 }
+sensor = { kind = "ideal", reports = "lowest-point" }
+evaluate = { grid = 5, half_width = 3.0, gaussian_threshold = 0.00005, mean_threshold = 0.003 }
+"#;
+
+#[test]
+fn lowest_points_and_centres_of_round_tips_tell_the_object() {
+    let desk = Desk::with(ROUND);
+    desk.palpate("run c.toml --out o").printed();
+    let cells = desk.table("o/cells.csv");
+    assert_close(cells.number(1, "mean"), 0.05, 2e-3);
+    let mean = |flags: &str| {
+        let printed = desk
+            .palpate(&format!("estimate glide o/readings.csv {flags}"))
+            .printed();
+        let estimate: Value = serde_json::from_str(&printed).unwrap();
+        estimate["mean_curvature"]["value"].as_f64().unwrap()
+    };
+    // The tip taken for a point makes a ball of 24 mm of it.
+    assert_close(mean(""), 1.0 / 24.0, 4e-3);
+    assert_close(mean("--tip-radius 4"), 0.05, 2e-3);
+    assert_close(
+        mean("--tip-radius 4 --reports lowest-point --outward 0,0,2"),
+        0.05,
+        2e-3,
+    );
+    assert_close(mean("--like c.toml"), 0.05, 2e-3);
+    // Centres are higher by the radius, which changes no curvature.
+    assert_close(mean("--tip-radius 4 --reports centre"), 0.05, 2e-3);
+    for (flags, said) in [
+        (
+            "--reports centre",
+            "--reports is of use only to readings of round tips; give --tip-radius too",
+        ),
+        ("--tip-radius -1", "--tip-radius"),
+        (
+            "--outward 0,0,1",
+            "--outward is of use only to readings without normals",
+        ),
+        (
+            "--tip-radius 4 --reports centre --outward 0,0,1",
+            "--outward is of use only to",
+        ),
+    ] {
+        let refused = desk
+            .palpate(&format!("estimate glide o/readings.csv {flags}"))
+            .said(2);
+        assert!(refused.contains(said), "{flags}: {refused}");
+    }
+}

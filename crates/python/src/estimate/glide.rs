@@ -303,6 +303,7 @@ pub(crate) fn estimate_glide<'py>(
         gaussian_threshold,
         mean_threshold,
         inter_finger_distance,
+        ..GlideGiven::default()
     };
     let base = self::like(
         like.as_ref().map(Bound::get),

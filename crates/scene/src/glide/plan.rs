@@ -1,6 +1,6 @@
 //! Plan of a glide: from its config to a [`GlideScene`].
 
-use palpate_ep2::Contact;
+use palpate_ep2::{Contact, RoundTip};
 use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
 use palpate_number::Number;
 use palpate_rolling::{Fingertip, GlideError, Glider, InvalidTouch, TouchModel};
@@ -31,12 +31,14 @@ impl GlideScene {
         let touches = touches(&glider, middle, &config.motion)?;
         let sensor = sensor(&config.sensor, radius)?;
         let sensed = sensed(&sensor, &touches, radius)?;
+        let tip = sensor.tip(radius);
         let noise = noise(&config.noise, config.motion.inter_finger_distance)?;
         let method = AnyMethod::of(&config.estimator, Some(config.motion.inter_finger_distance));
         let grid = grid(&config.evaluate, glider.object(), middle)?;
         let mut needs = vec![need(&glider)];
         needs.extend(noise.need());
         needs.push(sensor.need());
+        needs.extend(tip.map(|tip| of_tips(&tip, sensor.normals)));
         needs.push(method.need());
         needs.extend(beyond(config));
         Ok(Self {
@@ -45,6 +47,7 @@ impl GlideScene {
             touches,
             sensed,
             noise,
+            tip,
             method,
             grid,
             needs,
@@ -85,6 +88,18 @@ fn need(glider: &Glider) -> String {
         _ => String::new(),
     };
     format!("contacts by {} ({}{bound})", choice.rung, choice.reason)
+}
+
+/// How contacts follow from the tips, in words.
+fn of_tips(tip: &RoundTip, with_normals: bool) -> String {
+    let normals = match with_normals {
+        true => "the sensed normals",
+        false => "the normals of a first fit to the tips' centres",
+    };
+    format!(
+        "contacts {} from the tips' centres, along {normals}",
+        Number(tip.radius)
+    )
 }
 
 fn of_tip(error: InvalidShape) -> PlanError {

@@ -1,7 +1,7 @@
 //! A glide that is ready to run, and its trials.
 
 use nalgebra::Vector3;
-use palpate_ep2::{Contact, Ep2Error, Fit, Method, Patch};
+use palpate_ep2::{Contact, Ep2Error, Fit, Method, Patch, RoundTip};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_number::BadSetting;
 use palpate_rolling::Touch;
@@ -33,6 +33,8 @@ pub struct GlideScene {
     /// Contacts as the sensor reports them, without noise.
     pub(super) sensed: Vec<Contact>,
     pub(super) noise: ContactNoise,
+    /// The tip whose readings tell another point than the contact; `None` of others.
+    pub(super) tip: Option<RoundTip>,
     pub(super) method: AnyMethod,
     pub(super) grid: TrueGrid,
     pub(super) needs: Vec<String>,
@@ -112,8 +114,12 @@ impl GlideScene {
 
     /// The surface that the method makes of these readings.
     pub(super) fn fit(&self, trial: Option<u64>) -> Result<Fit, Ep2Error> {
-        let patch = Patch::new(&self.readings(trial), &Vector3::z())?;
-        self.method.fit(&patch)
+        let readings = self.readings(trial);
+        let contacts = match &self.tip {
+            Some(tip) => tip.contacts(&readings, &Vector3::z(), &self.method)?,
+            None => readings,
+        };
+        self.method.fit(&Patch::new(&contacts, &Vector3::z())?)
     }
 }
 

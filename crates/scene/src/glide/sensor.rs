@@ -1,6 +1,7 @@
 //! Sensors of the contacts of gliding fingers.
 
 use nalgebra::{Point3, Vector3};
+use palpate_ep2::{RoundTip, TipPoint};
 use palpate_rolling::Touch;
 use palpate_sensing::{BeyondPads, PadPlacement, Pads, direction_at, displacement_between};
 
@@ -37,6 +38,15 @@ impl GlideSensor {
             }
         };
         Ok((position, self.normals.then_some(normal)))
+    }
+
+    /// The tip of `radius` of which readings tell another point than the contact, if they do.
+    pub(super) fn tip(&self, radius: f64) -> Option<RoundTip> {
+        let tells_lowest = matches!(self.kind, SensorKind::Ideal(Reports::LowestPoint));
+        (tells_lowest && radius > 0.0).then_some(RoundTip {
+            radius,
+            told: TipPoint::Lowest,
+        })
     }
 
     pub(super) fn need(&self) -> String {

@@ -1,8 +1,8 @@
 //! Options of estimates from recorded readings, as a study has them.
 
 use palpate_study::config::{
-    GlideConfig, LengthUnit, PressConfig, PressProbeConfig, ProbeConfig, RollConfig, SceneConfig,
-    StudyConfig, in_unit,
+    FingertipConfig, GlideConfig, GlideSensorConfig, LengthUnit, PressConfig, PressProbeConfig,
+    ProbeConfig, Reports, RollConfig, SceneConfig, StudyConfig, in_unit,
 };
 
 use super::patch::GlideOptions;
@@ -11,6 +11,7 @@ use super::roll::RollOptions;
 use crate::plan::PlanError;
 use crate::{Parts, PressScene, RollScene};
 use palpate_ep1::ReadingNoise;
+use palpate_ep2::{RoundTip, TipPoint};
 use palpate_geometry::ShapeThresholds;
 
 /// Why readings cannot be taken as a study takes them.
@@ -100,7 +101,8 @@ impl RollOptions {
 }
 
 impl GlideOptions {
-    /// Options with the estimator of a study, its inter-finger distance and its thresholds, lengths converted to `unit`.
+    /// Options with the estimator of a study, its inter-finger distance, its thresholds, and its tip where readings tell
+    /// the lowest point of that; lengths converted to `unit`.
     ///
     /// # Errors
     /// [`LikeError`] for a scene that is no glide, a unit that cannot be converted, and thresholds that contradict each
@@ -122,9 +124,28 @@ impl GlideOptions {
             length_unit: Some(unit),
             thresholds: Some(thresholds),
             inter_finger_distance: Some(config.motion.inter_finger_distance * factor),
+            tip: tip(config, factor),
             ..Self::default()
         })
     }
+}
+
+/// The round tip of a study whose sensor tells its lowest point; lengths times `factor`.
+fn tip(config: &GlideConfig, factor: f64) -> Option<RoundTip> {
+    let FingertipConfig::Sphere { radius } = config.probe else {
+        return None;
+    };
+    let GlideSensorConfig::Ideal {
+        reports: Reports::LowestPoint,
+        ..
+    } = config.sensor
+    else {
+        return None;
+    };
+    Some(RoundTip {
+        radius: radius * factor,
+        told: TipPoint::Lowest,
+    })
 }
 
 impl PressOptions {

@@ -1,7 +1,11 @@
 //! The curvature of a patch from recorded glides.
 
+use std::borrow::Cow;
+
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::{Curvature, Ep2Error, Fit, Method, Patch, Status, Uncertainty, regions};
+use palpate_ep2::{
+    Contact, Curvature, Ep2Error, Fit, Method, Patch, RoundTip, Status, Uncertainty, regions,
+};
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use palpate_number::Number;
 
@@ -25,8 +29,11 @@ pub struct GlideOptions {
     pub estimator: GlideEstimatorConfig,
     /// The unit of lengths, where the header does not state it.
     pub length_unit: Option<LengthUnit>,
-    /// Out of the object; only its side of the patch matters, and only without normals.
+    /// Out of the object: without normals its side of the patch matters, and of lowest points of round tips the
+    /// direction.
     pub outward: [f64; 3],
+    /// Round tips of which the readings tell another point than the contact; lengths in the readings' unit.
+    pub tip: Option<RoundTip>,
     /// Places along each side of the grid on which regions are sought, and the map's.
     pub grid: usize,
     /// Whether the map has a place per contact, in their order, and not those of the grid.
@@ -45,6 +52,7 @@ impl Default for GlideOptions {
             estimator: GlideEstimatorConfig::default(),
             length_unit: None,
             outward: [0.0, 0.0, 1.0],
+            tip: None,
             grid: 30,
             map_at_contacts: false,
             thresholds: None,
@@ -64,8 +72,9 @@ pub fn estimate_glide(
 ) -> Result<(GlideEstimate, GlideMap), RecordedError> {
     let unit = agreed_unit(&recorded.origin, recorded.unit, options.length_unit)?;
     let refused = |error| refused(recorded, &error);
-    let patch = Patch::new(&recorded.contacts, &Vector3::from(options.outward)).map_err(refused)?;
     let method = AnyMethod::of(&options.estimator, options.inter_finger_distance);
+    let contacts = contacts(recorded, options, &method).map_err(refused)?;
+    let patch = Patch::new(&contacts, &Vector3::from(options.outward)).map_err(refused)?;
     let fit = method.fit(&patch).map_err(refused)?;
     let centre = fit.centre().map_err(refused)?;
     let points = fit.map(options.grid).map_err(refused)?;
@@ -134,7 +143,7 @@ pub fn estimate_glide(
         warnings: spacing(&patch, options, unit)
             .into_iter()
             .chain(noise(&patch, options, unit))
-            .chain(of_normals(&recorded.contacts))
+            .chain(of_normals(&contacts))
             .chain(recorded.note.clone())
             .collect(),
         covariance: stds.map(|stds| {
@@ -150,9 +159,8 @@ pub fn estimate_glide(
         false => Extras::default(),
     };
     let (points, regions) = if options.map_at_contacts {
-        let contacts = recorded.contacts.iter().map(|contact| contact.position);
-        let contacts: Vec<Point3<f64>> = contacts.collect();
-        (fit.points_at(&contacts).map_err(refused)?, None)
+        let places: Vec<Point3<f64>> = contacts.iter().map(|contact| contact.position).collect();
+        (fit.points_at(&places).map_err(refused)?, None)
     } else {
         (points, Some(regions))
     };
@@ -164,6 +172,21 @@ pub fn estimate_glide(
         extras,
     };
     Ok((estimate, map))
+}
+
+/// The recorded contacts, or those that follow from the points of round tips.
+fn contacts<'a>(
+    recorded: &'a GlideReadings,
+    options: &GlideOptions,
+    method: &AnyMethod,
+) -> Result<Cow<'a, [Contact]>, Ep2Error> {
+    let told = &recorded.contacts;
+    match &options.tip {
+        Some(tip) => Ok(tip
+            .contacts(told, &Vector3::from(options.outward), method)?
+            .into()),
+        None => Ok(told.into()),
+    }
 }
 
 /// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.

@@ -153,20 +153,28 @@ fn noise_has_the_stated_size() {
     assert!((std / (0.3 / 3.0_f64.sqrt()) - 1.0).abs() < 0.03, "{std}");
 }
 
-/// A tip of radius r that is taken for a point makes a sphere of R one of R + r.
+/// The lowest points of a tip of radius r on a sphere of R lie on a sphere of R + r; the contacts that are found from
+/// them lie on that of R, with normals and without.
 #[test]
-fn a_round_tip_taken_for_a_point_adds_its_radius() {
-    let sphere = |reports: &str| {
+fn contacts_are_found_from_the_lowest_points_of_round_tips() {
+    let sphere = |sensor: &str| {
         let scene = scene(
             r#"{ kind = "sphere", radius = 50 }"#,
             r#"{ kind = "sphere", radius = 100 }"#,
-            &format!("sensor = {{ kind = \"ideal\", reports = \"{reports}\" }}"),
+            &format!("sensor = {{ kind = \"ideal\", {sensor} }}"),
         );
         let [_, mean, _] = trial(&scene, 0);
         mean[24].0
     };
-    assert!((sphere("contact") * 100.0 - 1.0).abs() < 1e-3);
-    assert!((sphere("lowest-point") * 150.0 - 1.0).abs() < 1e-3);
+    for normals in ["normals = true", "normals = false"] {
+        for reports in ["contact", "lowest-point"] {
+            let found = sphere(&format!("reports = \"{reports}\", {normals}"));
+            assert!(
+                (found * 100.0 - 1.0).abs() < 2e-3,
+                "{reports}, {normals}: {found}"
+            );
+        }
+    }
 }
 
 #[test]

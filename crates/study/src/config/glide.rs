@@ -173,7 +173,8 @@ pub enum Reports {
     /// The contact, wherever it is on the tip.
     #[default]
     Contact,
-    /// The lowest point of the tip, as if that were the contact: what taking a round tip for a point costs.
+    /// The lowest point of the tip. The estimator finds the contact from it, the tip's radius and the normal: the
+    /// sensed one, or without normals that of a first fit to the tips' centres.
     LowestPoint,
 }
 

@@ -21,6 +21,7 @@ use crate::output::Format;
 pub(crate) use answers::{AnswerArgs, DesignArgs, DistinguishArgs};
 pub(crate) use estimate::{
     EstimateGlideArgs, EstimatePressArgs, EstimateRollArgs, Estimator, LikeArgs, SensorArgs,
+    TipReports,
 };
 pub(crate) use form::FormArgs;
 pub(crate) use sensor::{CalibrateArgs, PatternArgs, SensorCommand, TrackArgs};

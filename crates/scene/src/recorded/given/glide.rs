@@ -1,5 +1,6 @@
 //! Settings of an estimate from glides.
 
+use palpate_ep2::{RoundTip, TipPoint};
 use palpate_geometry::ShapeThresholds;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit, Range, with_settings};
 use serde_json::{Map, Value as Json};
@@ -19,8 +20,12 @@ pub struct GlideGiven {
     pub grid: Option<u32>,
     /// Whether the map has a place per contact instead of a grid.
     pub at_contacts: bool,
-    /// Direction out of the object, of any length; of use only to readings without normals.
+    /// Direction out of the object, of any length; of use only to readings without normals or of lowest points.
     pub outward: Option<[f64; 3]>,
+    /// Radius of round tips of which the readings tell another point than the contact.
+    pub tip_radius: Option<f64>,
+    /// That point, the lowest by default; of use only with the radius.
+    pub reports: Option<TipPoint>,
     /// Unit of lengths, where the readings do not state it.
     pub length_unit: Option<LengthUnit>,
     /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; goes with the next.
@@ -67,6 +72,7 @@ impl GlideOptions {
             ),
             ("mean_threshold", given.mean_threshold, Range::NOT_NEGATIVE),
             ("inter_finger_distance", distance, Range::POSITIVE),
+            ("tip_radius", given.tip_radius, Range::NOT_NEGATIVE),
         ])?;
         let base = base.unwrap_or_default();
         let estimator = match given.estimator.is_empty() {
@@ -85,8 +91,20 @@ impl GlideOptions {
         if distance.is_some() && !is_two_pass {
             return useless("inter_finger_distance", wording.with("kind", "two-pass"));
         }
-        if given.outward.is_some() && has_normals {
-            return useless("outward", "readings without normals".to_owned());
+        let tip = tip(given, base.tip);
+        let tells_lowest = tip.is_some_and(|tip| tip.told == TipPoint::Lowest);
+        if given.outward.is_some() && has_normals && !tells_lowest {
+            let to = "readings without normals and to lowest points of round tips";
+            return useless("outward", to.to_owned());
+        }
+        if given.reports.is_some() && tip.is_none() {
+            return useless(
+                "reports",
+                format!(
+                    "readings of round tips; give {} too",
+                    wording.name("tip_radius")
+                ),
+            );
         }
         if given.estimator.contains_key("normal_std_deg") && !has_normals {
             return useless("normal_std_deg", "readings with normals".to_owned());
@@ -98,12 +116,23 @@ impl GlideOptions {
                 Some(outward) => direction(outward, wording)?,
                 None => base.outward,
             },
+            tip,
             grid: given.grid.map_or(base.grid, |grid| grid as usize),
             map_at_contacts: given.at_contacts,
             thresholds: thresholds(given, wording)?.or(base.thresholds),
             inter_finger_distance: distance.or(base.inter_finger_distance),
         })
     }
+}
+
+/// The round tip as given, else that of `base`.
+fn tip(given: &GlideGiven, base: Option<RoundTip>) -> Option<RoundTip> {
+    let radius = given.tip_radius.or(base.map(|tip| tip.radius))?;
+    let told = given.reports.or(base.map(|tip| tip.told));
+    Some(RoundTip {
+        radius,
+        told: told.unwrap_or_default(),
+    })
 }
 
 /// A direction whose largest component is 1.

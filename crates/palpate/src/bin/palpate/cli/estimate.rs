@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use palpate_study::config::{GlideEstimatorConfig, PressEstimatorConfig, RollEstimatorConfig};
 
 use super::form::FormArgs;
@@ -68,8 +68,12 @@ standard error repeats, tell where the readings contradict what is stated: the n
 of normals, by that of the same method where none is stated; the distance between fingers; normals that are not of
 length 1, or point to -z. Whether all normals point inward, and the unit of all lengths, the readings do not tell.
 
-With --like STUDY.toml the estimator, the distance between fingers and the thresholds are those of a
-study of kind glide, in the readings' unit; flags override them.
+Fingertips are points unless --tip-radius says otherwise. Where positions are of a round tip's lowest point or of its
+centre, contacts are found from the normals; without, from those of a first fit to the centres, whose error the
+stated deviations leave out.
+
+With --like STUDY.toml the estimator, the distance between fingers, the thresholds and, where the sensor reports lowest
+points, the tip are those of a study of kind glide, in the readings' unit; flags override them.
 
 Examples:
   palpate estimate glide examples/glide-readings.csv --map map.csv
@@ -77,6 +81,7 @@ Examples:
   palpate estimate glide examples/glide-readings.csv --method two-pass --smoothing 500
   palpate estimate glide examples/glide-readings.csv --criterion gcv --intervals 6
   palpate estimate glide examples/glide-readings.csv --like examples/fingers-over-a-mug.toml
+  palpate estimate glide examples/glide-readings.csv --tip-radius 4 --reports centre
   palpate estimate glide examples/foreign-glide.csv --columns 'x=Finger X [m],y=Finger Y [m],z=Finger Z [m]' --length-unit mm
   palpate estimate glide examples/glide-readings.csv --gaussian-threshold 0.0005 --mean-threshold 0.01")
     )]
@@ -162,6 +167,15 @@ pub(crate) struct EstimateRollArgs {
     pub(crate) relative_rotation_std: Option<f64>,
 }
 
+/// Point of a round fingertip that positions are of.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum TipReports {
+    /// The point farthest against --outward.
+    LowestPoint,
+    /// The tip's centre.
+    Centre,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct EstimateGlideArgs {
     /// The recorded readings, a CSV file or JSON with one object per line; - is standard input.
@@ -182,7 +196,14 @@ pub(crate) struct EstimateGlideArgs {
     /// Give the map one row per reading, in their order, instead of a grid; it then has no regions.
     #[arg(long, requires = "map")]
     pub(crate) at_contacts: bool,
-    /// The direction out of the object, for readings without normals [default: 0,0,1].
+    /// Radius of round fingertips, in the readings' length unit, where positions are not of the contacts but of the
+    /// point that --reports names: contacts then follow from the normals, or from a first fit.
+    #[arg(long, value_name = "R", value_parser = not_negative, allow_negative_numbers = true)]
+    pub(crate) tip_radius: Option<f64>,
+    /// The point of round fingertips that positions are of [default: lowest-point].
+    #[arg(long, value_name = "POINT")]
+    pub(crate) reports: Option<TipReports>,
+    /// The direction out of the object, for readings without normals or of lowest points [default: 0,0,1].
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     pub(crate) outward: Option<Direction>,
     /// Magnitude of the Gaussian curvature below which it counts as zero, 1/length²; at least the square

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_scene::recorded::{
-    GlideGiven, GlideOptions, GlideReadings, Wording, estimate_glide, parse_glide,
+    GlideGiven, GlideOptions, GlideReadings, TipPoint, Wording, estimate_glide, parse_glide,
 };
 
 use super::like::Like;
 use super::table::{form, table};
 use super::warned::warn;
-use crate::cli::EstimateGlideArgs;
+use crate::cli::{EstimateGlideArgs, TipReports};
 use crate::failure::Failure;
 use crate::output::{self, Guard, Single};
 
@@ -42,6 +42,11 @@ fn options(
         grid: Some(args.grid),
         at_contacts: args.at_contacts,
         outward: args.outward.map(|outward| outward.0),
+        tip_radius: args.tip_radius,
+        reports: args.reports.map(|reports| match reports {
+            TipReports::LowestPoint => TipPoint::Lowest,
+            TipReports::Centre => TipPoint::Centre,
+        }),
         length_unit: args.form.length_unit,
         gaussian_threshold: args.gaussian_threshold,
         mean_threshold: args.mean_threshold,

@@ -1,0 +1,120 @@
+//! Contacts from the centres and the lowest points of round tips.
+
+use nalgebra::{Point3, Vector3};
+use palpate_ep2::{Contact, Ep2Error, Method, Patch, Penalised, RoundTip, TipPoint};
+
+const POINTS: [TipPoint; 2] = [TipPoint::Lowest, TipPoint::Centre];
+
+/// Unit normals of three fingers' contacts on a ball, which are also its points.
+fn normals() -> impl Iterator<Item = (usize, Vector3<f64>)> {
+    (0..30).map(|index| {
+        let (finger, step) = (index / 10, index % 10);
+        let (x, y) = (step as f64 / 15.0 - 0.3, 0.3 * finger as f64 - 0.3);
+        (finger, Vector3::new(x, y, (1.0 - x * x - y * y).sqrt()))
+    })
+}
+
+/// Points that a tip tells on a ball, or in a dish where `hollow`, of radius 5.
+fn told(tip: &RoundTip, hollow: bool, with_normals: bool) -> Vec<Contact> {
+    let (radius, side) = if hollow { (5.0, -1.0) } else { (5.0, 1.0) };
+    let told = normals().map(|(finger, out)| {
+        // The normal of a dish points to its middle, from below.
+        let normal = Vector3::new(side * out.x, side * out.y, out.z);
+        let contact = Vector3::new(radius * out.x, radius * out.y, side * radius * out.z);
+        let centre = contact + normal * tip.radius;
+        let point = match tip.told {
+            TipPoint::Centre => centre,
+            TipPoint::Lowest => centre - Vector3::z() * tip.radius,
+        };
+        Contact::new(
+            finger,
+            Point3::from(point),
+            with_normals.then_some(normal * 3.0),
+        )
+    });
+    told.collect()
+}
+
+#[test]
+fn contacts_lie_on_the_object_where_normals_are_known() {
+    for told_point in POINTS {
+        for hollow in [false, true] {
+            for radius in [0.0, 1e-6, 0.5, 2.0] {
+                let tip = RoundTip {
+                    radius,
+                    told: told_point,
+                };
+                let told = told(&tip, hollow, true);
+                let contacts = tip.contacts(&told, &(Vector3::z() * 7.0), &Penalised::default());
+                for contact in contacts.unwrap() {
+                    let distance = contact.position.coords.norm();
+                    assert!(
+                        (distance - 5.0).abs() < 1e-12,
+                        "{tip:?} {hollow}: {distance}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn centres_without_normals_tell_the_object_too() {
+    for told_point in POINTS {
+        for (hollow, mean) in [(false, 0.2), (true, -0.2)] {
+            let tip = RoundTip {
+                radius: 1.0,
+                told: told_point,
+            };
+            let told = told(&tip, hollow, false);
+            let method = Penalised::default();
+            let contacts = tip.contacts(&told, &Vector3::z(), &method).unwrap();
+            assert!(contacts.iter().all(|contact| contact.normal.is_none()));
+            let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
+            let centre = method.fit(&patch).unwrap().centre().unwrap();
+            let found = centre.curvature;
+            assert!((found.mean - mean).abs() < 0.004, "{found:?}");
+            // A ball of 6, or a dish of 4, is what the tip's centres make.
+            let taken = Patch::new(&told, &Vector3::z()).unwrap();
+            let taken = method.fit(&taken).unwrap().centre().unwrap().curvature;
+            assert!((taken.mean - mean).abs() > 0.02, "{taken:?}");
+        }
+    }
+}
+
+#[test]
+fn tips_at_the_extremes_are_refused_or_left_alone() {
+    let method = Penalised::default();
+    let tip = |radius| RoundTip {
+        radius,
+        told: TipPoint::Lowest,
+    };
+    let all = told(&tip(1.0), false, true);
+    for radius in [-1.0, f64::NAN, f64::INFINITY, 1e300] {
+        let error = tip(radius)
+            .contacts(&all, &Vector3::z(), &method)
+            .unwrap_err();
+        assert!(error.to_string().contains("tip_radius"), "{error}");
+    }
+    for outward in [Vector3::zeros(), Vector3::new(0.0, f64::NAN, 1.0)] {
+        let error = tip(1.0).contacts(&all, &outward, &method).unwrap_err();
+        assert!(error.to_string().contains("outward"), "{error}");
+    }
+    assert_eq!(
+        tip(0.0).contacts(&all, &Vector3::z(), &method).unwrap(),
+        all
+    );
+    assert_eq!(
+        tip(1.0).contacts(&[], &Vector3::z(), &method).err(),
+        Patch::new(&[], &Vector3::z()).err()
+    );
+    // A normal of length 0 is named by the patch.
+    let mut broken = all.clone();
+    broken[4].normal = Some(Vector3::zeros());
+    let contacts = tip(1.0).contacts(&broken, &Vector3::z(), &method).unwrap();
+    let error = Patch::new(&contacts, &Vector3::z()).unwrap_err();
+    assert!(
+        matches!(error, Ep2Error::BadNormal { contact: 4, .. }),
+        "{error}"
+    );
+}
