@@ -52,8 +52,8 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let off_scale = rungs().any(is_off_scale).then(|| {
         format!("Points below an arrow are off the scale: they err by more than {WORST}.")
     });
-    let subtitle = "Each point is one choice. The line joins those that no other beats in both error and cost; \
-                    pale ones are beaten.";
+    let subtitle =
+        "The line joins choices that no other beats in both error and cost; pale ones are beaten.";
     let words = Words {
         name: ladder.name.clone(),
         title: ladder.title.clone(),
