@@ -74,6 +74,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
             canvas.marker(style.marker, (x + SAMPLE / 2.0, y), MARKER, style.colour);
         });
     }
+    frame.top += 8.0;
     frame.heading(&format!("{error_of} (no unit)"), EDGE, WIDTH - 2.0 * EDGE);
     let style_of = |rung: &Rung| {
         let family = family(&rung.name);
