@@ -51,10 +51,10 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
             per_spread * spread / successes.sqrt()
         }
         Statistic::Coverage50 | Statistic::Coverage80 | Statistic::Coverage95 => {
-            return Some(of_share(value, successes));
+            return of_share(value, successes);
         }
         Statistic::Failures => {
-            return Some(of_share(value / trials, trials).map(|share| share * trials));
+            return of_share(value / trials, trials).map(|ends| ends.map(|share| share * trials));
         }
         Statistic::Truth
         | Statistic::Trials
@@ -62,7 +62,8 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
         | Statistic::MeanReportedStd
         | Statistic::StdBound => return None,
     };
-    Some([value - HALF_WIDTH * error, value + HALF_WIDTH * error])
+    let ends = [value - HALF_WIDTH * error, value + HALF_WIDTH * error];
+    ends.iter().all(|end| end.is_finite()).then_some(ends)
 }
 
 /// Standard errors of the median and of the 5 and 95 % quantiles of a normal distribution, times the root of the number,
@@ -90,8 +91,11 @@ fn of_std(std: f64, bias: f64, of: &impl Fn(Statistic) -> Option<f64>, count: f6
     Some((of_square * of_square - of_bias).max(0.0).sqrt() / (2.0 * std))
 }
 
-/// Wilson's interval of a share.
-pub(crate) fn of_share(share: f64, count: f64) -> [f64; 2] {
+/// Wilson's interval of a share; `None` of a number that is none.
+fn of_share(share: f64, count: f64) -> Option<[f64; 2]> {
+    if !(0.0..=1.0).contains(&share) {
+        return None;
+    }
     let squared = HALF_WIDTH * HALF_WIDTH / count;
     let middle = share + 0.5 * squared;
     let half = (squared * (share * (1.0 - share) + 0.25 * squared))
@@ -99,7 +103,7 @@ pub(crate) fn of_share(share: f64, count: f64) -> [f64; 2] {
         .sqrt();
     let [low, high] = [middle - half, middle + half].map(|end| end / (1.0 + squared));
     // Rounding must not take the ends off the share itself.
-    [low.clamp(0.0, share), high.clamp(share, 1.0)]
+    Some([low.clamp(0.0, share), high.clamp(share, 1.0)])
 }
 
 #[cfg(test)]
@@ -179,6 +183,33 @@ mod tests {
         assert!(all[0] > 0.96 && all[0] < 0.97 && all[1] == 1.0, "{all:?}");
         let failures = found("class", &[(S::Failures, 50.0)], S::Failures).unwrap();
         assert!((failures[0] - 40.4).abs() < 0.1 && (failures[1] - 59.6).abs() < 0.1);
+    }
+
+    #[test]
+    fn numbers_that_cannot_be_have_no_interval() {
+        use Statistic as S;
+        for share in [4.0, -0.1, 1e300] {
+            assert_eq!(
+                found("class", &[(S::Coverage80, share)], S::Coverage80),
+                None
+            );
+            assert_eq!(
+                found("class", &[(S::Failures, -share.abs())], S::Failures),
+                None
+            );
+        }
+        let huge = [(S::RmsError, 1e308), (S::RmsErrorStd, 1e308)];
+        assert_eq!(found("mean_curvature", &huge, S::RmsError), None);
+        let zero = [
+            (S::RmsError, 0.0),
+            (S::RmsErrorStd, 0.0),
+            (S::RelativeRmsError, 0.0),
+        ];
+        is(
+            found("mean_curvature", &zero, S::RelativeRmsError),
+            0.0,
+            0.0,
+        );
     }
 
     #[test]
