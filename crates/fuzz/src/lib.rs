@@ -121,6 +121,7 @@ pub fn readings(bytes: &[u8]) -> Verdict {
         let options = GlideOptions {
             estimator: GlideEstimatorConfig::Quadric {
                 position_std: None,
+                position_fraction_of_ifd: None,
                 normal_std_deg: None,
             },
             grid: 3,

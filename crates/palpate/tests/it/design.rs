@@ -265,3 +265,47 @@ fn files_of_others_stay() {
     desk.palpate(&format!("{design} --force")).printed();
     desk.palpate(&design).printed();
 }
+
+/// The least roll with a noise of 0.07 mm for 5 % on a ball five times as large as the probe, told by its time, its angle and
+/// its path: 1 rad is 2 s, and 10 mm / (1 + 1/5) on the probe.
+#[test]
+fn the_length_of_a_roll_is_asked_for_in_any_of_its_units() {
+    let pads = edited(
+        &noiseless(),
+        "[[sweep]]",
+        "sensor = { kind = \"wrist\", std = 0.07 }\n[[sweep]]",
+    );
+    let desk = Desk::with(&pads);
+    let least = |path: &str, range: &str| {
+        let answer = desk.json(&format!(
+            "design c.toml {TARGET} --set scene.object.radius=50 --vary scene.motion.{path}={range} --gap 0.2"
+        ));
+        let ends = ["/misses/0/to", "/meets/0/from"].map(|end| number(&answer, end));
+        (answer["answer"].as_str().unwrap().to_owned(), ends)
+    };
+    let (said, of_time) = least("duration_s", "0.2..3");
+    assert!(said.contains(" s or more meets"), "{said}");
+    for (path, range, unit, per_second) in [
+        (
+            "angle_deg",
+            "6..86",
+            "° or more meets",
+            0.5_f64.to_degrees(),
+        ),
+        (
+            "arc_length",
+            "0.8..12.5",
+            " mm or more meets",
+            0.5 * 10.0 / 1.2,
+        ),
+    ] {
+        let (said, ends) = least(path, range);
+        assert!(said.contains(unit), "{path}: {said}");
+        // Both brackets hold the same roll, so that they overlap.
+        let ends = ends.map(|end| end / per_second);
+        assert!(
+            ends[0] <= of_time[1] && of_time[0] <= ends[1],
+            "{path}: {ends:?} {of_time:?}"
+        );
+    }
+}

@@ -254,7 +254,15 @@ fn arguments() {
         ("--method spline", "spline"),
         (
             "--inter-finger-distance 2",
-            "is of use only to --method two-pass",
+            "is of use only to --method two-pass or --position-fraction-of-ifd",
+        ),
+        (
+            "--position-std 0.1 --position-fraction-of-ifd 0.01",
+            "--position-fraction-of-ifd cannot stand beside --position-std; give one of them",
+        ),
+        (
+            "--position-fraction-of-ifd 0",
+            "must be finite and > 0, is 0",
         ),
         (
             "--method two-pass --inter-finger-distance 0",

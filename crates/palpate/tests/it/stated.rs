@@ -123,6 +123,17 @@ fn stated_quantities_that_the_readings_contradict() {
             "the noise of positions is stated as 5 mm, but the contacts show 0.4",
         ),
         ("--position-std 0.01", "stated as 0.01 mm"),
+        // The fingers are 13.8 mm apart, as the readings show them.
+        ("--position-fraction-of-ifd 0.03", "[]"),
+        ("--position-fraction-of-ifd 0.5", "stated as 6.9 mm"),
+        (
+            "--position-fraction-of-ifd 0.05 --inter-finger-distance 100",
+            "stated as 5 mm",
+        ),
+        (
+            "--position-fraction-of-ifd 0.05 --inter-finger-distance 100",
+            "the distance between fingers is stated as 100 mm, but those of the readings are 13.8",
+        ),
         (
             "--normal-std-deg 20",
             "the noise of normals is stated as 20 degrees, but the contacts show 1.9",

@@ -26,19 +26,24 @@ impl Method for AnyMethod {
 }
 
 impl AnyMethod {
-    /// The method of a config, with the inter-finger distance as the unit of two-pass; by default that follows from the
-    /// contacts.
+    /// The method of a config, with the inter-finger distance as the unit of two-pass and of noise that is a fraction of it;
+    /// by default two-pass finds it from the contacts.
     pub(crate) fn of(config: &GlideEstimatorConfig, inter_finger_distance: Option<f64>) -> Self {
         let noise = |position_std, normal_std_deg: Option<f64>| Noise {
             position_std,
             normal_std_rad: normal_std_deg.map(f64::to_radians),
         };
-        match *config {
+        let config = match inter_finger_distance {
+            Some(distance) => config.clone().with_length_noise(distance),
+            None => config.clone(),
+        };
+        match config {
             GlideEstimatorConfig::Penalised {
                 intervals,
                 criterion,
                 gamma,
                 position_std,
+                position_fraction_of_ifd: _,
                 normal_std_deg,
             } => Self::Penalised(Penalised {
                 intervals: intervals.map(|intervals| intervals as usize),
@@ -79,6 +84,7 @@ impl AnyMethod {
             }),
             GlideEstimatorConfig::Quadric {
                 position_std,
+                position_fraction_of_ifd: _,
                 normal_std_deg,
             } => Self::Quadric(Quadric {
                 noise: noise(position_std, normal_std_deg),

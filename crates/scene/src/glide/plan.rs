@@ -5,8 +5,8 @@ use palpate_geometry::{InvalidShape, Shape, ShapeThresholds, Surface};
 use palpate_number::Number;
 use palpate_rolling::{Fingertip, GlideError, Glider, InvalidTouch, TouchModel};
 use palpate_sensing::{
-    BeyondPads, Channel, Distribution, InvalidSensor, NormalError, PadOffset, Pads, PositionAxes,
-    PositionError, Stream,
+    BeyondPads, Channel, Distribution, NormalError, PadOffset, Pads, PositionAxes, PositionError,
+    Stream,
 };
 
 use super::method::AnyMethod;
@@ -204,38 +204,42 @@ fn sensed(
 
 fn noise(config: &GlideNoiseConfig, inter_finger_distance: f64) -> Result<ContactNoise, PlanError> {
     let position = config.position.as_ref().map(|position| {
-        let (distribution, fraction, axis) = match *position {
+        let (distribution, fraction, (key, length), axis) = match *position {
             PositionNoise::Gaussian {
                 fraction_of_ifd,
+                std,
                 axis,
-            } => (Distribution::Gaussian, fraction_of_ifd, axis),
+            } => (Distribution::Gaussian, fraction_of_ifd, ("std", std), axis),
             PositionNoise::Uniform {
                 fraction_of_ifd,
+                bound,
                 axis,
-            } => (Distribution::Uniform, fraction_of_ifd, axis),
+            } => (
+                Distribution::Uniform,
+                fraction_of_ifd,
+                ("bound", bound),
+                axis,
+            ),
         };
+        let of_fingers = fraction.map(|fraction| fraction * inter_finger_distance);
+        let size = of_fingers.or(length).unwrap_or_default();
+        let key = fraction.map_or(key, |_| "fraction_of_ifd");
         let axes = match axis {
             NoiseAxis::Xyz => PositionAxes::Xyz,
             NoiseAxis::Z => PositionAxes::Z,
         };
-        PositionError::new(distribution, fraction * inter_finger_distance, axes)
+        PositionError::new(distribution, size, axes)
+            .map_err(|error| PlanError::at(format!("scene.noise.position.{key}"), error))
     });
     let normal = config.normal.as_ref().map(|normal| {
         let NormalNoise::Gaussian { std_deg } = *normal;
         NormalError::new(std_deg.to_radians())
     });
-    let at = |path: &str| {
-        let path = path.to_owned();
-        move |error: InvalidSensor| PlanError::at(path, error)
-    };
     Ok(ContactNoise {
-        position: position
-            .transpose()
-            .map_err(at("scene.noise.position.fraction_of_ifd"))?
-            .filter(PositionError::is_random),
+        position: position.transpose()?.filter(PositionError::is_random),
         normal: normal
             .transpose()
-            .map_err(at("scene.noise.normal.std_deg"))?
+            .map_err(|error| PlanError::at("scene.noise.normal.std_deg", error))?
             .filter(NormalError::is_random),
     })
 }

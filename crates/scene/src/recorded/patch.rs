@@ -41,8 +41,8 @@ pub struct GlideOptions {
     /// When curvatures count as zero, in the unit of the readings; `None` takes them from the size
     /// of the patch.
     pub thresholds: Option<ShapeThresholds>,
-    /// The length that the settings of two-pass count in; `None` for the mean distance between
-    /// neighbouring fingers. Only two-pass has use for it.
+    /// The length that the settings of two-pass count in, and a noise of positions that is a fraction; `None` for the mean
+    /// distance between neighbouring fingers. Only these have use for it.
     pub inter_finger_distance: Option<f64>,
 }
 
@@ -72,6 +72,8 @@ pub fn estimate_glide(
 ) -> Result<(GlideEstimate, GlideMap), RecordedError> {
     let unit = agreed_unit(&recorded.origin, recorded.unit, options.length_unit)?;
     let refused = |error| refused(recorded, &error);
+    let given = options;
+    let options = &with_length_noise(recorded, given)?;
     let method = AnyMethod::of(&options.estimator, options.inter_finger_distance);
     let contacts = contacts(recorded, options, &method).map_err(refused)?;
     let patch = Patch::new(&contacts, &Vector3::from(options.outward)).map_err(refused)?;
@@ -140,7 +142,7 @@ pub fn estimate_glide(
             .iter()
             .map(|one| PatchRegion::of(one, unit))
             .collect(),
-        warnings: spacing(&patch, options, unit)
+        warnings: spacing(&patch, given, unit)
             .into_iter()
             .chain(noise(&patch, options, unit))
             .chain(of_normals(&contacts))
@@ -189,6 +191,31 @@ fn contacts<'a>(
     }
 }
 
+/// Options whose noise of positions is a length, of the distance between fingers that is stated or that the readings show.
+fn with_length_noise(
+    recorded: &GlideReadings,
+    options: &GlideOptions,
+) -> Result<GlideOptions, RecordedError> {
+    let mut options = options.clone();
+    if options.estimator.position_fraction_of_ifd().is_none() {
+        return Ok(options);
+    }
+    let patch = Patch::new(&recorded.contacts, &Vector3::from(options.outward));
+    let patch = patch.map_err(|error| refused(recorded, &error))?;
+    let found = patch.finger_distance;
+    let found = found.map(|distance| distance * patch.frame.scale());
+    let Some(distance) = options.inter_finger_distance.or(found) else {
+        let wording = recorded.origin.wording();
+        let [fraction, distance] =
+            ["position_fraction_of_ifd", "inter_finger_distance"].map(|key| wording.name(key));
+        return Err(recorded.origin.fail(format!(
+            "the contacts are of one finger, which has no distance to another: {fraction} needs {distance}"
+        )));
+    };
+    options.estimator = options.estimator.with_length_noise(distance);
+    Ok(options)
+}
+
 /// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.
 const FAR_OFF: f64 = 3.0;
 
@@ -196,7 +223,8 @@ const FAR_OFF: f64 = 3.0;
 fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {
     let stated = options.inter_finger_distance?;
     let found = patch.finger_distance? * patch.frame.scale();
-    let is_used = matches!(options.estimator, GlideEstimatorConfig::TwoPass { .. });
+    let is_used = matches!(options.estimator, GlideEstimatorConfig::TwoPass { .. })
+        || options.estimator.position_fraction_of_ifd().is_some();
     let near = found / FAR_OFF..=found * FAR_OFF;
     (is_used && !near.contains(&stated)).then(|| {
         let [stated, found] = [stated, found].map(Number::rounded);
@@ -218,6 +246,7 @@ fn noise(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Vec<String>
     | GlideEstimatorConfig::Quadric {
         position_std,
         normal_std_deg,
+        ..
     }) = &mut estimator
     else {
         return Vec::new();

@@ -105,6 +105,13 @@ impl Wording {
                     format!("{} is of use only to {method}", self.name(&key)),
                 )
             }
+            SettingError::Both { key, other } => {
+                let [one, other] = [&key, &other].map(|key| self.name(key));
+                self.refused(
+                    &key,
+                    format!("{one} cannot stand beside {other}; give one of them"),
+                )
+            }
             SettingError::Bad { key, message } => {
                 self.refused(&key, format!("{}: {message}", self.name(&key)))
             }

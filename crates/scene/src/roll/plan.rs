@@ -61,10 +61,7 @@ impl RollScene {
         let reading_noise = ReadingNoise {
             // The error is a fraction of the whole rate, of which only the tangential part is summed.
             relative_rotation_std: noise.relative_rotation_std()
-                * libm::hypot(
-                    config.motion.spin_rad_per_s / config.motion.rate_rad_per_s,
-                    1.0,
-                ),
+                * libm::hypot(config.motion.spin_rad_per_s / rate(&config.motion), 1.0),
             rotation_std_rad: encoder.map_or(0.0, |encoder| encoder.std_rad()),
             shift_std,
             shift_resolution,
@@ -227,10 +224,16 @@ fn roller(
     Ok((roller, commands))
 }
 
+/// Rate of rotation, rad/s; where the config leaves it out, nothing that is estimated depends on it.
+fn rate(config: &RollMotionConfig) -> f64 {
+    config.rate_rad_per_s.unwrap_or(1.0)
+}
+
 /// The commands, as long as the config says, or a radian long where it gives an arc length.
 fn commands(config: &RollMotionConfig) -> Vec<Motion> {
-    let rate = config.rate_rad_per_s;
-    let duration_s = config.duration_s.unwrap_or(1.0 / rate);
+    let rate = rate(config);
+    let angle_rad = config.angle_deg.map_or(1.0, f64::to_radians);
+    let duration_s = config.duration_s.unwrap_or(angle_rad / rate);
     config
         .directions_deg
         .iter()

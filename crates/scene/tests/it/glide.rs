@@ -307,3 +307,64 @@ fn maps_hold_truth_and_estimate_of_every_place() {
     }
     assert_eq!(rows, 49);
 }
+
+#[test]
+fn noise_in_lengths_is_that_in_shares_of_the_fingers_distance() {
+    // Fingers are 0.5 apart in this motion, so that shares and lengths are not the same number.
+    let near = "inter_finger_distance = 0.5";
+    let trial_of = |lines: &str| {
+        let text = text(POINT, SADDLE, lines).replace("inter_finger_distance = 1.0", near);
+        let study = parse("study.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+        trial(&study.estimable_scene(0).unwrap(), 4)
+    };
+    for [share, length] in [
+        [
+            "kind = \"gaussian\", fraction_of_ifd = 0.06",
+            "kind = \"gaussian\", std = 0.03",
+        ],
+        [
+            "kind = \"uniform\", fraction_of_ifd = 0.06",
+            "kind = \"uniform\", bound = 0.03",
+        ],
+    ] {
+        let noise = |position: &str| format!("noise = {{ position = {{ {position} }} }}\n");
+        assert_eq!(trial_of(&noise(share)), trial_of(&noise(length)));
+        // What the estimator is told, likewise.
+        let told = |key: &str| {
+            format!(
+                "{}estimator = {{ kind = \"penalised\", {key} }}\n",
+                noise(length)
+            )
+        };
+        let told_length = trial_of(&told("position_std = 0.03"));
+        assert_eq!(
+            told_length,
+            trial_of(&told("position_fraction_of_ifd = 0.06"))
+        );
+        assert_ne!(told_length, trial_of(&told("position_std = 0.3")));
+    }
+    for (lines, said) in [
+        (
+            "noise = { position = { kind = \"gaussian\", std = 0.1, fraction_of_ifd = 0.1 } }",
+            "scene.noise.position.fraction_of_ifd: cannot stand beside `std`; keep one of them",
+        ),
+        (
+            "noise = { position = { kind = \"gaussian\" } }",
+            "scene.noise.position: needs `std`, a length, or `fraction_of_ifd`",
+        ),
+        (
+            "noise = { position = { kind = \"uniform\" } }",
+            "scene.noise.position: needs `bound`, a length, or `fraction_of_ifd`",
+        ),
+        (
+            "noise = { position = { kind = \"uniform\", std = 0.1 } }",
+            "scene.noise.position.std: unknown key for kind `uniform`; known: axis, bound, fraction_of_ifd, kind; kind `gaussian` has it",
+        ),
+        (
+            "estimator = { kind = \"quadric\", position_std = 0.1, position_fraction_of_ifd = 0.1 }",
+            "scene.estimator.position_fraction_of_ifd: cannot stand beside `position_std`; keep one of them",
+        ),
+    ] {
+        assert_eq!(refused(&text(POINT, SADDLE, lines)), said);
+    }
+}

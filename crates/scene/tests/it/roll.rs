@@ -199,3 +199,48 @@ fn the_stated_deviation_counts_spin() {
     let ratio = (square / trials as f64).sqrt() / (stated / trials as f64);
     assert!((0.85..1.15).contains(&ratio), "{ratio}");
 }
+
+/// The same scene with another motion.
+fn with_motion(motion: &str, lines: &str) -> Scene {
+    let text = format!(
+        r#"name = "a-study"
+seed = 3
+scene.kind = "roll"
+scene.probe = {{ kind = "sphere", radius = 1.0 }}
+scene.object = {{ kind = "sphere", radius = 4 }}
+scene.motion = {{ {motion} }}
+scene.{lines}"#
+    );
+    let study = parse("study.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+    study
+        .estimable_scene(0)
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// 0.1 rad on a ball four times as large is a path of 0.08 on the probe: R r/(R + r) times the angle.
+#[test]
+fn a_roll_is_as_long_as_its_time_its_angle_or_its_path_says() {
+    let of_time = trial(
+        &with_motion("rate_rad_per_s = 0.1, duration_s = 1", NOISE),
+        7,
+    );
+    for motion in [
+        "angle_deg = 5.729577951308232",
+        "rate_rad_per_s = 3, angle_deg = 5.729577951308232",
+        "arc_length = 0.08",
+        "rate_rad_per_s = 3, arc_length = 0.08",
+    ] {
+        for (one, other) in of_time.iter().zip(trial(&with_motion(motion, NOISE), 7)) {
+            assert!(
+                (one.0 - other.0).abs() < 1e-12,
+                "{motion}: {one:?} {other:?}"
+            );
+            assert!(
+                (one.1 - other.1).abs() < 1e-14,
+                "{motion}: {one:?} {other:?}"
+            );
+        }
+    }
+    let twice = trial(&with_motion("angle_deg = 11.459155902616464", NOISE), 7);
+    assert!((twice[4].1 - 2.0 * of_time[4].1).abs() < 1e-14);
+}

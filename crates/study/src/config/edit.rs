@@ -4,6 +4,7 @@ use serde_json::Value as Json;
 use toml::Value as Toml;
 
 use super::error::ConfigError;
+use super::schema::alternatives;
 
 /// Text of the config that is this table; keys that are `null` are left out.
 ///
@@ -35,7 +36,7 @@ pub fn of_json(file: &str, config: &Json) -> Result<String, ConfigError> {
 }
 
 /// Text of a config with these fields set, each by its path of keys and numbers joined by dots; `null` takes a field away.
-/// Whether they are known, and what they may be, shows when the text is read.
+/// What states the same in another way, as `duration_s` beside `arc_length`, goes. Whether they are known, and what they may be, shows when the text is read.
 ///
 /// ```
 /// use palpate_study::config::with_fields;
@@ -73,7 +74,15 @@ pub fn with_fields(
             };
         }
         match (place, value) {
-            (Toml::Table(table), Some(value)) => drop(table.insert(key.to_owned(), value)),
+            (Toml::Table(table), Some(value)) => {
+                for other in alternatives(path) {
+                    if !fields.iter().any(|(field, _)| *field == other) {
+                        let key = other.rsplit('.').next().unwrap_or_default();
+                        table.remove(key);
+                    }
+                }
+                table.insert(key.to_owned(), value);
+            }
             (Toml::Table(table), None) => drop(table.remove(key)),
             (Toml::Array(items), Some(value)) => {
                 let index: Option<usize> = key.parse().ok();

@@ -27,6 +27,9 @@ impl Label {
             ["noise", "hue", "std"] => Self::in_unit("hue noise, std", "turns"),
             ["noise", "centroid", "std"] => Self::in_unit("centroid noise, std", "px"),
             ["estimator", "gain std"] => Self::in_percent(gain, "%"),
+            ["estimator", "position fraction of ifd"] => {
+                Self::in_percent("position noise of the estimator", "% of the IFD")
+            }
             ["sensor", "light at rim"] => Self::in_percent("light at the rim", "% of the middle's"),
             ["motion", "contact deg", "0"] => Self::in_unit("polar angle of the contact", "°"),
             ["motion", "contact deg", _] => Self::in_unit("azimuth of the contact", "°"),
@@ -49,6 +52,7 @@ fn plain(segments: &[&str]) -> String {
         }
         ["noise", rest @ ..] => format!("{} noise", rest.join(" ")),
         ["motion", "rate"] => "rolling rate".to_owned(),
+        ["motion", "angle"] => "roll angle".to_owned(),
         ["motion", "shift"] => "shift along the skin".to_owned(),
         ["motion", rest @ ..] if !rest.is_empty() => rest.join(" "),
         ["probe", "layout"] => "marker layout".to_owned(),
@@ -161,10 +165,14 @@ mod tests {
             scene.object.radius_cm: object radius (cm)
             scene.motion.rate_rad_per_s: rolling rate (rad/s)
             scene.motion.arc_length_cm: arc length (cm)
+            scene.motion.angle_deg: roll angle (°)
             scene.object.c_per_cm: object c (1/cm)
             scene.noise.angular_velocity.fraction: angular velocity noise (%)
             scene.sensor: sensor
             scene.noise.position.fraction_of_ifd: position noise (% of the IFD)
+            scene.noise.position.std_mm: position noise, std (mm)
+            scene.noise.position.bound_mm: position noise (mm)
+            scene.estimator.position_fraction_of_ifd: position noise of the estimator (% of the IFD)
             scene.noise.normal.std_deg: normal noise, std (°)
             scene.motion.indentation_mm: indentation (mm)
             scene.motion.contact_deg.0: polar angle of the contact (°)

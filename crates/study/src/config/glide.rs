@@ -42,6 +42,20 @@ pub struct GlideConfig {
 
 impl GlideConfig {
     pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
+        const POSITION: &str = "scene.noise.position";
+        match self.noise.position {
+            Some(PositionNoise::Gaussian {
+                fraction_of_ifd: None,
+                std: None,
+                ..
+            }) => return Err((POSITION, "needs `std`, a length, or `fraction_of_ifd`")),
+            Some(PositionNoise::Uniform {
+                fraction_of_ifd: None,
+                bound: None,
+                ..
+            }) => return Err((POSITION, "needs `bound`, a length, or `fraction_of_ifd`")),
+            _ => {}
+        }
         match (&self.probe, &self.sensor) {
             (FingertipConfig::Point {}, GlideSensorConfig::Pads { .. }) => Err((
                 "scene.sensor",
@@ -76,7 +90,7 @@ pub struct GlideMotionConfig {
     /// Positions of the fingers' planes: y from the middle of the patch.
     #[schemars(extend("minItems" = 1, "x-unit" = "length"))]
     pub finger_positions: Vec<f64>,
-    /// The distance between fingers in which noise is counted, and the settings of two-pass.
+    /// The distance between fingers in which noise may be counted, and the settings of two-pass are.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
     pub inter_finger_distance: f64,
     /// How far each finger slides along x, its first and last contact included.
@@ -196,18 +210,28 @@ pub struct GlideNoiseConfig {
 pub enum PositionNoise {
     /// Gaussian with mean 0.
     Gaussian {
-        /// The standard deviation as a fraction of the inter-finger distance.
-        #[schemars(extend("minimum" = 0))]
-        fraction_of_ifd: f64,
+        /// The standard deviation as a fraction of the inter-finger distance. This or `std` is given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minimum" = 0, "x-instead-of" = ["std"]))]
+        fraction_of_ifd: Option<f64>,
+        /// The standard deviation. This or `fraction_of_ifd` is given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minimum" = 0, "x-unit" = "length", "x-instead-of" = ["fraction_of_ifd"]))]
+        std: Option<f64>,
         /// Which coordinates err.
         #[serde(default)]
         axis: NoiseAxis,
     },
     /// Uniform between −bound and +bound.
     Uniform {
-        /// The bound as a fraction of the inter-finger distance.
-        #[schemars(extend("minimum" = 0))]
-        fraction_of_ifd: f64,
+        /// The bound as a fraction of the inter-finger distance. This or `bound` is given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minimum" = 0, "x-instead-of" = ["bound"]))]
+        fraction_of_ifd: Option<f64>,
+        /// The bound. This or `fraction_of_ifd` is given.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minimum" = 0, "x-unit" = "length", "x-instead-of" = ["fraction_of_ifd"]))]
+        bound: Option<f64>,
         /// Which coordinates err.
         #[serde(default)]
         axis: NoiseAxis,

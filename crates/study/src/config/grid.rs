@@ -1,19 +1,53 @@
 //! The cells of a study: every combination of its axes' rows, the first axis slowest.
 
 use super::error::Fault;
-use super::schema::SCHEMA;
+use super::schema::{SCHEMA, alternatives};
 use super::sweep::{Axis, SweptValue, Target};
-use super::tree::Node;
-use super::validate;
+use super::tree::{Node, Value};
+use super::validate::{self, kinds_with};
 
 /// The tree without its `sweep` and `plot` sections, and the axes.
 #[derive(Debug, Clone)]
 pub(super) struct Grid {
     pub(super) base: Node,
     pub(super) axes: Vec<Axis>,
+    /// Fields of the config that a swept one stands in place of.
+    pub(super) replaced: Vec<Replaced>,
+}
+
+/// Field that states in another way what a swept one does.
+#[derive(Debug, Clone)]
+pub(super) struct Replaced {
+    pub(super) path: String,
+    pub(super) node: Node,
+    /// Path of the swept field.
+    pub(super) by: String,
 }
 
 impl Grid {
+    /// Cells of a config and axes; the config loses what cannot stand beside a swept field and is not swept itself.
+    pub(super) fn new(mut base: Node, axes: Vec<Axis>) -> Self {
+        let mut replaced = Vec::new();
+        let targets = || axes.iter().flat_map(|axis| &axis.targets);
+        for target in targets() {
+            for path in alternatives(&target.path) {
+                if targets().any(|other| other.path == path) {
+                    continue;
+                }
+                replaced.extend(base.take_at(&path).map(|entry| Replaced {
+                    path,
+                    node: entry.node,
+                    by: target.path.clone(),
+                }));
+            }
+        }
+        Self {
+            base,
+            axes,
+            replaced,
+        }
+    }
+
     pub(super) fn cells(&self) -> usize {
         self.axes.iter().map(Axis::len).product()
     }
@@ -74,6 +108,7 @@ impl Grid {
         for (target, setting) in self.settings(cell) {
             write_defaults(&mut tree, target);
             if let Err(reason) = tree.set(&target.path, setting.node, &target.span) {
+                let reason = left_out(&tree, &target.path).unwrap_or(reason);
                 let message = format!("the sweep path names nothing: {reason}");
                 return Err((tree, Fault::at(&target.span, message).under(&target.path)));
             }
@@ -82,7 +117,7 @@ impl Grid {
     }
 }
 
-/// Writes the tables that a swept field lies in, as far as they are left out, with their defaults.
+/// Writes the tables and lists that a swept field lies in, as far as they are left out, with their defaults.
 fn write_defaults(tree: &mut Node, target: &Target) {
     let path = &target.path;
     for (end, _) in path.match_indices('.') {
@@ -91,7 +126,8 @@ fn write_defaults(tree: &mut Node, target: &Target) {
             continue;
         }
         let default = validate::at(&SCHEMA, tree, parent).and_then(|schema| schema.get("default"));
-        let Some(default) = default.filter(|default| default.is_object()) else {
+        let Some(default) = default.filter(|default| default.is_object() || default.is_array())
+        else {
             return;
         };
         let Some(default) = Node::of_default(default, &target.span) else {
@@ -102,4 +138,35 @@ fn write_defaults(tree: &mut Node, target: &Target) {
             return;
         }
     }
+}
+
+/// Reason, in words, why a path leads nowhere in a tree although the schema has it: a table that is left out and has no
+/// default, or that is of another kind, or a word.
+fn left_out(tree: &Node, path: &str) -> Option<String> {
+    let is_table = |node: &Node| matches!(node.value, Value::Table(_) | Value::Array(_));
+    let mut ends = path.match_indices('.').map(|(end, _)| end);
+    let end = ends.find(|&end| !tree.at(&path[..end]).is_some_and(is_table))?;
+    let (parent, rest) = (&path[..end], &path[end + 1..]);
+    let key = rest.split('.').next()?;
+    let Some(schema) = validate::at(&SCHEMA, tree, parent) else {
+        let (above, key) = parent.rsplit_once('.')?;
+        let of_above = validate::at(&SCHEMA, tree, above)?["oneOf"].as_array()?;
+        let kinds = kinds_with(of_above, key);
+        let own = tree.at(above)?.get("kind")?.as_text()?;
+        return (!kinds.is_empty()).then(|| {
+            let kinds = kinds.join(" or ");
+            format!("`{above}` is of kind {own} here, and `{key}` of it takes kind {kinds}; write it there")
+        });
+    };
+    let variants = schema["oneOf"].as_array().map_or(&[][..], Vec::as_slice);
+    let of_kind = match kinds_with(variants, key).as_slice() {
+        [] => String::new(),
+        kinds => format!(" of kind {}", kinds.join(" or ")),
+    };
+    let is_list = schema["type"] == "array";
+    let is_known = !of_kind.is_empty() || is_list || schema["properties"].get(key).is_some();
+    let what = if is_list { "list" } else { "table" };
+    is_known.then(|| {
+        format!("`{parent}` is no {what} in the config, and has no default that is one; write it there{of_kind}, then sweep its `{key}`")
+    })
 }

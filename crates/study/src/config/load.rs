@@ -143,7 +143,7 @@ pub(super) fn read(source: Source) -> Result<Study, ConfigError> {
     }
     let axes = sweep::axes(&sweeps).map_err(faulty)?;
     check_stop(&base, &axes).map_err(faulty)?;
-    let grid = Grid { base, axes };
+    let grid = Grid::new(base, axes);
     let sample = sample::sample(&grid);
 
     let mut first = None;
@@ -530,9 +530,8 @@ impl Study {
     /// place of what is written. None of a config that palpate wrote.
     pub fn swept_over(&self) -> Vec<(String, String)> {
         const MOST_VALUES: usize = 8;
-        let note = |(axis, place): (&Axis, usize)| {
+        let note = |(axis, place): (&Axis, usize), path: &str, written: &Node| {
             let target = &axis.targets[place];
-            let written = self.grid.base.at(&target.path)?;
             let line = self.source.line(written.span.start)?;
             let of_sweep = self.source.line(target.span.start)?;
             let value = |row: usize| axis.row(row)[place].text().into_owned();
@@ -552,20 +551,31 @@ impl Study {
                 Value::Table(_) | Value::Array(_) => String::new(),
                 _ => format!(" = {}", written.text()),
             };
-            let path = &target.path;
+            let set = match target.path == path {
+                true => "it",
+                false => &target.path,
+            };
             Some((
-                path.clone(),
+                path.to_owned(),
                 format!(
-                    "line {line}: {path}{text} is swept over by line {of_sweep}, which sets it to {values}"
+                    "line {line}: {path}{text} is swept over by line {of_sweep}, which sets {set} to {values}"
                 ),
             ))
         };
         let axes = self.grid.axes.iter();
         let targets = axes.flat_map(|axis| (0..axis.targets.len()).map(move |place| (axis, place)));
-        targets
-            .filter(|_| !self.is_resolved)
-            .filter_map(note)
-            .collect()
+        let notes = targets.filter(|_| !self.is_resolved).flat_map(|field| {
+            let (axis, place) = field;
+            let swept = axis.targets[place].path.as_str();
+            let own = self.grid.base.at(swept).map(|written| (swept, written));
+            let others = self.grid.replaced.iter();
+            let others = others.filter(move |other| other.by == swept);
+            let others = others.map(|other| (other.path.as_str(), &other.node));
+            let all = own.into_iter().chain(others);
+            all.filter_map(move |(path, written)| note(field, path, written))
+                .collect::<Vec<_>>()
+        });
+        notes.collect()
     }
 
     /// Text that it was read from.

@@ -37,15 +37,27 @@ pub struct RollConfig {
 impl RollConfig {
     pub(super) fn check(&self) -> Result<(), (&'static str, &'static str)> {
         let motion = &self.motion;
-        match (motion.duration_s, motion.arc_length) {
-            (None, None) => return Err(("scene.motion", "needs `duration_s` or `arc_length`")),
-            (Some(_), Some(_)) => {
-                return Err((
-                    "scene.motion.arc_length",
-                    "cannot stand beside `duration_s`; keep one of them",
-                ));
+        if [motion.duration_s, motion.arc_length, motion.angle_deg] == [None; 3] {
+            return Err((
+                "scene.motion",
+                "needs `duration_s`, `arc_length` or `angle_deg`",
+            ));
+        }
+        if motion.rate_rad_per_s.is_none() {
+            let counted = [
+                (
+                    motion.duration_s.is_some(),
+                    "missing key; `duration_s` needs it, `arc_length` and `angle_deg` do not",
+                ),
+                (
+                    motion.spin_rad_per_s != 0.0,
+                    "missing key; `spin_rad_per_s` is held against it",
+                ),
+            ];
+            let needed = counted.into_iter().find(|(is_needed, _)| *is_needed);
+            if let Some((_, message)) = needed {
+                return Err(("scene.motion.rate_rad_per_s", message));
             }
-            _ => {}
         }
         if motion.axis == RollAxis::Chart && self.model.chart() == Some(Chart::Free) {
             return Err((
@@ -73,17 +85,24 @@ pub enum ProbeConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RollMotionConfig {
-    /// Rate of rotation.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub rate_rad_per_s: f64,
-    /// How long each probe rolls. Either this or `arc_length` is given.
+    /// Rate of rotation. Needed with `duration_s` and with a spin; else only the times of a trace depend on it, which are
+    /// those of 1 rad/s where it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rate_rad_per_s: Option<f64>,
+    /// How long each probe rolls. One of this, `arc_length` and `angle_deg` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["arc_length", "angle_deg"]))]
     pub duration_s: Option<f64>,
-    /// How long the contact's path on the probe is in each roll, without noise. Either this or `duration_s` is given.
+    /// How long the contact's path on the probe is in each roll, without noise. One of this, `duration_s` and `angle_deg`
+    /// is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["duration_s", "angle_deg"]))]
     pub arc_length: Option<f64>,
+    /// Angle by which each probe turns, without noise and spin. One of this, `duration_s` and `arc_length` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["duration_s", "arc_length"]))]
+    pub angle_deg: Option<f64>,
     /// Rate of rotation about the contact normal.
     #[serde(default)]
     pub spin_rad_per_s: f64,

@@ -2,7 +2,7 @@
 
 use super::length_unit::LengthUnit;
 use super::study::StudyConfig;
-use super::validate::kind_of;
+use super::validate::{instead_of, kind_of};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value as Json, json};
@@ -11,7 +11,8 @@ use std::sync::LazyLock;
 /// The JSON Schema (draft 7) of a study's config, without references.
 ///
 /// `x-unit` states the unit of a number that has one: `length`, `1/length` or `1/length^2`, in the config's `length_unit`;
-/// `1` where others of its name have a unit and it has none. Numbers whose key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px` carry their unit there.
+/// `1` where others of its name have a unit and it has none. `x-instead-of` names the keys beside which a key cannot stand,
+/// because they state the same in another way. Numbers whose key ends in `_rad`, `_deg`, `_s`, `_rad_per_s` or `_px` carry their unit there.
 ///
 /// ```
 /// use palpate_study::config::schema;
@@ -128,6 +129,26 @@ fn unit_of<'a>(schema: &'a Json, keys: &[&str]) -> Option<&'a str> {
     variants(schema)
         .iter()
         .find_map(|variant| unit_of(variant["properties"].get(key)?, rest))
+}
+
+/// Paths of the fields that cannot stand beside the one at a path, in whatever kinds.
+pub(super) fn alternatives(path: &str) -> Vec<String> {
+    fn of(schema: &Json, keys: &[&str]) -> Vec<String> {
+        let Some((key, rest)) = keys.split_first() else {
+            return instead_of(schema).map(str::to_owned).collect();
+        };
+        let fields = variants(schema).iter();
+        let fields = fields.filter_map(|variant| variant["properties"].get(key));
+        fields.flat_map(|field| of(field, rest)).collect()
+    }
+    let keys: Vec<&str> = path.split('.').collect();
+    let Some((parent, _)) = path.rsplit_once('.') else {
+        return Vec::new();
+    };
+    let mut all = of(&SCHEMA, &keys);
+    all.sort_unstable();
+    all.dedup();
+    all.iter().map(|key| format!("{parent}.{key}")).collect()
 }
 
 /// Whether a field of a config holds whole numbers alone; kinds that share a key share that.

@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value as Json};
 
 use super::schema::{schema_of, variant, variants};
-use super::validate::kind_of;
+use super::validate::{instead_of, kind_of};
 
 /// Setting of a table that has kinds.
 ///
@@ -266,6 +266,14 @@ pub enum SettingError {
         /// Kinds that have it.
         kinds: Vec<String>,
     },
+    /// Two settings that state the same in different ways.
+    #[error("`{key}` cannot stand beside `{other}`; give one of them")]
+    Both {
+        /// Key of one.
+        key: String,
+        /// Key of the other.
+        other: String,
+    },
     /// A value that the setting cannot have.
     #[error("`{key}`: {message}")]
     Bad {
@@ -276,7 +284,8 @@ pub enum SettingError {
     },
 }
 
-/// Table with some settings replaced. With another `kind` among them, settings that both kinds have keep their values.
+/// Table with some settings replaced, and with them what states the same in another way. With another `kind` among them,
+/// settings that both kinds have keep their values.
 ///
 /// ```
 /// use palpate_study::config::{GlideEstimatorConfig, with_settings};
@@ -289,7 +298,8 @@ pub enum SettingError {
 /// ```
 ///
 /// # Errors
-/// [`SettingError`] names the setting that the kind does not have, or whose value is out of its range or none of its words.
+/// [`SettingError`] names the setting that the kind does not have, or whose value is out of its range or none of its words;
+/// or two that state the same.
 pub fn with_settings<T>(base: &T, given: &Map<String, Json>) -> Result<T, SettingError>
 where
     T: Serialize + DeserializeOwned + JsonSchema + 'static,
@@ -328,6 +338,16 @@ where
         if let Some(setting) = setting {
             let checked = setting.accepts.check(value);
             checked.map_err(|message| bad(key, message))?;
+        }
+        let property = properties.and_then(|properties| properties.get(key));
+        for other in property.into_iter().flat_map(instead_of) {
+            if given.contains_key(other) {
+                return Err(SettingError::Both {
+                    key: key.clone(),
+                    other: other.to_owned(),
+                });
+            }
+            table.remove(other);
         }
         table.insert(key.clone(), value.clone());
     }

@@ -209,6 +209,21 @@ impl Node {
             })
     }
 
+    /// Takes the node at a path out of its table, if there is one.
+    pub(super) fn take_at(&mut self, path: &str) -> Option<Entry> {
+        let (parents, key) = path.rsplit_once('.').unwrap_or(("", path));
+        let mut keys = parents.split('.').filter(|key| !key.is_empty());
+        let table = keys.try_fold(self, |node, key| match &mut node.value {
+            Value::Table(entries) => {
+                let entry = entries.iter_mut().find(|entry| entry.key == key)?;
+                Some(&mut entry.node)
+            }
+            Value::Array(items) => items.get_mut(key.parse::<usize>().ok()?),
+            _ => None,
+        })?;
+        table.take(key)
+    }
+
     /// Puts a value at a path of keys and array indices. Everything but the last key must exist; a new last key takes
     /// `key_span`. The error says what is in the way.
     pub(super) fn set(&mut self, path: &str, value: Node, key_span: &Span) -> Result<(), String> {

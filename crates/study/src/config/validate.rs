@@ -1,7 +1,7 @@
 //! The walk of a tree against a JSON Schema: the config's strictness, and all its messages on keys, types and limits.
 
 use super::error::Fault;
-use super::tree::{Node, Value, nearest, number_text, suggest};
+use super::tree::{Entry, Node, Value, nearest, number_text, suggest};
 use serde_json::Value as Json;
 
 /// The pattern of a name that is fit for a file.
@@ -20,7 +20,7 @@ pub(super) fn validate(schema: &Json, node: &Node) -> Result<(), Fault> {
         };
     }
     match schema["type"].as_str() {
-        Some("object") => object(schema, node),
+        Some("object") => object(schema, &[], node),
         Some("array") => array(schema, node),
         Some("number") => number(schema, node),
         Some("integer") => match node.value {
@@ -77,6 +77,12 @@ pub(super) fn kind_of(variant: &Json) -> Option<&str> {
     variant["properties"]["kind"]["const"].as_str()
 }
 
+/// Fields that cannot stand beside a field of the schema of its table, because they state the same in another way.
+pub(super) fn instead_of(field: &Json) -> impl Iterator<Item = &str> {
+    let names = field["x-instead-of"].as_array();
+    names.into_iter().flatten().filter_map(Json::as_str)
+}
+
 /// The words among the variants.
 fn words(variants: &[Json]) -> impl Iterator<Item = &str> {
     variants
@@ -112,7 +118,7 @@ fn tagged(variants: &[Json], node: &Node) -> Result<(), Fault> {
         .iter()
         .find(|variant| kind_of(variant) == Some(name))
     {
-        Some(variant) => object(variant, node),
+        Some(variant) => object(variant, variants, node),
         None => Err(not_among("unknown kind", name, &kinds, kind).under("kind")),
     }
 }
@@ -146,21 +152,34 @@ fn not_among(what: &str, word: &str, known: &[&str], node: &Node) -> Fault {
     Fault::at(&node.span, message)
 }
 
-fn object(schema: &Json, node: &Node) -> Result<(), Fault> {
+/// Checks a table, which might also be of the kinds of `others`.
+fn object(schema: &Json, others: &[Json], node: &Node) -> Result<(), Fault> {
     let Value::Table(entries) = &node.value else {
         return Err(wrong_type("a table", node));
     };
     let properties = schema["properties"].as_object();
     for entry in entries {
         match properties.and_then(|properties| properties.get(&entry.key)) {
-            Some(property) => validate(property, &entry.node),
+            Some(property) => match other_of(property, entries, entry) {
+                Some(other) => {
+                    let message = format!("cannot stand beside `{other}`; keep one of them");
+                    Err(Fault::at(&entry.node.span, message))
+                }
+                None => validate(property, &entry.node),
+            },
             None if schema["additionalProperties"] == false => {
                 let known = properties
                     .into_iter()
                     .flat_map(|properties| properties.keys().map(String::as_str));
                 let of_kind =
                     kind_of(schema).map_or(String::new(), |kind| format!(" for kind `{kind}`"));
-                let message = format!("unknown key{of_kind}; {}", suggest(&entry.key, known));
+                let elsewhere = match kinds_with(others, &entry.key).as_slice() {
+                    [] => String::new(),
+                    [kind] => format!("; kind `{kind}` has it"),
+                    kinds => format!("; kinds {} have it", kinds.join(", ")),
+                };
+                let hint = suggest(&entry.key, known);
+                let message = format!("unknown key{of_kind}; {hint}{elsewhere}");
                 Err(Fault::at(&entry.key_span, message))
             }
             None => validate(&schema["additionalProperties"], &entry.node),
@@ -182,6 +201,24 @@ fn object(schema: &Json, node: &Node) -> Result<(), Fault> {
         }
         None => Ok(()),
     }
+}
+
+/// Kinds that have a key.
+pub(super) fn kinds_with<'a>(variants: &'a [Json], key: &str) -> Vec<&'a str> {
+    let mut found: Vec<&str> = Vec::new();
+    for variant in variants {
+        if variant["properties"].get(key).is_some() {
+            found.extend(kind_of(variant));
+        }
+    }
+    found
+}
+
+/// Key of an earlier entry that states in another way what an entry does.
+fn other_of<'a>(property: &'a Json, entries: &[Entry], entry: &Entry) -> Option<&'a str> {
+    let before = entries.iter().take_while(|one| one.key != entry.key);
+    let before: Vec<&str> = before.map(|one| one.key.as_str()).collect();
+    instead_of(property).find(|other| before.contains(other))
 }
 
 fn array(schema: &Json, node: &Node) -> Result<(), Fault> {

@@ -4,7 +4,7 @@ use super::error::{ConfigError, Source};
 use super::load::{Study, read};
 use super::output::Output;
 use super::resolved::to_toml;
-use super::schema::SCHEMA;
+use super::schema::{SCHEMA, alternatives};
 use super::study::StudyConfig;
 use super::sweep::SweepConfig;
 use super::validate;
@@ -135,7 +135,7 @@ fn listed(values: &str) -> Option<Vec<toml::Value>> {
 
 impl Study {
     /// The study with these fields as its fastest axes, each with its values, in place of what the config and its sweeps say
-    /// of them; without plots, claims and other outputs than the table of cells.
+    /// of them, and of those that state the same in another way; without plots, claims and other outputs than the table of cells.
     ///
     /// Errors name the config's file and the field, and no line: the text that is wrong was not written.
     ///
@@ -169,7 +169,10 @@ impl Study {
     /// # Errors
     /// [`ConfigError`] as [`parse`](super::parse) has it, without a line.
     pub fn varied(&self, fields: &[(String, Vec<toml::Value>)]) -> Result<Study, ConfigError> {
-        let is_varied = |path: &str| fields.iter().any(|(field, _)| field == path);
+        let is_varied = |path: &str| {
+            let mut fields = fields.iter().map(|(field, _)| field);
+            fields.any(|field| field == path || alternatives(field).iter().any(|one| one == path))
+        };
         let mut sweep: Vec<SweepConfig> = self.config.sweep.to_vec();
         sweep.retain_mut(|axis| {
             axis.forget(is_varied);

@@ -1,7 +1,9 @@
 //! Study configs, from text to cells.
 
+mod alternatives;
 mod cells;
 mod edited;
+mod every_field;
 mod many;
 mod refused;
 mod refused_plots;

@@ -32,7 +32,7 @@ pub struct GlideGiven {
     pub gaussian_threshold: Option<f64>,
     /// Magnitude of the mean curvature below which it counts as zero, 1/length.
     pub mean_threshold: Option<f64>,
-    /// Distance between fingers; of use only to two-pass.
+    /// Distance between fingers; of use only to two-pass, and to noise that is a fraction of it.
     pub inter_finger_distance: Option<f64>,
 }
 
@@ -44,7 +44,7 @@ impl GlideOptions {
     ///
     /// let given = GlideGiven { inter_finger_distance: Some(1.0), ..GlideGiven::default() };
     /// let error = GlideOptions::given(&given, None, true, Wording::Arguments).expect_err("no two-pass");
-    /// let said = "inter_finger_distance is of use only to method=\"two-pass\"";
+    /// let said = "inter_finger_distance is of use only to method=\"two-pass\" or position_fraction_of_ifd";
     /// assert_eq!(error.to_string(), said);
     /// ```
     ///
@@ -88,8 +88,11 @@ impl GlideOptions {
             Err(wording.refused(key, message))
         };
         let is_two_pass = matches!(estimator, GlideEstimatorConfig::TwoPass { .. });
-        if distance.is_some() && !is_two_pass {
-            return useless("inter_finger_distance", wording.with("kind", "two-pass"));
+        let is_used = is_two_pass || estimator.position_fraction_of_ifd().is_some();
+        if distance.is_some() && !is_used {
+            let fraction = wording.name("position_fraction_of_ifd");
+            let to = format!("{} or {fraction}", wording.with("kind", "two-pass"));
+            return useless("inter_finger_distance", to);
         }
         let tip = tip(given, base.tip);
         let tells_lowest = tip.is_some_and(|tip| tip.told == TipPoint::Lowest);

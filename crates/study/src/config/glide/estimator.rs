@@ -22,8 +22,13 @@ pub enum GlideEstimatorConfig {
         gamma: f64,
         /// Standard deviation of a position along each axis; by default found from the contacts.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["position_fraction_of_ifd"]))]
         position_std: Option<f64>,
+        /// Standard deviation of a position along each axis as a fraction of the inter-finger distance, instead of
+        /// `position_std`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["position_std"]))]
+        position_fraction_of_ifd: Option<f64>,
         /// Standard deviation of a normal's tilt about each tangent; by default found from the contacts.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 90))]
@@ -68,8 +73,13 @@ pub enum GlideEstimatorConfig {
     Quadric {
         /// Standard deviation of a position along each axis; by default found from the contacts.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length", "x-instead-of" = ["position_fraction_of_ifd"]))]
         position_std: Option<f64>,
+        /// Standard deviation of a position along each axis as a fraction of the inter-finger distance, instead of
+        /// `position_std`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-instead-of" = ["position_std"]))]
+        position_fraction_of_ifd: Option<f64>,
         /// Standard deviation of a normal's tilt about each tangent; by default found from the contacts.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 90))]
@@ -119,6 +129,41 @@ impl GlideEstimatorConfig {
         }
     }
 
+    /// The estimator with a noise of positions that is a fraction of the inter-finger distance as a length.
+    #[must_use]
+    pub fn with_length_noise(mut self, inter_finger_distance: f64) -> Self {
+        if let Self::Penalised {
+            position_std,
+            position_fraction_of_ifd,
+            ..
+        }
+        | Self::Quadric {
+            position_std,
+            position_fraction_of_ifd,
+            ..
+        } = &mut self
+            && let Some(fraction) = position_fraction_of_ifd.take()
+        {
+            *position_std = Some(fraction * inter_finger_distance);
+        }
+        self
+    }
+
+    /// Noise of positions as a fraction of the inter-finger distance, where it is stated so.
+    pub const fn position_fraction_of_ifd(&self) -> Option<f64> {
+        match *self {
+            Self::Penalised {
+                position_fraction_of_ifd,
+                ..
+            }
+            | Self::Quadric {
+                position_fraction_of_ifd,
+                ..
+            } => position_fraction_of_ifd,
+            Self::TwoPass { .. } => None,
+        }
+    }
+
     /// Name of the kind, as configs have it.
     pub const fn name(&self) -> &'static str {
         match self {
@@ -136,6 +181,7 @@ impl Default for GlideEstimatorConfig {
             criterion: CriterionName::default(),
             gamma: gamma(),
             position_std: None,
+            position_fraction_of_ifd: None,
             normal_std_deg: None,
         }
     }

@@ -224,10 +224,7 @@ mod tests {
     fn said(kind: &str, plots: &str) -> Option<String> {
         let tree = parse(&format!("{plots}\n[scene]\nkind = {kind:?}\n")).unwrap();
         let plots = tree.get("plot").unwrap().clone();
-        let grid = Grid {
-            base: tree,
-            axes: Vec::new(),
-        };
+        let grid = Grid::new(tree, Vec::new());
         let outputs = [Output::Cells, Output::Map, Output::Trace];
         let fault = check(&plots, &grid, &outputs).err()?;
         Some(format!("{}: {}", fault.path, fault.message))

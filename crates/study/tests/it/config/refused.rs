@@ -88,7 +88,7 @@ fn unknown_keys_name_the_nearest() {
             r#"{ kind = "sphere", radius = 5.0 }"#,
             r#"{ kind = "plane", radius = 5.0 }"#
         )),
-        r#"study.toml:7:28: scene.object.radius: unknown key for kind `plane`; known: kind
+        r#"study.toml:7:28: scene.object.radius: unknown key for kind `plane`; known: kind; kinds sphere, dish, cylinder have it
   |
 7 | object = { kind = "plane", radius = 5.0 }
   |                            ^^^^^^"#
@@ -393,7 +393,7 @@ fn fields_that_contradict_each_other() {
     );
     assert_eq!(
         message(&edited(", duration_s = 1.0", "")),
-        r#"study.toml:8:10: scene.motion: needs `duration_s` or `arc_length`
+        r#"study.toml:8:10: scene.motion: needs `duration_s`, `arc_length` or `angle_deg`
   |
 8 | motion = { rate_rad_per_s = 0.1 }
   |          ^^^^^^^^^^^^^^^^^^^^^^^^"#

@@ -129,7 +129,7 @@ path = "scene.motion.directions_deg.8"
 values = [1]
 "#
         )),
-        r#"study.toml:10:8: scene.motion.directions_deg.8: the sweep path names nothing: `scene.motion` has no `directions_deg`; known: rate_rad_per_s, duration_s
+        r#"study.toml:10:8: scene.motion.directions_deg.8: the sweep path names nothing: `scene.motion.directions_deg` is an array of 8, which has no item `8`
    |
 10 | path = "scene.motion.directions_deg.8"
    |        ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
@@ -392,7 +392,7 @@ path = "scene.object.kind"
 values = ["sphere", "plane"]
 "#
         )),
-        r#"study.toml:7:29: scene.object.radius: unknown key for kind `plane`; known: kind
+        r#"study.toml:7:29: scene.object.radius: unknown key for kind `plane`; known: kind; kinds sphere, dish, cylinder have it
   |
 7 | object = { kind = "sphere", radius = 5.0 }
   |                             ^^^^^^

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Numbers without a unit, or in that of the field they speak of.
-const DIMENSIONLESS: [&str; 38] = [
+const DIMENSIONLESS: [&str; 39] = [
     "claims",              // their numbers
     "seed",                //
     "trials",              //
@@ -22,22 +22,23 @@ const DIMENSIONLESS: [&str; 38] = [
     "y",                   //
     "contacts_per_finger", //
     "fraction_of_ifd",     // of the inter-finger distance
-    "grid",                // places along a side
-    "intervals",           // of a spline
-    "gamma",               // of a criterion
-    "first_degree",        // of a spline
-    "second_degree",       //
-    "passes",              //
-    "weight",              // per inter-finger distance
-    "smoothing",           // sum of squares in weights
-    "second_smoothing",    //
-    "tangent_step",        // in inter-finger distances
-    "gores",               //
-    "rows",                // markers of each
-    "markers",             //
-    "frames",              //
-    "poisson",             //
-    "gain_std",            // of a factor
+    "position_fraction_of_ifd",
+    "grid",             // places along a side
+    "intervals",        // of a spline
+    "gamma",            // of a criterion
+    "first_degree",     // of a spline
+    "second_degree",    //
+    "passes",           //
+    "weight",           // per inter-finger distance
+    "smoothing",        // sum of squares in weights
+    "second_smoothing", //
+    "tangent_step",     // in inter-finger distances
+    "gores",            //
+    "rows",             // markers of each
+    "markers",          //
+    "frames",           //
+    "poisson",          //
+    "gain_std",         // of a factor
     "outline_samples",
     "presses",
     "rest_frames",

@@ -1,0 +1,98 @@
+//! Fields that state the same in different ways.
+
+use palpate_study::config::{SceneConfig, parse, with_fields};
+use serde_json::json;
+
+use super::{BASE, edited, message, study};
+
+/// Length of a roll in a study's cell, by the key that states it.
+fn lengths(text: &str, cell: usize) -> [Option<f64>; 3] {
+    let study = parse("study.toml", text).unwrap_or_else(|error| panic!("{error}"));
+    let SceneConfig::Roll(roll) = study.cell(cell).unwrap().config.scene else {
+        panic!("no roll")
+    };
+    let motion = roll.motion;
+    [motion.duration_s, motion.arc_length, motion.angle_deg]
+}
+
+#[test]
+fn two_that_are_written_are_refused() {
+    let both = edited("duration_s = 1.0", "arc_length = 1.0, angle_deg = 3");
+    let said = message(&both);
+    assert!(
+        said.contains("scene.motion.angle_deg: cannot stand beside `arc_length`; keep one of them"),
+        "{said}"
+    );
+    let none = message(&edited(", duration_s = 1.0", ""));
+    assert!(
+        none.contains("needs `duration_s`, `arc_length` or `angle_deg`"),
+        "{none}"
+    );
+}
+
+#[test]
+fn the_rate_is_needed_where_something_depends_on_it() {
+    for length in ["arc_length = 0.5", "angle_deg = 20"] {
+        let text = edited("rate_rad_per_s = 0.1, duration_s = 1.0", length);
+        assert!(parse("study.toml", &text).is_ok(), "{length}");
+        let spun = edited(
+            "rate_rad_per_s = 0.1, duration_s = 1.0",
+            &format!("{length}, spin_rad_per_s = 0.1"),
+        );
+        let said = message(&spun);
+        assert!(
+            said.contains("scene.motion.rate_rad_per_s: missing key; `spin_rad_per_s`"),
+            "{said}"
+        );
+    }
+    let said = message(&edited("rate_rad_per_s = 0.1, ", ""));
+    assert!(
+        said.contains("scene.motion.rate_rad_per_s: missing key; `duration_s` needs it"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_sweep_takes_the_place_of_what_states_the_same() {
+    let swept = format!("{BASE}[[sweep]]\npath = \"scene.motion.angle_deg\"\nvalues = [5, 10]\n");
+    assert_eq!(lengths(&swept, 1), [None, None, Some(10.0)]);
+    let study = parse("study.toml", &swept).unwrap();
+    let notes = study.swept_over();
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert_eq!(
+        notes[0].1,
+        "line 8: scene.motion.duration_s = 1 is swept over by line 10, which sets scene.motion.angle_deg to 5, 10"
+    );
+    let twice = format!("{swept}[[sweep]]\npath = \"scene.motion.arc_length\"\nvalues = [1]\n");
+    let said = message(&twice);
+    assert!(said.contains("cannot stand beside"), "{said}");
+}
+
+#[test]
+fn a_varied_field_takes_the_place_of_a_swept_one() {
+    let study = study("[[sweep]]\npath = \"scene.motion.duration_s\"\nvalues = [1, 2, 3]\n");
+    let varied = [(
+        "scene.motion.arc_length".to_owned(),
+        vec![0.5.into(), 0.6.into()],
+    )];
+    let study = study.varied(&varied).unwrap();
+    assert_eq!(study.columns, ["scene.motion.arc_length_cm"]);
+    assert_eq!(study.cell_count(), 2);
+    let both = [
+        ("scene.motion.arc_length".to_owned(), vec![0.5.into()]),
+        ("scene.motion.angle_deg".to_owned(), vec![5.0.into()]),
+    ];
+    let said = study.varied(&both).unwrap_err().to_string();
+    assert!(said.contains("cannot stand beside"), "{said}");
+}
+
+#[test]
+fn a_set_field_takes_the_place_of_a_written_one() {
+    let field = |path: &str| (path.to_owned(), json!(4.0));
+    let angle = field("scene.motion.angle_deg");
+    let text = with_fields("study.toml", BASE, std::slice::from_ref(&angle)).unwrap();
+    assert_eq!(lengths(&text, 0), [None, None, Some(4.0)]);
+    let both = [angle, field("scene.motion.arc_length")];
+    let text = with_fields("study.toml", BASE, &both).unwrap();
+    assert!(message(&text).contains("cannot stand beside"), "{text}");
+}

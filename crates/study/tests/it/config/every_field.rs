@@ -1,0 +1,335 @@
+//! Every number of a scene can be swept and varied, or the message says why not.
+
+use palpate_study::config::{Takes, parse, schema, to_toml};
+use serde_json::{Value as Json, json};
+use std::collections::BTreeMap;
+
+/// A valid scene of each kind, with the tables that it cannot do without.
+const SCENES: [&str; 6] = [
+    r#"{ "kind": "roll", "probe": { "kind": "sphere", "radius": 2 }, "object": { "kind": "sphere", "radius": 5 },
+        "motion": { "rate_rad_per_s": 0.1, "angle_deg": 10 } }"#,
+    r#"{ "kind": "glide", "probe": { "kind": "sphere", "radius": 2 }, "object": { "kind": "sphere", "radius": 5 },
+        "motion": { "finger_positions": [-1, 0, 1], "inter_finger_distance": 1, "patch_length": 2,
+        "contacts_per_finger": 5 },
+        "evaluate": { "half_width": 1, "gaussian_threshold": 1, "mean_threshold": 0.1 } }"#,
+    r#"{ "kind": "press", "probe": { "kind": "marker-sphere", "radius": 20, "marker_depth": 0.5,
+        "discs": { "magenta_diameter": 1, "yellow_diameter": 1, "separation": 0.5 } },
+        "object": { "kind": "sphere", "radius": 30 }, "motion": { "indentation": 1 } }"#,
+    r#"{ "kind": "press", "probe": { "kind": "marker-sphere", "radius": 20, "marker_depth": 0.5,
+        "discs": { "magenta_diameter": 1, "yellow_diameter": 1, "separation": 0.5 } },
+        "object": { "kind": "sphere", "radius": 30 }, "motion": { "indentation": 1 },
+        "model": { "kind": "bonded-layer", "thickness": 4 }, "sensor": { "kind": "projected" } }"#,
+    r#"{ "kind": "press", "probe": { "kind": "marker-sphere", "radius": 20, "marker_depth": 0.5,
+        "discs": { "magenta_diameter": 1, "yellow_diameter": 1, "separation": 0.5 } },
+        "object": { "kind": "sphere", "radius": 30 }, "motion": { "indentation": 1 },
+        "sensor": { "kind": "rendered" } }"#,
+    r#"{ "kind": "fingertip", "probe": { "kind": "marker-sphere", "radius": 20, "marker_depth": 0.5 } }"#,
+];
+
+/// Fields of which no scene has any use with the kinds on their way, with words of the message that says so.
+const REFUSED: [(&str, &str); 3] = [
+    (
+        "press: sensor.blur_px sensor=projected",
+        "a projected sensor has no pixels",
+    ),
+    (
+        "press: sensor.light_at_rim sensor=projected",
+        "a projected sensor has no pixels",
+    ),
+    (
+        "press: sensor.seam_width sensor=projected",
+        "a projected sensor has no pixels",
+    ),
+];
+
+/// A number of the schema: where it is, and the kinds that the tables on the way must be of.
+#[derive(Clone, Debug)]
+struct Field {
+    path: Vec<String>,
+    kinds: Vec<(String, String)>,
+    schema: Json,
+}
+
+fn kind_of(variant: &Json) -> Option<&str> {
+    variant["properties"]["kind"]["const"].as_str()
+}
+
+/// Calls `visit` with every number of a schema.
+fn numbers(schema: &Json, at: &Field, visit: &mut impl FnMut(Field)) {
+    let under = |key: &str| {
+        let mut field = at.clone();
+        field.path.push(key.to_owned());
+        field
+    };
+    match schema["type"].as_str() {
+        Some("number" | "integer") => visit(Field {
+            schema: schema.clone(),
+            ..at.clone()
+        }),
+        Some("array") => numbers(&schema["items"], &under("0"), visit),
+        _ => {}
+    }
+    for (key, property) in schema["properties"].as_object().into_iter().flatten() {
+        numbers(property, &under(key), visit);
+    }
+    if schema["additionalProperties"].is_object() {
+        numbers(&schema["additionalProperties"], &under("A"), visit);
+    }
+    for variant in schema["oneOf"].as_array().into_iter().flatten() {
+        let mut field = at.clone();
+        if let Some(kind) = kind_of(variant) {
+            field.kinds.push((at.path.join("."), kind.to_owned()));
+        }
+        numbers(variant, &field, visit);
+    }
+}
+
+/// Smallest value of a schema: required keys alone, of this kind if it has kinds.
+fn instance(schema: &Json, kind: Option<&str>) -> Json {
+    if let Some(variants) = schema["oneOf"].as_array() {
+        let of_kind = |variant: &&Json| kind.is_none() || kind_of(variant) == kind;
+        return instance(variants.iter().find(of_kind).unwrap(), kind);
+    }
+    if let Some(word) = schema.get("const") {
+        return word.clone();
+    }
+    match schema["type"].as_str() {
+        Some("number" | "integer") => json!(values(schema)[0]),
+        Some("array") => {
+            let least = schema["minItems"].as_u64().unwrap_or(0).max(1);
+            let one = instance(&schema["items"], None);
+            Json::Array(vec![one; least as usize])
+        }
+        Some("string") => json!("0*x"),
+        Some("boolean") => json!(true),
+        _ => {
+            let required = schema["required"].as_array().into_iter().flatten();
+            let keys = required.filter_map(Json::as_str);
+            let pairs =
+                keys.map(|key| (key.to_owned(), instance(&schema["properties"][key], None)));
+            let mut table: serde_json::Map<String, Json> = pairs.collect();
+            if schema["additionalProperties"].is_object() {
+                table.insert("A".to_owned(), json!(1.0));
+            }
+            Json::Object(table)
+        }
+    }
+}
+
+/// Two values within the limits of a number, whole ones as integers.
+fn values(schema: &Json) -> Vec<Json> {
+    let is_whole = schema["type"] == "integer";
+    let limit = |key: &str| schema[key].as_f64();
+    let fits = |number: &f64| {
+        limit("exclusiveMinimum").is_none_or(|least| *number > least)
+            && limit("minimum").is_none_or(|least| *number >= least)
+            && limit("maximum").is_none_or(|most| *number <= most)
+            && (!is_whole || number.fract() == 0.0)
+    };
+    let default = schema["default"].as_f64();
+    let tried = default.into_iter().chain([1.0, 2.0, 0.5, 0.25, 3.0]);
+    let mut found: Vec<f64> = Vec::new();
+    for number in tried.filter(fits) {
+        if !found.contains(&number) {
+            found.push(number);
+        }
+    }
+    assert!(found.len() >= 2, "{schema}");
+    let written = |number: &f64| match is_whole {
+        true => json!(*number as i64),
+        false => json!(number),
+    };
+    found[..2].iter().map(written).collect()
+}
+
+/// A scene in which a field of these kinds can stand: tables on its way are written where they have no default that will do,
+/// unless `is_bare`.
+fn scene(base: &Json, root: &Json, field: &Field, is_bare: bool) -> Json {
+    let kind = |depth: usize| {
+        let path = field.path[..depth].join(".");
+        let mut kinds = field.kinds.iter();
+        let found = kinds.find(|(at, _)| *at == path);
+        found.map(|(_, kind)| kind.as_str())
+    };
+    // The scene as it is needed, and with the tables that defaults would write.
+    let (mut needed, mut scene) = (base.clone(), base.clone());
+    let mut schema = root;
+    for depth in 1..field.path.len() {
+        if let Some(variants) = schema["oneOf"].as_array() {
+            let mut variants = variants.iter();
+            schema = variants
+                .find(|one| kind_of(one) == kind(depth - 1))
+                .unwrap();
+        }
+        let parent = field.path[..depth - 1].iter();
+        let pointer: String = parent.map(|key| format!("/{key}")).collect();
+        let node = scene.pointer_mut(&pointer).unwrap();
+        let key = &field.path[depth - 1];
+        schema = match schema["type"] == "array" {
+            true => &schema["items"],
+            false => &schema["properties"][key],
+        };
+        let wanted = kind(depth);
+        let written = node.get(key).map(|node| node["kind"].as_str() == wanted);
+        let default = schema.get("default").filter(|default| !default.is_string());
+        let will_do = default.filter(|default| default["kind"].as_str() == wanted);
+        match (written, will_do) {
+            (Some(true), _) => continue,
+            (None, Some(default)) => node[key] = default.clone(),
+            (None, None) if is_bare => return needed,
+            _ => {
+                node[key] = instance(schema, wanted);
+                needed = scene.clone();
+            }
+        }
+    }
+    needed
+}
+
+fn config(scene: &Json) -> Json {
+    json!({ "name": "a-study", "length_unit": "mm", "scene": scene })
+}
+
+fn text(config: &Json) -> String {
+    palpate_study::config::of_json("study.toml", config).unwrap()
+}
+
+/// Every number of every kind of scene.
+fn fields() -> Vec<(Json, Field)> {
+    let schema = schema();
+    let mut all = Vec::new();
+    for base in SCENES {
+        let base: Json = serde_json::from_str(base).unwrap();
+        let kind = base["kind"].as_str();
+        let variants = schema["properties"]["scene"]["oneOf"].as_array().unwrap();
+        let root = variants.iter().find(|one| kind_of(one) == kind).unwrap();
+        let from = Field {
+            path: Vec::new(),
+            kinds: Vec::new(),
+            schema: Json::Null,
+        };
+        numbers(root, &from, &mut |field| all.push((base.clone(), field)));
+    }
+    all
+}
+
+fn root(base: &Json) -> Json {
+    let schema = schema();
+    let variants = schema["properties"]["scene"]["oneOf"].as_array().unwrap();
+    let of_kind = |one: &&Json| kind_of(one) == base["kind"].as_str();
+    variants.iter().find(of_kind).unwrap().clone()
+}
+
+/// Name of a field with the kinds on its way.
+fn name(base: &Json, field: &Field) -> String {
+    let kinds = field.kinds.iter().map(|(at, kind)| format!(" {at}={kind}"));
+    let scene = base["kind"].as_str().unwrap();
+    format!(
+        "{scene}: {}{}",
+        field.path.join("."),
+        kinds.collect::<String>()
+    )
+}
+
+#[test]
+fn every_number_of_a_scene_can_be_swept_and_varied() {
+    let mut outcomes: BTreeMap<String, Option<String>> = BTreeMap::new();
+    let all = fields();
+    for (base, field) in &all {
+        let name = name(base, field);
+        let path = format!("scene.{}", field.path.join("."));
+        let scene = scene(base, &root(base), field, false);
+        let values = values(&field.schema);
+        let mut swept = config(&scene);
+        swept["sweep"] = json!([{ "path": path, "values": values }]);
+        let study = match parse("study.toml", &text(&swept)) {
+            Ok(study) => study,
+            Err(error) => {
+                assert!(
+                    !error.message().contains("names nothing"),
+                    "{name}: {error}"
+                );
+                outcomes.entry(name).or_insert(Some(error.to_string()));
+                continue;
+            }
+        };
+        let cell = |number| study.cell(number).unwrap().config;
+        assert_ne!(cell(0), cell(1), "{name}");
+        // `design` looks a varied field up in the study with its defaults, and puts two values or more into it.
+        let plain = to_toml(&cell(0));
+        let plain = parse("study.toml", &plain).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let filled = plain.varied(&[]).unwrap();
+        let takes = match field.schema["type"] == "integer" {
+            true => Takes::Whole,
+            false => Takes::Number,
+        };
+        let is_item = field.path.last().is_some_and(|key| key == "0");
+        if !is_item {
+            assert_eq!(filled.takes(&path), Some(takes), "{name}");
+        }
+        let of_toml = |value: &Json| toml::Value::try_from(value).unwrap();
+        let varied = plain.varied(&[(path.clone(), values.iter().map(of_toml).collect())]);
+        let varied = varied.unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(
+            varied.cell(1).unwrap().config.scene,
+            cell(1).scene,
+            "{name}"
+        );
+        outcomes.insert(name, None);
+    }
+    let refused: Vec<(&str, &str)> = outcomes
+        .iter()
+        .filter_map(|(name, said)| Some((name.as_str(), said.as_deref()?)))
+        .collect();
+    assert_eq!(refused.len(), REFUSED.len(), "{refused:#?}");
+    for ((name, said), (field, words)) in refused.into_iter().zip(REFUSED) {
+        assert!(name == field && said.contains(words), "{name}: {said}");
+    }
+    assert!(outcomes.len() > 130, "{}", outcomes.len());
+}
+
+/// A table that has no default, or none of the field's kind: the message says what to write.
+#[test]
+fn a_field_of_a_table_that_is_left_out_says_what_to_write() {
+    let mut told = 0;
+    for (base, field) in fields() {
+        let name = name(&base, &field);
+        let root = root(&base);
+        let [full, bare] = [false, true].map(|is_bare| scene(&base, &root, &field, is_bare));
+        if full == bare {
+            continue;
+        }
+        let mut swept = config(&bare);
+        let path = format!("scene.{}", field.path.join("."));
+        swept["sweep"] = json!([{ "path": path, "values": values(&field.schema) }]);
+        let said = match parse("study.toml", &text(&swept)) {
+            Ok(_) => continue,
+            Err(error) => error.to_string(),
+        };
+        let is_told =
+            said.contains("write it there") || said.contains("has it") || said.contains("have it");
+        assert!(is_told, "{name}: {said}");
+        told += 1;
+    }
+    assert!(told > 30, "{told}");
+}
+
+#[test]
+fn what_is_no_part_of_a_scene_says_so() {
+    let base: Json = serde_json::from_str(SCENES[0]).unwrap();
+    for path in ["stop.min_trials", "claims.0", "plot.0.x", "length_unit"] {
+        let mut swept = config(&base);
+        swept["sweep"] = json!([{ "path": path, "values": [1, 2] }]);
+        let said = parse("study.toml", &text(&swept)).unwrap_err().to_string();
+        assert!(
+            said.contains("a sweep sets fields of `scene`, `seed` or `trials`"),
+            "{said}"
+        );
+    }
+    for path in ["seed", "trials"] {
+        let mut swept = config(&base);
+        swept["sweep"] = json!([{ "path": path, "values": [1, 2] }]);
+        let study = parse("study.toml", &text(&swept)).unwrap();
+        assert_eq!(study.takes(path), Some(Takes::Whole));
+    }
+}
