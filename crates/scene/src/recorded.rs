@@ -25,6 +25,7 @@ mod press;
 mod pressed;
 mod pressed_object;
 mod roll;
+mod roll_estimate;
 mod rolls;
 mod sensed;
 mod sheet;
@@ -58,10 +59,8 @@ pub use patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thres
 pub use press::{PressReadings, parse_press, read_press};
 pub use pressed::{PressOptions, estimate_press};
 pub use pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
-pub use roll::{
-    RollEstimate, RollOptions, RollReadings, UnresolvedProbe, estimate_roll, parse_roll, read_roll,
-    roll_readings_table,
-};
+pub use roll::{RollOptions, RollReadings, parse_roll, read_roll, roll_readings_table};
+pub use roll_estimate::{RollEstimate, UnresolvedProbe, estimate_roll};
 pub use rolls::RollSets;
 pub use sensed::{Sensed, SensorOptions, TrackedPress};
 pub use shown::{KnownOfFrames, calibration_points_of_frames};
