@@ -79,7 +79,7 @@ impl Fit {
     /// The surface where lines through points along the patch's normal meet it.
     ///
     /// # Errors
-    /// As [`Fit::point_at`].
+    /// Errors of [`Fit::point_at`].
     pub fn points_at(&self, world: &[Point3<f64>]) -> Result<Vec<MapPoint>, Ep2Error> {
         world
             .iter()
@@ -93,7 +93,7 @@ impl Fit {
     /// The middle of the patch.
     ///
     /// # Errors
-    /// As [`Fit::point_at`].
+    /// Errors of [`Fit::point_at`].
     pub fn centre(&self) -> Result<MapPoint, Ep2Error> {
         let [u, v] = self.domain.map(|[low, high]| 0.5 * low + 0.5 * high);
         self.point_at(u, v)
@@ -103,7 +103,7 @@ impl Fit {
     /// slowest.
     ///
     /// # Errors
-    /// As [`Fit::curvature_at`]; [`Ep2Error::BadSetting`] for more than [`MOST_PLACES`] along a side.
+    /// Errors of [`Fit::curvature_at`]; [`Ep2Error::BadSetting`] for more than [`MOST_PLACES`] along a side.
     pub fn curvatures(&self, side: usize) -> Result<Vec<Curvature>, Ep2Error> {
         few_enough(side)?;
         let columns = self.columns(side);
@@ -128,7 +128,7 @@ impl Fit {
     /// The surface on a grid of `side` × `side` places that spans the contacts, u slowest.
     ///
     /// # Errors
-    /// As [`Fit::point_at`]; [`Ep2Error::BadSetting`] for more than [`MOST_PLACES`] along a side.
+    /// Errors of [`Fit::point_at`]; [`Ep2Error::BadSetting`] for more than [`MOST_PLACES`] along a side.
     pub fn map(&self, side: usize) -> Result<Vec<MapPoint>, Ep2Error> {
         few_enough(side)?;
         let columns = self.columns(side);

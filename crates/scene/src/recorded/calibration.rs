@@ -100,7 +100,7 @@ pub fn read_calibration_points(path: &Path) -> Result<CalibrationPoints, Recorde
 /// Known displacements, as [`read_calibration_points`] reads them.
 ///
 /// # Errors
-/// As [`read_calibration_points`].
+/// Errors of [`read_calibration_points`].
 pub fn parse_calibration_points(file: &RecordedFile) -> Result<CalibrationPoints, RecordedError> {
     let text = file.text()?;
     let table = Written::of(file, &text)?;

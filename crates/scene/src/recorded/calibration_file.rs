@@ -130,7 +130,7 @@ pub fn read_calibration(path: &Path) -> Result<(Calibration, LengthUnit), Record
 /// A calibration and its unit, as [`read_calibration`] reads them.
 ///
 /// # Errors
-/// As [`read_calibration`].
+/// Errors of [`read_calibration`].
 pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit), RecordedError> {
     let text = file.text()?;
     let parsed: CalibrationFile = toml::from_str(&text).map_err(|error| {

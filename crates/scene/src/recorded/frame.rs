@@ -17,7 +17,7 @@ const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Reads a frame from a file, as [`parse_frame`].
 ///
 /// # Errors
-/// As [`parse_frame`], and if the file cannot be read.
+/// Errors of [`parse_frame`], and of a file that cannot be read.
 pub fn read_frame(path: &Path) -> Result<Frame, RecordedError> {
     parse_frame(&RecordedFile::read(path)?)
 }

@@ -114,7 +114,7 @@ pub fn read_glide(path: &Path) -> Result<GlideReadings, RecordedError> {
 /// Recorded contacts, as [`read_glide`] reads them.
 ///
 /// # Errors
-/// As [`read_glide`].
+/// Errors of [`read_glide`].
 pub fn parse_glide(file: RecordedFile) -> Result<GlideReadings, RecordedError> {
     let text = file.text()?;
     let table = Written::of(&file, &text)?;

@@ -90,7 +90,7 @@ pub fn read_press(path: &Path) -> Result<PressReadings, RecordedError> {
 /// The markers of a recorded press, as [`read_press`] reads them.
 ///
 /// # Errors
-/// As [`read_press`].
+/// Errors of [`read_press`].
 pub fn parse_press(file: RecordedFile) -> Result<PressReadings, RecordedError> {
     let text = file.text()?;
     let table = Written::of(&file, &text)?;
