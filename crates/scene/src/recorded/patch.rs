@@ -16,7 +16,7 @@ use super::glide::GlideReadings;
 use super::origin::agreed_unit;
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::stated::{FORMAT_VERSION, LARGE_RESIDUALS};
-use super::suspicion::of_normals;
+use super::suspicion::{of_directions, of_normals};
 use super::wording::Wording;
 use crate::glide::AnyMethod;
 use palpate_study::Unit;
@@ -146,6 +146,7 @@ pub fn estimate_glide(
             .into_iter()
             .chain(noise(&patch, options, unit))
             .chain(of_normals(&contacts))
+            .chain(of_directions(&contacts))
             .chain(recorded.note.clone())
             .collect(),
         covariance: stds.map(|stds| {
@@ -290,6 +291,11 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
     };
     let origin = &recorded.origin;
     let message = explained(remedied(error, origin.wording()), error.name());
+    let doubt = match error {
+        Ep2Error::Folded { .. } | Ep2Error::NoSide { .. } => of_directions(&recorded.contacts),
+        _ => None,
+    };
+    let message = doubt.map_or(message.clone(), |doubt| format!("{message}; {doubt}"));
     match contact {
         Some(contact) => origin.fail_at(contact, message),
         None => origin.fail(message),

@@ -13,7 +13,7 @@ use super::error::{RecordedError, explained};
 use super::origin::agreed_unit;
 use super::roll::{RollOptions, RollReadings};
 use super::stated::FORMAT_VERSION;
-use super::suspicion::of_roll;
+use super::suspicion::{of_pitch, of_roll, of_small_residuals};
 use palpate_study::Unit;
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 
@@ -96,7 +96,7 @@ pub fn estimate_roll(
     let origin = &recorded.origin;
     let unit = agreed_unit(origin, recorded.unit, options.length_unit)?;
     let readings = &recorded.readings;
-    let suspicion = of_roll(readings, options.probe_radius);
+    let suspicion = of_roll(readings, options.probe_radius, unit);
     let fail = |message: String| {
         let suspicion = suspicion.as_deref();
         origin.fail(suspicion.map_or(message.clone(), |more| format!("{message}; {more}")))
@@ -164,6 +164,11 @@ pub fn estimate_roll(
             Number::rounded(residual / explained)
         )
     });
+    let doubts = [
+        noise,
+        of_small_residuals(residual, freedom, &stated, unit),
+        of_pitch(readings, stated.shift_resolution, unit),
+    ];
     let value =
         |measured: Measured, power: Unit| Value::new(measured.value, measured.std, power, unit);
     let bare = |value: f64, power: Unit| Value::new(value, None, power, unit);
@@ -192,7 +197,7 @@ pub fn estimate_roll(
         ),
         warnings: suspicion
             .into_iter()
-            .chain(noise)
+            .chain(doubts.into_iter().flatten())
             .chain(recorded.note.clone())
             .collect(),
         covariance: fitted.covariance(&estimate),

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Vector3;
-use palpate_ep1::ProbeReading;
-use palpate_ep2::Contact;
+use nalgebra::{Matrix3, Point3, Vector3};
+use palpate_ep1::{ProbeReading, ReadingNoise};
+use palpate_ep2::{Contact, Method, Patch, Quadric};
 use palpate_number::Number;
 use palpate_study::config::LengthUnit;
 
@@ -20,10 +20,13 @@ const NEARLY_ALL: f64 = 0.9;
 const TINY_EXTENT: f64 = 5e-3;
 const TINY_DISPLACEMENT: f64 = 1e-4;
 
-/// Turns of a probe over those on a plane, 1 + R_probe/R_object: past the first the rotations are likely in degrees,
-/// past the second the shifts in a larger unit, below the third in a smaller one.
+/// Turns of a probe over those on a plane, 1 + R_probe/R_object: past the first the rotations are likely in degrees or the
+/// shifts in a larger unit, past the second the shifts in one that is a thousand times as large. Below the third the
+/// rotations are likely in radians under a header that says degrees, below the fourth the shifts in a smaller unit; only in
+/// a dish hardly wider than the probe would it turn as little.
 const DEGREES: f64 = 25.0;
 const LARGER_UNIT: f64 = 400.0;
+const RADIANS: f64 = 1.0 / 30.0;
 const SMALLER_UNIT: f64 = 1.0 / 300.0;
 
 /// Lengths that the readings of a press are compared with.
@@ -82,7 +85,16 @@ pub(super) fn of_press(
 }
 
 /// The mistake that readings of a roll look like.
-pub(super) fn of_roll(readings: &[ProbeReading], probe_radius: f64) -> Option<String> {
+pub(super) fn of_roll(
+    readings: &[ProbeReading],
+    probe_radius: f64,
+    unit: LengthUnit,
+) -> Option<String> {
+    let remedy = match unit {
+        LengthUnit::M => " (--length-unit mm, then)",
+        _ => "",
+    };
+    let unit = unit.as_str();
     let most = readings
         .iter()
         .map(|reading| reading.rotation.norm())
@@ -98,15 +110,20 @@ pub(super) fn of_roll(readings: &[ProbeReading], probe_radius: f64) -> Option<St
     let times = |ratio: f64| Number::rounded(ratio);
     match ratio {
         Some(ratio) if ratio > LARGER_UNIT => Some(format!(
-            "the probe turned {} times as far as on a plane: are the shifts in m and the radius in mm?",
-            times(ratio)
+            "the probe turned {} times as far as on a plane: are the shifts in m and the radius in mm{}, or the rotations in mrad?",
+            times(ratio),
+            remedy
         )),
         Some(ratio) if ratio < SMALLER_UNIT => Some(format!(
             "the contact moved {} times as far as on a plane: are the shifts in a smaller unit than the radius?",
             times(ratio.recip())
         )),
+        Some(ratio) if ratio < RADIANS => Some(format!(
+            "the contact moved {} times as far as on a plane: are the rotations in rad, whatever the header says, or the shifts in a smaller unit than the radius?",
+            times(ratio.recip())
+        )),
         Some(ratio) if ratio > DEGREES => Some(format!(
-            "the probe turned {} times as far as on a plane: are the rotations in degrees? the columns are in rad",
+            "the probe turned {} times as far as on a plane: are the rotations in degrees, or the shifts in cm and the radius in mm? the columns are in rad and {unit}",
             times(ratio)
         )),
         _ => (most > TAU).then(|| {
@@ -116,6 +133,61 @@ pub(super) fn of_roll(readings: &[ProbeReading], probe_radius: f64) -> Option<St
             )
         }),
     }
+}
+
+/// Standard deviations of chance below which the sum of squared residuals of rolls is too small for the noise that is stated:
+/// 3 of 100,000 sets of Gaussian errors.
+const TOO_SMALL: f64 = -4.0;
+
+/// Ratio of the stated noise to the residuals from which on the one is far too large.
+const FAR_TOO_LARGE: f64 = 4.0;
+
+/// The warning of residuals of rolls, with these degrees of freedom, that are far smaller than the noise of shifts that is
+/// stated. Errors of pads are no noise: they may all be the same, or none at all.
+pub(super) fn of_small_residuals(
+    residual: f64,
+    freedom: usize,
+    stated: &ReadingNoise,
+    unit: LengthUnit,
+) -> Option<String> {
+    let noise = stated.shift_std;
+    if freedom == 0 || noise <= 0.0 || stated.shift_resolution > 0.0 {
+        return None;
+    }
+    // The cube root of a chi-squared is nearly normal (Wilson and Hilferty, 1931).
+    let share = residual / noise;
+    let spread = 2.0 / (9.0 * freedom as f64);
+    let off = (libm::cbrt(share * share) - (1.0 - spread)) / spread.sqrt();
+    (off < TOO_SMALL && share * FAR_TOO_LARGE < 1.0).then(|| {
+        let [noise, residual] = [noise, residual].map(Number::rounded);
+        let unit = unit.as_str();
+        format!(
+            "the noise of shifts is stated as {noise} {unit}, but they contradict each other by {residual} {unit} only: standard deviations are too large, or the shifts are in a larger unit than {unit}"
+        )
+    })
+}
+
+/// Share of the pitch below which pads report no shift: neighbours on a fingertip are hardly nearer than 0.8 of it. A shift
+/// below the second share is rounding of none.
+const NEAREST: f64 = 0.5;
+const ROUNDING: f64 = 1e-9;
+
+/// The warning of shifts that are shorter than pads of this resolution report any.
+pub(super) fn of_pitch(
+    readings: &[ProbeReading],
+    resolution: f64,
+    unit: LengthUnit,
+) -> Option<String> {
+    let shifts = readings.iter().map(|reading| reading.shift.norm());
+    let moved = shifts.filter(|shift| *shift > ROUNDING * resolution);
+    let shortest = moved.fold(f64::INFINITY, f64::min);
+    (shortest < NEAREST * resolution && resolution.is_finite()).then(|| {
+        let [shortest, resolution] = [shortest, resolution].map(Number::rounded);
+        let unit = unit.as_str();
+        format!(
+            "a contact moved by {shortest} {unit}, less than from one pad to the next at a pitch of {resolution} {unit}: is the pitch right, and are the shifts in {unit}?"
+        )
+    })
 }
 
 /// Length by which a normal may differ from 1, of rounding or of a sensor's noise in its components.
@@ -142,4 +214,81 @@ pub(super) fn of_normals(contacts: &[Contact]) -> impl Iterator<Item = String> {
         "the normals point to -z, out of an object that is touched from below: do they point inward? then convex and concave are swapped".to_owned()
     });
     length.into_iter().chain(inward)
+}
+
+/// Fewest contacts whose normals are held against the shape that their places tell.
+const FEWEST: usize = 8;
+
+/// Ratio of sums of squares from which on normals fit the places better with their components changed: they differ from
+/// those of the fit by three times as much as they are.
+const FIT_BETTER: f64 = 9.0;
+
+/// The mistake of signs or columns that the normals of contacts look like, held against a quadric through their places alone.
+pub(super) fn of_directions(contacts: &[Contact]) -> Option<String> {
+    let normals: Option<Vec<Vector3<f64>>> = contacts
+        .iter()
+        .map(|contact| contact.normal?.try_normalize(0.0))
+        .collect();
+    let normals = normals.filter(|normals| normals.len() >= FEWEST)?;
+    let bare: Vec<Contact> = contacts
+        .iter()
+        .map(|contact| Contact::new(contact.finger, contact.position, None))
+        .collect();
+    let places: Vec<Point3<f64>> = contacts.iter().map(|contact| contact.position).collect();
+    // Whichever side is outside: both are compared.
+    let sides = [Vector3::z(), Vector3::x(), Vector3::y()];
+    let patch = sides.iter().find_map(|side| Patch::new(&bare, side).ok())?;
+    let fit = Quadric::default().fit(&patch).ok()?;
+    let shown: Vec<Vector3<f64>> = fit
+        .points_at(&places)
+        .ok()?
+        .iter()
+        .map(|point| point.normal)
+        .collect();
+    let off = |change: &Matrix3<f64>| -> f64 {
+        let pairs = normals.iter().zip(&shown);
+        let squares = |sign: f64| -> f64 {
+            let pairs = pairs.clone();
+            pairs
+                .map(|(normal, shown)| (change * normal * sign - shown).norm_squared())
+                .sum()
+        };
+        squares(1.0).min(squares(-1.0))
+    };
+    let mut best = (f64::INFINITY, "");
+    for (change, name) in changes() {
+        let off = off(&change);
+        if off < best.0 {
+            best = (off, name);
+        }
+    }
+    let (least, name) = best;
+    let own = off(&Matrix3::identity());
+    (own > FIT_BETTER * least && own.is_finite()).then(|| {
+        let times = match least > 0.0 {
+            true => format!("{} times ", Number::rounded((own / least).sqrt())),
+            false => String::new(),
+        };
+        format!(
+            "the normals contradict the places of the contacts, which they would fit {times}better with {name}: are columns swapped, or is a sign wrong?"
+        )
+    })
+}
+
+/// Mistakes that swap two components or turn the sign of one, whichever side is outside.
+fn changes() -> [(Matrix3<f64>, &'static str); 6] {
+    let signs = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
+    let swap = |one: usize, other: usize| {
+        let mut change = Matrix3::identity();
+        change.swap_columns(one, other);
+        change
+    };
+    [
+        (signs(-1.0, 1.0, 1.0), "the sign of normal_x turned"),
+        (signs(1.0, -1.0, 1.0), "the sign of normal_y turned"),
+        (signs(1.0, 1.0, -1.0), "the sign of normal_z turned"),
+        (swap(0, 1), "normal_x and normal_y swapped"),
+        (swap(0, 2), "normal_x and normal_z swapped"),
+        (swap(1, 2), "normal_y and normal_z swapped"),
+    ]
 }

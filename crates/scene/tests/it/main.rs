@@ -12,3 +12,4 @@ mod press;
 mod recorded;
 mod roll;
 mod stated;
+mod suspicion;
