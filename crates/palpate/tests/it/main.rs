@@ -12,6 +12,7 @@ mod estimate_glide_refused;
 mod estimate_press_refused;
 mod estimate_refused;
 mod explain;
+mod foreign;
 mod frames;
 mod glide;
 mod help;
@@ -21,6 +22,7 @@ mod journal;
 mod like;
 mod objects;
 mod own_data;
+mod own_data_written;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod press;

@@ -100,8 +100,9 @@ impl RecordedFile {
             let (before, rest) = bytes.split_at(error.valid_up_to());
             let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;
             let byte = rest.first().copied().unwrap_or_default();
+            let name = &self.name;
             self.error(format!(
-                "is not UTF-8 text: byte 0x{byte:02x} in line {line}; save it as UTF-8"
+                "is not UTF-8 text: byte 0x{byte:02x} in line {line}; save it as UTF-8, as by iconv -f latin1 -t utf-8 {name} > utf-8.csv"
             ))
         })
     }

@@ -144,7 +144,9 @@ impl<'a> Header<'a> {
                 let [first, second] = [first, second].map(|place| self.name(place.index));
                 let twice = format!("column `{}` stands twice", column.stem());
                 Err(match first == second {
-                    true => twice,
+                    true => {
+                        format!("{twice}, and nothing tells which is meant; rename one of them")
+                    }
                     false => {
                         let pair = pair(column.stem(), first);
                         format!(
@@ -229,7 +231,7 @@ impl<'a> Header<'a> {
         let is_number = |heading: &Heading<'_>| heading.name.parse::<f64>().is_ok();
         if !self.headings.is_empty() && self.headings.iter().all(is_number) {
             return format!(
-                "no column `{}`: the first line holds numbers; put the columns' names before it: {wanted}",
+                "no column `{}`: the first line holds numbers; put the columns' names before it: (echo {wanted}; cat FILE) > named.csv",
                 missing[0].name
             );
         }
@@ -370,5 +372,56 @@ fn similarity(column: &Column, heading: &Heading<'_>) -> f64 {
     };
     let total: f64 = wanted.iter().map(of_word).sum();
     let more = shown.len().saturating_sub(wanted.len());
-    total / wanted.len() as f64 - 0.01 * more.min(10) as f64
+    let of_words = total / wanted.len() as f64 - 0.01 * more.min(10) as f64;
+    match of_words < SIMILAR && is_of_axis(column, &shown) {
+        true => SIMILAR,
+        false => of_words,
+    }
+}
+
+/// Whether a name in the file is that of the same axis, as far as its letters or its place in a list tell: `px` and
+/// `position.0` are an x, `rx` a rotation about it, `du` and `u` a shift.
+fn is_of_axis(column: &Column, shown: &[&str]) -> bool {
+    let wanted: Vec<&str> = column.stem().split('_').collect();
+    let Some((axis, quantity)) = wanted.split_last().filter(|(axis, _)| axis.len() == 1) else {
+        return false;
+    };
+    let is_no_unit = |word: &&&str| column.measure.unit(word).is_none() || shown.len() == 1;
+    let words: Vec<&str> = shown.iter().filter(is_no_unit).copied().collect();
+    let Some((last, rest)) = words.split_last() else {
+        return false;
+    };
+    let place = match *axis {
+        "x" | "u" => "0",
+        "y" | "v" => "1",
+        _ => "2",
+    };
+    // What stands before the letter or the place says what is measured.
+    let (letter, rest) = match last.strip_suffix(*axis) {
+        Some("") => ("", rest),
+        Some(letter) if letter.len() == 1 => (letter, rest),
+        _ if *last == place && !rest.is_empty() => ("", rest),
+        _ => return false,
+    };
+    let others = [
+        "normal",
+        "rotation",
+        "shift",
+        "tangential",
+        "force",
+        "torque",
+        "velocity",
+    ];
+    let says = |quantity: &str| {
+        rest.iter()
+            .any(|word| strsim::jaro_winkler(word, quantity) >= 0.9)
+    };
+    match quantity.first() {
+        None => !others.into_iter().any(says) && matches!(letter, "" | "p"),
+        Some(&"rotation") => says("rotation") || (rest.is_empty() && matches!(letter, "r" | "w")),
+        Some(&"shift") => says("shift") || (rest.is_empty() && matches!(letter, "" | "d" | "s")),
+        Some(&"normal") => says("normal") || (rest.is_empty() && letter == "n"),
+        Some(&"tangential") => says("tangential") || (rest.is_empty() && letter == "d"),
+        Some(_) => false,
+    }
 }

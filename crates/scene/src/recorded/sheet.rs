@@ -1,5 +1,7 @@
 //! A table's numbers in palpate's units, with errors that say where.
 
+use std::collections::HashMap;
+
 use palpate_number::Number;
 use palpate_study::config::LengthUnit;
 use palpate_study::push_row;
@@ -57,9 +59,12 @@ impl Sheet {
         let (mut lines, mut numbers, mut after_gaps) = (Vec::new(), Vec::new(), Vec::new());
         let names = others.iter().map(|&index| table.header[index].clone());
         let mut extras = Extras::new(names.collect());
+        let mut labels = Labels::default();
         table.each(|record| {
             let (found, expected) = (record.fields.len(), table.header.len());
-            if found != expected {
+            // A delimiter at the end of a row begins no field.
+            let is_ended = found == expected + 1 && record.fields[expected].is_empty();
+            if found != expected && !is_ended {
                 let hint = match table.has_commas() && found > expected {
                     true => "; if its commas are decimal ones, separate fields by ; or tabs",
                     false => "",
@@ -67,7 +72,14 @@ impl Sheet {
                 let message = format!("{found} fields; the header has {expected}{hint}");
                 return Err(table.file.fail(record.line, message));
             }
-            for (place, &factor) in places.iter().zip(&factors) {
+            for ((place, &factor), column) in places.iter().zip(&factors).zip(columns) {
+                if matches!(column.name, "finger" | "probe")
+                    && let Some(place) =
+                        labels.place(tidy(&record.fields[place.index]), lines.len())
+                {
+                    numbers.push(place);
+                    continue;
+                }
                 let read = number(tidy(&record.fields[place.index]), decimal).and_then(|number| {
                     // A unit of 1 leaves even the sign of zero.
                     let converted = if factor == 1.0 {
@@ -154,6 +166,27 @@ impl Sheet {
             Number(number)
         );
         Err(self.fail(line, message))
+    }
+}
+
+/// Words that stand for numbers of fingers or probes, in the order in which they appear.
+#[derive(Default)]
+struct Labels(HashMap<String, usize>);
+
+impl Labels {
+    /// Number of a word, from 0; `None` in a column whose first row has a number, or none.
+    fn place(&mut self, text: &str, row: usize) -> Option<f64> {
+        let is_word = !text.is_empty() && text.parse::<f64>().is_err();
+        if self.0.is_empty() && !(row == 0 && is_word) {
+            return None;
+        }
+        let next = self.0.len();
+        let place = match self.0.get(text) {
+            Some(&place) => place,
+            None if text.is_empty() => return None,
+            None => *self.0.entry(text.to_owned()).or_insert(next),
+        };
+        Some(place as f64)
     }
 }
 
@@ -267,7 +300,11 @@ fn decimal_of(
     let Some((line, index, field)) = odd else {
         return Ok(Decimal::Point);
     };
-    shown.decimal(&field).map_err(|what| {
+    let remedy = match table.has_commas() {
+        true => String::new(),
+        false => format!(": tr -d , < {} > plain.csv", table.file.name),
+    };
+    shown.decimal(&field, &remedy).map_err(|what| {
         let name = header.name(index);
         table.file.fail(line, format!("column `{name}`: {what}"))
     })

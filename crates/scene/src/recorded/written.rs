@@ -8,6 +8,7 @@ use serde_json::Value as Json;
 use super::error::RecordedError;
 use super::file::RecordedFile;
 use super::form::Delimiter;
+use palpate_study::readings::Measure;
 
 /// Most lines of a table.
 const MOST_LINES: usize = 5_000_000;
@@ -35,6 +36,8 @@ pub(super) struct Written<'a> {
     pub(super) header: Vec<String>,
     /// Line of the header.
     pub(super) header_line: usize,
+    /// Whether the row behind the header has the units of its columns.
+    has_units: bool,
 }
 
 type Taken = Result<(), RecordedError>;
@@ -44,13 +47,46 @@ type Taken = Result<(), RecordedError>;
 struct Text<'a> {
     all: &'a str,
     end: char,
+    /// Line of the file that it begins with, from 1.
+    line: usize,
 }
 
 impl<'a> Text<'a> {
     /// Carriage returns end lines where nothing else does; else they are blanks.
     fn of(all: &'a str) -> Self {
         let end = if all.contains('\n') { '\n' } else { '\r' };
-        Self { all, end }
+        Self { all, end, line: 1 }
+    }
+
+    /// The text from its header on, and the delimiter that a line of Excel before it states. Lines that begin with # are
+    /// comments; the last of them is the header where numbers follow, as NumPy writes it.
+    fn from_header(self) -> (Self, Option<Delimiter>) {
+        let (mut start, mut line) = (0, 1);
+        let (mut comment, mut stated) = (None, None);
+        for one in self.lines() {
+            let text = one.trim();
+            let sign = text.strip_prefix("sep=");
+            let delimiter =
+                sign.and_then(|sign| Delimiter::ALL.into_iter().find(|one| one.sign() == sign));
+            if let Some(named) = text.strip_prefix('#') {
+                let at = start + one.find('#').unwrap_or_default() + 1;
+                comment = (!named.trim().is_empty()).then_some((at, line));
+            } else if delimiter.is_some() && stated.is_none() {
+                stated = delimiter;
+            } else if !text.is_empty() {
+                let is_number = |field: &str| field.trim().parse::<f64>().is_ok();
+                let has_numbers = text
+                    .split(|letter: char| matches!(letter, ',' | ';') || letter.is_whitespace())
+                    .filter(|field| !field.is_empty())
+                    .all(is_number);
+                let (start, line) = comment.filter(|_| has_numbers).unwrap_or((start, line));
+                let all = &self.all[start..];
+                return (Self { all, line, ..self }, stated);
+            }
+            start += one.len() + self.end.len_utf8();
+            line += 1;
+        }
+        (self, stated)
     }
 
     fn lines(self) -> impl Iterator<Item = &'a str> {
@@ -81,14 +117,15 @@ impl<'a> Written<'a> {
         if lines > MOST_LINES {
             return Err(file.error(format!("has {lines} lines; at most {MOST_LINES} are read")));
         }
-        let mut numbered = text.lines().zip(1..);
+        let (text, stated) = text.from_header();
+        let mut numbered = text.lines().zip(text.line..);
         let first = numbered.find(|(line, _)| !line.trim().is_empty());
         let (first, header_line) = first.unwrap_or(("", 1));
         let is_json = first.trim_start().starts_with(['{', '[']);
-        let (delimiter, header) = match is_json {
+        let (delimiter, mut header) = match is_json {
             true => (None, keys(file, header_line, first)?),
             false => {
-                let delimiter = file.form.delimiter;
+                let delimiter = file.form.delimiter.or(stated);
                 let delimiter =
                     delimiter.map_or_else(|| found(file, text, first, header_line), Ok)?;
                 if let Some(line) = unclosed(text, delimiter) {
@@ -103,12 +140,23 @@ impl<'a> Written<'a> {
                 )
             }
         };
+        let units = delimiter.and_then(|delimiter| {
+            let mut rows = text.lines().skip(header_line + 1 - text.line);
+            let row = rows.find(|row| !row.trim().is_empty())?;
+            units(&text.split(row, delimiter), header.len())
+        });
+        for (name, unit) in header.iter_mut().zip(units.iter().flatten()) {
+            if !unit.is_empty() {
+                *name = format!("{name} [{unit}]");
+            }
+        }
         Ok(Self {
             file,
             text,
             delimiter,
             header,
             header_line,
+            has_units: units.is_some(),
         })
     }
 
@@ -127,12 +175,13 @@ impl<'a> Written<'a> {
     pub(super) fn each(&self, mut take: impl FnMut(Record<'_>) -> Taken) -> Taken {
         match self.delimiter {
             Some(delimiter) => {
-                let mut is_header = true;
+                let mut heading = 1 + usize::from(self.has_units);
                 delimited(self.text, delimiter, |record| {
-                    match std::mem::take(&mut is_header) {
-                        true => Ok(()),
-                        false => take(record),
+                    if heading > 0 {
+                        heading -= 1;
+                        return Ok(());
                     }
+                    take(record)
                 })
             }
             None => self.objects(take),
@@ -141,7 +190,7 @@ impl<'a> Written<'a> {
 
     fn objects(&self, mut take: impl FnMut(Record<'_>) -> Taken) -> Taken {
         let mut is_after_gap = false;
-        for (text, line) in self.text.lines().zip(1..) {
+        for (text, line) in self.text.lines().zip(self.text.line..) {
             if text.trim().is_empty() {
                 is_after_gap = line > self.header_line;
                 continue;
@@ -182,7 +231,7 @@ fn delimited(
 ) -> Taken {
     let bytes = text.all.as_bytes();
     let is_end = |byte: &&u8| char::from(**byte) == text.end;
-    let (mut at, mut line) = (0, 1);
+    let (mut at, mut line) = (0, text.line);
     let (mut is_first, mut is_after_gap) = (true, false);
     let mut fields = StringRecord::new();
     let mut reader = text.reader(text.all, delimiter);
@@ -227,9 +276,12 @@ fn found(
         .into_iter()
         .filter(|&delimiter| fields(header, delimiter) > 1)
         .collect();
+    if possible.is_empty() {
+        return spaced(file, text, header, header_line);
+    }
     if possible.len() > 1 {
         let rows = || {
-            let rows = text.lines().skip(header_line);
+            let rows = text.lines().skip(header_line + 1 - text.line);
             rows.filter(|row| !row.trim().is_empty())
                 .take(ROWS_THAT_TELL)
         };
@@ -256,6 +308,61 @@ fn found(
     Ok(possible.first().copied().unwrap_or(Delimiter::Comma))
 }
 
+/// Refuses a table whose fields are separated by spaces; else it has one column.
+fn spaced(
+    file: &RecordedFile,
+    text: Text<'_>,
+    header: &str,
+    header_line: usize,
+) -> Result<Delimiter, RecordedError> {
+    let count = header.split_whitespace().count();
+    let mut rows = text.lines().skip(header_line + 1 - text.line);
+    let row = rows.find(|row| !row.trim().is_empty()).unwrap_or_default();
+    let has_as_many = row.split_whitespace().count() == count;
+    let has_numbers = row.split_whitespace().all(|one| one.parse::<f64>().is_ok());
+    match count > 1 && has_as_many && has_numbers {
+        false => Ok(Delimiter::Comma),
+        true => {
+            let name = &file.name;
+            let message = format!(
+                "fields are separated by spaces; separate them by tabs: sed 's/^ *//; s/  */\t/g' {name} > tabs.tsv"
+            );
+            Err(file.fail(header_line, message))
+        }
+    }
+}
+
+/// Units in a row behind the header, without brackets, where it has nothing else.
+fn units(row: &StringRecord, columns: usize) -> Option<Vec<String>> {
+    const MEASURES: [Measure; 5] = [
+        Measure::Length,
+        Measure::Angle,
+        Measure::Time,
+        Measure::Turn,
+        Measure::Pixel,
+    ];
+    let bare = |field: &str| {
+        let field = tidy(field);
+        let within = [('[', ']'), ('(', ')')]
+            .into_iter()
+            .find_map(|(open, close)| field.strip_prefix(open)?.strip_suffix(close));
+        within.unwrap_or(field).trim().to_owned()
+    };
+    let units: Vec<String> = row.iter().map(bare).collect();
+    let is_unit = |text: &String| MEASURES.iter().any(|one| one.unit(text).is_some());
+    // Units of columns that are not asked for may be any words, as N.
+    let is_word = |text: &String| text.len() <= 6 && text.parse::<f64>().is_err();
+    let has_unit = units.iter().any(is_unit);
+    let is_row = units.len() == columns && has_unit && units.iter().all(is_word);
+    is_row.then(|| {
+        let known = |text: String| match text.as_str() {
+            "-" | "1" => String::new(),
+            _ => text,
+        };
+        units.into_iter().map(known).collect()
+    })
+}
+
 /// First line, from 1, with a quotation mark that is not one of a pair around a field.
 fn unclosed(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
     #[derive(PartialEq)]
@@ -269,7 +376,7 @@ fn unclosed(text: Text<'_>, delimiter: Delimiter) -> Option<usize> {
         return None;
     }
     let delimiter = char::from(delimiter.byte());
-    let (mut at, mut line) = (At::Start, 1);
+    let (mut at, mut line) = (At::Start, text.line);
     let end = text.end;
     let mut letters = text.all.chars().peekable();
     while let Some(letter) = letters.next() {
