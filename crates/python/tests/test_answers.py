@@ -11,7 +11,7 @@ from conftest import BALL, EXAMPLES
 
 PADS = palpate.Study(EXAMPLES / "pads-for-a-ball.toml")
 TARGET = "relative_rms_error(mean_curvature) <= 5 %"
-SET = {"scene.motion.duration_s": 0.5}
+SET = {"scene.motion.arc_length": 2.0}
 
 
 def test_a_design_is_that_of_the_command_line(cli, tmp_path):
@@ -19,7 +19,7 @@ def test_a_design_is_that_of_the_command_line(cli, tmp_path):
     found = palpate.design(PADS, TARGET, {"scene.sensor.pitch": (0.05, 2.0)}, set=SET, budget=3600.0)
     said = cli(
         "design", EXAMPLES / "pads-for-a-ball.toml", "--target", TARGET, "--vary", "scene.sensor.pitch=0.05..2",
-        "--set", "scene.motion.duration_s=0.5", "--budget", "1h", "--json", "--out", tmp_path,
+        "--set", "scene.motion.arc_length=2.0", "--budget", "1h", "--json", "--out", tmp_path,
     )
     assert found.to_dict() == said
     assert found.table.to_csv() == (tmp_path / "design.csv").read_text()

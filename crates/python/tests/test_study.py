@@ -184,7 +184,7 @@ def test_figures():
     assert figure.name == results.plots[0] and figure._repr_svg_().startswith("<svg")
     own = results.plot(
         "mine", x="scene.sensor.pitch", y="relative_rms_error", quantity="mean_curvature",
-        series="scene.motion.duration_s",
+        series="scene.motion.arc_length",
     )
     assert own.name == "mine" and "<svg" in own.svg
     with pytest.raises(palpate.ArgumentError, match="no plot nothing"):

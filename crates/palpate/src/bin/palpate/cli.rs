@@ -120,7 +120,7 @@ is named, and nothing is written. The shards stay; merging again gives the same.
   palpate design my.toml --target 'coverage95(object_curvature) >= 0.9' --vary scene.sensor.normal_from=hue,both \\
     --set scene.object.radius=42 --max-failures 0.01 --out out/which-reading
   palpate design examples/pads-for-a-ball.toml --target 'relative_rms_error(mean_curvature) <= 5 %' \\
-    --vary scene.sensor.pitch=0.05..2 --vary scene.motion.duration_s=0.1..2 --maximise scene.sensor.pitch
+    --vary scene.sensor.pitch=0.05..2 --vary scene.motion.arc_length=0.5..8 --maximise scene.sensor.pitch
 
 The target is to hold in every cell of the config at once; a field that is swept can be --set to one value.
 At least 16 values are scanned, and every crossing is bracketed ever more closely; fresh trials verify the
