@@ -102,7 +102,7 @@ impl Sheet {
                         .fail(record.line, format!("column `{name}`: {what}"))
                 })?);
             }
-            if record.is_after_gap {
+            if record.is_after_gap && !lines.is_empty() {
                 after_gaps.push(lines.len());
             }
             lines.push(record.line);
