@@ -290,12 +290,13 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
         _ => None,
     };
     let origin = &recorded.origin;
-    let message = explained(remedied(error, origin.wording()), error.name());
+    let message = remedied(error, origin.wording());
     let doubt = match error {
         Ep2Error::Folded { .. } | Ep2Error::NoSide { .. } => of_directions(&recorded.contacts),
         _ => None,
     };
     let message = doubt.map_or(message.clone(), |doubt| format!("{message}; {doubt}"));
+    let message = explained(message, error.name());
     match contact {
         Some(contact) => origin.fail_at(contact, message),
         None => origin.fail(message),
