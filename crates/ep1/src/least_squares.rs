@@ -17,13 +17,11 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector2};
 use palpate_geometry::CurvatureForm;
 
 use crate::many::MOST;
-use crate::symmetric::{Symmetric, Symmetric3};
+use crate::symmetric::{SMALLEST_SPREAD, Symmetric, Symmetric3};
 use crate::{
     Ep1Error, Estimate, ManyEstimates, ManyMoments, Measured, Moments, ProbeReading, ReadingNoise,
 };
 
-/// Spread across the main axis, over that along it, below which rotations are taken as parallel.
-const SMALLEST_SPREAD: f64 = 1e-6;
 /// A contact that moves less than this times what it would on a plane did not move.
 const SMALLEST_TRAVEL: f64 = 1e-12;
 
@@ -320,35 +318,34 @@ impl LeastSquares {
 }
 
 impl Law {
-    /// Law of probes of `radius` whose shifts alone err, for rotations whose normal equations are the unit matrix.
-    pub(crate) fn of_shifts(radius: f64, shift_std: f64, probes: usize) -> Self {
+    /// Law of probes of `radius` whose shifts alone err, with this inverse of the normal equations.
+    #[inline(always)]
+    pub(crate) fn of_shifts(
+        radius: f64,
+        shift_std: f64,
+        probes: usize,
+        inverse: &Symmetric3,
+    ) -> Self {
         let probe_curvature = 1.0 / radius;
         let relative_shift_std = shift_std * probe_curvature;
         Self {
             radius,
             probe_curvature,
             per_probe: 1.0 / probes as f64,
-            inverse: Symmetric3::unit(probe_curvature),
-            from_shifts: Symmetric3::unit(relative_shift_std * relative_shift_std),
+            inverse: inverse.scaled(probe_curvature),
+            from_shifts: inverse.scaled(relative_shift_std * relative_shift_std),
             from_rotations: [Symmetric3::unit(0.0); 3],
         }
     }
 
-    /// This law with rotations of this Gram matrix, and whether they span the plane and are in range.
+    /// Law [of shifts](Law::of_shifts) alone for the unit matrix, with this inverse in its place.
     #[inline(always)]
-    pub(crate) fn with_rotations(self, gram: &Symmetric) -> (Self, bool) {
-        let trace = gram.uu + gram.vv;
-        let least = SMALLEST_SPREAD * SMALLEST_SPREAD * trace * trace;
-        let (inverse, determinant) = Symmetric3::inverse_of_normal(gram);
-        let spans = (least < gram.determinant())
-            & (f64::MIN_POSITIVE < determinant)
-            & (determinant < f64::INFINITY);
-        let law = Self {
+    pub(crate) fn with_rotations(self, inverse: &Symmetric3) -> Self {
+        Self {
             inverse: inverse.scaled(self.inverse.first()),
             from_shifts: inverse.scaled(self.from_shifts.first()),
             ..self
-        };
-        (law, spans)
+        }
     }
 
     #[inline(always)]

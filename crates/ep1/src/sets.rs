@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use crate::least_squares::{Law, LeastSquares, Solution};
-use crate::symmetric::Symmetric;
+use crate::symmetric::{Symmetric, Symmetric3};
 use crate::{Ep1Error, Moments, ProbeReading, ReadingNoise};
 
 /// Row of estimates from one set of readings: normal curvature along u and v, twist k_uv, Gaussian and mean curvature; the
@@ -43,19 +43,15 @@ pub struct Sets<'a> {
     pub shifts: &'a [[f64; 2]],
 }
 
-/// Number of sets side by side: few enough for the readings of some probes to stay in the nearest cache.
-const ABREAST: usize = 32;
+/// Number of sets side by side: those of a vector, so that sums over their probes stay in registers.
+const ABREAST: usize = 4;
 
 /// A number of each of the sets side by side.
 type Abreast = [f64; ABREAST];
 
-/// Standard deviation of shifts that others are a multiple of, over the probe's radius.
-const UNIT_STD: f64 = 1e-3;
-
 impl Sets<'_> {
-    /// Estimates of the sets from `first` on, as [`LeastSquares`] finds them one by one, but for rounding: a row each. A
-    /// set that tells no curvature has a row of NaN; standard deviations are NaN where neither noise nor residuals tell
-    /// them.
+    /// Estimates of the sets from `first` on, to the last bit as [`LeastSquares`] finds them one by one: a row each. A set
+    /// that tells no curvature has a row of NaN; standard deviations are NaN where neither noise nor residuals tell them.
     ///
     /// Compiled for the vectors of whoever calls it.
     ///
@@ -63,89 +59,152 @@ impl Sets<'_> {
     /// [`Ep1Error::NotFinite`] with the set and the probe, for a number that is not finite; rows after it are not written.
     #[inline(always)]
     pub fn estimate(&self, first: usize, rows: &mut [SetRow]) -> Result<(), (usize, Ep1Error)> {
-        let shared = self.shared();
-        // Noise of rotations that differ from set to set has to be told set by set.
-        let can_be_abreast = match &shared {
-            Some(_) => true,
-            None => {
-                let noise = self.told();
-                noise.relative_rotation_std == 0.0 && noise.rotation_std_rad == 0.0
-            }
-        };
-        let mut abreast = SideBySide::new(if can_be_abreast { self.probes } else { 0 });
+        let law = self.law();
+        let is_shared = self.rotations.len() == self.probes;
         for (group, rows) in rows.chunks_mut(ABREAST).enumerate() {
             let first = first + group * ABREAST;
-            abreast.told = [0; ABREAST];
-            if can_be_abreast && rows.len() == ABREAST {
-                abreast.gather(self, first, group == 0);
-                abreast.sum(self.radius);
-                match &shared {
-                    Some(fit) => abreast.fit::<true>(self, fit.law),
-                    None => abreast.fit::<false>(
-                        self,
-                        Law::of_shifts(self.radius, self.told().shift_std, self.probes),
-                    ),
-                }
-                abreast.measure_residuals(self.radius);
+            let mut told = [0; ABREAST];
+            if let (Some(law), Ok(rows)) = (law, <&mut [SetRow; ABREAST]>::try_from(&mut *rows)) {
+                told = match (is_shared, self.noise.is_stated()) {
+                    (true, true) => self.together::<true, true>(first, law, rows),
+                    (true, false) => self.together::<true, false>(first, law, rows),
+                    (false, true) => self.together::<false, true>(first, law, rows),
+                    (false, false) => self.together::<false, false>(first, law, rows),
+                };
             }
             for (place, row) in rows.iter_mut().enumerate() {
-                *row = match abreast.told[place] {
-                    1 => std::array::from_fn(|column| abreast.columns[column][place]),
-                    _ => match self.alone(first + place) {
-                        Ok(row) => row,
-                        Err(error @ Ep1Error::NotFinite { .. }) => {
-                            return Err((first + place, error));
-                        }
-                        Err(_) => [f64::NAN; 11],
-                    },
+                if told[place] == 1 {
+                    continue;
+                }
+                *row = match self.alone(first + place) {
+                    Ok(row) => row,
+                    Err(error @ Ep1Error::NotFinite { .. }) => return Err((first + place, error)),
+                    Err(_) => [f64::NAN; 11],
                 };
-                self.with_stds(row);
             }
         }
         Ok(())
     }
 
-    /// Noise that the fits are told.
-    fn told(&self) -> ReadingNoise {
-        match self.noise.is_stated() {
-            true => self.noise,
-            false => ReadingNoise {
-                shift_std: UNIT_STD * self.radius,
-                ..self.noise
-            },
+    /// Law by which sets are fitted side by side: that of the rotations that all share, or of any rotations, which lacks
+    /// these; `None` where the sets have to be fitted one by one.
+    fn law(&self) -> Option<Law> {
+        if self.rotations.len() == self.probes {
+            let rotations = self.rotations.iter().map(|one| (*one).into());
+            let rotations: Vec<Vector2<f64>> = rotations.collect();
+            return Some(
+                LeastSquares::new(self.radius, self.noise, &rotations)
+                    .ok()?
+                    .law,
+            );
         }
-    }
-
-    /// Scales the standard deviations of a row to its residuals, where no noise was stated.
-    #[inline(always)]
-    fn with_stds(&self, row: &mut SetRow) {
-        if self.noise.is_stated() {
-            return;
-        }
-        let residual = row[10];
-        let factor = match residual == 0.0 {
-            true => f64::NAN,
-            false => residual / (UNIT_STD * self.radius),
-        };
-        row[5..9].iter_mut().for_each(|std| *std *= factor);
-    }
-
-    /// Fit of the rotations that all sets share.
-    fn shared(&self) -> Option<LeastSquares> {
-        let is_shared = self.rotations.len() == self.probes;
-        let rotations: Vec<Vector2<f64>> = match is_shared {
-            true => self.rotations.iter().map(|one| (*one).into()).collect(),
-            false => return None,
-        };
-        LeastSquares::new(self.radius, self.told(), &rotations).ok()
+        // Noise of rotations that differ from set to set has to be told set by set.
+        let noise = self.noise;
+        let is_of_shifts = noise.relative_rotation_std == 0.0 && noise.rotation_std_rad == 0.0;
+        let is_sound = self.radius > 0.0 && self.radius.is_finite() && noise.shift_std.is_finite();
+        (is_of_shifts && is_sound && self.probes > 0).then(|| {
+            Law::of_shifts(
+                self.radius,
+                noise.shift_std,
+                self.probes,
+                &Symmetric3::unit(1.0),
+            )
+        })
     }
 
     /// Readings of one set.
+    #[inline(always)]
     fn of_set<'n>(&self, numbers: &'n [[f64; 2]], set: usize) -> &'n [[f64; 2]] {
         match numbers.len() == self.probes {
             true => numbers,
             false => &numbers[set * self.probes..][..self.probes],
         }
+    }
+
+    /// Readings of the sets from this one on.
+    #[inline(always)]
+    fn of_sets<'n>(&self, numbers: &'n [[f64; 2]], set: usize) -> Probes<'n> {
+        [
+            self.of_set(numbers, set),
+            self.of_set(numbers, set + 1),
+            self.of_set(numbers, set + 2),
+            self.of_set(numbers, set + 3),
+        ]
+    }
+
+    /// Rows of the sets from `first` on, and 1 for each that tells a curvature; of the others, which may tell one alone, the
+    /// row is not to be used.
+    #[inline(always)]
+    fn together<const IS_SHARED: bool, const IS_STATED: bool>(
+        &self,
+        first: usize,
+        law: Law,
+        rows: &mut [SetRow; ABREAST],
+    ) -> [u64; ABREAST] {
+        let rotations = self.of_sets(self.rotations, first);
+        let shifts = self.of_sets(self.shifts, first);
+        let sums = Sums::of(self.radius, &rotations, &shifts);
+        let half_turn = std::f64::consts::PI * self.radius;
+        let half_turn_squared = half_turn * half_turn;
+        let mut told = [0; ABREAST];
+        let mut mobility = [[0.0; ABREAST]; 3];
+        let mut columns = [[0.0; ABREAST]; 10];
+        for place in 0..ABREAST {
+            let moments = sums.moments(place);
+            let (law, spans) = match IS_SHARED {
+                true => (law, true),
+                false => {
+                    let (inverse, spans) = Symmetric3::inverse_of_normal(&sums.gram(place));
+                    (law.with_rotations(&inverse), spans)
+                }
+            };
+            let Solution {
+                travel,
+                curvature,
+                curvatures,
+                stds,
+                moved,
+                in_range,
+            } = law.solve::<IS_STATED>(&moments);
+            let is_told = spans & moved & in_range & (sums.longest[place] <= half_turn_squared);
+            told[place] = u64::from(is_told);
+            mobility[0][place] = self.radius * travel.uu;
+            mobility[1][place] = self.radius * travel.uv;
+            mobility[2][place] = self.radius * travel.vv;
+            columns[0][place] = curvatures[0];
+            columns[1][place] = curvatures[1];
+            columns[2][place] = curvature.uv;
+            columns[3][place] = curvatures[2];
+            columns[4][place] = curvatures[3];
+            columns[5][place] = stds[0];
+            columns[6][place] = stds[1];
+            columns[7][place] = stds[2];
+            columns[8][place] = stds[3];
+            columns[9][place] = law.arc_length(&moments);
+        }
+        let residuals = residuals(&mobility, &rotations, &shifts);
+        if !IS_STATED {
+            for place in 0..ABREAST {
+                // As noisy as the residuals; residuals of nothing tell nothing.
+                let (inverse, spans) = Symmetric3::inverse_of_normal(&sums.gram(place));
+                let residual = residuals[place];
+                let known = if residual > 0.0 { 1.0 } else { f64::NAN };
+                let law = Law::of_shifts(self.radius, residual, self.probes, &inverse);
+                let solution = law.solve::<true>(&sums.moments(place));
+                told[place] &= u64::from(spans & solution.in_range);
+                columns[5][place] = known * solution.stds[0];
+                columns[6][place] = known * solution.stds[1];
+                columns[7][place] = known * solution.stds[2];
+                columns[8][place] = known * solution.stds[3];
+            }
+        }
+        for (place, row) in rows.iter_mut().enumerate() {
+            for (number, column) in row.iter_mut().zip(&columns) {
+                *number = column[place];
+            }
+            row[10] = residuals[place];
+        }
+        told
     }
 
     /// Row of one set.
@@ -160,13 +219,20 @@ impl Sets<'_> {
                 shift: (*shift).into(),
             })
             .collect();
-        let estimate = LeastSquares::of(self.radius, self.told(), &readings)?;
+        let mut estimate = LeastSquares::of(self.radius, self.noise, &readings)?;
         let most = std::f64::consts::PI * self.radius * (1.0 + 1e-9);
         let is_short = |reading: &ProbeReading| reading.shift.norm() <= most;
         if !readings.iter().all(is_short) {
             return Err(Ep1Error::OutOfRange);
         }
         let (residual, _) = estimate.residual(&readings);
+        if !self.noise.is_stated() && residual > 0.0 {
+            let noise = ReadingNoise {
+                shift_std: residual,
+                ..self.noise
+            };
+            estimate = LeastSquares::of(self.radius, noise, &readings)?;
+        }
         let measured = [
             estimate.normal_curvature_u,
             estimate.normal_curvature_v,
@@ -192,153 +258,17 @@ impl Sets<'_> {
     }
 }
 
-/// Rotation and shift of one probe of sets side by side.
-#[derive(Clone, Copy, Debug)]
-struct SetProbe {
-    rotation: [Abreast; 2],
-    shift: [Abreast; 2],
-}
+/// Rotations, or shifts, of the probes of sets side by side.
+type Probes<'n> = [&'n [[f64; 2]]; ABREAST];
 
-impl SetProbe {
-    const ZERO: Self = Self {
-        rotation: [[0.0; ABREAST]; 2],
-        shift: [[0.0; ABREAST]; 2],
-    };
-}
-
-/// Sets side by side.
-#[derive(Clone, Debug)]
-struct SideBySide {
-    probes: Vec<SetProbe>,
-    sums: Sums,
-    /// `K₁ B`: its entries uu, uv, vv.
-    travel: [Abreast; 3],
-    /// Columns of [`SetRow`].
-    columns: [Abreast; 11],
-    /// 1 where a set tells a curvature, else 0: then it may tell one alone.
-    told: [u64; ABREAST],
-}
-
-impl SideBySide {
-    fn new(probes: usize) -> Self {
-        Self {
-            probes: vec![SetProbe::ZERO; probes],
-            sums: Sums::ZERO,
-            travel: [[0.0; ABREAST]; 3],
-            columns: [[0.0; ABREAST]; 11],
-            told: [0; ABREAST],
-        }
-    }
-
-    /// Puts the readings of the sets from `first` on side by side.
-    #[inline(always)]
-    fn gather(&mut self, sets: &Sets<'_>, first: usize, is_first: bool) {
-        // What all sets share stands there from the first group on.
-        let is_new = |numbers: &[[f64; 2]]| is_first || numbers.len() != sets.probes;
-        if is_new(sets.rotations) {
-            for place in 0..ABREAST {
-                let of_set = sets.of_set(sets.rotations, first + place);
-                for (probe, [x, y]) in self.probes.iter_mut().zip(of_set) {
-                    probe.rotation[0][place] = *x;
-                    probe.rotation[1][place] = *y;
-                }
-            }
-        }
-        if is_new(sets.shifts) {
-            for place in 0..ABREAST {
-                let of_set = sets.of_set(sets.shifts, first + place);
-                for (probe, [u, v]) in self.probes.iter_mut().zip(of_set) {
-                    probe.shift[0][place] = *u;
-                    probe.shift[1][place] = *v;
-                }
-            }
-        }
-    }
-
-    /// Sums over the probes of each set.
-    #[inline(always)]
-    fn sum(&mut self, radius: f64) {
-        let sums = &mut self.sums;
-        *sums = Sums::ZERO;
-        for probe in &self.probes {
-            for place in 0..ABREAST {
-                let (x, y) = (probe.rotation[0][place], probe.rotation[1][place]);
-                let (u, v) = (probe.shift[0][place], probe.shift[1][place]);
-                // As `Moments` does, in the open: what is not inlined lacks the vectors of what calls it.
-                let (d_u, d_v) = (u + radius * y, v - radius * x);
-                sums.deviations[0][place] -= y * d_u;
-                sums.deviations[1][place] += x * d_v;
-                sums.deviations[2][place] += x * d_u - y * d_v;
-                sums.lengths[place] += (u * u + v * v).sqrt();
-                sums.gram[0][place] += y * y;
-                sums.gram[1][place] -= x * y;
-                sums.gram[2][place] += x * x;
-                let (longest, length) = (sums.longest[place], u * u + v * v);
-                sums.longest[place] = if length > longest { length } else { longest };
-            }
-        }
-    }
-
-    /// Fits the sets, by the law that they share or each by its own: all of their columns but the residuals.
-    #[inline(always)]
-    fn fit<const IS_SHARED: bool>(&mut self, sets: &Sets<'_>, shared: Law) {
-        let half_turn = std::f64::consts::PI * sets.radius;
-        let half_turn_squared = half_turn * half_turn;
-        for place in 0..ABREAST {
-            let (moments, gram) = (self.sums.moments(place), self.sums.gram(place));
-            let (law, spans) = match IS_SHARED {
-                true => (shared, true),
-                false => shared.with_rotations(&gram),
-            };
-            let Solution {
-                travel,
-                curvature,
-                curvatures,
-                stds,
-                moved,
-                in_range,
-            } = law.solve::<true>(&moments);
-            let told = spans & moved & in_range & (self.sums.longest[place] <= half_turn_squared);
-            self.told[place] = u64::from(told);
-            self.travel[0][place] = travel.uu;
-            self.travel[1][place] = travel.uv;
-            self.travel[2][place] = travel.vv;
-            self.columns[0][place] = curvatures[0];
-            self.columns[1][place] = curvatures[1];
-            self.columns[2][place] = curvature.uv;
-            self.columns[3][place] = curvatures[2];
-            self.columns[4][place] = curvatures[3];
-            self.columns[5][place] = stds[0];
-            self.columns[6][place] = stds[1];
-            self.columns[7][place] = stds[2];
-            self.columns[8][place] = stds[3];
-            self.columns[9][place] = law.arc_length(&moments);
-        }
-    }
-
-    /// Root mean squares of the residuals `Δp − B g` per component; 0 of sets without a degree of freedom.
-    #[inline(always)]
-    fn measure_residuals(&mut self, radius: f64) {
-        let freedom = (2 * self.probes.len()).saturating_sub(3);
-        let per_freedom = match freedom {
-            0 => 0.0,
-            freedom => 1.0 / freedom as f64,
-        };
-        let [uu, uv, vv] = &self.travel;
-        let squares = &mut self.columns[10];
-        *squares = [0.0; ABREAST];
-        for probe in &self.probes {
-            for place in 0..ABREAST {
-                let [x, y] = [probe.rotation[0][place], probe.rotation[1][place]];
-                let left_u = probe.shift[0][place] - radius * (uv[place] * x - uu[place] * y);
-                let left_v = probe.shift[1][place] - radius * (vv[place] * x - uv[place] * y);
-                squares[place] += left_u * left_u + left_v * left_v;
-            }
-        }
-        for square in squares {
-            *square = (*square * per_freedom).sqrt();
-        }
-    }
+/// Numbers of one probe after the other, of all sets side by side: the first of each pair, then the second.
+#[inline(always)]
+fn probes<'n>([a, b, c, d]: &Probes<'n>) -> impl Iterator<Item = [Abreast; 2]> + use<'n> {
+    let all = a.iter().zip(*b).zip(c.iter().zip(*d));
+    all.map(
+        #[inline(always)]
+        |((a, b), (c, d))| [[a[0], b[0], c[0], d[0]], [a[1], b[1], c[1], d[1]]],
+    )
 }
 
 /// Sums over the probes of sets side by side.
@@ -353,12 +283,34 @@ struct Sums {
 }
 
 impl Sums {
-    const ZERO: Self = Self {
-        deviations: [[0.0; ABREAST]; 3],
-        lengths: [0.0; ABREAST],
-        gram: [[0.0; ABREAST]; 3],
-        longest: [0.0; ABREAST],
-    };
+    #[inline(always)]
+    fn of(radius: f64, rotations: &Probes<'_>, shifts: &Probes<'_>) -> Self {
+        let zero = [0.0; ABREAST];
+        let mut sums = Self {
+            deviations: [zero; 3],
+            lengths: zero,
+            gram: [zero; 3],
+            longest: zero,
+        };
+        for ([x, y], [u, v]) in probes(rotations).zip(probes(shifts)) {
+            for place in 0..ABREAST {
+                let (x, y, u, v) = (x[place], y[place], u[place], v[place]);
+                // As `Moments` does, in the open: what is not inlined lacks the vectors of what calls it.
+                let (d_u, d_v) = (u + radius * y, v - radius * x);
+                sums.deviations[0][place] -= y * d_u;
+                sums.deviations[1][place] += x * d_v;
+                sums.deviations[2][place] += x * d_u - y * d_v;
+                let length = u * u + v * v;
+                sums.lengths[place] += length.sqrt();
+                sums.gram[0][place] += y * y;
+                sums.gram[1][place] -= x * y;
+                sums.gram[2][place] += x * x;
+                let longest = sums.longest[place];
+                sums.longest[place] = if length > longest { length } else { longest };
+            }
+        }
+        sums
+    }
 
     #[inline(always)]
     fn moments(&self, place: usize) -> Moments {
@@ -380,4 +332,24 @@ impl Sums {
             vv: self.gram[2][place],
         }
     }
+}
+
+/// Root mean squares of the residuals `Δp − B g` per component, of `B` with entries uu, uv, vv.
+#[inline(always)]
+fn residuals(mobility: &[Abreast; 3], rotations: &Probes<'_>, shifts: &Probes<'_>) -> Abreast {
+    let [uu, uv, vv] = mobility;
+    let freedom = (2 * rotations[0].len()).saturating_sub(3) as f64;
+    let mut squares = [0.0; ABREAST];
+    for ([x, y], [u, v]) in probes(rotations).zip(probes(shifts)) {
+        for place in 0..ABREAST {
+            let (x, y) = (x[place], y[place]);
+            let left_u = u[place] - (uv[place] * x - uu[place] * y);
+            let left_v = v[place] - (vv[place] * x - uv[place] * y);
+            squares[place] += left_u * left_u + left_v * left_v;
+        }
+    }
+    for square in &mut squares {
+        *square = (*square / freedom).sqrt();
+    }
+    squares
 }

@@ -2,6 +2,9 @@
 
 use nalgebra::{Matrix2, Matrix3};
 
+/// Spread across the main axis, over that along it, below which rotations are taken as parallel.
+pub(crate) const SMALLEST_SPREAD: f64 = 1e-6;
+
 /// A symmetric 2×2 matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Symmetric {
@@ -75,18 +78,31 @@ impl Symmetric3 {
         self.diagonal[0]
     }
 
-    /// The inverse of the normal equations with this Gram matrix, and their determinant.
+    /// The inverse of the normal equations with this Gram matrix, to the last bit as nalgebra finds it, and whether the
+    /// matrix spans the plane and the determinant is in range.
     #[inline(always)]
-    pub(crate) fn inverse_of_normal(gram: &Symmetric) -> (Self, f64) {
+    pub(crate) fn inverse_of_normal(gram: &Symmetric) -> (Self, bool) {
         let Symmetric { uu, uv, vv } = *gram;
         let trace = uu + vv;
-        let determinant = trace * gram.determinant();
-        let (scale, square) = (1.0 / determinant, uv * uv);
+        let least = SMALLEST_SPREAD * SMALLEST_SPREAD * trace * trace;
+        let (of_uu, square) = (vv * trace - uv * uv, uv * uv);
+        let determinant = uu * of_uu - uv * (uv * vv);
         let inverse = Self {
-            diagonal: [vv * trace - square, uu * trace - square, uu * vv],
-            beside: [square, -uv * vv, -uv * uu],
+            diagonal: [
+                of_uu / determinant,
+                (uu * trace - square) / determinant,
+                uu * vv / determinant,
+            ],
+            beside: [
+                square / determinant,
+                -(vv * uv) / determinant,
+                -(uv * uu) / determinant,
+            ],
         };
-        (inverse.scaled(scale), determinant)
+        let is_sound = (least < gram.determinant())
+            & (f64::MIN_POSITIVE < determinant)
+            & (determinant < f64::INFINITY);
+        (inverse, is_sound)
     }
 
     /// This matrix times a number.

@@ -114,17 +114,22 @@ fn each_set_is_that_alone() {
                     stated.gaussian_curvature,
                     stated.mean_curvature,
                 ];
-                for (column, measured) in [0, 1, 3, 4].into_iter().zip(measured) {
-                    let limit = 1e-13;
-                    assert_relative_eq!(row[column], measured.value, epsilon = limit);
-                }
-                for (column, measured) in (5..9).zip(measured) {
-                    let std = measured.std.unwrap();
-                    assert_relative_eq!(row[column], std, max_relative = 1e-9);
-                }
-                assert_relative_eq!(row[2], stated.curvature.k_uv, epsilon = 1e-13);
-                assert_relative_eq!(row[9], stated.arc_length, max_relative = 1e-14);
-                assert_relative_eq!(row[10], residual, max_relative = 1e-9);
+                let [u, v, gaussian, mean] = measured.map(|one| one.value);
+                let [std_u, std_v, of_gaussian, of_mean] = measured.map(|one| one.std.unwrap());
+                let due: SetRow = [
+                    u,
+                    v,
+                    stated.curvature.k_uv,
+                    gaussian,
+                    mean,
+                    std_u,
+                    std_v,
+                    of_gaussian,
+                    of_mean,
+                    stated.arc_length,
+                    residual,
+                ];
+                assert_eq!(*row, due, "set {set}");
             }
         }
     }
@@ -166,10 +171,7 @@ fn sets_that_tell_nothing_stand_between_those_that_do() {
     for (set, row) in rows(NOISES[0], &rotations, &shifts).iter().enumerate() {
         match silent.contains(&set) {
             true => assert!(row.iter().all(|number| number.is_nan()), "{set}: {row:?}"),
-            // Rounded as those beside them are, or alone.
-            false => (0..11).for_each(|column| {
-                assert_relative_eq!(row[column], usual[set][column], max_relative = 1e-9);
-            }),
+            false => assert_eq!(row, &usual[set], "{set}"),
         }
     }
 }

@@ -83,8 +83,8 @@ impl<'a> RollSets<'a> {
         self.sets == 0
     }
 
-    /// Estimates of the sets from `first` on, a row each, as [`estimate_roll`](super::estimate_roll) finds them one by one,
-    /// but for rounding. A set that tells no curvature has a row of NaN, and a standard deviation that nothing tells is NaN.
+    /// Estimates of the sets from `first` on, a row each, to the last bit as [`estimate_roll`](super::estimate_roll) finds
+    /// them one by one. A set that tells no curvature has a row of NaN, and a standard deviation that nothing tells is NaN.
     ///
     /// # Errors
     /// [`RecordedError::Array`] for a number that is not finite.

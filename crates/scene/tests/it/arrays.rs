@@ -56,14 +56,14 @@ fn rolls_are_those_of_a_file() {
     let alone = serde_json::to_value(&estimate).unwrap();
     for row in &rows {
         let due = alone["mean_curvature"]["value"].as_f64().unwrap();
-        assert!((row[4] - due).abs() < 1e-14, "{} {due}", row[4]);
+        assert_eq!(row[4], due);
         let due = alone["mean_curvature"]["std"].as_f64().unwrap();
-        assert!((row[8] / due - 1.0).abs() < 1e-9, "{} {due}", row[8]);
+        assert_eq!(row[8], due);
         let [least, greatest, angle] = RollSets::principal(row);
         let due = alone["principal_curvature_max"]["value"].as_f64().unwrap();
-        assert!((greatest - due).abs() < 1e-14 && least <= greatest);
+        assert!(greatest == due && least <= greatest);
         let due = alone["principal_direction_max_deg"].as_f64().unwrap();
-        assert!((angle - due).abs() < 1e-9, "{angle} {due}");
+        assert_eq!(angle, due);
     }
 }
 
