@@ -31,7 +31,7 @@ pub struct Column {
 pub enum Values {
     /// Numbers; `None` where the field is empty.
     Numbers(Vec<Option<f64>>),
-    /// Texts of a column in which some field is no number.
+    /// Texts of a column that is of texts, or in which some field is no number.
     Texts(Vec<String>),
 }
 
@@ -171,12 +171,69 @@ fn unit_of_field(header: &str, length_unit: LengthUnit) -> String {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn columns(table: &Table, length_unit: LengthUnit) -> Vec<Column> {
-    let column = |(place, name): (usize, &String)| Column {
-        name: name.clone(),
-        unit: unit_of(name, length_unit.as_str()),
-        values: values(table.rows.iter().map(|row| row[place].as_str())),
+    let column = |(place, name): (usize, &String)| {
+        let fields = table.rows.iter().map(|row| row[place].as_str());
+        Column {
+            name: name.clone(),
+            unit: unit_of(name, length_unit.as_str()),
+            values: match TEXTS.contains(&name.as_str()) {
+                true => Values::Texts(fields.map(str::to_owned).collect()),
+                false => values(fields),
+            },
+        }
     };
     table.header.iter().enumerate().map(column).collect()
+}
+
+/// Columns of a table that is CSV text, as [`columns`] has them.
+///
+/// ```
+/// use palpate::{Values, columns_of_csv};
+/// use palpate::config::LengthUnit;
+///
+/// let columns = columns_of_csv("cell,shift_mm,failure\n0,1.5,\n1,,slipped\n", LengthUnit::Mm)?;
+/// assert_eq!((columns[1].unit.as_deref(), &columns[1].values), (Some("mm"), &Values::Numbers(vec![Some(1.5), None])));
+/// assert_eq!(columns[2].values, Values::Texts(vec!["".to_owned(), "slipped".to_owned()]));
+/// assert!(columns_of_csv("cell,kind\n0\n", LengthUnit::Mm).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`csv::Error`] for a row that has not as many fields as the header.
+pub fn columns_of_csv(text: &str, length_unit: LengthUnit) -> Result<Vec<Column>, csv::Error> {
+    let reader = || csv::Reader::from_reader(text.as_bytes());
+    let header = reader().headers()?.clone();
+    let mut record = csv::StringRecord::new();
+    // Which other columns are numbers is known behind the last row.
+    let mut are_numbers: Vec<bool> = header.iter().map(|name| !TEXTS.contains(&name)).collect();
+    let mut rows = reader();
+    while rows.read_record(&mut record)? {
+        for (are_numbers, field) in are_numbers.iter_mut().zip(&record) {
+            *are_numbers &= number(field).is_some();
+        }
+    }
+    let mut all: Vec<Values> = are_numbers
+        .into_iter()
+        .map(|are_numbers| match are_numbers {
+            true => Values::Numbers(Vec::new()),
+            false => Values::Texts(Vec::new()),
+        })
+        .collect();
+    let mut rows = reader();
+    while rows.read_record(&mut record)? {
+        for (values, field) in all.iter_mut().zip(&record) {
+            match values {
+                Values::Numbers(numbers) => numbers.push(number(field).flatten()),
+                Values::Texts(texts) => texts.push(field.to_owned()),
+            }
+        }
+    }
+    let column = |(name, values): (&str, Values)| Column {
+        name: name.to_owned(),
+        unit: unit_of(name, length_unit.as_str()),
+        values,
+    };
+    Ok(header.iter().zip(all).map(column).collect())
 }
 
 /// Unit that the name of a column ends with.
@@ -197,16 +254,19 @@ fn unit_of(name: &str, length: &str) -> Option<String> {
 }
 
 fn values<'a>(fields: impl Iterator<Item = &'a str> + Clone) -> Values {
-    let number = |field: &str| match field {
-        "" => Ok(None),
-        field => field.parse().map(Some),
-    };
-    let numbers: Result<Vec<Option<f64>>, std::num::ParseFloatError> =
-        fields.clone().map(number).collect();
+    let numbers: Option<Vec<Option<f64>>> = fields.clone().map(number).collect();
     numbers.map_or_else(
-        |_| Values::Texts(fields.map(str::to_owned).collect()),
+        || Values::Texts(fields.map(str::to_owned).collect()),
         Values::Numbers,
     )
+}
+
+/// Number of a field, inside `None` where it is empty; `None` where it is a text.
+fn number(field: &str) -> Option<Option<f64>> {
+    match field {
+        "" => Some(None),
+        field => field.parse().ok().map(Some),
+    }
 }
 
 #[cfg(test)]

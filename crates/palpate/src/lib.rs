@@ -11,8 +11,10 @@
 //! | run it | [`run`]; [`Simulation`] for some of its cells, with progress and cancellation |
 //! | follow one pass of a cell | [`trace`] |
 //! | write its config as a run does | [`resolved`] |
-//! | take tables apart | [`columns`] |
+//! | take tables apart | [`columns`], [`columns_of_csv`] |
 //! | draw a figure of tables as SVG text | [`figure`] of [`Files`] |
+//! | score the papers' claims on tables, and make their page | [`report`] |
+//! | know what a word means | [`glossary`] |
 //! | cut the skin of a sensor | [`CutPattern`], [`marker_places`] |
 //! | estimate from recorded readings, track camera images | [`recorded`], with [`readings`] for numbers and [`frame`] for pixels |
 //!
@@ -59,17 +61,18 @@ mod trial;
 
 pub use asked::refuse;
 pub use check::{CellGroup, Check, Rungs, check};
-pub use columns::{Column, ColumnType, ValueKind, Values, columns};
+pub use columns::{Column, ColumnType, ValueKind, Values, columns, columns_of_csv};
 pub use costs::Cost;
 pub use design::{Answer, DesignError, Field, LookedAt, Question, Sample, design};
 pub use distinguish::{DistinguishError, Group, Object, Pair, ToldApart, distinguish};
 pub use map::Map;
+pub use palpate_report as report;
 pub use palpate_report::{Figure, Files, ReportError, figure, press_figures};
 pub use palpate_scene::{
     Arch, CutPattern, Ladder, Rung, Scene, Scenes, SeenPress, Trace, marker_places, recorded,
 };
 pub use palpate_study::config::{self, ConfigError, Study, load, parse};
-pub use palpate_study::{Table, Target, TargetError};
+pub use palpate_study::{Quantity, Statistic, Table, Target, TargetError, Unit, glossary};
 pub use palpate_sweep::{
     CellStatistics, Clock, Ended, FailingCell, Failure, Goal, NoThreads, Order, Partial, Plan,
     PlanError, Repeats, Run, RunOptions, Runner, SHARE_OF_MODEL, Side, Summary, SweepError, Taken,

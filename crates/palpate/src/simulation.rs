@@ -179,7 +179,8 @@ impl<'a> Simulation<'a> {
         Self { arch, ..self }
     }
 
-    /// The simulation with rows of every trial, which [`Simulation::stream`] hands over before those of its cell.
+    /// The simulation with rows of every trial, which [`Simulation::stream`] hands over before those of its cell, and
+    /// [`Simulation::run`] as a table.
     #[must_use]
     pub fn with_trials(self) -> Self {
         Self {
@@ -300,13 +301,15 @@ impl<'a> Simulation<'a> {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Ran, SweepError<ConfigError>> {
         let mut cells: Vec<Finished> = Vec::new();
+        let mut trials = tables::TRIALS.join(",") + "\n";
         let take = &mut |_: u64, taken: Taken<Finished>| {
-            let Taken::Result(finished) = taken else {
-                return ControlFlow::Continue(());
-            };
-            match cells.last_mut() {
-                Some(last) if last.part.cell == finished.part.cell => last.merge(finished),
-                _ => cells.push(finished),
+            match (taken, cells.last_mut()) {
+                (Taken::Note(rows), _) => trials.push_str(&rows),
+                (Taken::Open(..), _) => {}
+                (Taken::Result(finished), Some(last)) if last.part.cell == finished.part.cell => {
+                    last.merge(finished);
+                }
+                (Taken::Result(finished), _) => cells.push(finished),
             }
             ControlFlow::Continue(())
         };
@@ -327,6 +330,7 @@ impl<'a> Simulation<'a> {
                 let maps = cells.iter_mut().filter_map(|cell| cell.map.take());
                 Map::of_cells(maps)
             }),
+            trials: self.tells_trials.then_some(trials),
             statistics,
         })
     }
@@ -526,6 +530,9 @@ pub struct Ran {
     pub failures: Table,
     /// Table `map.csv`, of the first trial of every cell; `None` where the config asks for none.
     pub map: Option<Map>,
+    /// Table of all trials as CSV text, one row per observation or failure; `None` unless it was
+    /// [asked for](Simulation::with_trials).
+    pub trials: Option<String>,
 }
 
 /// Study that cannot be run.
