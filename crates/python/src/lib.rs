@@ -46,6 +46,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<study::Results>()?;
     module.add_class::<study::Trace>()?;
     module.add_class::<answers::design::DesignAnswer>()?;
+    module.add_class::<answers::design::DesignRegion>()?;
+    module.add_class::<answers::report::Report>()?;
     module.add_class::<answers::distinguish::ToldApart>()?;
     module.add_function(wrap_pyfunction!(schema, module)?)?;
     module.add_function(wrap_pyfunction!(estimate::estimate_roll, module)?)?;
@@ -57,5 +59,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sensor::pattern, module)?)?;
     module.add_function(wrap_pyfunction!(answers::design::design, module)?)?;
     module.add_function(wrap_pyfunction!(answers::distinguish::distinguish, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::report::report, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::words::explain, module)?)?;
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Results with named fields.
 
-use pyo3::exceptions::PyAttributeError;
+use pyo3::exceptions::{PyAttributeError, PyKeyError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyFloat, PyInt, PyList, PyTuple, PyType};
@@ -27,7 +27,7 @@ pub(crate) trait Made: Send + Sync {
 /// Result with named fields.
 ///
 /// A field that is a table is a `Record` itself, one that is a list of numbers an array of float64, in which NaN stands for
-/// none. `float(record)` is its `value`.
+/// none. `float(record)` is its `value`; `record["name"]` is the field of any name.
 #[pyclass(subclass, frozen, module = "palpate")]
 pub(crate) struct Record {
     made: Option<Box<dyn Made>>,
@@ -71,6 +71,15 @@ impl Record {
             None => Ok::<_, PyErr>(PyDict::new(py).unbind()),
         })?;
         Ok(fields.bind(py))
+    }
+
+    /// A field of either kind, as it is handed out.
+    fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let value = match self.fields(py)?.get_item(name)? {
+            Some(value) => Some(value),
+            None => self.array(py, name)?,
+        };
+        value.map(field).transpose()
     }
 
     /// Fields beside the plain ones, as far as they were made.
@@ -118,15 +127,18 @@ impl Record {
         let (py, own) = (slf.py(), slf.get());
         // A word of the language, such as `class_`.
         let key = name.strip_suffix('_').unwrap_or(name);
-        if let Some(value) = own.fields(py)?.get_item(key)? {
-            return field(value);
+        match own.field(py, key)? {
+            Some(value) => Ok(value),
+            None => Err(PyAttributeError::new_err(no_field(slf, name)?)),
         }
-        if let Some(value) = own.array(py, name)? {
-            return field(value);
+    }
+
+    /// Field by its name, also where that is no word of Python: the path of a config's field.
+    fn __getitem__<'py>(slf: &Bound<'py, Self>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        match slf.get().field(slf.py(), name)? {
+            Some(value) => Ok(value),
+            None => Err(PyKeyError::new_err(no_field(slf, name)?)),
         }
-        let kind = slf.get_type().name()?;
-        let message = format!("{kind} has no field {name:?}");
-        Err(PyAttributeError::new_err(message))
     }
 
     fn __dir__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyList>> {
@@ -200,6 +212,11 @@ impl Record {
             .import("palpate._show")?
             .call_method1("html", (slf,))
     }
+}
+
+fn no_field(record: &Bound<'_, Record>, name: &str) -> PyResult<String> {
+    let kind = record.get_type().name()?;
+    Ok(format!("{kind} has no field {name:?}"))
 }
 
 /// Field as it is handed out.

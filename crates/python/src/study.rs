@@ -4,6 +4,7 @@ mod results;
 mod runs;
 mod trace;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -18,6 +19,7 @@ use crate::record::Record;
 use crate::sensor;
 
 pub(crate) use results::Results;
+use runs::Asked;
 pub(crate) use runs::runner;
 pub(crate) use trace::Trace;
 
@@ -78,16 +80,28 @@ impl Study {
         Ok(study)
     }
 
+    /// Numbers of cells, ascending and each once.
+    fn cells(&self, numbers: Vec<usize>) -> PyResult<Vec<usize>> {
+        let count = self.study.cell_count();
+        if let Some(place) = numbers.iter().position(|&number| number >= count) {
+            let number = numbers[place];
+            let message = format!(
+                "cells[{place}]: is {number}; the study has cells 0 to {}",
+                count - 1
+            );
+            return Err(error::argument(
+                "cells",
+                &[place],
+                Some(number as f64),
+                message,
+            ));
+        }
+        let ascending: BTreeSet<usize> = numbers.into_iter().collect();
+        Ok(ascending.into_iter().collect())
+    }
+
     pub(crate) fn shared(&self) -> Arc<palpate::Study> {
         Arc::clone(&self.study)
-    }
-}
-
-/// Title of a study's figures.
-pub(crate) fn title(study: &palpate::Study) -> &str {
-    match study.config.title.as_str() {
-        "" => &study.config.name,
-        title => title,
     }
 }
 
@@ -261,6 +275,10 @@ impl Study {
     ///     In place of the study's own.
     /// threads : int, optional
     ///     By default one per processor. No result depends on it.
+    /// cells : sequence of int, optional
+    ///     Numbers of the cells that are run; by default all. Rows keep them.
+    /// trials_out : bool
+    ///     Whether the results have a table of all trials: that of `palpate run --trials-out`.
     /// progress : callable, optional
     ///     Called now and then with the number of trials done since it was last called: `tqdm(total=…).update`.
     ///
@@ -271,22 +289,30 @@ impl Study {
     ///
     /// Raises
     /// ------
+    /// ArgumentError
+    ///     For a cell that there is not.
     /// ConfigError
     ///     Where a cell makes no scene.
-    #[pyo3(signature = (*, trials=None, seed=None, threads=None, progress=None))]
+    #[pyo3(signature = (*, trials=None, seed=None, threads=None, cells=None, trials_out=false, progress=None))]
+    #[allow(clippy::too_many_arguments)]
     fn run(
         &self,
         py: Python<'_>,
         trials: Option<u64>,
         seed: Option<u64>,
         threads: Option<usize>,
+        cells: Option<Vec<usize>>,
+        trials_out: bool,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Results> {
         let study = Arc::new(self.with(trials, seed)?);
-        let (ran, warnings) = runs::run(py, Arc::clone(&study), threads, progress.as_ref())?;
-        let shown = Self::of("run.toml".to_owned(), palpate::resolved(&study))?;
-        let shown = Py::new(py, shown)?.into_any();
-        Results::of(py, study, shown, ran, warnings)
+        let asked = Asked {
+            study: Arc::clone(&study),
+            cells: cells.map(|cells| self.cells(cells)).transpose()?,
+            tells_trials: trials_out,
+        };
+        let found = runs::run(py, asked, threads, progress.as_ref())?;
+        Results::of(py, study, found)
     }
 
     /// Follows one pass of a cell: noiseless, or as in trial number `trial`. Returns a Trace.

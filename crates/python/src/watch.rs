@@ -18,6 +18,7 @@ const LOOK: Duration = Duration::from_millis(40);
 pub(crate) struct Watch {
     pub(crate) cancelled: AtomicBool,
     done: AtomicU64,
+    reached: AtomicU64,
     ended: Mutex<bool>,
     bell: Condvar,
 }
@@ -32,8 +33,11 @@ impl Watch {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Unwinds work that is cancelled, where nothing else ends it.
-    pub(crate) fn unwind_if_cancelled(&self) {
+    /// Counts work by how much of it is done from its beginning on, and unwinds work that is cancelled, which nothing else
+    /// ends.
+    pub(crate) fn reach(&self, done: u64) {
+        let before = self.reached.swap(done, Ordering::Relaxed);
+        self.tell(done.saturating_sub(before));
         if self.is_cancelled() {
             std::panic::resume_unwind(Box::new("cancelled"));
         }

@@ -33,8 +33,39 @@ def test_a_design_is_that_of_the_command_line(cli, tmp_path):
     assert found.answer in repr(found) and "<svg" in found._repr_html_()
 
 
+def test_a_region_is_that_of_the_command_line(cli, tmp_path):
+    fields = ["scene.sensor.pitch=0.1..1", "scene.object.radius=20,30"]
+    settings = {"set": SET, "gap": 0.3, "most_trials": 20_000, "budget": 3600.0}
+    found = palpate.design(PADS, TARGET, fields, maximise="scene.sensor.pitch", **settings)
+    said = cli(
+        "design", EXAMPLES / "pads-for-a-ball.toml", "--target", TARGET, "--vary", fields[0], "--vary", fields[1],
+        "--maximise", "scene.sensor.pitch", "--set", "scene.motion.duration_s=0.5", "--gap", 0.3,
+        "--most-trials", 20_000, "--budget", "1h", "--json", "--out", tmp_path,
+    )
+    assert isinstance(found, palpate.DesignRegion) and found.to_dict() == said
+    assert found.table.to_csv() == (tmp_path / "design.csv").read_text()
+    assert found.runs.to_csv() == (tmp_path / "region.csv").read_text()
+    assert found.figure.svg == (tmp_path / "design.svg").read_text()
+    assert f"{found.answer}\n{chr(10).join(found.lines)}\n" == (tmp_path / "design.txt").read_text()
+    # The sharper ball bears the coarser pads.
+    at = [column.at["scene.object.radius"] for column in found.columns]
+    ends = [column.meets[-1].to for column in found.columns]
+    assert at == ["20", "30"] and ends[0] > ends[1]
+    assert found.best_that_meets["scene.object.radius"] == "20"
+    assert found.best_that_meets["scene.sensor.pitch"] == ends[0]
+    with pytest.raises(KeyError, match="no field"):
+        found.best_that_meets["scene.sensor.kind"]
+    again = pickle.loads(pickle.dumps(found))
+    assert again == found and again.runs == found.runs
+    least = palpate.design(
+        PADS, TARGET, {"scene.sensor.pitch": (0.1, 1.0), "scene.object.radius": [20, 30]},
+        minimise="scene.object.radius", **settings,
+    )
+    assert least.best_that_meets["scene.object.radius"] == "20"
+
+
 def test_a_design_over_words_and_as_a_text():
-    study = PADS.with_({"sweep": None, "plot": None})
+    study = PADS.with_({"sweep": None, "plot": None, "scene.sensor.pitch": 0.5})
     one = palpate.design(study, TARGET, "scene.sensor.layout=square,uniform", most_trials=4096)
     other = palpate.design(study, TARGET, {"scene.sensor.layout": ["square", "uniform"]}, most_trials=4096)
     assert one == other
@@ -52,8 +83,13 @@ def test_a_design_over_words_and_as_a_text():
         ({"vary": {"scene.sensor.pitch": (2, 1)}}, palpate.ArgumentError, "vary", "run upwards"),
         ({"vary": {"scene.sensor.pitch": (0, float("inf"))}}, palpate.ArgumentError, "vary", "finite"),
         ({"vary": {"scene.sensor.pitch": 1.0}}, palpate.ArgumentError, "vary", "a tuple (from, to) or a list"),
-        ({"vary": {}}, palpate.ArgumentError, "vary", "one path"),
-        ({"vary": 3}, palpate.ArgumentError, "vary", "one path"),
+        ({"vary": {}}, palpate.ArgumentError, "vary", "a dictionary of paths"),
+        ({"vary": 3}, palpate.ArgumentError, "vary", "a dictionary of paths"),
+        ({"vary": []}, palpate.ArgumentError, "vary", "a dictionary of paths"),
+        ({"vary": ["scene.sensor.pitch=1..2", 3]}, palpate.ArgumentError, "vary", "a dictionary of paths"),
+        ({"maximise": "scene.object.radius"}, palpate.ArgumentError, "maximise", "scene.object.radius"),
+        ({"minimise": "scene.object.radius"}, palpate.ArgumentError, "minimise", "scene.object.radius"),
+        ({"maximise": "a", "minimise": "b"}, palpate.ArgumentError, "minimise", "one of them"),
         ({"vary": {"scene.sensor.kind": (1, 2)}}, palpate.ArgumentError, "vary", "scene.sensor.kind"),
         ({"max_failures": 0.0}, palpate.ArgumentError, "max_failures", "above 0"),
         ({"gap": 2.0}, palpate.ArgumentError, "gap", "at most 1"),

@@ -98,7 +98,10 @@ def test_patterns_are_the_same(cli, tmp_path):
     cli("sensor", "pattern", config, "--out", tmp_path, is_json=False)
     study = palpate.Study(config)
     assert palpate.pattern(study) == (tmp_path / "pattern.svg").read_text()
-    assert study.pattern().dxf == (tmp_path / "pattern.dxf").read_text()
+    pattern = study.pattern()
+    assert pattern.dxf == (tmp_path / "pattern.dxf").read_text()
+    assert pattern.strain.to_csv() == (tmp_path / "strain.csv").read_text()
+    assert pattern.strain_by_gores.to_csv() == (tmp_path / "strain-by-gores.csv").read_text()
 
 
 def test_calibrations_are_the_same(cli, tmp_path):

@@ -4,6 +4,7 @@ import copy
 import json
 import multiprocessing
 import pickle
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -32,6 +33,7 @@ def everything(rolls, glides, presses, ball):
         results,
         results.cells,
         results.trace(),
+        palpate.report(results),
         palpate.Figure("a", "b", "<svg/>"),
     ]
 
@@ -157,6 +159,31 @@ def test_many_threads_of_python(glides):
     with ThreadPoolExecutor(8) as pool:
         found = list(pool.map(lambda _: palpate.estimate_glide(points, normals, fingers), range(64)))
     assert all(one == alone for one in found)
+
+
+def test_data_frames_read_tables_through_arrow(ball):
+    import polars
+
+    results = ball.run(trials_out=True)
+    for table, source in ((results.cells, results), (results.cells, results.cells), (results.trials_out,) * 2):
+        frame = polars.DataFrame(source)
+        assert frame.columns == list(table) and frame.height == table.height
+        assert isinstance(table, Mapping) and table.get("none") is None
+        for name, values in table.items():
+            assert (values == table.get(name)).all() or np.isnan(values).any()
+            column = frame[name]
+            if values.dtype.kind == "U":
+                assert column.dtype == polars.String and column.to_list() == values.tolist()
+            else:
+                assert column.dtype == polars.Float64
+                np.testing.assert_array_equal(column.to_numpy(), values)
+                assert column.null_count() == np.isnan(values).sum()
+    # A capsule that nothing reads is released with it, and one is read once.
+    for _ in range(100):
+        results.__arrow_c_stream__()
+    assert "arrow_array_stream" in repr(results.cells.__arrow_c_stream__(None))
+    empty = ball.run(cells=[]).cells
+    assert polars.DataFrame(empty).shape == (0, len(empty))
 
 
 def worker(shifts):

@@ -79,6 +79,7 @@ def test_from_two_frames_to_an_object():
 def test_calibrations_that_cannot_be(trace):
     good = {"normal_displacement": [0.0, 0.5, 1.0], "hue_turns": [0.0, 0.01, 0.02]}
     assert palpate.calibrate(good, length_unit="mm").length_unit == "mm"
+    assert palpate.calibrate({**good, "colour": [1, 2, 3]}) == palpate.calibrate(good)
     for table in (
         {**good, "hue_turns": [0.0, 0.01]},
         {**good, "hue_turns": [0.0, np.nan, 0.02]},
@@ -88,7 +89,6 @@ def test_calibrations_that_cannot_be(trace):
             palpate.calibrate(table)
     for table in (
         {"normal_displacement": [0.0, 1.0]},
-        {**good, "colour": [1, 2, 3]},
         {**good, "hue_turns": [0.0, 0.0, 0.0]},
     ):
         with pytest.raises(palpate.ReadingsError):
@@ -114,6 +114,7 @@ def test_layouts_and_patterns():
     assert sorted(set(np.round(np.degrees(away / 20.0), 6))) == pytest.approx(11.9 * np.arange(6), abs=1e-6)
     pattern = layout.pattern()
     assert (pattern.gores, pattern.markers) == (4, 77)
+    assert pattern.strain_by_gores.height == 10 and "strain" in pattern.strain
     assert palpate.pattern(layout) == pattern.svg and pattern.svg.startswith("<")
     row = palpate.Layout(10.0, {"kind": "line", "markers": 5, "length": 8.0})
     np.testing.assert_allclose(row.positions[:, 0], [-4, -2, 0, 2, 4], atol=1e-12)

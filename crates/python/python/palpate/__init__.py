@@ -13,85 +13,21 @@ lay out a skin, and cut it            Layout(radius), pattern(layout)
 simulate                              Study(toml or dict).run()
 find what sensor or motion will do    design(study, target, vary)
 know which objects can be told apart  distinguish(study, vary=…)
+score the papers' claims, on a page   report(results, …)
+know what a word means                explain(word)
 ====================================  ==========================================================
 
 Lengths are in whatever unit the caller has, angles in radians where a name does not end in ``_deg``; a curvature is
 positive where the object is convex. All errors are a PalpateError, which is a ValueError.
 """
 
-from ._native import (
-    SHAPE_CLASSES,
-    ArgumentError,
-    Batch,
-    Calibration,
-    ConfigError,
-    DesignAnswer,
-    Figure,
-    GlideEstimate,
-    Layout,
-    PalpateError,
-    Pattern,
-    PressEstimate,
-    ReadingsError,
-    Record,
-    Results,
-    RollBatch,
-    RollEstimate,
-    RunError,
-    Study,
-    Table,
-    ToldApart,
-    Trace,
-    Tracked,
-    __version__,
-    calibrate,
-    calibrate_frames,
-    design,
-    distinguish,
-    estimate_glide,
-    estimate_press,
-    estimate_roll,
-    pattern,
-    schema,
-    track,
-)
+from collections.abc import Mapping
+
+from . import _native
+from ._native import *
 from ._scenes import scene, surface
 
-__all__ = [
-    "SHAPE_CLASSES",
-    "ArgumentError",
-    "Batch",
-    "Calibration",
-    "ConfigError",
-    "DesignAnswer",
-    "Figure",
-    "GlideEstimate",
-    "Layout",
-    "PalpateError",
-    "Pattern",
-    "PressEstimate",
-    "ReadingsError",
-    "Record",
-    "Results",
-    "RollBatch",
-    "RollEstimate",
-    "RunError",
-    "Study",
-    "Table",
-    "ToldApart",
-    "Trace",
-    "Tracked",
-    "__version__",
-    "calibrate",
-    "calibrate_frames",
-    "design",
-    "distinguish",
-    "estimate_glide",
-    "estimate_press",
-    "estimate_roll",
-    "pattern",
-    "scene",
-    "schema",
-    "surface",
-    "track",
-]
+Mapping.register(_native.Table)
+
+__all__ = ["scene", "surface"]
+__all__ += _native.__all__

@@ -1,6 +1,6 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, final
+from typing import Any, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ __all__ = [
     "Calibration",
     "ConfigError",
     "DesignAnswer",
+    "DesignRegion",
     "Figure",
     "GlideEstimate",
     "Layout",
@@ -20,6 +21,7 @@ __all__ = [
     "PressEstimate",
     "ReadingsError",
     "Record",
+    "Report",
     "Results",
     "RollBatch",
     "RollEstimate",
@@ -37,7 +39,9 @@ __all__ = [
     "estimate_glide",
     "estimate_press",
     "estimate_roll",
+    "explain",
     "pattern",
+    "report",
     "schema",
     "track",
 ]
@@ -64,6 +68,7 @@ class RunError(PalpateError): ...
 class Record:
     def __new__(cls, fields: dict[str, Any], arrays: dict[str, Any] | None = None) -> Record: ...
     def __getattr__(self, name: str) -> Any: ...
+    def __getitem__(self, name: str, /) -> Any: ...
     def __float__(self) -> float: ...
     def __eq__(self, other: object, /) -> bool: ...
     def to_dict(self, *, arrays: bool = False) -> dict[str, Any]: ...
@@ -131,6 +136,49 @@ class DesignAnswer(Record):
     lines: list[str]
     table: Table
     figure: Figure
+
+class _Column(Record):
+    at: Record
+    meets: list[_Run]
+    misses: list[_Run]
+    best: _Best | None
+    narrowed: int
+    ended: str
+
+@final
+class DesignRegion(Record):
+    study: str
+    answer: str
+    target: str
+    max_failures: float
+    grid: list[Record]
+    path: str
+    unit: str
+    confidence: float
+    sought: str | None
+    best_that_meets: Record | None
+    columns: list[_Column]
+    lines: list[str]
+    table: Table
+    runs: Table
+    figure: Figure
+
+class _Score(Record):
+    claim: int
+    study: str
+    paper_says: str
+    measured: str
+    verdict: str
+    why: str
+
+@final
+class Report:
+    @property
+    def scores(self) -> list[_Score]: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def html(self) -> str: ...
 
 class _Pair(Record):
     first: str
@@ -274,6 +322,7 @@ class Table(Mapping[str, NDArray[Any]]):
     def __getitem__(self, name: str, /) -> NDArray[Any]: ...
     def to_dict(self) -> dict[str, NDArray[Any]]: ...
     def to_csv(self) -> str: ...
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object: ...
     def _repr_html_(self) -> str: ...
 
 @final
@@ -334,6 +383,10 @@ class Pattern:
     def greatest_fold_strain(self) -> float: ...
     @property
     def rms_fold_strain(self) -> float: ...
+    @property
+    def strain(self) -> Table: ...
+    @property
+    def strain_by_gores(self) -> Table: ...
     def _repr_svg_(self) -> str: ...
 
 @final
@@ -387,6 +440,8 @@ class Study:
         trials: int | None = None,
         seed: int | None = None,
         threads: int | None = None,
+        cells: Sequence[int] | None = None,
+        trials_out: bool = False,
         progress: Callable[[int], Any] | None = None,
     ) -> Results: ...
     def trace(self, cell: int = 0, trial: int | None = None) -> Trace: ...
@@ -403,12 +458,21 @@ class Results:
     @property
     def map(self) -> Table | None: ...
     @property
+    def trials_out(self) -> Table | None: ...
+    @property
     def warnings(self) -> list[str]: ...
     @property
     def plots(self) -> list[str]: ...
+    @property
+    def figures(self) -> list[Figure]: ...
+    @property
+    def claims(self) -> Table: ...
+    @staticmethod
+    def read(folder: str | PathLike[str]) -> Results: ...
     def plot(self, name: str | None = None, **keys: Any) -> Figure: ...
     def trace(self, cell: int = 0, trial: int | None = None) -> Trace: ...
     def files(self) -> dict[str, str]: ...
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object: ...
     def _repr_html_(self) -> str: ...
 
 @final
@@ -532,8 +596,10 @@ def pattern(sensor: Study | Layout) -> str: ...
 def design(
     study: Study,
     target: str,
-    vary: str | dict[str, Any],
+    vary: str | list[str] | dict[str, Any],
     *,
+    maximise: str | None = None,
+    minimise: str | None = None,
     set: dict[str, Any] | None = None,
     max_failures: float = 0.05,
     gap: float = 0.05,
@@ -542,7 +608,7 @@ def design(
     seed: int | None = None,
     threads: int | None = None,
     progress: Callable[[int], Any] | None = None,
-) -> DesignAnswer: ...
+) -> DesignAnswer | Any: ...
 def distinguish(
     study: Study,
     *,
@@ -555,3 +621,8 @@ def distinguish(
     threads: int | None = None,
     progress: Callable[[int], Any] | None = None,
 ) -> ToldApart: ...
+def report(*studies: Results | str | PathLike[str]) -> Report: ...
+@overload
+def explain(word: str) -> str: ...
+@overload
+def explain(word: None = None) -> dict[str, dict[str, str]]: ...

@@ -1,19 +1,17 @@
-//! Which values of a field meet a target.
+//! Which values of fields meet a target.
 
 use std::time::{Duration, Instant};
 
-use palpate::config::{Varied, Vary};
-use palpate::{DesignError, Question};
+use palpate::{Answer, DesignError, Extreme, Region, Sought, Survey};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString, PyTuple};
-use serde_json::Value as Json;
+use pyo3::types::PyDict;
 
+use super::question::{set as set_of, varied};
+use super::shown::{figure, table, title};
 use crate::error;
-use crate::figure::Figure;
-use crate::json::{from_python, of_json, to_toml};
+use crate::json::of_json;
 use crate::record::{Made, record};
 use crate::study::{Study, runner};
-use crate::table::Table;
 use crate::watch::watched_alone;
 
 record!(
@@ -21,16 +19,20 @@ record!(
     "Values of a field that meet a target, all of it right with 95 %.\n\nFields: what `palpate design --json` prints: `answer`, a sentence; `meets` and `misses`, lists of runs with `from` and\n`to`; `best` with `value`, `statistic`, `std_error` and `failing`; `target`, `path`, `unit`, `max_failures`,\n`confidence`, `narrowed` (ends of runs that fresh trials did not verify) and `ended` (\"known\", \"time\" or \"trials\"). `lines` are its\ngrounds, in words; `table` is a Table of all trials, `figure` a Figure of them."
 );
 
-/// Source that an answer is made from.
-struct Answered {
-    fields: Json,
-    answer: palpate::Answer,
+record!(
+    DesignRegion,
+    "Values of several fields that, taken together, meet a target, all of it right with 95 %.\n\nFields: what `palpate design --json` prints of several fields: `answer`, a sentence; `columns`, one per combination of\nthe grid, each with `at` (values by their paths: `column.at[\"scene.object.radius\"]`) and with `meets`, `misses` and\n`best` of the field that is searched, as a DesignAnswer has them; `best_that_meets`, values by their paths, or None;\n`grid`, `path`, `unit`, `target`, `max_failures`, `confidence` and `sought`. `lines` are its grounds, in words; `table`\nis a Table of all trials, `runs` one of the runs that meet or miss the target, `figure` a Figure of them."
+);
+
+/// Source that the answer of a design is made from.
+struct Found<T> {
+    found: T,
     study: palpate::Study,
 }
 
-impl Made for Answered {
+impl Made for Found<Box<Answer>> {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        of_json(py, &self.fields)
+        of_json(py, &self.found.to_json(&self.study))
     }
 
     fn others(&self) -> &'static [&'static str] {
@@ -38,68 +40,33 @@ impl Made for Answered {
     }
 
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        Ok(match name {
-            "lines" => self.answer.lines().into_pyobject(py)?.into_any(),
-            "table" => {
-                let unit = self.study.config.length_unit;
-                Bound::new(py, Table::new(py, self.answer.table(), unit)?)?.into_any()
-            }
-            _ => {
-                let figure = self
-                    .answer
-                    .figure("design", crate::study::title(&self.study));
-                let figure = figure.map_err(|error| error::RunError::new_err(error.to_string()))?;
-                Bound::new(py, Figure::from(figure))?.into_any()
-            }
-        })
+        let Self { found, study } = self;
+        match name {
+            "lines" => Ok(found.lines().into_pyobject(py)?.into_any()),
+            "table" => table(py, &found.table(), study),
+            _ => figure(py, found.figure("design", title(study))),
+        }
     }
 }
 
-/// The field that is varied, and its values: of a text as on the command line, or of a dictionary with one entry.
-fn vary_of(vary: &Bound<'_, PyAny>) -> PyResult<Vary> {
-    let wrong = |message: String| error::argument("vary", &[], None, format!("vary: {message}"));
-    if let Ok(text) = vary.cast::<PyString>() {
-        let parsed = text.to_cow()?.parse::<Vary>();
-        return parsed.map_err(|error| wrong(error.to_string()));
+impl Made for Found<Region> {
+    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        of_json(py, &self.found.to_json(&self.study))
     }
-    let fields = vary
-        .cast::<PyDict>()
-        .ok()
-        .filter(|fields| fields.len() == 1);
-    let Some((path, values)) = fields.and_then(|fields| fields.iter().next()) else {
-        let message = "must be a text such as \"scene.sensor.pitch=0.05..2\", or a dictionary of one path with a tuple \
-                       (from, to) or a list of values";
-        return Err(wrong(message.to_owned()));
-    };
-    let values = match values.cast::<PyTuple>() {
-        Ok(_) => {
-            let (from, to): (f64, f64) = values
-                .extract()
-                .map_err(|_| wrong("a range must be a tuple of two numbers".to_owned()))?;
-            if !(from.is_finite() && to.is_finite() && from <= to) {
-                let message = format!("the range {from} to {to} must be finite and run upwards");
-                return Err(wrong(message));
-            }
-            Varied::Range { from, to }
+
+    fn others(&self) -> &'static [&'static str] {
+        &["lines", "table", "runs", "figure"]
+    }
+
+    fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let Self { found, study } = self;
+        match name {
+            "lines" => Ok(found.lines().into_pyobject(py)?.into_any()),
+            "table" => table(py, &found.table(), study),
+            "runs" => table(py, &found.runs(), study),
+            _ => figure(py, found.figure("design", title(study))),
         }
-        Err(_) => match from_python(&values)? {
-            Json::Array(items) if !items.is_empty() => Varied::Listed(
-                items
-                    .iter()
-                    .map(|item| to_toml("vary", item))
-                    .collect::<PyResult<_>>()?,
-            ),
-            _ => {
-                return Err(wrong(
-                    "values must be a tuple (from, to) or a list".to_owned(),
-                ));
-            }
-        },
-    };
-    Ok(Vary {
-        path: path.extract()?,
-        values,
-    })
+    }
 }
 
 /// Error of a question that has no answer.
@@ -128,10 +95,11 @@ fn refused(error: DesignError) -> PyErr {
     }
 }
 
-/// Values of a field at which all cells of a study meet a target: which pads, which roll, which camera will do.
+/// Values of fields at which all cells of a study meet a target: which pads, which roll, which camera will do.
 ///
 /// At least 16 values are scanned, every crossing is bracketed ever more closely, and fresh trials verify the answer, all
-/// of which is right with 95 %. Between values that were looked at nothing is known.
+/// of which is right with 95 %. Between values that were looked at nothing is known. Of several fields one is searched so
+/// at each combination of a grid of the others.
 ///
 /// Parameters
 /// ----------
@@ -140,9 +108,11 @@ fn refused(error: DesignError) -> PyErr {
 /// target : str
 ///     "STATISTIC(QUANTITY) <= LIMIT" or ">= LIMIT", with the names of `Results.cells`, as
 ///     "relative_rms_error(mean_curvature) <= 5 %"; without a quantity the first of the scene is meant.
-/// vary : str or dict
-///     The field that is varied, with its values: "scene.sensor.pitch=0.05..2", or `{"scene.sensor.pitch": (0.05, 2)}` for
-///     all numbers between, `{"scene.sensor.normal_from": ["hue", "both"]}` for these.
+/// vary : str, list of str, or dict
+///     The fields that are varied, with their values: "scene.sensor.pitch=0.05..2", or `{"scene.sensor.pitch": (0.05, 2)}`
+///     for all numbers between, `{"scene.sensor.normal_from": ["hue", "both"]}` for these.
+/// maximise, minimise : str, optional
+///     Path of a varied field whose largest, or smallest, value that meets the target is asked for; one of them.
 /// set : dict, optional
 ///     Fields that get one value each, in place of what the study and its sweeps say of them.
 /// max_failures : float
@@ -161,6 +131,7 @@ fn refused(error: DesignError) -> PyErr {
 /// Returns
 /// -------
 /// DesignAnswer
+///     Of several fields, and where something is to be as large or as small as can be, a DesignRegion.
 ///
 /// Raises
 /// ------
@@ -184,14 +155,16 @@ fn refused(error: DesignError) -> PyErr {
 /// >>> 0.2 < found.meets[0].to < 0.8
 /// True
 #[pyfunction]
-#[pyo3(signature = (study, target, vary, *, set=None, max_failures=0.05, gap=0.05, most_trials=4_194_304,
-    budget=Some(60.0), seed=None, threads=None, progress=None))]
+#[pyo3(signature = (study, target, vary, *, maximise=None, minimise=None, set=None, max_failures=0.05,
+    gap=0.05, most_trials=4_194_304, budget=Some(60.0), seed=None, threads=None, progress=None))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn design<'py>(
     py: Python<'py>,
     study: &Bound<'py, Study>,
     target: &str,
     vary: &Bound<'py, PyAny>,
+    maximise: Option<String>,
+    minimise: Option<String>,
     set: Option<Bound<'py, PyDict>>,
     max_failures: f64,
     gap: f64,
@@ -208,36 +181,61 @@ pub(crate) fn design<'py>(
         let message = format!("budget is {seconds}; it must be > 0 and <= 1e10");
         return Err(error::argument("budget", &[], Some(seconds), message));
     }
-    let set = set.iter().flat_map(|set| set.iter());
-    let set = set.map(|(path, value)| {
-        let path: String = path.extract()?;
-        let value = to_toml(&path, &from_python(&value)?)?;
-        Ok((path, value))
-    });
-    let question = Question {
-        max_failures,
-        set: set.collect::<PyResult<_>>()?,
-        gap,
-        most_trials,
-        budget: budget.map(Duration::from_secs_f64),
-        ..Question::new(target, vary_of(vary)?)
+    let sought = match (maximise, minimise) {
+        (Some(_), Some(_)) => {
+            let message = "minimise is of no use with maximise: one of them";
+            return Err(error::argument("minimise", &[], None, message));
+        }
+        (Some(path), None) => Some((path, Extreme::Largest)),
+        (None, Some(path)) => Some((path, Extreme::Smallest)),
+        (None, None) => None,
     };
+    let is_sought = sought.as_ref().map(|(_, extreme)| *extreme);
+    let sought = sought.map(|(path, extreme)| Sought { path, extreme });
+    let mut survey =
+        Survey::new(target, varied(vary)?, sought).map_err(|error| match is_sought {
+            Some(Extreme::Largest) => not_varied("maximise", error),
+            Some(Extreme::Smallest) => not_varied("minimise", error),
+            None => refused(error),
+        })?;
+    survey.question.max_failures = max_failures;
+    survey.question.set = set_of(set.as_ref())?;
+    survey.question.gap = gap;
+    survey.question.most_trials = most_trials;
+    survey.question.budget = budget.map(Duration::from_secs_f64);
+    let is_line = survey.grid.is_empty() && survey.sought.is_none();
     let study = study.get().with(None, seed)?;
     let runner = runner(threads)?;
-    let answered = watched_alone(py, progress.as_ref(), move |watch| {
+    let found = watched_alone(py, progress.as_ref(), move |watch| {
         let start = Instant::now();
-        let told = std::cell::Cell::new(0);
-        let tell = |_values: usize, trials: u64| {
-            watch.tell(trials.saturating_sub(told.replace(trials)));
-            watch.unwind_if_cancelled();
-        };
-        let answer = palpate::design(&study, &question, &runner, &|| start.elapsed(), &tell)?;
-        Ok(Answered {
-            fields: answer.to_json(&study),
-            answer,
-            study,
-        })
-    })?
-    .map_err(refused)?;
-    DesignAnswer::of(py, answered)
+        let (clock, tell) = (
+            || start.elapsed(),
+            |_values: usize, trials: u64| watch.reach(trials),
+        );
+        if is_line {
+            let found = palpate::design(&study, &survey.question, &runner, &clock, &tell)?;
+            let found = Box::new(found);
+            return Ok(Either::Line(Found { found, study }));
+        }
+        let found = palpate::region(&study, &survey, &runner, &clock, &tell)?;
+        Ok(Either::Region(Found { found, study }))
+    })?;
+    match found.map_err(refused)? {
+        Either::Line(found) => DesignAnswer::of(py, found),
+        Either::Region(found) => DesignRegion::of(py, found),
+    }
+}
+
+/// What was found along one field, or of several.
+enum Either {
+    Line(Found<Box<Answer>>),
+    Region(Found<Region>),
+}
+
+/// Error of a field that is asked for, and not varied.
+fn not_varied(argument: &str, error: DesignError) -> PyErr {
+    match error {
+        DesignError::NotVaried(_) => error::argument(argument, &[], None, error.to_string()),
+        error => refused(error),
+    }
 }

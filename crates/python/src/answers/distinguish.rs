@@ -3,14 +3,13 @@
 use palpate::DistinguishError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde_json::Value as Json;
 
+use super::question::{listed, set as set_of, wrong};
+use super::shown::{figure, table, title};
 use crate::error;
-use crate::figure::Figure;
-use crate::json::{from_python, of_json, to_toml};
+use crate::json::of_json;
 use crate::record::{Made, record};
 use crate::study::{Study, runner};
-use crate::table::Table;
 use crate::watch::watched_alone;
 
 record!(
@@ -20,14 +19,13 @@ record!(
 
 /// Source that an answer is made from.
 struct Told {
-    fields: Json,
     told: palpate::ToldApart,
     study: palpate::Study,
 }
 
 impl Made for Told {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        of_json(py, &self.fields)
+        of_json(py, &self.told.to_json(&self.study))
     }
 
     fn others(&self) -> &'static [&'static str] {
@@ -35,19 +33,11 @@ impl Made for Told {
     }
 
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        Ok(match name {
-            "table" => {
-                let unit = self.study.config.length_unit;
-                Bound::new(py, Table::new(py, self.told.table(), unit)?)?.into_any()
-            }
-            _ => {
-                let figure = self
-                    .told
-                    .figure("distinguish", crate::study::title(&self.study));
-                let figure = figure.map_err(|error| error::RunError::new_err(error.to_string()))?;
-                Bound::new(py, Figure::from(figure))?.into_any()
-            }
-        })
+        let Self { told, study } = self;
+        match name {
+            "table" => table(py, &told.table(), study),
+            _ => figure(py, told.figure("distinguish", title(study))),
+        }
     }
 }
 
@@ -135,37 +125,25 @@ pub(crate) fn distinguish<'py>(
     let mut fields = Vec::new();
     for (path, values) in vary.iter().flat_map(|vary| vary.iter()) {
         let path: String = path.extract()?;
-        let Json::Array(values) = from_python(&values)? else {
-            let message =
-                format!("vary: objects are told apart one by one: list the values of {path}");
-            return Err(error::argument("vary", &[], None, message));
-        };
-        let values = values.iter().map(|value| to_toml(&path, value));
-        fields.push((path.clone(), values.collect::<PyResult<_>>()?));
+        let values = listed(&path, &values)?;
+        let values = values.ok_or_else(|| {
+            wrong(format!(
+                "objects are told apart one by one: list the values of {path}"
+            ))
+        })?;
+        fields.push((path, values));
     }
-    for (path, value) in set.iter().flat_map(|set| set.iter()) {
-        let path: String = path.extract()?;
-        let value = to_toml(&path, &from_python(&value)?)?;
-        fields.push((path, vec![value]));
-    }
+    let set = set_of(set.as_ref())?.into_iter();
+    fields.extend(set.map(|(path, value)| (path, vec![value])));
     let mut study = study.get().with(trials, seed)?;
     if !fields.is_empty() {
         study = study.varied(&fields).map_err(error::config)?;
     }
     let runner = runner(threads)?;
     let told = watched_alone(py, progress.as_ref(), move |watch| {
-        let told = std::cell::Cell::new(0);
-        let tell = |done: usize, _all: usize| {
-            watch.tell(done.saturating_sub(told.replace(done)) as u64);
-            watch.unwind_if_cancelled();
-        };
-        let found = palpate::distinguish(&study, quantity.as_deref(), confidence, &runner, &tell)?;
-        Ok(Told {
-            fields: found.to_json(&study),
-            told: found,
-            study,
-        })
-    })?
-    .map_err(refused)?;
-    ToldApart::of(py, told)
+        let tell = |done: usize, _all: usize| watch.reach(done as u64);
+        let told = palpate::distinguish(&study, quantity.as_deref(), confidence, &runner, &tell)?;
+        Ok(Told { told, study })
+    })?;
+    ToldApart::of(py, told.map_err(refused)?)
 }

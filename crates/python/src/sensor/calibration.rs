@@ -114,7 +114,8 @@ fn source(name: &str) -> PyResult<NormalFrom> {
 /// *tables : mapping of str to array, (n,)
 ///     Each with `normal_displacement` (length, inward) and `hue_turns`, `growth` (of the logarithm of the marker's
 ///     diameter) or both; with `tangential_displacement` (length) and `centroid_shift_px`; or with all of these. `series`
-///     and `marker` may tell which series and which marker it was. Data frames are mappings too.
+///     and `marker` may tell which series and which marker it was; other columns are left alone. Data frames are mappings
+///     too.
 /// source : str
 ///     What normal displacements are read from: "hue", "size" or "both".
 /// per_marker : bool
@@ -129,7 +130,7 @@ fn source(name: &str) -> PyResult<NormalFrom> {
 /// Raises
 /// ------
 /// ArgumentError, ReadingsError
-///     For columns that are missing, unknown, of different lengths or not finite; for points that tell no slope.
+///     For columns that are missing, of different lengths or not finite; for points that tell no slope.
 ///
 /// Source
 /// ------

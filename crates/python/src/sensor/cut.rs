@@ -4,6 +4,7 @@ use palpate::CutPattern;
 use pyo3::prelude::*;
 
 use crate::error;
+use crate::table::Table;
 
 /// Flat pattern that a skin is cut from.
 #[pyclass(frozen, module = "palpate")]
@@ -26,11 +27,18 @@ pub(crate) struct Pattern {
     /// Root mean square of the strain of folding.
     #[pyo3(get)]
     rms_fold_strain: f64,
+    /// Table of the strain of folding over the half of a gore, from its middle meridian.
+    #[pyo3(get)]
+    strain: Py<Table>,
+    /// Table of its greatest value and its root mean square for 3 to 12 gores.
+    #[pyo3(get)]
+    strain_by_gores: Py<Table>,
 }
 
 #[pymethods]
 impl Pattern {
     #[staticmethod]
+    #[allow(clippy::too_many_arguments)]
     fn _restored(
         svg: String,
         dxf: String,
@@ -38,6 +46,8 @@ impl Pattern {
         markers: usize,
         greatest_fold_strain: f64,
         rms_fold_strain: f64,
+        strain: Py<Table>,
+        strain_by_gores: Py<Table>,
     ) -> Self {
         Self {
             svg,
@@ -46,6 +56,8 @@ impl Pattern {
             markers,
             greatest_fold_strain,
             rms_fold_strain,
+            strain,
+            strain_by_gores,
         }
     }
 
@@ -54,7 +66,7 @@ impl Pattern {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let own = slf.get();
+        let (py, own) = (slf.py(), slf.get());
         let state = (
             own.svg.clone(),
             own.dxf.clone(),
@@ -62,9 +74,11 @@ impl Pattern {
             own.markers,
             own.greatest_fold_strain,
             own.rms_fold_strain,
+            own.strain.clone_ref(py),
+            own.strain_by_gores.clone_ref(py),
         );
         let restored = slf.get_type().getattr("_restored")?;
-        Ok((restored, state.into_pyobject(slf.py())?.into_any()))
+        Ok((restored, state.into_pyobject(py)?.into_any()))
     }
 
     fn __repr__(&self) -> String {
@@ -82,6 +96,8 @@ pub(crate) fn pattern_of<'py>(
     study: &palpate::Study,
 ) -> PyResult<Bound<'py, PyAny>> {
     let cut = CutPattern::of(study).map_err(error::config)?;
+    let unit = study.config.length_unit;
+    let table = |csv: String| Py::new(py, Table::new(csv, unit)?);
     let pattern = Pattern {
         svg: cut.svg,
         dxf: cut.dxf,
@@ -89,6 +105,8 @@ pub(crate) fn pattern_of<'py>(
         markers: cut.markers,
         greatest_fold_strain: cut.fold_strain.greatest(),
         rms_fold_strain: cut.fold_strain.rms(),
+        strain: table(cut.strain)?,
+        strain_by_gores: table(cut.strain_by_gores)?,
     };
     Ok(Bound::new(py, pattern)?.into_any())
 }

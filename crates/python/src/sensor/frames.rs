@@ -203,7 +203,10 @@ pub(crate) fn track(
     });
     let (tracked, [drawn, difference]): (TrackedFrames, _) = seen.map_err(error::recorded)?;
     let mut made = Tracked {
-        markers: Py::new(py, Table::new(py, tracked.table(), Default::default())?)?,
+        markers: Py::new(
+            py,
+            Table::new(tracked.table().to_csv(), Default::default())?,
+        )?,
         fates: Py::new(py, Record::of(py, &tracked.fates())?)?.into_any(),
         warnings: tracked.warnings(),
         overlay: pixels(py, drawn)?,
@@ -228,8 +231,8 @@ pub(crate) fn track(
             Ok((sensed.readings(), field, estimate))
         };
         let (readings, field, estimate) = py.detach(read).map_err(error::recorded)?;
-        made.readings = Some(Py::new(py, Table::new(py, readings, *unit)?)?);
-        made.field = Some(Py::new(py, Table::new(py, field, *unit)?)?);
+        made.readings = Some(Py::new(py, Table::new(readings.to_csv(), *unit)?)?);
+        made.field = Some(Py::new(py, Table::new(field.to_csv(), *unit)?)?);
         made.estimate = Some(PressEstimate::of(py, estimate)?.unbind());
     }
     Ok(made)

@@ -1,21 +1,38 @@
 //! Results of a study.
 
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use palpate::config;
-use palpate::{Files, Ran, Table as Rows, figure, resolved};
+use palpate::config::{self, LengthUnit};
+use palpate::report::{Study as Scored, claims_csv, figures, score};
+use palpate::{Files, ReportError, figure, resolved};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyCapsule, PyDict};
 
+use super::runs::Found;
 use super::trace::Trace;
 use crate::error;
 use crate::figure::Figure;
 use crate::table::Table;
 
+const CONFIG: &str = "run.toml";
+const CELLS: &str = "cells.csv";
+const FAILURES: &str = "failures.csv";
+const MAP: &str = "map.csv";
+const WARNINGS: &str = "warnings.txt";
+/// Files of a pass.
+const PASS: [&str; 3] = ["trace.csv", "readings.csv", "markers.csv"];
+
 /// Results of a study that was run.
+///
+/// Data frames read the table of its cells through the Arrow PyCapsule interface, as of a Table.
 #[pyclass(frozen, module = "palpate")]
 pub(crate) struct Results {
     of: Arc<palpate::Study>,
+    /// Texts of the files that the command line writes, by their names.
+    files: BTreeMap<String, String>,
     /// Study as it was run.
     #[pyo3(get)]
     study: Py<PyAny>,
@@ -28,48 +45,110 @@ pub(crate) struct Results {
     /// Table of the maps, or profiles, of trial 0 of each cell; None unless the config's `outputs` ask for it.
     #[pyo3(get)]
     map: Option<Py<Table>>,
+    /// Table of all trials, a row per observation or failure; None unless the run was asked for it.
+    #[pyo3(get)]
+    trials_out: Option<Py<Table>>,
     /// Lines that warn of cells in which the theory or the estimator does not hold.
     #[pyo3(get)]
     warnings: Vec<String>,
 }
 
+/// Error of tables and figures.
+fn refused(error: ReportError) -> PyErr {
+    error::RunError::new_err(error.to_string())
+}
+
 impl Results {
-    /// Results of a study, which `shown` is as Python has it.
-    pub(super) fn of(
-        py: Python<'_>,
-        study: Arc<palpate::Study>,
-        shown: Py<PyAny>,
-        ran: Ran,
-        warnings: Vec<String>,
-    ) -> PyResult<Self> {
-        let unit = study.config.length_unit;
-        let table = |rows: Rows| Py::new(py, Table::new(py, rows, unit)?);
-        Ok(Self {
-            of: study,
-            study: shown,
-            cells: table(ran.cells)?,
-            failures: table(ran.failures)?,
-            map: ran.map.map(|map| table(map.table)).transpose()?,
+    /// Results of a study that was run.
+    pub(super) fn of(py: Python<'_>, study: Arc<palpate::Study>, found: Found) -> PyResult<Self> {
+        let Found {
+            ran,
             warnings,
+            trace,
+        } = found;
+        let mut files = BTreeMap::from([
+            (CONFIG.to_owned(), resolved(&study)),
+            (CELLS.to_owned(), ran.cells.to_csv()),
+            (FAILURES.to_owned(), ran.failures.to_csv()),
+        ]);
+        files.extend(ran.map.map(|map| (MAP.to_owned(), map.table.to_csv())));
+        if !warnings.is_empty() {
+            files.insert(WARNINGS.to_owned(), warnings.join("\n") + "\n");
+        }
+        if let Some(trace) = trace {
+            let markers = trace.seen.map(|seen| seen.markers);
+            let tables = [Some(trace.contacts), Some(trace.readings), markers];
+            let tables = PASS.into_iter().zip(tables);
+            files.extend(
+                tables.filter_map(|(name, table)| Some((name.to_owned(), table?.to_csv()))),
+            );
+        }
+        Self::of_files(py, files, ran.trials)
+    }
+
+    /// Results whose files have these texts.
+    fn of_files(
+        py: Python<'_>,
+        files: BTreeMap<String, String>,
+        trials: Option<String>,
+    ) -> PyResult<Self> {
+        let text = |name: &str| {
+            let missing = || error::RunError::new_err(format!("there is no {name}"));
+            files.get(name).cloned().ok_or_else(missing)
+        };
+        let of = config::parse(CONFIG, &text(CONFIG)?).map_err(error::config)?;
+        // By its name in Python: a study makes results, so that its file is not one to import here.
+        let named = PyDict::new(py);
+        named.set_item("name", CONFIG)?;
+        let study = py.import("palpate")?.getattr("Study")?;
+        let study = study.call((text(CONFIG)?,), Some(&named))?;
+        let unit = of.config.length_unit;
+        let table = |csv: String| Py::new(py, Table::new(csv, unit)?);
+        let warnings = files.get(WARNINGS).map_or("", String::as_str).lines();
+        Ok(Self {
+            of: Arc::new(of),
+            study: study.unbind(),
+            cells: table(text(CELLS)?)?,
+            failures: table(text(FAILURES)?)?,
+            map: files.get(MAP).cloned().map(table).transpose()?,
+            trials_out: trials.map(table).transpose()?,
+            warnings: warnings.map(str::to_owned).collect(),
+            files,
         })
     }
 
-    /// Texts of the files that the command line writes, by their names.
-    fn texts(&self) -> Vec<(&'static str, String)> {
-        let mut texts = vec![
-            ("run.toml", resolved(&self.of)),
-            ("cells.csv", self.cells.get().rows().to_csv()),
-            ("failures.csv", self.failures.get().rows().to_csv()),
-        ];
-        if let Some(map) = &self.map {
-            texts.push(("map.csv", map.get().rows().to_csv()));
-        }
-        texts
+    /// Files that the command line writes, in memory.
+    pub(crate) fn in_memory(&self) -> Files {
+        Files::in_memory(self.files.clone())
     }
 }
 
 #[pymethods]
 impl Results {
+    /// Results in a directory that `palpate run` wrote, as CSV. Raises RunError for a file that is missing or no table,
+    /// ConfigError for a config that is none.
+    #[staticmethod]
+    fn read(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
+        let names = [CONFIG, CELLS, FAILURES, MAP, WARNINGS]
+            .into_iter()
+            .chain(PASS);
+        let there = names.filter(|name| folder.join(name).is_file());
+        let text = |name: &str| {
+            let path = folder.join(name);
+            let text = fs::read_to_string(&path);
+            let text = text.map_err(|error| {
+                error::RunError::new_err(format!("cannot read {}: {error}", path.display()))
+            });
+            Ok((name.to_owned(), text?))
+        };
+        let files = there.map(text).collect::<PyResult<_>>()?;
+        let results = Self::of_files(py, files, None);
+        results.map_err(|error| match error.is_instance_of::<error::RunError>(py) {
+            true => error::RunError::new_err(format!("{}: {}", folder.display(), error.value(py))),
+            false => error,
+        })
+    }
+
     /// Names of the plots that the config asks for.
     #[getter]
     fn plots(&self) -> PyResult<Vec<String>> {
@@ -79,6 +158,26 @@ impl Results {
             name.unwrap_or_else(|| format!("plot-{}", place + 1))
         };
         Ok(plots.map(name).collect())
+    }
+
+    /// Figures of all plots that the config asks for, as `palpate plot` draws them; where it has none, the error over the
+    /// first swept field. Raises RunError.
+    #[getter]
+    fn figures(&self, py: Python<'_>) -> PyResult<Vec<Figure>> {
+        let files = self.in_memory();
+        let drawn = py.detach(|| figures(&Scored::read(files)?));
+        Ok(drawn
+            .map_err(refused)?
+            .into_iter()
+            .map(Figure::from)
+            .collect())
+    }
+
+    /// Table of how the papers' claims score that the config names: the `claims.csv` of `palpate report`. Raises RunError.
+    #[getter]
+    fn claims(&self) -> PyResult<Table> {
+        let study = Scored::read(self.in_memory()).map_err(refused)?;
+        Table::new(claims_csv(&score(&[study])), LengthUnit::Unit)
     }
 
     /// Draws a plot: that of this name in the config, by default its first, or one of these keys of a `[[plot]]`:
@@ -125,10 +224,9 @@ impl Results {
         let Some(plot) = plot else {
             return Err(error::RunError::new_err("there is no plot"));
         };
-        let texts = self.texts();
-        let drawn = py.detach(|| figure(&plot, Files::in_memory(texts)));
-        let drawn = drawn.map_err(|error| error::RunError::new_err(error.to_string()))?;
-        Ok(drawn.into())
+        let files = self.in_memory();
+        let drawn = py.detach(|| figure(&plot, files));
+        Ok(drawn.map_err(refused)?.into())
     }
 
     /// Follows one pass of a cell, as `Study.trace`.
@@ -137,56 +235,52 @@ impl Results {
         Trace::of(py, Arc::clone(&self.of), cell, trial)
     }
 
-    /// Texts of the files that `palpate run` writes, by their names, byte for byte.
-    fn files<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let files = PyDict::new(py);
-        for (name, text) in self.texts() {
-            files.set_item(name, text)?;
-        }
-        Ok(files)
+    /// Texts of the files that `palpate run` writes, by their names, byte for byte; frames that a pass renders are those of
+    /// `trace`.
+    fn files(&self) -> BTreeMap<String, String> {
+        self.files.clone()
+    }
+
+    /// The table of its cells as a stream of the Arrow C data interface, in a capsule.
+    #[pyo3(signature = (requested_schema=None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        self.cells.get().__arrow_c_stream__(py, requested_schema)
     }
 
     #[staticmethod]
     fn _restored(
         py: Python<'_>,
-        study: Py<PyAny>,
-        cells: Py<Table>,
-        failures: Py<Table>,
-        map: Option<Py<Table>>,
-        warnings: Vec<String>,
+        files: BTreeMap<String, String>,
+        trials: Option<String>,
     ) -> PyResult<Self> {
-        let text: String = study.getattr(py, "toml")?.extract(py)?;
-        let of = config::parse("run.toml", &text).map_err(error::config)?;
-        Ok(Self {
-            of: Arc::new(of),
-            study,
-            cells,
-            failures,
-            map,
-            warnings,
-        })
+        Self::of_files(py, files, trials)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let (py, own) = (slf.py(), slf.get());
-        let state = (
-            own.study.clone_ref(py),
-            own.cells.clone_ref(py),
-            own.failures.clone_ref(py),
-            own.map.as_ref().map(|map| map.clone_ref(py)),
-            own.warnings.clone(),
-        );
+    #[allow(clippy::type_complexity)]
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(
+        Bound<'py, PyAny>,
+        (BTreeMap<String, String>, Option<String>),
+    )> {
+        let own = slf.get();
+        let trials = own.trials_out.as_ref();
+        let trials = trials.map(|trials| trials.get().csv().to_owned());
         let restored = slf.get_type().getattr("_restored")?;
-        Ok((restored, state.into_pyobject(py)?.into_any()))
+        Ok((restored, (own.files.clone(), trials)))
     }
 
     fn __eq__(&self, other: &Self) -> bool {
-        self.texts() == other.texts()
+        self.files == other.files
     }
 
     fn __repr__(&self) -> String {
         let cells = self.of.cell_count();
-        let rows = self.cells.get().rows().rows.len();
+        let rows = self.cells.get().height();
         let name = &self.of.config.name;
         format!("<Results of {name:?}: {cells} cells, {rows} rows>")
     }

@@ -4,9 +4,10 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use palpate::config::Output;
 use palpate::{
     Check, Cost, Goal, PlanError, Ran, RunOptions, Rungs, Runner, Simulation, Study, SweepError,
-    resolved,
+    Trace, TraceError, resolved, trace,
 };
 use pyo3::prelude::*;
 use serde_json::{Value as Json, json};
@@ -43,21 +44,64 @@ fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
     }
 }
 
+/// What is run of a study.
+pub(super) struct Asked {
+    pub(super) study: Arc<Study>,
+    /// Numbers of its cells; all of them by default.
+    pub(super) cells: Option<Vec<usize>>,
+    /// Whether single trials are told.
+    pub(super) tells_trials: bool,
+}
+
+/// Results of a study.
+pub(super) struct Found {
+    pub(super) ran: Ran,
+    pub(super) warnings: Vec<String>,
+    /// Pass of the first cell, where the config asks for it.
+    pub(super) trace: Option<Trace>,
+}
+
 pub(super) fn run(
     py: Python<'_>,
-    study: Arc<Study>,
+    asked: Asked,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(Ran, Vec<String>)> {
+) -> PyResult<Found> {
     let runner = runner(threads)?;
-    let ran = watched_alone(py, progress, move |watch| {
+    let found = watched_alone(py, progress, move |watch| {
+        let Asked {
+            study,
+            cells,
+            tells_trials,
+        } = asked;
         palpate::refuse(&study).map_err(SweepError::SetUp)?;
-        let simulation = Simulation::new(&study, 0..study.cell_count(), &runner);
-        let simulation = simulation.map_err(SweepError::SetUp)?;
+        let cells = cells.unwrap_or_else(|| (0..study.cell_count()).collect());
+        let first = cells.first().copied();
+        let simulation = Simulation::new(&study, cells, &runner);
+        let mut simulation = simulation.map_err(SweepError::SetUp)?;
+        if tells_trials {
+            simulation = simulation.with_trials();
+        }
         let ran = simulation.run(&watch.cancelled, &|trials| watch.tell(trials))?;
-        Ok((ran, simulation.warnings()))
+        let warnings = simulation.warnings();
+        let first = first.filter(|_| study.config.outputs.contains(&Output::Trace));
+        let trace = first.map(|first| trace(&study, first, None));
+        Ok((ran, warnings, trace))
     })?;
-    ran.map_err(of_sweep)
+    let (ran, warnings, trace) = found.map_err(of_sweep)?;
+    Ok(Found {
+        ran,
+        warnings,
+        trace: trace.transpose().map_err(of_trace)?,
+    })
+}
+
+/// Error of a pass.
+pub(super) fn of_trace(error: TraceError) -> PyErr {
+    match error {
+        TraceError::Config(error) => error::config(error),
+        error => error::RunError::new_err(error.to_string()),
+    }
 }
 
 pub(super) fn check(
@@ -69,11 +113,7 @@ pub(super) fn check(
     let runner = runner(threads)?;
     let check = watched_alone(py, progress, move |watch| {
         let start = Instant::now();
-        let told = std::cell::Cell::new(0);
-        let tell = |done: usize, _all: usize| {
-            watch.tell(done.saturating_sub(told.replace(done)) as u64);
-            watch.unwind_if_cancelled();
-        };
+        let tell = |done: usize, _all: usize| watch.reach(done as u64);
         palpate::check(&study, &runner, &|| start.elapsed(), &tell)
     })?;
     check.map(|check| of_check(&check)).map_err(of_sweep)

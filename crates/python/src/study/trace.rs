@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use image::RgbImage;
-use palpate::{Files, TraceError, press_figures, trace};
+use palpate::{Files, press_figures, trace};
 use pyo3::prelude::*;
 
+use super::runs::of_trace;
 use crate::error;
 use crate::figure::Figure;
 use crate::table::Table;
@@ -43,11 +44,8 @@ impl Trace {
     ) -> PyResult<Self> {
         let unit = study.config.length_unit;
         let traced = watched_alone(py, None, move |_| trace(&study, cell, trial))?;
-        let traced = traced.map_err(|error| match error {
-            TraceError::Config(error) => error::config(error),
-            error => error::RunError::new_err(error.to_string()),
-        })?;
-        let table = |rows| Py::new(py, Table::new(py, rows, unit)?);
+        let traced = traced.map_err(of_trace)?;
+        let table = |rows: palpate::Table| Py::new(py, Table::new(rows.to_csv(), unit)?);
         let (mut markers, mut frames) = (None, None);
         if let Some(seen) = traced.seen {
             markers = Some(table(seen.markers)?);
@@ -80,8 +78,8 @@ impl Trace {
             return Err(error::RunError::new_err(message));
         }
         let files = Files::in_memory([
-            ("trace.csv", self.contacts.get().rows().to_csv()),
-            ("readings.csv", self.readings.get().rows().to_csv()),
+            ("trace.csv", self.contacts.get().csv()),
+            ("readings.csv", self.readings.get().csv()),
         ]);
         let drawn = press_figures(&files);
         let drawn = drawn.map_err(|error| error::RunError::new_err(error.to_string()))?;

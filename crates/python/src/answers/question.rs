@@ -1,0 +1,85 @@
+//! Fields of a question, as a call gives them.
+
+use palpate::config::{Varied, Vary};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyString, PyTuple};
+use serde_json::Value as Json;
+
+use crate::error;
+use crate::json::{from_python, to_toml};
+
+/// Error of the varied fields.
+pub(super) fn wrong(message: impl std::fmt::Display) -> PyErr {
+    error::argument("vary", &[], None, format!("vary: {message}"))
+}
+
+/// Fields that are varied, with their values: texts as on the command line, or a dictionary.
+pub(super) fn varied(vary: &Bound<'_, PyAny>) -> PyResult<Vec<Vary>> {
+    let text = |text: &Bound<'_, PyString>| text.to_cow()?.parse::<Vary>().map_err(wrong);
+    if let Ok(one) = vary.cast::<PyString>() {
+        return Ok(vec![text(one)?]);
+    }
+    if let Ok(fields) = vary.cast::<PyDict>().map(|fields| fields.iter())
+        && fields.len() > 0
+    {
+        return fields
+            .map(|(path, values)| {
+                let path: String = path.extract()?;
+                let values = values_of(&path, &values)?;
+                Ok(Vary { path, values })
+            })
+            .collect();
+    }
+    match vary.cast::<PyList>() {
+        Ok(texts)
+            if !texts.is_empty() && texts.iter().all(|one| one.is_instance_of::<PyString>()) =>
+        {
+            texts.iter().map(|one| text(one.cast()?)).collect()
+        }
+        _ => Err(wrong(
+            "must be a text such as \"scene.sensor.pitch=0.05..2\", a list of such texts, or a dictionary of paths with a \
+             tuple (from, to) or a list of values each",
+        )),
+    }
+}
+
+/// Values of a field: a tuple is a range, a list has them one by one.
+fn values_of(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Varied> {
+    if let Ok(range) = values.cast::<PyTuple>() {
+        let (from, to): (f64, f64) = range
+            .extract()
+            .map_err(|_| wrong(format!("{path}: a range must be a tuple of two numbers")))?;
+        if !(from.is_finite() && to.is_finite() && from <= to) {
+            let message =
+                format!("{path}: the range {from} to {to} must be finite and run upwards");
+            return Err(wrong(message));
+        }
+        return Ok(Varied::Range { from, to });
+    }
+    match listed(path, values)? {
+        Some(values) if !values.is_empty() => Ok(Varied::Listed(values)),
+        _ => Err(wrong(format!(
+            "{path}: values must be a tuple (from, to) or a list"
+        ))),
+    }
+}
+
+/// Values of a list; `None` of anything else.
+pub(super) fn listed(path: &str, values: &Bound<'_, PyAny>) -> PyResult<Option<Vec<toml::Value>>> {
+    let Json::Array(values) = from_python(values)? else {
+        return Ok(None);
+    };
+    let values = values.iter().map(|value| to_toml(path, value));
+    values.collect::<PyResult<_>>().map(Some)
+}
+
+/// Fields that get one value each.
+pub(super) fn set(set: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, toml::Value)>> {
+    let fields = set.into_iter().flat_map(|fields| fields.iter());
+    let field = |(path, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let path: String = path.extract()?;
+        let value = to_toml(&path, &from_python(&value)?)?;
+        Ok((path, value))
+    };
+    fields.map(field).collect()
+}

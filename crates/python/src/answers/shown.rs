@@ -1,0 +1,33 @@
+//! Tables and figures of answers.
+
+use palpate::{ReportError, Study, Table as Rows};
+use pyo3::prelude::*;
+
+use crate::error;
+use crate::figure::Figure;
+use crate::table::Table;
+
+pub(super) fn table<'py>(
+    py: Python<'py>,
+    rows: &Rows,
+    study: &Study,
+) -> PyResult<Bound<'py, PyAny>> {
+    let table = Table::new(rows.to_csv(), study.config.length_unit)?;
+    Ok(Bound::new(py, table)?.into_any())
+}
+
+pub(super) fn figure<'py>(
+    py: Python<'py>,
+    figure: Result<palpate::Figure, ReportError>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let figure = figure.map_err(|error| error::RunError::new_err(error.to_string()))?;
+    Ok(Bound::new(py, Figure::from(figure))?.into_any())
+}
+
+/// Title of the figures of a study's answer.
+pub(super) fn title(study: &Study) -> &str {
+    match study.config.title.as_str() {
+        "" => &study.config.name,
+        title => title,
+    }
+}
