@@ -152,15 +152,13 @@ def test_a_batch_is_the_same_as_one_by_one(rolls):
                     probe_radius=10,
                     **given,
                 )
+                # To the last bit.
                 for name in (
                     "normal_curvature_u", "normal_curvature_v", "gaussian_curvature", "mean_curvature"
                 ):
                     ours, alone = getattr(batch, name), getattr(one, name)
-                    assert ours.value[place] == pytest.approx(alone.value, rel=1e-9, abs=1e-13)
-                    assert ours.std[place] == pytest.approx(alone.std, rel=1e-9)
-                assert batch.residual_rms.value[place] == pytest.approx(
-                    one.residual_rms.value, rel=1e-9
-                )
-                assert batch.principal_curvature_max[place] == pytest.approx(
-                    one.principal_curvature_max.value, rel=1e-9
-                )
+                    assert (ours.value[place], ours.std[place]) == (alone.value, alone.std)
+                assert batch.residual_rms.value[place] == one.residual_rms.value
+                assert batch.arc_length.value[place] == one.arc_length.value
+                assert batch.principal_curvature_max[place] == one.principal_curvature_max.value
+                assert batch.principal_direction_max_deg[place] == one.principal_direction_max_deg

@@ -5,12 +5,14 @@ use palpate::recorded::RecordedError;
 use pyo3::exceptions::{PyAttributeError, PyIndexError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use rayon::prelude::*;
 use serde_json::Value as Json;
 
 use crate::arrays::array;
 use crate::error;
 use crate::json::of_json;
 use crate::record::Record;
+use crate::watch::{pool, watched};
 
 /// Estimates of many sets of readings, in their order.
 ///
@@ -26,7 +28,7 @@ pub(crate) struct Batch {
 
 impl Batch {
     /// Batch of estimates with their fields as JSON.
-    pub(crate) fn of(
+    fn of(
         py: Python<'_>,
         estimates: Vec<Result<(Bound<'_, PyAny>, Json), RecordedError>>,
     ) -> PyResult<Self> {
@@ -44,6 +46,67 @@ impl Batch {
             estimates: estimates.into_iter().map(alone).collect(),
             fields: fields.unbind(),
         })
+    }
+}
+
+/// Place of an index in a batch, which may count from its end.
+pub(super) fn place(index: isize, count: usize) -> PyResult<usize> {
+    let from_end = if index < 0 { count as isize } else { 0 };
+    let place = usize::try_from(index + from_end).ok();
+    place.filter(|place| *place < count).ok_or_else(|| {
+        let message = format!("{index} of a batch of {count} estimates");
+        PyIndexError::new_err(message)
+    })
+}
+
+/// Words for a batch.
+pub(super) fn words(kind: &str, count: usize, failed: usize) -> String {
+    let failed = match failed {
+        0 => String::new(),
+        failed => format!(", {failed} failed"),
+    };
+    format!("<{kind} of {count} estimates{failed}>")
+}
+
+/// Batch of estimates from sets of readings, which threads make without the interpreter's lock. `estimate` makes one with
+/// its fields as JSON, `shown` hands it out.
+pub(super) fn batch<'py, R: Sync, E: Send>(
+    py: Python<'py>,
+    sets: &[R],
+    threads: Option<usize>,
+    estimate: impl Fn(&R) -> Result<(E, Json), RecordedError> + Sync,
+    shown: impl Fn(E) -> PyResult<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let pool = pool(threads)?;
+    let made: Vec<Result<(E, Json), RecordedError>> = watched(py, |watch| {
+        pool.install(|| {
+            let going = sets.par_iter().filter(|_| !watch.is_cancelled());
+            going.map(&estimate).collect()
+        })
+    })?;
+    let shown = made.into_iter().map(|one| match one {
+        Ok((estimate, fields)) => Ok(Ok((shown(estimate)?, fields))),
+        Err(error) => Ok(Err(error)),
+    });
+    let batch = Batch::of(py, shown.collect::<PyResult<_>>()?)?;
+    Ok(Bound::new(py, batch)?.into_any())
+}
+
+/// Error of an array with the number of the set before the place in it.
+pub(super) fn in_set(set: usize, error: RecordedError) -> RecordedError {
+    match error {
+        RecordedError::Array {
+            array,
+            index,
+            value,
+            message,
+        } => RecordedError::Array {
+            array,
+            index: std::iter::once(set).chain(index).collect(),
+            value,
+            message,
+        },
+        error => error,
     }
 }
 
@@ -107,16 +170,9 @@ impl Batch {
     }
 
     fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyAny>> {
-        let count = self.estimates.len();
-        let from_end = if index < 0 { count as isize } else { 0 };
-        let place = usize::try_from(index + from_end).ok();
-        match place.and_then(|place| self.estimates.get(place)) {
-            Some(Ok(estimate)) => Ok(estimate.bind(py).clone()),
-            Some(Err(message)) => Err(error::ReadingsError::new_err(message.clone())),
-            None => {
-                let message = format!("{index} of a batch of {count} estimates");
-                Err(PyIndexError::new_err(message))
-            }
+        match &self.estimates[place(index, self.estimates.len())?] {
+            Ok(estimate) => Ok(estimate.bind(py).clone()),
+            Err(message) => Err(error::ReadingsError::new_err(message.clone())),
         }
     }
 
@@ -192,10 +248,6 @@ impl Batch {
 
     fn __repr__(&self) -> String {
         let failed = self.estimates.iter().filter(|one| one.is_err()).count();
-        let failed = match failed {
-            0 => String::new(),
-            failed => format!(", {failed} failed"),
-        };
-        format!("<Batch of {} estimates{failed}>", self.estimates.len())
+        words("Batch", self.estimates.len(), failed)
     }
 }

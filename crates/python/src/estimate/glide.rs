@@ -9,10 +9,9 @@ use palpate::recorded::{
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayon::prelude::*;
 use serde_json::Value as Json;
 
-use super::batch::Batch;
+use super::batch::{batch, in_set};
 use super::like::like;
 use super::settings::{given, length_unit, number, word};
 use crate::arrays::{Numbers, array, whole};
@@ -20,7 +19,6 @@ use crate::error;
 use crate::json::to_python;
 use crate::record::{Made, Record, record};
 use crate::study::Study;
-use crate::watch::{pool, watched};
 
 record!(
     GlideEstimate,
@@ -305,12 +303,7 @@ pub(crate) fn estimate_glide<'py>(
         inter_finger_distance,
         ..GlideGiven::default()
     };
-    let base = self::like(
-        like.as_ref().map(Bound::get),
-        cell,
-        unit,
-        GlideOptions::like,
-    )?;
+    let base = self::like(like.as_ref(), cell, unit, GlideOptions::like)?;
     let has_normals = normals.is_some();
     let options = GlideOptions::given(&given, base, has_normals, Wording::Arguments);
     let options = options.map_err(error::given)?;
@@ -350,43 +343,11 @@ pub(crate) fn estimate_glide<'py>(
         readings.map_err(|error| in_set(set, error))
     });
     let sets: Vec<GlideReadings> = sets.collect::<Result<_, _>>().map_err(error::recorded)?;
-    let pool = pool(threads)?;
-    let patches: Vec<Result<(Patch, Json), RecordedError>> = watched(py, |watch| {
-        pool.install(|| {
-            let patch = |readings: &GlideReadings| {
-                let patch = Patch::new(readings, &options)?;
-                let fields = serde_json::to_value(&patch.estimate).unwrap_or(Json::Null);
-                Ok((patch, fields))
-            };
-            let going = sets.par_iter().filter(|_| !watch.is_cancelled());
-            going.map(patch).collect()
-        })
-    })?;
-    let estimates = patches.into_iter().map(|patch| {
-        let (patch, fields) = match patch {
-            Ok(patch) => patch,
-            Err(error) => return Ok(Err(error)),
-        };
-        Ok(Ok((GlideEstimate::of(py, patch)?, fields)))
-    });
-    let batch = Batch::of(py, estimates.collect::<PyResult<_>>()?)?;
-    Ok(Bound::new(py, batch)?.into_any())
-}
-
-/// Error of an array with the number of the set before the place in it.
-pub(crate) fn in_set(set: usize, error: RecordedError) -> RecordedError {
-    match error {
-        RecordedError::Array {
-            array,
-            index,
-            value,
-            message,
-        } => RecordedError::Array {
-            array,
-            index: std::iter::once(set).chain(index).collect(),
-            value,
-            message,
-        },
-        error => error,
-    }
+    let estimate = |readings: &GlideReadings| {
+        let patch = Patch::new(readings, &options)?;
+        let fields = serde_json::to_value(&patch.estimate).unwrap_or(Json::Null);
+        Ok((patch, fields))
+    };
+    let shown = |patch| GlideEstimate::of(py, patch);
+    batch(py, &sets, threads, estimate, shown)
 }

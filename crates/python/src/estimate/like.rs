@@ -9,12 +9,12 @@ use crate::study::Study;
 
 /// Options like those of a cell of a study, with lengths in the readings' unit; where that is not stated, in the study's.
 pub(crate) fn like<T>(
-    study: Option<&Study>,
+    study: Option<&Bound<'_, Study>>,
     cell: usize,
     unit: Option<LengthUnit>,
     options: fn(&StudyConfig, LengthUnit) -> Result<T, LikeError>,
 ) -> PyResult<Option<T>> {
-    let Some(study) = study.map(Study::study) else {
+    let Some(study) = study.map(|study| study.get().study()) else {
         return Ok(None);
     };
     let of_cell = study.cell(cell).map_err(error::config)?;

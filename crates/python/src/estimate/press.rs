@@ -1,16 +1,14 @@
 //! Estimates from presses.
 
 use palpate::config::LengthUnit;
-use palpate::recorded::{self, PressGiven, PressOptions, PressReadings, RecordedError, Wording};
+use palpate::recorded::{self, PressGiven, PressOptions, PressReadings, Wording};
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayon::prelude::*;
 use serde_json::Value as Json;
 
-use super::batch::Batch;
-use super::glide::in_set;
+use super::batch::{batch, in_set};
 use super::like::like;
 use super::settings::{given, length_unit, number};
 use crate::arrays::Numbers;
@@ -18,7 +16,6 @@ use crate::error;
 use crate::json::to_python;
 use crate::record::{Made, record};
 use crate::study::Study;
-use crate::watch::{pool, watched};
 
 record!(
     PressEstimate,
@@ -31,45 +28,6 @@ impl Made for recorded::PressedObject {
     }
 }
 
-/// Settings of a press that a call gives.
-#[derive(Default)]
-pub(crate) struct PressArguments {
-    sensor_radius: Option<f64>,
-    depth: Option<f64>,
-    method: Option<String>,
-    indentation: Option<f64>,
-    indentation_std: Option<f64>,
-    normal_std: Option<f64>,
-    tangential_std: Option<f64>,
-    young: Option<f64>,
-    poisson: Option<f64>,
-    thickness: Option<f64>,
-    c: Option<f64>,
-    window: Option<f64>,
-    baseline: Option<String>,
-    gain_std: Option<f64>,
-    noise: Option<String>,
-}
-
-/// Names of all of them.
-const ARGUMENTS: [&str; 15] = [
-    "sensor_radius",
-    "depth",
-    "method",
-    "indentation",
-    "indentation_std",
-    "normal_std",
-    "tangential_std",
-    "young",
-    "poisson",
-    "thickness",
-    "c",
-    "window",
-    "baseline",
-    "gain_std",
-    "noise",
-];
-
 /// Value of a keyword argument, if it is there and not None.
 fn taken<'py, T: FromPyObjectOwned<'py>>(
     settings: &Bound<'py, PyDict>,
@@ -81,38 +39,56 @@ fn taken<'py, T: FromPyObjectOwned<'py>>(
     }
 }
 
-impl PressArguments {
-    /// Settings among the keyword arguments of a call.
-    pub(crate) fn of(settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let Some(settings) = settings else {
-            return Ok(Self::default());
-        };
-        for name in settings.keys() {
-            let name: String = name.extract()?;
-            if !ARGUMENTS.contains(&name.as_str()) {
-                let message = format!("got an unexpected keyword argument {name:?}");
-                return Err(PyTypeError::new_err(message));
+/// Declares the settings of a press that a call gives, with their reading from keyword arguments.
+macro_rules! arguments {
+    ($($name:ident: $kind:ty),* $(,)?) => {
+        /// Settings of a press that a call gives.
+        #[derive(Default)]
+        pub(crate) struct PressArguments {
+            $($name: Option<$kind>,)*
+        }
+
+        impl PressArguments {
+            /// Settings among the keyword arguments of a call.
+            pub(crate) fn of(settings: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+                let Some(settings) = settings else {
+                    return Ok(Self::default());
+                };
+                let known = [$(stringify!($name)),*];
+                for name in settings.keys() {
+                    let name: String = name.extract()?;
+                    if !known.contains(&name.as_str()) {
+                        let message = format!("got an unexpected keyword argument {name:?}");
+                        return Err(PyTypeError::new_err(message));
+                    }
+                }
+                Ok(Self {
+                    $($name: taken(settings, stringify!($name))?,)*
+                })
             }
         }
-        Ok(Self {
-            sensor_radius: taken(settings, "sensor_radius")?,
-            depth: taken(settings, "depth")?,
-            method: taken(settings, "method")?,
-            indentation: taken(settings, "indentation")?,
-            indentation_std: taken(settings, "indentation_std")?,
-            normal_std: taken(settings, "normal_std")?,
-            tangential_std: taken(settings, "tangential_std")?,
-            young: taken(settings, "young")?,
-            poisson: taken(settings, "poisson")?,
-            thickness: taken(settings, "thickness")?,
-            c: taken(settings, "c")?,
-            window: taken(settings, "window")?,
-            baseline: taken(settings, "baseline")?,
-            gain_std: taken(settings, "gain_std")?,
-            noise: taken(settings, "noise")?,
-        })
-    }
+    };
+}
 
+arguments! {
+    sensor_radius: f64,
+    depth: f64,
+    method: String,
+    indentation: f64,
+    indentation_std: f64,
+    normal_std: f64,
+    tangential_std: f64,
+    young: f64,
+    poisson: f64,
+    thickness: f64,
+    c: f64,
+    window: f64,
+    baseline: String,
+    gain_std: f64,
+    noise: String,
+}
+
+impl PressArguments {
     pub(crate) fn given(&self, unit: Option<LengthUnit>) -> PyResult<PressGiven> {
         let word = |word: &Option<String>| word.clone().map(Json::String);
         Ok(PressGiven {
@@ -259,12 +235,7 @@ pub(crate) fn estimate_press<'py>(
         radial_scale,
         ..arguments.given(unit)?
     };
-    let base = self::like(
-        like.as_ref().map(Bound::get),
-        cell,
-        unit,
-        PressOptions::like,
-    )?;
+    let base = self::like(like.as_ref(), cell, unit, PressOptions::like)?;
     let options = PressOptions::given(&given, base, Wording::Arguments).map_err(error::given)?;
     let positions = Numbers::of("positions", positions)?;
     let places: Vec<[f64; 2]> = match positions.shape() {
@@ -319,23 +290,11 @@ pub(crate) fn estimate_press<'py>(
             .fits(first, Wording::Arguments)
             .map_err(error::given)?;
     }
-    let pool = pool(threads)?;
-    let objects: Vec<Result<recorded::PressedObject, RecordedError>> = watched(py, |watch| {
-        pool.install(|| {
-            let going = all.par_iter().filter(|_| !watch.is_cancelled());
-            going
-                .map(|readings| recorded::estimate_press(readings, &options))
-                .collect()
-        })
-    })?;
-    let estimates = objects.into_iter().map(|object| {
-        let object = match object {
-            Ok(object) => object,
-            Err(error) => return Ok(Err(error)),
-        };
+    let estimate = |readings: &PressReadings| {
+        let object = recorded::estimate_press(readings, &options)?;
         let fields = serde_json::to_value(&object).unwrap_or(Json::Null);
-        Ok(Ok((PressEstimate::of(py, object)?, fields)))
-    });
-    let batch = Batch::of(py, estimates.collect::<PyResult<_>>()?)?;
-    Ok(Bound::new(py, batch)?.into_any())
+        Ok((object, fields))
+    };
+    let shown = |object| PressEstimate::of(py, object);
+    batch(py, &all, threads, estimate, shown)
 }

@@ -4,11 +4,11 @@ use numpy::PyArrayMethods;
 use palpate::recorded::{
     self, RecordedError, RollGiven, RollOptions, RollReadings, RollSets, SetRow, Wording,
 };
-use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use rayon::prelude::*;
 
+use super::batch::{place, words};
 use super::like::like;
 use super::settings::{given, length_unit, word};
 use crate::arrays::{Numbers, array};
@@ -123,7 +123,7 @@ pub(crate) fn estimate_roll<'py>(
         relative_rotation_std,
         length_unit: unit,
     };
-    let base = self::like(like.as_ref().map(Bound::get), cell, unit, RollOptions::like)?;
+    let base = self::like(like.as_ref(), cell, unit, RollOptions::like)?;
     let options = RollOptions::given(&given, base, Wording::Arguments).map_err(error::given)?;
     let rotations = Numbers::of("rotations", rotations)?;
     let shifts = Numbers::of("shifts", shifts)?;
@@ -197,25 +197,27 @@ fn batch<'py>(
         }
     };
     let sets = RollSets::new(sets, probes, turned, shifts.rows()).map_err(error::recorded)?;
-    let mut rows = vec![[0.0; COLUMNS]; sets.len()];
-    if sets.len() <= CHUNK && threads.is_none() || threads == Some(1) {
-        py.detach(|| sets.estimate(options, 0, &mut rows))
-            .map_err(error::recorded)?;
+    let numbers = if sets.len() <= CHUNK && threads.is_none() || threads == Some(1) {
+        in_turn(py, &sets, options)?
     } else {
         let pool = pool(threads)?;
+        let mut rows = vec![[0.0; COLUMNS]; sets.len()];
         let all = watched(py, |watch| {
             pool.install(|| in_chunks(&sets, options, &mut rows, watch))
         })?;
         all.map_err(error::recorded)?;
-    }
-    let failed = rows.iter().enumerate().filter(|(_, row)| row[0].is_nan());
+        rows.into_flattened()
+    };
+    let rows = numbers.as_chunks::<COLUMNS>().0.iter().enumerate();
     let why = |(set, _): (usize, &SetRow)| {
         let readings = sets.readings(set);
         let error = readings.and_then(|readings| recorded::estimate_roll(&readings, options));
         Some((set, error.err()?.to_string()))
     };
-    let errors = failed.filter_map(why).collect();
-    let numbers = rows.into_flattened();
+    let errors = rows
+        .filter(|(_, row)| row[0].is_nan())
+        .filter_map(why)
+        .collect();
     Ok(RollBatch {
         rows: array(py, numbers, &[sets.len(), COLUMNS])?.unbind(),
         errors,
@@ -223,8 +225,31 @@ fn batch<'py>(
     })
 }
 
-/// Sets that a thread estimates between two looks whether to go on.
+/// Sets that are estimated between two looks whether to go on.
 const CHUNK: usize = 4096;
+
+/// Sets whose rows stay in the nearest caches until they are put where they belong.
+const BLOCK: usize = 128;
+
+/// Rows of all sets, one after the other.
+fn in_turn(py: Python<'_>, sets: &RollSets<'_>, options: &RollOptions) -> PyResult<Vec<f64>> {
+    let mut numbers = Vec::with_capacity(sets.len() * COLUMNS);
+    let mut block = [[0.0; COLUMNS]; BLOCK];
+    for chunk in (0..sets.len()).step_by(CHUNK) {
+        let end = sets.len().min(chunk + CHUNK);
+        let estimated = py.detach(|| {
+            (chunk..end).step_by(BLOCK).try_for_each(|first| {
+                let rows = &mut block[..BLOCK.min(end - first)];
+                sets.estimate(options, first, rows)?;
+                numbers.extend_from_slice(rows.as_flattened());
+                Ok(())
+            })
+        });
+        estimated.map_err(error::recorded)?;
+        py.check_signals()?;
+    }
+    Ok(numbers)
+}
 
 fn in_chunks(
     sets: &RollSets<'_>,
@@ -396,24 +421,11 @@ impl RollBatch {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let failed = match self.errors.len() {
-            0 => String::new(),
-            failed => format!(", {failed} failed"),
-        };
-        Ok(format!(
-            "<RollBatch of {} estimates{failed}>",
-            self.__len__(py)?
-        ))
+        Ok(words("RollBatch", self.__len__(py)?, self.errors.len()))
     }
 
     fn __getitem__(&self, py: Python<'_>, index: isize) -> PyResult<Py<PyAny>> {
-        let count = self.__len__(py)?;
-        let from_end = if index < 0 { count as isize } else { 0 };
-        let place = usize::try_from(index + from_end).ok();
-        let Some(place) = place.filter(|place| *place < count) else {
-            let message = format!("{index} of a batch of {count} estimates");
-            return Err(PyIndexError::new_err(message));
-        };
+        let place = place(index, self.__len__(py)?)?;
         if let Some((_, message)) = self.errors.iter().find(|(set, _)| *set == place) {
             return Err(error::ReadingsError::new_err(message.clone()));
         }

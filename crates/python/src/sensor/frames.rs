@@ -163,12 +163,7 @@ pub(crate) fn track(
         Some(calibration) => {
             let unit = Some(calibration.get().unit);
             let arguments = PressArguments::of(settings.as_ref())?;
-            let base = self::like(
-                like.as_ref().map(Bound::get),
-                cell,
-                unit,
-                PressOptions::like,
-            )?;
+            let base = self::like(like.as_ref(), cell, unit, PressOptions::like)?;
             let given = arguments.given(None)?;
             let is_stated = base.is_some() || given.depth.is_some();
             let options = PressOptions::given(&given, base, Wording::Arguments);
