@@ -13,7 +13,7 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
     shell.current_dir().join(target)
 }
 
-/// Crate that needs Python to be built: `cargo xtask python` lints and tests it.
+/// Crate that needs Python to be built: `cargo xtask python` builds and tests it.
 pub(crate) const PYTHON: &str = "palpate-python";
 
 /// Arguments that select what tasks build of the release profile, all of it together: cargo joins the features of

@@ -2,12 +2,16 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::Args;
 use xshell::{Shell, cmd};
 
-use crate::palpate::{self, PYTHON};
+use crate::palpate;
+
+/// Folder of the package.
+const OF_PACKAGE: &str = "crates/python";
 
 /// What the environment has beside the wheel.
 const REQUIREMENTS: &str = "crates/python/requirements.txt";
@@ -17,12 +21,18 @@ pub(crate) struct Options {
     /// Build and install the wheel, and test nothing.
     #[arg(long)]
     install: bool,
+    /// Install it instead as a new user does: `pip install .` in a fresh clone and an empty virtual environment, then the
+    /// Python lines of README.md; prints how long that takes.
+    #[arg(long, conflicts_with = "install")]
+    from_clone: bool,
 }
 
-/// Interpreter of the environment, in which the wheel is installed.
-pub(crate) fn installed(shell: &Shell) -> Result<PathBuf> {
-    run(shell, &Options { install: true })?;
-    environment(shell, &place(shell))
+/// Runs a part of the work, and prints how long it took.
+fn timed<T>(what: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let start = Instant::now();
+    let done = work()?;
+    println!("{what}: {:.1} s", start.elapsed().as_secs_f64());
+    Ok(done)
 }
 
 /// Folder of the environment and of the wheels.
@@ -30,13 +40,22 @@ fn place(shell: &Shell) -> PathBuf {
     palpate::target_dir(shell).join("python")
 }
 
-/// Builds the wheel, installs it into a virtual environment under the target directory, and there runs the tests, the type
-/// checkers and the notebooks.
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
+    if options.from_clone {
+        return from_clone(shell);
+    }
+    if options.install {
+        return installed(shell).map(drop);
+    }
+    check(shell)
+}
+
+/// Builds the wheel and installs it into the virtual environment under the target directory, whose interpreter it returns.
+pub(crate) fn installed(shell: &Shell) -> Result<PathBuf> {
     let place = place(shell);
     shell.create_dir(&place)?;
-    let python = environment(shell, &place)?;
-    let wheel = wheel(shell, &python, &place)?;
+    let python = timed("environment", || environment(shell, &place))?;
+    let wheel = timed("wheel", || wheel(shell, &python, &place))?;
     cmd!(
         shell,
         "{python} -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps {wheel}"
@@ -44,36 +63,79 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     .quiet()
     .run()?;
     println!("{}: {:.1} MB", wheel.display(), size_mb(&wheel)?);
-    if options.install {
-        return Ok(());
-    }
-    cmd!(
-        shell,
-        "cargo clippy --package {PYTHON} --all-targets -- -D warnings"
-    )
-    .env("PYO3_PYTHON", &python)
-    .run()?;
-    // The program that the tests compare with.
-    let program = palpate::build(shell, "palpate")?;
+    Ok(python)
+}
+
+/// Builds the wheel, installs it, and runs the tests, the type checkers and the notebooks.
+pub(crate) fn check(shell: &Shell) -> Result<()> {
+    // The program that the tests compare with, whose crates the wheel shares.
+    let program = timed("program", || palpate::build(shell, "palpate"))?;
+    let python = installed(shell)?;
     let root = shell.current_dir();
-    let of_package = root.join("crates").join("python");
+    timed("tests", || tests(shell, &python, &program))?;
+    timed("types", || types(shell, &python))?;
+    timed("notebooks", || notebooks(shell, &python, &root))
+}
+
+fn tests(shell: &Shell, python: &Path, program: &Path) -> Result<()> {
+    let root = shell.current_dir();
+    let tests = root.join(OF_PACKAGE).join("tests");
     // Away from the sources, so that nothing but the wheel is imported.
-    let _elsewhere = shell.push_dir(&place);
-    let tests = of_package.join("tests");
+    let _elsewhere = shell.push_dir(place(shell));
     cmd!(shell, "{python} -m pytest -q -p no:cacheprovider {tests}")
         .env("PALPATE", program)
         .env("PALPATE_EXAMPLES", root.join("examples"))
         .run()?;
+    Ok(())
+}
+
+fn types(shell: &Shell, python: &Path) -> Result<()> {
+    let root = shell.current_dir();
     let config = root.join("pyproject.toml");
+    let allowed = root.join(OF_PACKAGE).join("stubtest.txt");
+    let _elsewhere = shell.push_dir(place(shell));
     cmd!(shell, "{python} -m mypy --config-file {config} -p palpate").run()?;
-    let allowed = of_package.join("stubtest.txt");
     cmd!(
         shell,
         "{python} -m mypy.stubtest palpate --ignore-disjoint-bases --concise --allowlist {allowed}"
     )
     .env("MYPYPATH", "")
     .run()?;
-    notebooks(shell, &python, &root)
+    Ok(())
+}
+
+/// Clones the repository, installs the clone by pip alone into an empty virtual environment, and runs the Python lines of
+/// README.md there.
+fn from_clone(shell: &Shell) -> Result<()> {
+    let place = place(shell);
+    shell.create_dir(&place)?;
+    let (clone, environment) = (place.join("clone"), place.join("empty"));
+    shell.remove_path(&clone)?;
+    let root = shell.current_dir();
+    cmd!(shell, "git clone --quiet {root} {clone}")
+        .quiet()
+        .run()?;
+    cmd!(shell, "python3 -m venv --clear {environment}")
+        .quiet()
+        .run()?;
+    let python = environment.join("bin").join("python");
+    let _there = shell.push_dir(&clone);
+    timed("pip install .", || {
+        let install = cmd!(
+            shell,
+            "{python} -m pip install --quiet --disable-pip-version-check ."
+        );
+        // Into a target directory of its own, from nothing.
+        Ok(install.env_remove("CARGO_TARGET_DIR").run()?)
+    })?;
+    let readme = shell.read_file("README.md")?;
+    let (_, block) = readme
+        .split_once("```python\n")
+        .context("README.md has no Python lines")?;
+    let lines = block.split("```").next().unwrap_or_default();
+    timed("Python lines of README.md", || {
+        Ok(cmd!(shell, "{python} -").stdin(lines).run()?)
+    })
 }
 
 /// Runs every notebook in `examples/notebooks` to its end.
