@@ -10,8 +10,8 @@ mod spacing;
 pub use error::LayoutError;
 pub use layout::{Layout, MOST_MARKERS};
 pub use optics::{
-    Blemishes, Camera, Colours, DiscDepths, DiscMotion, LARGEST_FRAME, Lens, MarkerArray,
-    MarkerMotion, Optics, OpticsError, Seams, SeenMarker,
+    Blemishes, Camera, Colours, Departure, DiscDepths, DiscMotion, LARGEST_FRAME, Lens,
+    MarkerArray, MarkerMotion, Optics, OpticsError, Pose, Seams, SeenMarker,
 };
 pub use pattern::{
     CuttingSheet, Discs, FEWEST_GORES, FlatPlace, FoldStrain, MOST_GORES, MOST_SAMPLES, Pattern,

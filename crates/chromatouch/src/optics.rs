@@ -1,12 +1,15 @@
-//! Pictures of the markers by a camera in the sensor's centre: with and without pixels.
+//! Pictures of the markers by a camera in the sensor's centre or near it: with and without pixels.
 
 mod array;
 mod blemishes;
 mod camera;
 mod colours;
+mod departed;
+mod departure;
 mod error;
 mod lens;
 mod overlap;
+mod pose;
 mod projected;
 mod rendered;
 mod sines;
@@ -15,8 +18,10 @@ pub use array::{DiscDepths, DiscMotion, MarkerArray, MarkerMotion};
 pub use blemishes::{Blemishes, Seams};
 pub use camera::{Camera, LARGEST_FRAME};
 pub use colours::Colours;
+pub use departure::Departure;
 pub use error::OpticsError;
 pub use lens::Lens;
+pub use pose::Pose;
 
 use array::MarkerSight;
 use colours::Contrasts;
@@ -47,6 +52,8 @@ pub struct Optics {
     colours: Colours,
     blemishes: Blemishes,
     contrasts: Contrasts,
+    /// Stand of the camera; `None` in the very centre, looking at the apex.
+    pose: Option<Pose>,
 }
 
 /// A marker in the image of a sensor without blemishes.
@@ -81,7 +88,24 @@ impl Optics {
             colours: colours.checked()?,
             blemishes: blemishes.checked()?,
             contrasts: colours.contrasts(),
+            pose: None,
         })
+    }
+
+    /// The same markers before a camera that stands elsewhere or looks elsewhere. Discs are then seen as circular caps
+    /// of the solid angle that they fill, to first order in it; seams and the fall of light stay as seen from the centre.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadSetting`] for `place` unless the camera stands nearer to the sensor's centre than 0.9 times the
+    /// nearest disc, and for `tilt_rad` unless each part is from -1 to 1.
+    pub fn seen_from(mut self, pose: Pose) -> Result<Self, OpticsError> {
+        self.pose = pose.checked(0.9 * self.array.nearest())?;
+        Ok(self)
+    }
+
+    /// Stand of the camera.
+    pub fn pose(&self) -> Pose {
+        self.pose.unwrap_or_default()
     }
 
     /// The camera.
@@ -108,7 +132,8 @@ impl Optics {
         }
         let motions = motions.iter().enumerate();
         Ok(motions.map(|(marker, motion)| {
-            let sight = motion.map(|motion| self.array.sight(marker, &motion));
+            let pose = self.pose.as_ref();
+            let sight = motion.map(|motion| self.array.sight(marker, &motion, pose));
             sight.transpose()
         }))
     }

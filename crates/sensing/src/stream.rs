@@ -45,6 +45,8 @@ pub enum Channel {
     Size = 15,
     /// Choice of the markers that are not seen.
     LostMarkers = 16,
+    /// Departure of a sensor from what is known of it.
+    Sensor = 17,
 }
 
 /// The random numbers of one channel in one trial: a function of seed, trial and channel alone.

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use palpate_sensing::{Channel, Stream};
 
 use super::OpticsError;
+use super::pose::Pose;
 use super::sines::sinc_and_cosine;
 use crate::spacing::too_close;
 use crate::{Discs, MOST_MARKERS};
@@ -167,17 +168,75 @@ impl MarkerArray {
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `misalignment` unless it is from 0 to 1.
-    pub fn misaligned(mut self, most: f64, seed: u64) -> Result<Self, OpticsError> {
+    pub fn misaligned(self, most: f64, seed: u64) -> Result<Self, OpticsError> {
+        self.misaligned_in(most, seed, 0)
+    }
+
+    /// The same as they are made in trial number `trial`.
+    ///
+    /// # Errors
+    /// As [`MarkerArray::misaligned`].
+    pub fn misaligned_in(mut self, most: f64, seed: u64, trial: u64) -> Result<Self, OpticsError> {
         let good = (0.0..=1.0).contains(&most);
         OpticsError::unless(good, "misalignment", most, "from 0 to 1")?;
         let most_rad = most * 2.0 * self.yellow.half_width;
-        let mut stream = Stream::new(seed, 0, Channel::Misalignment);
+        let mut stream = Stream::new(seed, trial, Channel::Misalignment);
         for stand in &mut self.stands {
             // A uniform share of the disc's area is within the square of the share of its radius.
             let share = 0.5 * (stream.symmetric_uniform() + 1.0);
             let (sine, cosine) = libm::sincos(PI * stream.symmetric_uniform());
             let size = most_rad * share.sqrt();
             stand.misalignment = [size * cosine, size * sine];
+        }
+        Ok(self)
+    }
+
+    /// Misalignment of each marker: how far its yellow disc lies from the magenta one along the skin, as an angle at the
+    /// sensor's centre, rad, along the apex's axes carried to the marker.
+    pub fn misalignments(&self) -> Vec<[f64; 2]> {
+        self.stands.iter().map(|stand| stand.misalignment).collect()
+    }
+
+    /// The markers with these misalignments, rad, as [`MarkerArray::misalignments`] has them, for the first of them; the
+    /// others keep theirs.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadSetting`] for `misalignment` unless each component is from -1 to 1.
+    pub fn with_misalignments(mut self, misalignments: &[[f64; 2]]) -> Result<Self, OpticsError> {
+        for (stand, misalignment) in self.stands.iter_mut().zip(misalignments) {
+            for component in misalignment {
+                let good = component.abs() <= 1.0;
+                OpticsError::unless(good, "misalignment", *component, "from -1 to 1 rad")?;
+            }
+            stand.misalignment = *misalignment;
+        }
+        Ok(self)
+    }
+
+    /// The markers with discs that lie deeper by these lengths and are wider by these shares, magenta and yellow.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`] as [`MarkerArray::new`].
+    pub fn remade(mut self, deeper: [f64; 2], wider: [f64; 2]) -> Result<Self, OpticsError> {
+        let radius = self.radius;
+        let layers = [&mut self.magenta, &mut self.yellow];
+        for ((layer, deeper), wider) in layers.into_iter().zip(deeper).zip(wider) {
+            let distance = layer.distance - deeper;
+            let good = distance > 0.0 && distance <= radius;
+            if !good {
+                return Err(OpticsError::BadDepth {
+                    disc: layer.name,
+                    depth: radius - distance,
+                    radius,
+                    expected: "it must be at least 0 and less than the radius",
+                });
+            }
+            let half_width = layer.half_width * layer.distance / distance * (1.0 + wider);
+            let good = (NARROWEST..=1.0).contains(&half_width);
+            let expected = "between 1e-9 and 1 times the disc's distance from the centre";
+            OpticsError::unless(good, "half_width", half_width, expected)?;
+            layer.distance = distance;
+            layer.half_width = half_width;
         }
         Ok(self)
     }
@@ -202,16 +261,26 @@ impl MarkerArray {
         self.radius
     }
 
-    /// How the discs of one marker are seen after a motion.
+    /// Distance of the nearer discs from the sensor's centre at rest, length.
+    pub(super) fn nearest(&self) -> f64 {
+        self.magenta.distance.min(self.yellow.distance)
+    }
+
+    /// How the discs of one marker are seen after a motion by a camera that stands so.
     pub(super) fn sight(
         &self,
         marker: usize,
         motion: &MarkerMotion,
+        pose: Option<&Pose>,
     ) -> Result<MarkerSight, OpticsError> {
         let stand = &self.stands[marker];
         let seen = |layer: &Layer, motion: &DiscMotion, offset| {
             layer
                 .sight(stand, motion, offset)
+                .and_then(|sight| match pose {
+                    None => Ok(sight),
+                    Some(pose) => layer.from_beside(&sight, motion, pose),
+                })
                 .map_err(|motion| OpticsError::ImpossibleMotion {
                     marker,
                     disc: layer.name,
@@ -250,6 +319,29 @@ impl Layer {
             direction: stand.direction * cosine + along,
             sine: self.half_width / slant,
             cosine: distance / slant,
+        })
+    }
+}
+
+impl Layer {
+    /// A disc that is seen so from the sensor's centre, seen from a camera elsewhere: the circular cap of the same solid
+    /// angle, to first order in it. The error is the motion that cannot be: one that takes the disc behind the camera.
+    fn from_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
+        let away = self.distance - motion.normal;
+        let ray = sight.direction * away - pose.place;
+        let distance = ray.norm();
+        // Cosine of the angle between the ray and the disc's normal.
+        let facing = ray.dot(&sight.direction) / distance;
+        let is_before = facing > 0.0;
+        if !is_before {
+            return Err(motion.normal);
+        }
+        let tangent = self.half_width * self.distance * facing.sqrt() / distance;
+        let slant = (1.0 + tangent * tangent).sqrt();
+        Ok(Sight {
+            direction: pose.turned(&(ray / distance)),
+            sine: tangent / slant,
+            cosine: slant.recip(),
         })
     }
 }

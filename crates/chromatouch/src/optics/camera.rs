@@ -38,6 +38,8 @@ pub struct Camera {
     pub(super) rim_rad: f64,
     pub(super) rim_cosine: f64,
     pub(super) px_per_rad: f64,
+    /// Place of the image circle's centre from the middle of the frame, columns and rows.
+    offset_px: [f64; 2],
 }
 
 /// Direction that a pixel looks in. A pixel (x, y) from the image's centre, px, y up, looks along the unit vector (x
@@ -76,6 +78,39 @@ impl Camera {
             rim_rad,
             rim_cosine: libm::cos(rim_rad),
             px_per_rad: 0.5 * f64::from(size_px) / rim,
+            offset_px: [0.0; 2],
+        })
+    }
+
+    /// This camera with the centre of its image circle so many columns to the right and rows down from the middle of
+    /// the frame, and with other pixels per radian; the circle keeps its size, so that its rim shows another angle.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadSetting`] for `centre_px` unless the centre lies in the frame, and for `px_per_rad` unless it is
+    /// finite and positive, and the rim at most half a turn from the axis.
+    pub fn adjusted(self, offset_px: [f64; 2], px_per_rad: f64) -> Result<Self, OpticsError> {
+        for offset in offset_px {
+            let good = offset.abs() <= self.rim_px();
+            OpticsError::unless(good, "centre_px", offset, "within the frame")?;
+        }
+        let rim = self.rim_px() / px_per_rad;
+        let rim_rad = match self.lens {
+            Lens::Fisheye => rim,
+            Lens::Pinhole => libm::atan(rim),
+        };
+        let good = px_per_rad.is_finite() && rim_rad > 0.0 && rim_rad <= PI;
+        OpticsError::unless(
+            good,
+            "px_per_rad",
+            px_per_rad,
+            "such that the rim is from 0 to 180 degrees away",
+        )?;
+        Ok(Self {
+            rim_rad,
+            rim_cosine: libm::cos(rim_rad),
+            px_per_rad,
+            offset_px,
+            ..self
         })
     }
 
@@ -91,7 +126,8 @@ impl Camera {
 
     /// The image's centre, where the apex is seen.
     pub fn centre_px(&self) -> [f64; 2] {
-        [0.5 * (f64::from(self.size_px) - 1.0); 2]
+        let middle = 0.5 * (f64::from(self.size_px) - 1.0);
+        self.offset_px.map(|offset| middle + offset)
     }
 
     /// Radius of the image circle.

@@ -8,3 +8,4 @@ mod optics;
 mod optics_limits;
 mod pattern;
 mod pixel_noise;
+mod pose;

@@ -74,7 +74,7 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
     let reach = if crosses { 4.0 * radius } else { radius };
     let farthest = (polar + radius).min(rim);
     let half = reach * camera.most_px_per_rad(farthest) + 1.5;
-    let [centre, _] = camera.centre_px();
+    let [column, row] = camera.centre_px();
     let from_centre = camera.radius(polar.min(rim));
     let across = libm::hypot(direction.x, direction.y);
     let along = |component: f64| {
@@ -89,8 +89,8 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
         clamped((middle - half).ceil())..clamped((middle + half).floor() + 1.0)
     };
     Some([
-        range(centre + along(direction.x)),
-        range(centre - along(direction.y)),
+        range(column + along(direction.x)),
+        range(row - along(direction.y)),
     ])
 }
 

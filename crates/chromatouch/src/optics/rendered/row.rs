@@ -234,8 +234,8 @@ impl<'a> Rows<'a> {
     /// Cuts the image circle out of what surrounds it.
     fn cut(&self, number: usize, touched: &Range<usize>, row: &mut Row) {
         let rim = self.camera.rim_px();
-        let [middle, _] = self.camera.centre_px();
-        let y = middle - number as f64;
+        let [middle, middle_row] = self.camera.centre_px();
+        let y = middle_row - number as f64;
         let whole = self.columns(self.half_chord(rim - 0.5, number));
         let whole = if whole.is_empty() {
             touched.end..touched.end

@@ -1,0 +1,197 @@
+//! Cameras that are not in the very centre, and sensors that depart from a known one, against closed forms.
+
+use nalgebra::Vector3;
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, Departure, DiscDepths, Discs, Lens, MarkerArray, MarkerMotion,
+    Optics, OpticsError, Pose, SeenMarker,
+};
+
+const RADIUS: f64 = 20.0;
+const DEPTH: f64 = 2.0;
+
+/// Optics of aligned discs of this diameter, all at one depth, at these places.
+fn optics(places: &[[f64; 2]], diameter: f64) -> Optics {
+    let discs = Discs {
+        magenta: diameter,
+        yellow: diameter,
+    };
+    let depths = DiscDepths {
+        magenta: DEPTH,
+        yellow: DEPTH,
+    };
+    let array = MarkerArray::new(RADIUS, places, discs, depths).unwrap();
+    let camera = Camera::new(Lens::Fisheye, 700, 80.0).unwrap();
+    Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap()
+}
+
+fn seen(optics: &Optics) -> Vec<SeenMarker> {
+    let still = vec![Some(MarkerMotion::default()); optics.array().len()];
+    let seen = optics.projected(&still).unwrap();
+    seen.into_iter().flatten().collect()
+}
+
+const PLACES: [[f64; 2]; 4] = [[0.0, 0.0], [8.0, 0.0], [-5.0, 9.0], [2.0, -12.0]];
+
+/// Place of a marker from the sensor's centre.
+fn place([x, y]: [f64; 2]) -> Vector3<f64> {
+    let angle = libm::hypot(x, y) / RADIUS;
+    let (sine, cosine) = libm::sincos(angle);
+    let along = if angle > 0.0 {
+        sine / (angle * RADIUS)
+    } else {
+        0.0
+    };
+    Vector3::new(x * along, y * along, cosine) * (RADIUS - DEPTH)
+}
+
+#[test]
+fn a_camera_in_the_centre_is_the_default() {
+    let central = optics(&PLACES, 2.0);
+    let set = central.clone().seen_from(Pose::default()).unwrap();
+    assert_eq!(seen(&set), seen(&central));
+    assert_eq!(central.departed(&Departure::default()).unwrap(), central);
+}
+
+/// Small markers are seen where the ray from the camera to them goes, and as large as they are near and face it.
+#[test]
+fn markers_are_seen_along_the_rays_from_the_camera() {
+    let at = [1.5, -0.5, 4.0];
+    let [central, beside] = [Pose::default(), Pose::new(at, [0.0; 3])]
+        .map(|pose| seen(&optics(&PLACES, 0.02).seen_from(pose).unwrap()));
+    let camera = Camera::new(Lens::Fisheye, 700, 80.0).unwrap();
+    for (index, chart) in PLACES.into_iter().enumerate() {
+        let marker = place(chart);
+        let ray = marker - Vector3::from(at);
+        let expected = camera.image(&ray).unwrap();
+        for axis in 0..2 {
+            let found = beside[index].centroid_px[axis];
+            assert!(
+                (found - expected[axis]).abs() < 1e-4,
+                "{found} {expected:?}"
+            );
+        }
+        // Solid angles go with the cosine and the inverse square of the distance; the lens magnifies by θ/sin θ.
+        let stretch = |ray: &Vector3<f64>| {
+            let angle = libm::atan2(libm::hypot(ray.x, ray.y), ray.z);
+            if angle > 0.0 {
+                angle / libm::sin(angle)
+            } else {
+                1.0
+            }
+        };
+        let facing = ray.dot(&marker) / (ray.norm() * marker.norm());
+        let ratio =
+            facing * (marker.norm() / ray.norm()).powi(2) * stretch(&ray) / stretch(&marker);
+        let found = beside[index].size_px2 / central[index].size_px2;
+        assert!((found / ratio - 1.0).abs() < 1e-5, "{found} {ratio}");
+    }
+}
+
+#[test]
+fn a_turned_camera_sees_markers_turned() {
+    let turn = 0.2;
+    let pose = Pose::new([0.0; 3], [0.0, 0.0, turn]);
+    let [central, turned] =
+        [Pose::default(), pose].map(|pose| seen(&optics(&PLACES, 2.0).seen_from(pose).unwrap()));
+    let (sine, cosine) = libm::sincos(turn);
+    for (before, after) in central.iter().zip(&turned) {
+        // Rows count downward; what the camera turns one way its picture turns the other.
+        let [x, y] = before.centroid_px.map(|place| place - 349.5);
+        let [found_x, found_y] = after.centroid_px.map(|place| place - 349.5);
+        assert!((found_x - (x * cosine - y * sine)).abs() < 1e-9);
+        assert!((found_y - (x * sine + y * cosine)).abs() < 1e-9);
+        assert!((after.size_px2 - before.size_px2).abs() < 1e-9);
+    }
+    // About x, the apex is seen along y.
+    let pose = Pose::new([0.0; 3], [0.1, 0.0, 0.0]);
+    let tilted = seen(&optics(&[[0.0; 2]], 0.02).seen_from(pose).unwrap());
+    let focal = Camera::new(Lens::Fisheye, 700, 80.0).unwrap().px_per_rad();
+    assert!((tilted[0].centroid_px[1] - (349.5 - 0.1 * focal)).abs() < 1e-4);
+}
+
+#[test]
+fn departures_are_what_they_say() {
+    let known = optics(&PLACES, 2.0);
+    let before = seen(&known);
+    let departed = |departure: Departure| seen(&known.departed(&departure).unwrap());
+    let moved = departed(Departure {
+        centre_px: [0.3, -0.7],
+        ..Departure::default()
+    });
+    let larger = departed(Departure {
+        px_per_rad: 0.01,
+        ..Departure::default()
+    });
+    for ((before, moved), larger) in before.iter().zip(&moved).zip(&larger) {
+        for (axis, shift) in [(0, 0.3), (1, -0.7)] {
+            let there = before.centroid_px[axis];
+            assert!((moved.centroid_px[axis] - there - shift).abs() < 1e-9);
+            let enlarged = 349.5 + 1.01 * (there - 349.5);
+            assert!((larger.centroid_px[axis] - enlarged).abs() < 1e-9);
+        }
+        assert!((larger.size_px2 / before.size_px2 / (1.01 * 1.01) - 1.0).abs() < 1e-9);
+    }
+    // Wider discs that lie deeper are discs made so.
+    let remade = departed(Departure {
+        depths: [0.1; 2],
+        diameters: [0.02; 2],
+        ..Departure::default()
+    });
+    let discs = Discs {
+        magenta: 2.04,
+        yellow: 2.04,
+    };
+    let depths = DiscDepths {
+        magenta: 2.1,
+        yellow: 2.1,
+    };
+    let array = MarkerArray::new(RADIUS, &PLACES, discs, depths).unwrap();
+    let made = Optics::new(
+        array,
+        *known.camera(),
+        Colours::default(),
+        Blemishes::default(),
+    );
+    for (one, other) in remade.iter().zip(seen(&made.unwrap())) {
+        assert!((one.size_px2 / other.size_px2 - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn cameras_that_cannot_be_are_refused() {
+    let known = optics(&PLACES, 2.0);
+    for place in [[0.0, 0.0, 17.0], [f64::NAN, 0.0, 0.0], [1e300; 3]] {
+        let refused = known.clone().seen_from(Pose::new(place, [0.0; 3]));
+        assert!(
+            matches!(refused, Err(OpticsError::BadSetting(_))),
+            "{place:?}"
+        );
+    }
+    for turn in [f64::INFINITY, f64::NAN, 2.0] {
+        let refused = known
+            .clone()
+            .seen_from(Pose::new([0.0; 3], [0.0, turn, 0.0]));
+        assert!(matches!(refused, Err(OpticsError::BadSetting(_))), "{turn}");
+    }
+    let departures = [
+        Departure {
+            depths: [20.0, 0.0],
+            ..Departure::default()
+        },
+        Departure {
+            px_per_rad: f64::NAN,
+            ..Departure::default()
+        },
+        Departure {
+            centre_px: [1e9, 0.0],
+            ..Departure::default()
+        },
+        Departure {
+            diameters: [-1.0, 0.0],
+            ..Departure::default()
+        },
+    ];
+    for departure in departures {
+        assert!(known.departed(&departure).is_err(), "{departure:?}");
+    }
+}
