@@ -4,6 +4,7 @@ use image::RgbImage;
 
 use crate::binned::LARGEST_BIN;
 use crate::coarse::Coarse;
+use crate::errors::{self, MarkerErrors};
 use crate::lighting::Lighting;
 use crate::measure::Scene;
 use crate::rim::Rim;
@@ -38,6 +39,8 @@ pub struct Found {
     pub ground: Ground,
     /// The markers that are seen whole, from the middle of the circle outward.
     pub markers: Vec<Marker>,
+    /// Errors of each of these, from the noise of the frame's pixels.
+    pub errors: Vec<MarkerErrors>,
     /// Markers that are cut off by the circle or by the frame's border, in the same order; what is left of them is
     /// measured.
     pub cut: Vec<Marker>,
@@ -223,27 +226,32 @@ impl Finder {
         let shapes: Vec<Shape> = selection.shapes().cloned().collect();
         let hues = self.settings.hues;
         let pixels = self.coarse.binned.pixels();
-        let markers: Vec<Option<Marker>> = scene
+        let markers: Vec<Option<(Marker, MarkerErrors)>> = scene
             .measure(&shapes)
             .iter()
             .zip(&shapes)
-            .map(|(sums, shape)| sight::marker(sums, ground, hues, shape.area() * pixels))
+            .map(|(sums, shape)| {
+                let marker = sight::marker(sums, ground, hues, shape.area() * pixels)?;
+                Some((marker, errors::errors(sums, ground, &marker)))
+            })
             .collect();
         let (whole, cut) = markers.split_at(selection.whole.len());
-        let ordered = |markers: &[Option<Marker>]| {
-            let mut markers: Vec<Marker> = markers.iter().flatten().copied().collect();
+        let ordered = |markers: &[Option<(Marker, MarkerErrors)>]| {
+            let mut markers: Vec<_> = markers.iter().flatten().copied().collect();
             let away = |marker: &Marker| {
                 let [x, y] = [0, 1].map(|axis| marker.centroid_px[axis] - mask.centre_px[axis]);
                 libm::hypot(x, y)
             };
-            markers.sort_by(|a, b| away(a).total_cmp(&away(b)));
-            markers
+            markers.sort_by(|a, b| away(&a.0).total_cmp(&away(&b.0)));
+            markers.into_iter().unzip::<_, _, Vec<_>, Vec<_>>()
         };
+        let (markers, errors) = ordered(whole);
         Found {
             mask,
             ground,
-            markers: ordered(whole),
-            cut: ordered(cut),
+            markers,
+            errors,
+            cut: ordered(cut).0,
         }
     }
 }

@@ -6,6 +6,7 @@ mod camera;
 mod coarse;
 mod difference;
 mod error;
+mod errors;
 mod field;
 mod finder;
 mod ground;
@@ -30,6 +31,7 @@ pub use calibration::{
 pub use camera::Equidistant;
 pub use difference::{SizesDiffer, difference};
 pub use error::TrackingError;
+pub use errors::MarkerErrors;
 pub use field::{Displaced, Field, FieldError, Outward};
 pub use finder::{Finder, FinderSettings, Found};
 pub use ground::Ground;

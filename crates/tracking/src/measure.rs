@@ -36,6 +36,21 @@ pub(crate) struct Sums {
     pub(crate) hue_light: [f64; 3],
     /// Place that offsets are counted from, px.
     pub(crate) middle: [f64; 2],
+    /// Errors of the pixels that they are sums of.
+    pub(crate) errors: PixelErrors,
+}
+
+/// Errors of the pixels of a window.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PixelErrors {
+    /// Sums over the window's pixels of 1, x, y, x², xy and y², counted from the sums' `middle`.
+    pub(crate) window: [f64; 6],
+    /// Variance of each colour of a pixel, squared shares.
+    pub(crate) pixel: [f64; 3],
+    /// Variance of what all pixels of the window err by alike, squared shares.
+    pub(crate) common: [f64; 3],
+    /// Radius of a circle of the marker's area, px.
+    pub(crate) radius_px: f64,
 }
 
 /// A frame and all that is known of its ground.
@@ -75,6 +90,8 @@ enum Contested {
 struct Offset {
     share: [f64; 3],
     variance: [f64; 3],
+    /// Variance that is left of it once it is believed as far as it deserves.
+    left: [f64; 3],
 }
 
 impl Scene<'_> {
@@ -91,6 +108,7 @@ impl Scene<'_> {
             .collect();
         trust(&mut offsets);
         for (at, (sums, offset)) in sums.iter_mut().zip(&offsets).enumerate() {
+            sums.errors = self.errors(&patches[at], offset);
             self.correct(sums, offset);
             sums.hue_light = match self.ground {
                 Ground::Bright => sums.light,
@@ -287,6 +305,7 @@ impl Scene<'_> {
             moment: [0, 1, 2].map(|colour| [sums[6 + colour], sums[9 + colour]]),
             hue_light: [0.0; 3],
             middle: patches[at].middle,
+            errors: PixelErrors::default(),
         }
     }
 
@@ -347,6 +366,7 @@ impl Scene<'_> {
         }
         Offset {
             share,
+            left: [0.0; 3],
             variance: noise.map(|noise| {
                 if count > 0.0 {
                     (noise * noise).max(1e-12) / count
@@ -354,6 +374,23 @@ impl Scene<'_> {
                     f64::MAX
                 }
             }),
+        }
+    }
+
+    fn errors(&self, patch: &Patch, offset: &Offset) -> PixelErrors {
+        // Whole levels err by the root of a twelfth where noise does not spread them.
+        let noise = self.lighting.noise.max(1.0 / 12.0_f64.sqrt());
+        PixelErrors {
+            window: patch.window.moments(patch.middle),
+            pixel: patch.local.map(|local| {
+                let level = match self.ground {
+                    Ground::Bright => f64::from(local.row(0.0)[0].max(DARKEST)),
+                    Ground::Dark => 255.0,
+                };
+                (noise / level).powi(2)
+            }),
+            common: offset.left,
+            radius_px: patch.radius,
         }
     }
 
@@ -406,7 +443,11 @@ fn trust(offsets: &mut [Offset]) {
             0.0
         };
         for offset in offsets.iter_mut() {
-            offset.share[colour] *= spread / (spread + offset.variance[colour]);
+            let belief = spread / (spread + offset.variance[colour]);
+            offset.share[colour] *= belief;
+            if belief > 0.0 {
+                offset.left[colour] = belief * offset.variance[colour];
+            }
         }
     }
 }

@@ -27,11 +27,7 @@ pub(crate) fn marker(
     hues: HueWindow,
     pixels: usize,
 ) -> Option<Marker> {
-    let weights = match ground {
-        Ground::Bright => [0.0, 1.0, 1.0],
-        // Weights in proportion to the light make the most of pixels that are all equally noisy.
-        Ground::Dark => sums.light.map(|light| light.max(0.0)),
-    };
+    let weights = weights(sums, ground);
     let light = dot(weights, sums.light);
     let size_px2 = match ground {
         Ground::Bright => light,
@@ -60,8 +56,17 @@ pub(crate) fn marker(
     })
 }
 
+/// Weights of the colours in a marker's centroid.
+pub(crate) fn weights(sums: &Sums, ground: Ground) -> [f64; 3] {
+    match ground {
+        Ground::Bright => [0.0, 1.0, 1.0],
+        // Weights in proportion to the light make the most of pixels that are all equally noisy.
+        Ground::Dark => sums.light.map(|light| light.max(0.0)),
+    }
+}
+
 /// The hue of the summed light, in turns as HSV has it, and the length of its chroma.
-fn hue(light: [f64; 3], ground: Ground) -> (f64, f64) {
+pub(crate) fn hue(light: [f64; 3], ground: Ground) -> (f64, f64) {
     let sign = match ground {
         Ground::Bright => -1.0,
         Ground::Dark => 1.0,

@@ -52,6 +52,26 @@ impl Window {
         Self { top, rows: grown }
     }
 
+    /// Sums over its pixels of 1, x, y, x², xy and y², with the pixel at `middle` at (0, 0).
+    pub(crate) fn moments(&self, middle: [f64; 2]) -> [f64; 6] {
+        let mut sums = [0.0; 6];
+        for (row, &(first, last)) in (self.top..).zip(&self.rows) {
+            if first > last {
+                continue;
+            }
+            let y = f64::from(row) - middle[1];
+            let count = f64::from(last - first + 1);
+            let mean = 0.5 * f64::from(first + last) - middle[0];
+            // Variance of whole numbers side by side.
+            let squares = count * (mean * mean + (count * count - 1.0) / 12.0);
+            let terms = [1.0, mean, y, squares / count, mean * y, y * y];
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                *sum += count * term;
+            }
+        }
+        sums
+    }
+
     /// First and last column of a row.
     pub(crate) fn row(&self, row: i32) -> (i32, i32) {
         usize::try_from(row - self.top)

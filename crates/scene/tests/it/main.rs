@@ -7,6 +7,7 @@ mod extremes;
 mod fingertip;
 mod glide;
 mod ladder;
+mod marker_errors;
 mod names;
 mod press;
 mod recorded;
