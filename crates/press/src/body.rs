@@ -156,6 +156,14 @@ impl Body {
         matches!(self.0, Rung::Gaussian { .. })
     }
 
+    /// Poisson's ratio and the depth of a body that can be moved sideways: a half-space.
+    pub(crate) fn sideways(&self) -> Option<(f64, f64)> {
+        match self.0 {
+            Rung::HalfSpace { poisson, depth } => Some((poisson, depth)),
+            Rung::BondedLayer { .. } | Rung::Gaussian { .. } => None,
+        }
+    }
+
     /// A press of this indentation, by an object of this relative curvature.
     ///
     /// # Errors

@@ -70,6 +70,17 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// The verdict on the object from an interval of the relative curvature, for a sensor of this curvature.
+    pub(crate) fn of(interval: Interval, sensor: f64) -> Self {
+        let Interval { low, high } = interval;
+        match (low, high) {
+            (Some(low), _) if low > sensor => Self::Convex,
+            (_, Some(high)) if high < sensor => Self::Concave,
+            (Some(low), Some(high)) if high - low < sensor => Self::FlatWithinNoise,
+            _ => Self::NotResolved,
+        }
+    }
+
     /// The stable name.
     pub fn name(self) -> &'static str {
         self.into()

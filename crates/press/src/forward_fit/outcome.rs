@@ -64,7 +64,7 @@ pub(super) fn outcome(
         tangential_std: problem.uses_tangential().then_some(problem.tangential_std),
         r_squared: problem.r_squared(state)?,
         reduced_chi_squared: sums.chi_squared / freedom.max(1) as f64,
-        verdict: verdict(interval, skin.curvature()),
+        verdict: Verdict::of(interval, skin.curvature()),
     })
 }
 
@@ -159,16 +159,5 @@ fn positive(estimated: Estimated) -> Estimated {
     Estimated {
         interval: Interval { low, high },
         ..estimated
-    }
-}
-
-/// The verdict on the object from an interval of the relative curvature, for a sensor of this curvature.
-fn verdict(interval: Interval, sensor: f64) -> Verdict {
-    let Interval { low, high } = interval;
-    match (low, high) {
-        (Some(low), _) if low > sensor => Verdict::Convex,
-        (_, Some(high)) if high < sensor => Verdict::Concave,
-        (Some(low), Some(high)) if high - low < sensor => Verdict::FlatWithinNoise,
-        _ => Verdict::NotResolved,
     }
 }

@@ -6,6 +6,7 @@ mod bonded_layer;
 mod extremes;
 mod forward_fit;
 mod half_space;
+mod image_fit;
 mod refusals;
 mod sensor;
 mod shear;

@@ -1,0 +1,137 @@
+//! Levenberg and Marquardt's method on pictures.
+
+use super::law::State;
+use super::problem::{Jacobian, Problem, Residuals, Square, Sums, Unknowns};
+use super::view::View;
+use crate::PressError;
+
+const MOST_STEPS: usize = 60;
+const MOST_DAMPING: f64 = 1e9;
+
+/// A state with all that was computed there.
+#[derive(Clone)]
+pub(super) struct Fitted {
+    pub(super) state: State,
+    pub(super) residuals: Residuals,
+    pub(super) jacobian: Jacobian,
+    pub(super) sums: Sums,
+}
+
+impl Fitted {
+    pub(super) fn at<V: View>(problem: &Problem<'_, V>, state: State) -> Result<Self, PressError> {
+        let residuals = problem.residuals(&state)?;
+        let jacobian = problem.jacobian(&state, &residuals)?;
+        let sums = problem.sums(&state, &residuals, &jacobian)?;
+        Ok(Self {
+            state,
+            residuals,
+            jacobian,
+            sums,
+        })
+    }
+}
+
+/// The least sum of squares near a start, found when the next step promises to lower it by less than `enough`. One
+/// unknown may be held where it is. Slopes are those of the start while they serve (`frozen`), or of each step.
+///
+/// # Errors
+/// Where the start itself is out of range.
+pub(super) fn minimise<V: View>(
+    problem: &Problem<'_, V>,
+    start: Fitted,
+    enough: f64,
+    held: Option<usize>,
+    frozen: bool,
+) -> Result<Fitted, PressError> {
+    let mut best = start;
+    let mut frozen = frozen;
+    let mut damping = if frozen { 0.0 } else { 1e-3 };
+    for _ in 0..MOST_STEPS {
+        let mut free = best.sums;
+        if let Some(held) = held {
+            free.hold(held);
+        }
+        let Some(step) = solve(&free.hessian, &-free.gradient, damping) else {
+            damping = damping.max(1e-6) * 10.0;
+            if damping > MOST_DAMPING {
+                break;
+            }
+            continue;
+        };
+        let promise = -2.0 * free.gradient.dot(&step) - step.dot(&(free.hessian * step));
+        if promise <= enough {
+            break;
+        }
+        let state = problem.stepped(&best.state, &step);
+        let tried = problem.residuals(&state).and_then(|residuals| {
+            let cost = problem.cost(&state, &residuals)?;
+            Ok((residuals, cost))
+        });
+        match tried {
+            Ok((residuals, cost)) if cost <= best.sums.chi_squared => {
+                let gain = best.sums.chi_squared - cost;
+                // Slopes that foretell badly are made anew.
+                frozen &= gain > 0.3 * promise;
+                let jacobian = if frozen {
+                    best.jacobian
+                } else {
+                    problem.jacobian(&state, &residuals)?
+                };
+                let sums = problem.sums(&state, &residuals, &jacobian)?;
+                best = Fitted {
+                    state,
+                    residuals,
+                    jacobian,
+                    sums,
+                };
+                if gain > 0.5 * promise {
+                    damping *= 0.1;
+                }
+            }
+            _ if frozen => {
+                frozen = false;
+                best = Fitted::at(problem, best.state)?;
+            }
+            _ => {
+                damping = damping.max(1e-6) * 10.0;
+                if damping > MOST_DAMPING {
+                    break;
+                }
+            }
+        }
+    }
+    Ok(best)
+}
+
+/// The solution of a symmetric positive definite system with its diagonal enlarged, scaled to a unit diagonal first.
+pub(super) fn solve(matrix: &Square, right: &Unknowns, damping: f64) -> Option<Unknowns> {
+    let scale = matrix.diagonal().map(|entry| entry.sqrt().recip());
+    if !scale.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let mut scaled = matrix.component_mul(&(scale * scale.transpose()));
+    for index in 0..scaled.nrows() {
+        scaled[(index, index)] *= 1.0 + damping;
+    }
+    let solution = scaled
+        .cholesky()?
+        .solve(&right.component_mul(&scale))
+        .component_mul(&scale);
+    solution
+        .iter()
+        .all(|entry| entry.is_finite())
+        .then_some(solution)
+}
+
+/// The inverse, if the matrix is further from singular than rounding.
+pub(super) fn inverse(matrix: &Square) -> Option<Square> {
+    const SINGULAR: f64 = 1e-6;
+    let scale = matrix.diagonal().map(|entry| entry.sqrt().recip());
+    if !scale.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let outer = scale * scale.transpose();
+    let factor = matrix.component_mul(&outer).cholesky()?;
+    let least = factor.l_dirty().diagonal().min();
+    (least > SINGULAR).then(|| factor.inverse().component_mul(&outer))
+}

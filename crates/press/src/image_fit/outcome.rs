@@ -1,0 +1,263 @@
+//! The press behind pictures, and the estimate that is reported of it.
+
+use super::law::State;
+use super::minimise::{Fitted, inverse, minimise};
+use super::problem::{ACROSS, ALONG, CURVATURE, INDENTATION, Problem, Square};
+use super::profile::profile;
+use super::rest::Rest;
+use super::settings::ImageFit;
+use super::view::{NUMBERS, Seen, View};
+use crate::{Estimated, Interval, Measured, PressError, PressEstimate, Verdict};
+
+/// The normal quantile of a two-sided interval of 95 %.
+const NORMAL_95: f64 = 1.959_963_984_540_054;
+/// Sum of the squares of a marker's four residuals beyond which it is wrong: chance brings one in three million.
+const WRONG: f64 = 36.0;
+/// Sum of squares beyond which a marker counts less while it is not known which are wrong.
+const ROBUST: f64 = 16.0;
+/// Largest share of the markers that can be wrong; if more seem so, the model is.
+const MOST_WRONG: f64 = 1.0 / 8.0;
+/// Rounds in which markers that count less are told.
+const ROUNDS: usize = 20;
+/// Least improvement of chi-squared by a contact, against none, that counts as one.
+const SEEN: f64 = 16.0;
+/// Least decrease of chi-squared that a further step must promise: roughly, and at last.
+const ROUGHLY: f64 = 1e-1;
+const EXACTLY: f64 = 1e-6;
+
+impl<V: View + Clone> ImageFit<V> {
+    /// The press behind the pictures of one frame, `None` for markers that are not seen, of a sensor whose markers at
+    /// rest are known.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for what is given;
+    /// [`PressError::NoContact`] where the markers are as at rest; [`PressError::OffMarkers`],
+    /// [`PressError::Undetermined`] and those of [`Body::press`](crate::Body::press) where the pictures fit no press.
+    pub fn estimate(
+        &self,
+        rest: &Rest,
+        seen: &[Option<Seen>],
+        indentation: Option<Measured>,
+    ) -> Result<PressEstimate, PressError> {
+        self.validate()?;
+        let markers = self.markers.places().len();
+        for given in [seen.len(), rest.seen.len()] {
+            let good = given == markers;
+            PressError::unless_good("readings", given as f64, good, "one for each marker")?;
+        }
+        for (marker, seen) in seen.iter().enumerate() {
+            let sound = |seen: &Seen| {
+                let numbers = seen.picture.iter().chain(seen.covariance.iter());
+                numbers.copied().all(|number| number.abs() <= 1e50)
+            };
+            if !seen.as_ref().is_none_or(sound) {
+                return Err(PressError::NotFinite { marker });
+            }
+        }
+        if let Some(Measured { value, std }) = indentation {
+            let good = (0.0..=1e100).contains(&std);
+            PressError::unless_good("indentation_std", std, good, "at least 0 and at most 1e100")?;
+            if !value.is_finite() {
+                return Err(PressError::OutOfRange);
+            }
+            if value <= 0.0 {
+                return Err(PressError::NoIndentation { indentation: value });
+            }
+        }
+        let problem = Problem::new(self, rest, seen, indentation)?;
+        let (equations, needed) = (problem.equations(), problem.unknowns());
+        if equations < needed {
+            return Err(PressError::TooFewMarkers {
+                markers: problem.counting.len(),
+                equations,
+                needed,
+            });
+        }
+        search(problem)
+    }
+}
+
+fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate, PressError> {
+    problem.weigh_at_rest()?;
+    let best = robust(&mut problem)?;
+    problem.weigh(&best.state)?;
+    let fitted = Fitted::at(&problem, best.state)?;
+    let mut best = minimise(&problem, fitted, ROUGHLY, None, false)?;
+    let wrong = drop_wrong(&mut problem, &best)?;
+    problem.weigh(&best.state)?;
+    for _ in 0..4 {
+        let fitted = Fitted::at(&problem, best.state)?;
+        best = minimise(&problem, fitted, EXACTLY, None, false)?;
+        let covariance = inverse(&best.sums.hessian).ok_or(PressError::Undetermined {
+            what: "some combination of curvature, place and indentation is free",
+        })?;
+        let at_rest = problem.residuals_at_rest()?;
+        let unmoved = at_rest.norm_squared() - problem.shared_part(&at_rest);
+        let improvement = unmoved - best.sums.chi_squared;
+        if improvement < SEEN {
+            return Err(PressError::NoContact {
+                improvement,
+                needed: SEEN,
+            });
+        }
+        let std = covariance[(CURVATURE, CURVATURE)].sqrt();
+        match profile(&problem, &best, std, NORMAL_95) {
+            Ok(interval) => {
+                let reached = problem.fit.contact(&problem.fit.bodies[0], &best.state)?;
+                problem.fit.markers.see(&best.state.place, reached.radius)?;
+                return outcome(&problem, &best, &covariance, interval, unmoved, wrong);
+            }
+            Err(better) => best = Fitted::at(&problem, better)?,
+        }
+    }
+    Err(PressError::Undetermined {
+        what: "the sum of squares has no clear minimum",
+    })
+}
+
+/// A fit that few markers cannot lead astray.
+fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<Fitted, PressError> {
+    let starts = problem.starts()?;
+    let mut best: Option<Fitted> = None;
+    let mut failure = PressError::NoContact {
+        improvement: 0.0,
+        needed: SEEN,
+    };
+    for (_, start) in starts.into_iter().take(3) {
+        let fitted = Fitted::at(problem, start)
+            .and_then(|fitted| minimise(problem, fitted, ROUGHLY, None, false));
+        match fitted {
+            Ok(fitted) => {
+                let is_good = fitted.sums.chi_squared < 2.0 * problem.equations() as f64;
+                let is_better = best
+                    .as_ref()
+                    .is_none_or(|best| fitted.sums.chi_squared < best.sums.chi_squared);
+                if is_better {
+                    best = Some(fitted);
+                }
+                if is_good {
+                    break;
+                }
+            }
+            Err(error) => failure = error,
+        }
+    }
+    let mut best = best.ok_or(failure)?;
+    // Where the fit is bad, a few markers may be to blame.
+    for _ in 0..ROUNDS {
+        let squares = problem.squares(&best)?;
+        if squares.iter().all(|square| *square <= ROBUST) {
+            break;
+        }
+        for (trust, square) in problem.trust.iter_mut().zip(&squares) {
+            let square = square / (*trust * *trust);
+            *trust = if square > ROBUST {
+                (ROBUST / square).sqrt().max(1e-6)
+            } else {
+                1.0
+            };
+        }
+        problem.weigh(&best.state)?;
+        let fitted = Fitted::at(problem, best.state)?;
+        best = minimise(problem, fitted, ROUGHLY, None, false)?;
+    }
+    problem.trust.fill(1.0);
+    Ok(best)
+}
+
+/// Takes wrong markers out, and tells which.
+fn drop_wrong<V: View>(
+    problem: &mut Problem<'_, V>,
+    best: &Fitted,
+) -> Result<Vec<usize>, PressError> {
+    let squares = problem.squares(best)?;
+    let most = (MOST_WRONG * squares.len() as f64).max(1.0) as usize;
+    let pairs = problem.counting.iter().zip(&squares);
+    let wrong: Vec<usize> = pairs
+        .filter(|(_, square)| **square > WRONG)
+        .map(|(marker, _)| *marker)
+        .collect();
+    let enough = NUMBERS * (squares.len() - wrong.len()) >= problem.unknowns();
+    if wrong.len() > most || !enough {
+        return Ok(Vec::new());
+    }
+    problem.counting.retain(|marker| !wrong.contains(marker));
+    problem.trust = vec![1.0; problem.counting.len()];
+    Ok(wrong)
+}
+
+impl<V: View> Problem<'_, V> {
+    /// Sum of squares of each counting marker's residuals, what is common to all taken out.
+    fn squares(&self, best: &Fitted) -> Result<Vec<f64>, PressError> {
+        let own = self.own(&best.residuals)?;
+        Ok((0..self.counting.len())
+            .map(|at| own.rows(NUMBERS * at, NUMBERS).norm_squared())
+            .collect())
+    }
+}
+
+fn outcome<V: View>(
+    problem: &Problem<'_, V>,
+    best: &Fitted,
+    covariance: &Square,
+    interval: Interval,
+    unmoved: f64,
+    wrong_markers: Vec<usize>,
+) -> Result<PressEstimate, PressError> {
+    let State {
+        place, indentation, ..
+    } = best.state;
+    let body = &problem.fit.bodies[0];
+    let contact = problem.fit.contact(body, &best.state)?;
+    let variance = |one: usize, other: usize| {
+        if problem.sought[one] && problem.sought[other] {
+            covariance[(one, other)]
+        } else {
+            0.0
+        }
+    };
+    let around = |value: f64, std: f64| Estimated {
+        value,
+        std,
+        interval: Interval {
+            low: Some((value - NORMAL_95 * std).max(0.0)),
+            high: Some(value + NORMAL_95 * std),
+        },
+    };
+    // C D(a) = δ: C D' da = dδ − δ d ln C.
+    let [_, slope] = body.indentation_of(contact.radius)?;
+    let of_radius = variance(INDENTATION, INDENTATION)
+        - 2.0 * indentation * variance(INDENTATION, CURVATURE)
+        + indentation * indentation * variance(CURVATURE, CURVATURE);
+    let skin = problem.fit.markers.skin();
+    let curvature = contact.relative_curvature;
+    let log_variance = variance(CURVATURE, CURVATURE);
+    let freedom = (problem.equations() - problem.unknowns()).max(1);
+    Ok(PressEstimate {
+        sensor_curvature: skin.curvature(),
+        relative_curvature: Estimated {
+            value: curvature,
+            std: curvature * log_variance.sqrt(),
+            interval,
+        },
+        most_likely_curvature: curvature,
+        indentation: around(indentation, variance(INDENTATION, INDENTATION).sqrt()),
+        contact_radius: around(
+            contact.radius,
+            of_radius.max(0.0).sqrt() / (curvature * slope),
+        ),
+        contact: skin.chart(place.direction.as_ref()),
+        contact_std: [
+            variance(ALONG, ALONG).sqrt(),
+            variance(ACROSS, ACROSS).sqrt(),
+        ],
+        baseline: None,
+        gain: None,
+        wrong_markers,
+        normal_std: problem.normal_std(&best.state)?,
+        tangential_std: None,
+        r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
+        reduced_chi_squared: best.sums.chi_squared / freedom as f64,
+        verdict: Verdict::of(interval, skin.curvature()),
+    })
+}

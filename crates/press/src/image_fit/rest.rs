@@ -1,0 +1,415 @@
+//! What the markers at rest tell of the sensor.
+
+use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Matrix4, OMatrix, U2, Vector4};
+
+use super::settings::ImageFit;
+use super::view::{NUMBERS, Seen, SensorState, View, difference};
+use crate::{MarkerDisplacement, PressError};
+
+/// Steps by which slopes are found, as shares of the standard deviation.
+const SHARE: f64 = 1e-2;
+/// Step of a misalignment, rad.
+pub(super) const MISALIGNED: f64 = 1e-6;
+const MOST_STEPS: usize = 60;
+const MOST_DAMPING: f64 = 1e9;
+/// Decrease of chi-squared below which nothing is left to find.
+const ENOUGH: f64 = 1e-6;
+
+/// The sensor as its markers at rest show it: misalignments, and what is common to all of them.
+#[derive(Clone, Debug)]
+pub struct Rest {
+    /// Departures common to all markers from what calibration knows, the likeliest.
+    pub common: Vec<f64>,
+    /// Misalignment of each marker's discs, rad at the sensor's centre, the likeliest.
+    pub misalignments: Vec<[f64; 2]>,
+    /// Whether each marker was seen.
+    pub seen: Vec<bool>,
+    /// Sum of the squares that are left, priors included: about `freedom` where all is as it should be.
+    pub chi_squared: f64,
+    /// Degrees of freedom of that sum.
+    pub freedom: usize,
+    /// Information on the common departures that are free, after the frame at rest.
+    pub(super) information: DMatrix<f64>,
+    /// How each marker's misalignment follows the free common departures, and its covariance beyond that.
+    pub(super) local: Vec<Option<Local>>,
+}
+
+/// What is left unknown of a marker's misalignment.
+#[derive(Clone, Debug)]
+pub(super) struct Local {
+    pub(super) follows: OMatrix<f64, U2, Dyn>,
+    pub(super) spread: Matrix2<f64>,
+}
+
+/// Slopes of the pictures at a state of the sensor.
+pub(super) struct Slopes {
+    /// By the free common departures, in their standard deviations: per marker 4 rows.
+    pub(super) common: Vec<Option<OMatrix<f64, nalgebra::U4, Dyn>>>,
+    /// By the misalignment, per rad.
+    pub(super) local: Vec<Option<nalgebra::Matrix4x2<f64>>>,
+}
+
+impl<V: View> ImageFit<V> {
+    /// The sensor as its markers at rest show it: one reading per marker, `None` for those that are not seen.
+    ///
+    /// # Errors
+    /// [`PressError::BadSetting`], [`PressError::NotFinite`] for what is given; [`PressError::TooFewMarkers`] without
+    /// a marker; [`PressError::OutOfRange`] where there is no such sensor.
+    pub fn at_rest(&self, seen: &[Option<Seen>]) -> Result<Rest, PressError> {
+        self.validate()?;
+        let markers = self.markers.places().len();
+        let good = seen.len() == markers;
+        PressError::unless_good("readings", seen.len() as f64, good, "one for each marker")?;
+        let weights = weights(seen)?;
+        if weights.iter().flatten().count() == 0 {
+            return Err(PressError::TooFewMarkers {
+                markers: 0,
+                equations: 0,
+                needed: 1,
+            });
+        }
+        Resting {
+            fit: self,
+            free: self.free(),
+            seen,
+            weights,
+        }
+        .rest()
+    }
+
+    /// Slopes of pictures by what is not known of the sensor; the markers move by `moved`, and where the discs of one
+    /// colour lie deeper by what `deeper` tells per length.
+    pub(super) fn slopes(
+        &self,
+        common: &[f64],
+        misalignments: &[[f64; 2]],
+        moved: &[[MarkerDisplacement; 2]],
+        per_depth: Option<&[[MarkerDisplacement; 2]]>,
+        at: &[Option<[f64; NUMBERS]>],
+    ) -> Option<Slopes> {
+        let markers = moved.len();
+        let free = self.free();
+        let mut of_common: Vec<_> = at
+            .iter()
+            .map(|at| at.map(|_| OMatrix::<f64, nalgebra::U4, Dyn>::zeros(free.len())))
+            .collect();
+        for (column, &number) in free.iter().enumerate() {
+            let step = SHARE * self.common_stds[number];
+            let mut common = common.to_vec();
+            common[number] += step;
+            let state = SensorState {
+                common: &common,
+                misalignments,
+            };
+            let pictures = match per_depth.filter(|_| number < 2) {
+                Some(per_depth) => {
+                    let shifted: Vec<_> = moved
+                        .iter()
+                        .zip(per_depth)
+                        .map(|(moved, per_depth)| {
+                            let mut moved = *moved;
+                            let (disc, slope) = (&mut moved[number], &per_depth[number]);
+                            disc.normal += step * slope.normal;
+                            for axis in 0..2 {
+                                disc.tangential[axis] += step * slope.tangential[axis];
+                            }
+                            moved
+                        })
+                        .collect();
+                    self.view.pictures(&state, &shifted)?
+                }
+                None => self.view.pictures(&state, moved)?,
+            };
+            for marker in 0..markers {
+                let slopes = of_common[marker].as_mut();
+                if let (Some(slopes), Some(at), Some(there)) =
+                    (slopes, &at[marker], &pictures[marker])
+                {
+                    // Per standard deviation.
+                    slopes.set_column(column, &(Vector4::from(difference(there, at)) / SHARE));
+                }
+            }
+        }
+        let mut of_local: Vec<_> = at
+            .iter()
+            .map(|at| at.map(|_| nalgebra::Matrix4x2::zeros()))
+            .collect();
+        if self.misalignment_std > 0.0 {
+            for axis in 0..2 {
+                let mut beside = misalignments.to_vec();
+                for misalignment in &mut beside {
+                    misalignment[axis] += MISALIGNED;
+                }
+                let state = SensorState {
+                    common,
+                    misalignments: &beside,
+                };
+                let pictures = self.view.pictures(&state, moved)?;
+                for marker in 0..markers {
+                    let slopes: Option<&mut nalgebra::Matrix4x2<f64>> = of_local[marker].as_mut();
+                    if let (Some(slopes), Some(at), Some(there)) =
+                        (slopes, &at[marker], &pictures[marker])
+                    {
+                        slopes
+                            .set_column(axis, &(Vector4::from(difference(there, at)) / MISALIGNED));
+                    }
+                }
+            }
+        }
+        Some(Slopes {
+            common: of_common,
+            local: of_local,
+        })
+    }
+}
+
+/// Inverse covariance of each marker's reading.
+fn weights(seen: &[Option<Seen>]) -> Result<Vec<Option<Matrix4<f64>>>, PressError> {
+    let weight = |(marker, seen): (usize, &Option<Seen>)| {
+        let Some(Seen {
+            picture,
+            covariance,
+        }) = seen
+        else {
+            return Ok(None);
+        };
+        let inverse = covariance.cholesky().map(|factor| factor.inverse());
+        let inverse = inverse.filter(|inverse| inverse.iter().all(|entry| entry.is_finite()));
+        let sound = picture.iter().all(|number| number.abs() <= 1e50);
+        match inverse.filter(|_| sound) {
+            Some(inverse) => Ok(Some(inverse)),
+            None => Err(PressError::NotFinite { marker }),
+        }
+    };
+    seen.iter().enumerate().map(weight).collect()
+}
+
+/// The fit of a frame at rest.
+struct Resting<'a, V> {
+    fit: &'a ImageFit<V>,
+    free: Vec<usize>,
+    seen: &'a [Option<Seen>],
+    weights: Vec<Option<Matrix4<f64>>>,
+}
+
+/// Unknowns of the fit: free common departures in standard deviations, and misalignments, rad.
+#[derive(Clone)]
+struct State {
+    common: DVector<f64>,
+    misalignments: Vec<[f64; 2]>,
+}
+
+type Pictures = Vec<Option<[f64; NUMBERS]>>;
+
+/// Equations of one step with the misalignments taken out.
+struct Equations {
+    information: DMatrix<f64>,
+    right: DVector<f64>,
+    local: Vec<Option<Own>>,
+}
+
+/// The part of the equations that is a marker's own.
+struct Own {
+    inverse: Matrix2<f64>,
+    across: OMatrix<f64, U2, Dyn>,
+    right: nalgebra::Vector2<f64>,
+}
+
+impl<V: View> Resting<'_, V> {
+    fn rest(&self) -> Result<Rest, PressError> {
+        let mut state = State {
+            common: DVector::zeros(self.free.len()),
+            misalignments: vec![[0.0; 2]; self.seen.len()],
+        };
+        let mut pictures = self.pictures(&state).ok_or(PressError::OutOfRange)?;
+        let mut cost = self.cost(&state, &pictures);
+        let mut damping = 1e-3;
+        for _ in 0..MOST_STEPS {
+            let equations = self
+                .equations(&state, &pictures, damping)
+                .ok_or(PressError::OutOfRange)?;
+            let tried = self.stepped(&state, &equations);
+            let better = tried.and_then(|tried| {
+                let pictures = self.pictures(&tried)?;
+                let less = self.cost(&tried, &pictures);
+                (less <= cost).then_some((tried, pictures, less))
+            });
+            match better {
+                Some((tried, seen, less)) => {
+                    let gain = cost - less;
+                    (state, pictures, cost) = (tried, seen, less);
+                    damping *= 0.1;
+                    if gain <= ENOUGH {
+                        break;
+                    }
+                }
+                None => {
+                    damping *= 10.0;
+                    if damping > MOST_DAMPING {
+                        break;
+                    }
+                }
+            }
+        }
+        let Equations {
+            information, local, ..
+        } = self
+            .equations(&state, &pictures, 0.0)
+            .ok_or(PressError::OutOfRange)?;
+        let seen: Vec<bool> = self.weights.iter().map(Option::is_some).collect();
+        let count = seen.iter().filter(|&&seen| seen).count();
+        let each = if self.fit.misalignment_std > 0.0 {
+            2
+        } else {
+            4
+        };
+        Ok(Rest {
+            common: self.common(&state),
+            misalignments: state.misalignments,
+            seen,
+            chi_squared: cost,
+            freedom: each * count,
+            information,
+            local: local
+                .into_iter()
+                .map(|own| {
+                    own.map(|own| Local {
+                        follows: -own.inverse * own.across,
+                        spread: own.inverse,
+                    })
+                })
+                .collect(),
+        })
+    }
+
+    fn common(&self, state: &State) -> Vec<f64> {
+        let mut common = vec![0.0; self.fit.common_stds.len()];
+        for (&number, departure) in self.free.iter().zip(state.common.iter()) {
+            common[number] = departure * self.fit.common_stds[number];
+        }
+        common
+    }
+
+    fn still(&self) -> Vec<[MarkerDisplacement; 2]> {
+        vec![[MarkerDisplacement::default(); 2]; self.seen.len()]
+    }
+
+    fn pictures(&self, state: &State) -> Option<Pictures> {
+        let common = self.common(state);
+        let state = SensorState {
+            common: &common,
+            misalignments: &state.misalignments,
+        };
+        self.fit.view.pictures(&state, &self.still())
+    }
+
+    fn residual(&self, marker: usize, pictures: &Pictures) -> Option<Vector4<f64>> {
+        let (seen, picture) = (self.seen[marker]?, pictures[marker]?);
+        Some(Vector4::from(difference(&seen.picture, &picture)))
+    }
+
+    fn cost(&self, state: &State, pictures: &Pictures) -> f64 {
+        let mut cost = state.common.norm_squared();
+        for marker in 0..self.seen.len() {
+            let Some(weight) = &self.weights[marker] else {
+                continue;
+            };
+            match self.residual(marker, pictures) {
+                Some(residual) => cost += residual.dot(&(weight * residual)),
+                // A marker that was seen cannot be out of sight.
+                None => return f64::INFINITY,
+            }
+            if self.fit.misalignment_std > 0.0 {
+                let [x, y] = state.misalignments[marker];
+                cost += (x * x + y * y) / self.fit.misalignment_std.powi(2);
+            }
+        }
+        cost
+    }
+
+    fn equations(&self, state: &State, pictures: &Pictures, damping: f64) -> Option<Equations> {
+        let common = self.common(state);
+        let slopes =
+            self.fit
+                .slopes(&common, &state.misalignments, &self.still(), None, pictures)?;
+        let count = self.free.len();
+        let mut information = DMatrix::<f64>::identity(count, count);
+        let mut right = -state.common.clone();
+        let mut reduced = Vec::new();
+        let mut local = Vec::new();
+        for marker in 0..self.seen.len() {
+            let parts = (
+                &self.weights[marker],
+                self.residual(marker, pictures),
+                &slopes.common[marker],
+                &slopes.local[marker],
+            );
+            let (Some(weight), Some(residual), Some(by_common), Some(by_local)) = parts else {
+                local.push(None);
+                continue;
+            };
+            let weighted = weight * by_common;
+            information += by_common.transpose() * &weighted;
+            right += weighted.transpose() * residual;
+            if self.fit.misalignment_std == 0.0 {
+                local.push(Some(Own {
+                    inverse: Matrix2::zeros(),
+                    across: OMatrix::<f64, U2, Dyn>::zeros(count),
+                    right: nalgebra::Vector2::zeros(),
+                }));
+                continue;
+            }
+            let per_square = self.fit.misalignment_std.powi(-2);
+            let mut own = by_local.transpose() * weight * by_local;
+            let misalignment = nalgebra::Vector2::from(state.misalignments[marker]);
+            let own_right = by_local.transpose() * (weight * residual) - misalignment * per_square;
+            for axis in 0..2 {
+                own[(axis, axis)] += per_square;
+                own[(axis, axis)] *= 1.0 + damping;
+            }
+            let across = by_local.transpose() * &weighted;
+            let inverse = own.try_inverse()?;
+            reduced.push((
+                across.transpose() * inverse * &across,
+                across.transpose() * (inverse * own_right),
+            ));
+            local.push(Some(Own {
+                inverse,
+                across,
+                right: own_right,
+            }));
+        }
+        for at in 0..count {
+            information[(at, at)] *= 1.0 + damping;
+        }
+        for (square, vector) in reduced {
+            information -= square;
+            right -= vector;
+        }
+        Some(Equations {
+            information,
+            right,
+            local,
+        })
+    }
+
+    fn stepped(&self, state: &State, equations: &Equations) -> Option<State> {
+        let step = equations
+            .information
+            .clone()
+            .cholesky()?
+            .solve(&equations.right);
+        let mut tried = state.clone();
+        tried.common += &step;
+        for (misalignment, own) in tried.misalignments.iter_mut().zip(&equations.local) {
+            if let Some(own) = own {
+                let moved = own.inverse * (own.right - &own.across * &step);
+                // No disc is misaligned by more than it can be told at all.
+                for axis in 0..2 {
+                    misalignment[axis] = (misalignment[axis] + moved[axis]).clamp(-0.5, 0.5);
+                }
+            }
+        }
+        Some(tried)
+    }
+}

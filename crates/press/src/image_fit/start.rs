@@ -1,0 +1,68 @@
+//! States from which a fit of pictures begins.
+
+use nalgebra::Vector3;
+
+use super::law::State;
+use super::problem::Problem;
+use super::view::{View, difference};
+use crate::PressError;
+
+/// Radii of the contact that are tried, in radii of the sensor.
+const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
+/// The size among a picture's numbers.
+const SIZE: usize = 3;
+/// Places that are tried.
+const PLACES: usize = 3;
+
+impl<V: View> Problem<'_, V> {
+    /// States with their costs, the likeliest first.
+    pub(super) fn starts(&self) -> Result<Vec<(f64, State)>, PressError> {
+        let skin = self.fit.markers.skin();
+        let at_rest = self.pictures_at_rest()?;
+        // Seen from the centre, a disc that comes nearer by a share of its distance grows by that share.
+        let mut inward: Vec<(f64, usize)> = Vec::new();
+        for &marker in &self.counting {
+            if let (Some(seen), Some(rest)) = (&self.seen[marker], &at_rest[marker]) {
+                let growth = 0.5 * difference(&seen.picture, rest)[SIZE];
+                inward.push((-skin.radius() * libm::expm1(-growth), marker));
+            }
+        }
+        inward.sort_by(|one, other| other.0.total_cmp(&one.0));
+        let Some(&(most, _)) = inward.first() else {
+            return Ok(Vec::new());
+        };
+        let places = self.fit.markers.places();
+        let direction = |marker: usize| *places[marker].direction.as_ref();
+        let among = inward.iter().filter(|(moved, _)| *moved > 0.4 * most);
+        let mean: Vector3<f64> = among
+            .map(|&(moved, marker)| direction(marker) * (moved * moved))
+            .sum();
+        let mut directions = vec![mean];
+        directions.extend(inward.iter().take(PLACES - 1).map(|one| direction(one.1)));
+        let known = self.indentation.map(|known| known.value);
+        let deepest = known.unwrap_or(1.15 * most);
+        let mut states = Vec::new();
+        for direction in directions {
+            let place = skin.place_at(&direction);
+            for share in RADII {
+                let Ok([unit, _]) = self.fit.bodies[0].indentation_of(share * skin.radius()) else {
+                    continue;
+                };
+                let state = State {
+                    log_curvature: libm::log(deepest / unit),
+                    place,
+                    indentation: deepest,
+                    shift: [0.0; 2],
+                };
+                let cost = self
+                    .residuals(&state)
+                    .and_then(|residuals| self.cost(&state, &residuals));
+                if let Ok(cost) = cost {
+                    states.push((cost, state));
+                }
+            }
+        }
+        states.sort_by(|one, other| one.0.total_cmp(&other.0));
+        Ok(states)
+    }
+}

@@ -1,0 +1,358 @@
+//! Fits of pictures, against a camera whose law is a closed form.
+
+use nalgebra::Matrix4;
+use palpate_press::{
+    Body, ImageFit, MarkerDisplacement, Markers, Measured, PressError, PressEstimate, Seen,
+    SensorState, Skin, View,
+};
+use palpate_sensing::{Channel, GaussianError, Stream};
+use proptest::prelude::*;
+
+const RADIUS: f64 = 20.0;
+const CURVATURE: f64 = 1.0 / 80.0;
+/// Standard deviations of centroid, hue and logarithm of the size.
+const STDS: [f64; 4] = [0.01, 0.01, 1e-4, 4e-4];
+/// Standard deviations of what is known only roughly: depths of the discs, image's centre, pixels per radian.
+const ROUGHLY: [f64; 5] = [0.02, 0.02, 0.3, 0.3, 0.01];
+
+/// A camera that sees the middle between the discs, hue by how far they are apart, and size by how near they are.
+#[derive(Clone, Debug)]
+struct Ideal {
+    places: Vec<[f64; 2]>,
+}
+
+impl View for Ideal {
+    fn pictures(
+        &self,
+        sensor: &SensorState<'_>,
+        moved: &[[MarkerDisplacement; 2]],
+    ) -> Option<Vec<Option<[f64; 4]>>> {
+        let [magenta_deeper, yellow_deeper, x, y, scale] = sensor.common.try_into().ok()?;
+        let markers = self.places.iter().zip(moved).zip(sensor.misalignments);
+        let picture =
+            |((place, discs), misaligned): ((&[f64; 2], &[MarkerDisplacement; 2]), &[f64; 2])| {
+                let [magenta, yellow] = discs;
+                let along = |axis: usize| {
+                    let middle = 0.5 * (magenta.tangential[axis] + yellow.tangential[axis]);
+                    300.0
+                        * (1.0 + scale)
+                        * ((place[axis] + middle) / RADIUS + 0.5 * misaligned[axis])
+                };
+                let apart = |axis: usize| {
+                    misaligned[axis] + (yellow.tangential[axis] - magenta.tangential[axis]) / RADIUS
+                };
+                let near = [
+                    17.0 - magenta_deeper - magenta.normal,
+                    19.0 - yellow_deeper - yellow.normal,
+                ];
+                let nearness = libm::log(near[0] * near[1]);
+                let gap = near[1] - near[0];
+                Some([
+                    x + along(0),
+                    -y - along(1),
+                    (0.95 + 0.02 * gap + 0.3 * apart(0) + 0.2 * apart(1)).rem_euclid(1.0),
+                    6.0 - nearness,
+                ])
+            };
+        Some(markers.map(picture).collect())
+    }
+}
+
+fn places() -> Vec<[f64; 2]> {
+    (0..81)
+        .map(|i| [2.0 * f64::from(i % 9 - 4), 2.0 * f64::from(i / 9 - 4)])
+        .collect()
+}
+
+fn bodies(layer: Option<f64>, deeper: f64) -> [Body; 2] {
+    [3.0, 1.0].map(|depth| {
+        match layer {
+            Some(thickness) => Body::bonded_layer(thickness, depth + deeper),
+            None => Body::half_space(0.5, depth + deeper),
+        }
+        .unwrap()
+    })
+}
+
+fn fit(layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Ideal> {
+    ImageFit {
+        view: Ideal { places: places() },
+        markers: Markers::new(Skin::new(RADIUS).unwrap(), &places()).unwrap(),
+        bodies: bodies(layer, 0.0),
+        deeper: Some((0.02, bodies(layer, 0.02))),
+        common_stds: common_stds.to_vec(),
+        misalignment_std: 0.02,
+        shift_std: 0.0,
+    }
+}
+
+/// The sensor as it truly is.
+#[derive(Clone)]
+struct Truth {
+    common: [f64; 5],
+    misalignments: Vec<[f64; 2]>,
+}
+
+impl Truth {
+    fn drawn(trial: u64, stds: [f64; 5]) -> Self {
+        let mut stream = Stream::new(1, trial, Channel::Sensor);
+        let mut draw = |std: f64| GaussianError::new(std).unwrap().draw(&mut stream);
+        Self {
+            common: stds.map(&mut draw),
+            misalignments: places().iter().map(|_| [draw(0.02), draw(0.02)]).collect(),
+        }
+    }
+
+    fn seen(
+        &self,
+        moved: &[[MarkerDisplacement; 2]],
+        noise: Option<&mut Stream>,
+    ) -> Vec<Option<Seen>> {
+        let state = SensorState {
+            common: &self.common,
+            misalignments: &self.misalignments,
+        };
+        let pictures = Ideal { places: places() }.pictures(&state, moved).unwrap();
+        let mut noise = noise;
+        let mut covariance = Matrix4::zeros();
+        for number in 0..4 {
+            covariance[(number, number)] = STDS[number] * STDS[number];
+        }
+        let erring = |picture: Option<[f64; 4]>| {
+            let mut picture = picture?;
+            if let Some(stream) = noise.as_deref_mut() {
+                for (number, std) in picture.iter_mut().zip(STDS) {
+                    *number += GaussianError::new(std).unwrap().draw(stream);
+                }
+            }
+            Some(Seen {
+                picture,
+                covariance,
+            })
+        };
+        pictures.into_iter().map(erring).collect()
+    }
+
+    /// Displacements of both discs, at the depths at which they truly lie.
+    fn moved(&self, layer: Option<f64>, at: [f64; 2], depth: f64) -> Vec<[MarkerDisplacement; 2]> {
+        let skin = Skin::new(RADIUS).unwrap();
+        let markers = Markers::new(skin, &places()).unwrap();
+        let [magenta, yellow] = [0, 1].map(|disc| {
+            let deeper = self.common[disc];
+            let body = &bodies(layer, deeper)[disc];
+            let contact = skin.contact(body, CURVATURE, depth).unwrap();
+            markers.displacements(&contact, at)
+        });
+        magenta.into_iter().zip(yellow).map(Into::into).collect()
+    }
+
+    fn at_rest(&self, noise: Option<&mut Stream>) -> Vec<Option<Seen>> {
+        self.seen(&[[MarkerDisplacement::default(); 2]; 81], noise)
+    }
+}
+
+/// The estimate of trial number `trial`, by a fit that knows the sensor as roughly as `known` says.
+fn trial(number: u64, known: [f64; 5]) -> Result<(PressEstimate, f64), PressError> {
+    let truth = Truth::drawn(number, ROUGHLY);
+    let mut noise = Stream::new(2, number, Channel::Centroid);
+    let fit = fit(None, known);
+    let rest = fit.at_rest(&truth.at_rest(Some(&mut noise)))?;
+    let moved = truth.moved(None, [2.5, -1.0], 1.0);
+    let seen = truth.seen(&moved, Some(&mut noise));
+    let share = rest.chi_squared / rest.freedom as f64;
+    Ok((fit.estimate(&rest, &seen, None)?, share))
+}
+
+#[test]
+fn pictures_without_error_give_the_press() {
+    let truth = Truth::drawn(0, [0.0; 5]);
+    for layer in [None, Some(6.0)] {
+        let fit = fit(layer, [0.0; 5]);
+        let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
+        for (found, true_one) in rest.misalignments.iter().zip(&truth.misalignments) {
+            for axis in 0..2 {
+                // The prior draws them towards 0 by a share of its information.
+                assert!((found[axis] - true_one[axis]).abs() < 2e-4 * 0.06);
+            }
+        }
+        let at = [2.5, -1.0];
+        let moved = truth.moved(layer, at, 1.0);
+        let estimate = fit
+            .estimate(&rest, &truth.seen(&moved, None), None)
+            .unwrap();
+        let curvature = estimate.most_likely_object_curvature();
+        assert!((curvature / CURVATURE - 1.0).abs() < 2e-3, "{curvature}");
+        assert!((estimate.indentation.value - 1.0).abs() < 1e-4);
+        for axis in 0..2 {
+            assert!((estimate.contact[axis] - at[axis]).abs() < 1e-3);
+        }
+        assert!(estimate.object_curvature().interval.holds(CURVATURE));
+        assert!(estimate.wrong_markers.is_empty());
+        assert!(estimate.r_squared > 0.999_999);
+    }
+}
+
+/// Each trial has another sensor, within the covariance that the fit is told.
+#[test]
+fn intervals_hold_where_the_sensor_is_known_roughly() {
+    let (mut held, mut squared, mut stated, mut at_rest) = (0.0, 0.0, 0.0, 0.0);
+    let trials = 150;
+    for number in 0..trials {
+        let (estimate, share) = trial(number, ROUGHLY).unwrap();
+        let curvature = estimate.object_curvature();
+        held += f64::from(u8::from(curvature.interval.holds(CURVATURE)));
+        squared += (curvature.value - CURVATURE).powi(2);
+        stated += curvature.std.powi(2);
+        at_rest += share;
+    }
+    let count = trials as f64;
+    // Three standard deviations of a share of 0.95 in 150 are 0.053.
+    assert!(held / count > 0.89, "{}", held / count);
+    let ratio = (stated / squared).sqrt();
+    assert!((0.83..1.2).contains(&ratio), "{ratio}");
+    assert!((at_rest / count - 1.0).abs() < 0.1, "{}", at_rest / count);
+}
+
+#[test]
+fn a_sensor_that_is_thought_exact_contradicts_its_rest() {
+    let (estimate, share) = trial(3, [0.0; 5]).unwrap();
+    assert!(share > 5.0, "{share}");
+    let (known, _) = trial(3, ROUGHLY).unwrap();
+    assert!(estimate.relative_curvature.std < known.relative_curvature.std);
+}
+
+#[test]
+fn a_known_indentation_narrows_the_interval() {
+    let truth = Truth::drawn(5, ROUGHLY);
+    let fit = fit(None, ROUGHLY);
+    let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
+    let seen = truth.seen(&truth.moved(None, [0.0; 2], 1.2), None);
+    let alone = fit.estimate(&rest, &seen, None).unwrap();
+    let told = |std| {
+        let value = 1.2;
+        fit.estimate(&rest, &seen, Some(Measured { value, std }))
+            .unwrap()
+    };
+    let (roughly, exactly) = (told(0.02), told(0.0));
+    let std = |estimate: &PressEstimate| estimate.relative_curvature.std;
+    assert!(std(&exactly) < std(&roughly) && std(&roughly) < std(&alone));
+    assert_eq!(exactly.indentation.value, 1.2);
+}
+
+#[test]
+fn a_wrong_marker_is_found_and_left_out() {
+    let truth = Truth::drawn(6, [0.0; 5]);
+    let fit = fit(None, [0.0; 5]);
+    let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
+    let mut seen = truth.seen(&truth.moved(None, [0.0; 2], 1.0), None);
+    if let Some(seen) = &mut seen[40] {
+        seen.picture[3] += 0.05;
+    }
+    let estimate = fit.estimate(&rest, &seen, None).unwrap();
+    assert_eq!(estimate.wrong_markers, [40]);
+    let curvature = estimate.most_likely_object_curvature();
+    assert!((curvature / CURVATURE - 1.0).abs() < 1e-2, "{curvature}");
+}
+
+#[test]
+fn markers_at_rest_show_no_contact() {
+    let truth = Truth::drawn(7, [0.0; 5]);
+    let fit = fit(None, [0.0; 5]);
+    let mut noise = Stream::new(3, 7, Channel::Centroid);
+    let rest = fit.at_rest(&truth.at_rest(Some(&mut noise))).unwrap();
+    let still = truth.at_rest(Some(&mut noise));
+    let refused = fit.estimate(&rest, &still, None);
+    assert!(
+        matches!(
+            refused,
+            Err(PressError::NoContact { .. } | PressError::Undetermined { .. })
+        ),
+        "{refused:?}"
+    );
+}
+
+/// A shift moves the skin sideways under the contact; what is told of it does not bend the curvature.
+#[test]
+fn a_sideways_shift_is_told_from_curvature() {
+    let truth = Truth::drawn(8, [0.0; 5]);
+    let mut moved = truth.moved(None, [1.0, 1.0], 1.0);
+    let skin = Skin::new(RADIUS).unwrap();
+    let markers = Markers::new(skin, &places()).unwrap();
+    for (disc, depth) in [(0, 3.0), (1, 1.0)] {
+        let body = Body::half_space(0.5, depth).unwrap();
+        let contact = skin.contact(&body, CURVATURE, 1.0).unwrap();
+        let sideways = markers
+            .shifted(0.5, depth, contact.radius, [1.0, 1.0], 0.3)
+            .unwrap();
+        for (moved, more) in moved.iter_mut().zip(sideways) {
+            moved[disc].normal += more.normal;
+            for axis in 0..2 {
+                moved[disc].tangential[axis] += more.tangential[axis];
+            }
+        }
+    }
+    let fit = ImageFit {
+        shift_std: 1.0,
+        ..fit(None, [0.0; 5])
+    };
+    let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
+    let estimate = fit
+        .estimate(&rest, &truth.seen(&moved, None), None)
+        .unwrap();
+    let curvature = estimate.most_likely_object_curvature();
+    assert!((curvature / CURVATURE - 1.0).abs() < 5e-3, "{curvature}");
+}
+
+#[test]
+fn what_is_no_number_is_refused_by_its_marker() {
+    let truth = Truth::drawn(9, [0.0; 5]);
+    let fit = fit(None, ROUGHLY);
+    let good = truth.at_rest(None);
+    let mut bad = good.clone();
+    if let Some(seen) = &mut bad[12] {
+        seen.picture[0] = f64::NAN;
+    }
+    let refused = fit.at_rest(&bad).map(|_| ());
+    assert_eq!(refused, Err(PressError::NotFinite { marker: 12 }));
+    let rest = fit.at_rest(&good).unwrap();
+    let refused = fit.estimate(&rest, &bad, None);
+    assert_eq!(refused, Err(PressError::NotFinite { marker: 12 }));
+    let none = vec![None; 81];
+    assert!(matches!(
+        fit.at_rest(&none),
+        Err(PressError::TooFewMarkers { .. })
+    ));
+    assert!(matches!(
+        fit.estimate(&rest, &none, None),
+        Err(PressError::TooFewMarkers { .. })
+    ));
+    assert!(matches!(
+        fit.estimate(&rest, &good[..80], None),
+        Err(PressError::BadSetting(_))
+    ));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Whatever a tracker reads, an answer of finite numbers or an error.
+    #[test]
+    fn any_pictures_end(numbers in prop::collection::vec(any::<u64>().prop_map(f64::from_bits), 8), marker in 0_usize..81) {
+        let truth = Truth::drawn(10, [0.0; 5]);
+        let fit = fit(None, ROUGHLY);
+        let spoilt = |mut seen: Vec<Option<Seen>>, numbers: &[f64]| {
+            if let Some(seen) = &mut seen[marker] {
+                seen.picture.copy_from_slice(&numbers[..4]);
+            }
+            seen
+        };
+        let moved = truth.moved(None, [0.0; 2], 1.0);
+        let found = fit
+            .at_rest(&spoilt(truth.at_rest(None), &numbers[..4]))
+            .and_then(|rest| fit.estimate(&rest, &spoilt(truth.seen(&moved, None), &numbers[4..]), None));
+        if let Ok(found) = found {
+            prop_assert!(found.relative_curvature.value.is_finite());
+            prop_assert!(found.relative_curvature.std.is_finite());
+        }
+    }
+}
