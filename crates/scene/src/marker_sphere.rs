@@ -85,6 +85,11 @@ impl<'a> MarkerSphere<'a> {
         })
     }
 
+    /// Largest misalignment of a marker's discs, a share of the yellow diameter.
+    pub(crate) fn misalignment(&self) -> f64 {
+        self.discs.map_or(0.0, |discs| discs.misalignment)
+    }
+
     /// Markers at these places, as they are meant to be.
     pub(crate) fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, PlanError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);

@@ -2,11 +2,14 @@
 //! under its skin move.
 
 mod camera;
+mod departed;
 mod failure;
 mod ladder;
 mod looks;
 mod method;
 mod parts;
+mod picture_law;
+mod pictures;
 mod plan;
 mod pressed;
 mod profile;

@@ -61,7 +61,7 @@ pub use press::{
     Indentation, LayoutConfig, LayoutTable, LengthNoise, LostMarkers, NamedLayout, NoiseKnown,
     NormalFrom, PixelNoise, PressConfig, PressEstimatorConfig, PressModelConfig, PressMotionConfig,
     PressNoiseConfig, PressObjectConfig, PressPriors, PressProbeConfig, PressSensorConfig,
-    ShownMarkers, SizeNoise, WrongMarkers,
+    SensorNoise, ShownMarkers, SizeNoise, WrongMarkers,
 };
 pub use resolved::to_toml;
 pub use roll::{

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use palpate_chromatouch::{MarkerMotion, Optics, SeenMarker};
 use palpate_sensing::{Channel, GaussianError, Stream};
 use palpate_tracking::{
-    Calibration, Equidistant, Finder, FinderSettings, Ground, Marker, Mask, Status, Track,
-    match_markers,
+    Calibration, Equidistant, Finder, FinderSettings, Found, Ground, Marker, MarkerErrors, Mask,
+    Status, Track, match_markers,
 };
 
 use super::failure::PressFailure;
@@ -63,6 +63,18 @@ impl SightError {
         self.hue.is_random() || self.centroid.is_random() || self.size.is_random()
     }
 
+    /// The errors of a marker's picture.
+    pub(super) fn errors(&self) -> MarkerErrors {
+        // An exact picture is known as well as it can be computed.
+        const EXACT: [f64; 4] = [1e-7, 1e-7, 1e-9, 1e-8];
+        let stds = [self.centroid, self.centroid, self.hue, self.size].map(|error| error.std());
+        let mut covariance = [[0.0; 4]; 4];
+        for number in 0..4 {
+            covariance[number][number] = stds[number].max(EXACT[number]).powi(2);
+        }
+        MarkerErrors { covariance }
+    }
+
     pub(super) fn averaged(self, frames: u32) -> Self {
         Self {
             hue: self.hue.averaged(frames),
@@ -79,21 +91,36 @@ pub(super) struct Sight {
     pub(super) tracks: Vec<Option<Track>>,
     /// Number of markers that were taken for another.
     pub(super) wrong_matches: usize,
+    /// Errors of each marker as it is seen pressed; `None` for those that are not.
+    pub(super) errors: Vec<Option<MarkerErrors>>,
+}
+
+/// A marker as it is seen, and the errors that it is seen with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spotted {
+    pub(super) marker: Marker,
+    pub(super) errors: MarkerErrors,
 }
 
 impl Eye {
     /// The markers at rest.
-    pub(super) fn at_rest(&self, draw: Option<u64>) -> Result<Vec<Option<Marker>>, PressFailure> {
+    pub(super) fn at_rest(&self, draw: Option<u64>) -> Result<Vec<Option<Spotted>>, PressFailure> {
         let motions = vec![Some(MarkerMotion::default()); self.optics.array().len()];
         let images = self.images(&motions)?;
         match self.model {
-            CameraModel::Projected(error) => Ok(self.erring(images, error, draw)),
+            CameraModel::Projected(error) => {
+                let seen = self.erring(images, error, draw).into_iter();
+                let errors = error.errors();
+                Ok(seen
+                    .map(|marker| marker.map(|marker| Spotted { marker, errors }))
+                    .collect())
+            }
             CameraModel::Rendered => {
                 let found = self.found(&motions, draw)?;
                 let mut rest = vec![None; motions.len()];
-                for marker in found {
+                for (marker, errors) in found.markers.into_iter().zip(found.errors) {
                     if let Some(nearest) = nearest(&images, marker.centroid_px) {
-                        rest[nearest] = Some(marker);
+                        rest[nearest] = Some(Spotted { marker, errors });
                     }
                 }
                 Ok(rest)
@@ -112,20 +139,25 @@ impl Eye {
         match self.model {
             CameraModel::Projected(error) => {
                 let seen = self.erring(images, error, draw);
+                let errors = seen.iter().map(|seen| seen.map(|_| error.errors()));
+                let errors = errors.collect();
                 let tracks = rest.iter().zip(seen);
                 Ok(Sight {
                     tracks: tracks
                         .map(|(rest, seen)| rest.map(|rest| track(rest, seen)))
                         .collect(),
                     wrong_matches: 0,
+                    errors,
                 })
             }
             CameraModel::Rendered => {
                 let known: Vec<usize> =
                     (0..rest.len()).filter(|&one| rest[one].is_some()).collect();
                 let at_rest: Vec<Marker> = rest.iter().flatten().copied().collect();
-                let matched = match_markers(&at_rest, &self.found(motions, draw)?);
+                let found = self.found(motions, draw)?;
+                let matched = match_markers(&at_rest, &found.markers);
                 let mut tracks = vec![None; rest.len()];
+                let mut errors = vec![None; rest.len()];
                 let mut wrong_matches = 0;
                 for (&marker, track) in known.iter().zip(matched) {
                     let is_other = track.change().is_some()
@@ -134,11 +166,16 @@ impl Eye {
                             .and_then(|pressed| nearest(&images, pressed.centroid_px))
                             != Some(marker);
                     wrong_matches += usize::from(is_other);
+                    let place = track
+                        .pressed
+                        .and_then(|pressed| found.markers.iter().position(|one| *one == pressed));
+                    errors[marker] = place.and_then(|place| found.errors.get(place).copied());
                     tracks[marker] = Some(track);
                 }
                 Ok(Sight {
                     tracks,
                     wrong_matches,
+                    errors,
                 })
             }
         }
@@ -209,7 +246,7 @@ impl Eye {
         &self,
         motions: &[Option<MarkerMotion>],
         draw: Option<u64>,
-    ) -> Result<Vec<Marker>, PressFailure> {
+    ) -> Result<Found, PressFailure> {
         let camera = self.optics.camera();
         let mut finder = Finder::new(FinderSettings {
             mask: Some(Mask {
@@ -219,7 +256,7 @@ impl Eye {
             ground: Some(Ground::Bright),
             ..FinderSettings::default()
         })?;
-        Ok(finder.find(&self.frame(motions, draw)?)?.markers)
+        Ok(finder.find(&self.frame(motions, draw)?)?)
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use palpate_chromatouch::MarkerMotion;
 use palpate_tracking::{Change, Marker};
 
-use super::camera::{AT_REST, Eye};
+use super::camera::{AT_REST, Eye, Spotted};
 use super::failure::PressFailure;
 
 /// The number of the trial whose errors the first press has, below as many frames at rest as there may be.
@@ -35,21 +35,36 @@ impl RestLook {
 
     /// The markers as they are seen; `None` for those that are not.
     pub(super) fn markers(&self) -> Result<Vec<Option<Marker>>, PressFailure> {
-        let first = self.eye.at_rest(Some(AT_REST))?;
-        let mut means: Vec<Option<Mean>> = first.iter().map(|one| one.map(Mean::of)).collect();
+        let spotted = self.spotted(AT_REST)?;
+        Ok(spotted
+            .iter()
+            .map(|one| one.map(|one| one.marker))
+            .collect())
+    }
+
+    /// The markers as they are seen, with their errors; the frames have the errors of the trials from `first` down.
+    pub(super) fn spotted(&self, first: u64) -> Result<Vec<Option<Spotted>>, PressFailure> {
+        let spotted = self.eye.at_rest(Some(first))?;
+        let mean = |one: &Option<Spotted>| one.map(|one| Mean::of(one.marker));
+        let mut means: Vec<Option<Mean>> = spotted.iter().map(mean).collect();
         for frame in 1..u64::from(self.frames) {
-            for (mean, marker) in means
+            for (mean, one) in means
                 .iter_mut()
-                .zip(self.eye.at_rest(Some(AT_REST - frame))?)
+                .zip(self.eye.at_rest(Some(first.wrapping_sub(frame)))?)
             {
-                if let (Some(mean), Some(marker)) = (mean, marker) {
-                    mean.add(marker);
+                if let (Some(mean), Some(one)) = (mean, one) {
+                    mean.add(one.marker);
                 }
             }
         }
-        Ok(means
-            .iter()
-            .map(|mean| mean.as_ref().map(Mean::marker))
+        let pairs = means.iter().zip(&spotted);
+        Ok(pairs
+            .map(|(mean, first)| {
+                Some(Spotted {
+                    marker: mean.as_ref()?.marker(),
+                    errors: (*first)?.errors.averaged(self.frames),
+                })
+            })
             .collect())
     }
 }

@@ -54,27 +54,25 @@ impl Assumed<'_> {
     }
 
     fn assumed_body(&self) -> Result<Result<Body, PressError>, PressError> {
-        match *self.estimator {
-            PressEstimatorConfig::HalfSpace { poisson, .. } => {
-                Body::half_space(poisson.unwrap_or(self.model.poisson()), self.marker_depth)
-            }
-            PressEstimatorConfig::BondedLayer { .. } => {
-                match thickness(self.estimator, self.model) {
-                    Some(thickness) if self.shared == Some(thickness) => Ok(self.body.clone()),
-                    Some(thickness) => (self.layer)(thickness, self.marker_depth),
-                    None => Err(PressError::Undetermined {
-                        what: "the thickness of the bonded layer is not given",
-                    }),
-                }
-            }
-            PressEstimatorConfig::Gaussian { c: Some(c), .. } => Body::gaussian(c),
-            PressEstimatorConfig::Gaussian { window, .. } => {
+        match (thickness(self.estimator, self.model), self.estimator) {
+            (Some(thickness), _) if self.shared == Some(thickness) => Ok(self.body.clone()),
+            (Some(thickness), _) => (self.layer)(thickness, self.marker_depth),
+            (None, PressEstimatorConfig::BondedLayer { .. }) => Err(PressError::Undetermined {
+                what: "the thickness of the bonded layer is not given",
+            }),
+            (
+                None,
+                PressEstimatorConfig::HalfSpace { poisson, .. }
+                | PressEstimatorConfig::Image { poisson, .. },
+            ) => Body::half_space(poisson.unwrap_or(self.model.poisson()), self.marker_depth),
+            (None, PressEstimatorConfig::Gaussian { c: Some(c), .. }) => Body::gaussian(*c),
+            (None, PressEstimatorConfig::Gaussian { window, .. }) => {
                 let Some(indentation) = self.calibrated_at else {
                     return Ok(Err(PressError::Undetermined {
                         what: "the c of a Gaussian is calibrated at a known indentation",
                     }));
                 };
-                return Ok(calibrated_c(self.markers, self.body, indentation, window)
+                return Ok(calibrated_c(self.markers, self.body, indentation, *window)
                     .and_then(Body::gaussian));
             }
         }
@@ -87,6 +85,7 @@ pub(super) const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static 
     match estimator {
         PressEstimatorConfig::HalfSpace { .. } => ("a half-space", true),
         PressEstimatorConfig::BondedLayer { .. } => ("a bonded layer", true),
+        PressEstimatorConfig::Image { .. } => ("the body to the markers' pictures", true),
         PressEstimatorConfig::Gaussian { c: Some(_), .. } => ("a Gaussian with a given c", false),
         PressEstimatorConfig::Gaussian { c: None, .. } => {
             ("a Gaussian calibrated on a plane", false)
@@ -97,7 +96,8 @@ pub(super) const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static 
 /// Thickness of the layer that an estimator assumes: its own, else the model's; length.
 pub(crate) fn thickness(estimator: &PressEstimatorConfig, model: &PressModelConfig) -> Option<f64> {
     match *estimator {
-        PressEstimatorConfig::BondedLayer { thickness, .. } => thickness.or(model.thickness()),
+        PressEstimatorConfig::BondedLayer { thickness, .. }
+        | PressEstimatorConfig::Image { thickness, .. } => thickness.or(model.thickness()),
         _ => None,
     }
 }

@@ -62,6 +62,7 @@ impl PressScene {
                     camera,
                     is_rendered: look.is_rendered,
                     noise: &config.noise,
+                    model: &choice.model,
                     seed,
                     places: &places,
                     discs: DiscMarkers::of(&sphere, &choice.model, &markers, &body, parts)?,
@@ -83,6 +84,11 @@ impl PressScene {
             pressed: &pressed,
             noise: &noise,
             sensed: sensed_stds(&sensor),
+            sensor: &sensor,
+            of_sensor: config.noise.sensor.as_ref(),
+            rest_frames: look
+                .camera
+                .map_or(1, |camera| camera.calibration.rest_frames),
             parts,
         };
         // The errors of a camera are not known beforehand.

@@ -4,6 +4,7 @@ use palpate_sensing::{Channel, GaussianError, InvalidSensor, Stream};
 use palpate_study::config::{GainNoise, LengthNoise, PressNoiseConfig};
 
 use super::camera::Sight;
+use super::pictures::Pictures;
 use crate::plan::PlanError;
 
 /// Readings of one press, and the inputs that the estimator is told with them.
@@ -17,6 +18,8 @@ pub(super) struct MarkerReadings {
     pub(super) indentation: f64,
     /// Markers as a camera saw them; `None` with a direct sensor.
     pub(super) sight: Option<Sight>,
+    /// Pictures of all markers of the layout; `None` with a direct sensor.
+    pub(super) pictures: Option<Pictures>,
 }
 
 impl MarkerReadings {

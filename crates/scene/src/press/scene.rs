@@ -10,6 +10,7 @@ use palpate_press::{
 
 use super::failure::PressFailure;
 use super::ladder::PressRungs;
+use super::pictures::PictureMethod;
 use super::pressed::Pressed;
 use super::readings::{MarkerNoise, MarkerReadings};
 use super::seen::CameraPress;
@@ -98,6 +99,8 @@ pub(super) enum PressSensor {
 pub(super) struct PressMethod {
     /// The fit, or why there is none: then every trial fails.
     pub(super) fit: Result<ForwardFit, PressError>,
+    /// The fit of pictures, where that is the method.
+    pub(super) of_pictures: Option<PictureMethod>,
     /// Standard deviation ascribed to the given indentation; `None` where none is given.
     pub(super) known_indentation: Option<f64>,
 }
@@ -125,6 +128,7 @@ impl PressScene {
             tangential: truth.markers.iter().map(|one| one.tangential).collect(),
             indentation: self.told_indentation(trial),
             sight: None,
+            pictures: None,
         };
         if let PressSensor::Camera(camera) = &self.sensor {
             let camera = camera.as_ref().map_err(|error| *error)?;
@@ -147,6 +151,13 @@ impl PressScene {
     }
 
     fn estimate_from(&self, readings: &MarkerReadings) -> Result<PressEstimate, PressFailure> {
+        let indentation = self.method.known_indentation.map(|std| Measured {
+            value: readings.indentation,
+            std,
+        });
+        if let (Some(method), Some(pictures)) = (&self.method.of_pictures, &readings.pictures) {
+            return Ok(method.estimate(pictures, indentation)?);
+        }
         let fit = self.method.fit.as_ref().map_err(|error| *error)?;
         let tracked = readings
             .tracked
@@ -156,10 +167,7 @@ impl PressScene {
             markers: tracked.as_ref().unwrap_or(&self.markers),
             normal: &readings.normal,
             tangential: self.tangential.then_some(&readings.tangential),
-            indentation: self.method.known_indentation.map(|std| Measured {
-                value: readings.indentation,
-                std,
-            }),
+            indentation,
         })?)
     }
 

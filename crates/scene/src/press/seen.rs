@@ -4,7 +4,9 @@ use palpate_chromatouch::MarkerMotion;
 use palpate_sensing::{Channel, Stream};
 
 use super::camera::{AT_REST, CameraModel, CameraSensor, Eye, Sight};
+use super::departed::{Departed, Redrawn};
 use super::failure::PressFailure;
+use super::pictures::{self, Pictures};
 use super::readings::MarkerReadings;
 
 /// A press before a camera.
@@ -21,6 +23,8 @@ pub(super) struct CameraPress {
     pub(super) under_contact: usize,
     /// Picture of that marker, without errors and pixels.
     pub(super) shown: Option<Shows>,
+    /// Makes another sensor of each trial, where trials have sensors of their own.
+    pub(super) redrawn: Option<Redrawn>,
 }
 
 /// Shifts below are rounding, px.
@@ -38,7 +42,7 @@ pub(super) struct Shows {
 impl CameraPress {
     /// Whether looks differ.
     pub(super) fn is_random(&self) -> bool {
-        self.lost_markers > 0 || self.sensor.eye.is_random
+        self.lost_markers > 0 || self.sensor.eye.is_random || self.redrawn.is_some()
     }
 
     /// Replaces the true displacements by those that the camera tells.
@@ -47,7 +51,23 @@ impl CameraPress {
         readings: &mut MarkerReadings,
         trial: Option<u64>,
     ) -> Result<(), PressFailure> {
-        let sight = self.sight(trial)?;
+        let departed = match (&self.redrawn, trial) {
+            (Some(redrawn), Some(trial)) => Some(redrawn.sensor(&self.sensor.eye, trial)?),
+            _ => None,
+        };
+        let sight = match &departed {
+            Some(Departed {
+                eye,
+                motions,
+                markers,
+                ..
+            }) => eye.sight(markers, &self.kept(motions, trial), trial)?,
+            None => self.sight(trial)?,
+        };
+        readings.pictures = Some(Pictures {
+            own_rest: departed.map(|departed| departed.rest),
+            pressed: pictures::pressed(&sight),
+        });
         let mut tracked = Vec::new();
         for (marker, normal, tangential) in self.sensor.displacements(&sight) {
             readings.normal[marker] = normal;
@@ -83,7 +103,11 @@ impl CameraPress {
 
     /// How the discs move; `None` for the markers that are not seen.
     fn motions(&self, trial: Option<u64>) -> Vec<Option<MarkerMotion>> {
-        let mut motions: Vec<_> = self.motions.iter().copied().map(Some).collect();
+        self.kept(&self.motions, trial)
+    }
+
+    fn kept(&self, motions: &[MarkerMotion], trial: Option<u64>) -> Vec<Option<MarkerMotion>> {
+        let mut motions: Vec<_> = motions.iter().copied().map(Some).collect();
         if let Some(trial) = trial.filter(|_| self.lost_markers > 0) {
             let mut stream = Stream::new(self.sensor.eye.seed, trial, Channel::LostMarkers);
             for marker in stream.choose(self.lost_markers, motions.len()) {

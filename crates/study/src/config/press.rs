@@ -64,8 +64,19 @@ impl PressConfig {
                 "how a layer moves sideways is not modelled: must be 0, or the model a half-space",
             ));
         }
-        let PressEstimatorConfig::BondedLayer { thickness, .. } = self.estimator else {
-            return Ok(());
+        let is_seen = !matches!(self.sensor, PressSensorConfig::Direct { .. });
+        if matches!(self.estimator, PressEstimatorConfig::Image { .. }) && !is_seen {
+            return Err((
+                "scene.estimator",
+                "a fit of pictures needs a camera: let `scene.sensor` be `projected` or `rendered`",
+            ));
+        }
+        let thickness = match self.estimator {
+            PressEstimatorConfig::BondedLayer { thickness, .. } => thickness,
+            PressEstimatorConfig::Image { thickness, .. } if thickness.or(of_model).is_some() => {
+                thickness
+            }
+            _ => return Ok(()),
         };
         match thickness.or(of_model) {
             None => Err((
@@ -92,13 +103,14 @@ impl PressConfig {
         ];
         let of_frames = ("scene.noise.pixel", noise.pixel.is_some());
         let lost = ("scene.noise.lost_markers", noise.lost_markers.is_some());
+        let of_sensor = ("scene.noise.sensor", noise.sensor.is_some());
         let refuse = |rules: &[(&'static str, bool)], message: &'static str| {
             let stray = rules.iter().find(|(_, is_given)| *is_given);
             stray.map_or(Ok(()), |(path, _)| Err((*path, message)))
         };
         match &self.sensor {
             PressSensorConfig::Direct { .. } => refuse(
-                &[&of_pictures[..], &[of_frames, lost]].concat(),
+                &[&of_pictures[..], &[of_frames, lost, of_sensor]].concat(),
                 "a direct sensor has no camera; `projected` and `rendered` have",
             ),
             PressSensorConfig::Projected(camera) => refuse(
@@ -378,6 +390,44 @@ pub struct PressNoiseConfig {
     /// Markers that a camera does not see once the sensor is pressed, others in every trial.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lost_markers: Option<LostMarkers>,
+    /// How far the sensor before a camera departs from what calibration knows of it: another sensor in every trial, with
+    /// frames at rest and misalignments of its own. An estimator of kind `image` is told the standard deviations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<SensorNoise>,
+}
+
+/// Standard deviations of what calibration knows only roughly of a sensor; what is absent is known exactly.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SensorNoise {
+    /// Of either coordinate of the image's centre, pixels: the phase of the pixel grid, and the camera's aim.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0))]
+    pub centre_px: f64,
+    /// Of the pixels per radian, as a share.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+    pub px_per_rad: f64,
+    /// Of each coordinate of the camera's place.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub place: f64,
+    /// Of the camera's turn about each axis.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0))]
+    pub turn_deg: f64,
+    /// Of the depth of the discs of either colour.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+    pub disc_depth: f64,
+    /// Of the diameter of the discs of either colour, as a share.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+    pub disc_diameter: f64,
+    /// Of the share of red, of green and of blue light that discs of either colour let through.
+    #[serde(default)]
+    #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
+    pub colour: f64,
 }
 
 /// Error of a length.

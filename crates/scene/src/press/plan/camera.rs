@@ -1,14 +1,18 @@
 //! Plan of a press before a camera: the optics, the markers at rest, and what the press shows.
 
-use palpate_chromatouch::{Blemishes, Camera, Colours, Lens, MarkerMotion, Optics};
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, DiscDepths, Lens, MarkerMotion, Optics, Pose,
+};
 use palpate_press::PressError;
 use palpate_sensing::GaussianError;
 use palpate_study::config::{
-    CameraConfig, CentroidNoise, HueNoise, PixelNoise, PressNoiseConfig, SizeNoise,
+    CameraConfig, CentroidNoise, HueNoise, PixelNoise, PressModelConfig, PressNoiseConfig,
+    SizeNoise,
 };
 use palpate_tracking::Equidistant;
 
 use super::super::camera::{CameraModel, CameraSensor, Eye, SightError};
+use super::super::departed::Redrawn;
 use super::super::looks::RestLook;
 use super::super::parts::Parts;
 use super::super::pressed::Pressed;
@@ -26,6 +30,8 @@ pub(super) struct CameraPlan<'a> {
     /// Whether frames are rendered.
     pub(super) is_rendered: bool,
     pub(super) noise: &'a PressNoiseConfig,
+    /// Model of the body, never `auto`.
+    pub(super) model: &'a PressModelConfig,
     pub(super) seed: u64,
     pub(super) places: &'a [[f64; 2]],
     pub(super) discs: DiscMarkers<'a>,
@@ -74,10 +80,32 @@ impl CameraPlan<'_> {
                 calibration,
                 stds,
             },
+            redrawn: self.redrawn(pressed)?,
             motions,
             lost_markers,
             under_contact,
         }))
+    }
+
+    fn redrawn(&self, pressed: &Pressed) -> Result<Option<Redrawn>, PlanError> {
+        let Some(noise) = &self.noise.sensor else {
+            return Ok(None);
+        };
+        let DiscDepths { magenta, yellow } = self.sphere.disc_depths()?;
+        let made = (
+            self.camera.calibration.rest_frames,
+            self.sphere.misalignment(),
+        );
+        Redrawn::new(
+            noise,
+            self.model,
+            self.sphere.radius,
+            self.discs.markers,
+            [magenta, yellow],
+            pressed,
+            made,
+        )
+        .map(Some)
     }
 
     fn eye(&self) -> Result<Eye, PlanError> {
@@ -101,7 +129,9 @@ impl CameraPlan<'_> {
             pixel_std: pixel.averaged(frames).std(),
         };
         let array = self.sphere.made(self.places, self.seed)?;
+        let pose = Pose::new(self.camera.place, self.camera.turn_deg.map(f64::to_radians));
         let optics = Optics::new(array, camera, Colours::default(), blemishes)
+            .and_then(|optics| optics.seen_from(pose))
             .map_err(|error| of_optics(&error))?;
         let (model, is_random) = if self.is_rendered {
             (CameraModel::Rendered, pixel.is_random())
@@ -132,7 +162,8 @@ fn exact(eye: &Eye, motions: &[MarkerMotion], marker: usize) -> Option<Shows> {
         }),
         ..eye.clone()
     };
-    let rest = exact.at_rest(None).ok()?;
+    let spotted = exact.at_rest(None).ok()?;
+    let rest: Vec<_> = spotted.iter().map(|one| Some((*one)?.marker)).collect();
     let motions: Vec<_> = motions.iter().copied().map(Some).collect();
     let sight = exact.sight(&rest, &motions, None).ok()?;
     Shows::of(&exact, &sight, marker)

@@ -205,6 +205,11 @@ fn useful(given: &PressGiven, options: &PressOptions, wording: Wording) -> Resul
             let message = format!("{method} needs {c}, or {indentation} to calibrate c at");
             refuse("c", message)
         }
+        PressEstimatorConfig::Image { .. } => {
+            let method = wording.with("kind", "half-space or bonded-layer");
+            let message = "a fit of pictures needs the frames and a model of the sensor";
+            refuse("kind", format!("{message}; displacements take {method}"))
+        }
         PressEstimatorConfig::BondedLayer {
             thickness: None, ..
         } if thickness.is_none() => {

@@ -27,6 +27,15 @@ pub struct CameraConfig {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub seam_width: f64,
+    /// Place of the camera from the sensor's centre: along the apex's x and y axes, and toward the apex. By default it is
+    /// in the very centre.
+    #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(extend("x-unit" = "length"))]
+    pub place: [f64; 3],
+    /// Turn of the camera about the apex's x and y axes and about the way to the apex, as a rotation vector; by default it
+    /// looks at the apex.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub turn_deg: [f64; 3],
     /// Feature of a marker's picture that tells its normal displacement.
     #[serde(default)]
     pub normal_from: NormalFrom,
@@ -40,6 +49,10 @@ pub struct CameraConfig {
     #[serde(default = "one")]
     #[schemars(extend("minimum" = 1))]
     pub frames: u32,
+}
+
+fn is_default(numbers: &[f64; 3]) -> bool {
+    *numbers == [0.0; 3]
 }
 
 fn pixels() -> u32 {

@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How curvature follows from the readings: a least-squares fit of what one of these bodies does.
+/// How curvature follows from the readings: a least-squares fit of what one of these bodies does, to the markers'
+/// displacements or to their pictures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressEstimatorConfig {
@@ -80,6 +81,31 @@ pub enum PressEstimatorConfig {
         #[serde(default)]
         noise: NoiseKnown,
     },
+    /// What a camera sees of a layer bonded to a rigid core, where there is a `thickness`, else of a half-space: fitted to
+    /// centroid, hue and size of each marker, at rest and pressed. It is told the errors that the tracker states, and how
+    /// roughly the sensor is known (`noise.sensor`).
+    Image {
+        /// Thickness of the layer; by default the model's, if that has one.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
+        thickness: Option<f64>,
+        /// Poisson's ratio of a half-space; by default the model's, or 0.5 where that has none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
+        poisson: Option<f64>,
+        /// Whether the indentation is given.
+        #[serde(default)]
+        indentation: Indentation,
+        /// Standard deviation that the estimator ascribes to an indentation that is given.
+        #[serde(default)]
+        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+        indentation_std: f64,
+        /// Standard deviation that the estimator ascribes to a sideways move of the object, along either axis; of a
+        /// half-space.
+        #[serde(default)]
+        #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
+        shift_std: f64,
+    },
 }
 
 impl Default for PressEstimatorConfig {
@@ -150,6 +176,17 @@ impl PressEstimatorConfig {
                 gain_std: None,
                 noise,
             },
+            Self::Image {
+                indentation,
+                indentation_std,
+                ..
+            } => PressPriors {
+                indentation,
+                indentation_std,
+                baseline: Baseline::Known,
+                gain_std: Some(0.0),
+                noise: NoiseKnown::Stated,
+            },
         }
     }
 
@@ -158,6 +195,14 @@ impl PressEstimatorConfig {
         match self {
             Self::HalfSpace { poisson, .. } => *poisson = poisson.or(Some(of_poisson)),
             Self::BondedLayer { thickness, .. } => *thickness = thickness.or(of_thickness),
+            Self::Image {
+                thickness, poisson, ..
+            } => {
+                *thickness = thickness.or(of_thickness);
+                if thickness.is_none() {
+                    *poisson = poisson.or(Some(of_poisson));
+                }
+            }
             Self::Gaussian { .. } => {}
         }
     }
@@ -168,6 +213,7 @@ impl PressEstimatorConfig {
             Self::HalfSpace { .. } => "half-space",
             Self::BondedLayer { .. } => "bonded-layer",
             Self::Gaussian { .. } => "gaussian",
+            Self::Image { .. } => "image",
         }
     }
 }

@@ -1,0 +1,154 @@
+//! Sensors that depart from what is known of them, another one in every trial.
+
+use std::sync::Arc;
+
+use palpate_chromatouch::{Departure, DiscMotion, MarkerMotion};
+use palpate_press::{Markers, PressError};
+use palpate_sensing::{Channel, GaussianError, Stream};
+use palpate_study::config::{PressModelConfig, SensorNoise};
+
+use super::camera::{AT_REST, Eye};
+use super::failure::PressFailure;
+use super::looks::RestLook;
+use super::picture_law::seen;
+use super::pressed::Pressed;
+use super::soft_body::SoftBody;
+use crate::plan::PlanError;
+use palpate_press::{Body, Seen};
+
+/// Trials whose errors frames at rest of redrawn sensors have lie this far apart, beyond those of shared frames.
+const APART: u64 = 1000;
+
+/// Standard deviations of each number of a [`Departure`].
+pub(super) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
+    let SensorNoise {
+        centre_px,
+        px_per_rad,
+        place,
+        turn_deg,
+        disc_depth,
+        disc_diameter,
+        colour,
+    } = *noise;
+    let turn = turn_deg.to_radians();
+    let mut stds = [colour; Departure::NUMBERS];
+    stds[..13].copy_from_slice(&[
+        disc_depth,
+        disc_depth,
+        disc_diameter,
+        disc_diameter,
+        centre_px,
+        centre_px,
+        px_per_rad,
+        place,
+        place,
+        place,
+        turn,
+        turn,
+        turn,
+    ]);
+    stds
+}
+
+/// What makes another sensor of each trial.
+#[derive(Clone, Debug)]
+pub(super) struct Redrawn {
+    errors: Vec<GaussianError>,
+    model: PressModelConfig,
+    radius: f64,
+    markers: Markers,
+    /// Depths of the discs as they are meant to be: magenta, yellow.
+    depths: [f64; 2],
+    pressed: Pressed,
+    rest_frames: u32,
+    /// Largest misalignment of a marker, a share of the yellow diameter.
+    misalignment: f64,
+}
+
+/// The sensor of a trial.
+pub(super) struct Departed {
+    pub(super) eye: Eye,
+    pub(super) motions: Vec<MarkerMotion>,
+    /// The markers at rest, as they are seen.
+    pub(super) rest: Arc<[Option<Seen>]>,
+    pub(super) markers: Arc<[Option<palpate_tracking::Marker>]>,
+}
+
+impl Redrawn {
+    pub(super) fn new(
+        noise: &SensorNoise,
+        model: &PressModelConfig,
+        radius: f64,
+        markers: &Markers,
+        depths: [f64; 2],
+        pressed: &Pressed,
+        (rest_frames, misalignment): (u32, f64),
+    ) -> Result<Self, PlanError> {
+        let errors = stds(noise).map(|std| {
+            GaussianError::new(std).map_err(|error| PlanError::at("scene.noise.sensor", error))
+        });
+        Ok(Self {
+            errors: errors.into_iter().collect::<Result<_, _>>()?,
+            model: model.clone(),
+            radius,
+            markers: markers.clone(),
+            depths,
+            pressed: *pressed,
+            rest_frames,
+            misalignment,
+        })
+    }
+
+    /// The sensor of a trial, made from the one that is meant.
+    pub(super) fn sensor(&self, meant: &Eye, trial: u64) -> Result<Departed, PressFailure> {
+        let mut stream = Stream::new(meant.seed, trial, Channel::Sensor);
+        let mut numbers = [0.0; Departure::NUMBERS];
+        for (number, error) in numbers.iter_mut().zip(&self.errors) {
+            *number = error.draw(&mut stream);
+        }
+        let departure = Departure::of(numbers);
+        let optics = meant.optics.departed(&departure)?;
+        let array = optics.array().clone();
+        // Trial 0 of misalignments is the sensor that all trials of other scenes share.
+        let made = array.misaligned_in(self.misalignment, meant.seed, trial.wrapping_add(1))?;
+        let eye = Eye {
+            optics: optics.misaligned(&made.misalignments())?,
+            ..meant.clone()
+        };
+        let motions = self.motions(departure.depths)?;
+        let look = RestLook::new(&eye, self.rest_frames);
+        let first = AT_REST.wrapping_sub(APART.wrapping_mul(trial.wrapping_add(2)));
+        let spotted = look.spotted(first)?;
+        Ok(Departed {
+            eye,
+            motions,
+            rest: spotted
+                .iter()
+                .map(|one| Some(seen(one.as_ref()?)))
+                .collect(),
+            markers: spotted.iter().map(|one| Some((*one)?.marker)).collect(),
+        })
+    }
+
+    /// Displacements of discs that lie deeper than they are meant to.
+    fn motions(&self, deeper: [f64; 2]) -> Result<Vec<MarkerMotion>, PressError> {
+        let [magenta, yellow] = [0, 1].map(|disc| {
+            let depth = self.depths[disc] + deeper[disc];
+            let body = SoftBody::of(&self.model, self.radius, depth, Body::solved_layer);
+            let body = body.map_err(|_| PressError::OutOfRange)?;
+            body.displacements(&self.markers, &self.pressed)
+        });
+        let motion = |moved: palpate_press::MarkerDisplacement| DiscMotion {
+            normal: moved.normal,
+            tangential: moved.tangential,
+        };
+        Ok(magenta?
+            .into_iter()
+            .zip(yellow?)
+            .map(|(magenta, yellow)| MarkerMotion {
+                magenta: motion(magenta),
+                yellow: motion(yellow),
+            })
+            .collect())
+    }
+}
