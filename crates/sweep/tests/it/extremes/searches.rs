@@ -21,11 +21,11 @@ const ENDS: [(f64, f64); 9] = [
     (1.0, 1.0 + f64::EPSILON),
     (-0.0, f64::MIN_POSITIVE),
 ];
-const GAPS: [f64; 6] = [0.05, 0.0, 1e-300, 1e300, f64::INFINITY, f64::NAN];
+const GAPS: [f64; 3] = [0.05, 0.0, f64::NAN];
 
 rows! {
     SPREAD, "{count} values from {from:e} to {to:e}, whole: {is_whole}, gap {gap:e}" => spread(Span::new(from, to, is_whole), count, gap),
-        for (from, to) in ENDS, for is_whole in [false, true], for count in [0, 1, 2, 17], for gap in GAPS;
+        for (from, to) in ENDS, for is_whole in [false, true], for count in [0, 17], for gap in GAPS;
     BETWEEN, "{from:e} and {to:e}, whole: {is_whole}, gap {gap:e}" => between(Span::new(from, to, is_whole), gap),
         for (from, to) in ENDS, for is_whole in [false, true], for gap in GAPS;
     SEARCH, "wrong with a probability of {wrong:e}: no claim is wrong" => searched(wrong),
