@@ -63,20 +63,88 @@ fn measured(table: &Table, row: usize) -> Option<Measured> {
     (successes >= 2.0).then_some(Measured { row, shares })
 }
 
-/// Kind of scene, estimator and sensor of a row, as far as the study says them.
+/// Kinds of scene, estimator and sensor of a row, as far as the study says them.
 fn name(study: &Study, row: usize) -> Option<String> {
-    let of = |key: &str| {
-        let path = format!("scene.{key}");
-        let named = study.text(row, &path);
-        named.or_else(|| study.text(row, &format!("{path}.kind")))
+    let scene = study.text(row, "scene.kind")?;
+    let others = ["scene.estimator", "scene.sensor"].into_iter();
+    let others: Vec<&str> = others.filter_map(|path| kind(study, row, path)).collect();
+    Some(format!("{scene}: {}", others.join(", ")))
+}
+
+/// Kind of a part of the scene of a row, which may be swept by labels.
+fn kind<'a>(study: &'a Study, row: usize, path: &str) -> Option<&'a str> {
+    let of_path = format!("{path}.kind");
+    let Some(axis) = study.cells().axis(path) else {
+        return study.text(row, &of_path);
     };
-    let kind = study.text(row, "scene.kind")?;
-    let others: Vec<&str> = ["estimator", "sensor"].into_iter().filter_map(of).collect();
-    Some(format!("{kind}: {}", others.join(", ")))
+    let label = axis.text(row);
+    let word = |value: &'a toml::Value, key: &str| value.as_table()?.get(key)?.as_str();
+    let swept = study.config().get("sweep")?.as_array()?.iter();
+    let values = swept.flat_map(|sweep| swept_values(sweep, path));
+    let mut kinds = values.filter_map(|value| Some((value, word(value, "kind")?)));
+    let found = kinds.find(|(value, kind)| word(value, "label").unwrap_or(kind) == label);
+    Some(found.map_or(label, |(_, kind)| kind))
+}
+
+/// Values that a sweep gives to a field.
+fn swept_values<'a>(sweep: &'a toml::Value, path: &str) -> Vec<&'a toml::Value> {
+    let values = || sweep.get("values")?.as_array();
+    let values = values().map_or(&[][..], Vec::as_slice).iter();
+    let is_it = |name: &toml::Value| name.as_str() == Some(path);
+    if sweep.get("path").is_some_and(is_it) {
+        return values.collect();
+    }
+    let paths = || sweep.get("paths")?.as_array();
+    let place = paths().and_then(|paths| paths.iter().position(is_it));
+    let of_place = |value: &'a toml::Value| value.as_array()?.get(place?);
+    values.filter_map(of_place).collect()
 }
 
 /// Mean of each of the shares.
 pub(crate) fn means<'a>(rows: impl Iterator<Item = &'a Measured> + Clone) -> [f64; 3] {
     let count = rows.clone().count().max(1) as f64;
     [0, 1, 2].map(|at| rows.clone().map(|row| row.shares[at]).sum::<f64>() / count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::kind;
+    use crate::{Files, Study};
+    use palpate_study::Statistic;
+
+    #[test]
+    fn kinds_are_found_behind_labels() {
+        let config = r#"
+            [scene]
+            kind = "press"
+            estimator = { kind = "half-space" }
+            [[sweep]]
+            paths = ["scene.noise", "scene.sensor"]
+            values = [[{ label = "loud", std = 1 }, { label = "by eye", kind = "rendered" }], [{ label = "low" }, { kind = "direct" }]]
+            [[sweep]]
+            path = "scene.model"
+            values = [{ label = "soft", kind = "bonded-layer" }]
+        "#;
+        let statistics = Statistic::ALL.map(Statistic::name).join(",");
+        let rest = ",".repeat(Statistic::ALL.len() - 1);
+        let row = |cell: usize, sensor: &str| format!("{cell},{sensor},soft,q,1,{rest}\n");
+        let cells = format!(
+            "cell,scene.sensor,scene.model,quantity,unit,{statistics}\n{}{}{}",
+            row(0, "by eye"),
+            row(1, "direct"),
+            row(2, "unheard of")
+        );
+        let files = [
+            ("run.toml", config.to_owned()),
+            ("cells.csv", cells),
+            ("failures.csv", "cell,kind,count,first_trial\n".to_owned()),
+        ];
+        let study = Study::read(Files::in_memory(files)).unwrap();
+        for (row, sensor) in [(0, "rendered"), (1, "direct"), (2, "unheard of")] {
+            assert_eq!(kind(&study, row, "scene.sensor"), Some(sensor));
+            assert_eq!(kind(&study, row, "scene.model"), Some("bonded-layer"));
+            assert_eq!(kind(&study, row, "scene.estimator"), Some("half-space"));
+            assert_eq!(kind(&study, row, "scene.object"), None);
+        }
+    }
 }

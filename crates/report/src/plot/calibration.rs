@@ -9,7 +9,7 @@ use crate::ReportError;
 use crate::calibration::{Estimator, STATED};
 
 /// Range of stated shares, percent.
-const STATED_RANGE: [f64; 2] = [40.0, 100.0];
+const STATED_RANGE: [f64; 2] = [45.0, 99.0];
 
 /// Figure of the shares of intervals that hold the true value: the median of an estimator's cells, and the range in which
 /// nine of ten of them lie.
