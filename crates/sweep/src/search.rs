@@ -36,7 +36,8 @@ pub struct Search {
     pub most_trials: u64,
     /// Time after which nothing more is explored; the scan and the verification are always done.
     pub budget: Option<Duration>,
-    /// Probability that anything which the search claims is wrong; above 0 and below 1.
+    /// Probability that anything which the search claims is wrong; above 0 and below 1. Of 0, of less and of NaN nothing is
+    /// claimed; more than 1 is 1.
     pub wrong: f64,
 }
 

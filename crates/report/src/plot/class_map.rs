@@ -32,6 +32,8 @@ const SLIMMEST: f64 = 3.0;
 /// Bands reach this far under those painted later, so that no seam shows between them.
 const OVERLAP: f64 = 1.0;
 const BOUNDARY: f64 = 1.6;
+/// Ground of the sample of a boundary, as light on every page.
+const PALE: Colour = Colour(243, 243, 243);
 
 /// The figure that a plot asks for.
 pub(crate) fn figure(of: Request<'_>) -> Result<Figure, ReportError> {
@@ -145,7 +147,13 @@ fn sample(canvas: &mut Canvas, (x, y): Point, sample: &Sample) {
             canvas.polygon(&square, colour(*class));
             outline(canvas, (x, top), (SAMPLE, SAMPLE));
         }
-        Sample::Boundary => canvas.line(&[(x, y), (x + SAMPLE, y)], OUTLINE, BOUNDARY),
+        Sample::Boundary => {
+            let ground = [-0.5, 0.5].map(|half| (x, y + half * SAMPLE));
+            let right = |(x, y): Point| (x + SAMPLE, y);
+            let [top, bottom] = ground;
+            canvas.polygon(&[top, right(top), right(bottom), bottom], PALE);
+            canvas.line(&[(x, y), (x + SAMPLE, y)], OUTLINE, BOUNDARY);
+        }
     }
 }
 

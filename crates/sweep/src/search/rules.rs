@@ -34,6 +34,8 @@ pub(super) struct Rules {
 
 impl Rules {
     pub(super) fn new(gap: f64, most_trials: u64, wrong: f64, cells: usize) -> Self {
+        // Nothing is as sure as NaN or less than nothing asks.
+        let wrong = if wrong > 0.0 { wrong.min(1.0) } else { 0.0 };
         let of_look = OF_SEARCH * wrong / MOST_LOOKS as f64;
         let conditions = 2 * cells.max(1);
         Self {
