@@ -115,6 +115,7 @@ mod tests {
     #[test]
     fn kinds_are_found_behind_labels() {
         let config = r#"
+            name = "presses"
             [scene]
             kind = "press"
             estimator = { kind = "half-space" }
