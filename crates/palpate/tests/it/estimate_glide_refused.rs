@@ -66,7 +66,10 @@ fn columns_and_fields() {
     );
     for (row, message) in [
         ("0,1,2", "3 fields; the header has 4"),
-        ("0,1,2,NaN", "column `z_mm`: must be finite, is NaN"),
+        (
+            "0,1,2,NaN",
+            "column `z_mm`: must be finite, is NaN; leave such rows out, as by grep -vi nan",
+        ),
         ("0,1,inf,3", "column `y_mm`: must be finite, is inf"),
         ("0,,2,3", "column `x_mm`: is empty"),
         ("0,one,2,3", "column `x_mm`: `one` is not a number"),

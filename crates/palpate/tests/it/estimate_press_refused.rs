@@ -67,7 +67,7 @@ fn columns_and_fields() {
         ("0,1", "2 fields; the header has 3"),
         (
             "0,1,NaN",
-            "column `normal_displacement_mm`: must be finite, is NaN",
+            "column `normal_displacement_mm`: must be finite, is NaN; leave such rows out, as by grep -vi nan",
         ),
         ("0,-inf,1", "column `y_mm`: must be finite, is -inf"),
         (",1,1", "column `x_mm`: is empty"),
@@ -81,7 +81,7 @@ fn columns_and_fields() {
     let tangential = said(&[FULL, "0,0,0,0,NaN"], "");
     assert_eq!(
         tangential,
-        "r.csv:2: column `tangential_y_mm`: must be finite, is NaN"
+        "r.csv:2: column `tangential_y_mm`: must be finite, is NaN; leave such rows out, as by grep -vi nan"
     );
     assert_eq!(said(&[HEADER], ""), "r.csv: has a header but no readings");
     let huge = said(

@@ -52,7 +52,7 @@ fn columns() {
     assert_eq!(
         said_of(&["0,0,-0.5,4,0", "1,0.5,0,0,4"]),
         "r.csv:1: no column `rotation_x_rad`: the first line holds numbers; put the columns' names before it: \
-         rotation_x_rad,rotation_y_rad,shift_u,shift_v"
+         (echo rotation_x_rad,rotation_y_rad,shift_u,shift_v; cat FILE) > named.csv"
     );
     assert_eq!(
         said_of(&["probe,t_s,rotation_x_rad,rotation_y_rad,shift_u_mm,pad_v_mm"]),
@@ -95,7 +95,7 @@ fn fields() {
         ("0,0,-0.5,,0", "column `shift_u_mm`: is empty"),
         (
             "0,0,NaN,4,0",
-            "column `rotation_y_rad`: must be finite, is NaN",
+            "column `rotation_y_rad`: must be finite, is NaN; leave such rows out, as by grep -vi nan",
         ),
         (
             "0,0,-inf,4,0",
@@ -161,7 +161,7 @@ fn files() {
     assert_eq!(said_of(&[HEADER]), "r.csv: has a header but no readings");
     assert_eq!(
         said(b"probe\n\xb5m", ""),
-        "r.csv: is not UTF-8 text: byte 0xb5 in line 2; save it as UTF-8"
+        "r.csv: is not UTF-8 text: byte 0xb5 in line 2; save it as UTF-8, as by iconv -f latin1 -t utf-8 r.csv > utf-8.csv"
     );
     for bytes in [&b"\xff\xfep\0r"[..], b"\xfe\xff\xd8\0"] {
         assert_eq!(

@@ -293,7 +293,7 @@ fn what_stands_before_the_rows() {
         "{}",
         refused(&bad, "")
     );
-    let words = format!("{bare}\n,rad,rad,mm,furlong\n{rows}");
+    let words = format!("{header}\n,rad,rad,mm,furlong\n{rows}");
     assert!(refused(words, "").contains("r.csv:2: column `probe`: is empty"));
 }
 

@@ -165,8 +165,16 @@ fn mistakes_of_sign_and_unit() {
         assert!(said.contains(words), "{columns:?} {factor}: {said}");
     }
     for (columns, factor, words) in [
-        (&[1, 2][..], 57.296, "in degrees? the columns are in rad"),
-        (&[3, 4], 1e-3, "are the shifts in m and the radius in mm?"),
+        (
+            &[1, 2][..],
+            57.296,
+            "are the rotations in degrees, or the shifts in cm",
+        ),
+        (
+            &[3, 4],
+            1e-3,
+            "are the shifts in m and the radius in mm, or",
+        ),
         (&[3, 4], 1e3, "passes half way round the probe"),
         (&[1, 2], 1e-3, "in a smaller unit than the radius?"),
     ] {
