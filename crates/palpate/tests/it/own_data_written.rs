@@ -328,10 +328,10 @@ fn names_of_probes_and_fingers() {
 fn messages_have_the_line_to_type() {
     let spaces = ROLLS.replace(',', "  ");
     let said = refused(&spaces, "");
-    let line = said.split_once("tabs: ").map(|(_, line)| line).unwrap();
+    let line = said.split_once("commas: ").map(|(_, line)| line).unwrap();
     let desk = desk(&spaces);
     desk.shell(line).printed();
-    let read = "\"$palpate\" estimate roll tabs.tsv --probe-radius 10";
+    let read = "\"$palpate\" estimate roll commas.csv --probe-radius 10";
     assert_eq!(told(&desk, read), rolls(ROLLS, ""));
 
     let bare = ROLLS.split_once('\n').unwrap().1;
@@ -402,6 +402,9 @@ fn proposed_names_are_those_of_the_axes() {
         said.contains("--columns 'x=position.0,y=position.1,z=position.2'"),
         "{said}"
     );
+    let lists = "{\"d\": [1, 2, 3], \"p\": [1, 2, 3]}\n";
+    let said = desk(lists).shell(line).said(1);
+    assert!(said.contains("--columns 'x=p.0,y=p.1,z=p.2'"), "{said}");
     let said = desk("nx,ny,nz,px_mm,py_mm,pz_mm\n0,0,1,1,2,3\n")
         .shell(line)
         .said(1);

@@ -417,7 +417,11 @@ fn is_of_axis(column: &Column, shown: &[&str]) -> bool {
             .any(|word| strsim::jaro_winkler(word, quantity) >= 0.9)
     };
     match quantity.first() {
-        None => !others.into_iter().any(says) && matches!(letter, "" | "p"),
+        None => {
+            // One letter is that of another quantity, unless it is p.
+            let is_place = |word: &&str| word.len() > 1 || *word == "p";
+            !others.into_iter().any(says) && rest.iter().all(is_place) && matches!(letter, "" | "p")
+        }
         Some(&"rotation") => says("rotation") || (rest.is_empty() && matches!(letter, "r" | "w")),
         Some(&"shift") => says("shift") || (rest.is_empty() && matches!(letter, "" | "d" | "s")),
         Some(&"normal") => says("normal") || (rest.is_empty() && letter == "n"),

@@ -325,7 +325,7 @@ fn spaced(
         true => {
             let name = &file.name;
             let message = format!(
-                "fields are separated by spaces; separate them by tabs: sed 's/^ *//; s/  */\t/g' {name} > tabs.tsv"
+                "fields are separated by spaces; separate them by commas: sed 's/^ *//; s/  */,/g' {name} > commas.csv"
             );
             Err(file.fail(header_line, message))
         }
