@@ -146,16 +146,19 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<Fitted, Press
     // Where the fit is bad, a few markers may be to blame.
     for _ in 0..ROUNDS {
         let squares = problem.squares(&best)?;
-        if squares.iter().all(|square| *square <= ROBUST) {
-            break;
-        }
+        let mut is_new = false;
         for (trust, square) in problem.trust.iter_mut().zip(&squares) {
             let square = square / (*trust * *trust);
+            let before = *trust;
             *trust = if square > ROBUST {
                 (ROBUST / square).sqrt().max(1e-6)
             } else {
                 1.0
             };
+            is_new |= (*trust - before).abs() > 0.02 * before;
+        }
+        if !is_new {
+            break;
         }
         problem.weigh(&best.state)?;
         let fitted = Fitted::at(problem, best.state)?;

@@ -258,17 +258,13 @@ impl<V: View> Resting<'_, V> {
             .ok_or(PressError::OutOfRange)?;
         let seen: Vec<bool> = self.weights.iter().map(Option::is_some).collect();
         let count = seen.iter().filter(|&&seen| seen).count();
-        let each = if self.fit.misalignment_std > 0.0 {
-            2
-        } else {
-            4
-        };
         Ok(Rest {
             common: self.common(&state),
             misalignments: state.misalignments,
             seen,
             chi_squared: cost,
-            freedom: each * count,
+            // As many numbers are known beforehand as there are unknowns.
+            freedom: NUMBERS * count,
             information,
             local: local
                 .into_iter()

@@ -189,6 +189,11 @@ fn camera_noise(noise: &PressNoiseConfig) -> Option<String> {
     if let Some(SizeNoise::Gaussian { std }) = noise.size {
         errors.push(format!("{} % in each size", 100.0 * std));
     }
+    if noise.sensor.is_some() {
+        errors.push(
+            "another sensor in every trial, which departs from what is known of it".to_owned(),
+        );
+    }
     if let Some(LostMarkers { count }) = noise.lost_markers {
         errors.push(format!("{count} markers lost"));
     }

@@ -6,6 +6,7 @@ mod camera;
 mod extremes;
 mod fingertip;
 mod glide;
+mod image_press;
 mod ladder;
 mod marker_errors;
 mod names;

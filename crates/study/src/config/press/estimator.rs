@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How curvature follows from the readings: a least-squares fit of what one of these bodies does, to the markers'
-/// displacements or to their pictures.
+/// How curvature follows from the readings: a least-squares fit of what one of these bodies does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PressEstimatorConfig {
@@ -84,6 +83,7 @@ pub enum PressEstimatorConfig {
     /// What a camera sees of a layer bonded to a rigid core, where there is a `thickness`, else of a half-space: fitted to
     /// centroid, hue and size of each marker, at rest and pressed. It is told the errors that the tracker states, and how
     /// roughly the sensor is known (`noise.sensor`).
+    #[schemars(extend("x-of-scenes" = true))]
     Image {
         /// Thickness of the layer; by default the model's, if that has one.
         #[serde(default, skip_serializing_if = "Option::is_none")]

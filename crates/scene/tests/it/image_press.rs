@@ -1,0 +1,114 @@
+//! Presses that are estimated from the markers' pictures.
+
+use palpate_scene::{Outcome, Parts, Scene, Scenes};
+use palpate_study::config::parse;
+
+/// A press by a camera on a ball of 40 mm with this noise, and further keys of its estimator.
+fn text(sensor: &str, noise: &str, model: &str) -> String {
+    format!(
+        r#"
+        name = "pictures"
+        length_unit = "mm"
+        scene.kind = "press"
+        scene.object = {{ kind = "sphere", radius = 40.0 }}
+        scene.motion = {{ indentation = 1.0, contact_deg = [9.0, 30.0] }}
+        scene.model = {model}
+        scene.sensor = {sensor}
+        scene.noise = {noise}
+        scene.estimator = {{ kind = "image", indentation = "fitted" }}
+        [scene.probe]
+        kind = "marker-sphere"
+        radius = 20.0
+        marker_depth = 2.0
+        discs = {{ magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0, misalignment = 0.25 }}
+        "#
+    )
+}
+
+fn scene(text: &str) -> Scene {
+    let study = parse("pictures.toml", text).expect("a study");
+    let cell = study.cell(0).expect("a cell");
+    let scene = study.estimable_scene_of(0, &cell, &Parts::default());
+    scene.expect("a scene")
+}
+
+/// Outcomes of a quantity in trials.
+fn outcomes(scene: &Scene, quantity: &str, trials: u64) -> Vec<Outcome> {
+    let place = scene
+        .quantities()
+        .iter()
+        .position(|one| one.name == quantity);
+    let mut outcomes = Vec::new();
+    for trial in 0..trials {
+        let mut observe = |quantity: usize, outcome: Outcome| {
+            if Some(quantity) == place {
+                outcomes.push(outcome);
+            }
+        };
+        scene.trial(trial, &mut observe).expect("an estimate");
+    }
+    outcomes
+}
+
+#[test]
+fn pictures_without_error_tell_the_press() {
+    for model in [
+        r#"{ kind = "half-space" }"#,
+        r#"{ kind = "bonded-layer", thickness = 6.0 }"#,
+    ] {
+        let scene = scene(&text(r#"{ kind = "projected" }"#, "{}", model));
+        let found = outcomes(&scene, "object_curvature", 1);
+        assert!((found[0].estimate * 40.0 - 1.0).abs() < 1e-3, "{found:?}");
+        let found = outcomes(&scene, "indentation", 1);
+        assert!((found[0].estimate - 1.0).abs() < 1e-4, "{found:?}");
+    }
+}
+
+/// Every trial has another sensor, which is known roughly.
+#[test]
+fn intervals_hold_over_sensors_that_are_known_roughly() {
+    let noise = r#"{ centroid = { kind = "gaussian", std = 0.005 }, hue = { kind = "gaussian", std = 1e-4 },
+        size = { kind = "gaussian", std = 4e-4 }, sensor = { centre_px = 0.29, px_per_rad = 0.002, place = 0.05,
+        turn_deg = 0.3, disc_depth = 0.03, disc_diameter = 0.01, colour = 0.01 } }"#
+        .replace('\n', " ");
+    let sensor = r#"{ kind = "projected", calibration = { rest_frames = 1 } }"#;
+    let scene = scene(&text(sensor, &noise, r#"{ kind = "half-space" }"#));
+    let found = outcomes(&scene, "object_curvature", 60);
+    let (mut held, mut squared, mut stated) = (0, 0.0, 0.0);
+    for outcome in &found {
+        held += usize::from(outcome.interval_holds.is_some_and(|[_, _, wide]| wide));
+        squared += (outcome.estimate - outcome.truth).powi(2);
+        stated += outcome.std.map_or(0.0, |std| std * std);
+    }
+    // Of 60 intervals of 95 %, 51 or fewer hold in one of 1,000 cases.
+    assert!(held > 51, "{held} of 60");
+    // The root of a sum of 60 squares scatters by 9 %.
+    let ratio = (stated / squared).sqrt();
+    assert!((0.75..1.35).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn frames_tell_the_press_within_what_they_state() {
+    let sensor = r#"{ kind = "rendered", size_px = 500, calibration = { rest_frames = 2 } }"#;
+    let noise = r#"{ pixel = { kind = "gaussian", std = 3.0 } }"#;
+    let model = r#"{ kind = "bonded-layer", thickness = 6.0 }"#;
+    let scene = scene(&text(sensor, noise, model));
+    for outcome in outcomes(&scene, "object_curvature", 3) {
+        let std = outcome.std.expect("stated");
+        assert!(
+            (outcome.estimate - outcome.truth).abs() < 4.5 * std,
+            "{outcome:?}"
+        );
+        assert!(std * 40.0 < 0.2, "{outcome:?}");
+    }
+}
+
+#[test]
+fn pictures_need_a_camera() {
+    let refused = parse(
+        "pictures.toml",
+        &text(r#"{ kind = "direct" }"#, "{}", r#"{ kind = "half-space" }"#),
+    );
+    let said = refused.expect_err("no camera").to_string();
+    assert!(said.contains("a fit of pictures needs a camera"), "{said}");
+}
