@@ -60,7 +60,7 @@ impl<'a> Text<'a> {
 
     /// The text from its header on, and the delimiter that a line of Excel before it states. Lines that begin with # are
     /// comments; the last of them is the header where numbers follow, as NumPy writes it.
-    fn from_header(self) -> (Self, Option<Delimiter>) {
+    fn begun(self) -> (Self, Option<Delimiter>) {
         let (mut start, mut line) = (0, 1);
         let (mut comment, mut stated) = (None, None);
         for one in self.lines() {
@@ -117,7 +117,7 @@ impl<'a> Written<'a> {
         if lines > MOST_LINES {
             return Err(file.error(format!("has {lines} lines; at most {MOST_LINES} are read")));
         }
-        let (text, stated) = text.from_header();
+        let (text, stated) = text.begun();
         let mut numbered = text.lines().zip(text.line..);
         let first = numbered.find(|(line, _)| !line.trim().is_empty());
         let (first, header_line) = first.unwrap_or(("", 1));
