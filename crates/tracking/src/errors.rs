@@ -81,9 +81,9 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
         add(0, 0, place * place * (pixel[colour] * second[0] + around));
         add(1, 1, place * place * (pixel[colour] * second[2] + around));
         add(0, 1, place * place * pixel[colour] * second[1]);
-        for axis in 0..2 {
-            add(axis, 2, place * turn * pixel[colour] * first[axis]);
-            add(axis, 3, place * size * pixel[colour] * first[axis]);
+        for (axis, first) in first.into_iter().enumerate() {
+            add(axis, 2, place * turn * pixel[colour] * first);
+            add(axis, 3, place * size * pixel[colour] * first);
         }
         add(2, 2, turn * turn * one);
         add(2, 3, turn * size * one);
@@ -98,17 +98,16 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
     }
     let [place, turn, size] = alike;
     let count = ALIKE * edge_px;
-    for axis in 0..2 {
-        covariance[axis][axis] += 0.5 * count * (place * radius_px).powi(2);
-    }
+    let of_place = 0.5 * count * (place * radius_px).powi(2);
+    covariance[0][0] += of_place;
+    covariance[1][1] += of_place;
     covariance[2][2] += count * turn * turn;
     covariance[2][3] += count * turn * size;
     covariance[3][3] += count * size * size;
-    for row in 0..4 {
-        for column in 0..row {
-            covariance[row][column] = covariance[column][row];
-        }
-    }
+    let upper = covariance;
+    let covariance = std::array::from_fn(|row| {
+        std::array::from_fn(|column| upper[row.min(column)][row.max(column)])
+    });
     MarkerErrors { covariance }
 }
 

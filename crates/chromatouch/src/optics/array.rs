@@ -279,7 +279,7 @@ impl MarkerArray {
                 .sight(stand, motion, offset)
                 .and_then(|sight| match pose {
                     None => Ok(sight),
-                    Some(pose) => layer.from_beside(&sight, motion, pose),
+                    Some(pose) => layer.seen_beside(&sight, motion, pose),
                 })
                 .map_err(|motion| OpticsError::ImpossibleMotion {
                     marker,
@@ -326,7 +326,7 @@ impl Layer {
 impl Layer {
     /// A disc that is seen so from the sensor's centre, seen from a camera elsewhere: the circular cap of the same solid
     /// angle, to first order in it. The error is the motion that cannot be: one that takes the disc behind the camera.
-    fn from_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
+    fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
         let away = self.distance - motion.normal;
         let ray = sight.direction * away - pose.place;
         let distance = ray.norm();

@@ -117,6 +117,7 @@ fn cells_only() -> Vec<Output> {
 /// A scene, by the way in which its bodies touch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+#[expect(clippy::large_enum_variant, reason = "a study has one scene")]
 pub enum SceneConfig {
     /// A probe rolls on an object.
     Roll(RollConfig),
