@@ -183,8 +183,8 @@ fn pictures_without_error_give_the_press() {
         let curvature = estimate.most_likely_object_curvature();
         assert!((curvature / CURVATURE - 1.0).abs() < 2e-3, "{curvature}");
         assert!((estimate.indentation.value - 1.0).abs() < 1e-4);
-        for axis in 0..2 {
-            assert!((estimate.contact[axis] - at[axis]).abs() < 1e-3);
+        for (contact, at) in estimate.contact.iter().zip(at) {
+            assert!((contact - at).abs() < 1e-3);
         }
         assert!(estimate.object_curvature().interval.holds(CURVATURE));
         assert!(estimate.wrong_markers.is_empty());
