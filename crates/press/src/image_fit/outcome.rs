@@ -81,8 +81,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     problem.weigh_at_rest()?;
     let best = robust(&mut problem)?;
     problem.weigh(&best.state)?;
-    let fitted = Fitted::at(&problem, best.state)?;
-    let mut best = minimise(&problem, fitted, ROUGHLY, None, false)?;
+    let mut best = Fitted::at(&problem, best.state)?;
     let wrong = drop_wrong(&mut problem, &best)?;
     problem.weigh(&best.state)?;
     for _ in 0..4 {
@@ -142,7 +141,10 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<Fitted, Press
             Err(error) => failure = error,
         }
     }
-    let mut best = best.ok_or(failure)?;
+    let near = best.ok_or(failure)?;
+    problem.weigh(&near.state)?;
+    let fitted = Fitted::at(problem, near.state)?;
+    let mut best = minimise(problem, fitted, ROUGHLY, None, false)?;
     // Where the fit is bad, a few markers may be to blame.
     for _ in 0..ROUNDS {
         let squares = problem.squares(&best)?;

@@ -23,7 +23,7 @@ const APART: u64 = 1000;
 pub(super) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
     let SensorNoise {
         centre_px,
-        px_per_rad,
+        scale,
         place,
         turn_deg,
         disc_depth,
@@ -39,7 +39,7 @@ pub(super) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
         disc_diameter,
         centre_px,
         centre_px,
-        px_per_rad,
+        scale,
         place,
         place,
         place,

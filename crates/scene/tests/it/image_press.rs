@@ -68,7 +68,7 @@ fn pictures_without_error_tell_the_press() {
 #[test]
 fn intervals_hold_over_sensors_that_are_known_roughly() {
     let noise = r#"{ centroid = { kind = "gaussian", std = 0.005 }, hue = { kind = "gaussian", std = 1e-4 },
-        size = { kind = "gaussian", std = 4e-4 }, sensor = { centre_px = 0.29, px_per_rad = 0.002, place = 0.05,
+        size = { kind = "gaussian", std = 4e-4 }, sensor = { centre_px = 0.29, scale = 0.002, place = 0.05,
         turn_deg = 0.3, disc_depth = 0.03, disc_diameter = 0.01, colour = 0.01 } }"#
         .replace('\n', " ");
     let sensor = r#"{ kind = "projected", calibration = { rest_frames = 1 } }"#;

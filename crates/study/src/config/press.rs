@@ -400,31 +400,31 @@ pub struct PressNoiseConfig {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SensorNoise {
-    /// Of either coordinate of the image's centre, pixels: the phase of the pixel grid, and the camera's aim.
+    /// Standard deviation of either coordinate of the image's centre, pixels: the phase of the pixel grid, and the camera's aim.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub centre_px: f64,
-    /// Of the pixels per radian, as a share.
+    /// Standard deviation of the pixels per radian, as a share.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
-    pub px_per_rad: f64,
-    /// Of each coordinate of the camera's place.
+    pub scale: f64,
+    /// Standard deviation of each coordinate of the camera's place.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub place: f64,
-    /// Of the camera's turn about each axis.
+    /// Standard deviation of the camera's turn about each axis.
     #[serde(default)]
     #[schemars(extend("minimum" = 0))]
     pub turn_deg: f64,
-    /// Of the depth of the discs of either colour.
+    /// Standard deviation of the depth of the discs of either colour.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "length"))]
     pub disc_depth: f64,
-    /// Of the diameter of the discs of either colour, as a share.
+    /// Standard deviation of the diameter of the discs of either colour, as a share.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub disc_diameter: f64,
-    /// Of the share of red, of green and of blue light that discs of either colour let through.
+    /// Standard deviation of the share of red, of green and of blue light that discs of either colour let through.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "x-unit" = "1"))]
     pub colour: f64,
