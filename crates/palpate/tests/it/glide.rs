@@ -308,17 +308,17 @@ fn lowest_points_and_centres_of_round_tips_tell_the_object() {
         let estimate: Value = serde_json::from_str(&printed).unwrap();
         estimate["mean_curvature"]["value"].as_f64().unwrap()
     };
-    // The tip taken for a point makes a ball of 24 mm of it.
+    // To what one smoothed spline is exact to; the tip taken for a point makes a ball of 24 mm of it.
     assert_close(mean(""), 1.0 / 24.0, 1e-2);
-    assert_close(mean("--tip-radius 4"), 0.05, 2e-3);
+    assert_close(mean("--tip-radius 4"), 0.05, 1e-2);
     assert_close(
         mean("--tip-radius 4 --reports lowest-point --outward 0,0,2"),
         0.05,
-        2e-3,
+        1e-2,
     );
-    assert_close(mean("--like c.toml"), 0.05, 2e-3);
+    assert_close(mean("--like c.toml"), 0.05, 1e-2);
     // Centres are higher by the radius, which changes no curvature.
-    assert_close(mean("--tip-radius 4 --reports centre"), 0.05, 2e-3);
+    assert_close(mean("--tip-radius 4 --reports centre"), 0.05, 1e-2);
     for (flags, said) in [
         (
             "--reports centre",
