@@ -5,7 +5,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use xshell::{Shell, cmd};
 
-use crate::palpate::PYTHON;
+use crate::palpate::{FEATURES, PYTHON};
 use crate::{
     answers, bench_check, extremes, house, palpate, python, readme, reproduce, same_bytes, scale,
     tools,
@@ -30,10 +30,6 @@ const STEPS: [Step; 15] = [
     ("instructions and accuracy", bench),
     ("README", readme::check),
 ];
-
-/// Features that are off by default, which the lints and the tests have on: a build of the tests for each choice of
-/// features would take minutes. Later steps build the program without them.
-const FEATURES: &str = "palpate/parquet";
 
 /// Runs every step; stops at the first that fails.
 pub(crate) fn run(shell: &Shell) -> Result<()> {

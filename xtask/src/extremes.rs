@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::{Shell, cmd};
 
-use crate::palpate::target_dir;
+use crate::palpate::{FEATURES, PYTHON, target_dir};
 
 /// Environment variable by which `palpate_verdict` is told where to write its tables.
 pub(crate) const FOLDER: &str = "PALPATE_EXTREMES";
@@ -41,10 +41,9 @@ pub(crate) struct Options {
 /// Runs the tests; fails if a row breaks a promise, after the table is written.
 pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let folder = empty_folder(shell)?;
-    let packages = CRATES.iter().flat_map(|name| ["-p", name]);
     let tests = cmd!(
         shell,
-        "cargo test --quiet --no-fail-fast {packages...} --test it extremes::"
+        "cargo test --quiet --no-fail-fast --workspace --exclude {PYTHON} --features {FEATURES} --test it extremes::"
     );
     let tested = tests.env(FOLDER, folder).run();
     if options.check {

@@ -16,6 +16,10 @@ pub(crate) fn target_dir(shell: &Shell) -> PathBuf {
 /// Crate that needs Python to be built: `cargo xtask python` builds and tests it.
 pub(crate) const PYTHON: &str = "palpate-python";
 
+/// Features that are off by default, which the lints and the tests have on: a build of the tests for each choice of
+/// features would take minutes. Later steps build the program without them.
+pub(crate) const FEATURES: &str = "palpate/parquet";
+
 /// Arguments that select what tasks build of the release profile, all of it together: cargo joins the features of
 /// what is built at once, so that other selections would build most crates again. Without counters, as users have
 /// palpate.
