@@ -6,6 +6,13 @@ use crate::{Files, ReportError};
 use palpate_study::number::finite;
 use palpate_study::{Statistic, config};
 
+/// Statistics without which a table is read too: they are `None` in all its rows.
+const MAY_LACK: [Statistic; 3] = [
+    Statistic::RmsErrorStd,
+    Statistic::Coverage50,
+    Statistic::Coverage80,
+];
+
 /// Swept path: a column of the table, between `cell` and `quantity`.
 #[derive(Debug, Clone)]
 pub struct Axis {
@@ -88,7 +95,9 @@ impl Table {
     /// a number that is not finite where a number must be.
     pub fn read(files: &Files) -> Result<Self, ReportError> {
         let places = ["cell", "quantity", "unit"].into_iter();
-        let names: Vec<&str> = places.chain(Statistic::ALL.map(Statistic::name)).collect();
+        let statistics = Statistic::ALL.into_iter();
+        let needed = statistics.filter(|statistic| !MAY_LACK.contains(statistic));
+        let names: Vec<&str> = places.chain(needed.map(Statistic::name)).collect();
         let table = Records::read_in_order(files, "cells.csv", &names, 3)?.filled()?;
         let [cell, quantity, unit] = [0, 1, 2].map(|column| table.place(column));
         let column = |at: usize| table.column(at).map(str::to_owned).collect::<Vec<String>>();

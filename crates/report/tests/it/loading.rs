@@ -46,6 +46,22 @@ fn a_good_study_loads() {
 }
 
 #[test]
+fn a_table_may_lack_how_exact_its_errors_are() {
+    let lacking = ["rms_error_std", "coverage50", "coverage80"];
+    let cells = good();
+    let header: Vec<&str> = cells.lines().next().unwrap().split(',').collect();
+    let kept = |line: &str| {
+        let fields = line.split(',').zip(&header);
+        let fields = fields.filter(|(_, name)| !lacking.contains(name));
+        fields.map(|(field, _)| field).collect::<Vec<_>>().join(",") + "\n"
+    };
+    let cells: String = cells.lines().map(kept).collect();
+    let study = study(&config("sphere", ""), &cells, NO_FAILURES, &[]);
+    assert_eq!(study.cells().statistic(0, "truth"), Some(0.2));
+    assert_eq!(study.cells().statistic(0, "rms_error_std"), None);
+}
+
+#[test]
 fn a_byte_order_mark_and_crlf_do_no_harm() {
     let cells = format!("\u{feff}{}", good().replace('\n', "\r\n"));
     let failures = "\u{feff}cell,kind,count,first_trial\r\n";
