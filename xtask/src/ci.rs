@@ -7,13 +7,12 @@ use xshell::{Shell, cmd};
 
 use crate::palpate::{FEATURES, PYTHON};
 use crate::{
-    answers, bench_check, extremes, house, palpate, python, readme, reproduce, same_bytes, scale,
-    tools,
+    answers, bench_check, extremes, house, palpate, readme, reproduce, same_bytes, scale, tools,
 };
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 15] = [
+const STEPS: [Step; 14] = [
     ("tools", tools::prepare),
     ("format", format),
     ("house", house),
@@ -26,7 +25,6 @@ const STEPS: [Step; 15] = [
     ("same bytes", same_bytes),
     ("answers", answers::check),
     ("scale", scale),
-    ("Python", python::check),
     ("instructions and accuracy", bench),
     ("README", readme::check),
 ];

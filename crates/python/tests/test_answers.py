@@ -39,7 +39,7 @@ def test_a_region_is_that_of_the_command_line(cli, tmp_path):
     found = palpate.design(PADS, TARGET, fields, maximise="scene.sensor.pitch", **settings)
     said = cli(
         "design", EXAMPLES / "pads-for-a-ball.toml", "--target", TARGET, "--vary", fields[0], "--vary", fields[1],
-        "--maximise", "scene.sensor.pitch", "--set", "scene.motion.duration_s=0.5", "--gap", 0.3,
+        "--maximise", "scene.sensor.pitch", "--set", "scene.motion.arc_length=2.0", "--gap", 0.3,
         "--most-trials", 20_000, "--budget", "1h", "--json", "--out", tmp_path,
     )
     assert isinstance(found, palpate.DesignRegion) and found.to_dict() == said
@@ -65,7 +65,7 @@ def test_a_region_is_that_of_the_command_line(cli, tmp_path):
 
 
 def test_a_design_over_words_and_as_a_text():
-    study = PADS.with_({"sweep": None, "plot": None, "scene.sensor.pitch": 0.5})
+    study = PADS.with_({"sweep": None, "plot": None, "scene.sensor.pitch": 0.5, "scene.motion.arc_length": 2.0})
     one = palpate.design(study, TARGET, "scene.sensor.layout=square,uniform", most_trials=4096)
     other = palpate.design(study, TARGET, {"scene.sensor.layout": ["square", "uniform"]}, most_trials=4096)
     assert one == other

@@ -177,7 +177,8 @@ def test_data_frames_read_tables_through_arrow(ball):
             else:
                 assert column.dtype == polars.Float64
                 np.testing.assert_array_equal(column.to_numpy(), values)
-                assert column.null_count() == np.isnan(values).sum()
+                # Of a mapping empty numbers stay NaN, of a stream they are null.
+                assert column.null_count() + column.is_nan().sum() == np.isnan(values).sum()
     # A capsule that nothing reads is released with it, and one is read once.
     for _ in range(100):
         results.__arrow_c_stream__()

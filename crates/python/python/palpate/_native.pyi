@@ -524,6 +524,7 @@ def estimate_glide(
     criterion: str | None = None,
     gamma: float | None = None,
     position_std: float | None = None,
+    position_fraction_of_ifd: float | None = None,
     normal_std_deg: float | None = None,
     first_degree: int | None = None,
     second_degree: int | None = None,

@@ -196,6 +196,8 @@ impl Map {
 ///     Of robust-gcv: how much stronger it smooths than gcv, from 1 to 100; 1.4 by default.
 /// position_std : float, optional
 ///     Of penalised and quadric: standard deviation of a position along each axis, length; else found.
+/// position_fraction_of_ifd : float, optional
+///     Of penalised and quadric: that deviation as a share of the distance between fingers; not with `position_std`.
 /// normal_std_deg : float, optional
 ///     Of penalised and quadric: standard deviation of a normal's tilt about each tangent, degrees; else found.
 /// first_degree, second_degree : int, optional
@@ -238,7 +240,7 @@ impl Map {
 #[pyfunction]
 #[pyo3(signature = (points, normals=None, fingers=None, *, method=None, grid=None, at_contacts=false, outward=None,
     gaussian_threshold=None, mean_threshold=None, inter_finger_distance=None, intervals=None, criterion=None,
-    gamma=None, position_std=None, normal_std_deg=None, first_degree=None, second_degree=None, weight=None,
+    gamma=None, position_std=None, position_fraction_of_ifd=None, normal_std_deg=None, first_degree=None, second_degree=None, weight=None,
     smoothing=None, second_smoothing=None, tangent_step=None, tangent_normals=None, passes=None, length_unit=None,
     like=None, cell=0, threads=None))]
 #[allow(clippy::too_many_arguments)]
@@ -258,6 +260,7 @@ pub(crate) fn estimate_glide<'py>(
     criterion: Option<String>,
     gamma: Option<f64>,
     position_std: Option<f64>,
+    position_fraction_of_ifd: Option<f64>,
     normal_std_deg: Option<f64>,
     first_degree: Option<u32>,
     second_degree: Option<u32>,
@@ -281,6 +284,10 @@ pub(crate) fn estimate_glide<'py>(
             ("criterion", word(criterion)),
             ("gamma", number("gamma", gamma)?),
             ("position_std", number("position_std", position_std)?),
+            (
+                "position_fraction_of_ifd",
+                number("position_fraction_of_ifd", position_fraction_of_ifd)?,
+            ),
             ("normal_std_deg", number("normal_std_deg", normal_std_deg)?),
             ("first_degree", whole_number(first_degree)),
             ("second_degree", whole_number(second_degree)),
