@@ -92,7 +92,7 @@ impl Optics {
         })
     }
 
-    /// The same markers before a camera that stands elsewhere or looks elsewhere. Discs are then seen as circular caps
+    /// Optics of these markers before a camera that stands elsewhere or looks elsewhere. Discs are then seen as circular caps
     /// of the solid angle that they fill, to first order in it; seams and the fall of light stay as seen from the centre.
     ///
     /// # Errors

@@ -20,7 +20,7 @@ pub struct Fit {
     pub domain: [[f64; 2]; 2],
     /// The surface w(u, v).
     pub spline: TensorSpline,
-    /// What the contacts leave open of the surface, if the method states it.
+    /// Uncertainty of the surface that the contacts leave, if the method states it.
     pub posterior: Option<Posterior>,
     /// Noise of the contacts, if the method finds it.
     pub noise: Option<NoiseEstimate>,

@@ -87,7 +87,7 @@ impl Penalised {
     /// less cost.
     ///
     /// # Errors
-    /// As [`Method::fit`].
+    /// Errors of [`Method::fit`].
     pub fn estimate(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
         Ok(self.estimated(patch)?.fit)
     }
@@ -184,7 +184,7 @@ impl Penalised {
 }
 
 impl Estimated {
-    /// What the contacts leave open of the surface; `None` where they do not tell their noise.
+    /// Uncertainty of the surface that the contacts leave; `None` where they do not tell their noise.
     fn posterior(&self, patch: &Patch) -> Result<Option<Posterior>, Ep2Error> {
         if !self.told {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! What the contacts and a prior leave open of a surface.
+//! Uncertainty of a surface that the contacts and a prior leave.
 
 use nalgebra::DMatrix;
 
@@ -96,7 +96,7 @@ impl Posterior {
 struct Maps {
     /// By u and by v.
     slopes: [SparseMap; 2],
-    /// Those of slopes.
+    /// Maps from these derivatives to theirs, by u and by v.
     bends: [SparseMap; 2],
 }
 

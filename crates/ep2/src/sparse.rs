@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 pub(crate) struct SparseMap {
     from: usize,
     to: usize,
-    /// What is taken from which coefficient to which, with its factor.
+    /// Coefficient from which, coefficient to which, and the factor between them.
     entries: Vec<(usize, usize, f64)>,
 }
 
@@ -17,7 +17,7 @@ impl SparseMap {
         Self { from, to, entries }
     }
 
-    /// The same, with every entry divided by `unit`.
+    /// Map with every entry divided by `unit`.
     pub(crate) fn in_unit(mut self, unit: f64) -> Self {
         self.entries.iter_mut().for_each(|entry| entry.2 /= unit);
         self

@@ -12,11 +12,11 @@ mod search;
 mod settings;
 mod start;
 
+use crate::definite::inverse;
 use crate::{Body, Contact, Markers, PressError, PressEstimate};
-use minimise::inverse;
 use outcome::Stds;
 use problem::{Problem, State};
-use search::Search;
+use search::{SINGULAR, Search};
 
 pub use reading::{Measured, Reading};
 pub use settings::{ForwardFit, Prior};
@@ -85,7 +85,7 @@ impl ForwardFit {
             gain: 1.0,
         };
         problem.keep_window(&state);
-        let covariance = inverse(&problem.sums(&state).ok()?.hessian)?;
+        let covariance = inverse(&problem.sums(&state).ok()?.hessian, SINGULAR)?;
         let stds = Stds::new(&problem, &state, &covariance).ok()?;
         Some(Bounds {
             relative_curvature: stds.relative_curvature,

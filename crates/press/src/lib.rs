@@ -7,6 +7,7 @@
 
 mod body;
 mod bonded_layer;
+mod definite;
 mod error;
 mod estimate;
 mod field;

@@ -127,6 +127,18 @@ impl Skin {
             ContactRegime::Edge => return Err(PressError::EdgeContact { relative_curvature }),
             ContactRegime::Convex | ContactRegime::Flat | ContactRegime::Concave => {}
         }
+        self.press(body, relative_curvature, indentation)
+    }
+}
+
+impl Skin {
+    /// The contact at this relative curvature.
+    pub(crate) fn press<'b>(
+        &self,
+        body: &'b Body,
+        relative_curvature: f64,
+        indentation: f64,
+    ) -> Result<Contact<'b>, PressError> {
         if indentation >= self.radius {
             return Err(PressError::TooDeep {
                 indentation,
@@ -143,11 +155,17 @@ impl Skin {
         }
         Ok(contact)
     }
-}
 
-impl Skin {
+    /// The direction from the centre that lies this far along the skin from a place; the lengths, not both zero, go
+    /// along the place's axes.
+    pub(crate) fn beyond(&self, place: &Place, along: f64, across: f64) -> Vector3<f64> {
+        let tangent = place.x_axis * along + place.y_axis * across;
+        let angle = tangent.norm() / self.radius;
+        place.direction.as_ref() * libm::cos(angle) + tangent.normalize() * libm::sin(angle)
+    }
+
     /// The place at a direction from the centre.
-    pub(crate) fn place_at(&self, direction: &nalgebra::Vector3<f64>) -> Place {
+    pub(crate) fn place_at(&self, direction: &Vector3<f64>) -> Place {
         self.place(self.chart(direction))
     }
 }

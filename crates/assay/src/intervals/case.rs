@@ -123,7 +123,7 @@ impl Case {
         )
     }
 
-    /// What the estimator is told.
+    /// Noise that the estimator is told.
     pub(super) fn told(&self) -> Noise {
         if !self.is_told {
             return Noise::default();

@@ -82,7 +82,7 @@ impl fmt::Display for Score {
     }
 }
 
-/// What the intervals of a case must reach on all surfaces together.
+/// Limits that the intervals of a case must keep on all surfaces together.
 struct Limits {
     coverage95: [f64; 2],
     least_above_85: f64,

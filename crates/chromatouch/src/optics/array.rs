@@ -172,10 +172,10 @@ impl MarkerArray {
         self.misaligned_in(most, seed, 0)
     }
 
-    /// The same as they are made in trial number `trial`.
+    /// Markers with the misalignments of trial number `trial`.
     ///
     /// # Errors
-    /// As [`MarkerArray::misaligned`].
+    /// [`OpticsError::BadSetting`] for `misalignment`, as of [`MarkerArray::misaligned`].
     pub fn misaligned_in(mut self, most: f64, seed: u64, trial: u64) -> Result<Self, OpticsError> {
         let good = (0.0..=1.0).contains(&most);
         OpticsError::unless(good, "misalignment", most, "from 0 to 1")?;

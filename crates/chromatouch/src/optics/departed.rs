@@ -39,7 +39,7 @@ impl Optics {
         optics.seen_from(self.pose().moved(place, turn_rad))
     }
 
-    /// The same sensor with other misalignments of its markers, as
+    /// Optics of this sensor with other misalignments of its markers, as
     /// [`MarkerArray::with_misalignments`](super::MarkerArray::with_misalignments) takes them.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! What the contacts leave open of a surface, over all lengths and amplitudes of its roughness.
+//! Uncertainty of a surface that the contacts leave, over all lengths and amplitudes of its roughness.
 
 use std::f64::consts::LN_2;
 
@@ -37,7 +37,7 @@ const NEGLIGIBLE: f64 = -7.0;
 /// How much more the equations may tell than the prior of the expected amplitude: beyond, they are rounding.
 const TOLD: f64 = 1e11;
 
-/// What is given: the equations of a series around a quadric, and what goes with them.
+/// Equations of a series around a quadric, and what goes with them.
 pub(super) struct Given<'a> {
     pub(super) equations: &'a SeriesEquations,
     pub(super) degree: usize,
@@ -160,7 +160,7 @@ struct Mixed {
 }
 
 impl Rest {
-    /// The same, but with variances that are large enough for the equations to tell no more than their rounding allows.
+    /// Rest with variances that are large enough for the equations to tell no more than their rounding allows.
     fn blurred(self) -> Result<Self, Ep2Error> {
         let amplitude = self.expected_amplitude;
         let told = self.gram.trace() * amplitude * amplitude;

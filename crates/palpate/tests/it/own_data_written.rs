@@ -248,7 +248,7 @@ fn tables_of_json() {
     );
 }
 
-/// What stands before the first row: comments, a line of Excel, a second line with units, a header in a comment.
+/// Lines before the first row: comments, a line of Excel, a second line with units, a header in a comment.
 #[test]
 fn what_stands_before_the_rows() {
     let expected = mean_curvature(&rolls(ROLLS, ""));

@@ -1,7 +1,8 @@
 //! Levenberg and Marquardt's method.
 
-use super::problem::{Problem, Square, State, Sums, UNKNOWNS, Unknowns};
+use super::problem::{Problem, State, Sums, UNKNOWNS, Unknowns};
 use crate::PressError;
+use crate::definite::solve;
 
 const MOST_STEPS: usize = 200;
 /// Smallest step that is worth taking, as a share of the unknowns.
@@ -72,34 +73,4 @@ fn damped_step(sums: &Sums, damping: f64) -> Option<Unknowns> {
         damped[(index, index)] *= 1.0 + damping;
     }
     solve(&damped, &-sums.gradient)
-}
-
-/// The solution of a symmetric positive definite system, scaled to a unit diagonal first.
-pub(super) fn solve(matrix: &Square, right: &Unknowns) -> Option<Unknowns> {
-    let scale = matrix.diagonal().map(|entry| entry.sqrt().recip());
-    if !scale.iter().all(|entry| entry.is_finite()) {
-        return None;
-    }
-    let scaled = matrix.component_mul(&(scale * scale.transpose()));
-    let factor = scaled.cholesky()?;
-    let solution = factor
-        .solve(&right.component_mul(&scale))
-        .component_mul(&scale);
-    solution
-        .iter()
-        .all(|entry| entry.is_finite())
-        .then_some(solution)
-}
-
-/// The inverse, if the matrix is further from singular than rounding.
-pub(super) fn inverse(matrix: &Square) -> Option<Square> {
-    const SINGULAR: f64 = 1e-7;
-    let scale = matrix.diagonal().map(|entry| entry.sqrt().recip());
-    if !scale.iter().all(|entry| entry.is_finite()) {
-        return None;
-    }
-    let outer = scale * scale.transpose();
-    let factor = matrix.component_mul(&outer).cholesky()?;
-    let least = factor.l_dirty().diagonal().min();
-    (least > SINGULAR).then(|| factor.inverse().component_mul(&outer))
 }

@@ -77,20 +77,8 @@ impl State {
 
 impl<'a> Problem<'a> {
     pub(super) fn contact(&self, state: &State) -> Result<Contact<'a>, PressError> {
-        let contact = self.fit.body.press(state.curvature(), state.indentation)?;
-        let limit = self.reading.markers.skin().radius();
-        if contact.indentation >= limit {
-            return Err(PressError::TooDeep {
-                indentation: contact.indentation,
-                limit,
-                what: "the sensor's radius",
-            });
-        }
-        if contact.radius > limit {
-            let radius = contact.radius;
-            return Err(PressError::TooWide { radius, limit });
-        }
-        Ok(contact)
+        let skin = self.reading.markers.skin();
+        skin.press(&self.fit.body, state.curvature(), state.indentation)
     }
 
     /// The tangential readings, if they count.
@@ -352,15 +340,11 @@ impl<'a> Problem<'a> {
 
     /// The state after a step.
     pub(super) fn moved(&self, state: &State, step: &Unknowns) -> State {
-        let radius = self.reading.markers.skin().radius();
         let place = if step[ALONG] == 0.0 && step[ACROSS] == 0.0 {
             state.place
         } else {
-            let tangent = state.place.x_axis * step[ALONG] + state.place.y_axis * step[ACROSS];
-            let angle = tangent.norm() / radius;
-            let direction = state.place.direction.as_ref() * libm::cos(angle)
-                + tangent.normalize() * libm::sin(angle);
-            self.place_at(&direction)
+            let skin = self.reading.markers.skin();
+            self.place_at(&skin.beyond(&state.place, step[ALONG], step[ACROSS]))
         };
         State {
             log_curvature: state.log_curvature + step[CURVATURE],

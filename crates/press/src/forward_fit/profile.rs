@@ -1,8 +1,9 @@
 //! Intervals of the relative curvature by profile likelihood.
 
-use super::minimise::{minimise, solve};
+use super::minimise::minimise;
 use super::problem::{CURVATURE, INDENTATION, Problem, State, Sums, Unknowns};
 use crate::Interval;
+use crate::definite::solve;
 
 /// Relative accuracy to which the root of chi-squared's rise meets the limit's where the interval's end is then
 /// interpolated.

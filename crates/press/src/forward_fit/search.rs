@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::minimise::{inverse, minimise};
+use super::minimise::minimise;
 use super::misfit::Misfit;
 use super::outcome::outcome;
 use super::presence::{NOTHING, on_markers, seen};
@@ -11,8 +11,11 @@ use super::profile::{Profile, profile};
 use super::reading::Reading;
 use super::settings::{ForwardFit, Prior};
 use super::start::{median, starts};
+use crate::definite::inverse;
 use crate::{Contact, Interval, PressError, PressEstimate};
 
+/// Least entry on the diagonal of the scaled factor of information that can be inverted.
+pub(super) const SINGULAR: f64 = 1e-7;
 /// A residual beyond this many standard deviations is wrong, not noisy: chance brings one in two million.
 const WRONG: f64 = 5.0;
 /// Largest share of the markers that can be wrong; if more seem so, the model is.
@@ -155,7 +158,7 @@ impl<'a> Search<'a> {
         // The profile may find a better fit than the one it starts from.
         for _ in 0..4 {
             seen(&self.problem, &state)?;
-            let covariance = inverse(&sums.hessian).ok_or(PressError::Undetermined {
+            let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
                 what: "some combination of curvature, place, indentation, baseline and gain is free",
             })?;
             let limit = self.limit();
@@ -196,7 +199,7 @@ impl<'a> Search<'a> {
                 return Profile::Better(state);
             }
             let around = |_| profile(&self.problem, &state, &least, limit - rise.max(0.0));
-            hull = match inverse(&least.hessian).map(around) {
+            hull = match inverse(&least.hessian, SINGULAR).map(around) {
                 Some(Profile::Interval(interval)) => hull.hull(interval),
                 // A rival that nothing bounds leaves the curvature unbounded.
                 Some(Profile::Better(_)) | None => Interval::UNBOUNDED,

@@ -30,20 +30,8 @@ impl<V: View> ImageFit<V> {
         body: &'b Body,
         state: &State,
     ) -> Result<Contact<'b>, PressError> {
-        let contact = body.press(state.curvature(), state.indentation)?;
-        let limit = self.markers.skin().radius();
-        if contact.indentation >= limit {
-            return Err(PressError::TooDeep {
-                indentation: contact.indentation,
-                limit,
-                what: "the sensor's radius",
-            });
-        }
-        if contact.radius > limit {
-            let radius = contact.radius;
-            return Err(PressError::TooWide { radius, limit });
-        }
-        Ok(contact)
+        let skin = self.markers.skin();
+        skin.press(body, state.curvature(), state.indentation)
     }
 
     /// Displacements of the magenta and the yellow disc of each marker.

@@ -1,9 +1,10 @@
 //! Levenberg and Marquardt's method on pictures.
 
 use super::law::State;
-use super::problem::{Jacobian, Problem, Residuals, Square, Sums, Unknowns};
+use super::problem::{Jacobian, Problem, Residuals, Sums, UNKNOWNS};
 use super::view::View;
 use crate::PressError;
+use crate::definite::solve;
 
 const MOST_STEPS: usize = 60;
 const MOST_DAMPING: f64 = 1e9;
@@ -51,7 +52,11 @@ pub(super) fn minimise<V: View>(
         if let Some(held) = held {
             free.hold(held);
         }
-        let Some(step) = solve(&free.hessian, &-free.gradient, damping) else {
+        let mut damped = free.hessian;
+        for index in 0..UNKNOWNS {
+            damped[(index, index)] *= 1.0 + damping;
+        }
+        let Some(step) = solve(&damped, &-free.gradient) else {
             damping = damping.max(1e-6) * 10.0;
             if damping > MOST_DAMPING {
                 break;
@@ -101,37 +106,4 @@ pub(super) fn minimise<V: View>(
         }
     }
     Ok(best)
-}
-
-/// The solution of a symmetric positive definite system with its diagonal enlarged, scaled to a unit diagonal first.
-pub(super) fn solve(matrix: &Square, right: &Unknowns, damping: f64) -> Option<Unknowns> {
-    let scale = matrix.diagonal().map(|entry| entry.sqrt().recip());
-    if !scale.iter().all(|entry| entry.is_finite()) {
-        return None;
-    }
-    let mut scaled = matrix.component_mul(&(scale * scale.transpose()));
-    for index in 0..scaled.nrows() {
-        scaled[(index, index)] *= 1.0 + damping;
-    }
-    let solution = scaled
-        .cholesky()?
-        .solve(&right.component_mul(&scale))
-        .component_mul(&scale);
-    solution
-        .iter()
-        .all(|entry| entry.is_finite())
-        .then_some(solution)
-}
-
-/// The inverse, if the matrix is further from singular than rounding.
-pub(super) fn inverse(matrix: &Square) -> Option<Square> {
-    const SINGULAR: f64 = 1e-6;
-    let scale = matrix.diagonal().map(|entry| entry.sqrt().recip());
-    if !scale.iter().all(|entry| entry.is_finite()) {
-        return None;
-    }
-    let outer = scale * scale.transpose();
-    let factor = matrix.component_mul(&outer).cholesky()?;
-    let least = factor.l_dirty().diagonal().min();
-    (least > SINGULAR).then(|| factor.inverse().component_mul(&outer))
 }

@@ -1,14 +1,17 @@
 //! The press behind pictures, and the estimate that is reported of it.
 
 use super::law::State;
-use super::minimise::{Fitted, inverse, minimise};
+use super::minimise::{Fitted, minimise};
 use super::problem::{ACROSS, ALONG, CURVATURE, INDENTATION, Problem, Square};
 use super::profile::profile;
 use super::rest::Rest;
 use super::settings::ImageFit;
 use super::view::{NUMBERS, Seen, View};
+use crate::definite::inverse;
 use crate::{Estimated, Interval, Measured, PressError, PressEstimate, Verdict};
 
+/// Least entry on the diagonal of the scaled factor of information that can be inverted.
+const SINGULAR: f64 = 1e-6;
 /// The normal quantile of a two-sided interval of 95 %.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Sum of the squares of a marker's four residuals beyond which it is wrong: chance brings one in three million.
@@ -87,7 +90,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     for _ in 0..4 {
         let fitted = Fitted::at(&problem, best.state)?;
         best = minimise(&problem, fitted, EXACTLY, None, false)?;
-        let covariance = inverse(&best.sums.hessian).ok_or(PressError::Undetermined {
+        let covariance = inverse(&best.sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
             what: "some combination of curvature, place and indentation is free",
         })?;
         let at_rest = problem.residuals_at_rest()?;

@@ -41,7 +41,7 @@ pub(super) struct Problem<'a, V> {
     by_depth: Vec<[MarkerDisplacement; 2]>,
     /// Whitening of each of them.
     whiten: Vec<Matrix4<f64>>,
-    /// What is common to all, whitened: as many rows as equations, and a column for each departure.
+    /// Effect of common departures, whitened: as many rows as equations, and a column for each departure.
     common: DMatrix<f64>,
     /// Inverse root of the information on the departures in both frames, times `common` transposed.
     shared: DMatrix<f64>,
@@ -131,7 +131,7 @@ impl<'a, V: View> Problem<'a, V> {
         self.weigh_at(&moved, per_depth.as_deref())
     }
 
-    /// The same with the weights of markers that are at rest.
+    /// Weighs the equations by the errors of markers that are at rest.
     pub(super) fn weigh_at_rest(&mut self) -> Result<(), PressError> {
         self.weigh_at(&self.still(), None)
     }
@@ -358,11 +358,7 @@ impl<'a, V: View> Problem<'a, V> {
         let place = if step[ALONG] == 0.0 && step[ACROSS] == 0.0 {
             state.place
         } else {
-            let tangent = state.place.x_axis * step[ALONG] + state.place.y_axis * step[ACROSS];
-            let angle = tangent.norm() / skin.radius();
-            let direction = state.place.direction.as_ref() * libm::cos(angle)
-                + tangent.normalize() * libm::sin(angle);
-            skin.place_at(&direction)
+            skin.place_at(&skin.beyond(&state.place, step[ALONG], step[ACROSS]))
         };
         State {
             log_curvature: state.log_curvature + step[CURVATURE],

@@ -1,10 +1,11 @@
 //! Interval of the relative curvature by profile likelihood, from pictures.
 
 use super::law::State;
-use super::minimise::{Fitted, minimise, solve};
+use super::minimise::{Fitted, minimise};
 use super::problem::{CURVATURE, INDENTATION, Problem, Unknowns};
 use super::view::View;
 use crate::Interval;
+use crate::definite::solve;
 
 /// Relative accuracy to which the root of chi-squared's rise meets the limit's.
 const TOLERANCE: f64 = 0.02;
@@ -35,7 +36,7 @@ fn ridge(best: &Fitted) -> Unknowns {
     let across = -best.sums.hessian.column(CURVATURE);
     let mut held = best.sums;
     held.hold(CURVATURE);
-    let mut along = solve(&held.hessian, &across, 0.0).unwrap_or_default();
+    let mut along = solve(&held.hessian, &across).unwrap_or_default();
     along[CURVATURE] = 1.0;
     along
 }

@@ -1,4 +1,4 @@
-//! What the markers at rest tell of the sensor.
+//! Departures of the sensor that the markers at rest tell.
 
 use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Matrix4, OMatrix, U2, Vector4};
 
@@ -34,7 +34,7 @@ pub struct Rest {
     pub(super) local: Vec<Option<Local>>,
 }
 
-/// What is left unknown of a marker's misalignment.
+/// Misalignment of a marker, as far as it is left unknown.
 #[derive(Clone, Debug)]
 pub(super) struct Local {
     pub(super) follows: OMatrix<f64, U2, Dyn>,

@@ -1,4 +1,4 @@
-//! What a camera sees of the markers, as a fit is told it.
+//! Pictures of markers that a camera sees, as a fit is told them.
 
 use nalgebra::Matrix4;
 
@@ -18,7 +18,7 @@ pub struct Seen {
     pub covariance: Matrix4<f64>,
 }
 
-/// What is known only roughly of a sensor, at some values.
+/// Properties of a sensor that are known only roughly, at some values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorState<'a> {
     /// Departures common to all markers from what calibration knows. The first two are the lengths by which the

@@ -226,7 +226,7 @@ pub(crate) fn design<'py>(
     }
 }
 
-/// What was found along one field, or of several.
+/// Answer along one field, or region of several.
 enum Either {
     Line(Found<Box<Answer>>),
     Region(Found<Region>),

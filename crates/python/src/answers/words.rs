@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 
 use crate::error;
 
-/// What a word means that palpate prints or asks for: "pitch", "unresolved", "coverage95".
+/// Meaning of a word that palpate prints or asks for: "pitch", "unresolved", "coverage95".
 ///
 /// Parameters
 /// ----------

@@ -44,7 +44,7 @@ fn of_sweep(error: SweepError<palpate::ConfigError>) -> PyErr {
     }
 }
 
-/// What is run of a study.
+/// Part of a study that is run.
 pub(super) struct Asked {
     pub(super) study: Arc<Study>,
     /// Numbers of its cells; all of them by default.

@@ -11,7 +11,7 @@ use palpate_study::number::grouped;
 /// Share below which an interval of 95 % falls short.
 const SHORT: f64 = 0.90;
 
-/// What the studies measure of the intervals of each estimator; `None` where they measure none.
+/// Measurements of the intervals of each estimator by the studies; `None` where they measure none.
 ///
 /// # Errors
 /// The figure cannot be drawn.

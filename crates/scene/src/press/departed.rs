@@ -50,7 +50,7 @@ pub(super) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
     stds
 }
 
-/// What makes another sensor of each trial.
+/// Draws that make another sensor of each trial.
 #[derive(Clone, Debug)]
 pub(super) struct Redrawn {
     errors: Vec<GaussianError>,

@@ -200,7 +200,7 @@ fn the_stated_deviation_counts_spin() {
     assert!((0.85..1.15).contains(&ratio), "{ratio}");
 }
 
-/// The same scene with another motion.
+/// Scene with another motion.
 fn with_motion(motion: &str, lines: &str) -> Scene {
     let text = format!(
         r#"name = "a-study"

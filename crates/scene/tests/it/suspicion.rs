@@ -208,7 +208,7 @@ fn shift_noise(shift_std: f64) -> ReadingNoise {
     }
 }
 
-/// Of 20,000 sets whose noise is what is stated none is doubted; of 1,000 with a noise that is stated eight times too large, or
+/// Sets whose noise is what is stated are never doubted, of 20,000; of 1,000 with a noise that is stated eight times too large, or
 /// with shifts in cm, every one.
 #[test]
 fn a_noise_that_is_stated_far_too_large_is_told() {

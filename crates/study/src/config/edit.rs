@@ -36,7 +36,8 @@ pub fn of_json(file: &str, config: &Json) -> Result<String, ConfigError> {
 }
 
 /// Text of a config with these fields set, each by its path of keys and numbers joined by dots; `null` takes a field away.
-/// What states the same in another way, as `duration_s` beside `arc_length`, goes. Whether they are known, and what they may be, shows when the text is read.
+/// Fields that state the same in another way, as `duration_s` beside `arc_length`, go. Whether fields are known, and what they
+/// may be, shows when the text is read.
 ///
 /// ```
 /// use palpate_study::config::with_fields;

@@ -80,7 +80,7 @@ pub enum PressEstimatorConfig {
         #[serde(default)]
         noise: NoiseKnown,
     },
-    /// What a camera sees of a layer bonded to a rigid core, where there is a `thickness`, else of a half-space: fitted to
+    /// A layer bonded to a rigid core, where there is a `thickness`, else a half-space, as a camera sees it: fitted to
     /// centroid, hue and size of each marker, at rest and pressed. It is told the errors that the tracker states, and how
     /// roughly the sensor is known (`noise.sensor`).
     #[schemars(extend("x-of-scenes" = true))]

@@ -46,7 +46,7 @@ fn spread(span: Span, count: usize, gap: f64) -> Answer {
     Answer::holds(ascend && is_full && values.iter().all(is_value)).also(values)
 }
 
-/// What lies between is a value between.
+/// Value between two others, which must lie between them.
 fn between(span: Span, gap: f64) -> Answer {
     let found = span.between(span.from, span.to, gap);
     let is_value = |value: f64| {
