@@ -48,6 +48,8 @@ pub(crate) struct LadderScene {
 pub(crate) struct Rung {
     pub(crate) name: String,
     pub(crate) error: f64,
+    /// Standard deviation of the error over sets of trials; 0 where no trials are drawn.
+    pub(crate) error_std: f64,
     /// Instructions where they are counted, else the median of nanoseconds.
     pub(crate) cost: f64,
     /// Whether no other rung is both as exact and as cheap (Pareto front).
@@ -134,12 +136,13 @@ fn rungs(files: &Files) -> Result<(Vec<(Key, Rung)>, bool), ReportError> {
         "scene",
         "rung",
         "error",
+        "error_std",
         "median_ns",
         "instructions",
         "pareto",
     ];
     let table = Records::read(files, "rungs.csv", &names)?.filled()?;
-    let counted = (0..table.rows()).all(|row| !table.text(row, 5).is_empty());
+    let counted = (0..table.rows()).all(|row| !table.text(row, 6).is_empty());
     let positive = |row: usize, column: usize| {
         let number = table.number(row, column)?;
         if number > 0.0 {
@@ -153,8 +156,9 @@ fn rungs(files: &Files) -> Result<(Vec<(Key, Rung)>, bool), ReportError> {
         let rung = Rung {
             name: table.text(row, 2).to_owned(),
             error: positive(row, 3)?,
-            cost: positive(row, if counted { 5 } else { 4 })?,
-            on_front: table.text(row, 6) == "true",
+            error_std: finite(table.text(row, 4)).unwrap_or(0.0),
+            cost: positive(row, if counted { 6 } else { 5 })?,
+            on_front: table.text(row, 7) == "true",
         };
         Ok((key, rung))
     };

@@ -133,7 +133,10 @@ mod tests {
     #[test]
     fn the_finest_rung_errs_by_rounding() {
         for stage in ladder().scenes {
-            let errors = stage.rungs.into_iter().map(|rung| (rung.error)().unwrap());
+            let errors = stage
+                .rungs
+                .into_iter()
+                .map(|rung| (rung.error)().unwrap().error);
             let errors: Vec<f64> = errors.collect();
             assert!(errors.iter().any(|error| *error < 1e-13), "{errors:?}");
         }

@@ -50,6 +50,20 @@ pub(super) struct SceneRungs {
     pub(super) rungs: Vec<Rung>,
 }
 
+/// Error of a rung.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Erring {
+    pub(super) error: f64,
+    /// Standard deviation of the error over sets of trials; `None` where no trials are drawn.
+    pub(super) std: Option<f64>,
+}
+
+impl From<f64> for Erring {
+    fn from(error: f64) -> Self {
+        Self { error, std: None }
+    }
+}
+
 /// One way to answer.
 pub(super) struct Rung {
     /// Name of the rung, with its setting.
@@ -58,16 +72,16 @@ pub(super) struct Rung {
     pub(super) setting: Option<f64>,
     /// Computation of the relative error against the truth. It runs once, and not in the process that counts
     /// instructions.
-    pub(super) error: Box<dyn FnOnce() -> Result<f64>>,
+    pub(super) error: Box<dyn FnOnce() -> Result<Erring>>,
     /// Work whose cost is measured. Whatever it needs beforehand is made at its first run.
     pub(super) evaluation: Evaluation,
 }
 
 impl Rung {
     /// A rung without a number that is set.
-    pub(super) fn new<T>(
+    pub(super) fn new<T, E: Into<Erring>>(
         name: impl Into<String>,
-        error: impl FnOnce() -> Result<f64> + 'static,
+        error: impl FnOnce() -> Result<E> + 'static,
         evaluate: impl FnMut() -> T + 'static,
     ) -> Self {
         let name = name.into();
@@ -75,7 +89,7 @@ impl Rung {
             evaluation: Evaluation::new(name.clone(), evaluate),
             name,
             setting: None,
-            error: Box::new(error),
+            error: Box::new(|| error().map(E::into)),
         }
     }
 

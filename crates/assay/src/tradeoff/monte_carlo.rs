@@ -1,10 +1,10 @@
 //! Rungs of a Monte-Carlo study: how many trials.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result};
 use palpate_scene::Scene;
 
-use super::ladder::Ladder;
-use super::trials::{Asked, Choice, Template, at_least_rounding, outcomes};
+use super::ladder::{Erring, Ladder};
+use super::trials::{Asked, Choice, Template, at_least_rounding, outcomes, root_mean};
 
 /// Index of the quantity whose rms error is judged: the first that a scene estimates.
 const QUANTITY: usize = 0;
@@ -85,18 +85,15 @@ fn asked(trials: u32) -> Asked {
     }
 }
 
-/// Standard error of the rms error r = √m, relative to r: s/√N/(2 m), where m is the mean of N squared errors and s
-/// their standard deviation.
-fn standard_error(scene: &Scene, trials: u64) -> Result<f64> {
+/// Standard error of the rms error, relative to it.
+fn standard_error(scene: &Scene, trials: u64) -> Result<Erring> {
     let squares: Vec<f64> = outcomes(scene, trials)?
         .into_iter()
         .flatten()
         .filter(|(quantity, _)| *quantity == QUANTITY)
         .map(|(_, outcome)| (outcome.estimate - outcome.truth).powi(2))
         .collect();
-    ensure!(squares.len() > 1, "a single trial has no scatter");
-    let count = squares.len() as f64;
-    let mean = squares.iter().sum::<f64>() / count;
-    let variance = squares.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    at_least_rounding((variance / count).sqrt() / (2.0 * mean))
+    let rms = root_mean(&squares)?;
+    let std = rms.std.context("a single trial has no scatter")?;
+    at_least_rounding(std / rms.error).map(Erring::from)
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 
 use super::front::{Worth, answer, pareto};
-use super::ladder::Ease;
+use super::ladder::{Ease, Erring};
 use crate::measured::Spread;
 
 /// Errors that users may allow, in words and as numbers; for each the tables name the cheapest rung.
@@ -32,7 +32,7 @@ pub(super) struct Measured {
 pub(super) struct MeasuredRung {
     pub(super) name: String,
     pub(super) setting: Option<f64>,
-    pub(super) error: f64,
+    pub(super) error: Erring,
     pub(super) ns: Spread,
     pub(super) instructions: Option<u64>,
 }
@@ -44,7 +44,7 @@ impl MeasuredRung {
             .map_or(self.ns.median, |count| count as f64);
         Worth {
             cost,
-            error: self.error,
+            error: self.error.error,
         }
     }
 }
@@ -89,6 +89,7 @@ fn write_rungs(measured: &[Measured], folder: &Path) -> Result<()> {
         "rung",
         "setting",
         "error",
+        "error_std",
         "median_ns",
         "q25_ns",
         "q75_ns",
@@ -105,7 +106,10 @@ fn write_rungs(measured: &[Measured], folder: &Path) -> Result<()> {
                 it.ease.name().to_owned(),
                 rung.name.clone(),
                 rung.setting.map_or_else(String::new, |it| it.to_string()),
-                format!("{:.3e}", rung.error),
+                format!("{:.3e}", rung.error.error),
+                rung.error
+                    .std
+                    .map_or_else(String::new, |std| format!("{std:.3e}")),
                 median,
                 q25,
                 q75,
@@ -137,7 +141,7 @@ fn write_answers(measured: &[Measured], folder: &Path) -> Result<()> {
                     let [median, ..] = nanoseconds(&rung.ns);
                     [
                         rung.name.clone(),
-                        format!("{:.3e}", rung.error),
+                        format!("{:.3e}", rung.error.error),
                         median,
                         count(rung.instructions),
                     ]
@@ -191,7 +195,10 @@ mod tests {
         let rung = |name: &str, error: f64, instructions: u64| MeasuredRung {
             name: name.to_owned(),
             setting: None,
-            error,
+            error: Erring {
+                error,
+                std: Some(1e-3),
+            },
             ns: Spread {
                 q25: 1.0,
                 median: 2.0,
@@ -223,7 +230,7 @@ mod tests {
         );
         let rungs = fs::read_to_string(folder.path().join("rungs.csv")).unwrap();
         assert!(
-            rungs.contains("l,hard,fine,,5.000e-4,2.0,1.0,3.0,100,true"),
+            rungs.contains("l,hard,fine,,5.000e-4,1.000e-3,2.0,1.0,3.0,100,true"),
             "{rungs}"
         );
     }

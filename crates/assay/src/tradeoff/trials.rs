@@ -3,11 +3,11 @@
 use palpate_scene::Scenes;
 use std::cell::OnceCell;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, ensure};
 use palpate_scene::{Outcome, Scene};
 use palpate_study::config;
 
-use super::ladder::{Ease, Rung, SceneRungs};
+use super::ladder::{Ease, Erring, Rung, SceneRungs};
 
 /// Placeholder in a scene's text for the lines of a rung.
 const RUNG: &str = "$rung";
@@ -67,7 +67,7 @@ impl Choice {
 #[derive(Clone, Copy)]
 pub(super) struct Asked {
     /// Computation of the error of a number of trials.
-    pub(super) error: fn(&Scene, trials: u64) -> Result<f64>,
+    pub(super) error: fn(&Scene, trials: u64) -> Result<Erring>,
     /// Trials for the error.
     pub(super) trials: u64,
     /// Trials in a row that are timed, so that their cost is a mean.
@@ -135,20 +135,32 @@ pub(super) fn run(scene: &Scene, trials: u32) -> f64 {
 }
 
 /// Root mean square of the relative error of one quantity; a trial that fails errs by its whole truth.
-pub(super) fn relative_rms(scene: &Scene, quantity: usize, trials: u64) -> Result<f64> {
+pub(super) fn relative_rms(scene: &Scene, quantity: usize, trials: u64) -> Result<Erring> {
     let truth = scene.truth(quantity).context("there is no one truth")?;
-    let trials = scene.trials(trials);
-    let mut squares = 0.0;
-    for trial in 0..trials {
+    let squares = (0..scene.trials(trials)).map(|trial| {
         let mut error = truth;
         let _ = scene.trial(trial, |index, outcome| {
             if index == quantity {
                 error = outcome.estimate - outcome.truth;
             }
         });
-        squares += (error / truth).powi(2);
-    }
-    at_least_rounding((squares / trials as f64).sqrt())
+        (error / truth).powi(2)
+    });
+    root_mean(&squares.collect::<Vec<f64>>())
+}
+
+/// Root r of the mean of N squared errors, one of each trial, with its standard error s/√N/(2r), where s is the standard
+/// deviation of the squares.
+pub(super) fn root_mean(squares: &[f64]) -> Result<Erring> {
+    ensure!(!squares.is_empty(), "no trials");
+    let count = squares.len() as f64;
+    let mean = squares.iter().sum::<f64>() / count;
+    let error = at_least_rounding(mean.sqrt())?;
+    let std = (squares.len() > 1).then(|| {
+        let scatter = squares.iter().map(|one| (one - mean).powi(2)).sum::<f64>();
+        (scatter / (count - 1.0) / count).sqrt() / (2.0 * error)
+    });
+    Ok(Erring { error, std })
 }
 
 /// Outcomes of each trial, with their quantities. A trial that fails estimates 0, and so errs by its whole truth.
@@ -176,5 +188,20 @@ pub(super) fn at_least_rounding(error: f64) -> Result<f64> {
         Ok(error.max(f64::EPSILON))
     } else {
         Err(anyhow!("the error is {error}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_root_mean_square_has_the_standard_error_of_its_trials() {
+        // Squares 1 and 9: mean 5, s = √32, r = √5; s/√2/(2r) = 2/√5.
+        let rms = root_mean(&[1.0, 9.0]).unwrap();
+        assert!((rms.error - 5_f64.sqrt()).abs() < 1e-15);
+        assert!((rms.std.unwrap() - 2.0 / 5_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(root_mean(&[4.0]).unwrap(), 2.0.into());
+        assert!(root_mean(&[]).is_err());
     }
 }

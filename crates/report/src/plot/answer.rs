@@ -6,6 +6,7 @@ use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, Words, widest
 use super::lettering::{width, wrap};
 use super::scale::{Scale, Spacing};
 use super::style::{Colour, FAINT, GRID, INK, MARKER, STROKE, Style, WHITE};
+use super::uncertainty::normal;
 use crate::ReportError;
 use palpate_study::Label;
 
@@ -81,10 +82,6 @@ const HEIGHT: f64 = 390.0;
 const SAMPLE: f64 = 26.0;
 /// Ratio of values above which the statistic is on a logarithmic axis.
 const FAR: f64 = 8.0;
-/// Standard errors of a bar on each side: it holds the true value with 95 %.
-const BAR: f64 = 1.96;
-/// Half the width of a bar's ends, pixels.
-const CAP: f64 = 4.0;
 
 /// Draws the answer of a design: the statistic with 95 % bars, the limit as a dashed line, and the values that meet the
 /// target on a blue ground, those that are undecided on a grey one.
@@ -275,8 +272,8 @@ impl Shown {
             }
         };
         let bars = points().flat_map(|point| {
-            let bar = BAR * point.std;
-            [point.y - bar, point.y, point.y + bar]
+            let [low, high] = normal(point.y, point.std);
+            [low, point.y, high]
         });
         let places = |factor: f64, is_log: bool| {
             let spacing = spacing(is_log);
@@ -372,17 +369,9 @@ impl Shown {
         };
         let place = |point: &CurvePoint| (axes.across(point.x * self.factors.0), down(point.y));
         for point in &drawn {
-            let (x, _) = place(point);
-            let (low, high) = (
-                down(point.y - BAR * point.std),
-                down(point.y + BAR * point.std),
-            );
-            if low - high > 1.0 {
-                canvas.line(&[(x, low), (x, high)], style.colour, 1.5);
-                for y in [low, high] {
-                    canvas.line(&[(x - CAP, y), (x + CAP, y)], style.colour, 1.5);
-                }
-            }
+            let ends =
+                normal(point.y, point.std).map(|end| y_spacing.nearest(end * self.factors.1));
+            axes.bar(canvas, point.x * self.factors.0, ends, 1.0, style.colour);
         }
         let places: Vec<_> = drawn.iter().map(|point| place(point)).collect();
         if places.len() > 1 && !self.is_named {

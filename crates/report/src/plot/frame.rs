@@ -133,6 +133,16 @@ pub(crate) struct Axes<'a> {
     pub(crate) size: (f64, f64),
 }
 
+/// Draws an interval from one height to another, with caps at those ends that have one.
+pub(crate) fn bar(canvas: &mut Canvas, x: f64, ends: [f64; 2], capped: [bool; 2], colour: Colour) {
+    const WIDTH: f64 = 1.5;
+    const HALF_CAP: f64 = 4.0;
+    canvas.line(&ends.map(|end| (x, end)), colour, WIDTH);
+    for (end, _) in ends.into_iter().zip(capped).filter(|(_, capped)| *capped) {
+        canvas.line(&[(x - HALF_CAP, end), (x + HALF_CAP, end)], colour, WIDTH);
+    }
+}
+
 impl Axes<'_> {
     /// Place across of a value of x.
     pub(crate) fn across(&self, x: f64) -> f64 {
@@ -152,6 +162,25 @@ impl Axes<'_> {
     pub(crate) fn edges(&self) -> (f64, f64, f64, f64) {
         let (left, top) = self.corner;
         (left, left + self.size.0, top, top + self.size.1)
+    }
+
+    /// Interval up at a value of x, as far as it lies within the panel; none where it is no longer than `hidden`, such as
+    /// a marker that covers it.
+    pub(crate) fn bar(
+        &self,
+        canvas: &mut Canvas,
+        x: f64,
+        ends: [f64; 2],
+        hidden: f64,
+        colour: Colour,
+    ) {
+        let (_, _, top, bottom) = self.edges();
+        let x = self.across(x);
+        let [low, high] = ends.map(|end| self.down(end).clamp(top, bottom));
+        if low - high > hidden {
+            let inside = [low, high].map(|end| end > top && end < bottom);
+            bar(canvas, x, [low, high], inside, colour);
+        }
     }
 
     /// Lines up at values of x, and across at values of y.

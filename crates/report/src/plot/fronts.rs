@@ -7,7 +7,8 @@ use super::canvas::{Anchor, Canvas, Point};
 use super::figure::Figure;
 use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, Words, widest};
 use super::scale::{Scale, Spacing};
-use super::style::{FAINT, FRAME, GRID, INK, QUIET, Style};
+use super::style::{Colour, FAINT, FRAME, GRID, INK, QUIET, Style};
+use super::uncertainty::normal;
 use crate::group::distinct;
 use crate::tradeoff::{Ladder, LadderScene, Rung, Tradeoff};
 use crate::{Files, ReportError, words};
@@ -49,6 +50,10 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
     let mut told = ladder.error_of.split("; ");
     let error_of = told.next().unwrap_or_default();
     let remarks = told.map(|remark| words::sentence(&[], remark));
+    let has_bars = rungs().any(|rung| rung.error_std > 0.0);
+    let bars = has_bars.then(|| {
+        "Bars, where longer than their marker: 95 % intervals by the number of trials.".to_owned()
+    });
     let off_scale = rungs().any(is_off_scale).then(|| {
         format!("Points below an arrow are off the scale: they err by more than {WORST}.")
     });
@@ -58,7 +63,7 @@ fn figure(ladder: &Ladder, unit: &str) -> Result<Figure, ReportError> {
         name: ladder.name.clone(),
         title: ladder.title.clone(),
         subtitle: subtitle.to_owned(),
-        notes: remarks.chain(off_scale).collect(),
+        notes: remarks.chain(bars).chain(off_scale).collect(),
     };
     let mut frame = Frame::new(words, WIDTH);
     let families: Vec<String> = rungs().map(|rung| family(&rung.name)).collect();
@@ -145,6 +150,7 @@ fn panel(
     }
     for rung in beaten {
         let style = style_of(rung);
+        bar(axes, rung, style.pale(), canvas);
         if is_off_scale(rung) {
             canvas.polygon(&arrow(place(rung)), style.pale());
         }
@@ -157,6 +163,7 @@ fn panel(
     }
     for rung in front {
         let Style { colour, marker } = style_of(rung);
+        bar(axes, rung, colour, canvas);
         if is_off_scale(rung) {
             canvas.polygon(&arrow(place(rung)), colour);
         }
@@ -165,6 +172,14 @@ fn panel(
     for name in &names {
         let colour = if name.of_front { INK } else { QUIET };
         canvas.text(&name.text, name.place, NAME, Anchor::Left, colour);
+    }
+}
+
+/// Interval of a rung's error, where it is longer than the marker.
+fn bar(axes: Axes<'_>, rung: &Rung, colour: Colour, canvas: &mut Canvas) {
+    if !is_off_scale(rung) {
+        let ends = normal(rung.error, rung.error_std).map(|end| Spacing::Log.nearest(end));
+        axes.bar(canvas, rung.cost, ends, 2.0 * MARKER, colour);
     }
 }
 

@@ -3,7 +3,7 @@
 use super::answer::{MEETS, MISSES, OPEN, Stretch, draw_axes};
 use super::canvas::{Anchor, Canvas, Point};
 use super::figure::Figure;
-use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, Words, outline, widest};
+use super::frame::{Axes, EDGE, Frame, LINE, TEXT, TICK_GAP, WIDTH, Words, bar, outline, widest};
 use super::scale::{Scale, Spacing};
 use super::style::{Colour, INK, MARKER, Marker, STROKE, WHITE};
 use crate::ReportError;
@@ -71,8 +71,6 @@ const GAP: f64 = 34.0;
 const SAMPLE: f64 = 26.0;
 /// Half the width of a column that has no neighbour, pixels.
 const ALONE: f64 = 24.0;
-/// Half the width of the bar across what is undecided at a crossing, pixels.
-const CAP: f64 = 4.0;
 
 /// Draws a feasible region: what meets the target on a blue ground, what is undecided on a grey one, and the target's
 /// contour, which is between them.
@@ -377,10 +375,7 @@ impl Placed<'_> {
             let x = self.across(strip.x);
             for (low, high) in crossings(strip) {
                 if low - high > 2.0 * MARKER {
-                    canvas.line(&[(x, low), (x, high)], INK, 1.5);
-                    for y in [low, high] {
-                        canvas.line(&[(x - CAP, y), (x + CAP, y)], INK, 1.5);
-                    }
+                    bar(canvas, x, [low, high], [true; 2], INK);
                 }
                 canvas.marker(Marker::Circle, (x, middle((low, high))), 0.7 * MARKER, INK);
             }

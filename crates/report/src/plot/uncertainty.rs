@@ -6,6 +6,11 @@ use palpate_study::{Quantity, QuantityKind, Statistic};
 /// Half-width of a 95 % interval, in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
 
+/// Ends of the 95 % interval of a value with this standard error.
+pub(crate) fn normal(value: f64, error: f64) -> [f64; 2] {
+    [value - HALF_WIDTH * error, value + HALF_WIDTH * error]
+}
+
 /// Ends of the 95 % interval of a statistic of `row` by its Monte Carlo error, in the unit of the table; `None` of what is
 /// known without trials, of fewer than two, and of a mean reported standard deviation, whose scatter no column tells.
 ///
@@ -62,7 +67,7 @@ pub(crate) fn interval(table: &Table, row: usize, name: &str) -> Option<[f64; 2]
         | Statistic::MeanReportedStd
         | Statistic::StdBound => return None,
     };
-    let ends = [value - HALF_WIDTH * error, value + HALF_WIDTH * error];
+    let ends = normal(value, error);
     ends.iter().all(|end| end.is_finite()).then_some(ends)
 }
 

@@ -9,11 +9,12 @@ const LADDERS: &str = "ladder,title,error_of,evaluation,scene,what,machine
 rolling,What does a roll cost?,error of the place,one roll,easy,a ball,a processor of 2 cores
 rolling,What does a roll cost?,error of the place,one roll,hard,an ellipsoid,a processor of 2 cores
 ";
-const RUNGS: &str = "ladder,scene,rung,setting,error,median_ns,q25_ns,q75_ns,instructions,pareto
-rolling,easy,closed form,,2.2e-16,40,39,41,200,true
-rolling,easy,RK4 × 1,1,1e-3,80,79,81,500,false
-rolling,hard,RK4 × 1,1,0.2,90,89,91,600,true
-rolling,hard,RK4 × 8,8,1e-4,900,899,901,6000,true
+const RUNGS: &str =
+    "ladder,scene,rung,setting,error,error_std,median_ns,q25_ns,q75_ns,instructions,pareto
+rolling,easy,closed form,,2.2e-16,,40,39,41,200,true
+rolling,easy,RK4 × 1,1,1e-3,,80,79,81,500,false
+rolling,hard,RK4 × 1,1,0.2,,90,89,91,600,true
+rolling,hard,RK4 × 8,8,1e-4,,900,899,901,6000,true
 ";
 const ANSWERS: &str = "ladder,scene,target,rung,error,median_ns,instructions
 rolling,easy,10 %,closed form,2.2e-16,40,200
@@ -48,6 +49,21 @@ fn drawn(rungs: &str) -> String {
     let mut figures = tradeoff_figures(&Files::in_memory(tables(rungs))).unwrap();
     assert_eq!((figures.len(), figures[0].name.as_str()), (1, "rolling"));
     figures.remove(0).svg
+}
+
+#[test]
+fn a_bar_shows_how_far_trials_leave_an_error_open() {
+    let bars = "Bars, where longer than their marker";
+    assert!(!drawn(RUNGS).contains(bars));
+    let plain = drawn(RUNGS).matches("<polyline").count();
+    // Of the two that err by chance, one does so by less than its marker shows.
+    let open = RUNGS
+        .replace(",0.2,,", ",0.2,0.09,")
+        .replace(",1e-4,,", ",1e-4,1e-7,");
+    let svg = drawn(&open);
+    assert!(svg.contains(bars), "{svg}");
+    // A stroke and two caps.
+    assert_eq!(svg.matches("<polyline").count(), plain + 3, "{svg}");
 }
 
 #[test]

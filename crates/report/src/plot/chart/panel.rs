@@ -11,10 +11,6 @@ use crate::plot::style::{FAINT, FRAME, GRID, INK, MARKER, OPEN_MARKER, QUIET, ST
 const MANY_POINTS: usize = 25;
 /// Width of the circle around a marker.
 const CIRCLE: f64 = 1.5;
-/// Width of a bar.
-const BAR: f64 = 1.5;
-/// Half the width of the cap at the end of a bar.
-const CAP: f64 = 4.0;
 
 /// Panel in its place.
 pub(super) struct Placed<'a> {
@@ -121,20 +117,9 @@ impl Placed<'_> {
 
     /// Bars of points, as far as they are longer than the marker and within the panel.
     fn bars(&self, line: &Line, marker: f64, canvas: &mut Canvas) {
-        let (_, _, top, bottom) = self.axes.edges();
         for (x, ends) in &line.bars {
-            let x = self.axes.across(*x);
-            let [low, high] = ends.map(|end| self.axes.down(end).clamp(top, bottom));
-            if low - high <= 2.0 * marker {
-                continue;
-            }
-            canvas.line(&[(x, low), (x, high)], line.style.colour, BAR);
-            for end in [low, high]
-                .into_iter()
-                .filter(|&end| end > top && end < bottom)
-            {
-                canvas.line(&[(x - CAP, end), (x + CAP, end)], line.style.colour, BAR);
-            }
+            let colour = line.style.colour;
+            self.axes.bar(canvas, *x, *ends, 2.0 * marker, colour);
         }
     }
 
