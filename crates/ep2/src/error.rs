@@ -105,6 +105,18 @@ pub enum Ep2Error {
         /// Angle between the direction and the plane, degrees.
         angle_deg: f64,
     },
+    /// The tip is too large for the path that its centre takes: no object makes it turn so sharply.
+    #[error(
+        "the tip's centre turns as on a ball of radius {turns:.6}, which a tip of radius \
+         {tip_radius} on an object cannot; is the radius too large, or is it the contact that is told?",
+        turns = Number(*turns), tip_radius = Number(*tip_radius)
+    )]
+    TipTooLarge {
+        /// Radius of the tip, length.
+        tip_radius: f64,
+        /// Radius of curvature of the surface on which the tip's centre moves, length.
+        turns: f64,
+    },
     /// The contacts do not determine the unknowns of the method.
     #[error(
         "the {contacts} contacts do not determine the surface: {rank} of its {unknowns} unknowns \

@@ -135,6 +135,7 @@ subjects! {
         "collinear": "All contacts lie on one line, so that nothing tells the shape across it. A second finger, or a pass beside the first, helps.";
         "folded": "The patch is no graph over its mean plane: some normal points away by 90 degrees or more. A smaller patch helps, or normals that all point outward.";
         "no-plane": "The contacts spread as far in all directions as those of a closed shape, which has no mean plane.";
+        "tip-too-large": "The centre of a round tip turns more sharply than a tip of that radius can on any object: --tip-radius is too large, or the readings tell the contact rather than the tip.";
         "no-side": "The outward direction lies in the patch's plane, and does not say which side is outside: --outward X,Y,Z.";
         "undetermined": "The readings do not determine all unknowns: some change of them changes no reading.";
     }

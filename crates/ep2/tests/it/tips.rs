@@ -118,3 +118,59 @@ fn tips_at_the_extremes_are_refused_or_left_alone() {
         "{error}"
     );
 }
+
+#[test]
+fn a_tip_larger_than_its_centre_can_follow_is_told() {
+    for told_point in POINTS {
+        for with_normals in [false, true] {
+            // On a ball of 5 the centre of a tip of 2 turns as on a ball of 7.
+            let tip = RoundTip {
+                radius: 2.0,
+                told: told_point,
+            };
+            let told = told(&tip, false, with_normals);
+            for radius in [1.0, 6.9, 7.1, 100.0, 1e9] {
+                let tip = RoundTip { radius, ..tip };
+                let contacts = tip.contacts(&told, &Vector3::z(), &Penalised::default());
+                match contacts {
+                    Ok(_) => assert!(radius < 7.0, "{radius}"),
+                    Err(Ep2Error::TipTooLarge { tip_radius, turns }) => {
+                        assert!(radius > 7.0 && tip_radius == radius, "{radius}");
+                        assert!((turns - 7.0).abs() < 0.01, "{radius}: {turns}");
+                    }
+                    Err(error) => panic!("{radius}: {error}"),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_tip_of_any_size_can_turn_on_an_edge() {
+    // Centres on a cylinder about the edge, tilted by noise; half of the estimates of its curvature are above 1/r.
+    let mut state = 1_u64;
+    let mut noise = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    for _ in 0..200 {
+        let told: Vec<Contact> = (0..30)
+            .map(|index| {
+                let (finger, step) = (index / 10, index % 10);
+                let angle = step as f64 / 10.0 - 0.45;
+                let normal = Vector3::new(libm::sin(angle), 0.0, libm::cos(angle));
+                let centre = normal * 3.0 + Vector3::y() * finger as f64;
+                let tilted = normal + Vector3::new(noise(), noise(), noise()) * 0.2;
+                Contact::new(finger, Point3::from(centre), Some(tilted))
+            })
+            .collect();
+        let tip = RoundTip {
+            radius: 3.0,
+            told: TipPoint::Centre,
+        };
+        let contacts = tip.contacts(&told, &Vector3::z(), &Penalised::default());
+        assert!(contacts.is_ok(), "{contacts:?}");
+    }
+}
