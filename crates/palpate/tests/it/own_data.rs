@@ -28,6 +28,12 @@ fn foreign_names_units_and_columns() {
         warnings(&found),
         ["no column `probe`: each of the 4 rows counts as a probe"]
     );
+    let without_units = "'rotation_x=Rot A,rotation_y=Rot B,\"shift_u=U, raw\",shift_v=V'";
+    let same = rolls(
+        &foreign,
+        &format!("--columns {without_units} --length-unit mm"),
+    );
+    assert_eq!(same, found);
     // Without --length-unit there is no unit that the two of the header agree on.
     let said = refused(&foreign, &format!("--columns {columns}"));
     assert!(

@@ -268,6 +268,12 @@ fn what_stands_before_the_rows() {
             format!("{bare}\n-,[rad],[rad],[mm],(mm)\n{rows}"),
         ),
         (
+            "units in both lines",
+            format!(
+                "probe,rotation_x (rad),rotation_y [rad],shift_u_mm,shift_v\n,rad,rad,mm,mm\n{rows}"
+            ),
+        ),
+        (
             "units and comments",
             format!("# rig\n{bare}\n\n,rad,rad,mm,mm\n{rows}"),
         ),
@@ -292,6 +298,12 @@ fn what_stands_before_the_rows() {
         refused(&bad, "").starts_with("r.csv:8: column `shift_v_mm`: `x`"),
         "{}",
         refused(&bad, "")
+    );
+    let unlike =
+        format!("probe,rotation_x [deg],rotation_y,shift_u,shift_v\n,rad,rad,mm,mm\n{rows}");
+    assert_eq!(
+        refused(unlike, ""),
+        "r.csv:1: column `rotation_x [deg]` has the unit `rad` in the next line"
     );
     let words = format!("{header}\n,rad,rad,mm,furlong\n{rows}");
     assert!(refused(words, "").contains("r.csv:2: column `probe`: is empty"));

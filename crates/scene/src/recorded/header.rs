@@ -21,21 +21,26 @@ struct Heading<'a> {
 impl<'a> Heading<'a> {
     fn of(name: &'a str) -> Self {
         let name = name.trim();
-        let bracketed = [('[', ']'), ('(', ')')]
-            .into_iter()
-            .find_map(|(open, close)| {
-                let (base, unit) = name.strip_suffix(close)?.rsplit_once(open)?;
-                (!base.trim().is_empty()).then_some((base, unit.trim()))
-            });
-        let (base, bracket) = match bracketed {
-            Some((base, unit)) => (base, Some(unit)),
-            None => (name, None),
-        };
+        let (base, bracket) = bracketed(name);
         Self {
             name,
             base: spelt(base),
             bracket,
         }
+    }
+}
+
+/// Name of a column without the unit in brackets at its end, and that unit.
+pub(super) fn bracketed(name: &str) -> (&str, Option<&str>) {
+    let parts = [('[', ']'), ('(', ')')]
+        .into_iter()
+        .find_map(|(open, close)| {
+            let (base, unit) = name.strip_suffix(close)?.rsplit_once(open)?;
+            (!base.trim().is_empty()).then_some((base, unit.trim()))
+        });
+    match parts {
+        Some((base, unit)) => (base, Some(unit)),
+        None => (name, None),
     }
 }
 
@@ -175,12 +180,11 @@ impl<'a> Header<'a> {
                 .map(|(index, _)| index)
                 .collect()
         };
-        let exactly = places(&exact);
-        let found = if exactly.is_empty() {
-            places(&alike)
-        } else {
-            exactly
-        };
+        let without_unit = |heading: &Heading<'_>| heading.base == spelt(name);
+        let ways: [&dyn Fn(&Heading<'_>) -> bool; 3] = [&exact, &alike, &without_unit];
+        let found = ways.into_iter().map(places);
+        let found = found.into_iter().find(|found| !found.is_empty());
+        let found = found.unwrap_or_default();
         let &[index] = found.as_slice() else {
             return Err(match found.len() {
                 0 => format!(

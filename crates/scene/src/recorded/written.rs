@@ -8,6 +8,7 @@ use serde_json::Value as Json;
 use super::error::RecordedError;
 use super::file::RecordedFile;
 use super::form::Delimiter;
+use super::header::bracketed;
 use palpate_study::readings::Measure;
 
 /// Most lines of a table.
@@ -146,8 +147,14 @@ impl<'a> Written<'a> {
             units(&text.split(row, delimiter), header.len())
         });
         for (name, unit) in header.iter_mut().zip(units.iter().flatten()) {
-            if !unit.is_empty() {
-                *name = format!("{name} [{unit}]");
+            match bracketed(name).1 {
+                _ if unit.is_empty() => {}
+                None => *name = format!("{name} [{unit}]"),
+                Some(own) if own == unit => {}
+                Some(_) => {
+                    let message = format!("column `{name}` has the unit `{unit}` in the next line");
+                    return Err(file.fail(header_line, message));
+                }
             }
         }
         Ok(Self {
