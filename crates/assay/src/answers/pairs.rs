@@ -14,7 +14,10 @@ const APART: u64 = 1 << 40;
 /// Holds the probability of each pair of a scene's objects, by each seed, against so many pairs of single trials.
 pub(super) fn score(scene: &Objects, options: Options<'_>) -> Result<Score> {
     let runner = Runner::new(&RunOptions::default())?;
-    let mut study = parse(scene.name, scene.config)?;
+    let (config, radii) = (scene.config, scene.radii);
+    let sweep = format!("[[sweep]]\npath = \"scene.object.radius\"\nvalues = {radii:?}\n");
+    let mut study = parse(scene.name, &format!("{config}{sweep}"))?;
+    study.override_trials(scene.trials)?;
     let mut fresh = Vec::new();
     for cell in 0..study.cell_count() {
         let trial = SceneTrial::new(study.estimable_scene(cell)?);

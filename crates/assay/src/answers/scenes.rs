@@ -10,33 +10,26 @@ pub(super) struct Design {
     pub(super) gap: f64,
 }
 
-/// Objects that are told apart.
+/// Balls, or cylinders, that are told apart.
 #[derive(Debug)]
 pub(super) struct Objects {
     pub(super) name: &'static str,
     pub(super) config: &'static str,
+    pub(super) radii: &'static [f64],
+    pub(super) trials: u64,
     pub(super) quantity: &'static str,
 }
 
-pub(super) const DESIGNS: &[Design] = &[
-    Design {
-        name: "roll: pads",
-        config: r#"name = "scene"
+const PADS: &str = r#"name = "scene"
 length_unit = "mm"
 [scene]
 kind = "roll"
 probe = { kind = "sphere", radius = 10.0 }
 object = { kind = "sphere", radius = 30.0 }
 motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-sensor = { kind = "pads", pitch = 0.5, layout = "uniform", offset = "random" }
-"#,
-        target: "relative_rms_error(mean_curvature) <= 5 %",
-        vary: "scene.sensor.pitch=0.05..2",
-        gap: 0.3,
-    },
-    Design {
-        name: "roll: wrist sensor",
-        config: r#"name = "scene"
+sensor = { kind = "pads", pitch = 1.0, layout = "uniform", offset = "random" }
+"#;
+const WRIST: &str = r#"name = "scene"
 length_unit = "mm"
 [scene]
 kind = "roll"
@@ -44,14 +37,8 @@ probe = { kind = "sphere", radius = 10.0 }
 object = { kind = "sphere", radius = 30.0 }
 motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
 sensor = { kind = "wrist", std = 0.54 }
-"#,
-        target: "relative_rms_error(mean_curvature) <= 10 %",
-        vary: "scene.sensor.std=0.01..1",
-        gap: 0.2,
-    },
-    Design {
-        name: "roll: largest ball",
-        config: r#"name = "scene"
+"#;
+const RATES: &str = r#"name = "scene"
 length_unit = "mm"
 [scene]
 kind = "roll"
@@ -59,29 +46,26 @@ probe = { kind = "sphere", radius = 10.0 }
 object = { kind = "sphere", radius = 30.0 }
 motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
 noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
-"#,
-        target: "relative_rms_error(mean_curvature) <= 2 %",
-        vary: "scene.object.radius=5..200",
-        gap: 0.1,
-    },
-    Design {
-        name: "roll: noise on a cylinder",
-        config: r#"name = "scene"
+"#;
+const FAULTY_RATES: &str = r#"name = "scene"
+length_unit = "mm"
+[scene]
+kind = "roll"
+probe = { kind = "sphere", radius = 10.0 }
+object = { kind = "sphere", radius = 30.0 }
+motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
+noise = { angular_velocity = { kind = "uniform", fraction = 0.2 } }
+"#;
+const CYLINDER: &str = r#"name = "scene"
 length_unit = "mm"
 [scene]
 kind = "roll"
 probe = { kind = "sphere", radius = 10.0 }
 object = { kind = "cylinder", radius = 20.0, direction_deg = 30.0 }
 motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-noise = { angular_velocity = { kind = "gaussian", fraction = 0.01 } }
-"#,
-        target: "rms_error(normal_curvature_u) <= 0.002",
-        vary: "scene.noise.angular_velocity.fraction=0.001..0.2",
-        gap: 0.1,
-    },
-    Design {
-        name: "glide: noise of positions",
-        config: r#"name = "scene"
+noise = { angular_velocity = { kind = "gaussian", fraction = 0.1 } }
+"#;
+const GLIDE: &str = r#"name = "scene"
 length_unit = "mm"
 [scene]
 kind = "glide"
@@ -90,85 +74,103 @@ object = { kind = "cylinder", radius = 40.0, direction_deg = 30.0 }
 motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 5 }
 noise = { position = { kind = "gaussian", fraction_of_ifd = 0.02 } }
 evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }
-"#,
-        target: "rms_error(mean_curvature) <= 0.0005",
-        vary: "scene.noise.position.fraction_of_ifd=0.01..0.5",
-        gap: 0.5,
-    },
-    Design {
-        name: "glide: share of classes",
-        config: r#"name = "scene"
+"#;
+const FAULTY_GLIDE: &str = r#"name = "scene"
 length_unit = "mm"
 [scene]
 kind = "glide"
 probe = { kind = "point" }
-object = { kind = "cylinder", radius = 40.0, direction_deg = 30.0 }
+object = { kind = "sphere", radius = 30.0 }
 motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 5 }
-noise = { position = { kind = "gaussian", fraction_of_ifd = 0.02 } }
+noise = { position = { kind = "gaussian", fraction_of_ifd = 0.5 } }
 evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }
-"#,
-        target: "mean(class) >= 95 %",
-        vary: "scene.noise.position.fraction_of_ifd=0.1..2",
-        gap: 0.8,
-    },
-    Design {
-        name: "press: noise of markers",
-        config: r#"name = "scene"
+"#;
+const PRESS: &str = r#"name = "scene"
 length_unit = "mm"
 [scene]
 kind = "press"
-probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 4.0, cap_deg = 50.0 } }
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 6.0, cap_deg = 50.0 } }
 object = { kind = "sphere", radius = 30.0 }
 motion = { indentation = 1.5 }
-noise = { normal_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
-estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
-"#,
-        target: "relative_rms_error(object_curvature) <= 10 %",
-        vary: "scene.noise.normal_displacement.std=0.01..1",
-        gap: 1.0,
-    },
-    Design {
-        name: "press: noise of the indentation",
-        config: r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "press"
-probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 4.0, cap_deg = 50.0 } }
-object = { kind = "sphere", radius = 30.0 }
-motion = { indentation = 1.5 }
-noise = { normal_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
-estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
-"#,
-        target: "std(object_curvature) <= 0.003",
-        vary: "scene.noise.indentation.std=0.005..0.5",
-        gap: 1.0,
-    },
-    Design {
-        name: "press: honest intervals",
-        config: r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "press"
-probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 4.0, cap_deg = 50.0 } }
-object = { kind = "sphere", radius = 30.0 }
-motion = { indentation = 1.5 }
-noise = { normal_displacement = { kind = "gaussian", std = 0.02 }, indentation = { kind = "gaussian", std = 0.02 } }
-estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
-"#,
-        target: "coverage95(object_curvature) >= 0.9",
-        vary: "scene.estimator.indentation_std=0.001..0.1",
-        gap: 1.0,
-    },
-    Design {
-        name: "fingertip: size of a marker",
-        config: r#"name = "scene"
+noise = { normal_displacement = { kind = "gaussian", std = 0.05 }, tangential_displacement = { kind = "gaussian", std = 0.05 }, indentation = { kind = "gaussian", std = 0.05 } }
+estimator = { kind = "half-space", indentation = "known", indentation_std = 0.05 }
+"#;
+const FINGERTIP: &str = r#"name = "scene"
 length_unit = "mm"
 [scene]
 kind = "fingertip"
 probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 4.0, cap_deg = 65.0 }, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0 } }
 sensor = { lens = "fisheye", size_px = 640, field_deg = 65.0 }
 view = { polar_deg = 0.0 }
-"#,
+"#;
+
+pub(super) const DESIGNS: &[Design] = &[
+    Design {
+        name: "roll: pads",
+        config: PADS,
+        target: "relative_rms_error(mean_curvature) <= 5 %",
+        vary: "scene.sensor.pitch=0.05..2",
+        gap: 0.3,
+    },
+    Design {
+        name: "roll: wrist sensor",
+        config: WRIST,
+        target: "relative_rms_error(mean_curvature) <= 10 %",
+        vary: "scene.sensor.std=0.01..1",
+        gap: 0.2,
+    },
+    Design {
+        name: "roll: largest ball",
+        config: RATES,
+        target: "relative_rms_error(mean_curvature) <= 2 %",
+        vary: "scene.object.radius=5..200",
+        gap: 0.1,
+    },
+    Design {
+        name: "roll: noise on a cylinder",
+        config: CYLINDER,
+        target: "rms_error(normal_curvature_u) <= 0.002",
+        vary: "scene.noise.angular_velocity.fraction=0.001..0.2",
+        gap: 0.1,
+    },
+    Design {
+        name: "glide: noise of positions",
+        config: GLIDE,
+        target: "rms_error(mean_curvature) <= 0.0005",
+        vary: "scene.noise.position.fraction_of_ifd=0.01..0.5",
+        gap: 0.5,
+    },
+    Design {
+        name: "glide: share of classes",
+        config: GLIDE,
+        target: "mean(class) >= 95 %",
+        vary: "scene.noise.position.fraction_of_ifd=0.1..2",
+        gap: 0.8,
+    },
+    Design {
+        name: "press: largest ball",
+        config: PRESS,
+        target: "relative_rms_error(object_curvature) <= 25 %",
+        vary: "scene.object.radius=10..100",
+        gap: 1.0,
+    },
+    Design {
+        name: "press: least indentation",
+        config: PRESS,
+        target: "relative_rms_error(object_curvature) <= 15 %",
+        vary: "scene.motion.indentation=1..4",
+        gap: 0.8,
+    },
+    Design {
+        name: "press: honest intervals",
+        config: PRESS,
+        target: "coverage95(object_curvature) >= 0.85",
+        vary: "scene.estimator.indentation_std=0.005..0.2",
+        gap: 1.0,
+    },
+    Design {
+        name: "fingertip: size of a marker",
+        config: FINGERTIP,
         target: "mean(marker_area) >= 900",
         vary: "scene.view.polar_deg=0..60",
         gap: 0.05,
@@ -179,102 +181,44 @@ view = { polar_deg = 0.0 }
 pub(super) const PAIRS: &[Objects] = &[
     Objects {
         name: "roll: balls by noisy rates",
-        config: r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 30.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-noise = { angular_velocity = { kind = "uniform", fraction = 0.2 } }
-[[sweep]]
-path = "scene.object.radius"
-values = [30.0, 33.0, 40.0, 60.0]
-"#,
+        config: FAULTY_RATES,
+        radii: &[30.0, 33.0, 40.0, 60.0],
+        trials: 1000,
         quantity: "mean_curvature",
     },
     Objects {
         name: "roll: balls by pads",
-        config: r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 30.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-sensor = { kind = "pads", pitch = 1.0, layout = "uniform", offset = "random" }
-[[sweep]]
-path = "scene.object.radius"
-values = [30.0, 33.0, 40.0, 60.0]
-"#,
+        config: PADS,
+        radii: &[30.0, 33.0, 40.0, 60.0],
+        trials: 1000,
         quantity: "mean_curvature",
     },
     Objects {
         name: "roll: balls by the wrist",
-        config: r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 30.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-sensor = { kind = "wrist", std = 0.54 }
-[[sweep]]
-path = "scene.object.radius"
-values = [25.0, 50.0]
-"#,
+        config: WRIST,
+        radii: &[25.0, 50.0],
+        trials: 1000,
         quantity: "mean_curvature",
     },
     Objects {
         name: "roll: cylinders by noisy rates",
-        config: r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "cylinder", radius = 20.0, direction_deg = 30.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-noise = { angular_velocity = { kind = "gaussian", fraction = 0.1 } }
-[[sweep]]
-path = "scene.object.radius"
-values = [20.0, 30.0]
-"#,
+        config: CYLINDER,
+        radii: &[20.0, 30.0],
+        trials: 1000,
         quantity: "normal_curvature_u",
     },
     Objects {
         name: "glide: balls",
-        config: r#"name = "scene"
-length_unit = "mm"
-trials = 2000
-[scene]
-kind = "glide"
-probe = { kind = "point" }
-object = { kind = "sphere", radius = 30.0 }
-motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 5 }
-noise = { position = { kind = "gaussian", fraction_of_ifd = 0.5 } }
-evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }
-[[sweep]]
-path = "scene.object.radius"
-values = [40.0, 45.0, 60.0]
-"#,
+        config: FAULTY_GLIDE,
+        radii: &[40.0, 45.0, 60.0],
+        trials: 2000,
         quantity: "mean_curvature",
     },
     Objects {
         name: "press: balls",
-        config: r#"name = "scene"
-length_unit = "mm"
-trials = 1000
-[scene]
-kind = "press"
-probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, layout = { kind = "lattice", pitch = 4.0, cap_deg = 50.0 } }
-object = { kind = "sphere", radius = 30.0 }
-motion = { indentation = 1.5 }
-noise = { normal_displacement = { kind = "gaussian", std = 0.2 }, indentation = { kind = "gaussian", std = 0.02 } }
-estimator = { kind = "half-space", indentation = "known", indentation_std = 0.02 }
-[[sweep]]
-path = "scene.object.radius"
-values = [30.0, 35.0, 50.0]
-"#,
+        config: PRESS,
+        radii: &[30.0, 35.0, 50.0],
+        trials: 1000,
         quantity: "object_curvature",
     },
 ];
