@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use sha2::{Digest, Sha256};
 use xshell::{Shell, cmd};
@@ -49,15 +49,26 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     let start = Instant::now();
     let (cells, trials) = if options.quick { (2, 4) } else { (4, 8) };
     let configs = configs(shell, options.quick)?;
-    let mut answers: Vec<(&str, BTreeMap<String, String>)> = Vec::new();
-    for host in hosts(shell, options.quick)? {
-        let started = Instant::now();
-        let Some(text) = answer(shell, &host, cells, trials, &configs)? else {
-            println!("{}: not on this processor", host.name);
-            continue;
+    let hosts = hosts(shell, options.quick)?;
+    let folder = shell.current_dir();
+    // WebAssembly is one thread, and the emulator leaves time, too.
+    let texts = std::thread::scope(|scope| {
+        let ask = |host| {
+            let (configs, folder) = (&configs, &folder);
+            scope.spawn(move || answer(folder, host, cells, trials, configs))
         };
-        println!("{}: {:.1} s", host.name, started.elapsed().as_secs_f64());
-        answers.push((host.name, digests(&text)));
+        let asked: Vec<_> = hosts.iter().map(ask).collect();
+        asked
+            .into_iter()
+            .map(|asked| asked.join().map_err(|_| anyhow!("a thread ended badly"))?)
+            .collect::<Result<Vec<_>>>()
+    });
+    let mut answers: Vec<(&str, BTreeMap<String, String>)> = Vec::new();
+    for (host, text) in hosts.iter().zip(texts?) {
+        match text {
+            Some(text) => answers.push((host.name, digests(&text))),
+            None => println!("{}: not on this processor", host.name),
+        }
     }
     let differing = print(&answers)?;
     println!("total: {:.1} s", start.elapsed().as_secs_f64());
@@ -194,22 +205,27 @@ fn hosts(shell: &Shell, quick: bool) -> Result<Vec<Host>> {
 
 /// Text that the program prints on a host; none where the processor lacks its instructions.
 fn answer(
-    shell: &Shell,
+    folder: &Path,
     host: &Host,
     cells: usize,
     trials: u64,
     configs: &[PathBuf],
 ) -> Result<Option<String>> {
-    let _environment = host
-        .environment
-        .map(|(name, value)| shell.push_env(name, value));
+    let started = Instant::now();
+    let shell = Shell::new()?;
+    shell.change_dir(folder);
     let (program, arguments) = host.command.split_first().context("a host has a program")?;
     let (cells, trials) = (cells.to_string(), trials.to_string());
     let run = cmd!(
         shell,
         "{program} {arguments...} {cells} {trials} {configs...}"
     );
-    let output = run.quiet().ignore_status().output()?;
+    let output = run
+        .envs(host.environment)
+        .quiet()
+        .ignore_status()
+        .output()?;
+    println!("{}: {:.1} s", host.name, started.elapsed().as_secs_f64());
     match output.status.code() {
         Some(0) => Ok(Some(String::from_utf8(output.stdout)?)),
         Some(LACKING) => Ok(None),
