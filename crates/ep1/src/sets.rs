@@ -44,7 +44,7 @@ pub struct Sets<'a> {
 }
 
 /// Number of sets side by side: those of a vector, so that sums over their probes stay in registers.
-const ABREAST: usize = 4;
+const ABREAST: usize = 8;
 
 /// A number of each of the sets side by side.
 type Abreast = [f64; ABREAST];
@@ -61,15 +61,16 @@ impl Sets<'_> {
     pub fn estimate(&self, first: usize, rows: &mut [SetRow]) -> Result<(), (usize, Ep1Error)> {
         let law = self.law();
         let is_shared = self.rotations.len() == self.probes;
+        let mut kept = [[[0.0; ABREAST]; 4]; KEPT];
         for (group, rows) in rows.chunks_mut(ABREAST).enumerate() {
             let first = first + group * ABREAST;
             let mut told = [0; ABREAST];
             if let (Some(law), Ok(rows)) = (law, <&mut [SetRow; ABREAST]>::try_from(&mut *rows)) {
                 told = match (is_shared, self.noise.is_stated()) {
-                    (true, true) => self.together::<true, true>(first, law, rows),
-                    (true, false) => self.together::<true, false>(first, law, rows),
-                    (false, true) => self.together::<false, true>(first, law, rows),
-                    (false, false) => self.together::<false, false>(first, law, rows),
+                    (true, true) => self.together::<true, true>(first, law, rows, &mut kept),
+                    (true, false) => self.together::<true, false>(first, law, rows, &mut kept),
+                    (false, true) => self.together::<false, true>(first, law, rows, &mut kept),
+                    (false, false) => self.together::<false, false>(first, law, rows, &mut kept),
                 };
             }
             for (place, row) in rows.iter_mut().enumerate() {
@@ -124,12 +125,10 @@ impl Sets<'_> {
     /// Readings of the sets from this one on.
     #[inline(always)]
     fn of_sets<'n>(&self, numbers: &'n [[f64; 2]], set: usize) -> Probes<'n> {
-        [
-            self.of_set(numbers, set),
-            self.of_set(numbers, set + 1),
-            self.of_set(numbers, set + 2),
-            self.of_set(numbers, set + 3),
-        ]
+        std::array::from_fn(
+            #[inline(always)]
+            |place| self.of_set(numbers, set + place),
+        )
     }
 
     /// Rows of the sets from `first` on, and 1 for each that tells a curvature; of the others, which may tell one alone, the
@@ -140,15 +139,18 @@ impl Sets<'_> {
         first: usize,
         law: Law,
         rows: &mut [SetRow; ABREAST],
+        kept: &mut [Probe; KEPT],
     ) -> [u64; ABREAST] {
-        let rotations = self.of_sets(self.rotations, first);
-        let shifts = self.of_sets(self.shifts, first);
-        let sums = Sums::of(self.radius, &rotations, &shifts);
+        let readings = Readings::<IS_SHARED> {
+            rotations: self.of_sets(self.rotations, first),
+            shifts: self.of_sets(self.shifts, first),
+        };
+        let sums = Sums::of(self.radius, &readings, kept);
         let half_turn = std::f64::consts::PI * self.radius;
         let half_turn_squared = half_turn * half_turn;
         let mut told = [0; ABREAST];
         let mut mobility = [[0.0; ABREAST]; 3];
-        let mut columns = [[0.0; ABREAST]; 10];
+        let mut columns = [[0.0; ABREAST]; 11];
         for place in 0..ABREAST {
             let moments = sums.moments(place);
             let (law, spans) = match IS_SHARED {
@@ -182,12 +184,12 @@ impl Sets<'_> {
             columns[8][place] = stds[3];
             columns[9][place] = law.arc_length(&moments);
         }
-        let residuals = residuals(&mobility, &rotations, &shifts);
+        columns[10] = readings.residuals(&mobility, kept);
         if !IS_STATED {
             for place in 0..ABREAST {
                 // As noisy as the residuals; residuals of nothing tell nothing.
                 let (inverse, spans) = Symmetric3::inverse_of_normal(&sums.gram(place));
-                let residual = residuals[place];
+                let residual = columns[10][place];
                 let known = if residual > 0.0 { 1.0 } else { f64::NAN };
                 let law = Law::of_shifts(self.radius, residual, self.probes, &inverse);
                 let solution = law.solve::<true>(&sums.moments(place));
@@ -202,7 +204,6 @@ impl Sets<'_> {
             for (number, column) in row.iter_mut().zip(&columns) {
                 *number = column[place];
             }
-            row[10] = residuals[place];
         }
         told
     }
@@ -261,14 +262,70 @@ impl Sets<'_> {
 /// Rotations, or shifts, of the probes of sets side by side.
 type Probes<'n> = [&'n [[f64; 2]]; ABREAST];
 
-/// Numbers of one probe after the other, of all sets side by side: the first of each pair, then the second.
+/// Rotation, x and y, and shift, u and v, of one probe in all sets side by side.
+type Probe = [Abreast; 4];
+
+/// Probes whose readings are kept side by side, in the nearest cache, for the residuals.
+const KEPT: usize = 16;
+
+/// Readings of sets side by side, whose rotations are those of the first where they are shared.
+struct Readings<'n, const IS_SHARED: bool> {
+    rotations: Probes<'n>,
+    shifts: Probes<'n>,
+}
+
+impl<const IS_SHARED: bool> Readings<'_, IS_SHARED> {
+    #[inline(always)]
+    fn probes(&self) -> usize {
+        self.rotations[0].len()
+    }
+
+    /// Readings of one probe.
+    #[inline(always)]
+    fn of(&self, probe: usize) -> Probe {
+        let mut all = [[0.0; ABREAST]; 4];
+        if IS_SHARED {
+            let [x, y] = self.rotations[0][probe];
+            all[0] = [x; ABREAST];
+            all[1] = [y; ABREAST];
+        } else {
+            for (place, rotations) in self.rotations.iter().enumerate() {
+                [all[0][place], all[1][place]] = rotations[probe];
+            }
+        }
+        for (place, shifts) in self.shifts.iter().enumerate() {
+            [all[2][place], all[3][place]] = shifts[probe];
+        }
+        all
+    }
+
+    /// Root mean squares of the residuals `Δp − B g` per component, of `B` with entries uu, uv, vv.
+    #[inline(always)]
+    fn residuals(&self, mobility: &[Abreast; 3], kept: &[Probe; KEPT]) -> Abreast {
+        let freedom = (2 * self.probes()).saturating_sub(3) as f64;
+        let mut squares = [0.0; ABREAST];
+        for probe in kept.iter().take(self.probes()) {
+            add_squares(&mut squares, mobility, probe);
+        }
+        for probe in KEPT..self.probes() {
+            add_squares(&mut squares, mobility, &self.of(probe));
+        }
+        let mut roots = [0.0; ABREAST];
+        for place in 0..ABREAST {
+            roots[place] = (squares[place] / freedom).sqrt();
+        }
+        roots
+    }
+}
+
 #[inline(always)]
-fn probes<'n>([a, b, c, d]: &Probes<'n>) -> impl Iterator<Item = [Abreast; 2]> + use<'n> {
-    let all = a.iter().zip(*b).zip(c.iter().zip(*d));
-    all.map(
-        #[inline(always)]
-        |((a, b), (c, d))| [[a[0], b[0], c[0], d[0]], [a[1], b[1], c[1], d[1]]],
-    )
+fn add_squares(squares: &mut Abreast, [uu, uv, vv]: &[Abreast; 3], [x, y, u, v]: &Probe) {
+    for place in 0..ABREAST {
+        let (x, y) = (x[place], y[place]);
+        let left_u = u[place] - (uv[place] * x - uu[place] * y);
+        let left_v = v[place] - (vv[place] * x - uv[place] * y);
+        squares[place] += left_u * left_u + left_v * left_v;
+    }
 }
 
 /// Sums over the probes of sets side by side.
@@ -283,8 +340,13 @@ struct Sums {
 }
 
 impl Sums {
+    /// Sums over the readings, of which the first are kept.
     #[inline(always)]
-    fn of(radius: f64, rotations: &Probes<'_>, shifts: &Probes<'_>) -> Self {
+    fn of<const IS_SHARED: bool>(
+        radius: f64,
+        readings: &Readings<'_, IS_SHARED>,
+        kept: &mut [Probe; KEPT],
+    ) -> Self {
         let zero = [0.0; ABREAST];
         let mut sums = Self {
             deviations: [zero; 3],
@@ -292,24 +354,33 @@ impl Sums {
             gram: [zero; 3],
             longest: zero,
         };
-        for ([x, y], [u, v]) in probes(rotations).zip(probes(shifts)) {
-            for place in 0..ABREAST {
-                let (x, y, u, v) = (x[place], y[place], u[place], v[place]);
-                // As `Moments` does, in the open: what is not inlined lacks the vectors of what calls it.
-                let (d_u, d_v) = (u + radius * y, v - radius * x);
-                sums.deviations[0][place] -= y * d_u;
-                sums.deviations[1][place] += x * d_v;
-                sums.deviations[2][place] += x * d_u - y * d_v;
-                let length = u * u + v * v;
-                sums.lengths[place] += length.sqrt();
-                sums.gram[0][place] += y * y;
-                sums.gram[1][place] -= x * y;
-                sums.gram[2][place] += x * x;
-                let longest = sums.longest[place];
-                sums.longest[place] = if length > longest { length } else { longest };
+        for probe in 0..readings.probes() {
+            let all = readings.of(probe);
+            if let Some(kept) = kept.get_mut(probe) {
+                *kept = all;
             }
+            sums.add(radius, &all);
         }
         sums
+    }
+
+    #[inline(always)]
+    fn add(&mut self, radius: f64, [x, y, u, v]: &Probe) {
+        for place in 0..ABREAST {
+            let (x, y, u, v) = (x[place], y[place], u[place], v[place]);
+            // As `Moments` does, in the open: what is not inlined lacks the vectors of what calls it.
+            let (d_u, d_v) = (u + radius * y, v - radius * x);
+            self.deviations[0][place] -= y * d_u;
+            self.deviations[1][place] += x * d_v;
+            self.deviations[2][place] += x * d_u - y * d_v;
+            let length = u * u + v * v;
+            self.lengths[place] += length.sqrt();
+            self.gram[0][place] += y * y;
+            self.gram[1][place] -= x * y;
+            self.gram[2][place] += x * x;
+            let longest = self.longest[place];
+            self.longest[place] = if length > longest { length } else { longest };
+        }
     }
 
     #[inline(always)]
@@ -332,24 +403,4 @@ impl Sums {
             vv: self.gram[2][place],
         }
     }
-}
-
-/// Root mean squares of the residuals `Δp − B g` per component, of `B` with entries uu, uv, vv.
-#[inline(always)]
-fn residuals(mobility: &[Abreast; 3], rotations: &Probes<'_>, shifts: &Probes<'_>) -> Abreast {
-    let [uu, uv, vv] = mobility;
-    let freedom = (2 * rotations[0].len()).saturating_sub(3) as f64;
-    let mut squares = [0.0; ABREAST];
-    for ([x, y], [u, v]) in probes(rotations).zip(probes(shifts)) {
-        for place in 0..ABREAST {
-            let (x, y) = (x[place], y[place]);
-            let left_u = u[place] - (uv[place] * x - uu[place] * y);
-            let left_v = v[place] - (vv[place] * x - uv[place] * y);
-            squares[place] += left_u * left_u + left_v * left_v;
-        }
-    }
-    for square in &mut squares {
-        *square = (*square / freedom).sqrt();
-    }
-    squares
 }

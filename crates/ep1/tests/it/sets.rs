@@ -226,3 +226,27 @@ fn two_probes_leave_no_residual() {
         );
     }
 }
+
+#[test]
+fn more_probes_than_are_kept_side_by_side() {
+    const MANY: usize = 25;
+    let (rotations, shifts) = noisy();
+    let mut rows = vec![[0.0; 11]; rotations.len() / MANY];
+    let sets = Sets {
+        probes: MANY,
+        ..sets(NOISES[0], &rotations, &shifts)
+    };
+    sets.estimate(0, &mut rows).unwrap();
+    for (set, row) in rows.iter().enumerate() {
+        let readings: Vec<ProbeReading> = (set * MANY..(set + 1) * MANY)
+            .map(|probe| ProbeReading {
+                rotation: rotations[probe].into(),
+                shift: shifts[probe].into(),
+            })
+            .collect();
+        let told = LeastSquares::of(RADIUS, NOISES[0], &readings).unwrap();
+        let (residual, _) = told.residual(&readings);
+        assert_eq!(row[4].to_bits(), told.mean_curvature.value.to_bits());
+        assert_eq!(row[10].to_bits(), residual.to_bits());
+    }
+}

@@ -197,7 +197,7 @@ fn batch<'py>(
         }
     };
     let sets = RollSets::new(sets, probes, turned, shifts.rows()).map_err(error::recorded)?;
-    let numbers = if sets.len() <= CHUNK && threads.is_none() || threads == Some(1) {
+    let (numbers, untold) = if sets.len() <= CHUNK && threads.is_none() || threads == Some(1) {
         in_turn(py, &sets, options)?
     } else {
         let pool = pool(threads)?;
@@ -206,18 +206,15 @@ fn batch<'py>(
             pool.install(|| in_chunks(&sets, options, &mut rows, watch))
         })?;
         all.map_err(error::recorded)?;
-        rows.into_flattened()
+        let untold = untold(0, &rows).collect();
+        (rows.into_flattened(), untold)
     };
-    let rows = numbers.as_chunks::<COLUMNS>().0.iter().enumerate();
-    let why = |(set, _): (usize, &SetRow)| {
+    let why = |set: usize| {
         let readings = sets.readings(set);
         let error = readings.and_then(|readings| recorded::estimate_roll(&readings, options));
         Some((set, error.err()?.to_string()))
     };
-    let errors = rows
-        .filter(|(_, row)| row[0].is_nan())
-        .filter_map(why)
-        .collect();
+    let errors = untold.into_iter().filter_map(why).collect();
     Ok(RollBatch {
         rows: array(py, numbers, &[sets.len(), COLUMNS])?.unbind(),
         errors,
@@ -229,11 +226,22 @@ fn batch<'py>(
 const CHUNK: usize = 4096;
 
 /// Sets whose rows stay in the nearest caches until they are put where they belong.
-const BLOCK: usize = 128;
+const BLOCK: usize = 64;
 
-/// Rows of all sets, one after the other.
-fn in_turn(py: Python<'_>, sets: &RollSets<'_>, options: &RollOptions) -> PyResult<Vec<f64>> {
+/// Sets from `first` on whose rows tell no curvature.
+fn untold(first: usize, rows: &[SetRow]) -> impl Iterator<Item = usize> {
+    let places = rows.iter().enumerate();
+    places.filter_map(move |(place, row)| row[0].is_nan().then_some(first + place))
+}
+
+/// Rows of all sets, one after the other, and the sets whose rows tell no curvature.
+fn in_turn(
+    py: Python<'_>,
+    sets: &RollSets<'_>,
+    options: &RollOptions,
+) -> PyResult<(Vec<f64>, Vec<usize>)> {
     let mut numbers = Vec::with_capacity(sets.len() * COLUMNS);
+    let mut without = Vec::new();
     let mut block = [[0.0; COLUMNS]; BLOCK];
     for chunk in (0..sets.len()).step_by(CHUNK) {
         let end = sets.len().min(chunk + CHUNK);
@@ -241,6 +249,7 @@ fn in_turn(py: Python<'_>, sets: &RollSets<'_>, options: &RollOptions) -> PyResu
             (chunk..end).step_by(BLOCK).try_for_each(|first| {
                 let rows = &mut block[..BLOCK.min(end - first)];
                 sets.estimate(options, first, rows)?;
+                without.extend(untold(first, rows));
                 numbers.extend_from_slice(rows.as_flattened());
                 Ok(())
             })
@@ -248,7 +257,7 @@ fn in_turn(py: Python<'_>, sets: &RollSets<'_>, options: &RollOptions) -> PyResu
         estimated.map_err(error::recorded)?;
         py.check_signals()?;
     }
-    Ok(numbers)
+    Ok((numbers, without))
 }
 
 fn in_chunks(
