@@ -219,7 +219,7 @@ impl Fit {
             k_max: principal.k_max / self.frame.scale(),
             direction_of_min: in_world(across * cos - along * sin),
             direction_of_max: in_world(along * cos + across * sin),
-            shape_index: form.shape_index(),
+            shape_index: principal.shape_index(),
         };
         if point.is_finite() {
             Ok(point)

@@ -45,6 +45,18 @@ pub struct PrincipalCurvatures {
     pub angle_of_max_rad: f64,
 }
 
+impl PrincipalCurvatures {
+    /// Shape index of a surface with these curvatures; see [`CurvatureForm::shape_index`].
+    pub fn shape_index(&self) -> Option<f64> {
+        let Self { k_min, k_max, .. } = *self;
+        if k_min == 0.0 && k_max == 0.0 {
+            return None;
+        }
+        let index = FRAC_2_PI * libm::atan2(k_max + k_min, k_max - k_min);
+        index.is_finite().then_some(index)
+    }
+}
+
 impl CurvatureForm {
     /// The form `curvature · I` of a sphere (or, with 0, of a plane).
     pub const fn isotropic(curvature: f64) -> Self {
@@ -141,12 +153,7 @@ impl CurvatureForm {
     /// 0 for a symmetric saddle, −1 for a cup; it errs by at most 1e-15. `None` on a flat point, which
     /// has none, and of numbers that are not finite.
     pub fn shape_index(&self) -> Option<f64> {
-        let PrincipalCurvatures { k_min, k_max, .. } = self.principal();
-        if k_min == 0.0 && k_max == 0.0 {
-            return None;
-        }
-        let index = FRAC_2_PI * libm::atan2(k_max + k_min, k_max - k_min);
-        index.is_finite().then_some(index)
+        self.principal().shape_index()
     }
 
     /// Curvedness `√((k_min² + k_max²)/2)`, 1/length.

@@ -75,9 +75,10 @@ impl Record {
 
     /// A field of either kind, as it is handed out.
     fn field<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let value = match self.fields(py)?.get_item(name)? {
+        // Those beside the plain ones first, for which these need not be made.
+        let value = match self.array(py, name)? {
             Some(value) => Some(value),
-            None => self.array(py, name)?,
+            None => self.fields(py)?.get_item(name)?,
         };
         value.map(field).transpose()
     }

@@ -1,10 +1,11 @@
 //! Estimates from recorded glides, as the package for Python asks for them.
 
+use std::borrow::Cow;
 use std::hint::black_box;
 
 use anyhow::Result;
 use palpate::recorded::{
-    self, GlideGiven, GlideOptions, GlideReadings, RecordedError, Wording, estimate_glide,
+    Curvature, FittedGlide, GlideGiven, GlideOptions, GlideReadings, RecordedError, Wording,
 };
 use palpate_ep2::Contact;
 
@@ -17,23 +18,24 @@ fn positions(contacts: &[Contact]) -> Vec<[f64; 3]> {
     contacts.iter().map(position).collect()
 }
 
-/// The estimate with its map.
-fn estimated(points: &[[f64; 3]]) -> Result<recorded::GlideMap, RecordedError> {
+/// Surface through the points and its curvatures all over the map, which is what Python computes for a map of one of them.
+fn estimated(points: &[[f64; 3]]) -> Result<Vec<Curvature>, RecordedError> {
     let options = GlideOptions::given(&GlideGiven::default(), None, false, Wording::Arguments);
     let readings = GlideReadings::new(points, None, None, None)?;
     let options = options.map_err(|error| RecordedError::Readings {
         file: "options".to_owned(),
         message: error.message,
     })?;
-    let (estimate, map) = estimate_glide(&readings, &options)?;
-    black_box(estimate);
-    Ok(map)
+    let fitted = FittedGlide::new(Cow::Owned(readings), &options)?;
+    let curvatures = fitted.curvatures()?;
+    black_box(fitted);
+    Ok(curvatures)
 }
 
 /// Mean curvatures all over a map, relative to those of the sphere of few contacts, less 1.
-fn errors(map: &recorded::GlideMap) -> impl Iterator<Item = f64> {
-    let mean = |point: &recorded::MapPoint| point.curvature.mean * patches::RADIUS - 1.0;
-    map.points().iter().map(mean)
+fn errors(map: &[Curvature]) -> impl Iterator<Item = f64> {
+    map.iter()
+        .map(|curvature| curvature.mean * patches::RADIUS - 1.0)
 }
 
 /// Few contacts and many.

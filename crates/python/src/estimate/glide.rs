@@ -1,11 +1,12 @@
 //! Estimates from glides.
 
-use std::sync::Arc;
+use std::borrow::Cow;
+use std::sync::{Arc, OnceLock};
 
 use numpy::{PyArray1, PyArrayMethods};
 use palpate::recorded::{
-    self, GlideGiven, GlideMap, GlideOptions, GlideReadings, MapPoint, RecordedError, ShapeClass,
-    Wording,
+    self, Curvature, FittedGlide, GlideGiven, GlideMap, GlideOptions, GlideReadings, MapPoint,
+    RecordedError, ShapeClass, Wording,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -25,22 +26,21 @@ record!(
     "Curvature of a patch, from contacts of gliding fingers.\n\nFields: what `palpate estimate glide` prints, of the patch's middle: `gaussian_curvature`, `mean_curvature`,\n`k_min`, `k_max` (each with `value`, `std` or None, and `unit`), `position`, `normal`, `direction_of_min`,\n`direction_of_max` (arrays of 3), `shape_index`, `class_`, `class_probabilities`,\n`thresholds`, `noise`, `regions` and `warnings`; `covariance`, (2, 2), of Gaussian and mean curvature, NaN where\nthe method states no uncertainty; and `map`: arrays (grid, grid), along the fingers' travel first, or (n,) at the\ncontacts: `position`, `normal`, `direction_of_min`, `direction_of_max` with 3 numbers each, `gaussian_curvature`,\n`gaussian_curvature_std`, `mean_curvature`, `mean_curvature_std`, `k_min`, `k_max`, `shape_index`, `class_index` of\n`palpate.SHAPE_CLASSES`, `region` (-1: none) and `class_probabilities` with 8 numbers each."
 );
 
-/// Source that an estimate of a patch is made from.
+/// Source that an estimate of a patch is made from: the surface and its curvatures, and, once asked for, all else.
 struct Patch {
-    estimate: recorded::GlideEstimate,
-    map: Arc<Map>,
+    fitted: FittedGlide<'static>,
+    curvatures: Vec<Curvature>,
+    told: OnceLock<(recorded::GlideEstimate, GlideMap)>,
+    /// Shape of an array with a number per place of the map.
+    shape: Vec<usize>,
 }
 
 /// Source that a map of a patch is made from.
-struct Map {
-    map: GlideMap,
-    /// Places along each side; `None` of a map at contacts.
-    grid: Option<usize>,
-}
+struct Map(Arc<Patch>);
 
-impl Made for Patch {
+impl Made for Arc<Patch> {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.estimate)
+        to_python(py, &self.told(py)?.0)
     }
 
     fn others(&self) -> &'static [&'static str] {
@@ -50,27 +50,45 @@ impl Made for Patch {
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         match name {
             "covariance" => {
-                let covariance = self.estimate.covariance().unwrap_or([[f64::NAN; 2]; 2]);
+                let covariance = self.told(py)?.0.covariance().unwrap_or([[f64::NAN; 2]; 2]);
                 array(py, covariance.as_flattened().to_vec(), &[2, 2])
             }
-            "map" => Ok(Bound::new(py, Record::new(Arc::clone(&self.map)))?.into_any()),
-            _ => Ok(self.map.map.to_csv().into_pyobject(py)?.into_any()),
+            "map" => Ok(Bound::new(py, Record::new(Map(Arc::clone(self))))?.into_any()),
+            _ => Ok(self.told(py)?.1.to_csv().into_pyobject(py)?.into_any()),
         }
     }
 }
 
 impl Patch {
-    fn new(readings: &GlideReadings, options: &GlideOptions) -> Result<Self, RecordedError> {
-        let (estimate, map) = recorded::estimate_glide(readings, options)?;
-        let grid = (!options.map_at_contacts).then_some(options.grid);
+    fn new(readings: GlideReadings, options: &GlideOptions) -> Result<Self, RecordedError> {
+        let fitted = FittedGlide::new(Cow::Owned(readings), options)?;
+        let curvatures = fitted.curvatures()?;
+        let shape = match options.map_at_contacts {
+            true => vec![curvatures.len()],
+            false => vec![options.grid; 2],
+        };
         Ok(Self {
-            estimate,
-            map: Arc::new(Map { map, grid }),
+            fitted,
+            curvatures,
+            told: OnceLock::new(),
+            shape,
         })
+    }
+
+    fn known(&self) -> Result<&(recorded::GlideEstimate, GlideMap), RecordedError> {
+        if let Some(told) = self.told.get() {
+            return Ok(told);
+        }
+        let told = self.fitted.estimate()?;
+        Ok(self.told.get_or_init(|| told))
+    }
+
+    fn told(&self, py: Python<'_>) -> PyResult<&(recorded::GlideEstimate, GlideMap)> {
+        py.detach(|| self.known()).map_err(error::recorded)
     }
 }
 
-impl Made for Arc<Map> {
+impl Made for Map {
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         Ok(PyDict::new(py).into_any())
     }
@@ -95,43 +113,40 @@ impl Made for Arc<Map> {
     }
 
     fn other<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let limits = self.map.thresholds();
-        let std = |one: &MapPoint, of: usize| {
-            let stds = one.curvature.uncertainty;
-            stds.map_or(f64::NAN, |stds| [stds.gaussian_std, stds.mean_std][of])
+        let limits = self.0.fitted.thresholds();
+        let stds = |one: &Curvature| match one.uncertainty {
+            Some(stds) => [stds.gaussian_std, stds.mean_std],
+            None => [f64::NAN; 2],
         };
         match name {
-            "position" => self.of_each(py, |one| one.position.coords.into()),
-            "normal" => self.of_each::<3>(py, |one| one.normal.into()),
-            "gaussian_curvature" => self.of_each(py, |one| [one.curvature.gaussian]),
-            "gaussian_curvature_std" => self.of_each(py, |one| [std(one, 0)]),
-            "mean_curvature" => self.of_each(py, |one| [one.curvature.mean]),
-            "mean_curvature_std" => self.of_each(py, |one| [std(one, 1)]),
-            "k_min" => self.of_each(py, |one| [one.k_min]),
-            "k_max" => self.of_each(py, |one| [one.k_max]),
-            "direction_of_min" => self.of_each::<3>(py, |one| one.direction_of_min.into()),
-            "direction_of_max" => self.of_each::<3>(py, |one| one.direction_of_max.into()),
-            "shape_index" => self.of_each(py, |one| [one.shape_index.unwrap_or(f64::NAN)]),
+            "gaussian_curvature" => self.curvature(py, |one| [one.gaussian]),
+            "gaussian_curvature_std" => self.curvature(py, |one| [stds(one)[0]]),
+            "mean_curvature" => self.curvature(py, |one| [one.mean]),
+            "mean_curvature_std" => self.curvature(py, |one| [stds(one)[1]]),
             "class_probabilities" => {
                 let unknown = [f64::NAN; ShapeClass::ALL.len()];
-                self.of_each(py, |one| {
-                    let told = one.curvature.class_probabilities(limits);
-                    told.unwrap_or(unknown)
-                })
+                self.curvature(py, |one| one.class_probabilities(limits).unwrap_or(unknown))
             }
             "class_index" => {
-                let place = |one: &MapPoint| {
-                    let class = one.curvature.class(limits);
+                let place = |one: &Curvature| {
+                    let class = one.class(limits);
                     let place = ShapeClass::ALL.iter().position(|one| *one == class);
                     place.map_or(-1, |place| place as i64)
                 };
-                self.whole(py, self.map.points().iter().map(place).collect())
+                self.whole(py, self.0.curvatures.iter().map(place).collect())
             }
+            "position" => self.point(py, |one| one.position.coords.into()),
+            "normal" => self.point::<3>(py, |one| one.normal.into()),
+            "k_min" => self.point(py, |one| [one.k_min]),
+            "k_max" => self.point(py, |one| [one.k_max]),
+            "direction_of_min" => self.point::<3>(py, |one| one.direction_of_min.into()),
+            "direction_of_max" => self.point::<3>(py, |one| one.direction_of_max.into()),
+            "shape_index" => self.point(py, |one| [one.shape_index.unwrap_or(f64::NAN)]),
             _ => self.whole(
                 py,
-                match self.map.regions() {
+                match self.0.told(py)?.1.regions() {
                     Some(regions) => regions.iter().map(|region| *region as i64).collect(),
-                    None => vec![-1; self.map.points().len()],
+                    None => vec![-1; self.0.curvatures.len()],
                 },
             ),
         }
@@ -139,29 +154,38 @@ impl Made for Arc<Map> {
 }
 
 impl Map {
-    /// Shape of an array with a number per place.
-    fn shape(&self) -> Vec<usize> {
-        match self.grid {
-            Some(grid) => vec![grid, grid],
-            None => vec![self.map.points().len()],
-        }
+    /// Array of `D` numbers of the curvature at each place.
+    fn curvature<'py, const D: usize>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&Curvature) -> [f64; D],
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.stacked(py, self.0.curvatures.iter().map(of).collect())
     }
 
     /// Array of `D` numbers of each place.
-    fn of_each<'py, const D: usize>(
+    fn point<'py, const D: usize>(
         &self,
         py: Python<'py>,
         of: impl Fn(&MapPoint) -> [f64; D],
     ) -> PyResult<Bound<'py, PyAny>> {
-        let numbers: Vec<[f64; D]> = self.map.points().iter().map(of).collect();
-        let mut shape = self.shape();
+        let points = self.0.told(py)?.1.points();
+        self.stacked(py, points.iter().map(of).collect())
+    }
+
+    fn stacked<'py, const D: usize>(
+        &self,
+        py: Python<'py>,
+        numbers: Vec<[f64; D]>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let mut shape = self.0.shape.clone();
         shape.extend((D > 1).then_some(D));
         array(py, numbers.into_flattened(), &shape)
     }
 
     fn whole<'py>(&self, py: Python<'py>, numbers: Vec<i64>) -> PyResult<Bound<'py, PyAny>> {
         let flat = PyArray1::from_vec(py, numbers);
-        Ok(flat.reshape(self.shape())?.into_any())
+        Ok(flat.reshape(self.0.shape.as_slice())?.into_any())
     }
 }
 
@@ -238,11 +262,10 @@ impl Map {
 /// M. Charlebois, K. Gupta and S. Payandeh, Curvature Based Shape Estimation Using Tactile Sensing, ICRA 1996;
 /// P. Dierckx, Curve and Surface Fitting with Splines, 1993 (two-pass); S. Wood, Generalized Additive Models, 2017.
 #[pyfunction]
-#[pyo3(signature = (points, normals=None, fingers=None, *, method=None, grid=None, at_contacts=false, outward=None,
-    gaussian_threshold=None, mean_threshold=None, inter_finger_distance=None, intervals=None, criterion=None,
-    gamma=None, position_std=None, position_fraction_of_ifd=None, normal_std_deg=None, first_degree=None, second_degree=None, weight=None,
-    smoothing=None, second_smoothing=None, tangent_step=None, tangent_normals=None, passes=None, length_unit=None,
-    like=None, cell=0, threads=None))]
+#[pyo3(signature = (points, normals=None, fingers=None, *, method=None, grid=None, at_contacts=false, outward=None, gaussian_threshold=None, mean_threshold=None, inter_finger_distance=None, intervals=None,
+    criterion=None, gamma=None, position_std=None, position_fraction_of_ifd=None, normal_std_deg=None, first_degree=None,
+    second_degree=None, weight=None, smoothing=None, second_smoothing=None, tangent_step=None, tangent_normals=None,
+    passes=None, length_unit=None, like=None, cell=0, threads=None))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn estimate_glide<'py>(
     py: Python<'py>,
@@ -341,8 +364,8 @@ pub(crate) fn estimate_glide<'py>(
     let (rows, normals) = (points.rows::<3>(), normals.as_ref().map(Numbers::rows::<3>));
     if axes == 2 {
         let readings = readings(rows, normals).map_err(error::recorded)?;
-        let patch = py.detach(|| Patch::new(&readings, &options));
-        return GlideEstimate::of(py, patch.map_err(error::recorded)?);
+        let patch = py.detach(|| Patch::new(readings, &options));
+        return GlideEstimate::of(py, Arc::new(patch.map_err(error::recorded)?));
     }
     let sets = (0..points.shape()[0]).map(|set| {
         let of_set = |rows: &[[f64; 3]]| rows[set * contacts..][..contacts].to_vec();
@@ -351,10 +374,10 @@ pub(crate) fn estimate_glide<'py>(
     });
     let sets: Vec<GlideReadings> = sets.collect::<Result<_, _>>().map_err(error::recorded)?;
     let estimate = |readings: &GlideReadings| {
-        let patch = Patch::new(readings, &options)?;
-        let fields = serde_json::to_value(&patch.estimate).unwrap_or(Json::Null);
+        let patch = Patch::new(readings.clone(), &options)?;
+        let fields = serde_json::to_value(&patch.known()?.0).unwrap_or(Json::Null);
         Ok((patch, fields))
     };
-    let shown = |patch| GlideEstimate::of(py, patch);
+    let shown = |patch| GlideEstimate::of(py, Arc::new(patch));
     batch(py, &sets, threads, estimate, shown)
 }

@@ -4,18 +4,19 @@ use std::borrow::Cow;
 
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{
-    Contact, Curvature, Ep2Error, Fit, Method, Patch, RoundTip, Status, Uncertainty, regions,
+    Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, Regions, RoundTip, Status,
+    Uncertainty, regions,
 };
 use palpate_geometry::{ShapeClass, ShapeThresholds};
-use palpate_number::Number;
 
 use super::Value;
 use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::glide::GlideReadings;
 use super::origin::agreed_unit;
+use super::patch_doubts::{noise, spacing};
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
-use super::stated::{FORMAT_VERSION, LARGE_RESIDUALS};
+use super::stated::FORMAT_VERSION;
 use super::suspicion::{of_directions, of_normals};
 use super::wording::Wording;
 use crate::glide::AnyMethod;
@@ -70,126 +71,208 @@ pub fn estimate_glide(
     recorded: &GlideReadings,
     options: &GlideOptions,
 ) -> Result<(GlideEstimate, GlideMap), RecordedError> {
-    let unit = agreed_unit(&recorded.origin, recorded.unit, options.length_unit)?;
-    let refused = |error| refused(recorded, &error);
-    let given = options;
-    let options = &with_length_noise(recorded, given)?;
-    let method = AnyMethod::of(&options.estimator, options.inter_finger_distance);
-    let contacts = contacts(recorded, options, &method).map_err(refused)?;
-    let patch = Patch::new(&contacts, &Vector3::from(options.outward)).map_err(refused)?;
-    let fit = method.fit(&patch).map_err(refused)?;
-    let centre = fit.centre().map_err(refused)?;
-    let points = fit.map(options.grid).map_err(refused)?;
-    let (limits, from) = match options.thresholds {
-        Some(thresholds) => (thresholds, "given"),
-        None => (
-            of_size(&fit).ok_or(Ep2Error::OutOfRange).map_err(refused)?,
-            "the patch's size: those of the 1996 paper on its patch of 3 x 3, scaled",
-        ),
-    };
-    let regions = regions(options.grid, &points, &limits).map_err(refused)?;
-    let value = |value: f64, std: Option<f64>, power: Unit| Value::new(value, std, power, unit);
-    let curvature = centre.curvature;
-    let stds = curvature.uncertainty;
-    let [min_std, max_std] = principal_stds(&curvature);
-    let estimate = GlideEstimate {
-        format_version: FORMAT_VERSION,
-        method: options.estimator.name(),
-        contacts: recorded.contacts.len(),
-        fingers: recorded.fingers,
-        with_normals: patch.has_normals(),
-        length_unit: unit.as_str(),
-        position: tidy(&centre.position.coords),
-        normal: tidy(&centre.normal),
-        gaussian_curvature: value(
-            curvature.gaussian,
-            stds.map(|stds| stds.gaussian_std),
-            Unit::PerLengthSquared,
-        ),
-        mean_curvature: value(
-            curvature.mean,
-            stds.map(|stds| stds.mean_std),
-            Unit::PerLength,
-        ),
-        k_min: value(centre.k_min, min_std, Unit::PerLength),
-        k_max: value(centre.k_max, max_std, Unit::PerLength),
-        direction_of_min: tidy(&centre.direction_of_min),
-        direction_of_max: tidy(&centre.direction_of_max),
-        shape_index: centre.shape_index,
-        class: curvature.class(&limits).name(),
-        class_probabilities: curvature.class_probabilities(&limits).map(|all| {
-            ShapeClass::ALL
-                .map(ShapeClass::name)
-                .into_iter()
-                .zip(all)
-                .collect()
-        }),
-        sign_class: curvature.sign_class().name(),
-        thresholds: Thresholds {
-            gaussian: value(limits.gaussian(), None, Unit::PerLengthSquared),
-            mean: value(limits.mean(), None, Unit::PerLength),
-            from,
-        },
-        noise: fit.noise.map(|noise| PatchNoise {
-            position_std: value(noise.position_std, None, Unit::Length),
-            normal_std_deg: noise.normal_std_rad.map(f64::to_degrees),
-        }),
-        status: fit.status.map(Status::name),
-        effective_unknowns: fit.effective_unknowns,
-        grid: options.grid,
-        regions: regions
-            .regions
-            .iter()
-            .map(|one| PatchRegion::of(one, unit))
-            .collect(),
-        warnings: spacing(&patch, given, unit)
-            .into_iter()
-            .chain(noise(&patch, options, unit))
-            .chain(of_normals(&contacts))
-            .chain(of_directions(&contacts))
-            .chain(recorded.note.clone())
-            .collect(),
-        covariance: stds.map(|stds| {
-            let mixed = stds.correlation * stds.gaussian_std * stds.mean_std;
-            [
-                [stds.gaussian_std * stds.gaussian_std, mixed],
-                [mixed, stds.mean_std * stds.mean_std],
-            ]
-        }),
-    };
-    let extras = match options.map_at_contacts {
-        true => recorded.extras.clone(),
-        false => Extras::default(),
-    };
-    let (points, regions) = if options.map_at_contacts {
-        let places: Vec<Point3<f64>> = contacts.iter().map(|contact| contact.position).collect();
-        (fit.points_at(&places).map_err(refused)?, None)
-    } else {
-        (points, Some(regions))
-    };
-    let map = GlideMap {
-        points,
-        regions,
-        thresholds: limits,
-        unit,
-        extras,
-    };
-    Ok((estimate, map))
+    FittedGlide::new(Cow::Borrowed(recorded), options)?.estimate()
 }
 
-/// The recorded contacts, or those that follow from the points of round tips.
-fn contacts<'a>(
-    recorded: &'a GlideReadings,
+/// Surface that is fitted to recorded contacts, of which no more is computed than is asked for.
+#[derive(Clone, Debug)]
+pub struct FittedGlide<'r> {
+    recorded: Cow<'r, GlideReadings>,
+    given: GlideOptions,
+    /// Options whose noise of positions is a length.
+    options: GlideOptions,
+    unit: LengthUnit,
+    /// Contacts that follow from the points of round tips.
+    of_tips: Option<Vec<Contact>>,
+    patch: Patch,
+    fit: Fit,
+    centre: MapPoint,
+    limits: ShapeThresholds,
+    limits_from: &'static str,
+}
+
+impl<'r> FittedGlide<'r> {
+    /// The surface through these contacts.
+    ///
+    /// # Errors
+    /// Errors of [`estimate_glide`], but for maps that leave the range of doubles.
+    pub fn new(
+        recorded: Cow<'r, GlideReadings>,
+        given: &GlideOptions,
+    ) -> Result<Self, RecordedError> {
+        let unit = agreed_unit(&recorded.origin, recorded.unit, given.length_unit)?;
+        let refused = |error| refused(&recorded, &error);
+        let options = with_length_noise(&recorded, given)?;
+        let method = AnyMethod::of(&options.estimator, options.inter_finger_distance);
+        let of_tips = of_tips(&recorded, &options, &method).map_err(refused)?;
+        let contacts = of_tips.as_deref().unwrap_or(&recorded.contacts);
+        let patch = Patch::new(contacts, &Vector3::from(options.outward)).map_err(refused)?;
+        let fit = method.fit(&patch).map_err(refused)?;
+        let centre = fit.centre().map_err(refused)?;
+        let (limits, limits_from) = match options.thresholds {
+            Some(thresholds) => (thresholds, "given"),
+            None => (
+                of_size(&fit).ok_or(Ep2Error::OutOfRange).map_err(refused)?,
+                "the patch's size: those of the 1996 paper on its patch of 3 x 3, scaled",
+            ),
+        };
+        Ok(Self {
+            given: given.clone(),
+            recorded,
+            options,
+            unit,
+            of_tips,
+            patch,
+            fit,
+            centre,
+            limits,
+            limits_from,
+        })
+    }
+
+    fn contacts(&self) -> &[Contact] {
+        self.of_tips.as_deref().unwrap_or(&self.recorded.contacts)
+    }
+
+    fn refused(&self, error: &Ep2Error) -> RecordedError {
+        refused(&self.recorded, error)
+    }
+
+    /// The surface at the contacts.
+    fn at_contacts(&self) -> Result<Vec<MapPoint>, RecordedError> {
+        let contacts = self.contacts().iter();
+        let places: Vec<Point3<f64>> = contacts.map(|contact| contact.position).collect();
+        let points = self.fit.points_at(&places);
+        points.map_err(|error| self.refused(&error))
+    }
+
+    /// Curvature at every place of the map, in the order of [`GlideMap::points`].
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] where one leaves the range of doubles.
+    pub fn curvatures(&self) -> Result<Vec<Curvature>, RecordedError> {
+        if self.options.map_at_contacts {
+            let points = self.at_contacts()?;
+            return Ok(points.iter().map(|point| point.curvature).collect());
+        }
+        let curvatures = self.fit.curvatures(self.options.grid);
+        curvatures.map_err(|error| self.refused(&error))
+    }
+
+    /// Limits below which curvatures count as zero.
+    pub fn thresholds(&self) -> &ShapeThresholds {
+        &self.limits
+    }
+
+    /// The estimate, and its map.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] where a place of the map leaves the range of doubles.
+    pub fn estimate(&self) -> Result<(GlideEstimate, GlideMap), RecordedError> {
+        let Self { options, unit, .. } = self;
+        let refused = |error| self.refused(&error);
+        let points = self.fit.map(options.grid).map_err(refused)?;
+        let regions = regions(options.grid, &points, &self.limits).map_err(refused)?;
+        let estimate = self.told(&regions);
+        let (points, regions, extras) = match options.map_at_contacts {
+            true => (self.at_contacts()?, None, self.recorded.extras.clone()),
+            false => (points, Some(regions), Extras::default()),
+        };
+        let map = GlideMap {
+            points,
+            regions,
+            thresholds: self.limits,
+            unit: *unit,
+            extras,
+        };
+        Ok((estimate, map))
+    }
+
+    /// The estimate with these regions.
+    fn told(&self, regions: &Regions) -> GlideEstimate {
+        let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
+        let (patch, fit, limits, unit) = (&self.patch, &self.fit, &self.limits, self.unit);
+        let value = |value: f64, std: Option<f64>, power: Unit| Value::new(value, std, power, unit);
+        let curvature = centre.curvature;
+        let stds = curvature.uncertainty;
+        let [min_std, max_std] = principal_stds(&curvature);
+        GlideEstimate {
+            format_version: FORMAT_VERSION,
+            method: options.estimator.name(),
+            contacts: recorded.contacts.len(),
+            fingers: recorded.fingers,
+            with_normals: patch.has_normals(),
+            length_unit: unit.as_str(),
+            position: tidy(&centre.position.coords),
+            normal: tidy(&centre.normal),
+            gaussian_curvature: value(
+                curvature.gaussian,
+                stds.map(|stds| stds.gaussian_std),
+                Unit::PerLengthSquared,
+            ),
+            mean_curvature: value(
+                curvature.mean,
+                stds.map(|stds| stds.mean_std),
+                Unit::PerLength,
+            ),
+            k_min: value(centre.k_min, min_std, Unit::PerLength),
+            k_max: value(centre.k_max, max_std, Unit::PerLength),
+            direction_of_min: tidy(&centre.direction_of_min),
+            direction_of_max: tidy(&centre.direction_of_max),
+            shape_index: centre.shape_index,
+            class: curvature.class(limits).name(),
+            class_probabilities: curvature.class_probabilities(limits).map(|all| {
+                ShapeClass::ALL
+                    .map(ShapeClass::name)
+                    .into_iter()
+                    .zip(all)
+                    .collect()
+            }),
+            sign_class: curvature.sign_class().name(),
+            thresholds: Thresholds {
+                gaussian: value(limits.gaussian(), None, Unit::PerLengthSquared),
+                mean: value(limits.mean(), None, Unit::PerLength),
+                from: self.limits_from,
+            },
+            noise: fit.noise.map(|noise| PatchNoise {
+                position_std: value(noise.position_std, None, Unit::Length),
+                normal_std_deg: noise.normal_std_rad.map(f64::to_degrees),
+            }),
+            status: fit.status.map(Status::name),
+            effective_unknowns: fit.effective_unknowns,
+            grid: options.grid,
+            regions: regions
+                .regions
+                .iter()
+                .map(|one| PatchRegion::of(one, unit))
+                .collect(),
+            warnings: spacing(patch, &self.given, unit)
+                .into_iter()
+                .chain(noise(patch, options, unit))
+                .chain(of_normals(self.contacts()))
+                .chain(of_directions(self.contacts()))
+                .chain(recorded.note.clone())
+                .collect(),
+            covariance: stds.map(|stds| {
+                let mixed = stds.correlation * stds.gaussian_std * stds.mean_std;
+                [
+                    [stds.gaussian_std * stds.gaussian_std, mixed],
+                    [mixed, stds.mean_std * stds.mean_std],
+                ]
+            }),
+        }
+    }
+}
+
+/// Contacts that follow from the points of round tips, where there are such.
+fn of_tips(
+    recorded: &GlideReadings,
     options: &GlideOptions,
     method: &AnyMethod,
-) -> Result<Cow<'a, [Contact]>, Ep2Error> {
-    let told = &recorded.contacts;
-    match &options.tip {
-        Some(tip) => Ok(tip
-            .contacts(told, &Vector3::from(options.outward), method)?
-            .into()),
-        None => Ok(told.into()),
-    }
+) -> Result<Option<Vec<Contact>>, Ep2Error> {
+    let outward = Vector3::from(options.outward);
+    let contacts = |tip: &RoundTip| tip.contacts(&recorded.contacts, &outward, method);
+    options.tip.as_ref().map(contacts).transpose()
 }
 
 /// Options whose noise of positions is a length, of the distance between fingers that is stated or that the readings show.
@@ -215,68 +298,6 @@ fn with_length_noise(
     };
     options.estimator = options.estimator.with_length_noise(distance);
     Ok(options)
-}
-
-/// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.
-const FAR_OFF: f64 = 3.0;
-
-/// The warning where the fingers of the readings are not as far apart as is stated.
-fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {
-    let stated = options.inter_finger_distance?;
-    let found = patch.finger_distance? * patch.frame.scale();
-    let is_used = matches!(options.estimator, GlideEstimatorConfig::TwoPass { .. })
-        || options.estimator.position_fraction_of_ifd().is_some();
-    let near = found / FAR_OFF..=found * FAR_OFF;
-    (is_used && !near.contains(&stated)).then(|| {
-        let [stated, found] = [stated, found].map(Number::rounded);
-        let unit = unit.as_str();
-        format!(
-            "the distance between fingers is stated as {stated} {unit}, but those of the readings are {found} {unit} apart: is the unit right?"
-        )
-    })
-}
-
-/// Warnings where the stated noise of contacts is not what the same method finds.
-fn noise(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Vec<String> {
-    let mut estimator = options.estimator.clone();
-    let (GlideEstimatorConfig::Penalised {
-        position_std,
-        normal_std_deg,
-        ..
-    }
-    | GlideEstimatorConfig::Quadric {
-        position_std,
-        normal_std_deg,
-        ..
-    }) = &mut estimator
-    else {
-        return Vec::new();
-    };
-    let stated = [position_std.take(), normal_std_deg.take()];
-    if stated == [None; 2] {
-        return Vec::new();
-    }
-    let fit = AnyMethod::of(&estimator, None).fit(patch).ok();
-    let Some(found) = fit.and_then(|fit| fit.noise) else {
-        return Vec::new();
-    };
-    let found = [
-        Some(found.position_std),
-        found.normal_std_rad.map(f64::to_degrees),
-    ];
-    let names = [("positions", unit.as_str()), ("normals", "degrees")];
-    let both = stated.into_iter().zip(found).zip(names);
-    both.filter_map(|((stated, found), (what, unit))| {
-        let (stated, found) = stated.zip(found)?;
-        let near = found / LARGE_RESIDUALS..=found * LARGE_RESIDUALS;
-        let [stated_shown, found] = [stated, found].map(Number::rounded);
-        (!near.contains(&stated)).then(|| {
-            format!(
-                "the noise of {what} is stated as {stated_shown} {unit}, but the contacts show {found} {unit}"
-            )
-        })
-    })
-    .collect()
 }
 
 /// The error with the line of the contact that is at fault, if it is one.

@@ -1,0 +1,71 @@
+//! Warnings where what is stated of a patch is not what its contacts show.
+
+use palpate_ep2::{Method, Patch};
+use palpate_number::Number;
+use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
+
+use super::patch::GlideOptions;
+use super::stated::LARGE_RESIDUALS;
+use crate::glide::AnyMethod;
+
+/// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.
+const FAR_OFF: f64 = 3.0;
+
+/// The warning where the fingers of the readings are not as far apart as is stated.
+pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {
+    let stated = options.inter_finger_distance?;
+    let found = patch.finger_distance? * patch.frame.scale();
+    let is_used = matches!(options.estimator, GlideEstimatorConfig::TwoPass { .. })
+        || options.estimator.position_fraction_of_ifd().is_some();
+    let near = found / FAR_OFF..=found * FAR_OFF;
+    (is_used && !near.contains(&stated)).then(|| {
+        let [stated, found] = [stated, found].map(Number::rounded);
+        let unit = unit.as_str();
+        format!(
+            "the distance between fingers is stated as {stated} {unit}, but those of the readings are {found} {unit} apart: is the unit right?"
+        )
+    })
+}
+
+/// Warnings where the stated noise of contacts is not what the same method finds.
+pub(super) fn noise(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Vec<String> {
+    let mut estimator = options.estimator.clone();
+    let (GlideEstimatorConfig::Penalised {
+        position_std,
+        normal_std_deg,
+        ..
+    }
+    | GlideEstimatorConfig::Quadric {
+        position_std,
+        normal_std_deg,
+        ..
+    }) = &mut estimator
+    else {
+        return Vec::new();
+    };
+    let stated = [position_std.take(), normal_std_deg.take()];
+    if stated == [None; 2] {
+        return Vec::new();
+    }
+    let fit = AnyMethod::of(&estimator, None).fit(patch).ok();
+    let Some(found) = fit.and_then(|fit| fit.noise) else {
+        return Vec::new();
+    };
+    let found = [
+        Some(found.position_std),
+        found.normal_std_rad.map(f64::to_degrees),
+    ];
+    let names = [("positions", unit.as_str()), ("normals", "degrees")];
+    let both = stated.into_iter().zip(found).zip(names);
+    both.filter_map(|((stated, found), (what, unit))| {
+        let (stated, found) = stated.zip(found)?;
+        let near = found / LARGE_RESIDUALS..=found * LARGE_RESIDUALS;
+        let [stated_shown, found] = [stated, found].map(Number::rounded);
+        (!near.contains(&stated)).then(|| {
+            format!(
+                "the noise of {what} is stated as {stated_shown} {unit}, but the contacts show {found} {unit}"
+            )
+        })
+    })
+    .collect()
+}
