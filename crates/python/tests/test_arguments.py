@@ -1,5 +1,7 @@
 """What arguments may be, and what is said of those that cannot be."""
 
+import importlib
+
 import numpy as np
 import palpate
 import pytest
@@ -57,7 +59,7 @@ def test_single_precision_and_whole_numbers(rolls):
 
 @pytest.mark.parametrize("name", ["pandas", "polars"])
 def test_columns_of_data_frames(presses, name):
-    frames = pytest.importorskip(name)
+    frames = importlib.import_module(name)
     positions, displacements = presses
     frame = frames.DataFrame({"x": positions[:, 0], "y": positions[:, 1], "inward": displacements[:, 0]})
     found = palpate.estimate_press(frame[["x", "y"]], frame["inward"], **SENSOR)
@@ -193,6 +195,9 @@ def test_settings_of_rolls(rolls, settings, argument, says):
         ({"outward": (0, 0, 1)}, "outward is of use only to readings without normals"),
         ({"gaussian_threshold": 1.0}, "gaussian_threshold is of use only with mean_threshold"),
         ({"gaussian_threshold": 0.0, "mean_threshold": 1.0}, "threshold"),
+        ({"tip_radius": -1.0}, "tip_radius is -1; it must be"),
+        ({"tip_radius": 1.0, "reports": "top"}, "must be lowest-point or centre, is \"top\""),
+        ({"reports": "centre"}, "reports is of use only to readings of round tips; give tip_radius too"),
         ({"position_std": np.inf}, "position_std is inf; it must be finite"),
     ],
 )

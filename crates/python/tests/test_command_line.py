@@ -23,6 +23,7 @@ def test_rolls(cli, rolls):
         {"method": "two-pass", "smoothing": 500.0},
         {"method": "quadric"},
         {"gaussian_threshold": 5e-4, "mean_threshold": 1e-2, "grid": 7},
+        {"tip_radius": 4.0, "reports": "centre"},
     ],
 )
 def test_glides(cli, glides, tmp_path, settings):

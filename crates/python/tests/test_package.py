@@ -104,3 +104,10 @@ def test_import_is_light():
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert set(done.stdout.split()) <= {"__future__", "palpate"}
+
+
+def test_import_takes_at_most_15_ms():
+    script = "import time, numpy; start = time.perf_counter(); import palpate; print(time.perf_counter() - start)"
+    runs = (subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True) for _ in range(7))
+    # The least of several, for a machine that does other things.
+    assert min(float(run.stdout) for run in runs) < 0.015

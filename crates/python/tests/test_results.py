@@ -98,6 +98,25 @@ def test_the_map_of_a_patch(glides):
     assert np.isnan(palpate.estimate_glide(*glides, method="two-pass").covariance).all()
 
 
+def test_points_of_round_tips():
+    """The centres and the lowest points of tips on a ball tell the ball."""
+    tip, ball = 4.0, 30.0
+    along, across = np.meshgrid(np.linspace(-6, 6, 10), np.linspace(-4, 4, 3))
+    out = np.stack([along.T.ravel(), across.T.ravel(), np.full(30, ball)], axis=1)
+    normals = out / np.linalg.norm(out, axis=1, keepdims=True)
+    centres = (ball + tip) * normals
+    lowest = centres - [0, 0, tip]
+    fingers = np.tile(np.arange(3), 10)
+    of_contacts = palpate.estimate_glide(ball * normals, normals, fingers)
+    for points, reports in ((centres, "centre"), (lowest, "lowest-point"), (lowest, None)):
+        told = palpate.estimate_glide(points, normals, fingers, tip_radius=tip, reports=reports)
+        assert told.mean_curvature.value == pytest.approx(of_contacts.mean_curvature.value, rel=1e-9)
+    assert of_contacts.mean_curvature.value == pytest.approx(1 / ball, rel=1e-3)
+    # Without them it is another surface.
+    alone = palpate.estimate_glide(centres, normals, fingers).mean_curvature.value
+    assert alone == pytest.approx(1 / (ball + tip), rel=1e-3)
+
+
 def test_batches_of_glides_and_presses(glides, presses):
     points, normals, fingers = glides
     random = np.random.default_rng(1)

@@ -1,5 +1,6 @@
 """Studies: made, changed, checked, run, stopped, drawn."""
 
+import importlib
 import signal
 import threading
 import time
@@ -98,11 +99,7 @@ def test_tables_are_mappings_of_arrays():
     first = dict(zip(cells, lines[1].split(","), strict=True))
     assert float(first["truth"]) == cells["truth"][0]
     for name in ("pandas", "polars"):
-        try:
-            frames = __import__(name)
-        except ImportError:
-            continue
-        frame = frames.DataFrame(dict(cells))
+        frame = importlib.import_module(name).DataFrame(dict(cells))
         assert list(frame.columns) == list(cells) and len(frame) == cells.height
 
 

@@ -516,6 +516,8 @@ def estimate_glide(
     method: str | None = None,
     grid: int | None = None,
     at_contacts: bool = False,
+    tip_radius: float | None = None,
+    reports: str | None = None,
     outward: Sequence[float] | None = None,
     gaussian_threshold: float | None = None,
     mean_threshold: float | None = None,

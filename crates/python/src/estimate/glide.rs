@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use numpy::{PyArray1, PyArrayMethods};
 use palpate::recorded::{
     self, Curvature, FittedGlide, GlideGiven, GlideMap, GlideOptions, GlideReadings, MapPoint,
-    RecordedError, ShapeClass, Wording,
+    RecordedError, ShapeClass, TipPoint, Wording,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -189,6 +189,18 @@ impl Map {
     }
 }
 
+/// Point of a round tip by its name.
+fn tip_point(name: &str) -> PyResult<TipPoint> {
+    match name {
+        "lowest-point" => Ok(TipPoint::Lowest),
+        "centre" => Ok(TipPoint::Centre),
+        _ => {
+            let message = format!("reports: must be lowest-point or centre, is {name:?}");
+            Err(error::argument("reports", &[], None, message))
+        }
+    }
+}
+
 /// Curvature of a patch all over it, from contacts of fingers that glide over the object.
 ///
 /// Parameters
@@ -206,8 +218,12 @@ impl Map {
 ///     Places along each side of the map, from 1 to 1000; 30 by default.
 /// at_contacts : bool
 ///     Whether the map has a place per contact, in their order, instead of a grid.
+/// tip_radius : float, optional
+///     Radius of round fingertips of which `points` are not the contacts but what `reports` names, length.
+/// reports : str, optional
+///     That point of the tips: "lowest-point" (the default), the farthest against `outward`, or "centre".
 /// outward : array, (3,), optional
-///     Direction out of the object, for contacts without normals; +z by default.
+///     Direction out of the object, for contacts without normals and for lowest points; +z by default.
 /// gaussian_threshold, mean_threshold : float, optional
 ///     Magnitudes below which a curvature counts as zero, 1/length² and 1/length; by default from the patch's size.
 /// inter_finger_distance : float, optional
@@ -262,7 +278,8 @@ impl Map {
 /// M. Charlebois, K. Gupta and S. Payandeh, Curvature Based Shape Estimation Using Tactile Sensing, ICRA 1996;
 /// P. Dierckx, Curve and Surface Fitting with Splines, 1993 (two-pass); S. Wood, Generalized Additive Models, 2017.
 #[pyfunction]
-#[pyo3(signature = (points, normals=None, fingers=None, *, method=None, grid=None, at_contacts=false, outward=None, gaussian_threshold=None, mean_threshold=None, inter_finger_distance=None, intervals=None,
+#[pyo3(signature = (points, normals=None, fingers=None, *, method=None, grid=None, at_contacts=false, tip_radius=None,
+    reports=None, outward=None, gaussian_threshold=None, mean_threshold=None, inter_finger_distance=None, intervals=None,
     criterion=None, gamma=None, position_std=None, position_fraction_of_ifd=None, normal_std_deg=None, first_degree=None,
     second_degree=None, weight=None, smoothing=None, second_smoothing=None, tangent_step=None, tangent_normals=None,
     passes=None, length_unit=None, like=None, cell=0, threads=None))]
@@ -275,6 +292,8 @@ pub(crate) fn estimate_glide<'py>(
     method: Option<String>,
     grid: Option<u32>,
     at_contacts: bool,
+    tip_radius: Option<f64>,
+    reports: Option<&str>,
     outward: Option<[f64; 3]>,
     gaussian_threshold: Option<f64>,
     mean_threshold: Option<f64>,
@@ -326,12 +345,13 @@ pub(crate) fn estimate_glide<'py>(
         ]),
         grid,
         at_contacts,
+        tip_radius,
+        reports: reports.map(tip_point).transpose()?,
         outward,
         length_unit: unit,
         gaussian_threshold,
         mean_threshold,
         inter_finger_distance,
-        ..GlideGiven::default()
     };
     let base = self::like(like.as_ref(), cell, unit, GlideOptions::like)?;
     let has_normals = normals.is_some();

@@ -1,0 +1,69 @@
+"""Options of the command line, each of which a function has too."""
+
+import inspect
+import re
+
+import palpate
+import pytest
+
+# What only a program with files and a terminal has use for.
+OF_FILES = {
+    "columns", "decimal", "delimiter", "error-format", "force", "format", "json", "map", "out", "restart", "shard",
+}
+
+# Names that Python has taken, or that say more in a call.
+RENAMED = {
+    ("estimate glide", "normals"): "tangent_normals",
+    ("sensor calibrate", "from"): "source",
+    ("run", "every-nth-cell"): "cells",
+}
+
+COMMANDS = {
+    "estimate roll": [palpate.estimate_roll],
+    "estimate glide": [palpate.estimate_glide],
+    "estimate press": [palpate.estimate_press],
+    # The settings of an estimate go through.
+    "sensor track": [palpate.track, palpate.estimate_press],
+    "sensor calibrate": [palpate.calibrate, palpate.calibrate_frames],
+    "sensor pattern": [palpate.pattern],
+    "design": [palpate.design],
+    "distinguish": [palpate.distinguish],
+    "explain": [palpate.explain],
+    "check": [palpate.Study.check],
+    "run": [palpate.Study.run, palpate.Study.plan],
+    "trace": [palpate.Study.trace],
+    "report": [palpate.report],
+}
+
+
+def options(cli, command):
+    text = cli(*command.split(), "--help", is_json=False)
+    return set(re.findall(r"^ {6}--([a-z0-9-]+)", text, re.M)) - {"help"}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_an_option_is_an_argument(cli, command):
+    arguments = {name for function in COMMANDS[command] for name in inspect.signature(function).parameters}
+    found = options(cli, command)
+    assert found, "the help lists no option"
+    missing = {
+        option for option in found - OF_FILES
+        if RENAMED.get((command, option), option.replace("-", "_")) not in arguments
+    }
+    assert not missing
+
+
+def test_no_exception_is_stale(cli):
+    found = {command: options(cli, command) for command in COMMANDS}
+    assert OF_FILES <= set().union(*found.values())
+    assert all(option in found[command] for command, option in RENAMED)
+
+
+def test_every_command_is_one_of_these(cli):
+    """Commands that have no function are those of files, queues and schemas."""
+    text = cli("--help", is_json=False)
+    names = set(re.findall(r"^  ([a-z]+) {2,}", text.split("Commands:")[1].split("Options:")[0], re.M))
+    known = {command.split()[0] for command in COMMANDS}
+    assert known <= names
+    # Figures and the schema are properties; the others put runs together that files hold.
+    assert names - known <= {"plot", "schema", "merge", "status", "submit", "help"}
