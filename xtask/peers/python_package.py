@@ -11,7 +11,7 @@ import warnings
 import numpy as np
 import palpate
 import scipy
-from figure import median_us, tell
+from figure import median_us, medians_us, tell
 
 RADIUS, SPHERE, PROBES, SETS = 1.0, 5.0, 8, 100_000
 # Name by which `cargo xtask peers` knows what is palpate's.
@@ -55,13 +55,15 @@ def roll():
     theirs = [one_by_numpy(rotations, moved)[3] for moved in few]
     ours = [palpate.estimate_roll(rotations, moved, probe_radius=RADIUS).mean_curvature.value for moved in few]
     one = few[0].copy()
-    time_us = median_us(lambda: one_by_numpy(rotations, one))
-    tell(task, "NumPy lstsq", np.__version__, time_us, error_of(theirs))
-    time_us = median_us(lambda: palpate.estimate_roll(rotations, one, probe_radius=RADIUS))
-    tell(task, f"{OURS}, arrays", palpate.__version__, time_us, error_of(ours))
     turned, moved = rotations.tolist(), one.tolist()
-    time_us = median_us(lambda: palpate.estimate_roll(turned, moved, probe_radius=RADIUS))
-    tell(task, f"{OURS}, lists", palpate.__version__, time_us, error_of(ours))
+    numpy_us, arrays_us, lists_us = medians_us([
+        lambda: one_by_numpy(rotations, one),
+        lambda: palpate.estimate_roll(rotations, one, probe_radius=RADIUS),
+        lambda: palpate.estimate_roll(turned, moved, probe_radius=RADIUS),
+    ])
+    tell(task, "NumPy lstsq", np.__version__, numpy_us, error_of(theirs))
+    tell(task, f"{OURS}, arrays", palpate.__version__, arrays_us, error_of(ours))
+    tell(task, f"{OURS}, lists", palpate.__version__, lists_us, error_of(ours))
 
 
 def all_by_numpy(turned, moved):
@@ -86,13 +88,13 @@ def batch():
         ("EP1 estimates, 100 000 sets of 8 probes turned alike", lambda: alike(shifts), rotations),
         ("EP1 estimates, 100 000 sets of 8 probes", lambda: all_by_numpy(each, shifts), each),
     ):
-        tell(task, "NumPy, vectorised", np.__version__, median_us(theirs, SETS), error_of(theirs()[3]))
 
         def ours(turned=turned):
             return palpate.estimate_roll(turned, shifts, probe_radius=RADIUS, shift_std=1e-4, threads=1)
 
-        error = error_of(ours().mean_curvature.value)
-        tell(task, OURS, palpate.__version__, median_us(ours, SETS), error)
+        theirs_us, ours_us = medians_us([theirs, ours], SETS)
+        tell(task, "NumPy, vectorised", np.__version__, theirs_us, error_of(theirs()[3]))
+        tell(task, OURS, palpate.__version__, ours_us, error_of(ours().mean_curvature.value))
 
 
 def patches():
@@ -126,35 +128,63 @@ def two_pass():
 
     warnings.simplefilter("ignore")
     few = patches()
-    grid_x, grid_y = np.linspace(-1.5, 1.5, 30), np.linspace(-1.0, 1.0, 30)
+    weight, smoothing, step = 100.0, 1000.0, 0.05
 
-    def theirs(points):
-        """Curvatures on the grid of one spline of degree 2: half of the method's work."""
+    class Spline:
+        """Smoothing spline of one degree in both directions, and its derivatives anywhere."""
+
+        def __init__(self, x, y, z, degree):
+            weights = np.full(len(x), weight)
+            knots_x, knots_y, found = bisplrep(x, y, z, w=weights, kx=degree, ky=degree, s=smoothing)[:3]
+            rows, columns = len(knots_x) - degree - 1, len(knots_y) - degree - 1
+            self.found = np.asarray(found).reshape(rows, columns)
+            self.along = BSpline(knots_x, np.eye(rows), degree), BSpline(knots_y, np.eye(columns), degree)
+
+        def at(self, x, y, order):
+            return np.einsum("ni,ij,nj->n", self.along[0](x), self.found, self.along[1](y, order))
+
+        def mean_curvature(self, grid_x, grid_y):
+            x0, x1, x2 = (self.along[0](grid_x, order) for order in range(3))
+            y0, y1, y2 = (self.along[1](grid_y, order).T for order in range(3))
+            p, q = x1 @ self.found @ y0, x0 @ self.found @ y1
+            r, s, t = x2 @ self.found @ y0, x1 @ self.found @ y1, x0 @ self.found @ y2
+            return -((1 + q * q) * r - 2 * p * q * s + (1 + p * p) * t) / (2 * (1 + p * p + q * q) ** 1.5)
+
+    def theirs(points, passes):
+        """Mean curvature on a grid over the contacts, fingers gliding along x."""
         x, y, z = points.T
-        knots_x, knots_y, found = bisplrep(x, y, z, w=np.full(len(x), 100.0), kx=2, ky=2, s=1000.0)[:3]
-        rows, columns = len(knots_x) - 3, len(knots_y) - 3
-        found = np.asarray(found).reshape(rows, columns)
-        along_x, along_y = BSpline(knots_x, np.eye(rows), 2), BSpline(knots_y, np.eye(columns), 2)
-        x0, x1, x2 = (along_x(grid_x, order) for order in range(3))
-        y0, y1, y2 = (along_y(grid_y, order).T for order in range(3))
-        p, q = x1 @ found @ y0, x0 @ found @ y1
-        r, s, t = x2 @ found @ y0, x1 @ found @ y1, x0 @ found @ y2
-        return -((1 + q * q) * r - 2 * p * q * s + (1 + p * p) * t) / (2 * (1 + p * p + q * q) ** 1.5)
+        grid_x, grid_y = (np.linspace(one.min(), one.max(), 30) for one in (x, y))
+        spline = Spline(x, y, z, 2)
+        if passes == 2:
+            height, slope = spline.at(x, y, 0), spline.at(x, y, 1)
+            across = step / np.hypot(slope, 1)
+            steps = [(0 * across), across, -across]
+            x = np.tile(x, 3)
+            z = np.concatenate([height + one * slope for one in steps])
+            y = np.concatenate([y + one for one in steps])
+            spline = Spline(x, y, z, 3)
+        return spline.mean_curvature(grid_x, grid_y)
 
     fingers = np.repeat(np.arange(3), 10)
 
-    def ours(points):
-        return palpate.estimate_glide(
-            points, None, fingers, method="two-pass", passes=1, inter_finger_distance=1.0
+    def ours(points, passes):
+        estimate = palpate.estimate_glide(
+            points, None, fingers, method="two-pass", passes=passes, inter_finger_distance=1.0
         )
+        return estimate.map.mean_curvature
 
-    task = "two-pass of 30 contacts, one pass, map of 30 x 30"
-    error = error_of([theirs(points) for points in few])
-    time_us = median_us(lambda: of_all(theirs, few), len(few))
-    tell(task, "FITPACK bisplrep", scipy.__version__, time_us, error)
-    error = error_of([ours(points).map.mean_curvature for points in few])
-    time_us = median_us(lambda: of_all(ours, few), len(few))
-    tell(task, OURS, palpate.__version__, time_us, error)
+    for passes, words in ((1, "first pass alone"), (2, "both passes")):
+        task = f"two-pass of 30 contacts, {words}, map of 30 x 30"
+
+        def all_theirs(passes=passes):
+            return [theirs(points, passes) for points in few]
+
+        def all_ours(passes=passes):
+            return [ours(points, passes) for points in few]
+
+        theirs_us, ours_us = medians_us([all_theirs, all_ours], len(few))
+        tell(task, "FITPACK bisplrep", scipy.__version__, theirs_us, error_of(all_theirs()))
+        tell(task, OURS, palpate.__version__, ours_us, error_of(all_ours()))
 
 
 {"python-roll": roll, "python-batch": batch, "python-glide": glide, "python-two-pass": two_pass}[sys.argv[2]]()

@@ -41,9 +41,18 @@ struct Group {
     peer: Kind,
     /// Factor by which palpate is to be quicker.
     target: f64,
+    /// Another factor on some of the tasks.
+    of_task: &'static [(&'static str, f64)],
     /// Share of the peer's error by which palpate's may exceed it and still count as equal: 0 where both read the same
     /// inputs, the effect of chance where each draws its own.
     slack: f64,
+}
+
+impl Group {
+    fn target_of(&self, task: &str) -> f64 {
+        let own = self.of_task.iter().find(|(of, _)| *of == task);
+        own.map_or(self.target, |(_, target)| *target)
+    }
 }
 
 const GROUPS: [Group; 11] = [
@@ -51,12 +60,14 @@ const GROUPS: [Group; 11] = [
         name: "rolling-long",
         peer: Kind::Rust("ode_solvers"),
         target: 2.0,
+        of_task: &[],
         slack: 0.0,
     },
     Group {
         name: "rolling-short",
         peer: Kind::Cpp("rolling_short.cpp"),
         target: 3.0,
+        of_task: &[],
         slack: 0.0,
     },
     // The root of the mean square over 100 000 trials is known to 0.2 %.
@@ -64,42 +75,49 @@ const GROUPS: [Group; 11] = [
         name: "ep1-trial",
         peer: Kind::Python("ep1_trial.py"),
         target: 2.0,
+        of_task: &[],
         slack: 0.01,
     },
     Group {
         name: "ep2-few",
         peer: Kind::Python("ep2_few.py"),
         target: 2.0,
+        of_task: &[],
         slack: 0.0,
     },
     Group {
         name: "ep2-many",
         peer: Kind::Python("ep2_many.py"),
         target: 5.0,
+        of_task: &[],
         slack: 0.0,
     },
     Group {
         name: "press-contact",
         peer: Kind::Python("press_contact.py"),
         target: 100.0,
+        of_task: &[],
         slack: 0.0,
     },
     Group {
         name: "image",
         peer: Kind::Python("image.py"),
         target: 1.0,
+        of_task: &[],
         slack: 0.0,
     },
     Group {
         name: "python-roll",
         peer: Kind::Package("python-roll"),
         target: 5.0,
+        of_task: &[],
         slack: 1e-9,
     },
     Group {
         name: "python-batch",
         peer: Kind::Package("python-batch"),
         target: 3.0,
+        of_task: &[],
         slack: 1e-9,
     },
     // The peer is palpate in Rust: what Python adds.
@@ -107,12 +125,17 @@ const GROUPS: [Group; 11] = [
         name: "python-glide",
         peer: Kind::Package("python-glide"),
         target: 1.0 / 1.3,
+        of_task: &[(
+            "estimate_glide of 100 000 contacts, map of 30 x 30",
+            1.0 / 1.1,
+        )],
         slack: 1e-9,
     },
     Group {
         name: "python-two-pass",
         peer: Kind::Package("python-two-pass"),
         target: 2.0,
+        of_task: &[],
         slack: 1e-3,
     },
 ];
@@ -135,13 +158,13 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
     cmd!(shell, "{ours} ours --inputs {inputs}").quiet().run()?;
     let workshop = Workshop::new(shell, &directory)?;
     let core = options.core.to_string();
-    let (mut rows, mut all) = (Vec::new(), options.groups.is_empty());
+    let (mut rows, mut is_whole) = (Vec::new(), options.groups.is_empty());
     for group in &groups {
         let peer = match workshop.make(&group.peer)? {
             Ok(peer) => peer,
             Err(Absent(why)) => {
                 println!("skipped: {}: {why}", group.name);
-                all = false;
+                is_whole = false;
                 continue;
             }
         };
@@ -170,19 +193,20 @@ pub(crate) fn run(shell: &Shell, options: &Options) -> Result<()> {
         rows.extend(table::rows(
             &medians(theirs),
             &medians(mine),
-            group.target,
+            |task| group.target_of(task),
             group.slack,
         ));
     }
     print!("{}", table::render(&rows));
-    // A table of one run or none: ratios of different runs do not compare.
-    if all {
-        let text = table::csv(&rows, &palpate::machine(shell))?;
-        replace(&shell.current_dir().join(RESULTS), &text)?;
-        println!("{RESULTS} is written");
-    } else {
-        println!("{RESULTS} stays as it is");
-    }
+    let path = shell.current_dir().join(RESULTS);
+    let text = table::csv(&rows, &palpate::machine(shell))?;
+    // A ratio is of one run and names its machine: rows of tasks that were not run stay.
+    let text = match is_whole {
+        true => text,
+        false => table::merged(&fs::read_to_string(&path).unwrap_or_default(), &text)?,
+    };
+    replace(&path, &text)?;
+    println!("{RESULTS} is written");
     Ok(())
 }
 

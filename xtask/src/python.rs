@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::{Shell, cmd};
 
@@ -15,6 +15,9 @@ const OF_PACKAGE: &str = "crates/python";
 
 /// What the environment has beside the wheel.
 const REQUIREMENTS: &str = "crates/python/requirements.txt";
+
+/// Largest size of a wheel, MB.
+const MOST_MB: f64 = 8.0;
 
 #[derive(Args)]
 pub(crate) struct Options {
@@ -62,7 +65,12 @@ pub(crate) fn installed(shell: &Shell) -> Result<PathBuf> {
     )
     .quiet()
     .run()?;
-    println!("{}: {:.1} MB", wheel.display(), size_mb(&wheel)?);
+    let size = size_mb(&wheel)?;
+    println!("{}: {size:.1} MB", wheel.display());
+    ensure!(
+        size <= MOST_MB,
+        "the wheel has {size:.1} MB, more than {MOST_MB}"
+    );
     Ok(python)
 }
 

@@ -53,11 +53,16 @@ const HEADER: [&str; 12] = [
 ];
 
 /// Every peer beside every rung of palpate, task by task.
-pub(crate) fn rows(peers: &[Figure], ours: &[Figure], target: f64, slack: f64) -> Vec<Row> {
+pub(crate) fn rows(
+    peers: &[Figure],
+    ours: &[Figure],
+    target_of: impl Fn(&str) -> f64,
+    slack: f64,
+) -> Vec<Row> {
     let mut rows = Vec::new();
     for peer in peers {
         for ours in ours.iter().filter(|ours| ours.task == peer.task) {
-            let ratio = peer.time_us / ours.time_us;
+            let (ratio, target) = (peer.time_us / ours.time_us, target_of(&peer.task));
             let verdict = match (ours.error <= peer.error * (1.0 + slack), ratio >= target) {
                 (false, _) => Verdict::ErrsMore,
                 (true, true) => Verdict::Met,
@@ -135,6 +140,23 @@ pub(crate) fn csv(rows: &[Row], machine: &str) -> Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
+/// A committed table with the rows of another run in place of those of the same tasks.
+pub(crate) fn merged(committed: &str, measured: &str) -> Result<String> {
+    let read = |text: &str| -> Result<Vec<csv::StringRecord>> {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        Ok(reader.records().collect::<Result<_, _>>()?)
+    };
+    let (mut rows, measured) = (read(committed)?, read(measured)?);
+    let is_measured = |row: &csv::StringRecord| measured.iter().any(|one| one.get(0) == row.get(0));
+    let place = rows.iter().position(is_measured).unwrap_or(rows.len());
+    rows.retain(|row| !is_measured(row));
+    rows.splice(place..place, measured.iter().cloned());
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(HEADER)?;
+    rows.iter().try_for_each(|row| writer.write_record(row))?;
+    Ok(String::from_utf8(writer.into_inner()?)?)
+}
+
 /// Four figures: more is noise.
 fn figures(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
@@ -160,7 +182,7 @@ mod tests {
     }
 
     fn verdict(ours: Figure, slack: f64) -> Verdict {
-        rows(&[figure("a", 10.0, 0.1)], &[ours], 2.0, slack)[0].verdict
+        rows(&[figure("a", 10.0, 0.1)], &[ours], |_| 2.0, slack)[0].verdict
     }
 
     #[test]
@@ -178,7 +200,7 @@ mod tests {
     fn tasks_are_not_mixed() {
         let peers = [figure("a", 10.0, 0.1), figure("b", 3.0, 1e-14)];
         let ours = [figure("b", 1.0, 0.0), figure("a", 4.0, 0.1)];
-        let all = rows(&peers, &ours, 3.0, 0.0);
+        let all = rows(&peers, &ours, |_| 3.0, 0.0);
         assert_eq!(
             all.iter().map(|row| row.ratio).collect::<Vec<_>>(),
             [2.5, 3.0]
@@ -187,6 +209,36 @@ mod tests {
         assert_eq!(
             committed.lines().nth(2).unwrap(),
             "b,p,1,3,1e-14,p,1,0,3,3,met,\"a machine, of 2 cores\""
+        );
+    }
+    #[test]
+    fn rows_of_other_tasks_stay() {
+        let of = |task: &str, time_us: f64, machine: &str| {
+            let all = rows(
+                &[figure(task, time_us, 0.1)],
+                &[figure(task, 1.0, 0.1)],
+                |_| 2.0,
+                0.0,
+            );
+            csv(&all, machine).unwrap()
+        };
+        let committed = [("a", 3.0), ("b", 4.0), ("c", 5.0)]
+            .map(|(task, time_us)| of(task, time_us, "old"))
+            .into_iter()
+            .reduce(|all, one| merged(&all, &one).unwrap())
+            .unwrap();
+        let after = merged(&committed, &of("b", 9.0, "new")).unwrap();
+        let told: Vec<[&str; 3]> = after
+            .lines()
+            .skip(1)
+            .map(|line| {
+                let fields: Vec<&str> = line.split(',').collect();
+                [fields[0], fields[3], fields[11]]
+            })
+            .collect();
+        assert_eq!(
+            told,
+            [["a", "3", "old"], ["b", "9", "new"], ["c", "5", "old"]]
         );
     }
 }
