@@ -4,8 +4,12 @@ import copy
 import json
 import multiprocessing
 import pickle
+import re
+import subprocess
+import sys
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from xml.etree import ElementTree
 
 import numpy as np
 import palpate
@@ -38,6 +42,20 @@ def everything(rolls, glides, presses, ball):
     ]
 
 
+def assert_same(one, other):
+    """That dictionaries have the same fields, arrays and tables among them."""
+    if isinstance(other, dict):
+        assert one.keys() == other.keys()
+        for name, value in other.items():
+            assert_same(one[name], value)
+    elif isinstance(other, np.ndarray):
+        np.testing.assert_array_equal(one, other)
+    elif isinstance(other, palpate.Figure):
+        assert one.svg == other.svg
+    else:
+        assert one == other
+
+
 def test_all_results_have_words_and_pickle(rolls, glides, presses, ball):
     for result in everything(rolls, glides, presses, ball):
         assert type(result).__name__ in repr(result) or isinstance(result, (palpate.Record, palpate.Calibration))
@@ -48,8 +66,22 @@ def test_all_results_have_words_and_pickle(rolls, glides, presses, ball):
             assert repr(again) == repr(result)
             if isinstance(result, palpate.Record):
                 assert again == result and again.to_dict() == result.to_dict()
+                assert_same(again.to_dict(arrays=True), result.to_dict(arrays=True))
             if hasattr(result, "to_csv"):
                 assert again.to_csv() == result.to_csv()
+
+
+def test_notebooks_show_a_figure_of_each_estimate(rolls, glides, presses):
+    estimates = [
+        palpate.estimate_roll(*rolls, probe_radius=10, pitch=0.5),
+        palpate.estimate_glide(*glides),
+        palpate.estimate_press(*presses, **SENSOR),
+    ]
+    for estimate in estimates:
+        figure = re.search(r"<svg.*</svg>", estimate._repr_html_(), re.S)
+        assert figure, type(estimate)
+        parsed = ElementTree.fromstring(figure[0])
+        assert len(list(parsed.iter())) > 5
 
 
 def test_fields_are_those_of_the_dictionary(rolls, glides, presses):
@@ -111,10 +143,10 @@ def test_points_of_round_tips():
     for points, reports in ((centres, "centre"), (lowest, "lowest-point"), (lowest, None)):
         told = palpate.estimate_glide(points, normals, fingers, tip_radius=tip, reports=reports)
         assert told.mean_curvature.value == pytest.approx(of_contacts.mean_curvature.value, rel=1e-9)
-    assert of_contacts.mean_curvature.value == pytest.approx(1 / ball, rel=1e-3)
+    assert of_contacts.mean_curvature.value == pytest.approx(1 / ball, rel=1e-2)
     # Without them it is another surface.
     alone = palpate.estimate_glide(centres, normals, fingers).mean_curvature.value
-    assert alone == pytest.approx(1 / (ball + tip), rel=1e-3)
+    assert alone == pytest.approx(1 / (ball + tip), rel=1e-2)
 
 
 def test_batches_of_glides_and_presses(glides, presses):
@@ -242,3 +274,24 @@ def test_memory_does_not_grow(rolls, glides, presses, ball):
     for _ in range(200):
         once()
     assert resident() - before < 4, "MB in 200 runs"
+
+
+MEMORY = """
+import resource, sys
+import numpy as np, palpate
+shifts = np.empty((200_000, 50, 2), order=sys.argv[1])
+shifts[:] = np.random.default_rng(1).normal(0, 1, (50, 2))
+rotations = np.random.default_rng(2).normal(0, 0.1, (50, 2))
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+palpate.estimate_roll(rotations, shifts, probe_radius=10, shift_std=1.0, threads=1)
+print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1e3)
+"""
+
+
+def test_arrays_are_copied_only_where_they_are_laid_out_otherwise():
+    grown = {}
+    for order in "CF":
+        done = subprocess.run([sys.executable, "-c", MEMORY, order], capture_output=True, text=True, check=True)
+        grown[order] = float(done.stdout)
+    # The array has 160 MB, its estimates 18 MB.
+    assert grown["C"] < 80 < 150 < grown["F"], grown

@@ -8,7 +8,7 @@ import time
 import numpy as np
 import palpate
 import pytest
-from conftest import BALL, EXAMPLES
+from conftest import BALL, EXAMPLES, SENSOR
 
 
 def test_made_of_text_dictionary_and_file(ball):
@@ -151,9 +151,20 @@ def test_other_threads_go_on_while_trials_run(ball):
     assert ticks > 10
 
 
-@pytest.mark.parametrize("what", ["run", "batch"])
-def test_ctrl_c(ball, rolls, what):
+@pytest.mark.parametrize("what", ["run", "rolls", "rolls in turn", "glides", "presses", "distinguish"])
+def test_ctrl_c(ball, rolls, glides, presses, what):
     many = np.stack([rolls[1]] * 400_000)
+    patches, pressed = np.stack([glides[0]] * 5_000), np.stack([presses[1]] * 500)
+    work = {
+        "run": lambda: ball.run(trials=10**9, threads=1),
+        "rolls": lambda: palpate.estimate_roll(rolls[0], many, probe_radius=10, threads=2),
+        "rolls in turn": lambda: palpate.estimate_roll(rolls[0], many, probe_radius=10, threads=1),
+        "glides": lambda: palpate.estimate_glide(patches, threads=2),
+        "presses": lambda: palpate.estimate_press(presses[0], pressed, threads=2, **SENSOR),
+        "distinguish": lambda: palpate.distinguish(
+            ball, vary={"scene.object.radius": [20.0, 30.0]}, trials=10**7, threads=1
+        ),
+    }
     late = []
 
     def interrupt():
@@ -164,11 +175,8 @@ def test_ctrl_c(ball, rolls, what):
     timer.start()
     try:
         with pytest.raises(KeyboardInterrupt):
-            if what == "run":
-                ball.run(trials=10**9, threads=1)
-            else:
-                while True:
-                    palpate.estimate_roll(rolls[0], many, probe_radius=10, threads=2)
+            while True:
+                work[what]()
     finally:
         timer.join()
     # 0.1 s, and as much again for a machine that does other things.
