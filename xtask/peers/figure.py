@@ -22,19 +22,20 @@ def median_us(job, per_call=1, batches=9, batch_s=0.02):
 
 
 def medians_us(jobs, per_call=1, batches=9, batch_s=0.02):
-    """Medians as of median_us of jobs that take turns, batch by batch, so that a busy machine slows all of them alike."""
+    """Medians as of median_us of jobs that take turns, batch by batch, of the time that this thread has the processor:
+    a busy machine slows all of them alike."""
     calls = []
     for job in jobs:
-        start = time.perf_counter()
+        start = time.thread_time()
         job()
-        calls.append(max(1, int(batch_s / (time.perf_counter() - start))))
+        calls.append(max(1, int(batch_s / (time.thread_time() - start))))
     times = [[] for _ in jobs]
     for _ in range(batches + 1):
         for job, count, own in zip(jobs, calls, times, strict=True):
-            start = time.perf_counter()
+            start = time.thread_time()
             for _ in range(count):
                 job()
-            own.append((time.perf_counter() - start) / count)
+            own.append((time.thread_time() - start) / count)
     return [sorted(own[1:])[batches // 2] / per_call * 1e6 for own in times]
 
 

@@ -13,7 +13,7 @@ import palpate
 import scipy
 from figure import median_us, medians_us, tell
 
-RADIUS, SPHERE, PROBES, SETS = 1.0, 5.0, 8, 100_000
+RADIUS, SPHERE, PROBES, SETS, SHIFT_STD = 1.0, 5.0, 8, 100_000, 1e-4
 # Name by which `cargo xtask peers` knows what is palpate's.
 OURS = "palpate for Python"
 
@@ -21,7 +21,7 @@ random = np.random.default_rng(1)
 direction = 2 * np.pi * np.arange(PROBES) / PROBES
 drive = 0.1 * np.stack([np.cos(direction), np.sin(direction)], axis=1)
 rotations = np.stack([drive[:, 1], -drive[:, 0]], axis=1)
-shifts = drive / (1 / RADIUS + 1 / SPHERE) + random.normal(0, 1e-4, (SETS, PROBES, 2))
+shifts = drive / (1 / RADIUS + 1 / SPHERE) + random.normal(0, SHIFT_STD, (SETS, PROBES, 2))
 
 
 def error_of(mean):
@@ -74,7 +74,38 @@ def all_by_numpy(turned, moved):
     r1, r3 = np.einsum("...i,...i", x, u), np.einsum("...i,...i", y, v)
     r2 = np.einsum("...i,...i", y, u) + np.einsum("...i,...i", x, v)
     uv = (r2 - b * r1 / a - b * r3 / c) / (a + c - b * b / a - b * b / c)
-    return curvatures((r1 - b * uv) / a, uv, (r3 - b * uv) / c)
+    return (r1 - b * uv) / a, uv, (r3 - b * uv) / c, (a, b, c)
+
+
+def with_errors_by_numpy(turned, moved):
+    """Curvatures, the standard deviations of all but the twist, and the root mean square of the residuals."""
+    uu, uv, vv, (a, b, c) = all_by_numpy(turned, moved)
+    found = curvatures(uu, uv, vv)
+    k_u, k_v, gaussian, _ = found
+    determinant = uu * vv - uv * uv
+    w_u, w_v, w = vv / determinant, uu / determinant, -uv / determinant
+    # Covariance of the mobility, and the gradients of the curvatures in it.
+    middle = a + c
+    scale = SHIFT_STD**2 / (a * (middle * c - b * b) - b * b * c)
+    c11, c12, c13 = scale * (middle * c - b * b), -scale * b * c, scale * b * b
+    c22, c23, c33 = scale * a * c, -scale * a * b, scale * (a * middle - b * b)
+    of_u = (w_u * w_u, 2 * w_u * w, w * w)
+    of_v = (w * w, 2 * w * w_v, w_v * w_v)
+    of_twist = (w_u * w, w_u * w_v + w * w, w * w_v)
+
+    def std(gradient):
+        g, h, i = gradient
+        variance = c11 * g * g + c22 * h * h + c33 * i * i + 2 * (c12 * g * h + c13 * g * i + c23 * h * i)
+        return np.sqrt(variance)
+
+    of_gaussian = [k_v * one + k_u * other - 2 * w * both for one, other, both in zip(of_u, of_v, of_twist, strict=True)]
+    of_mean = [(one + other) / 2 for one, other in zip(of_u, of_v, strict=True)]
+    stds = [std(gradient) for gradient in (of_u, of_v, of_gaussian, of_mean)]
+    x, y = -turned[..., 1], turned[..., 0]
+    left_u = moved[..., 0] - (uu[:, None] * x + uv[:, None] * y)
+    left_v = moved[..., 1] - (uv[:, None] * x + vv[:, None] * y)
+    squares = np.einsum("...i,...i", left_u, left_u) + np.einsum("...i,...i", left_v, left_v)
+    return found, stds, np.sqrt(squares / (2 * PROBES - 3))
 
 
 def batch():
@@ -86,15 +117,27 @@ def batch():
     each = np.broadcast_to(rotations, shifts.shape).copy()
     for task, theirs, turned in (
         ("EP1 estimates, 100 000 sets of 8 probes turned alike", lambda: alike(shifts), rotations),
-        ("EP1 estimates, 100 000 sets of 8 probes", lambda: all_by_numpy(each, shifts), each),
+        ("EP1 estimates, 100 000 sets of 8 probes", lambda: curvatures(*all_by_numpy(each, shifts)[:3]), each),
+        (
+            "EP1 estimates with standard deviations and residuals, 100 000 sets of 8 probes",
+            lambda: with_errors_by_numpy(each, shifts)[0],
+            each,
+        ),
     ):
 
         def ours(turned=turned):
-            return palpate.estimate_roll(turned, shifts, probe_radius=RADIUS, shift_std=1e-4, threads=1)
+            return palpate.estimate_roll(turned, shifts, probe_radius=RADIUS, shift_std=SHIFT_STD, threads=1)
 
         theirs_us, ours_us = medians_us([theirs, ours], SETS)
         tell(task, "NumPy, vectorised", np.__version__, theirs_us, error_of(theirs()[3]))
         tell(task, OURS, palpate.__version__, ours_us, error_of(ours().mean_curvature.value))
+    # Both say the same of their errors.
+    _, stds, residual = with_errors_by_numpy(each, shifts)
+    told = ours()
+    names = ("normal_curvature_u", "normal_curvature_v", "gaussian_curvature", "mean_curvature")
+    for name, std in zip(names, stds, strict=True):
+        np.testing.assert_allclose(getattr(told, name).std, std, rtol=1e-9)
+    np.testing.assert_allclose(told.residual_rms.value, residual, rtol=1e-6)
 
 
 def patches():
