@@ -188,6 +188,16 @@ impl<'r> FittedGlide<'r> {
         Ok((estimate, map))
     }
 
+    /// The warning where the fingers are not as far apart as is stated.
+    fn spacing(&self) -> Option<String> {
+        let GlideOptions {
+            inter_finger_distance,
+            estimator,
+            ..
+        } = &self.given;
+        spacing(&self.patch, *inter_finger_distance, estimator, self.unit)
+    }
+
     /// The estimate with these regions.
     fn told(&self, regions: &Regions) -> GlideEstimate {
         let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
@@ -246,9 +256,10 @@ impl<'r> FittedGlide<'r> {
                 .iter()
                 .map(|one| PatchRegion::of(one, unit))
                 .collect(),
-            warnings: spacing(patch, &self.given, unit)
+            warnings: self
+                .spacing()
                 .into_iter()
-                .chain(noise(patch, options, unit))
+                .chain(noise(patch, &options.estimator, unit))
                 .chain(of_normals(self.contacts()))
                 .chain(of_directions(self.contacts()))
                 .chain(recorded.note.clone())

@@ -4,7 +4,6 @@ use palpate_ep2::{Method, Patch};
 use palpate_number::Number;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
-use super::patch::GlideOptions;
 use super::stated::LARGE_RESIDUALS;
 use crate::glide::AnyMethod;
 
@@ -12,11 +11,16 @@ use crate::glide::AnyMethod;
 const FAR_OFF: f64 = 3.0;
 
 /// The warning where the fingers of the readings are not as far apart as is stated.
-pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Option<String> {
-    let stated = options.inter_finger_distance?;
+pub(super) fn spacing(
+    patch: &Patch,
+    stated: Option<f64>,
+    estimator: &GlideEstimatorConfig,
+    unit: LengthUnit,
+) -> Option<String> {
+    let stated = stated?;
     let found = patch.finger_distance? * patch.frame.scale();
-    let is_used = matches!(options.estimator, GlideEstimatorConfig::TwoPass { .. })
-        || options.estimator.position_fraction_of_ifd().is_some();
+    let is_used = matches!(estimator, GlideEstimatorConfig::TwoPass { .. })
+        || estimator.position_fraction_of_ifd().is_some();
     let near = found / FAR_OFF..=found * FAR_OFF;
     (is_used && !near.contains(&stated)).then(|| {
         let [stated, found] = [stated, found].map(Number::rounded);
@@ -28,8 +32,12 @@ pub(super) fn spacing(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -
 }
 
 /// Warnings where the stated noise of contacts is not what the same method finds.
-pub(super) fn noise(patch: &Patch, options: &GlideOptions, unit: LengthUnit) -> Vec<String> {
-    let mut estimator = options.estimator.clone();
+pub(super) fn noise(
+    patch: &Patch,
+    estimator: &GlideEstimatorConfig,
+    unit: LengthUnit,
+) -> Vec<String> {
+    let mut estimator = estimator.clone();
     let (GlideEstimatorConfig::Penalised {
         position_std,
         normal_std_deg,
