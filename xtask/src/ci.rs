@@ -7,7 +7,8 @@ use xshell::{Shell, cmd};
 
 use crate::palpate::{FEATURES, PYTHON};
 use crate::{
-    answers, bench_check, extremes, house, palpate, python, readme, reproduce, same_bytes, scale, tools,
+    answers, bench_check, extremes, house, palpate, python, readme, reproduce, same_bytes, scale,
+    tools,
 };
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
