@@ -107,7 +107,7 @@ def test_import_is_light():
 
 
 def test_import_takes_at_most_15_ms():
-    script = "import time, numpy; start = time.perf_counter(); import palpate; print(time.perf_counter() - start)"
-    runs = (subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True) for _ in range(7))
-    # The least of several, for a machine that does other things.
+    # Of the processor's time, for a machine that does other things.
+    script = "import time, numpy; start = time.process_time(); import palpate; print(time.process_time() - start)"
+    runs = (subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True) for _ in range(5))
     assert min(float(run.stdout) for run in runs) < 0.015
