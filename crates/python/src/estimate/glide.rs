@@ -279,10 +279,10 @@ fn tip_point(name: &str) -> PyResult<TipPoint> {
 /// P. Dierckx, Curve and Surface Fitting with Splines, 1993 (two-pass); S. Wood, Generalized Additive Models, 2017.
 #[pyfunction]
 #[pyo3(signature = (points, normals=None, fingers=None, *, method=None, grid=None, at_contacts=false, tip_radius=None,
-    reports=None, outward=None, gaussian_threshold=None, mean_threshold=None, inter_finger_distance=None, intervals=None,
-    criterion=None, gamma=None, position_std=None, position_fraction_of_ifd=None, normal_std_deg=None, first_degree=None,
-    second_degree=None, weight=None, smoothing=None, second_smoothing=None, tangent_step=None, tangent_normals=None,
-    passes=None, length_unit=None, like=None, cell=0, threads=None))]
+    reports=None, outward=None, gaussian_threshold=None, mean_threshold=None, inter_finger_distance=None,
+    intervals=None, criterion=None, gamma=None, position_std=None, position_fraction_of_ifd=None, normal_std_deg=None,
+    first_degree=None, second_degree=None, weight=None, smoothing=None, second_smoothing=None, tangent_step=None,
+    tangent_normals=None, passes=None, length_unit=None, like=None, cell=0, threads=None))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn estimate_glide<'py>(
     py: Python<'py>,
