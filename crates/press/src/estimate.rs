@@ -2,6 +2,8 @@
 
 use strum::IntoStaticStr;
 
+use crate::GoodnessOfFit;
+
 /// A value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimated {
@@ -119,6 +121,9 @@ pub struct PressEstimate {
     pub r_squared: f64,
     /// Chi-squared of the residuals per degree of freedom; about 1 where the noise is as stated.
     pub reduced_chi_squared: f64,
+    /// Goodness of fit of displacements whose noise is stated; `None` where some noise is found from the residuals, of a
+    /// Gaussian, and of fits to pictures.
+    pub goodness: Option<GoodnessOfFit>,
     /// Sign of the object's curvature, as far as the readings tell it.
     pub verdict: Verdict,
 }

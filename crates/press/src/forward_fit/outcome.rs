@@ -6,7 +6,8 @@ use super::bias::relative_bias;
 use super::problem::{
     ACROSS, ALONG, BASELINE, CURVATURE, GAIN, INDENTATION, Problem, Square, State, Sums,
 };
-use crate::{Estimated, Interval, PressError, PressEstimate, Verdict};
+use super::settings::Prior;
+use crate::{Estimated, GoodnessOfFit, Interval, PressError, PressEstimate, Verdict};
 
 /// The estimate at the least sum of squares; `limit` is half the width of a 95 % interval in standard deviations.
 pub(super) fn outcome(
@@ -64,11 +65,31 @@ pub(super) fn outcome(
         tangential_std: problem.uses_tangential().then_some(problem.tangential_std),
         r_squared: problem.r_squared(state)?,
         reduced_chi_squared: sums.chi_squared / freedom.max(1) as f64,
+        goodness: problem.goodness(sums),
         verdict: Verdict::of(interval, skin.curvature()),
     })
 }
 
 impl Problem<'_> {
+    /// Goodness of a fit whose noise is stated.
+    fn goodness(&self, sums: &Sums) -> Option<GoodnessOfFit> {
+        let is_stated = |std: Option<f64>| std.is_some_and(|std| std > 0.0);
+        let fit = self.fit;
+        let is_known =
+            is_stated(fit.normal_std) && (!self.uses_tangential() || is_stated(fit.tangential_std));
+        let is_given = [
+            (INDENTATION, self.reading.indentation.is_some()),
+            (BASELINE, matches!(fit.baseline, Prior::Within(_))),
+            (GAIN, matches!(fit.gain, Prior::Within(_))),
+        ];
+        let given = is_given
+            .iter()
+            .filter(|(index, is_given)| *is_given && self.sought[*index]);
+        let freedom = (self.equations() + given.count()).saturating_sub(self.unknowns());
+        (is_known && !fit.body.is_approximate())
+            .then(|| GoodnessOfFit::new(sums.chi_squared, freedom))
+    }
+
     /// The share of the variance of the normal displacements that count which the model explains.
     fn r_squared(&self, state: &State) -> Result<f64, PressError> {
         let contact = self.contact(state)?;

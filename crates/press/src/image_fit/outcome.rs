@@ -266,6 +266,7 @@ fn outcome<V: View>(
         tangential_std: None,
         r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
         reduced_chi_squared: best.sums.chi_squared / freedom as f64,
+        goodness: None,
         verdict: Verdict::of(interval, skin.curvature()),
     })
 }

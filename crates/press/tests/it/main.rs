@@ -5,6 +5,7 @@ mod any_number;
 mod bonded_layer;
 mod extremes;
 mod forward_fit;
+mod goodness;
 mod half_space;
 mod image_fit;
 mod refusals;

@@ -171,6 +171,7 @@ pub fn estimate_press(
                 .tangential_std
                 .map(|std| Value::new(std, None, Unit::Length, unit)),
             reduced_chi_squared: estimate.reduced_chi_squared,
+            p_value: estimate.goodness.map(|goodness| goodness.p_value),
         },
         r_squared: estimate.r_squared,
         warnings,

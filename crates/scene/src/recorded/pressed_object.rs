@@ -52,6 +52,9 @@ pub struct PressNoise {
     pub(super) tangential_std: Option<Value>,
     /// Reduced χ² of the fit: about 1 where residuals are as large as the noise.
     pub(super) reduced_chi_squared: f64,
+    /// Probability that noise of the stated size leaves residuals at least as large where the model holds; `null` where
+    /// noise is found from the residuals, and of a Gaussian.
+    pub(super) p_value: Option<f64>,
 }
 
 /// Output of `estimate press`.

@@ -1,0 +1,58 @@
+//! Goodness of fit of presses.
+
+use palpate_press::{Body, ForwardFit};
+
+use crate::sensor::{Readings, at, exactly, half_space, published};
+
+const PRESSES: u64 = 200;
+
+/// P-values of presses of a half-space on a plane, fitted by a body; of those that are not refused.
+fn p_values(fitted: Body, presses: u64) -> Vec<f64> {
+    let (markers, body) = (published(), half_space());
+    let contact = markers.skin().contact(&body, 0.0, 1.2).unwrap();
+    let exact = Readings::of(&markers, &contact, at(5.0, 40.0));
+    let fit = ForwardFit {
+        normal_std: Some(0.03),
+        ..ForwardFit::new(fitted)
+    };
+    let p_value = |press| {
+        let readings = exact.noisy(0.03, press);
+        let found = fit.estimate(&readings.reading(&markers, exactly(1.2)));
+        found.ok().map(|found| found.goodness.unwrap().p_value)
+    };
+    (0..presses).filter_map(p_value).collect()
+}
+
+/// Kolmogorov's distance from the uniform distribution, of which 200 draws pass 0.115 once in a hundred times.
+#[test]
+fn p_values_are_uniform_where_the_model_holds() {
+    let mut sorted = p_values(half_space(), PRESSES);
+    assert_eq!(sorted.len() as u64, PRESSES);
+    sorted.sort_by(f64::total_cmp);
+    let count = PRESSES as f64;
+    let apart = |(index, p_value): (usize, &f64)| {
+        let rank = index as f64;
+        (p_value - rank / count).max((rank + 1.0) / count - p_value)
+    };
+    let distance = sorted.iter().enumerate().map(apart).fold(0.0, f64::max);
+    assert!(distance < 0.115, "{distance}");
+}
+
+#[test]
+fn a_layer_is_contradicted_by_presses_of_a_half_space() {
+    const FEW: u64 = 40;
+    let p_values = p_values(Body::bonded_layer(8.0, 2.0).unwrap(), FEW);
+    let small = p_values.iter().filter(|&&p_value| p_value < 0.01).count();
+    let count = p_values.len();
+    assert!(count as u64 > FEW / 2, "{count} of {FEW} are estimated");
+    assert!(small as f64 >= 0.9 * count as f64, "{small} of {count}");
+}
+
+#[test]
+fn noise_that_is_found_leaves_nothing_to_judge() {
+    let (markers, body) = (published(), half_space());
+    let contact = markers.skin().contact(&body, 0.0, 1.2).unwrap();
+    let readings = Readings::of(&markers, &contact, [0.0; 2]).noisy(0.03, 1);
+    let found = ForwardFit::new(body.clone()).estimate(&readings.reading(&markers, exactly(1.2)));
+    assert_eq!(found.unwrap().goodness, None);
+}
