@@ -3,8 +3,8 @@
 use clap::{Parser, Subcommand};
 
 use crate::{
-    answers, bench_check, extremes, fuzz, intervals, peers, python, reproduce, same_bytes, scale,
-    tradeoff,
+    answers, bench_check, camera_intervals, extremes, fuzz, intervals, peers, python, reproduce,
+    same_bytes, scale, tradeoff,
 };
 
 /// Development tasks of palpate.
@@ -31,6 +31,8 @@ pub(crate) enum Task {
     Answers(answers::Options),
     /// Hold the intervals of EP2 against the truth on random surfaces, into results/intervals.csv.
     Intervals(intervals::Options),
+    /// Hold the intervals of presses by a camera against the truth on random scenes, into results/camera-intervals.csv.
+    CameraIntervals(camera_intervals::Options),
     /// Try every public entry point at its extremes, into results/extremes.csv.
     Extremes(extremes::Options),
     /// Compare instruction counts and accuracy with the committed baseline.

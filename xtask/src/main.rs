@@ -3,6 +3,7 @@
 
 mod answers;
 mod bench_check;
+mod camera_intervals;
 mod ci;
 mod cli;
 mod compare;
@@ -56,6 +57,7 @@ fn run(cli: Cli) -> Result<()> {
         Task::Tradeoff(options) => tradeoff::run(&shell, &options),
         Task::Answers(options) => answers::run(&shell, &options),
         Task::Intervals(options) => intervals::run(&shell, &options),
+        Task::CameraIntervals(options) => camera_intervals::run(&shell, &options),
         Task::Extremes(options) => extremes::run(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),

@@ -1,9 +1,12 @@
 //! Random surfaces, and how many of their curvatures are within the intervals that EP2 states: whether intervals hold
 //! on scenes that nobody chose.
 
+pub mod camera;
 mod case;
+mod draws;
 mod options;
 mod score;
+mod sums;
 mod surface;
 
 pub use options::Options;
@@ -11,6 +14,7 @@ pub use score::Score;
 
 use anyhow::Result;
 use case::{Case, cases};
+use serde::Serialize;
 use surface::Surface;
 
 /// The scores of all cases; `say` is told each as it is known.
@@ -27,7 +31,7 @@ pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> 
             .all(|word| name.contains(word))
     };
     for case in cases().filter(is_asked) {
-        let surfaces: Vec<Surface> = (0..options.surfaces)
+        let surfaces: Vec<Surface> = (0..options.scenes)
             .map(|index| Surface::random(options.seed, index))
             .collect();
         for score in score::scores(&case, &surfaces, options)? {
@@ -51,7 +55,7 @@ pub fn summary(scores: &[Score]) -> String {
 ///
 /// # Errors
 /// It cannot be written.
-pub fn table(scores: &[Score]) -> Result<String> {
+pub fn table<S: Serialize>(scores: &[S]) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for score in scores {
         writer.serialize(score)?;

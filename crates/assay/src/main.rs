@@ -61,6 +61,27 @@ enum Harness {
         #[arg(long, default_value = "")]
         only: String,
     },
+    /// Holds the intervals of presses by a camera against the truth on random scenes, with another sensor in every trial.
+    CameraIntervals {
+        /// The table to write.
+        #[arg(long)]
+        out: Option<PathBuf>,
+        /// Seed of the scenes, the sensors and the noise.
+        #[arg(long, default_value = "1919")]
+        seed: u64,
+        /// Number of scenes.
+        #[arg(long, default_value = "60")]
+        scenes: u64,
+        /// Trials of each scene.
+        #[arg(long, default_value = "300")]
+        trials: u64,
+        /// Threads that run trials.
+        #[arg(long, default_value = "2")]
+        threads: u64,
+        /// Only scenes whose names hold each of these words.
+        #[arg(long, default_value = "")]
+        only: String,
+    },
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
     /// Times palpate on the tasks of the peers, a line of JSON per rung; or writes the inputs of the peers.
@@ -150,12 +171,33 @@ fn main() -> Result<()> {
         } => {
             let options = intervals::Options {
                 seed,
-                surfaces,
+                scenes: surfaces,
                 trials,
                 only: &only,
             };
             let scores = intervals::scores(options, |score| println!("{score}"))?;
             println!("{}", intervals::summary(&scores));
+            if let Some(out) = out {
+                std::fs::write(out, intervals::table(&scores)?)?;
+            }
+            Ok(())
+        }
+        Harness::CameraIntervals {
+            out,
+            seed,
+            scenes,
+            trials,
+            threads,
+            only,
+        } => {
+            let options = intervals::Options {
+                seed,
+                scenes,
+                trials,
+                only: &only,
+            };
+            let scores = intervals::camera::scores(options, threads, |score| println!("{score}"))?;
+            println!("{}", intervals::camera::Summary::of(&scores));
             if let Some(out) = out {
                 std::fs::write(out, intervals::table(&scores)?)?;
             }

@@ -113,6 +113,11 @@ impl Optics {
         &self.camera
     }
 
+    /// The blemishes of the picture.
+    pub const fn blemishes(&self) -> &Blemishes {
+        &self.blemishes
+    }
+
     /// The markers as they were made.
     pub const fn array(&self) -> &MarkerArray {
         &self.array

@@ -4,6 +4,7 @@
 mod camera;
 mod departed;
 mod failure;
+mod judged;
 mod ladder;
 mod looks;
 mod method;
@@ -21,6 +22,7 @@ mod trace;
 mod words;
 
 pub use failure::PressFailure;
+pub use judged::JudgedCurvature;
 pub(crate) use method::{Assumed, body_of};
 pub use parts::Parts;
 pub use scene::PressScene;

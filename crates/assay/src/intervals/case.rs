@@ -6,6 +6,7 @@ use palpate_sensing::{
     Channel, Distribution, InvalidSensor, NormalError, PositionAxes, PositionError, Stream,
 };
 
+use super::draws::Draws;
 use super::surface::{Place, Surface};
 
 /// Noise of positions, in distances between fingers, and of normals, degrees.
@@ -74,12 +75,10 @@ pub(super) struct Sweep {
 impl Sweep {
     /// The places on the surface of this number.
     pub(super) fn random(seed: u64, index: u64) -> Self {
-        let mut stream = Stream::new(seed, index, Channel::PadOffset);
-        let mut between =
-            |[low, high]: [f64; 2]| low + 0.5 * (high - low) * (1.0 + stream.symmetric_uniform());
+        let mut draws = Draws::new(seed, index, Channel::PadOffset);
         Self {
-            half: between(HALF_SIDES),
-            contacts: between(CONTACTS) as usize,
+            half: draws.between(HALF_SIDES),
+            contacts: draws.between(CONTACTS) as usize,
         }
     }
 

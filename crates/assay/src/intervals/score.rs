@@ -9,16 +9,8 @@ use serde::Serialize;
 
 use super::case::{Case, Sweep};
 use super::options::Options;
+use super::sums::{HOLDS, Sums, WIDTHS, within};
 use super::surface::{Place, Surface};
-
-/// Half widths of intervals of 50, 80 and 95 %, in standard deviations.
-const WIDTHS: [f64; 3] = [
-    0.674_489_750_196_081_7,
-    1.281_551_565_544_600_4,
-    1.959_963_984_540_054,
-];
-/// Intervals of 95 % that hold less often than this do not hold on a surface.
-const HOLDS: f64 = 0.85;
 
 /// How often the intervals of a case hold, on all its surfaces or those of one kind.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -115,37 +107,6 @@ impl Limits {
     }
 }
 
-/// Sums over the places and trials of one surface.
-#[derive(Clone, Debug, Default)]
-struct Sums {
-    asked: f64,
-    stated: f64,
-    within: [f64; 3],
-    square_error: f64,
-    square_std: f64,
-    std: f64,
-}
-
-impl Sums {
-    fn add(&mut self, error: f64, std: f64) {
-        self.stated += 1.0;
-        for (within, width) in self.within.iter_mut().zip(WIDTHS) {
-            *within += f64::from(u8::from(error.abs() <= width * std));
-        }
-        self.square_error += error * error;
-        self.square_std += std * std;
-        self.std += std;
-    }
-
-    fn coverage(&self, width: usize) -> f64 {
-        self.within[width] / self.asked
-    }
-
-    fn std_per_rms(&self) -> f64 {
-        (self.square_std / self.square_error).sqrt()
-    }
-}
-
 /// The scores of a case: on all surfaces, and on those of each kind, of both curvatures.
 ///
 /// # Errors
@@ -234,8 +195,13 @@ fn sums(case: &Case, surface: &Surface, index: u64, options: Options<'_>) -> Res
                 continue;
             };
             let [gaussian, mean] = place.curvatures;
-            sums[0].add(curvature.gaussian - gaussian, told.gaussian_std);
-            sums[1].add(curvature.mean - mean, told.mean_std);
+            let errors = [
+                (curvature.gaussian - gaussian, told.gaussian_std),
+                (curvature.mean - mean, told.mean_std),
+            ];
+            for (sums, (error, std)) in sums.iter_mut().zip(errors) {
+                sums.add(error, std, within(error, std));
+            }
         }
     }
     Ok(sums)
@@ -253,7 +219,7 @@ mod tests {
         };
         // Of five places one has no interval; errors of ½, 1, 1½ and 3 standard deviations.
         for error in [-0.5, 1.0, 1.5, -3.0] {
-            sums.add(0.2 * error, 0.2);
+            sums.add(0.2 * error, 0.2, within(0.2 * error, 0.2));
         }
         assert_eq!([0, 1, 2].map(|width| sums.coverage(width)), [0.2, 0.4, 0.6]);
         let mean_square = (0.25 + 1.0 + 2.25 + 9.0) / 4.0;
@@ -273,8 +239,8 @@ mod tests {
             asked: 20.0,
             ..Sums::default()
         };
-        (0..19).for_each(|_| sums.add(1.0, 1.0));
-        sums.add(2.1, 1.0);
+        (0..19).for_each(|_| sums.add(1.0, 1.0, within(1.0, 1.0)));
+        sums.add(2.1, 1.0, within(2.1, 1.0));
         assert_eq!(
             score(&case, "all", "mean_curvature", &[&sums]).is_within_limits,
             Some(true)

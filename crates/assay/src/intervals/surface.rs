@@ -1,7 +1,9 @@
 //! Random surfaces in closed form.
 
 use nalgebra::{Point3, Vector3};
-use palpate_sensing::{Channel, Stream};
+use palpate_sensing::Channel;
+
+use super::draws::Draws;
 
 /// Every so many surfaces there is a ball.
 const BALLS: u64 = 5;
@@ -43,22 +45,20 @@ pub(super) struct Place {
 impl Surface {
     /// The surface of this number.
     pub(super) fn random(seed: u64, index: u64) -> Self {
-        let mut stream = Stream::new(seed, index, Channel::Misalignment);
-        let mut between =
-            |[low, high]: [f64; 2]| low + 0.5 * (high - low) * (1.0 + stream.symmetric_uniform());
+        let mut draws = Draws::new(seed, index, Channel::Misalignment);
         if index % BALLS == BALLS - 1 {
             return Self::Ball {
-                radius: libm::exp(between(RADII.map(libm::log))),
+                radius: draws.log_between(RADII),
             };
         }
-        let quadric = std::array::from_fn(|_| between([-MOST_BENT, MOST_BENT]));
+        let quadric = std::array::from_fn(|_| draws.between([-MOST_BENT, MOST_BENT]));
         let waves = std::array::from_fn(|_| {
-            let number = between(WAVE_NUMBERS);
-            let direction = between([0.0, std::f64::consts::TAU]);
+            let number = draws.between(WAVE_NUMBERS);
+            let direction = draws.between([0.0, std::f64::consts::TAU]);
             Wave {
-                amplitude: between(WAVES) / (number * number),
+                amplitude: draws.between(WAVES) / (number * number),
                 number: [number * libm::cos(direction), number * libm::sin(direction)],
-                phase: between([0.0, std::f64::consts::TAU]),
+                phase: draws.between([0.0, std::f64::consts::TAU]),
             }
         });
         Self::Waves { quadric, waves }

@@ -43,6 +43,35 @@ impl Optics {
         motions: &[Option<MarkerMotion>],
         pixels: Option<&mut Stream>,
     ) -> Result<RgbImage, OpticsError> {
+        let size = self.camera.size_px();
+        let mut frame = RgbImage::new(size, size);
+        let mut rows = frame.chunks_exact_mut(3 * size as usize);
+        self.each_row(motions, pixels, |row| {
+            if let Some(bytes) = rows.next() {
+                row.write(bytes);
+            }
+        })?;
+        Ok(frame)
+    }
+
+    /// Levels of the frame of [`Optics::rendered`] before they are rounded and without noise: red, green and blue, from 0
+    /// to 255, of each pixel, row by row.
+    ///
+    /// # Errors
+    /// As [`Optics::projected`].
+    pub fn levels(&self, motions: &[Option<MarkerMotion>]) -> Result<Vec<f32>, OpticsError> {
+        let mut levels = Vec::new();
+        self.each_row(motions, None, |row| levels.extend_from_slice(row.levels()))?;
+        Ok(levels)
+    }
+
+    /// Paints the rows of a frame, from the first to the last.
+    fn each_row(
+        &self,
+        motions: &[Option<MarkerMotion>],
+        pixels: Option<&mut Stream>,
+        mut use_row: impl FnMut(&Row),
+    ) -> Result<(), OpticsError> {
         let mut markers = Vec::new();
         for sight in self.sights(motions)? {
             if let Some(sight) = sight? {
@@ -50,19 +79,13 @@ impl Optics {
             }
         }
         markers.sort_by_key(|marker: &PaintedMarker| marker.rows.start);
-        Ok(self.frame(&markers, pixels))
-    }
-
-    fn frame(&self, markers: &[PaintedMarker], pixels: Option<&mut Stream>) -> RgbImage {
         palpate_tally::painted(1);
-        let size = self.camera.size_px();
-        let mut frame = RgbImage::new(size, size);
+        let size = self.camera.size_px() as usize;
         let mut noise = pixels.filter(|_| self.blemishes.pixel_std > 0.0);
-        let mut rows = Rows::new(self, markers);
-        let mut blur = Blur::new(self.blemishes.blur_px, size as usize);
-        let mut row = Row::new(size as usize);
-        let bytes_per_row = 3 * size as usize;
-        for (number, bytes) in frame.chunks_exact_mut(bytes_per_row).enumerate() {
+        let mut rows = Rows::new(self, &markers);
+        let mut blur = Blur::new(self.blemishes.blur_px, size);
+        let mut row = Row::new(size);
+        for number in 0..size {
             match &mut blur {
                 None => rows.paint(number, &mut row),
                 Some(blur) => blur.blurred(number, &mut row, |number, row| rows.paint(number, row)),
@@ -70,8 +93,8 @@ impl Optics {
             if let Some(stream) = noise.as_deref_mut() {
                 row.add_noise(rows.inside(number), self.blemishes.pixel_std as f32, stream);
             }
-            row.write(bytes);
+            use_row(&row);
         }
-        frame
+        Ok(())
     }
 }

@@ -158,6 +158,24 @@ fn frames_show_what_is_projected_the_better_the_larger() {
 }
 
 #[test]
+fn levels_are_those_of_frames_before_they_are_rounded() {
+    let blemishes = Blemishes {
+        light_at_rim: 0.7,
+        blur_px: 0.6,
+        ..Blemishes::default()
+    };
+    let optics = optics(published(), 200, blemishes);
+    let motions = at_rest(&optics);
+    let frame = optics.rendered(&motions, None).unwrap();
+    let levels = optics.levels(&motions).unwrap();
+    assert_eq!(levels.len(), frame.as_raw().len());
+    for (level, byte) in levels.iter().zip(frame.as_raw()) {
+        assert!((level - f32::from(*byte)).abs() <= 0.501, "{level} {byte}");
+    }
+    assert!(optics.levels(&motions[1..]).is_err());
+}
+
+#[test]
 fn discs_much_smaller_than_a_pixel_take_their_share() {
     // Markers so many that each lies at another place within its pixel.
     let layout = Layout::Lattice {

@@ -42,6 +42,25 @@ impl<V: View + Clone> ImageFit<V> {
         seen: &[Option<Seen>],
         indentation: Option<Measured>,
     ) -> Result<PressEstimate, PressError> {
+        self.check(rest, seen, indentation)?;
+        let problem = Problem::new(self, rest, seen, indentation)?;
+        let (equations, needed) = (problem.equations(), problem.unknowns());
+        if equations < needed {
+            return Err(PressError::TooFewMarkers {
+                markers: problem.counting.len(),
+                equations,
+                needed,
+            });
+        }
+        search(problem)
+    }
+
+    fn check(
+        &self,
+        rest: &Rest,
+        seen: &[Option<Seen>],
+        indentation: Option<Measured>,
+    ) -> Result<(), PressError> {
         self.validate()?;
         let markers = self.markers.places().len();
         for given in [seen.len(), rest.seen.len()] {
@@ -67,16 +86,44 @@ impl<V: View + Clone> ImageFit<V> {
                 return Err(PressError::NoIndentation { indentation: value });
             }
         }
-        let problem = Problem::new(self, rest, seen, indentation)?;
-        let (equations, needed) = (problem.equations(), problem.unknowns());
-        if equations < needed {
-            return Err(PressError::TooFewMarkers {
-                markers: problem.counting.len(),
-                equations,
-                needed,
-            });
+        Ok(())
+    }
+}
+
+impl<V: View + Clone> ImageFit<V> {
+    /// The Cramér–Rao bound on the standard deviation of the relative curvature, 1/length, by the errors that are stated of
+    /// the markers and of the sensor: of a press of this relative curvature, at these chart coordinates and this deep, that
+    /// these pictures show.
+    ///
+    /// # Errors
+    /// [`PressError::Undetermined`] where the pictures do not tell the press, and those of
+    /// [`Body::press`](crate::Body::press).
+    pub fn std_bound(
+        &self,
+        rest: &Rest,
+        seen: &[Option<Seen>],
+        indentation: Option<Measured>,
+        (curvature, at, depth): (f64, [f64; 2], f64),
+    ) -> Result<f64, PressError> {
+        self.check(rest, seen, indentation)?;
+        let good = curvature > 0.0 && curvature <= 1e50;
+        PressError::unless_good("curvature", curvature, good, "> 0 and at most 1e50")?;
+        if !(at.iter().all(|along| along.abs() <= 1e50) && depth > 0.0 && depth <= 1e50) {
+            return Err(PressError::OutOfRange);
         }
-        search(problem)
+        let mut problem = Problem::new(self, rest, seen, indentation)?;
+        let state = State {
+            log_curvature: libm::log(curvature),
+            place: self.markers.skin().place(at),
+            indentation: depth,
+            shift: [0.0; 2],
+        };
+        problem.weigh(&state)?;
+        let sums = Fitted::at(&problem, state)?.sums;
+        let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
+            what: "some combination of curvature, place and indentation is free",
+        })?;
+        Ok(curvature * covariance[(CURVATURE, CURVATURE)].sqrt())
     }
 }
 

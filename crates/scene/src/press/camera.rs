@@ -181,6 +181,13 @@ impl Eye {
         }
     }
 
+    /// Standard deviation of the noise of pixels, levels of 255; `None` without frames or noise.
+    pub(super) fn pixel_std(&self) -> Option<f64> {
+        let std = self.optics.blemishes().pixel_std;
+        let is_rendered = matches!(self.model, CameraModel::Rendered);
+        Some(std).filter(|&std| is_rendered && std > 0.0)
+    }
+
     /// Pixels that are rendered for one look.
     pub(super) fn pixels(&self) -> f64 {
         match self.model {

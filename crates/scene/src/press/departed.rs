@@ -115,7 +115,7 @@ impl Redrawn {
             optics: optics.misaligned(&made.misalignments())?,
             ..meant.clone()
         };
-        let motions = self.motions(departure.depths)?;
+        let motions = self.motions(&self.pressed, departure.depths)?;
         let look = RestLook::new(&eye, self.rest_frames);
         let first = AT_REST.wrapping_sub(APART.wrapping_mul(trial.wrapping_add(2)));
         let spotted = look.spotted(first)?;
@@ -130,13 +130,17 @@ impl Redrawn {
         })
     }
 
-    /// Displacements of discs that lie deeper than they are meant to.
-    fn motions(&self, deeper: [f64; 2]) -> Result<Vec<MarkerMotion>, PressError> {
+    /// Displacements in a press of discs that lie deeper than they are meant to.
+    pub(super) fn motions(
+        &self,
+        pressed: &Pressed,
+        deeper: [f64; 2],
+    ) -> Result<Vec<MarkerMotion>, PressError> {
         let [magenta, yellow] = [0, 1].map(|disc| {
             let depth = self.depths[disc] + deeper[disc];
             let body = SoftBody::of(&self.model, self.radius, depth, Body::solved_layer);
             let body = body.map_err(|_| PressError::OutOfRange)?;
-            body.displacements(&self.markers, &self.pressed)
+            body.displacements(&self.markers, pressed)
         });
         let motion = |moved: palpate_press::MarkerDisplacement| DiscMotion {
             normal: moved.normal,

@@ -38,6 +38,32 @@ impl PictureMethod {
         pictures: &Pictures,
         indentation: Option<Measured>,
     ) -> Result<PressEstimate, PressError> {
+        self.with_rest(pictures, |rest| {
+            self.fit.estimate(rest, &pictures.pressed, indentation)
+        })
+    }
+
+    /// The Cramér–Rao bound on the standard deviation of the relative curvature: of a press of this relative curvature at
+    /// these chart coordinates, this deep.
+    pub(super) fn std_bound(
+        &self,
+        pictures: &Pictures,
+        indentation: Option<Measured>,
+        (curvature, at, depth): (f64, [f64; 2], f64),
+    ) -> Option<f64> {
+        self.with_rest(pictures, |rest| {
+            let seen = &pictures.pressed;
+            self.fit
+                .std_bound(rest, seen, indentation, (curvature, at, depth))
+        })
+        .ok()
+    }
+
+    fn with_rest<T>(
+        &self,
+        pictures: &Pictures,
+        then: impl FnOnce(&Rest) -> Result<T, PressError>,
+    ) -> Result<T, PressError> {
         let own;
         let rest = match &pictures.own_rest {
             Some(rest) => {
@@ -49,7 +75,7 @@ impl PictureMethod {
                 fitted.as_ref().map_err(|error| *error)?
             }
         };
-        self.fit.estimate(rest, &pictures.pressed, indentation)
+        then(rest)
     }
 }
 

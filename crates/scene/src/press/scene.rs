@@ -150,7 +150,10 @@ impl PressScene {
         self.exact.get_or_init(|| self.estimate(None)).as_ref()
     }
 
-    fn estimate_from(&self, readings: &MarkerReadings) -> Result<PressEstimate, PressFailure> {
+    pub(super) fn estimate_from(
+        &self,
+        readings: &MarkerReadings,
+    ) -> Result<PressEstimate, PressFailure> {
         let indentation = self.method.known_indentation.map(|std| Measured {
             value: readings.indentation,
             std,
@@ -397,7 +400,7 @@ const WIDE: f64 = 1.959_963_984_540_054;
 
 /// Whether the intervals of 50, 80 and 95 % hold a truth. The last is that of the estimate; the sides of the others are
 /// as much shorter as those of a normal distribution, or, where that one is open, as long as those.
-fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
+pub(super) fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     let Estimated {
         value,
         std,

@@ -103,6 +103,33 @@ fn frames_tell_the_press_within_what_they_state() {
     }
 }
 
+/// The bound by pixels is less than that by the tracker, and grows as their noise.
+#[test]
+fn bounds_are_in_order() {
+    let press = |std: f64| {
+        let sensor = r#"{ kind = "rendered", size_px = 400, calibration = { rest_frames = 1, presses = 2 } }"#;
+        let noise = format!(
+            "{{ pixel = {{ kind = \"gaussian\", std = {std} }}, sensor = {{ centre_px = 0.29, place = 0.05 }} }}"
+        );
+        match scene(&text(sensor, &noise, r#"{ kind = "half-space" }"#)) {
+            Scene::Press(press) => press,
+            _ => panic!("a press"),
+        }
+    };
+    let [quiet, noisy] = [2.0, 4.0].map(press);
+    let [low, high] = [&quiet, &noisy].map(|press| press.pixel_std_bound().expect("frames"));
+    assert!((high / low - 2.0).abs() < 1e-3, "{low} {high}");
+    let judged = noisy.judged_curvature(0).expect("an estimate");
+    let bound = judged.std_bound.expect("pictures");
+    assert!(bound > high, "{bound} {high}");
+    assert!(
+        (judged.estimated.std / bound - 1.0).abs() < 0.3,
+        "{judged:?} {bound}"
+    );
+    assert_eq!(judged.truth, 1.0 / 40.0);
+    assert!(judged.holds[2] == judged.estimated.interval.holds(judged.truth));
+}
+
 #[test]
 fn pictures_need_a_camera() {
     let refused = parse(

@@ -1,0 +1,87 @@
+//! Random presses before a camera, and how many of the objects' curvatures are within the intervals that the fit of
+//! pictures states. Every trial has another sensor, within what its calibration states.
+
+mod case;
+mod score;
+
+pub use score::{Score, Summary};
+
+use anyhow::{Result, bail};
+use palpate_scene::{JudgedCurvature, Parts, PressScene, Scene, Scenes};
+use palpate_study::config::parse;
+
+use super::options::Options;
+use case::Case;
+
+/// Trials that share the place of the contact.
+const JITTERED: u64 = 5;
+
+/// The scores of all scenes, each with its trials on so many threads; `say` is told each as it is known.
+///
+/// # Errors
+/// A scene that cannot be asked.
+pub fn scores(options: Options<'_>, threads: u64, say: impl Fn(&Score)) -> Result<Vec<Score>> {
+    let mut scores = Vec::new();
+    for index in 0..options.scenes {
+        let case = Case::random(options.seed, index);
+        if !options
+            .only
+            .split_whitespace()
+            .all(|word| case.name().contains(word))
+        {
+            continue;
+        }
+        let score = score(&case, options, threads)?;
+        say(&score);
+        scores.push(score);
+    }
+    Ok(scores)
+}
+
+fn score(case: &Case, options: Options<'_>, threads: u64) -> Result<Score> {
+    let parts = Parts::default();
+    let pixel_bound = press(case, 0, options.seed, &parts)?.pixel_std_bound();
+    let blocks = options.trials.div_ceil(JITTERED);
+    let of_thread = |thread: u64| -> Result<Vec<_>> {
+        let mut judged = Vec::new();
+        for block in (thread..blocks).step_by(threads.max(1) as usize) {
+            let scene = press(case, block, options.seed, &parts)?;
+            let end = options.trials.min((block + 1) * JITTERED);
+            for trial in block * JITTERED..end {
+                judged.push((trial, trial_of(&scene, trial)));
+            }
+        }
+        Ok(judged)
+    };
+    let mut judged = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads.max(1))
+            .map(|thread| scope.spawn(move || of_thread(thread)))
+            .collect();
+        let mut all = Vec::new();
+        for thread in threads {
+            match thread.join() {
+                Ok(judged) => all.extend(judged?),
+                Err(_) => bail!("a trial of {} broke down", case.name()),
+            }
+        }
+        Ok(all)
+    })?;
+    judged.sort_by_key(|(trial, _)| *trial);
+    let judged: Vec<_> = judged.into_iter().map(|(_, judged)| judged).collect();
+    Ok(score::score(case, &judged, pixel_bound))
+}
+
+type Judged = Result<JudgedCurvature, &'static str>;
+
+fn trial_of(scene: &PressScene, trial: u64) -> Judged {
+    scene.judged_curvature(trial).map_err(|error| error.name())
+}
+
+/// The press of a case with the contact of a block of trials.
+fn press(case: &Case, block: u64, seed: u64, parts: &Parts) -> Result<PressScene> {
+    let study = parse("camera.toml", &case.text(seed, block))?;
+    match study.estimable_scene_of(0, &study.cell(0)?, parts)? {
+        Scene::Press(press) => Ok(press),
+        _ => bail!("a case is no press"),
+    }
+}

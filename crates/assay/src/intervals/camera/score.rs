@@ -1,0 +1,330 @@
+//! How often the intervals of presses hold, how wide they are, and how far from what can be reached.
+
+use std::fmt;
+
+use palpate_press::Interval;
+use serde::Serialize;
+
+use super::super::sums::{HOLDS, Sums, WIDTHS};
+use super::Judged;
+use super::case::Case;
+
+/// Limits of the coverage of intervals of 95 % over all scenes.
+const COVERAGE: [f64; 2] = [0.92, 0.97];
+/// Least share of scenes in which they hold.
+const SCENES: f64 = 0.95;
+/// Largest mean error, in the errors' standard deviations.
+const MEAN: f64 = 0.3;
+/// Largest root mean square of the errors, in the Cramér–Rao bound.
+const RMS: f64 = 1.3;
+/// Largest mean width of closed intervals of 95 %, in what errors of this scatter would need.
+const WIDTH: f64 = 1.5;
+
+/// How often the intervals of a scene hold. Lengths are mm.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Score {
+    /// Number of the scene.
+    pub scene: u64,
+    /// Curvature of the object.
+    pub object_curvature: f64,
+    /// Indentation.
+    pub indentation: f64,
+    /// Whether the indentation is fitted, not given.
+    pub fits_indentation: bool,
+    /// Polar angle of the contact, degrees.
+    pub polar_deg: f64,
+    /// Thickness of the layer.
+    pub thickness: f64,
+    /// Largest misalignment of the discs, a share of their diameter.
+    pub misalignment: f64,
+    /// Pixels along a side of the image.
+    pub size_px: u32,
+    /// Noise of the pixels, levels of 255.
+    pub pixel_std: f64,
+    /// Number of trials.
+    pub trials: usize,
+    /// Share of trials that gave no interval; a miss of each.
+    pub failed: f64,
+    /// Names of what went wrong in them.
+    pub failures: String,
+    /// Share of intervals of 50 % that hold the truth.
+    pub coverage50: f64,
+    /// Share of intervals of 80 % that hold the truth.
+    pub coverage80: f64,
+    /// Share of intervals of 95 % that hold the truth.
+    pub coverage95: f64,
+    /// Mean error over the errors' standard deviation.
+    pub mean_per_scatter: f64,
+    /// Root mean square of the errors.
+    pub rms: f64,
+    /// That over the Cramér–Rao bound by the tracker's covariance and the calibration's.
+    pub rms_per_bound: f64,
+    /// That over the bound by the pixels of the pressed frame alone, all else being known.
+    pub rms_per_pixel_bound: f64,
+    /// Mean width of the closed intervals of 95 %, over 3.92 times the root mean square of the errors.
+    pub width_per_rms: f64,
+    /// Stated standard deviation over error, both root mean squares.
+    pub std_per_rms: f64,
+    /// Share of intervals with two ends.
+    pub closed: f64,
+    /// Share of intervals with one end.
+    pub one_sided: f64,
+    /// Share of intervals without end.
+    pub open: f64,
+}
+
+/// The score of a scene from its trials.
+pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) -> Score {
+    let mut sums = Sums {
+        asked: judged.len() as f64,
+        ..Sums::default()
+    };
+    let (mut ends, mut width, mut bound, mut bounds) = ([0.0; 3], 0.0, 0.0, 0.0);
+    let mut failures: Vec<&str> = Vec::new();
+    for one in judged {
+        let one = match one {
+            Ok(one) => one,
+            Err(name) => {
+                failures.push(name);
+                continue;
+            }
+        };
+        sums.add(
+            one.estimated.value - one.truth,
+            one.estimated.std,
+            one.holds,
+        );
+        let Interval { low, high } = one.estimated.interval;
+        ends[usize::from(low.is_some()) + usize::from(high.is_some())] += 1.0;
+        if let (Some(low), Some(high)) = (low, high) {
+            width += high - low;
+        }
+        if let Some(std) = one.std_bound {
+            bound += std * std;
+            bounds += 1.0;
+        }
+    }
+    failures.sort_unstable();
+    failures.dedup();
+    let rms = sums.rms();
+    Score {
+        scene: case.number,
+        object_curvature: case.curvature(),
+        indentation: case.indentation,
+        fits_indentation: case.fits_indentation,
+        polar_deg: case.polar_deg,
+        thickness: case.thickness,
+        misalignment: case.misalignment,
+        size_px: case.size_px,
+        pixel_std: case.pixel_std,
+        trials: judged.len(),
+        failed: 1.0 - sums.stated / sums.asked,
+        failures: failures.join(" "),
+        coverage50: sums.coverage(0),
+        coverage80: sums.coverage(1),
+        coverage95: sums.coverage(2),
+        mean_per_scatter: sums.mean_per_scatter(),
+        rms,
+        rms_per_bound: rms / (bound / bounds).sqrt(),
+        rms_per_pixel_bound: pixel_bound.map_or(f64::NAN, |bound| rms / bound),
+        width_per_rms: width / ends[2] / (2.0 * WIDTHS[2] * rms),
+        std_per_rms: sums.std_per_rms(),
+        closed: ends[2] / sums.asked,
+        one_sided: ends[1] / sums.asked,
+        open: ends[0] / sums.asked,
+    }
+}
+
+impl fmt::Display for Score {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            scene,
+            object_curvature,
+            indentation,
+            polar_deg,
+            thickness,
+            misalignment,
+            size_px,
+            pixel_std,
+            coverage95,
+            mean_per_scatter,
+            rms_per_bound,
+            rms_per_pixel_bound,
+            width_per_rms,
+            closed,
+            failures,
+            ..
+        } = self;
+        let known = match self.fits_indentation {
+            true => "fitted",
+            false => "known",
+        };
+        write!(
+            f,
+            "{scene}: 1/R {object_curvature:.3}, {indentation:.2} mm deep ({known}), {polar_deg:.0} deg, layer \
+             {thickness:.1}, discs {misalignment:.2}, {size_px} px, noise {pixel_std:.1}: {:.1} % covered, mean/scatter \
+             {mean_per_scatter:.2}, rms/bound {rms_per_bound:.2} (pixels' {rms_per_pixel_bound:.2}), width \
+             {width_per_rms:.2}, closed {:.0} % {failures}",
+            100.0 * coverage95,
+            100.0 * closed,
+        )
+    }
+}
+
+/// All scenes together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Share of intervals of 95 % that hold the truth, over all scenes.
+    pub coverage95: f64,
+    /// Number of scenes.
+    pub scenes: usize,
+    /// Number of scenes in which intervals of 95 % hold in at least 85 %.
+    pub holding: usize,
+    /// Number of scenes whose mean error is at most 0.3 of the scatter.
+    pub unbiased: usize,
+    /// Root mean square over scenes of the errors in bounds.
+    pub rms_per_bound: f64,
+    /// Number of scenes in which that is at most 1.3.
+    pub efficient: usize,
+    /// Root mean square over scenes of the errors in the pixels' bounds.
+    pub rms_per_pixel_bound: f64,
+    /// Mean over scenes of the widths of closed intervals, in what errors of this scatter would need.
+    pub width_per_rms: f64,
+    /// Shares of intervals with two ends, one and none, and of failures.
+    pub shares: [f64; 4],
+}
+
+impl Summary {
+    /// The summary of some scenes.
+    pub fn of(scores: &[Score]) -> Self {
+        let mean = |part: &dyn Fn(&Score) -> f64| {
+            scores.iter().map(part).sum::<f64>() / scores.len() as f64
+        };
+        let count = |is: &dyn Fn(&Score) -> bool| scores.iter().filter(|one| is(one)).count();
+        Self {
+            coverage95: mean(&|one| one.coverage95),
+            scenes: scores.len(),
+            holding: count(&|one| one.coverage95 >= HOLDS),
+            unbiased: count(&|one| one.mean_per_scatter.abs() <= MEAN),
+            rms_per_bound: mean(&|one| one.rms_per_bound.powi(2)).sqrt(),
+            efficient: count(&|one| one.rms_per_bound <= RMS),
+            rms_per_pixel_bound: mean(&|one| one.rms_per_pixel_bound.powi(2)).sqrt(),
+            width_per_rms: mean(&|one| one.width_per_rms),
+            shares: [
+                mean(&|one| one.closed),
+                mean(&|one| one.one_sided),
+                mean(&|one| one.open),
+                mean(&|one| one.failed),
+            ],
+        }
+    }
+
+    /// Whether all is within the limits.
+    pub fn is_within_limits(&self) -> bool {
+        (COVERAGE[0]..=COVERAGE[1]).contains(&self.coverage95)
+            && self.holding as f64 >= SCENES * self.scenes as f64
+            && self.unbiased == self.scenes
+            && self.rms_per_bound <= RMS
+            && self.width_per_rms <= WIDTH
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            coverage95,
+            scenes,
+            holding,
+            unbiased,
+            rms_per_bound,
+            efficient,
+            rms_per_pixel_bound,
+            width_per_rms,
+            shares,
+        } = self;
+        let [closed, one_sided, open, failed] = shares.map(|share| 100.0 * share);
+        let limits = match self.is_within_limits() {
+            true => "within the limits",
+            false => "beyond the limits",
+        };
+        write!(
+            f,
+            "{:.1} % covered over all; at least 85 % in {holding} of {scenes} scenes; mean error at most 0.3 of the \
+             scatter in {unbiased}; rms/bound {rms_per_bound:.2}, at most 1.3 in {efficient} (pixels' bound \
+             {rms_per_pixel_bound:.2}); width/(3.92 rms) {width_per_rms:.2}; closed {closed:.1} %, one-sided \
+             {one_sided:.1} %, open {open:.1} %, failed {failed:.1} %: {limits}",
+            100.0 * coverage95,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_press::Estimated;
+    use palpate_scene::JudgedCurvature;
+
+    fn judged(error: f64, high: Option<f64>) -> Judged {
+        Ok(JudgedCurvature {
+            estimated: Estimated {
+                value: 0.1 + error,
+                std: 0.01,
+                interval: Interval {
+                    low: Some(0.08),
+                    high,
+                },
+            },
+            truth: 0.1,
+            holds: [error.abs() < 0.006, error.abs() < 0.012, error.abs() < 0.02],
+            std_bound: Some(0.01),
+        })
+    }
+
+    #[test]
+    fn trials_are_summed_up() {
+        let case = Case::random(1, 0);
+        let trials = [
+            judged(0.01, Some(0.12)),
+            judged(-0.01, None),
+            judged(0.03, Some(0.14)),
+            Err("no-contact"),
+        ];
+        let score = score(&case, &trials, Some(0.005));
+        assert_eq!(
+            [score.coverage50, score.coverage80, score.coverage95],
+            [0.0, 0.5, 0.5]
+        );
+        assert_eq!(
+            (score.failures.as_str(), score.failed),
+            ("no-contact", 0.25)
+        );
+        assert_eq!(
+            [score.closed, score.one_sided, score.open],
+            [0.5, 0.25, 0.0]
+        );
+        let rms = (0.0011_f64 / 3.0).sqrt();
+        assert!((score.rms_per_bound - rms / 0.01).abs() < 1e-9);
+        assert!((score.rms_per_pixel_bound - rms / 0.005).abs() < 1e-9);
+        assert!((score.width_per_rms - 0.05 / (2.0 * WIDTHS[2] * rms)).abs() < 1e-9);
+        assert!(!Summary::of(&[score]).is_within_limits());
+    }
+
+    #[test]
+    fn all_scenes_count_alike() {
+        let case = Case::random(1, 0);
+        let trials: Vec<Judged> = (0..100)
+            .map(|trial| {
+                let error = if trial % 20 == 0 { 0.021 } else { 0.0088 };
+                judged(if trial % 2 == 0 { error } else { -error }, Some(0.12))
+            })
+            .collect();
+        let good = score(&case, &trials, Some(0.01));
+        let summary = Summary::of(&[good.clone(), good.clone()]);
+        assert!(summary.is_within_limits(), "{summary}");
+        let bad = Score {
+            coverage95: 0.5,
+            ..good.clone()
+        };
+        assert!(!Summary::of(&[good, bad]).is_within_limits());
+    }
+}
