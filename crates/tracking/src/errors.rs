@@ -4,10 +4,11 @@ use crate::measure::{PixelErrors, Sums};
 use crate::sight::{hue, weights};
 use crate::{Ground, Marker};
 
-/// Standard deviation of a pixel on a marker's edge, as a share of the light that the marker takes or adds there: the
-/// pixels' grid crosses the edge another way in every place. As frames with sharp edges show it that are drawn 400 to
-/// 1,024 px wide.
-const EDGE: f64 = 0.02;
+/// Standard deviation of a pixel on a marker's edge, as a share of the light that the marker takes or adds there, times the
+/// marker's radius in px: the pixels' grid crosses the edge another way in every place, and a pixel's light counts in its
+/// middle wherever in it the light falls. As discs of 8 to 26 px radius show it whose pixels gather the light of their
+/// squares.
+const EDGE_PX: f64 = 0.067;
 /// Share of that variance that is common to all colours.
 const ALIKE: f64 = 0.5;
 
@@ -67,7 +68,7 @@ pub(crate) fn errors(sums: &Sums, ground: Ground, marker: &Marker) -> MarkerErro
             Ground::Dark if colour == strongest => sums.light[colour].recip(),
             Ground::Dark => 0.0,
         };
-        let edge = EDGE * share(sums.light[colour], radius_px);
+        let edge = EDGE_PX / radius_px.max(1.0) * share(sums.light[colour], radius_px);
         let rim = (1.0 - ALIKE) * edge_px * edge * edge;
         for (sum, slope) in alike.iter_mut().zip([place, turn, size]) {
             *sum += edge * slope;
