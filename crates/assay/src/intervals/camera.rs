@@ -7,11 +7,12 @@ mod score;
 pub use score::{Score, Summary};
 
 use anyhow::{Result, bail};
-use palpate_scene::{JudgedCurvature, Parts, PressScene, Scene, Scenes};
+use palpate_scene::{Parts, PressScene, Scene, Scenes};
 use palpate_study::config::parse;
 
 use super::options::Options;
 use case::Case;
+use score::Judged;
 
 /// Trials that share the place of the contact.
 const JITTERED: u64 = 5;
@@ -70,8 +71,6 @@ fn score(case: &Case, options: Options<'_>, threads: u64) -> Result<Score> {
     let judged: Vec<_> = judged.into_iter().map(|(_, judged)| judged).collect();
     Ok(score::score(case, &judged, pixel_bound))
 }
-
-type Judged = Result<JudgedCurvature, &'static str>;
 
 fn trial_of(scene: &PressScene, trial: u64) -> Judged {
     scene.judged_curvature(trial).map_err(|error| error.name())

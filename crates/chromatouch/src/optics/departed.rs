@@ -3,10 +3,12 @@
 use super::{Colours, Departure, Optics, OpticsError};
 
 impl Optics {
-    /// A sensor that departs so from this one. Shares of light stay between 0 and 1.
+    /// A sensor that departs so from this one. Shares of light may leave the range from 0 to 1 a little, as those of fits do
+    /// whose pictures go on smoothly there: [`Optics::possible`] has departures of sensors that can be.
     ///
     /// # Errors
-    /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`] where there is no such sensor.
+    /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`] where there is no such sensor, and for a share of light below
+    /// -1 or above 2.
     pub fn departed(&self, departure: &Departure) -> Result<Self, OpticsError> {
         let Departure {
             depths,
@@ -22,21 +24,41 @@ impl Optics {
         let centre = self.camera.centre_px();
         let offset = [0, 1].map(|axis| centre[axis] - middle + centre_px[axis]);
         let focal = self.camera.px_per_rad() * (1.0 + px_per_rad);
-        let share = |colour: [f64; 3], more: [f64; 3]| {
-            std::array::from_fn(|channel| (colour[channel] + more[channel]).clamp(0.0, 1.0))
+        let share = |colour: [f64; 3], more: [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|channel| colour[channel] + more[channel])
         };
         let colours = Colours {
             magenta: share(self.colours.magenta, magenta),
             yellow: share(self.colours.yellow, yellow),
             ..self.colours
         };
-        let optics = Self::new(
-            self.array.clone().remade(depths, diameters)?,
-            self.camera.adjusted(offset, focal)?,
+        for (setting, colour) in [("magenta", colours.magenta), ("yellow", colours.yellow)] {
+            for share in colour {
+                let good = (-1.0..=2.0).contains(&share);
+                OpticsError::unless(good, setting, share, "shares from -1 to 2")?;
+            }
+        }
+        let optics = Self {
+            array: self.array.clone().remade(depths, diameters)?,
+            camera: self.camera.adjusted(offset, focal)?,
             colours,
-            self.blemishes,
-        )?;
+            blemishes: self.blemishes,
+            contrasts: colours.contrasts(),
+            pose: None,
+        };
         optics.seen_from(self.pose().moved(place, turn_rad))
+    }
+
+    /// The nearest departure whose shares of light stay between 0 and 1.
+    pub fn possible(&self, departure: Departure) -> Departure {
+        let within = |colour: [f64; 3], more: [f64; 3]| {
+            std::array::from_fn(|at| (colour[at] + more[at]).clamp(0.0, 1.0) - colour[at])
+        };
+        Departure {
+            magenta: within(self.colours.magenta, departure.magenta),
+            yellow: within(self.colours.yellow, departure.yellow),
+            ..departure
+        }
     }
 
     /// Optics of this sensor with other misalignments of its markers, as

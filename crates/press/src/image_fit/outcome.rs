@@ -22,6 +22,8 @@ const ROBUST: f64 = 16.0;
 const MOST_WRONG: f64 = 1.0 / 8.0;
 /// Rounds in which markers that count less are told.
 const ROUNDS: usize = 20;
+/// Rounds in which the sensor is told by both frames.
+const LEARNT: usize = 5;
 /// Least improvement of chi-squared by a contact, against none, that counts as one.
 const SEEN: f64 = 16.0;
 /// Least decrease of chi-squared that a further step must promise: roughly, and at last.
@@ -134,6 +136,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     let mut best = Fitted::at(&problem, best.state)?;
     let wrong = drop_wrong(&mut problem, &best)?;
     problem.weigh(&best.state)?;
+    best = learn(&mut problem, best)?;
     for _ in 0..4 {
         let fitted = Fitted::at(&problem, best.state)?;
         best = minimise(&problem, fitted, EXACTLY, None, false)?;
@@ -162,6 +165,25 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     Err(PressError::Undetermined {
         what: "the sum of squares has no clear minimum",
     })
+}
+
+/// A fit about the sensor that both frames tell.
+fn learn<V: View + Clone>(
+    problem: &mut Problem<'_, V>,
+    near: Fitted,
+) -> Result<Fitted, PressError> {
+    let mut best = near;
+    for _ in 0..LEARNT {
+        let fitted = Fitted::at(problem, best.state)?;
+        best = minimise(problem, fitted, ROUGHLY, None, false)?;
+        let before = problem.clone();
+        if !problem.learn(&best)? || problem.weigh(&best.state).is_err() {
+            // There is no such sensor.
+            *problem = before;
+            break;
+        }
+    }
+    Ok(best)
 }
 
 /// A fit that few markers cannot lead astray.

@@ -1,11 +1,13 @@
 //! The sum of squares that a fit of pictures makes least.
 
-use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, SVector, Vector4};
+use std::borrow::Cow;
+
+use nalgebra::{DMatrix, DVector, Matrix4, Matrix4x2, SMatrix, SVector, Vector4};
 
 use super::law::State;
 use super::rest::Rest;
 use super::settings::ImageFit;
-use super::view::{NUMBERS, Seen, SensorState, View, difference};
+use super::view::{NUMBERS, Seen, Sensor, View, difference};
 use crate::{MarkerDisplacement, Measured, PressError};
 
 /// Unknowns, in this order: the logarithm of the relative curvature; steps of the contact's place along the axes there;
@@ -27,7 +29,9 @@ const STEP: f64 = 1e-5;
 #[derive(Clone)]
 pub(super) struct Problem<'a, V> {
     pub(super) fit: &'a ImageFit<V>,
-    pub(super) rest: &'a Rest,
+    pub(super) rest: Cow<'a, Rest>,
+    /// The sensor about which its departures are taken to first order.
+    pub(super) sensor: Sensor,
     pub(super) seen: &'a [Option<Seen>],
     pub(super) indentation: Option<Measured>,
     /// Whether each unknown is sought.
@@ -40,9 +44,13 @@ pub(super) struct Problem<'a, V> {
     /// meant to lie at; as they are where weights were given.
     by_depth: Vec<[MarkerDisplacement; 2]>,
     /// Whitening of each of them.
-    whiten: Vec<Matrix4<f64>>,
+    pub(super) whiten: Vec<Matrix4<f64>>,
+    /// Slopes of their pictures by their misalignments, whitened.
+    pub(super) by_local: Vec<Matrix4x2<f64>>,
+    /// How the pictures of the sensor at rest, as far as slopes tell, differ from those of `sensor`, whitened.
+    from_rest: Vec<Vector4<f64>>,
     /// Effect of common departures, whitened: as many rows as equations, and a column for each departure.
-    common: DMatrix<f64>,
+    pub(super) common: DMatrix<f64>,
     /// Inverse root of the information on the departures in both frames, times `common` transposed.
     shared: DMatrix<f64>,
 }
@@ -77,13 +85,16 @@ impl<'a, V: View> Problem<'a, V> {
         sought[SHIFT + 1] = shifts;
         Ok(Self {
             fit,
-            rest,
+            sensor: rest.sensor(),
+            rest: Cow::Borrowed(rest),
             seen,
             indentation,
             sought,
             trust: vec![1.0; counting.len()],
             by_depth: Vec::new(),
             whiten: Vec::new(),
+            by_local: Vec::new(),
+            from_rest: Vec::new(),
             common: DMatrix::zeros(0, 0),
             shared: DMatrix::zeros(0, 0),
             counting,
@@ -98,20 +109,13 @@ impl<'a, V: View> Problem<'a, V> {
         NUMBERS * self.counting.len()
     }
 
-    fn sensor(&self) -> SensorState<'_> {
-        SensorState {
-            common: &self.rest.common,
-            misalignments: &self.rest.misalignments,
-        }
-    }
-
     fn pictures(
         &self,
         moved: &[[MarkerDisplacement; 2]],
     ) -> Result<Vec<Option<[f64; NUMBERS]>>, PressError> {
         self.fit
             .view
-            .pictures(&self.sensor(), moved)
+            .pictures(&self.sensor.state(), moved)
             .ok_or(PressError::OutOfRange)
     }
 
@@ -122,7 +126,7 @@ impl<'a, V: View> Problem<'a, V> {
         let per_depth = self.fit.per_depth(state, &moved)?;
         self.by_depth = per_depth.clone().unwrap_or_default();
         for moved in &mut self.by_depth {
-            for (disc, deeper) in moved.iter_mut().zip(&self.rest.common) {
+            for (disc, deeper) in moved.iter_mut().zip(&self.sensor.common) {
                 disc.normal *= deeper;
                 disc.tangential = disc.tangential.map(|along| along * deeper);
             }
@@ -152,18 +156,21 @@ impl<'a, V: View> Problem<'a, V> {
     ) -> Result<(), PressError> {
         let pictures = self.pictures(moved)?;
         let Rest {
+            local, information, ..
+        } = &*self.rest;
+        let Sensor {
             common,
             misalignments,
-            local,
-            information,
-            ..
-        } = self.rest;
+        } = &self.sensor;
         let slopes = self
             .fit
             .slopes(common, misalignments, moved, per_depth, &pictures)
             .ok_or(PressError::OutOfRange)?;
+        let to_rest = self.to_rest();
         let departures = information.nrows();
         self.whiten.clear();
+        self.by_local.clear();
+        self.from_rest.clear();
         self.common = DMatrix::zeros(self.equations(), departures);
         for (at, &marker) in self.counting.iter().enumerate() {
             let parts = (
@@ -184,7 +191,10 @@ impl<'a, V: View> Problem<'a, V> {
                 .try_inverse()
                 .ok_or(PressError::NotFinite { marker })?
                 * self.trust[at];
+            let aside = by_common * &to_rest + by_local * self.to_rest_of(marker);
             let slopes = whiten * (by_common + by_local * &local.follows);
+            self.by_local.push(whiten * by_local);
+            self.from_rest.push(whiten * aside);
             self.common
                 .rows_mut(NUMBERS * at, NUMBERS)
                 .copy_from(&slopes);
@@ -232,11 +242,12 @@ impl<'a, V: View> Problem<'a, V> {
         picture: impl Fn(usize) -> Option<[f64; NUMBERS]>,
     ) -> Result<Residuals, PressError> {
         let mut residuals = Residuals::zeros(self.equations());
-        for ((at, &marker), whiten) in self.counting.iter().enumerate().zip(&self.whiten) {
+        let weighted = self.whiten.iter().zip(&self.from_rest);
+        for ((at, &marker), (whiten, aside)) in self.counting.iter().enumerate().zip(weighted) {
             let (Some(seen), Some(picture)) = (&self.seen[marker], picture(marker)) else {
                 return Err(PressError::OutOfRange);
             };
-            let residual = whiten * Vector4::from(difference(&seen.picture, &picture));
+            let residual = whiten * Vector4::from(difference(&seen.picture, &picture)) - aside;
             residuals
                 .rows_mut(NUMBERS * at, NUMBERS)
                 .copy_from(&residual);
@@ -266,11 +277,9 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(jacobian)
     }
 
-    /// Departures of the sensor, after both frames, that the residuals speak for; taken out of the residuals.
+    /// Residuals without what departures of the sensor account for.
     pub(super) fn own(&self, residuals: &Residuals) -> Result<Residuals, PressError> {
-        let both = &self.rest.information + self.common.transpose() * &self.common;
-        let factor = both.cholesky().ok_or(PressError::OutOfRange)?;
-        Ok(residuals - &self.common * factor.solve(&(self.common.transpose() * residuals)))
+        Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
     /// Part of a sum of squared residuals that what is common to all markers may account for.

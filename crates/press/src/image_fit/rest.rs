@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Matrix4, OMatrix, U2, Vector4};
 
 use super::settings::ImageFit;
-use super::view::{NUMBERS, Seen, SensorState, View, difference};
+use super::view::{MOST_MISALIGNED, NUMBERS, Seen, Sensor, SensorState, View, difference};
 use crate::{MarkerDisplacement, PressError};
 
 /// Steps by which slopes are found, as shares of the standard deviation.
@@ -32,6 +32,27 @@ pub struct Rest {
     pub(super) information: DMatrix<f64>,
     /// How each marker's misalignment follows the free common departures, and its covariance beyond that.
     pub(super) local: Vec<Option<Local>>,
+    /// The markers as they were read.
+    readings: Vec<Option<Seen>>,
+    /// Inverse covariances of what was read.
+    weights: Vec<Option<Matrix4<f64>>>,
+}
+
+impl Rest {
+    /// The sensor that is likeliest.
+    pub(super) fn sensor(&self) -> Sensor {
+        Sensor {
+            common: self.common.clone(),
+            misalignments: self.misalignments.clone(),
+        }
+    }
+
+    /// Covariance of the common departures that are not exact, in their standard deviations; `None` where it cannot be
+    /// computed.
+    pub fn covariance(&self) -> Option<DMatrix<f64>> {
+        let factor = self.information.clone().cholesky()?;
+        Some(factor.inverse())
+    }
 }
 
 /// Misalignment of a marker, as far as it is left unknown.
@@ -72,9 +93,29 @@ impl<V: View> ImageFit<V> {
             fit: self,
             free: self.free(),
             seen,
-            weights,
+            weights: &weights,
         }
         .rest()
+    }
+
+    /// What the frame at rest tells, taken to first order about a sensor; `None` where there is no such sensor.
+    pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
+        let resting = Resting {
+            fit: self,
+            free: self.free(),
+            seen: &rest.readings,
+            weights: &rest.weights,
+        };
+        let free = resting.free.iter();
+        let common = free.map(|&number| sensor.common[number] / self.common_stds[number]);
+        let state = State {
+            common: DVector::from_iterator(resting.free.len(), common),
+            misalignments: sensor.misalignments.clone(),
+        };
+        let pictures = resting.pictures(&state)?;
+        let equations = resting.equations(&state, &pictures, 0.0)?;
+        let likeliest = resting.stepped(&state, &equations)?;
+        Some(resting.told(likeliest, equations, rest.chi_squared))
     }
 
     /// Slopes of pictures by what is not known of the sensor; the markers move by `moved`, and where the discs of one
@@ -189,7 +230,7 @@ struct Resting<'a, V> {
     fit: &'a ImageFit<V>,
     free: Vec<usize>,
     seen: &'a [Option<Seen>],
-    weights: Vec<Option<Matrix4<f64>>>,
+    weights: &'a [Option<Matrix4<f64>>],
 }
 
 /// Unknowns of the fit: free common departures in standard deviations, and misalignments, rad.
@@ -251,18 +292,24 @@ impl<V: View> Resting<'_, V> {
                 }
             }
         }
-        let Equations {
-            information, local, ..
-        } = self
+        let equations = self
             .equations(&state, &pictures, 0.0)
             .ok_or(PressError::OutOfRange)?;
+        Ok(self.told(state, equations, cost))
+    }
+
+    /// What is told by equations whose solution is `state`.
+    fn told(&self, state: State, equations: Equations, chi_squared: f64) -> Rest {
+        let Equations {
+            information, local, ..
+        } = equations;
         let seen: Vec<bool> = self.weights.iter().map(Option::is_some).collect();
         let count = seen.iter().filter(|&&seen| seen).count();
-        Ok(Rest {
+        Rest {
             common: self.common(&state),
             misalignments: state.misalignments,
             seen,
-            chi_squared: cost,
+            chi_squared,
             // As many numbers are known beforehand as there are unknowns.
             freedom: NUMBERS * count,
             information,
@@ -275,7 +322,9 @@ impl<V: View> Resting<'_, V> {
                     })
                 })
                 .collect(),
-        })
+            readings: self.seen.to_vec(),
+            weights: self.weights.to_vec(),
+        }
     }
 
     fn common(&self, state: &State) -> Vec<f64> {
@@ -400,9 +449,9 @@ impl<V: View> Resting<'_, V> {
         for (misalignment, own) in tried.misalignments.iter_mut().zip(&equations.local) {
             if let Some(own) = own {
                 let moved = own.inverse * (own.right - &own.across * &step);
-                // No disc is misaligned by more than it can be told at all.
                 for axis in 0..2 {
-                    misalignment[axis] = (misalignment[axis] + moved[axis]).clamp(-0.5, 0.5);
+                    misalignment[axis] =
+                        (misalignment[axis] + moved[axis]).clamp(-MOST_MISALIGNED, MOST_MISALIGNED);
                 }
             }
         }

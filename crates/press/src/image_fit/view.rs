@@ -28,6 +28,25 @@ pub struct SensorState<'a> {
     pub misalignments: &'a [[f64; 2]],
 }
 
+/// No disc is misaligned by more than it can be told at all, rad.
+pub(super) const MOST_MISALIGNED: f64 = 0.5;
+
+/// A sensor: departures common to all markers, and misalignments.
+#[derive(Clone, Debug)]
+pub(super) struct Sensor {
+    pub(super) common: Vec<f64>,
+    pub(super) misalignments: Vec<[f64; 2]>,
+}
+
+impl Sensor {
+    pub(super) fn state(&self) -> SensorState<'_> {
+        SensorState {
+            common: &self.common,
+            misalignments: &self.misalignments,
+        }
+    }
+}
+
 /// Law by which a camera sees markers whose discs were displaced.
 pub trait View {
     /// Picture of each marker, as [`Seen`] has it, after the displacements of its magenta and its yellow disc; `None`

@@ -20,7 +20,7 @@ use palpate_press::{Body, Seen};
 const APART: u64 = 1000;
 
 /// Standard deviations of each number of a [`Departure`].
-pub(super) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
+pub(crate) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
     let SensorNoise {
         centre_px,
         scale,
@@ -106,7 +106,7 @@ impl Redrawn {
         for (number, error) in numbers.iter_mut().zip(&self.errors) {
             *number = error.draw(&mut stream);
         }
-        let departure = Departure::of(numbers);
+        let departure = meant.optics.possible(Departure::of(numbers));
         let optics = meant.optics.departed(&departure)?;
         let array = optics.array().clone();
         // Trial 0 of misalignments is the sensor that all trials of other scenes share.

@@ -3,11 +3,14 @@
 use std::fmt;
 
 use palpate_press::Interval;
+use palpate_scene::JudgedCurvature;
 use serde::Serialize;
 
 use super::super::sums::{HOLDS, Sums, WIDTHS};
-use super::Judged;
 use super::case::Case;
+
+/// The curvature of a trial, or the name of what went wrong.
+pub(super) type Judged = Result<JudgedCurvature, &'static str>;
 
 /// Limits of the coverage of intervals of 95 % over all scenes.
 const COVERAGE: [f64; 2] = [0.92, 0.97];
@@ -262,7 +265,6 @@ impl fmt::Display for Summary {
 mod tests {
     use super::*;
     use palpate_press::Estimated;
-    use palpate_scene::JudgedCurvature;
 
     fn judged(error: f64, high: Option<f64>) -> Judged {
         Ok(JudgedCurvature {

@@ -1,0 +1,71 @@
+//! The sensor as both frames tell it.
+//!
+//! What the frame at rest leaves unknown of a sensor is taken out of the pressed one to first order. Where discs nearly
+//! coincide, so that the edge of one may touch that of the other, pictures bend within what is left unknown: the fit then
+//! goes on about the sensor that both frames tell together.
+
+use std::borrow::Cow;
+
+use nalgebra::{DVector, Vector2};
+
+use super::minimise::Fitted;
+use super::problem::{Problem, Residuals};
+use super::view::{MOST_MISALIGNED, NUMBERS, Sensor, View};
+use crate::PressError;
+
+impl<V: View> Problem<'_, V> {
+    /// Free common departures from `sensor` to the sensor at rest, in their standard deviations.
+    pub(super) fn to_rest(&self) -> DVector<f64> {
+        let free = self.fit.free();
+        let steps = free.iter().map(|&number| {
+            (self.rest.common[number] - self.sensor.common[number]) / self.fit.common_stds[number]
+        });
+        DVector::from_iterator(free.len(), steps)
+    }
+
+    /// Misalignment of a marker of the sensor at rest, beyond that of `sensor`, rad.
+    pub(super) fn to_rest_of(&self, marker: usize) -> Vector2<f64> {
+        Vector2::from(self.rest.misalignments[marker])
+            - Vector2::from(self.sensor.misalignments[marker])
+    }
+
+    /// Free common departures from the sensor at rest, in their standard deviations, that both frames speak for.
+    pub(super) fn departures(&self, residuals: &Residuals) -> Result<DVector<f64>, PressError> {
+        let both = &self.rest.information + self.common.transpose() * &self.common;
+        let factor = both.cholesky().ok_or(PressError::OutOfRange)?;
+        Ok(factor.solve(&(self.common.transpose() * residuals)))
+    }
+
+    /// Goes on about the sensor that both frames tell, after a fit about the present one; whether there is such a sensor.
+    pub(super) fn learn(&mut self, best: &Fitted) -> Result<bool, PressError> {
+        let sensor = self.learnt(best)?;
+        let rest = self.fit.rest_about(&self.rest, &sensor);
+        let is_there = rest.is_some();
+        if let Some(rest) = rest {
+            self.rest = Cow::Owned(rest);
+            self.sensor = sensor;
+        }
+        Ok(is_there)
+    }
+
+    fn learnt(&self, best: &Fitted) -> Result<Sensor, PressError> {
+        let departures = self.departures(&best.residuals)?;
+        let own = &best.residuals - &self.common * &departures;
+        let mut sensor = self.rest.sensor();
+        for (&number, departure) in self.fit.free().iter().zip(departures.iter()) {
+            sensor.common[number] += departure * self.fit.common_stds[number];
+        }
+        for (marker, local) in self.rest.local.iter().enumerate() {
+            let Some(local) = local else { continue };
+            let mut step = &local.follows * &departures;
+            if let Some(at) = self.counting.iter().position(|one| *one == marker) {
+                let own = own.fixed_rows::<NUMBERS>(NUMBERS * at);
+                step += local.spread * self.by_local[at].transpose() * own;
+            }
+            for (misalignment, step) in sensor.misalignments[marker].iter_mut().zip(step.iter()) {
+                *misalignment = (*misalignment + step).clamp(-MOST_MISALIGNED, MOST_MISALIGNED);
+            }
+        }
+        Ok(sensor)
+    }
+}
