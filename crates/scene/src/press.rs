@@ -21,9 +21,11 @@ mod soft_body;
 mod trace;
 mod words;
 
+pub(crate) use departed::stds as sensor_stds;
 pub use failure::PressFailure;
 pub use judged::JudgedCurvature;
 pub(crate) use method::{Assumed, body_of};
 pub use parts::Parts;
+pub(crate) use picture_law::{PictureLaw, seen_of};
 pub use scene::PressScene;
 pub(crate) use words::large_contact;

@@ -5,6 +5,7 @@
 mod calibration;
 mod calibration_file;
 mod calibration_report;
+mod camera_rest;
 mod drawing;
 mod error;
 mod extra;
@@ -43,6 +44,7 @@ pub use calibration::{
 };
 pub use calibration_file::{calibration_toml, parse_calibration, read_calibration};
 pub use calibration_report::{CalibrationReport, Fitted};
+pub use camera_rest::{Residual, RestCamera, calibrate_camera};
 pub use error::RecordedError;
 pub use file::RecordedFile;
 pub use form::{Decimal, Delimiter, Form, column_names};

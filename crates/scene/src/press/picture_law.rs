@@ -3,14 +3,15 @@
 use nalgebra::Matrix4;
 use palpate_chromatouch::{Departure, DiscMotion, MarkerMotion, Optics, SeenMarker};
 use palpate_press::{MarkerDisplacement, Seen, SensorState, View};
+use palpate_tracking::{Marker, MarkerErrors};
 
 use super::camera::Spotted;
 
 /// Pictures by optics that depart from what is known of them.
 #[derive(Clone, Debug)]
-pub(super) struct PictureLaw {
+pub(crate) struct PictureLaw {
     /// The sensor as it is meant to be.
-    pub(super) optics: Optics,
+    pub(crate) optics: Optics,
 }
 
 impl View for PictureLaw {
@@ -51,7 +52,11 @@ fn picture(seen: &SeenMarker) -> [f64; 4] {
 
 /// A marker as it was seen, as a fit of pictures takes it.
 pub(super) fn seen(spotted: &Spotted) -> Seen {
-    let Spotted { marker, errors } = spotted;
+    seen_of(&spotted.marker, &spotted.errors)
+}
+
+/// A marker with its errors, as a fit of pictures takes it.
+pub(crate) fn seen_of(marker: &Marker, errors: &MarkerErrors) -> Seen {
     let [x, y] = marker.centroid_px;
     Seen {
         picture: [x, y, marker.hue_turns, libm::log(marker.size_px2)],

@@ -3,6 +3,7 @@
 
 mod arrays;
 mod camera;
+mod camera_rest;
 mod extremes;
 mod fingertip;
 mod glide;

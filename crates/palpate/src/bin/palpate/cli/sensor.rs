@@ -54,9 +54,14 @@ Prints slope, its standard error, R^2 and residual, of all and of each series: o
 as the 2020 paper draws it, and of the line through rest, from which `track` reads displacements. Warns of large
 residuals, slopes that may be 0 and series that disagree; that all displacements err by one factor nothing tells.
 
+With --rest and --layout the camera is found from one frame at rest, which shows the markers of a study's sensor: place,
+turn and px per rad with standard deviations and covariance (of the image's centre, px; px per rad, a share; place,
+length; turn, rad), and how far each marker lies from where it should be seen.
+
 Examples:
   palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv examples/chromatouch-2020/calibration-tangential.csv --out calibration.toml
-  palpate sensor calibrate rest.png pressed-1.png pressed-2.png --normal 0.5,1.0 --length-unit mm --from size --out calibration.toml");
+  palpate sensor calibrate rest.png pressed-1.png pressed-2.png --normal 0.5,1.0 --length-unit mm --from size --out calibration.toml
+  palpate sensor calibrate --rest rest.png --layout examples/press-with-a-camera.toml --out camera.toml");
 
 const TRACK_HELP: &str = "Frames are PNG images of one size: 8 or 16 bits, grey, palette or RGB; an alpha channel is allowed if nothing
 is transparent. Writes to DIR
@@ -96,8 +101,14 @@ pub(crate) struct PatternArgs {
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArgs {
     /// Tables of known displacements, of which one may be - for standard input, or frames of which the first is at rest.
-    #[arg(required = true, value_name = "TABLE.csv|FRAME.png")]
+    #[arg(required_unless_present = "rest", value_name = "TABLE.csv|FRAME.png")]
     pub(crate) inputs: Vec<PathBuf>,
+    /// Instead of displacements, find the camera from this frame at rest: its place, its turn and its scale.
+    #[arg(long, value_name = "REST.png", requires = "layout", conflicts_with_all = ["inputs", "normal", "tangential", "per_marker", "px_per_rad"])]
+    pub(crate) rest: Option<PathBuf>,
+    /// A study of a press by a camera, whose first cell states the layout, the discs and where the camera is meant to be.
+    #[arg(long, value_name = "STUDY.toml", requires = "rest")]
+    pub(crate) layout: Option<PathBuf>,
     /// The calibration to write, a TOML file; - is standard output.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,

@@ -1,12 +1,14 @@
 //! `palpate sensor calibrate`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use palpate_scene::recorded::{
     CalibrateOptions, CalibrationPoints, Frame, KnownOfFrames, Wording, calibrate as calibrate_to,
-    calibration_points_of_frames, parse_calibration_points, read_frame,
+    calibrate_camera, calibration_points_of_frames, parse_calibration_points, read_frame,
 };
+
+use palpate_study::config;
 
 use crate::cli::CalibrateArgs;
 use crate::estimate::table;
@@ -14,6 +16,9 @@ use crate::failure::Failure;
 use crate::output::{Guard, Single};
 
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
+    if let (Some(rest), Some(layout)) = (&args.rest, &args.layout) {
+        return camera(args, rest, layout);
+    }
     let guard = Guard::new(&args.inputs, args.force);
     let out = Single::new("--out", &args.out, guard)?;
     let shows_frames = shows_frames(args)?;
@@ -44,6 +49,20 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
     }
     let mut lines = report.summary();
     lines.push(format!("-> {}", args.out.display()));
+    out.print(&lines.join("\n"))
+}
+
+/// Finds the camera from a frame at rest.
+fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), Failure> {
+    let out = Single::new("--out", &args.out, Guard::new([rest, layout], args.force))?;
+    let study = config::load(layout).map_err(Failure::usage)?;
+    let frame = read_frame(rest).map_err(Failure::work)?;
+    let camera = calibrate_camera(&frame, &study).map_err(Failure::work)?;
+    out.write(camera.to_toml().as_bytes())?;
+    for warning in &camera.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let lines = [camera.summary(), format!("-> {}", args.out.display())];
     out.print(&lines.join("\n"))
 }
 

@@ -1,0 +1,64 @@
+//! `palpate sensor calibrate --rest`.
+
+use crate::desk::Desk;
+
+/// A sensor whose camera stands beside the centre.
+const SENSOR: &str = r#"
+name = "beside"
+length_unit = "mm"
+trials = 1
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0, misalignment = 0.2 } }
+object = { kind = "plane" }
+motion = { indentation = 1.0 }
+sensor = { kind = "rendered", size_px = 400, place = [0.5, 0.0, -0.4], calibration = { presses = 2, rest_frames = 1 } }
+noise = { pixel = { kind = "gaussian", std = 2.0 } }
+"#;
+
+#[test]
+fn a_frame_at_rest_tells_where_the_camera_is() {
+    let desk = Desk::with(SENSOR);
+    desk.palpate("trace c.toml --trial 0 --out t").printed();
+    let central = SENSOR.replace("place = [0.5, 0.0, -0.4], ", "");
+    desk.write("central.toml", central.replace("beside", "central"));
+    let frame = desk
+        .names("t")
+        .into_iter()
+        .find(|name| name.contains("rest") && name.ends_with(".png"))
+        .unwrap();
+    let run = format!("sensor calibrate --rest t/{frame} --layout central.toml --out camera.toml");
+    let said = desk.palpate(&run).printed();
+    assert!(
+        said.contains("camera at (") && said.contains("px per rad"),
+        "{said}"
+    );
+    let camera: toml::Table = desk.read("camera.toml").parse().unwrap();
+    let of = |key: &str, axis: usize| camera[key].as_array().unwrap()[axis].as_float().unwrap();
+    for (axis, place) in [0.5, 0.0, -0.4].into_iter().enumerate() {
+        let (found, std) = (of("place", axis), of("place_std", axis));
+        assert!(
+            (found - place).abs() < 4.0 * std && std < 0.1,
+            "{found} {std}"
+        );
+    }
+    let other = central.replace("radius = 20.0", "radius = 30.0");
+    desk.write("other.toml", other);
+    desk.palpate(&format!(
+        "sensor calibrate --rest t/{frame} --layout other.toml --out o.toml"
+    ))
+    .fails(1, "layout");
+    for (arguments, word) in [
+        ("--rest r.png --out o.toml", "--layout"),
+        ("--layout central.toml --out o.toml", "--rest"),
+        (
+            "a.csv --rest r.png --layout central.toml --out o.toml",
+            "--rest",
+        ),
+    ] {
+        let said = desk
+            .palpate(&format!("sensor calibrate {arguments}"))
+            .said(2);
+        assert!(said.contains(word), "{arguments}: {said}");
+    }
+}

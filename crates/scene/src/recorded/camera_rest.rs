@@ -1,0 +1,93 @@
+//! Place and scale of a camera, from one frame at rest and the layout that it shows.
+
+mod matched;
+mod meant;
+mod report;
+
+pub use report::{Residual, RestCamera};
+
+use palpate_study::config::{CameraConfig, PressConfig, PressSensorConfig, SceneConfig, Study};
+
+use super::error::RecordedError;
+use super::tracked::{Frame, find};
+use crate::plan::PlanError;
+use matched::Matched;
+use meant::Meant;
+
+/// Lowest level of the ground's green, of 255, that markers are measured on, and largest share of it at full scale.
+const DARKEST: u8 = 40;
+const MOST_SATURATED: f64 = 0.5;
+
+/// The camera that shows the markers of a study's sensor so at rest. The study is of a press by a camera: its first cell
+/// states layout, discs, the frame's size and where the camera is meant to be.
+///
+/// # Errors
+/// [`RecordedError::Readings`] for a study that has no camera, a frame of another size, without the layout's markers, in
+/// other colours, saturated or under-exposed, and one that contradicts the layout; each with its numbers.
+pub fn calibrate_camera(rest: &Frame, study: &Study) -> Result<RestCamera, RecordedError> {
+    let fail = |message: String| RecordedError::Readings {
+        file: rest.file.clone(),
+        message,
+    };
+    let of_study = |error: PlanError| fail(format!("{}: {}", error.path, error.message));
+    let (press, camera) = sensor(study).map_err(of_study)?;
+    let meant = Meant::of(press, camera).map_err(of_study)?;
+    let (width, height) = rest.image.dimensions();
+    if width != camera.size_px || height != camera.size_px {
+        return Err(fail(format!(
+            "has {width} x {height} px; the layout's camera takes {0} x {0}",
+            camera.size_px
+        )));
+    }
+    exposed(rest).map_err(fail)?;
+    let found = find(rest)?;
+    let optics = meant.optics(&found).map_err(of_study)?;
+    let (matched, optics) = Matched::of(&meant, optics, &found).map_err(fail)?;
+    matched
+        .camera(&meant, &optics, study.config.length_unit)
+        .map_err(fail)
+}
+
+fn sensor(study: &Study) -> Result<(&PressConfig, &CameraConfig), PlanError> {
+    match &study.config.scene {
+        SceneConfig::Press(press) => match &press.sensor {
+            PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
+                Ok((press, camera))
+            }
+            PressSensorConfig::Direct { .. } => {
+                Err(PlanError::at("scene.sensor", "must have a camera"))
+            }
+        },
+        _ => Err(PlanError::at("scene.kind", "must be \"press\"")),
+    }
+}
+
+/// Refuses frames that are too dark or too bright to tell colours.
+fn exposed(rest: &Frame) -> Result<(), String> {
+    let mut levels: Vec<u8> = rest.image.pixels().map(|pixel| pixel.0[1]).collect();
+    levels.sort_unstable();
+    let ground = levels[levels.len() * 3 / 4];
+    if ground < DARKEST {
+        return Err(format!(
+            "is under-exposed: a quarter of its pixels are brighter than {ground} of 255 in green; the ground must reach {DARKEST}"
+        ));
+    }
+    let middle = |at: u32, size: u32| (size / 4..size - size / 4).contains(&at);
+    let (width, height) = rest.image.dimensions();
+    let inner = rest.image.enumerate_pixels();
+    let inner = inner.filter(|(x, y, _)| middle(*x, width) && middle(*y, height));
+    let (count, full) = inner.fold((0.0, 0.0), |(count, full), (_, _, pixel)| {
+        (
+            count + 1.0,
+            full + f64::from(u8::from(pixel.0[1] == u8::MAX)),
+        )
+    });
+    if full > MOST_SATURATED * count {
+        return Err(format!(
+            "is saturated: {:.0} % of the pixels about its middle are at full scale in green; at most {:.0} % may be",
+            100.0 * full / count,
+            100.0 * MOST_SATURATED
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,302 @@
+//! Markers of a frame at rest, matched with those of a layout, and the camera that they tell.
+
+use nalgebra::DMatrix;
+use palpate_chromatouch::{Departure, Optics};
+use palpate_number::Number;
+use palpate_press::{ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View};
+use palpate_study::config::LengthUnit;
+use palpate_tracking::{Found, Marker};
+
+use super::meant::Meant;
+use super::report::{Residual, RestCamera};
+use crate::press::{PictureLaw, seen_of};
+
+/// Standard deviations by which discs may depart from what is known of them.
+const MOST_DEPARTED: f64 = 6.0;
+/// Numbers of a departure that are the discs', in words.
+const DISCS: [(usize, &str); 10] = [
+    (0, "depth of the magenta discs"),
+    (1, "depth of the yellow discs"),
+    (2, "diameter of the magenta discs"),
+    (3, "diameter of the yellow discs"),
+    (13, "red light through magenta discs"),
+    (14, "green light through magenta discs"),
+    (15, "blue light through magenta discs"),
+    (16, "red light through yellow discs"),
+    (17, "green light through yellow discs"),
+    (18, "blue light through yellow discs"),
+];
+/// Numbers of a departure that are the camera's.
+const CAMERA: std::ops::Range<usize> = 4..13;
+/// Rounds in which markers are matched roughly.
+const ROUNDS: usize = 4;
+/// What misaligned discs add to the errors of centroids, px, hue, turns, and the logarithm of the size, meanwhile.
+const ROUGHLY: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
+/// Least share of the layout's markers that a frame must show; at first, while it is not known which the rim cuts.
+const LEAST_SEEN: f64 = 0.8;
+const LEAST_AT_FIRST: f64 = 0.5;
+/// Largest median difference of hues from those of the colours that are meant, turns.
+const MOST_TURNED: f64 = 0.06;
+/// Chi-squared per degree of freedom beyond which the frame contradicts the layout, and beyond which errors count for more.
+const CONTRADICTED: f64 = 25.0;
+const DOUBTED: f64 = 1.5;
+/// Markers of a frame, by those of the layout.
+pub(super) struct Matched {
+    seen: Vec<Option<Seen>>,
+    rest: Rest,
+    law: Vec<Option<[f64; 4]>>,
+    missing: usize,
+}
+
+impl Matched {
+    /// Matches the markers about the optics that are meant, roughly at first; with the optics that they are matched about.
+    pub(super) fn of(
+        meant: &Meant<'_>,
+        optics: Optics,
+        found: &Found,
+    ) -> Result<(Self, Optics), String> {
+        let mut optics = optics;
+        for _ in 0..ROUNDS {
+            let fit = meant.fit(&optics)?;
+            let rough: Vec<Option<Seen>> = Self::seen(&fit, found, LEAST_AT_FIRST)?
+                .into_iter()
+                .map(|seen| seen.map(roughly))
+                .collect();
+            let rest = fit.at_rest(&rough).map_err(other_layout)?;
+            optics = optics.departed(&of_camera(&rest)?).map_err(other_layout)?;
+        }
+        let fit = meant.fit(&optics)?;
+        let seen = Self::seen(&fit, found, LEAST_SEEN)?;
+        let missing = told(&law(&fit, None)?, &seen, found, LEAST_SEEN)?;
+        let rest = fit.at_rest(&seen).map_err(other_layout)?;
+        let law = law(&fit, Some(&rest))?;
+        let matched = Self {
+            missing,
+            law,
+            rest,
+            seen,
+        };
+        Ok((matched, optics))
+    }
+
+    fn seen(
+        fit: &ImageFit<PictureLaw>,
+        found: &Found,
+        least: f64,
+    ) -> Result<Vec<Option<Seen>>, String> {
+        let expected = law(fit, None)?;
+        let seen = nearest(&expected, found);
+        told(&expected, &seen, found, least).map(|_| seen)
+    }
+
+    pub(super) fn camera(
+        &self,
+        meant: &Meant<'_>,
+        optics: &Optics,
+        length_unit: LengthUnit,
+    ) -> Result<RestCamera, String> {
+        let mut residuals_px = Vec::new();
+        for (marker, pair) in self.seen.iter().zip(&self.law).enumerate() {
+            if let (Some(seen), Some(law)) = pair {
+                let [x, y] = [0, 1].map(|axis| seen.picture[axis] - law[axis]);
+                let px = libm::hypot(x, y);
+                residuals_px.push(Residual { marker, px });
+            }
+        }
+        let squares = residuals_px.iter().map(|one| one.px * one.px);
+        let residual_px = (squares.sum::<f64>() / residuals_px.len() as f64).sqrt();
+        let reduced = self.rest.chi_squared / self.rest.freedom.max(1) as f64;
+        if reduced > CONTRADICTED {
+            let worst = residuals_px
+                .iter()
+                .max_by(|one, other| one.px.total_cmp(&other.px));
+            let worst = worst.map_or(0, |one| one.marker);
+            return Err(format!(
+                "contradicts the layout: chi-squared is {} per degree of freedom (at most {CONTRADICTED}), the markers lie {} px from where they should be seen, most of all number {worst}",
+                Number::rounded(reduced),
+                Number::rounded(residual_px)
+            ));
+        }
+        for (number, what) in DISCS {
+            let (departure, std) = (self.rest.common[number], meant.stds[number]);
+            if departure.abs() > MOST_DEPARTED * std {
+                return Err(format!(
+                    "contradicts the layout: the {what} would be off by {}, where it is known to {}",
+                    Number::rounded(departure),
+                    Number::rounded(std)
+                ));
+            }
+        }
+        let widened = if reduced > DOUBTED {
+            reduced.sqrt()
+        } else {
+            1.0
+        };
+        let covariance = self.covariance(meant, widened)?;
+        let std = |number: usize| covariance[(number, number)].sqrt();
+        let mut warnings = Vec::new();
+        if widened > 1.0 {
+            warnings.push(format!(
+                "the markers scatter {} times as much as the frame's noise explains; uncertainties are as much wider",
+                Number::rounded(widened)
+            ));
+        }
+        if self.missing > 0 {
+            warnings.push(format!(
+                "{} of the layout's {} markers are missing at rest",
+                self.missing,
+                self.seen.len()
+            ));
+        }
+        let departure: [f64; Departure::NUMBERS] = self.rest.common[..]
+            .try_into()
+            .map_err(|_| "has no departures".to_owned())?;
+        let Departure {
+            centre_px,
+            px_per_rad,
+            place,
+            turn_rad,
+            ..
+        } = Departure::of(departure);
+        let pose = optics.pose();
+        let camera = optics.camera();
+        let turn = pose.turn_rad();
+        Ok(RestCamera {
+            length_unit,
+            place: [0, 1, 2].map(|axis| pose.place[axis] + place[axis]),
+            place_std: [3, 4, 5].map(std),
+            turn_deg: [0, 1, 2].map(|axis| (turn[axis] + turn_rad[axis]).to_degrees()),
+            turn_std_deg: [6, 7, 8].map(|number| std(number).to_degrees()),
+            px_per_rad: camera.px_per_rad() * (1.0 + px_per_rad),
+            px_per_rad_std: camera.px_per_rad() * std(2),
+            centre_px: [0, 1].map(|axis| camera.centre_px()[axis] + centre_px[axis]),
+            covariance: covariance
+                .row_iter()
+                .map(|row| row.iter().copied().collect())
+                .collect(),
+            residual_px,
+            residuals_px,
+            reduced_chi_squared: reduced,
+            warnings,
+        })
+    }
+
+    /// Covariance of the camera's numbers, with standard deviations so much wider.
+    fn covariance(&self, meant: &Meant<'_>, widened: f64) -> Result<DMatrix<f64>, String> {
+        let singular = || "leaves the camera undetermined".to_owned();
+        let shares = self.rest.covariance().ok_or_else(singular)?;
+        let free: Vec<usize> = (0..meant.stds.len())
+            .filter(|&number| meant.stds[number] > 0.0)
+            .collect();
+        let place = |number: usize| free.iter().position(|&one| one == number);
+        let places: Option<Vec<usize>> = CAMERA.map(place).collect();
+        let places = places.ok_or_else(singular)?;
+        let std = |at: usize| widened * meant.stds[CAMERA.start + at];
+        Ok(DMatrix::from_fn(
+            CAMERA.len(),
+            CAMERA.len(),
+            |row, column| shares[(places[row], places[column])] * std(row) * std(column),
+        ))
+    }
+}
+
+fn other_layout(error: impl std::fmt::Display) -> String {
+    format!("does not show the layout: {error}; is it of another layout or camera?")
+}
+
+/// Pictures of the markers at rest, of the sensor that is meant or that a frame tells.
+fn law(fit: &ImageFit<PictureLaw>, rest: Option<&Rest>) -> Result<Vec<Option<[f64; 4]>>, String> {
+    let markers = fit.markers.places().len();
+    let still = vec![[MarkerDisplacement::default(); 2]; markers];
+    let aligned = vec![[0.0; 2]; markers];
+    let sensor = rest.map_or(
+        SensorState {
+            common: &[0.0; Departure::NUMBERS],
+            misalignments: &aligned,
+        },
+        |rest| SensorState {
+            common: &rest.common,
+            misalignments: &rest.misalignments,
+        },
+    );
+    let pictures = fit.view.pictures(&sensor, &still);
+    pictures.ok_or_else(|| other_layout("no such camera sees them"))
+}
+
+/// What a frame tells of the camera alone.
+fn of_camera(rest: &Rest) -> Result<Departure, String> {
+    let mut numbers = [0.0; Departure::NUMBERS];
+    for number in CAMERA {
+        numbers[number] = *rest.common.get(number).ok_or("has no departures")?;
+    }
+    Ok(Departure::of(numbers))
+}
+
+/// A marker whose discs may be misaligned, as it tells the camera roughly.
+fn roughly(seen: Seen) -> Seen {
+    let mut covariance = seen.covariance;
+    for (number, std) in ROUGHLY.into_iter().enumerate() {
+        covariance[(number, number)] += std * std;
+    }
+    Seen { covariance, ..seen }
+}
+
+/// The marker of a frame nearest to where each of the layout's is expected, if that one is the nearest to it too.
+fn nearest(expected: &[Option<[f64; 4]>], found: &Found) -> Vec<Option<Seen>> {
+    let mut seen = vec![None; expected.len()];
+    let mut distances = vec![f64::INFINITY; expected.len()];
+    for marker in 0..found.markers.len() {
+        if let Some((at, distance)) = closest(expected, &found.markers[marker])
+            && distance < distances[at]
+        {
+            distances[at] = distance;
+            seen[at] = Some(seen_of(&found.markers[marker], &found.errors[marker]));
+        }
+    }
+    seen
+}
+
+/// Which of the expected markers is nearest to one of a frame, and how far away, px.
+fn closest(expected: &[Option<[f64; 4]>], marker: &Marker) -> Option<(usize, f64)> {
+    let [x, y] = marker.centroid_px;
+    let all = expected.iter().enumerate().filter_map(|(at, picture)| {
+        let [column, row, ..] = (*picture)?;
+        Some((at, libm::hypot(column - x, row - y)))
+    });
+    all.min_by(|one, other| one.1.total_cmp(&other.1))
+}
+
+/// How many markers are missing; refuses too few of them, and other colours.
+fn told(
+    expected: &[Option<[f64; 4]>],
+    seen: &[Option<Seen>],
+    found: &Found,
+    least: f64,
+) -> Result<usize, String> {
+    let wanted = expected.iter().flatten().count();
+    let there = seen.iter().flatten().count();
+    let beside = found.markers.len().saturating_sub(there);
+    let few = (there as f64) < least * wanted as f64;
+    if few || beside as f64 > (1.0 - least) * wanted as f64 {
+        return Err(format!(
+            "shows {there} of the {wanted} markers of the layout that the camera should see, and {beside} others: is it of another layout or camera?"
+        ));
+    }
+    let turns = expected.iter().zip(seen).filter_map(|(expected, seen)| {
+        let turn = seen.as_ref()?.picture[2] - expected.as_ref()?[2];
+        Some((turn - (turn + 0.5).floor()).abs())
+    });
+    let mut turns: Vec<f64> = turns.collect();
+    turns.sort_by(f64::total_cmp);
+    let median = turns.get(turns.len() / 2).copied().unwrap_or(0.0);
+    if median > MOST_TURNED {
+        return Err(format!(
+            "has markers whose hues differ by {} turns in the median from those of magenta and yellow discs (at most {MOST_TURNED}): are colours swapped?",
+            Number::rounded(median)
+        ));
+    }
+    // Where no marker is seen whole, the rim may cut one.
+    let cut = found.cut.iter().filter_map(|cut| closest(expected, cut));
+    let cut = cut.filter(|(at, _)| seen[*at].is_none()).count();
+    Ok((wanted - there).saturating_sub(cut))
+}

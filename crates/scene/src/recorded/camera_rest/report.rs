@@ -1,0 +1,70 @@
+//! Report of a camera that a frame at rest tells.
+
+use palpate_number::Number;
+use palpate_study::config::LengthUnit;
+use serde::Serialize;
+
+/// A camera, as its markers at rest show it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RestCamera {
+    /// Unit of lengths.
+    pub length_unit: LengthUnit,
+    /// Place from the sensor's centre: along the apex's axes, and toward the apex.
+    pub place: [f64; 3],
+    /// Its standard deviations.
+    pub place_std: [f64; 3],
+    /// Turn about these axes, degrees.
+    pub turn_deg: [f64; 3],
+    /// Its standard deviations.
+    pub turn_std_deg: [f64; 3],
+    /// Focal length of the fisheye, px per radian.
+    pub px_per_rad: f64,
+    /// Its standard deviation.
+    pub px_per_rad_std: f64,
+    /// Middle of the image, px.
+    pub centre_px: [f64; 2],
+    /// Covariance of both coordinates of the centre, px; of px per radian, a share; of the place, length; of the turn, rad.
+    pub covariance: Vec<Vec<f64>>,
+    /// Root mean square distance of the markers' centroids from where they should be seen, px.
+    pub residual_px: f64,
+    /// That distance of each marker of the layout; absent of those that are not seen.
+    pub residuals_px: Vec<Residual>,
+    /// Chi-squared of the frame per degree of freedom: about 1 where all is as it should be.
+    pub reduced_chi_squared: f64,
+    /// What to doubt, in words.
+    pub warnings: Vec<String>,
+}
+
+impl RestCamera {
+    /// The camera as TOML.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("numbers, words and tables of them have a TOML form")
+    }
+
+    /// The camera in words.
+    pub fn summary(&self) -> String {
+        let number = |value: f64| Number::rounded(value).to_string();
+        let three = |values: [f64; 3]| values.map(number).join(", ");
+        format!(
+            "camera at ({}) +- ({}) {} from the centre, turned by ({}) +- ({}) deg, {} +- {} px per rad; {} markers, {} px from where they should be seen",
+            three(self.place),
+            three(self.place_std),
+            self.length_unit.as_str(),
+            three(self.turn_deg),
+            three(self.turn_std_deg),
+            number(self.px_per_rad),
+            number(self.px_per_rad_std),
+            self.residuals_px.len(),
+            number(self.residual_px)
+        )
+    }
+}
+
+/// Distance of a marker's centroid from where it should be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Residual {
+    /// The marker, by its number in the layout, from 0.
+    pub marker: usize,
+    /// The distance, px.
+    pub px: f64,
+}
