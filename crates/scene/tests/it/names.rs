@@ -113,7 +113,7 @@ fn names_in_tables_do_not_change() {
         off-domain chart-singular no-closest-point\n\
         conforming surface too-many-steps singular not-finite\n\
         surface contact-lost two-contacts no-convergence\n\
-        too-few-contacts not-finite bad-weight bad-normal missing-normal coincident collinear folded no-plane tip-too-large no-side \
+        too-few-contacts not-finite bad-weight bad-normal missing-normal coincident collinear folded no-plane no-side tip-too-large \
         undetermined bad-setting out-of-range\n\
         bad-setting not-finite off-skin no-indentation conforming edge-contact too-deep too-wide layer-too-thin \
         too-few-markers no-contact one-marker off-markers undetermined out-of-range\n\
