@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use clap::builder::RangedU64ValueParser;
 use clap::{Parser, Subcommand};
 use palpate_assay::{accuracy, answers, intervals, ours, tradeoff};
 use palpate_report::{Files, tradeoff_figures};
@@ -34,10 +35,10 @@ enum Harness {
         #[arg(long)]
         out: Option<PathBuf>,
         /// Seeds with which each design is asked.
-        #[arg(long, default_value = "20")]
+        #[arg(long, default_value = "20", value_parser = at_least_one())]
         seeds: u64,
         /// Pairs of trials against which each probability is held.
-        #[arg(long, default_value = "1000000")]
+        #[arg(long, default_value = "1000000", value_parser = at_least_one())]
         pairs: u64,
         /// Only scenes whose names hold these words.
         #[arg(long, default_value = "")]
@@ -52,10 +53,10 @@ enum Harness {
         #[arg(long, default_value = "1919")]
         seed: u64,
         /// Surfaces of each case; every fifth is a ball.
-        #[arg(long, default_value = "60")]
+        #[arg(long, default_value = "60", value_parser = at_least_one())]
         surfaces: u64,
         /// Trials on each surface.
-        #[arg(long, default_value = "12")]
+        #[arg(long, default_value = "12", value_parser = at_least_one())]
         trials: u64,
         /// Only cases whose names hold each of these words.
         #[arg(long, default_value = "")]
@@ -70,13 +71,13 @@ enum Harness {
         #[arg(long, default_value = "1919")]
         seed: u64,
         /// Number of scenes.
-        #[arg(long, default_value = "60")]
+        #[arg(long, default_value = "60", value_parser = at_least_one())]
         scenes: u64,
         /// Trials of each scene.
-        #[arg(long, default_value = "300")]
+        #[arg(long, default_value = "300", value_parser = at_least_one())]
         trials: u64,
         /// Threads that run trials.
-        #[arg(long, default_value = "2")]
+        #[arg(long, default_value = "2", value_parser = at_least_one())]
         threads: u64,
         /// Only scenes whose names hold each of these words.
         #[arg(long, default_value = "")]
@@ -126,6 +127,11 @@ enum Harness {
         /// The folder.
         folder: PathBuf,
     },
+}
+
+/// Parser of counts of which none would leave nothing to tell.
+fn at_least_one() -> RangedU64ValueParser {
+    clap::value_parser!(u64).range(1..)
 }
 
 fn limit(text: &str) -> Result<(String, f64), String> {

@@ -164,8 +164,13 @@ impl Axes<'_> {
         (left, left + self.size.0, top, top + self.size.1)
     }
 
-    /// Interval up at a value of x, as far as it lies within the panel; none where it is no longer than `hidden`, such as
-    /// a marker that covers it.
+    /// Ends of an interval up at a value of x, the lower first, as far as it lies within the panel.
+    pub(crate) fn upright(&self, x: f64, ends: [f64; 2]) -> [Point; 2] {
+        let (_, _, top, bottom) = self.edges();
+        ends.map(|end| (self.across(x), self.down(end).clamp(top, bottom)))
+    }
+
+    /// Draws an interval up at a value of x, unless it is no longer than `hidden`, such as a marker that covers it.
     pub(crate) fn bar(
         &self,
         canvas: &mut Canvas,
@@ -175,8 +180,7 @@ impl Axes<'_> {
         colour: Colour,
     ) {
         let (_, _, top, bottom) = self.edges();
-        let x = self.across(x);
-        let [low, high] = ends.map(|end| self.down(end).clamp(top, bottom));
+        let [(x, low), (_, high)] = self.upright(x, ends);
         if low - high > hidden {
             let inside = [low, high].map(|end| end > top && end < bottom);
             bar(canvas, x, [low, high], inside, colour);

@@ -143,7 +143,13 @@ fn panel(
     };
     let (left, right, top, bottom) = axes.edges();
     let frame = [left, top, right, bottom];
-    let names = names::place(&called(&front), &called(&beaten), frame);
+    let bars: Vec<[Point; 2]> = scene
+        .rungs
+        .iter()
+        .filter(|rung| !is_off_scale(rung))
+        .map(|rung| axes.upright(rung.cost, interval(rung)))
+        .collect();
+    let names = names::place(&called(&front), &called(&beaten), &bars, frame);
     if front.len() > 1 {
         let places: Vec<Point> = front.iter().map(|rung| place(rung)).collect();
         canvas.line(&places, QUIET, STROKE);
@@ -178,9 +184,13 @@ fn panel(
 /// Interval of a rung's error, where it is longer than the marker.
 fn bar(axes: Axes<'_>, rung: &Rung, colour: Colour, canvas: &mut Canvas) {
     if !is_off_scale(rung) {
-        let ends = normal(rung.error, rung.error_std).map(|end| Spacing::Log.nearest(end));
-        axes.bar(canvas, rung.cost, ends, 2.0 * MARKER, colour);
+        axes.bar(canvas, rung.cost, interval(rung), 2.0 * MARKER, colour);
     }
+}
+
+/// Ends of the 95 % interval of a rung's error.
+fn interval(rung: &Rung) -> [f64; 2] {
+    normal(rung.error, rung.error_std).map(|end| Spacing::Log.nearest(end))
 }
 
 /// Name of a rung, with its error where that is off the scale.

@@ -23,6 +23,7 @@ const HIDES_POINT: f64 = 1e5;
 const OUTSIDE: f64 = 1e7;
 const CROSSES_FRONT: f64 = 30.0;
 const HIDES_BEATEN: f64 = 30.0;
+const HIDES_BAR: f64 = 30.0;
 
 /// A name in its place.
 pub(super) struct Name {
@@ -67,10 +68,11 @@ impl Bounds {
 }
 
 /// Places the names of points one after the other within a frame: first of those on the front, each where it hides the
-/// least, then of the others, those that have room beside their points.
+/// least, then of the others, those that have room beside their points. Bars are what names should leave free, too.
 pub(super) fn place(
     front: &[(String, Point)],
     beaten: &[(String, Point)],
+    bars: &[[Point; 2]],
     frame: [f64; 4],
 ) -> Vec<Name> {
     let points = |named: &[(String, Point)]| named.iter().map(|(_, place)| *place).collect();
@@ -86,7 +88,15 @@ pub(super) fn place(
         let candidates = DISTANCES[..reach].iter().flat_map(|&distance| {
             (0..DIRECTIONS).map(move |at| candidate(*point, half_width, distance, at))
         });
-        let hidden = |bounds: &Bounds| hidden(bounds, *point, &names, &of_front, &of_beaten, frame);
+        let covers = |bounds: &Bounds| {
+            let covered = bars.iter().filter(|[low, high]| {
+                along(*low, *high).any(|at| bounds.meets(&Bounds::around(at, (1.0, 1.0))))
+            });
+            HIDES_BAR * covered.count() as f64
+        };
+        let hidden = |bounds: &Bounds| {
+            covers(bounds) + hidden(bounds, *point, &names, &of_front, &of_beaten, frame)
+        };
         let cost = |(distance, bounds): &(f64, Bounds)| *distance + hidden(bounds);
         let best = candidates.min_by(|a, b| cost(a).total_cmp(&cost(b)));
         let best = best.filter(|(_, bounds)| is_on_front || hidden(bounds) == 0.0);
@@ -170,7 +180,7 @@ mod tests {
                 (format!("RK4 × {}, Montana", 1 << at), place)
             })
             .collect();
-        let names = place(&named, &[], [0.0, 0.0, 700.0, 230.0]);
+        let names = place(&named, &[], &[], [0.0, 0.0, 700.0, 230.0]);
         assert_eq!(names.len(), named.len());
         for (at, name) in names.iter().enumerate() {
             assert!(
