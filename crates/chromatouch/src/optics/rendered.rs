@@ -37,7 +37,7 @@ impl Optics {
     /// ```
     ///
     /// # Errors
-    /// As [`Optics::projected`].
+    /// The errors of [`Optics::projected`].
     pub fn rendered(
         &self,
         motions: &[Option<MarkerMotion>],
@@ -58,7 +58,7 @@ impl Optics {
     /// to 255, of each pixel, row by row.
     ///
     /// # Errors
-    /// As [`Optics::projected`].
+    /// The errors of [`Optics::projected`].
     pub fn levels(&self, motions: &[Option<MarkerMotion>]) -> Result<Vec<f32>, OpticsError> {
         let mut levels = Vec::new();
         self.each_row(motions, None, |row| levels.extend_from_slice(row.levels()))?;

@@ -1,6 +1,6 @@
 //! The sensor as both frames tell it.
 //!
-//! What the frame at rest leaves unknown of a sensor is taken out of the pressed one to first order. Where discs nearly
+//! Departures of a sensor that the frame at rest leaves unknown are taken out of the pressed one to first order. Where discs nearly
 //! coincide, so that the edge of one may touch that of the other, pictures bend within what is left unknown: the fit then
 //! goes on about the sensor that both frames tell together.
 

@@ -98,7 +98,7 @@ impl<V: View> ImageFit<V> {
         .rest()
     }
 
-    /// What the frame at rest tells, taken to first order about a sensor; `None` where there is no such sensor.
+    /// Knowledge of the sensor from the frame at rest, taken to first order about a sensor; `None` where there is no such sensor.
     pub(super) fn rest_about(&self, rest: &Rest, sensor: &Sensor) -> Option<Rest> {
         let resting = Resting {
             fit: self,
@@ -298,7 +298,7 @@ impl<V: View> Resting<'_, V> {
         Ok(self.told(state, equations, cost))
     }
 
-    /// What is told by equations whose solution is `state`.
+    /// Knowledge of the sensor from equations whose solution is `state`.
     fn told(&self, state: State, equations: Equations, chi_squared: f64) -> Rest {
         let Equations {
             information, local, ..

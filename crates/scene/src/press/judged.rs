@@ -33,7 +33,7 @@ impl PressScene {
     /// The object's curvature as trial number `trial` tells it.
     ///
     /// # Errors
-    /// What went wrong in the trial.
+    /// Failure of the trial.
     pub fn judged_curvature(&self, trial: u64) -> Result<JudgedCurvature, PressFailure> {
         let readings = self.readings(Some(trial))?;
         let estimated = self.estimate_from(&readings)?.object_curvature();

@@ -66,7 +66,7 @@ impl Look {
     }
 }
 
-/// What the marker of a frame nearest to a place shows beyond `at`, and its number.
+/// Difference between the marker of a frame nearest to a place and `at`, and its number.
 fn beyond(found: &Found, at: &[f64; 4]) -> ([f64; 4], usize) {
     let away = |marker: &Marker| {
         let [x, y] = [0, 1].map(|axis| marker.centroid_px[axis] - at[axis]);

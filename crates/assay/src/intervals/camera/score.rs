@@ -60,9 +60,9 @@ pub struct Score {
     pub mean_per_scatter: f64,
     /// Root mean square of the errors.
     pub rms: f64,
-    /// That over the Cramér–Rao bound by the tracker's covariance and the calibration's.
+    /// Ratio of the rms error to the Cramér–Rao bound by the tracker's covariance and the calibration's.
     pub rms_per_bound: f64,
-    /// That over the bound by the pixels of the pressed frame alone, all else being known.
+    /// Ratio of the rms error to the bound by the pixels of the pressed frame alone, all else being known.
     pub rms_per_pixel_bound: f64,
     /// Mean width of the closed intervals of 95 %, over 3.92 times the root mean square of the errors.
     pub width_per_rms: f64,

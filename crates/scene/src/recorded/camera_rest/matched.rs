@@ -30,7 +30,7 @@ const DISCS: [(usize, &str); 10] = [
 const CAMERA: std::ops::Range<usize> = 4..13;
 /// Rounds in which markers are matched roughly.
 const ROUNDS: usize = 4;
-/// What misaligned discs add to the errors of centroids, px, hue, turns, and the logarithm of the size, meanwhile.
+/// Standard deviations that misaligned discs add to those of centroids, px, hue, turns, and the logarithm of the size, meanwhile.
 const ROUGHLY: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
 /// Least share of the layout's markers that a frame must show; at first, while it is not known which the rim cuts.
 const LEAST_SEEN: f64 = 0.8;
@@ -223,7 +223,7 @@ fn law(fit: &ImageFit<PictureLaw>, rest: Option<&Rest>) -> Result<Vec<Option<[f6
     pictures.ok_or_else(|| other_layout("no such camera sees them"))
 }
 
-/// What a frame tells of the camera alone.
+/// Evidence of a frame on the camera alone.
 fn of_camera(rest: &Rest) -> Result<Departure, String> {
     let mut numbers = [0.0; Departure::NUMBERS];
     for number in CAMERA {
@@ -256,7 +256,7 @@ fn nearest(expected: &[Option<[f64; 4]>], found: &Found) -> Vec<Option<Seen>> {
     seen
 }
 
-/// Which of the expected markers is nearest to one of a frame, and how far away, px.
+/// Number of the expected marker that is nearest to one of a frame, and its distance, px.
 fn closest(expected: &[Option<[f64; 4]>], marker: &Marker) -> Option<(usize, f64)> {
     let [x, y] = marker.centroid_px;
     let all = expected.iter().enumerate().filter_map(|(at, picture)| {

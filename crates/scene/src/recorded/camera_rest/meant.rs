@@ -9,10 +9,10 @@ use crate::marker_sphere::{MarkerSphere, of_optics};
 use crate::plan::PlanError;
 use crate::press::{PictureLaw, sensor_stds};
 
-/// What is known of a camera beforehand, standard deviations: of the image's centre, px; of pixels per radian, a share; of
+/// Standard deviations to which a camera is known beforehand: of the image's centre, px; of pixels per radian, a share; of
 /// its place, a share of the sensor's radius; of its turn, degrees.
 const BEFORE: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
-/// What is known of the discs where the study does not say it: depth, a share of the sensor's radius; diameter and colours,
+/// Standard deviations to which discs are known where the study does not say it: depth, a share of the sensor's radius; diameter and colours,
 /// shares.
 const OF_DISCS: [f64; 3] = [0.002, 0.02, 0.03];
 /// The sensor as it is meant to be.

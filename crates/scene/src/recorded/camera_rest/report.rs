@@ -27,11 +27,11 @@ pub struct RestCamera {
     pub covariance: Vec<Vec<f64>>,
     /// Root mean square distance of the markers' centroids from where they should be seen, px.
     pub residual_px: f64,
-    /// That distance of each marker of the layout; absent of those that are not seen.
+    /// Distance of each marker of the layout; absent of those that are not seen.
     pub residuals_px: Vec<Residual>,
     /// Chi-squared of the frame per degree of freedom: about 1 where all is as it should be.
     pub reduced_chi_squared: f64,
-    /// What to doubt, in words.
+    /// Doubts, in words.
     pub warnings: Vec<String>,
 }
 
