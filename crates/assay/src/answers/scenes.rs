@@ -20,71 +20,67 @@ pub(super) struct Objects {
     pub(super) quantity: &'static str,
 }
 
-const PADS: &str = r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 30.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-sensor = { kind = "pads", pitch = 1.0, layout = "uniform", offset = "random" }
-"#;
-const WRIST: &str = r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 30.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-sensor = { kind = "wrist", std = 0.54 }
-"#;
-const RATES: &str = r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 30.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }
-"#;
-const FAULTY_RATES: &str = r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "sphere", radius = 30.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-noise = { angular_velocity = { kind = "uniform", fraction = 0.2 } }
-"#;
-const CYLINDER: &str = r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "roll"
-probe = { kind = "sphere", radius = 10.0 }
-object = { kind = "cylinder", radius = 20.0, direction_deg = 30.0 }
-motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }
-noise = { angular_velocity = { kind = "gaussian", fraction = 0.1 } }
-"#;
-const GLIDE: &str = r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "glide"
-probe = { kind = "point" }
-object = { kind = "cylinder", radius = 40.0, direction_deg = 30.0 }
-motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 5 }
-noise = { position = { kind = "gaussian", fraction_of_ifd = 0.02 } }
-evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }
-"#;
-const FAULTY_GLIDE: &str = r#"name = "scene"
-length_unit = "mm"
-[scene]
-kind = "glide"
-probe = { kind = "point" }
-object = { kind = "sphere", radius = 30.0 }
-motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, patch_length = 30.0, contacts_per_finger = 5 }
-noise = { position = { kind = "gaussian", fraction_of_ifd = 0.5 } }
-evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }
-"#;
+/// Rolls of a probe of 10 mm: the object, and the sensor or its noise.
+macro_rules! roll {
+    ($object:literal, $rest:literal) => {
+        concat!(
+            "name = \"scene\"\nlength_unit = \"mm\"\n[scene]\nkind = \"roll\"\n",
+            "probe = { kind = \"sphere\", radius = 10.0 }\n",
+            "motion = { rate_rad_per_s = 0.5, duration_s = 1.0 }\n",
+            "object = ",
+            $object,
+            "\n",
+            $rest,
+            "\n"
+        )
+    };
+}
+
+/// Three fingers of five contacts each: the object, and the noise of positions.
+macro_rules! glide {
+    ($object:literal, $noise:literal) => {
+        concat!(
+            "name = \"scene\"\nlength_unit = \"mm\"\n[scene]\nkind = \"glide\"\nprobe = { kind = \"point\" }\n",
+            "motion = { finger_positions = [-15.0, 0.0, 15.0], inter_finger_distance = 10.0, ",
+            "patch_length = 30.0, contacts_per_finger = 5 }\n",
+            "evaluate = { grid = 3, half_width = 10.0, gaussian_threshold = 0.0001, mean_threshold = 0.004 }\n",
+            "object = ",
+            $object,
+            "\nnoise = { position = ",
+            $noise,
+            " }\n"
+        )
+    };
+}
+
+const PADS: &str = roll!(
+    r#"{ kind = "sphere", radius = 30.0 }"#,
+    r#"sensor = { kind = "pads", pitch = 1.0, layout = "uniform", offset = "random" }"#
+);
+const WRIST: &str = roll!(
+    r#"{ kind = "sphere", radius = 30.0 }"#,
+    r#"sensor = { kind = "wrist", std = 0.54 }"#
+);
+const RATES: &str = roll!(
+    r#"{ kind = "sphere", radius = 30.0 }"#,
+    r#"noise = { angular_velocity = { kind = "uniform", fraction = 0.01 } }"#
+);
+const FAULTY_RATES: &str = roll!(
+    r#"{ kind = "sphere", radius = 30.0 }"#,
+    r#"noise = { angular_velocity = { kind = "uniform", fraction = 0.2 } }"#
+);
+const CYLINDER: &str = roll!(
+    r#"{ kind = "cylinder", radius = 20.0, direction_deg = 30.0 }"#,
+    r#"noise = { angular_velocity = { kind = "gaussian", fraction = 0.1 } }"#
+);
+const GLIDE: &str = glide!(
+    r#"{ kind = "cylinder", radius = 40.0, direction_deg = 30.0 }"#,
+    r#"{ kind = "gaussian", fraction_of_ifd = 0.02 }"#
+);
+const FAULTY_GLIDE: &str = glide!(
+    r#"{ kind = "sphere", radius = 30.0 }"#,
+    r#"{ kind = "gaussian", fraction_of_ifd = 0.5 }"#
+);
 const PRESS: &str = r#"name = "scene"
 length_unit = "mm"
 [scene]

@@ -30,7 +30,8 @@ const DISCS: [(usize, &str); 10] = [
 const CAMERA: std::ops::Range<usize> = 4..13;
 /// Rounds in which markers are matched roughly.
 const ROUNDS: usize = 4;
-/// Standard deviations that misaligned discs add to those of centroids, px, hue, turns, and the logarithm of the size, meanwhile.
+/// Standard deviations that misaligned discs add meanwhile to those of centroids, px, hue, turns, and the logarithm of
+/// the size.
 const ROUGHLY: [f64; 4] = [3.0, 3.0, 0.03, 0.05];
 /// Least share of the layout's markers that a frame must show; at first, while it is not known which the rim cuts.
 const LEAST_SEEN: f64 = 0.8;
