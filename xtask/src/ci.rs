@@ -7,12 +7,13 @@ use xshell::{Shell, cmd};
 
 use crate::palpate::{FEATURES, PYTHON};
 use crate::{
-    answers, bench_check, extremes, house, palpate, readme, reproduce, same_bytes, scale, tools,
+    answers, bench_check, extremes, house, palpate, python, readme, reproduce, same_bytes, scale,
+    tools,
 };
 
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
-const STEPS: [Step; 14] = [
+const STEPS: [Step; 15] = [
     ("tools", tools::prepare),
     ("format", format),
     ("house", house),
@@ -24,6 +25,7 @@ const STEPS: [Step; 14] = [
     ("results", results),
     ("same bytes", same_bytes),
     ("answers", answers::check),
+    ("python", python),
     ("scale", scale),
     ("instructions and accuracy", bench),
     ("README", readme::check),
@@ -98,6 +100,14 @@ fn licences(shell: &Shell) -> Result<()> {
 /// Promises and the corpus of the fuzz targets are among the tests.
 fn bench(shell: &Shell) -> Result<()> {
     bench_check::run(shell, &bench_check::Options { accept: false })
+}
+
+/// The wheel shares what the steps before have built. What is left out without an interpreter the first step says.
+fn python(shell: &Shell) -> Result<()> {
+    match tools::has(shell, "python3") {
+        true => python::check(shell),
+        false => Ok(()),
+    }
 }
 
 fn same_bytes(shell: &Shell) -> Result<()> {

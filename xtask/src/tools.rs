@@ -37,7 +37,7 @@ const INSTALLED: [[&str; 3]; 5] = [
 ];
 
 /// Programs of the system, what is left out without them, and the package of Debian that holds them.
-const OPTIONAL: [[&str; 3]; 3] = [
+const OPTIONAL: [[&str; 3]; 4] = [
     ["valgrind", "instructions are not counted", "valgrind"],
     [
         "qemu-x86_64",
@@ -48,6 +48,11 @@ const OPTIONAL: [[&str; 3]; 3] = [
         "node",
         "bytes are not compared with those of WebAssembly",
         "nodejs",
+    ],
+    [
+        "python3",
+        "the Python package is not tested",
+        "python3-venv",
     ],
 ];
 

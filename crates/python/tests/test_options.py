@@ -18,9 +18,6 @@ RENAMED = {
     ("run", "every-nth-cell"): "cells",
 }
 
-# A camera's calibration by a frame at rest is a command alone.
-COMMAND_ALONE = {("sensor calibrate", "rest"), ("sensor calibrate", "layout")}
-
 COMMANDS = {
     "estimate roll": [palpate.estimate_roll],
     "estimate glide": [palpate.estimate_glide],
@@ -51,8 +48,7 @@ def test_an_option_is_an_argument(cli, command):
     assert found, "the help lists no option"
     missing = {
         option for option in found - OF_FILES
-        if (command, option) not in COMMAND_ALONE
-        and RENAMED.get((command, option), option.replace("-", "_")) not in arguments
+        if RENAMED.get((command, option), option.replace("-", "_")) not in arguments
     }
     assert not missing
 
@@ -60,7 +56,7 @@ def test_an_option_is_an_argument(cli, command):
 def test_no_exception_is_stale(cli):
     found = {command: options(cli, command) for command in COMMANDS}
     assert OF_FILES <= set().union(*found.values())
-    assert all(option in found[command] for command, option in [*RENAMED, *COMMAND_ALONE])
+    assert all(option in found[command] for command, option in RENAMED)
 
 
 def test_every_command_is_one_of_these(cli):
