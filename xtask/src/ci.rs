@@ -11,6 +11,12 @@ use crate::{
     tools,
 };
 
+/// Environment in which the Python package is checked, which no interpreter has to link: Python would load it.
+const NO_INTERPRETER: [(&str, &str); 2] = [
+    ("PYO3_NO_PYTHON", "1"),
+    ("PYO3_BUILD_EXTENSION_MODULE", "1"),
+];
+
 type Step = (&'static str, fn(&Shell) -> Result<()>);
 
 const STEPS: [Step; 15] = [
@@ -54,14 +60,11 @@ fn house(shell: &Shell) -> Result<()> {
 }
 
 fn clippy(shell: &Shell) -> Result<()> {
-    Ok(cmd!(
+    let clippy = cmd!(
         shell,
         "cargo clippy --workspace --all-targets --features {FEATURES} -- -D warnings"
-    )
-    // Python would load the extension, so that no interpreter is looked for.
-    .env("PYO3_NO_PYTHON", "1")
-    .env("PYO3_BUILD_EXTENSION_MODULE", "1")
-    .run()?)
+    );
+    Ok(clippy.envs(NO_INTERPRETER).run()?)
 }
 
 /// Doc tests included, benchmarks not. The tables that the tests write are compared with the committed one.
@@ -88,9 +91,10 @@ fn examples(shell: &Shell) -> Result<()> {
 fn docs(shell: &Shell) -> Result<()> {
     let doc = cmd!(
         shell,
-        "cargo doc --workspace --exclude {PYTHON} --features {FEATURES} --no-deps"
+        "cargo doc --workspace --features {FEATURES} --no-deps"
     );
-    Ok(doc.env("RUSTDOCFLAGS", "-D warnings").run()?)
+    let doc = doc.env("RUSTDOCFLAGS", "-D warnings");
+    Ok(doc.envs(NO_INTERPRETER).run()?)
 }
 
 fn licences(shell: &Shell) -> Result<()> {
