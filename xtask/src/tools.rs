@@ -6,7 +6,8 @@ use xshell::{Shell, cmd};
 /// Target whose arithmetic has no vectors, no threads and no C library.
 pub(crate) const WASM: &str = "wasm32-unknown-unknown";
 
-/// Commands that show a tool, what they print where it is there, and the command that installs it.
+/// Commands that show a tool, what they print where it is there, and the command that installs it. Programs that work for a
+/// moment are not optimised, which would take longer than they ever run.
 const INSTALLED: [[&str; 3]; 5] = [
     [
         "cargo fmt --version",
@@ -26,13 +27,13 @@ const INSTALLED: [[&str; 3]; 5] = [
     [
         "cargo deny --version",
         "cargo-deny",
-        "cargo install cargo-deny --locked",
+        "cargo install cargo-deny --locked --debug",
     ],
     // The runner must be of gungraun's own version.
     [
         "gungraun-runner --version",
         "0.20.0",
-        "cargo install gungraun-runner --version 0.20.0 --locked",
+        "cargo install gungraun-runner --version 0.20.0 --locked --debug",
     ],
 ];
 
