@@ -125,6 +125,18 @@ pub enum PressError {
         /// Smallest improvement that counts as a contact.
         needed: f64,
     },
+    /// The markers moved, but not as a press moves this body: it explains them no better than none does.
+    #[error(
+        "the markers moved, but not as a press moves this body: residuals have a chi-squared of {chi_squared:.1}, where noise \
+         of the stated size leaves about {freedom}; the body, its thickness or the depth of the markers is another",
+        chi_squared = Number(*chi_squared)
+    )]
+    OtherBody {
+        /// Chi-squared of the readings against a sensor at rest.
+        chi_squared: f64,
+        /// Number of readings.
+        freedom: usize,
+    },
     /// The contact that would explain the readings lies away from all markers.
     #[error(
         "the contact lies {distance} from the nearest marker, off the sensor's markers",

@@ -124,6 +124,10 @@ pub struct PressEstimate {
     /// Goodness of fit of displacements whose noise is stated; `None` where some noise is found from the residuals, of a
     /// Gaussian, and of fits to pictures.
     pub goodness: Option<GoodnessOfFit>,
+    /// Whether the readings show a contact of themselves. Where they do not, but an indentation is given, the interval of the
+    /// curvature is that of all contacts on the markers that the readings leave, mostly without an upper end, and the place
+    /// is not known.
+    pub is_seen: bool,
     /// Sign of the object's curvature, as far as the readings tell it.
     pub verdict: Verdict,
 }

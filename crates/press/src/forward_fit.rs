@@ -1,6 +1,7 @@
 //! Nonlinear least squares of a press's forward law.
 
 mod bias;
+mod doubts;
 mod minimise;
 mod misfit;
 mod outcome;
@@ -11,6 +12,7 @@ mod reading;
 mod search;
 mod settings;
 mod start;
+mod unseen;
 
 use crate::definite::inverse;
 use crate::{Body, Contact, Markers, PressError, PressEstimate};
@@ -39,7 +41,7 @@ impl ForwardFit {
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for what is given;
     /// [`PressError::NoContact`] and [`PressError::OneMarker`] where no more than one marker moved beyond noise, or all
-    /// moved alike;
+    /// moved alike; [`PressError::OtherBody`] where they moved otherwise than in any press of this body;
     /// [`PressError::OffMarkers`], [`PressError::Undetermined`] and those of [`Body::press`] where the readings fit no
     /// press.
     pub fn estimate(&self, reading: &Reading<'_>) -> Result<PressEstimate, PressError> {

@@ -8,6 +8,7 @@
 mod body;
 mod bonded_layer;
 mod definite;
+mod doubt;
 mod error;
 mod estimate;
 mod field;
@@ -24,6 +25,7 @@ mod spheroidal;
 
 pub use body::{Body, Contact, Displacement};
 pub use bonded_layer::{BondedLayer, LayerContact};
+pub use doubt::Doubt;
 pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use field::Field;

@@ -66,6 +66,7 @@ pub(super) fn outcome(
         r_squared: problem.r_squared(state)?,
         reduced_chi_squared: sums.chi_squared / freedom.max(1) as f64,
         goodness: problem.goodness(sums),
+        is_seen: true,
         verdict: Verdict::of(interval, skin.curvature()),
     })
 }
@@ -73,10 +74,7 @@ pub(super) fn outcome(
 impl Problem<'_> {
     /// Goodness of a fit whose noise is stated.
     fn goodness(&self, sums: &Sums) -> Option<GoodnessOfFit> {
-        let is_stated = |std: Option<f64>| std.is_some_and(|std| std > 0.0);
         let fit = self.fit;
-        let is_known =
-            is_stated(fit.normal_std) && (!self.uses_tangential() || is_stated(fit.tangential_std));
         let is_given = [
             (INDENTATION, self.reading.indentation.is_some()),
             (BASELINE, matches!(fit.baseline, Prior::Within(_))),
@@ -86,7 +84,7 @@ impl Problem<'_> {
             .iter()
             .filter(|(index, is_given)| *is_given && self.sought[*index]);
         let freedom = (self.equations() + given.count()).saturating_sub(self.unknowns());
-        (is_known && !fit.body.is_approximate())
+        (self.knows_noise() && !fit.body.is_approximate())
             .then(|| GoodnessOfFit::new(sums.chi_squared, freedom))
     }
 

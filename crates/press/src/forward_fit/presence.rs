@@ -1,14 +1,18 @@
 //! Whether there is a contact to be seen at all.
 
 use super::problem::{Problem, State};
+use super::search::WRONG;
 use super::settings::Prior;
 use crate::PressError;
+use crate::goodness::tail;
 use crate::markers::see;
 
 /// Least improvement of chi-squared by a contact, against none, that counts as one.
 const SEEN: f64 = 16.0;
-/// Least improvement without the marker that gains most, since one marker alone may as well be wrong.
+/// Least improvement without a marker that chance alone does not move so far, since it may as well be wrong.
 const SEEN_BY_OTHERS: f64 = 9.0;
+/// Probability of chance below which markers moved.
+const MOVED: f64 = 1e-6;
 
 /// The refusal where even the start explains nothing.
 pub(super) const NOTHING: PressError = PressError::NoContact {
@@ -19,13 +23,13 @@ pub(super) const NOTHING: PressError = PressError::NoContact {
 /// Refuses a state whose contact does not explain the readings clearly better than none.
 ///
 /// # Errors
-/// [`PressError::NoContact`], and [`PressError::OneMarker`] where all but one marker stay where they were.
+/// [`PressError::NoContact`], or [`PressError::OtherBody`] where the markers moved all the same; [`PressError::OneMarker`]
+/// where one marker moved beyond chance and all others stay where they were.
 pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<(), PressError> {
     let baseline = resting(problem);
     let contact = problem.contact(state)?;
     let (mut improvement, mut most, mut marker) = (0.0, 0.0, 0);
     for index in problem.counting() {
-        let squared = |residuals: [f64; 3]| residuals.iter().map(|one| one * one).sum::<f64>();
         let gain = squared(problem.readings_of(index, baseline))
             - squared(problem.residuals_at(&contact, state, index));
         improvement += gain;
@@ -34,12 +38,20 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<(), PressErro
         }
     }
     if improvement < SEEN {
-        return Err(PressError::NoContact {
-            improvement,
-            needed: SEEN,
+        let (chi_squared, freedom) = moved(problem, baseline);
+        let is_moved = problem.knows_noise() && tail(chi_squared, freedom) < MOVED;
+        return Err(match is_moved {
+            true => PressError::OtherBody {
+                chi_squared,
+                freedom,
+            },
+            false => PressError::NoContact {
+                improvement,
+                needed: SEEN,
+            },
         });
     }
-    if improvement - most < SEEN_BY_OTHERS {
+    if most > WRONG * WRONG && improvement - most < SEEN_BY_OTHERS {
         return Err(PressError::OneMarker {
             marker,
             improvement: improvement - most,
@@ -47,6 +59,21 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<(), PressErro
         });
     }
     Ok(())
+}
+
+fn squared(residuals: [f64; 3]) -> f64 {
+    residuals.iter().map(|one| one * one).sum()
+}
+
+/// Chi-squared against rest of all markers but the one that moved most, which may be wrong, and the number of readings.
+fn moved(problem: &Problem<'_>, baseline: f64) -> (f64, usize) {
+    let markers = problem.kept.len();
+    let squares = (0..markers).map(|marker| squared(problem.readings_of(marker, baseline)));
+    let (sum, most) = squares.fold((0.0, 0.0), |(sum, most): (f64, f64), one| {
+        (sum + one, most.max(one))
+    });
+    let each = if problem.uses_tangential() { 3 } else { 1 };
+    (sum - most, each * markers.saturating_sub(1))
 }
 
 /// Normal displacement of all markers where nothing touches: the mean reading, or 0 if the baseline is known to be

@@ -92,6 +92,13 @@ impl<'a> Problem<'a> {
         self.tangential().is_some()
     }
 
+    /// Whether the noise of all readings that count is stated.
+    pub(super) fn knows_noise(&self) -> bool {
+        let is_stated = |std: Option<f64>| std.is_some_and(|std| std > 0.0);
+        is_stated(self.fit.normal_std)
+            && (!self.uses_tangential() || is_stated(self.fit.tangential_std))
+    }
+
     /// Number of equations from the markers that count.
     pub(super) fn equations(&self) -> usize {
         let each = if self.uses_tangential() { 3 } else { 1 };
@@ -199,15 +206,10 @@ impl<'a> Problem<'a> {
         state: &State,
         values: &[[f64; 3]],
     ) -> Result<Unknowns, PressError> {
-        let contact = self.contact(state)?;
-        let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
         let mut sum = Unknowns::zeros();
-        for (marker, [normal, x, y]) in self.counting().zip(values) {
-            let predicted = self.predicted::<true>(state, &contact, slope.recip(), marker);
-            sum += predicted.normal_slopes * (normal / self.normal_std);
-            if self.uses_tangential() {
-                let [along_x, along_y] = predicted.tangential_slopes;
-                sum += (along_x * *x + along_y * *y) / self.tangential_std;
+        for (slopes, values) in self.slopes(state)?.zip(values) {
+            for (slopes, value) in slopes.iter().zip(values) {
+                sum += slopes * *value;
             }
         }
         Ok(sum)
@@ -220,12 +222,32 @@ impl<'a> Problem<'a> {
         Ok(self.counting().map(residuals).collect())
     }
 
+    /// Slopes of the readings of each marker that counts, by all unknowns, in standard deviations: normal, tangential.
+    pub(super) fn slopes(
+        &self,
+        state: &State,
+    ) -> Result<impl Iterator<Item = [Unknowns; 3]> + use<'_, 'a>, PressError> {
+        let contact = self.contact(state)?;
+        let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
+        let state = *state;
+        Ok(self.counting().map(move |marker| {
+            let predicted = self.predicted::<true>(&state, &contact, slope.recip(), marker);
+            let [along_x, along_y] = match self.uses_tangential() {
+                true => predicted
+                    .tangential_slopes
+                    .map(|slopes| slopes / self.tangential_std),
+                false => [Unknowns::zeros(); 2],
+            };
+            [predicted.normal_slopes / self.normal_std, along_x, along_y]
+        }))
+    }
+
     /// Markers that count.
     pub(super) fn counting(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.kept.len()).filter(|&marker| self.kept[marker])
     }
 
-    fn sight(&self, state: &State, marker: usize) -> Sight {
+    pub(super) fn sight(&self, state: &State, marker: usize) -> Sight {
         let markers = self.reading.markers;
         markers.sight(&state.place, &markers.places()[marker])
     }

@@ -11,13 +11,14 @@ use super::profile::{Profile, profile};
 use super::reading::Reading;
 use super::settings::{ForwardFit, Prior};
 use super::start::{median, starts};
+use super::unseen::Unseen;
 use crate::definite::inverse;
 use crate::{Contact, Interval, PressError, PressEstimate};
 
 /// Least entry on the diagonal of the scaled factor of information that can be inverted.
 pub(super) const SINGULAR: f64 = 1e-7;
 /// A residual beyond this many standard deviations is wrong, not noisy: chance brings one in two million.
-const WRONG: f64 = 5.0;
+pub(super) const WRONG: f64 = 5.0;
 /// Largest share of the markers that can be wrong; if more seem so, the model is.
 const MOST_WRONG: f64 = 1.0 / 8.0;
 /// Markers are in a row where they spread (squared) less across it than this share of what they do along it.
@@ -157,7 +158,12 @@ impl<'a> Search<'a> {
         let (mut state, mut sums) = self.begin()?;
         // The profile may find a better fit than the one it starts from.
         for _ in 0..4 {
-            seen(&self.problem, &state)?;
+            if let Err(refusal) = seen(&self.problem, &state) {
+                return match refusal {
+                    PressError::OtherBody { .. } => Err(refusal),
+                    _ => self.unseen(refusal),
+                };
+            }
             let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
                 what: "some combination of curvature, place, indentation, baseline and gain is free",
             })?;
@@ -176,6 +182,26 @@ impl<'a> Search<'a> {
         }
         Err(PressError::Undetermined {
             what: "the sum of squares has no clear minimum",
+        })
+    }
+
+    /// The estimate from readings that do not show a contact of themselves: the curvatures that they leave to one whose
+    /// indentation is given, on the markers.
+    fn unseen(mut self, refusal: PressError) -> Result<PressEstimate, PressError> {
+        if let PressError::OneMarker { marker, .. } = refusal {
+            // Without it the others say what a needle under it would not contradict.
+            self.problem.kept[marker] = false;
+        }
+        let limit = self.limit();
+        let left = Unseen::new(&self.problem)
+            .and_then(|unseen| unseen.left(limit * limit))
+            .ok_or(refusal)?;
+        let (state, sums, interval) = left;
+        let covariance = inverse(&sums.hessian, SINGULAR).ok_or(refusal)?;
+        let estimate = outcome(&self.problem, &state, &sums, &covariance, interval, limit)?;
+        Ok(PressEstimate {
+            is_seen: false,
+            ..estimate
         })
     }
 

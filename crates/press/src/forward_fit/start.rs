@@ -23,7 +23,7 @@ const VIEWS: usize = 3;
 /// States from which to begin: the `few` likeliest, and the likeliest with a contact beyond the markers if that is not
 /// much less likely.
 pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
-    let shapes = Shapes::new(problem);
+    let shapes = Shapes::new(problem, &RADII);
     let mut near = tried(problem, &shapes, &with_between(most_moved(problem)));
     let mut beyond = tried(problem, &shapes, &beyond(problem));
     near.truncate(few);
@@ -36,9 +36,9 @@ pub(super) fn starts(problem: &Problem<'_>, few: usize) -> Vec<State> {
         .collect()
 }
 
-/// Displacements by a contact of each of the radii that are tried, at distances up to the sensor's far pole, which
+/// Displacements by contacts of some radii, at distances up to the sensor's far pole, which
 /// grow from one to the next.
-struct Shapes {
+pub(super) struct Shapes {
     /// Distance of the last node, length.
     furthest: f64,
     /// Indentation at a relative curvature of 1, and displacements at the nodes; of contacts that there are.
@@ -49,7 +49,8 @@ impl Shapes {
     /// Number of intervals between nodes.
     const INTERVALS: f64 = 64.0;
 
-    fn new(problem: &Problem<'_>) -> Self {
+    /// Shapes of contacts of these radii, in radii of the sensor.
+    pub(super) fn new(problem: &Problem<'_>, radii: &[f64]) -> Self {
         let skin = problem.reading.markers.skin();
         let furthest = PI * skin.radius();
         let shape = |share: &f64| {
@@ -63,8 +64,15 @@ impl Shapes {
         };
         Self {
             furthest,
-            contacts: RADII.iter().map(shape).collect(),
+            contacts: radii.iter().map(shape).collect(),
         }
+    }
+
+    /// The state with a contact of each radius at this place that suits the readings best, with its cost.
+    pub(super) fn states(&self, problem: &Problem<'_>, place: Place) -> Vec<Option<(f64, State)>> {
+        let sights = problem.sights(&place);
+        let state = |shape: &Option<_>| of_shape(problem, self, shape.as_ref(), place, &sights);
+        self.contacts.iter().map(state).collect()
     }
 
     /// Displacement at a distance, linear between the nodes.

@@ -336,6 +336,7 @@ fn outcome<V: View>(
         r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
         reduced_chi_squared: best.sums.chi_squared / freedom as f64,
         goodness: None,
+        is_seen: true,
         verdict: Verdict::of(interval, skin.curvature()),
     })
 }

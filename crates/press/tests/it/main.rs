@@ -3,6 +3,7 @@
 
 mod any_number;
 mod bonded_layer;
+mod doubts;
 mod extremes;
 mod forward_fit;
 mod goodness;

@@ -1,0 +1,114 @@
+//! Curvatures that readings leave to a contact which they do not show.
+
+use super::minimise::minimise;
+use super::presence::on_markers;
+use super::problem::{ACROSS, ALONG, CURVATURE, Problem, State, Sums};
+use super::start::{Shapes, median};
+use crate::Interval;
+
+/// Radii of contacts, in radii of the sensor, from a needle's to the widest: so many, from one to the next by this factor.
+const WIDEST: f64 = 0.9;
+const NARROWER: f64 = 0.8;
+const RADII: usize = 32;
+/// Most places at which contacts are tried.
+const PLACES: usize = 100;
+/// Radius of the widest contact that hides between neighbouring markers, as a share of their distance.
+const HIDDEN: f64 = 0.5;
+/// Least decrease of chi-squared that a further step must promise.
+const ENOUGH: f64 = 1e-2;
+/// Weak knowledge that makes standard deviations finite: of the logarithm of the curvature.
+const LOGARITHM: f64 = 3.0;
+
+/// Contacts of a given indentation that the readings leave: for each radius, from wide to narrow, the place on the markers
+/// that contradicts them least.
+pub(super) struct Unseen<'p, 'a> {
+    problem: &'p Problem<'a>,
+    /// State, chi-squared, and radius over that of hidden contacts.
+    found: Vec<(State, Sums, f64)>,
+}
+
+impl<'p, 'a> Unseen<'p, 'a> {
+    /// The contacts; `None` where no indentation is given.
+    pub(super) fn new(problem: &'p Problem<'a>) -> Option<Self> {
+        problem.reading.indentation?;
+        let radii: Vec<f64> = (0..RADII)
+            .map(|number| WIDEST * NARROWER.powi(number as i32))
+            .collect();
+        let shapes = Shapes::new(problem, &radii);
+        let places = problem.reading.markers.places();
+        let every = places.len().div_ceil(PLACES).max(1);
+        let mut best: Vec<Option<(f64, State)>> = vec![None; radii.len()];
+        let mut spacings = Vec::new();
+        for marker in places.iter().step_by(every) {
+            let place = problem.place_at(marker.direction.as_ref());
+            spacings.push(neighbour(problem, &place));
+            for (best, state) in best.iter_mut().zip(shapes.states(problem, place)) {
+                let is_better =
+                    |(cost, _): &(f64, State)| best.as_ref().is_none_or(|(least, _)| cost < least);
+                if let Some(state) = state.filter(is_better) {
+                    *best = Some(state);
+                }
+            }
+        }
+        let hidden = HIDDEN * median(&spacings);
+        let found = best.into_iter().flatten().filter_map(|(_, state)| {
+            let radius = problem.contact(&state).ok()?.radius;
+            let near = minimise(problem, state, ENOUGH, Some(CURVATURE)).ok();
+            let near = near.filter(|(state, _)| on_markers(problem, state).is_ok());
+            let sums = || Some((state, problem.sums(&state).ok()?));
+            let (state, sums) = near.or_else(sums)?;
+            Some((state, sums, radius / hidden))
+        });
+        Some(Self {
+            found: found.collect(),
+            problem,
+        })
+    }
+
+    /// The likeliest contact and the interval of the curvatures that lie less than `limit` above its chi-squared; `None`
+    /// where all do, or only contacts that hide among the markers.
+    pub(super) fn left(self, limit: f64) -> Option<(State, Sums, Interval)> {
+        let chi_squared = |(_, sums, _): &(State, Sums, f64)| sums.chi_squared;
+        let likelier = |one: &&(State, Sums, f64), other: &&(State, Sums, f64)| {
+            chi_squared(one).total_cmp(&chi_squared(other))
+        };
+        let (state, sums, _) = self.found.iter().min_by(likelier)?;
+        let root = |one: &(State, Sums, f64)| (chi_squared(one) - sums.chi_squared).max(0.0).sqrt();
+        let is_left = |one: &(State, Sums, f64)| root(one) < limit.sqrt();
+        let widest = self.found.iter().position(is_left)?;
+        let narrowest = self.found.iter().rposition(is_left)?;
+        let says_nothing = widest == 0 && narrowest + 1 == self.found.len();
+        if self.found[widest].2 < 1.0 || says_nothing {
+            return None;
+        }
+        // The end lies where the root of chi-squared's rise meets the limit's, between two that were found.
+        let end = |inside: usize, outside: Option<usize>| {
+            let (inside, outside) = (&self.found[inside], self.found.get(outside?)?);
+            let share = (limit.sqrt() - root(inside)) / (root(outside) - root(inside));
+            let way = outside.0.log_curvature - inside.0.log_curvature;
+            Some(libm::exp(inside.0.log_curvature + share * way))
+        };
+        let interval = Interval {
+            low: end(widest, widest.checked_sub(1)),
+            high: end(narrowest, Some(narrowest + 1)),
+        };
+        let mut sums = *sums;
+        let radius = self.problem.reading.markers.skin().radius();
+        for (unknown, std) in [(CURVATURE, LOGARITHM), (ALONG, radius), (ACROSS, radius)] {
+            sums.hessian[(unknown, unknown)] += 1.0 / (std * std);
+        }
+        Some((*state, sums, interval))
+    }
+}
+
+/// Distance of the nearest other marker.
+fn neighbour(problem: &Problem<'_>, place: &crate::Place) -> f64 {
+    let distances = problem
+        .sights(place)
+        .into_iter()
+        .map(|sight| sight.distance);
+    let apart = 1e-6 * problem.reading.markers.skin().radius();
+    distances
+        .filter(|&distance| distance > apart)
+        .fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,159 @@
+//! Doubts about estimates: none where the model holds, named ones where it does not.
+
+use palpate_press::{Body, Doubt, ForwardFit, Measured};
+
+use crate::sensor::{DEPTH, Readings, at, half_space, published};
+
+const STD: f64 = 0.03;
+const TOLD: Measured = Measured {
+    value: 1.0,
+    std: 0.02,
+};
+
+/// Names of the doubts of presses whose readings are changed, fitted by a body: of each trial that gave an estimate.
+fn doubts(body: &Body, pressed: &Body, change: impl Fn(&mut Readings)) -> Vec<Vec<Doubt>> {
+    let markers = published();
+    let contact = markers.skin().contact(pressed, 1.0 / 40.0, 1.0).unwrap();
+    let fit = ForwardFit {
+        normal_std: Some(STD),
+        ..ForwardFit::new(body.clone())
+    };
+    let exact = Readings::of(&markers, &contact, at(6.0, 20.0));
+    let told = (0..60).filter_map(|trial| {
+        let mut readings = exact.noisy(STD, trial);
+        change(&mut readings);
+        let reading = readings.reading(&markers, Some(TOLD));
+        let estimate = fit.estimate(&reading).ok()?;
+        Some(fit.doubts(&reading, &estimate).unwrap())
+    });
+    told.collect()
+}
+
+/// Share of trials that have a doubt of this name, or any.
+fn share(doubts: &[Vec<Doubt>], name: Option<&str>) -> f64 {
+    let has = |one: &&Vec<Doubt>| match name {
+        Some(name) => one.iter().any(|doubt| doubt.name() == name),
+        None => !one.is_empty(),
+    };
+    doubts.iter().filter(has).count() as f64 / doubts.len() as f64
+}
+
+#[test]
+fn sound_readings_are_seldom_doubted() {
+    let doubts = doubts(&half_space(), &half_space(), |_| {});
+    assert_eq!(doubts.len(), 60);
+    // Of 60 trials 2.4 are expected at 4 %; more than 6 have a chance of 1 %.
+    assert!(share(&doubts, None) <= 0.1, "{doubts:?}");
+}
+
+#[test]
+fn another_body_is_told() {
+    let layer = Body::bonded_layer(20.0, DEPTH).unwrap();
+    let doubts = doubts(&layer, &half_space(), |_| {});
+    assert!(doubts.len() > 50, "{}", doubts.len());
+    assert!(share(&doubts, None) > 0.9, "{doubts:?}");
+}
+
+/// A layer's markers hardly move beside the contact, where those of a half-space would.
+#[test]
+fn what_no_press_of_the_body_does_is_refused_by_that_name() {
+    let (markers, layer) = (published(), Body::bonded_layer(5.0, DEPTH).unwrap());
+    let contact = markers.skin().contact(&layer, 1.0 / 40.0, 1.0).unwrap();
+    let readings = Readings::of(&markers, &contact, at(6.0, 20.0)).noisy(STD, 1);
+    let fit = ForwardFit {
+        normal_std: Some(STD),
+        ..ForwardFit::new(half_space())
+    };
+    let refused = fit.estimate(&readings.reading(&markers, Some(TOLD)));
+    assert_eq!(refused.unwrap_err().name(), "other-body");
+}
+
+#[test]
+fn one_marker_among_sound_ones_is_named() {
+    const SLIPPED: usize = 30;
+    let doubts = doubts(&half_space(), &half_space(), |readings| {
+        readings.normal[SLIPPED] += 4.6 * STD;
+    });
+    let named = |one: &&Vec<Doubt>| {
+        let is_it = |doubt: &Doubt| matches!(doubt, Doubt::SlippedMarker { marker, .. } if *marker == SLIPPED);
+        one.iter().any(is_it)
+    };
+    // It is left out where noise adds to it.
+    let share = doubts.iter().filter(named).count() as f64 / doubts.len() as f64;
+    assert!(share > 0.3, "{share}");
+}
+
+#[test]
+fn an_elongated_press_is_not_round() {
+    let (markers, body) = (published(), half_space());
+    let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
+    let [x, y] = at(6.0, 20.0);
+    let doubts = doubts(&half_space(), &half_space(), |readings| {
+        // Two more contacts at either side, half as deep.
+        for side in [-6.0, 6.0] {
+            let beside = Readings::of(&markers, &contact, [x + side, y]);
+            for (normal, more) in readings.normal.iter_mut().zip(beside.normal) {
+                *normal = 0.75 * *normal + 0.35 * more;
+            }
+        }
+    });
+    assert!(share(&doubts, Some("not-round")) > 0.9, "{doubts:?}");
+}
+
+#[test]
+fn a_stated_indentation_that_is_another_is_told() {
+    let (markers, body) = (published(), half_space());
+    let pressed = |indentation: f64| {
+        let contact = markers.skin().contact(&body, 1.0 / 40.0, indentation);
+        Readings::of(&markers, &contact.unwrap(), at(6.0, 20.0)).normal
+    };
+    let more: Vec<f64> = pressed(1.3)
+        .iter()
+        .zip(pressed(1.0))
+        .map(|(deep, shallow)| deep - shallow)
+        .collect();
+    let doubts = doubts(&body, &body, |readings| {
+        for (normal, more) in readings.normal.iter_mut().zip(&more) {
+            *normal += more;
+        }
+    });
+    assert!(
+        share(&doubts, Some("other-indentation")) > 0.9,
+        "{doubts:?}"
+    );
+}
+
+/// A press far below the noise leaves all but blunt objects, and says that it is not seen.
+#[test]
+fn what_is_not_seen_is_bounded_and_said() {
+    let (markers, body) = (published(), half_space());
+    let contact = markers.skin().contact(&body, 1.0 / 20.0, 0.6).unwrap();
+    let exact = Readings::of(&markers, &contact, at(6.0, 20.0));
+    let fit = ForwardFit {
+        normal_std: Some(0.2),
+        ..ForwardFit::new(body.clone())
+    };
+    let told = Measured {
+        value: 0.6,
+        std: 0.02,
+    };
+    let (mut unseen, mut held) = (0, 0);
+    for trial in 0..60 {
+        let readings = exact.noisy(0.2, trial);
+        let Ok(found) = fit.estimate(&readings.reading(&markers, Some(told))) else {
+            continue;
+        };
+        let curvature = found.relative_curvature;
+        assert!(curvature.value.is_finite() && curvature.std.is_finite());
+        assert!(curvature.interval.holds(curvature.value));
+        if !found.is_seen {
+            unseen += 1;
+            held += u32::from(curvature.interval.holds(contact.relative_curvature));
+        }
+    }
+    assert!(unseen > 10, "{unseen}");
+    assert!(
+        f64::from(held) >= 0.85 * f64::from(unseen),
+        "{held} of {unseen}"
+    );
+}
