@@ -61,7 +61,7 @@ pub use patch::{FittedGlide, GlideOptions, estimate_glide};
 pub use patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds};
 pub use press::{PressReadings, parse_press, read_press};
 pub use pressed::{PressOptions, estimate_press};
-pub use pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
+pub use pressed_object::{PressDoubt, PressNoise, PressedObject, Radius, Row, Told};
 pub use roll::{RollOptions, RollReadings, parse_roll, read_roll, roll_readings_table};
 pub use roll_estimate::{RollEstimate, UnresolvedProbe, estimate_roll};
 pub use rolls::RollSets;

@@ -149,6 +149,7 @@ subjects! {
         "too-few-markers": "Fewer readings of markers than unknowns.";
         "no-contact": "All markers moved alike, or not beyond their noise: the best fit of a press explains them hardly better than none. A deeper press or less noise helps; of recorded readings, inward displacements are positive.";
         "one-marker": "One marker moved and the others did not: it is wrong, or a needle under it.";
+        "other-body": "The markers moved, but not as a press moves the body that is fitted: its kind, its thickness or the depth of the markers is another.";
         "off-markers": "The contact that would explain the readings lies away from all markers.";
     }
     "Failures of cameras and frames" {

@@ -10,7 +10,7 @@ use super::Value;
 use super::error::{RecordedError, explained};
 use super::origin::agreed_unit;
 use super::press::PressReadings;
-use super::pressed_object::{PressNoise, PressedObject, Radius, Row, Told};
+use super::pressed_object::{PressDoubt, PressNoise, PressedObject, Radius, Row, Told};
 use super::stated::{self, FORMAT_VERSION};
 use super::suspicion::{Sensor, of_press};
 use super::wording::Wording;
@@ -104,6 +104,12 @@ pub fn estimate_press(
     });
     let estimate = estimate
         .map_err(|error| refused_for(recorded, options, &error, contradiction.as_deref()))?;
+    let is_contradicted = contradiction.is_some();
+    let told = Reading {
+        indentation,
+        ..reading
+    };
+    let doubts = fit.doubts(&told, &estimate).map_err(refused)?;
     let wrong_markers: Vec<Row> = estimate
         .wrong_markers
         .iter()
@@ -124,11 +130,12 @@ pub fn estimate_press(
         contradiction,
         stated.and_then(|(_, warning)| warning),
         left_out,
-        structure(recorded, &fit, &markers, &estimate, options),
+        (!estimate.is_seen).then(|| stated::UNSEEN.to_owned()),
     ]
     .into_iter()
     .flatten()
     .chain(warnings(recorded, &estimate, options))
+    .chain(stated::doubts(&doubts, is_contradicted, &recorded.origin))
     .collect();
     let told = |estimated, power| Told::new(&estimated, power, unit);
     let curvature = estimate.object_curvature();
@@ -174,6 +181,8 @@ pub fn estimate_press(
             p_value: estimate.goodness.map(|goodness| goodness.p_value),
         },
         r_squared: estimate.r_squared,
+        contact_seen: estimate.is_seen,
+        doubts: doubts.into_iter().map(PressDoubt::of).collect(),
         warnings,
     })
 }
@@ -262,43 +271,6 @@ fn suspicion(recorded: &PressReadings, options: &PressOptions, unit: LengthUnit)
         has_baseline: options.estimator.priors().baseline == Baseline::Known,
     };
     of_press(recorded, sensor, unit)
-}
-
-/// The warning of residuals that no noise has; a Gaussian is no body whose residuals would be noise alone.
-fn structure(
-    recorded: &PressReadings,
-    fit: &ForwardFit,
-    markers: &Markers,
-    estimate: &PressEstimate,
-    options: &PressOptions,
-) -> Option<String> {
-    if matches!(options.estimator, PressEstimatorConfig::Gaussian { .. }) {
-        return None;
-    }
-    let contact = fit
-        .body
-        .press(estimate.most_likely_curvature, estimate.indentation.value)
-        .ok()?;
-    let gain = estimate.gain.map_or(1.0, |gain| gain.value);
-    let baseline = estimate.baseline.map_or(0.0, |baseline| baseline.value);
-    let moved = markers.displacements(&contact, estimate.contact);
-    let residuals: Vec<f64> = recorded
-        .normal
-        .iter()
-        .zip(&moved)
-        .enumerate()
-        .map(
-            |(marker, (read, moved))| match estimate.wrong_markers.contains(&marker) {
-                true => 0.0,
-                false => read - (gain * moved.normal + baseline),
-            },
-        )
-        .collect();
-    let largest = recorded
-        .normal
-        .iter()
-        .fold(0.0, |most: f64, one| most.max(one.abs()));
-    stated::structure(&recorded.places, &residuals, largest)
 }
 
 /// The force and the highest pressure of the estimated press, where they are known.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use palpate_press::Estimated;
+use palpate_press::{Doubt, Estimated};
 use serde::Serialize;
 
 use super::Value;
@@ -57,6 +57,24 @@ pub struct PressNoise {
     pub(super) p_value: Option<f64>,
 }
 
+/// A way in which the readings contradict the model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PressDoubt {
+    /// Name: `large-residuals`, `other-body`, `not-round`, `other-indentation` or `slipped-marker`.
+    name: &'static str,
+    /// Probability of readings that contradict it as much where the model holds.
+    p_value: f64,
+}
+
+impl PressDoubt {
+    pub(super) fn of(doubt: Doubt) -> Self {
+        Self {
+            name: doubt.name(),
+            p_value: doubt.p_value(),
+        }
+    }
+}
+
 /// Output of `estimate press`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressedObject {
@@ -100,6 +118,11 @@ pub struct PressedObject {
     pub(super) noise: PressNoise,
     /// The share of the normal displacements' variance that the fit explains.
     pub(super) r_squared: f64,
+    /// Whether the displacements show a contact of themselves. Else the interval is that of all contacts of the stated
+    /// indentation, on the markers, that they leave.
+    pub(super) contact_seen: bool,
+    /// Ways in which the readings contradict the model.
+    pub(super) doubts: Vec<PressDoubt>,
     pub(super) warnings: Vec<String>,
 }
 

@@ -1,8 +1,9 @@
 //! Warnings where something that a user states does not agree with the readings.
 
 use palpate_number::Number;
-use palpate_press::{ForwardFit, Measured, PressError, PressEstimate, Reading};
+use palpate_press::{Doubt, ForwardFit, Measured, PressError, PressEstimate, Reading};
 
+use super::origin::Origin;
 use super::pressed_object::Row;
 use super::wording::Wording;
 
@@ -112,47 +113,28 @@ pub(super) fn left_out(
     })
 }
 
-/// Standard deviations, of residuals whose signs are drawn, past which neighbours go together by no chance.
-const TOGETHER: f64 = 4.0;
+/// The warning where only the stated indentation says that there is a contact.
+pub(super) const UNSEEN: &str = "the displacements do not show a contact of themselves: the interval is that of all objects that they leave to one of the stated indentation somewhere on the markers, whose place is not known";
 
-/// Root mean square of residuals, as a share of the largest displacement, below which they may be rounding.
-const ROUNDING: f64 = 1e-3;
-
-/// Number of markers up to which neighbours are sought, which takes its square of steps.
-const MOST_MARKERS: usize = 2000;
-
-/// The warning of residuals that are alike between neighbours: the press is not one of the body that is stated.
-/// `residuals` are those of normal displacements, 0 where a marker does not count, and `largest` the largest of these.
-pub(super) fn structure(places: &[[f64; 2]], residuals: &[f64], largest: f64) -> Option<String> {
-    let squares: f64 = residuals.iter().map(|one| one * one).sum();
-    let rms = (squares / residuals.len().max(1) as f64).sqrt();
-    if places.len() > MOST_MARKERS || rms <= ROUNDING * largest {
-        return None;
-    }
-    let away =
-        |[x, y]: [f64; 2], other: usize| libm::hypot(places[other][0] - x, places[other][1] - y);
-    let neighbour = |marker: usize| {
-        let others = (0..places.len()).filter(|&other| other != marker);
-        others.min_by(|&one, &other| {
-            let at = places[marker];
-            away(at, one).total_cmp(&away(at, other))
-        })
-    };
-    let neighbours: Vec<Option<usize>> = (0..places.len()).map(neighbour).collect();
-    let (mut sum, mut variance) = (0.0, 0.0);
-    for (marker, other) in neighbours.iter().enumerate() {
-        let Some(other) = *other else {
-            continue;
-        };
-        // A pair of nearest neighbours of each other counts once.
-        if neighbours[other] != Some(marker) || marker < other {
-            let product = residuals[marker] * residuals[other];
-            sum += product;
-            variance += product * product;
+/// Warnings of doubts; the one about the indentation is left to the warning that says by how much it is off, the one about
+/// large residuals to that about the noise.
+pub(super) fn doubts(
+    doubts: &[Doubt],
+    is_contradicted: bool,
+    origin: &Origin,
+) -> impl Iterator<Item = String> {
+    doubts.iter().filter_map(move |doubt| match doubt {
+        Doubt::OtherIndentation { .. } if is_contradicted => None,
+        Doubt::LargeResiduals { .. } => None,
+        Doubt::SlippedMarker { marker, .. } => {
+            let line = origin.line(*marker);
+            let line = line.map_or(String::new(), |line| format!(", line {line}"));
+            Some(format!(
+                "the marker of row {}{line} contradicts the others, by too little to be left out",
+                marker + 1
+            ))
         }
-    }
-    (sum > TOGETHER * variance.sqrt()).then(|| {
-        "the residuals of neighbouring markers go together: this is not the press of the body that is stated (its kind, thickness, depth of markers, radius or indentation)".to_owned()
+        _ => Some(doubt.to_string()),
     })
 }
 

@@ -106,12 +106,16 @@ The JSON tells curvatures, radii and the indentation, each with its 95 % interva
 null: no bound); object_radius is negative for a dish and null for a plane, and has one interval of
 radii in case the object is convex and one in case it is concave, in which null is flat. `verdict`
 is what the interval leaves open: convex, concave, flat-within-noise or not-resolved.
-`wrong_markers` are the rows that contradict the others and were left out.
+`wrong_markers` are the rows that contradict the others and were left out. `contact_seen` is false where
+only the stated indentation says that there is a contact: the interval is then that of all objects that the readings
+leave. `doubts` are the ways in which the readings contradict the model, each with its p-value:
+large-residuals, other-body, not-round, other-indentation, slipped-marker; 1 press in 200 has each by chance,
+and 1 in 50 one of the middle three by all that they tell together.
 
 The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
 standard error repeats, tell where the readings contradict what is stated: the indentation, by
-the one that they tell without it; the noise, by the residuals; the body, the depth of its markers and the sensor's
-radius, where the residuals of neighbouring markers go together; units and signs, where displacements and places would
+the one that they tell without it; the noise, by the residuals; the body, the depth of its markers and the shape of
+what presses, by how residuals depend on distance and direction; units and signs, where displacements and places would
 be absurd. The readings do not tell how exact a stated indentation is, nor Poisson's ratio, nor Young's modulus, nor an
 error of scale common to all lengths, and of the sensor's radius R they tell little: a wrong one errs the object's
 curvature by the error of 1/R.
