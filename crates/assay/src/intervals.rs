@@ -5,6 +5,7 @@ pub mod camera;
 mod case;
 mod draws;
 mod options;
+pub mod press;
 mod score;
 mod sums;
 mod surface;

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::builder::RangedU64ValueParser;
 use clap::{Parser, Subcommand};
 use palpate_assay::{accuracy, answers, intervals, ours, tradeoff};
@@ -11,7 +11,7 @@ use palpate_report::{Files, tradeoff_figures};
 
 /// Harnesses over the whole of palpate.
 #[derive(Parser)]
-#[command(name = "palpate-assay")]
+#[command(name = "palpate-assay", args_override_self = true)]
 struct Cli {
     #[command(subcommand)]
     harness: Harness,
@@ -44,45 +44,18 @@ enum Harness {
         #[arg(long, default_value = "")]
         only: String,
     },
-    /// Holds the intervals of EP2 against the truth on random surfaces.
-    Intervals {
-        /// The table to write.
-        #[arg(long)]
-        out: Option<PathBuf>,
-        /// Seed of the surfaces, the fingers' places and the noise.
-        #[arg(long, default_value = "1919")]
-        seed: u64,
-        /// Surfaces of each case; every fifth is a ball.
-        #[arg(long, default_value = "60", value_parser = at_least_one())]
-        surfaces: u64,
-        /// Trials on each surface.
-        #[arg(long, default_value = "12", value_parser = at_least_one())]
-        trials: u64,
-        /// Only cases whose names hold each of these words.
-        #[arg(long, default_value = "")]
-        only: String,
-    },
+    /// Holds the intervals of EP2 against the truth on random surfaces, of which every fifth is a ball.
+    Intervals(Scenes),
     /// Holds the intervals of presses by a camera against the truth on random scenes, with another sensor in every trial.
     CameraIntervals {
-        /// The table to write.
-        #[arg(long)]
-        out: Option<PathBuf>,
-        /// Seed of the scenes, the sensors and the noise.
-        #[arg(long, default_value = "1919")]
-        seed: u64,
-        /// Number of scenes.
-        #[arg(long, default_value = "60", value_parser = at_least_one())]
-        scenes: u64,
-        /// Trials of each scene.
-        #[arg(long, default_value = "300", value_parser = at_least_one())]
-        trials: u64,
+        #[command(flatten)]
+        scenes: Scenes,
         /// Threads that run trials.
         #[arg(long, default_value = "2", value_parser = at_least_one())]
         threads: u64,
-        /// Only scenes whose names hold each of these words.
-        #[arg(long, default_value = "")]
-        only: String,
     },
+    /// Holds the intervals and the doubts of presses that are read directly against the truth on random scenes.
+    PressIntervals(Scenes),
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
     /// Times palpate on the tasks of the peers, a line of JSON per rung; or writes the inputs of the peers.
@@ -129,6 +102,48 @@ enum Harness {
     },
 }
 
+/// Random scenes whose intervals are held against the truth.
+#[derive(clap::Args)]
+struct Scenes {
+    /// The table to write.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Seed of the scenes and the noise.
+    #[arg(long, default_value = "1919")]
+    seed: u64,
+    /// Number of scenes, of each case where there are several.
+    #[arg(long, alias = "surfaces", default_value = "60", value_parser = at_least_one())]
+    scenes: u64,
+    /// Trials of each scene [default: 12 of EP2, else 300]
+    #[arg(long, value_parser = at_least_one())]
+    trials: Option<u64>,
+    /// Only cases whose names hold each of these words.
+    #[arg(long, default_value = "")]
+    only: String,
+}
+
+impl Scenes {
+    fn options(&self, trials: u64) -> intervals::Options<'_> {
+        intervals::Options {
+            seed: self.seed,
+            scenes: self.scenes,
+            trials: self.trials.unwrap_or(trials),
+            only: &self.only,
+        }
+    }
+
+    /// Writes the table of the scores; those of none are refused.
+    fn write<S: serde::Serialize>(&self, scores: &[S]) -> Result<()> {
+        if scores.is_empty() {
+            bail!("no case has a name that holds each word of `{}`", self.only);
+        }
+        match &self.out {
+            Some(out) => Ok(std::fs::write(out, intervals::table(scores)?)?),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Parser of counts of which none would leave nothing to tell.
 fn at_least_one() -> RangedU64ValueParser {
     clap::value_parser!(u64).range(1..)
@@ -168,46 +183,21 @@ fn main() -> Result<()> {
             }
             answers::check(&scores)
         }
-        Harness::Intervals {
-            out,
-            seed,
-            surfaces,
-            trials,
-            only,
-        } => {
-            let options = intervals::Options {
-                seed,
-                scenes: surfaces,
-                trials,
-                only: &only,
-            };
-            let scores = intervals::scores(options, |score| println!("{score}"))?;
+        Harness::Intervals(scenes) => {
+            let scores = intervals::scores(scenes.options(12), |score| println!("{score}"))?;
             println!("{}", intervals::summary(&scores));
-            if let Some(out) = out {
-                std::fs::write(out, intervals::table(&scores)?)?;
-            }
-            Ok(())
+            scenes.write(&scores)
         }
-        Harness::CameraIntervals {
-            out,
-            seed,
-            scenes,
-            trials,
-            threads,
-            only,
-        } => {
-            let options = intervals::Options {
-                seed,
-                scenes,
-                trials,
-                only: &only,
-            };
+        Harness::CameraIntervals { scenes, threads } => {
+            let options = scenes.options(300);
             let scores = intervals::camera::scores(options, threads, |score| println!("{score}"))?;
             println!("{}", intervals::camera::Summary::of(&scores));
-            if let Some(out) = out {
-                std::fs::write(out, intervals::table(&scores)?)?;
-            }
-            Ok(())
+            scenes.write(&scores)
+        }
+        Harness::PressIntervals(scenes) => {
+            let scores =
+                intervals::press::scores(scenes.options(300), |score| println!("{score}"))?;
+            scenes.write(&scores)
         }
         Harness::Accuracy => {
             print!("{}", accuracy::table()?);

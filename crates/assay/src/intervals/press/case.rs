@@ -1,0 +1,284 @@
+//! Presses, and what the fit believes of them.
+
+use anyhow::Result;
+use palpate_chromatouch::Layout;
+use palpate_press::{Body, ForwardFit, Markers, Measured, Skin};
+use palpate_sensing::Channel;
+
+use super::super::draws::Draws;
+use super::readings::{Flaw, Readings};
+
+/// Radius of the sensor, and depth of its markers, mm.
+pub(super) const RADIUS: f64 = 20.0;
+const DEPTH: f64 = 2.0;
+/// Smallest and largest relative curvature: of a dish of 60 mm and of a ball of 5 mm, per mm.
+const CURVATURES: [f64; 2] = [1.0 / RADIUS - 1.0 / 60.0, 1.0 / RADIUS + 1.0 / 5.0];
+/// Smallest and largest indentation, mm, and angle of the contact from the apex, degrees.
+const INDENTATIONS: [f64; 2] = [0.6, 1.4];
+const POLAR_ANGLES: [f64; 2] = [0.0, 20.0];
+/// Smallest and largest noise of normal displacements, mm; along the skin it is as large.
+const NOISES: [f64; 2] = [0.01, 0.1];
+/// Standard deviation of an indentation that is known, mm.
+const INDENTATION_STD: f64 = 0.02;
+/// Cramér–Rao standard deviations of faint presses, in curvatures of the sensor.
+const FAINT: [f64; 2] = [0.3, 1.0];
+/// Smallest and largest thickness of layers, mm.
+pub(super) const THICKNESSES: [f64; 2] = [4.0, 20.0];
+
+/// How well a press is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Seen {
+    /// With noise between limits.
+    Well,
+    /// With the noise at which the curvature is hardly determined.
+    Barely,
+    /// Nothing touches.
+    Nothing,
+}
+
+/// A body as a family draws it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    HalfSpace,
+    /// Layers of one thickness, or of any.
+    Layer(Option<f64>),
+}
+
+/// Presses of one kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Family {
+    pressed: Kind,
+    /// What the fit believes, where that is not so.
+    believed: Option<Kind>,
+    seen: Seen,
+    knows_indentation: bool,
+    reads_along: bool,
+    is_noise_told: bool,
+    flaw: Flaw,
+}
+
+impl Family {
+    /// All families.
+    pub(super) fn all() -> Vec<Self> {
+        let plain = Self {
+            pressed: Kind::HalfSpace,
+            believed: None,
+            seen: Seen::Well,
+            knows_indentation: true,
+            reads_along: false,
+            is_noise_told: true,
+            flaw: Flaw::None,
+        };
+        let any = Kind::Layer(None);
+        let layers =
+            [4.0, 5.0, 7.0, 10.0, 14.0, 20.0].map(|thickness| Kind::Layer(Some(thickness)));
+        let bodies = [Kind::HalfSpace, any];
+        let mut all = Vec::new();
+        for pressed in [Kind::HalfSpace].into_iter().chain(layers) {
+            for knows_indentation in [true, false] {
+                all.push(Self {
+                    pressed,
+                    knows_indentation,
+                    ..plain
+                });
+            }
+        }
+        for (reads_along, is_noise_told) in [(true, true), (false, false), (true, false)] {
+            all.extend(bodies.map(|pressed| Self {
+                pressed,
+                reads_along,
+                is_noise_told,
+                ..plain
+            }));
+        }
+        for seen in [Seen::Barely, Seen::Nothing] {
+            for pressed in bodies {
+                for knows_indentation in [true, false] {
+                    all.push(Self {
+                        pressed,
+                        seen,
+                        knows_indentation,
+                        ..plain
+                    });
+                }
+            }
+        }
+        let thin = Kind::Layer(Some(5.0));
+        for reads_along in [false, true] {
+            for (pressed, believed) in [(thin, Kind::HalfSpace), (Kind::HalfSpace, thin)] {
+                all.push(Self {
+                    pressed,
+                    believed: Some(believed),
+                    reads_along,
+                    ..plain
+                });
+            }
+            for flaw in [Flaw::Gain, Flaw::Slipped, Flaw::Edge] {
+                all.push(Self {
+                    flaw,
+                    reads_along,
+                    ..plain
+                });
+            }
+        }
+        all
+    }
+
+    /// The family in words.
+    pub(super) fn name(&self) -> String {
+        let body = |kind: Kind| match kind {
+            Kind::HalfSpace => "half-space".to_owned(),
+            Kind::Layer(Some(thickness)) => format!("layer of {thickness} mm"),
+            Kind::Layer(None) => "layers".to_owned(),
+        };
+        let mut words = vec![body(self.pressed)];
+        words.extend(
+            self.believed
+                .map(|kind| format!("taken for {}", body(kind))),
+        );
+        words.extend(match self.seen {
+            Seen::Well => None,
+            Seen::Barely => Some("faint".to_owned()),
+            Seen::Nothing => Some("nothing touches".to_owned()),
+        });
+        words.extend(self.flaw.name().map(str::to_owned));
+        let either = |is: bool, yes: &str, no: &str| if is { yes } else { no }.to_owned();
+        words.push(either(
+            self.knows_indentation,
+            "indentation known",
+            "indentation fitted",
+        ));
+        words.push(either(
+            self.reads_along,
+            "all displacements",
+            "normal displacements",
+        ));
+        words.push(either(self.is_noise_told, "noise told", "noise found"));
+        words.join(", ")
+    }
+
+    /// Whether a contact is to be seen.
+    pub(super) fn touches(&self) -> bool {
+        self.seen != Seen::Nothing
+    }
+
+    /// Whether it is hardly to be seen.
+    pub(super) fn is_faint(&self) -> bool {
+        self.seen == Seen::Barely
+    }
+
+    /// Whether the readings are not what the fit believes.
+    pub(super) fn is_wrong(&self) -> bool {
+        self.believed.is_some() || self.flaw != Flaw::None
+    }
+}
+
+/// A press of a family.
+pub(super) struct Case {
+    pub(super) markers: Markers,
+    pub(super) readings: Readings,
+    pub(super) fit: ForwardFit,
+    /// Relative curvature, per mm.
+    pub(super) relative_curvature: f64,
+    /// Indentation with its error, where it is known, mm.
+    pub(super) indentation: Option<Measured>,
+    pub(super) std: f64,
+    pub(super) seed: u64,
+}
+
+impl Case {
+    /// The case of this number.
+    ///
+    /// # Errors
+    /// None that a family makes.
+    pub(super) fn random(family: Family, seed: u64, number: u64) -> Result<Self> {
+        let mut draws = Draws::new(seed, number, Channel::PadOffset);
+        let curvature = draws.log_between(CURVATURES);
+        let indentation = draws.between(INDENTATIONS);
+        let polar = draws.between(POLAR_ANGLES).to_radians();
+        let azimuth = draws.between([0.0, std::f64::consts::TAU]);
+        let noise = draws.log_between(NOISES);
+        let faint = draws.log_between(FAINT);
+        let thickness = draws.log_between(THICKNESSES);
+        let body = |kind: Kind| match kind {
+            Kind::HalfSpace => Body::half_space(0.5, DEPTH),
+            Kind::Layer(fixed) => Body::bonded_layer(fixed.unwrap_or(thickness), DEPTH),
+        };
+        let skin = Skin::new(RADIUS)?;
+        let places = Layout::published().places(RADIUS)?;
+        let markers = Markers::new(skin, &places)?;
+        let pressed = body(family.pressed)?;
+        let contact = skin.contact(&pressed, curvature - 1.0 / RADIUS, indentation)?;
+        let (sine, cosine) = libm::sincos(azimuth);
+        let at = [cosine, sine].map(|along| RADIUS * polar * along);
+        let mut fit = ForwardFit::new(body(family.believed.unwrap_or(family.pressed))?);
+        let known = family.knows_indentation.then_some(INDENTATION_STD);
+        let std = match family.seen {
+            Seen::Well => noise,
+            Seen::Barely | Seen::Nothing => {
+                let bound = |std: f64| {
+                    let fit = ForwardFit {
+                        normal_std: Some(std),
+                        tangential_std: Some(std),
+                        ..fit.clone()
+                    };
+                    fit.bounds(&markers, &contact, at, family.reads_along, known)
+                        .map_or(f64::INFINITY, |bounds| bounds.relative_curvature)
+                };
+                noise_of(bound, faint / RADIUS)
+            }
+        };
+        if family.is_noise_told {
+            (fit.normal_std, fit.tangential_std) = (Some(std), Some(std));
+        }
+        let readings = match family.seen {
+            Seen::Nothing => Readings::of_nothing(&markers),
+            _ => Readings::of(&markers, &contact, at, family.flaw, &mut draws),
+        };
+        Ok(Self {
+            readings: readings.reading_along(family.reads_along),
+            markers,
+            fit,
+            relative_curvature: curvature,
+            indentation: known.map(|std| Measured {
+                value: indentation,
+                std,
+            }),
+            std,
+            seed: seed.wrapping_mul(1000).wrapping_add(number),
+        })
+    }
+}
+
+/// The noise at which a bound that grows with it has a value.
+fn noise_of(bound: impl Fn(f64) -> f64, value: f64) -> f64 {
+    let [mut low, mut high] = [1e-4, 1e2];
+    for _ in 0..60 {
+        let middle = f64::sqrt(low * high);
+        if bound(middle) < value {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_where_the_bound_is() {
+        assert!((noise_of(|std| 3.0 * std, 0.6) - 0.2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn names_tell_families_apart() {
+        let mut names: Vec<String> = Family::all().iter().map(Family::name).collect();
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+    }
+}

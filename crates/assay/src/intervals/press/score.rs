@@ -1,0 +1,243 @@
+//! How often intervals of presses hold, and how wide they are.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+use anyhow::Result;
+use palpate_press::{Interval, Measured, PressError};
+use palpate_sensing::{Channel, Stream};
+use serde::Serialize;
+
+use super::super::sums::{HOLDS, Sums, within};
+use super::case::{Case, Family, RADIUS};
+
+/// How often the intervals of a family hold, over all its scenes. Lengths are mm.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Score {
+    /// The family.
+    pub family: String,
+    /// Number of scenes.
+    pub scenes: usize,
+    /// Share of trials whose readings show a contact of themselves; false alarms where nothing touches.
+    pub seen: f64,
+    /// Share of trials that gave no interval; a miss of each.
+    pub failed: f64,
+    /// Names of what went wrong in them.
+    pub failures: String,
+    /// Share of intervals of 50 % that hold the truth.
+    pub coverage50: f64,
+    /// Share of intervals of 80 % that hold the truth.
+    pub coverage80: f64,
+    /// Share of intervals of 95 % that hold the truth.
+    pub coverage95: f64,
+    /// Share of scenes in which those of 95 % hold in at least 85 %.
+    pub scenes_above_85: f64,
+    /// Coverage of intervals of 95 % in the scene where it is lowest.
+    pub lowest: f64,
+    /// Median width of the closed intervals of 95 %, in curvatures of the sensor.
+    pub width: f64,
+    /// Share of intervals with two ends.
+    pub closed: f64,
+    /// Share of intervals with one end.
+    pub one_sided: f64,
+    /// Share of intervals without end.
+    pub open: f64,
+    /// Number of scenes whose intervals of 95 % hold in less than 85 %.
+    pub scenes_short: usize,
+    /// Share of doubted estimates in these; of those that failed too.
+    pub doubted_where_short: f64,
+    /// Number of scenes whose intervals of 95 % hold in at least 92 % of the estimates.
+    pub scenes_covered: usize,
+    /// Share of doubted estimates in these.
+    pub doubted_where_covered: f64,
+    /// Names of the doubts, with the share of estimates that have each.
+    pub doubts: String,
+    /// Whether the figures are within the limits; `None` where none are set.
+    pub is_within_limits: Option<bool>,
+}
+
+/// What the trials of a scene gave.
+#[derive(Default)]
+pub(super) struct Tally {
+    sums: Sums,
+    /// Intervals with no, one and two ends.
+    ends: [f64; 3],
+    widths: Vec<f64>,
+    failures: BTreeSet<&'static str>,
+    seen: f64,
+    refused: f64,
+    doubted: f64,
+    doubts: BTreeMap<&'static str, f64>,
+}
+
+impl Tally {
+    /// Coverage of intervals of 95 % among these.
+    fn coverage_of_stated(&self) -> f64 {
+        self.sums.within[2] / (self.sums.stated + self.refused)
+    }
+
+    /// Share that is doubted of the estimates and of the presses that are refused as those of another body.
+    fn doubted(&self) -> f64 {
+        (self.doubted + self.refused) / (self.sums.stated + self.refused)
+    }
+}
+
+/// The trials of a scene.
+///
+/// # Errors
+/// None that a family makes.
+pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
+    let mut tally = Tally::default();
+    tally.sums.asked = trials as f64;
+    for trial in 0..trials {
+        let readings = case.readings.noisy(case.std, case.seed, trial);
+        let mut stream = Stream::new(case.seed, trial, Channel::Indentation);
+        let indentation = case.indentation.map(|known| Measured {
+            value: known.value + known.std * stream.standard_normal(),
+            ..known
+        });
+        let reading = readings.reading(&case.markers, indentation);
+        let estimate = match case.fit.estimate(&reading) {
+            Ok(estimate) => estimate,
+            Err(error) => {
+                tally.failures.insert(error.name());
+                tally.refused += f64::from(u8::from(matches!(error, PressError::OtherBody { .. })));
+                continue;
+            }
+        };
+        tally.seen += f64::from(u8::from(estimate.is_seen));
+        let doubts = case.fit.doubts(&reading, &estimate)?;
+        tally.doubted += f64::from(u8::from(!doubts.is_empty()));
+        for doubt in doubts {
+            *tally.doubts.entry(doubt.name()).or_default() += 1.0;
+        }
+        let curvature = estimate.relative_curvature;
+        let error = curvature.value - case.relative_curvature;
+        let [half, most, _] = within(error, curvature.std);
+        let holds = curvature.interval.holds(case.relative_curvature);
+        tally.sums.add(error, curvature.std, [half, most, holds]);
+        let Interval { low, high } = curvature.interval;
+        tally.ends[usize::from(low.is_some()) + usize::from(high.is_some())] += 1.0;
+        tally
+            .widths
+            .extend(low.zip(high).map(|(low, high)| RADIUS * (high - low)));
+    }
+    Ok(tally)
+}
+
+/// Limits of the coverage of intervals of 95 %.
+const SEEN: [f64; 2] = [0.92, 0.97];
+const FAINT: [f64; 2] = [0.92, 0.98];
+/// Least coverage of estimates that are not to be doubted, largest share of these that are, and least share of those that are
+/// to be.
+const COVERED: f64 = 0.92;
+const UNDOUBTED: f64 = 0.05;
+const DOUBTED: f64 = 0.9;
+/// Largest share of false alarms.
+const ALARMS: f64 = 0.05;
+
+impl Score {
+    /// The score of a family from its scenes.
+    pub(super) fn of(family: &Family, scenes: &[Tally]) -> Self {
+        let mean = |part: &dyn Fn(&Tally) -> f64| {
+            scenes.iter().map(part).sum::<f64>() / scenes.len() as f64
+        };
+        let ends = |count: usize| mean(&|one| one.ends[count] / one.sums.asked);
+        let mut widths: Vec<f64> = scenes.iter().flat_map(|one| one.widths.clone()).collect();
+        widths.sort_by(f64::total_cmp);
+        let failures: BTreeSet<&str> = scenes.iter().flat_map(|one| one.failures.clone()).collect();
+        let lowest = scenes.iter().map(|one| one.sums.coverage(2));
+        let those = |is: &dyn Fn(f64) -> bool| -> Vec<&Tally> {
+            let those = scenes.iter().filter(|one| is(one.coverage_of_stated()));
+            those.collect()
+        };
+        let short = those(&|coverage| coverage < HOLDS);
+        let covered = those(&|coverage| coverage >= COVERED);
+        let share = |those: &[&Tally]| {
+            those.iter().map(|one| one.doubted()).sum::<f64>() / those.len() as f64
+        };
+        let score = Self {
+            family: family.name(),
+            scenes: scenes.len(),
+            seen: mean(&|one| one.seen / one.sums.asked),
+            failed: mean(&|one| 1.0 - one.sums.stated / one.sums.asked),
+            failures: failures.into_iter().collect::<Vec<_>>().join(" "),
+            coverage50: mean(&|one| one.sums.coverage(0)),
+            coverage80: mean(&|one| one.sums.coverage(1)),
+            coverage95: mean(&|one| one.sums.coverage(2)),
+            scenes_above_85: mean(&|one| f64::from(u8::from(one.sums.coverage(2) >= HOLDS))),
+            lowest: lowest.fold(1.0, f64::min),
+            width: widths.get(widths.len() / 2).copied().unwrap_or(f64::NAN),
+            closed: ends(2),
+            one_sided: ends(1),
+            open: ends(0),
+            scenes_short: short.len(),
+            doubted_where_short: share(&short),
+            scenes_covered: covered.len(),
+            doubted_where_covered: share(&covered),
+            doubts: doubts(scenes),
+            is_within_limits: None,
+        };
+        let within = |[low, high]: [f64; 2]| (low..=high).contains(&score.coverage95);
+        let is_within_limits = match family {
+            _ if family.is_wrong() => Some(
+                !(score.doubted_where_short < DOUBTED)
+                    && !(score.doubted_where_covered > UNDOUBTED),
+            ),
+            _ if !family.touches() => Some(score.seen <= ALARMS),
+            _ if family.is_faint() => Some(within(FAINT)),
+            _ => Some(within(SEEN)),
+        };
+        Self {
+            is_within_limits,
+            ..score
+        }
+    }
+}
+
+/// Names of doubts with their shares of all estimates.
+fn doubts(scenes: &[Tally]) -> String {
+    let mut all: BTreeMap<&str, f64> = BTreeMap::new();
+    for (name, count) in scenes.iter().flat_map(|one| &one.doubts) {
+        *all.entry(name).or_default() += count;
+    }
+    let stated: f64 = scenes.iter().map(|one| one.sums.stated).sum();
+    let words = all
+        .iter()
+        .map(|(name, count)| format!("{name} {:.3}", count / stated));
+    words.collect::<Vec<_>>().join(" ")
+}
+
+impl fmt::Display for Score {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let percent = |share: f64| 100.0 * share;
+        write!(
+            f,
+            "{}: seen {:.1} %, {:.1} % covered (50: {:.1}, 80: {:.1}), {:.0} % of scenes above 85 %, lowest {:.1} %, width {:.2}, closed \
+             {:.1} %, one-sided {:.1} %, open {:.1} %, failed {:.1} % {}, doubted {:.1} % in {} scenes short, {:.1} % in {} \
+             covered ({})",
+            self.family,
+            percent(self.seen),
+            percent(self.coverage95),
+            percent(self.coverage50),
+            percent(self.coverage80),
+            percent(self.scenes_above_85),
+            percent(self.lowest),
+            self.width,
+            percent(self.closed),
+            percent(self.one_sided),
+            percent(self.open),
+            percent(self.failed),
+            self.failures,
+            percent(self.doubted_where_short),
+            self.scenes_short,
+            percent(self.doubted_where_covered),
+            self.scenes_covered,
+            self.doubts,
+        )?;
+        match self.is_within_limits {
+            Some(false) => write!(f, ", beyond the limits"),
+            _ => Ok(()),
+        }
+    }
+}
