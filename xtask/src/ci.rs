@@ -7,7 +7,7 @@ use xshell::{Shell, cmd};
 
 use crate::palpate::{FEATURES, PYTHON};
 use crate::{
-    answers, bench_check, extremes, house, palpate, python, readme, reproduce, same_bytes, scale,
+    bench_check, extremes, harness, house, palpate, python, readme, reproduce, same_bytes, scale,
     tools,
 };
 
@@ -30,7 +30,7 @@ const STEPS: [Step; 15] = [
     ("licences", licences),
     ("results", results),
     ("same bytes", same_bytes),
-    ("answers", answers::check),
+    ("answers", harness::check_answers),
     ("python", python),
     ("scale", scale),
     ("instructions and accuracy", bench),

@@ -3,8 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use crate::{
-    answers, bench_check, camera_intervals, extremes, fuzz, intervals, peers, python, reproduce,
-    same_bytes, scale, tradeoff,
+    bench_check, extremes, fuzz, harness, peers, python, reproduce, same_bytes, scale, tradeoff,
 };
 
 /// Development tasks of palpate.
@@ -28,11 +27,14 @@ pub(crate) enum Task {
     /// Measure every ladder of models: error against cost, into results/tradeoff/.
     Tradeoff(tradeoff::Options),
     /// Ask for answers on fixed scenes, and hold them against references, into results/answers.csv.
-    Answers(answers::Options),
+    Answers(harness::Options),
     /// Hold the intervals of EP2 against the truth on random surfaces, into results/intervals.csv.
-    Intervals(intervals::Options),
+    Intervals(harness::Options),
     /// Hold the intervals of presses by a camera against the truth on random scenes, into results/camera-intervals.csv.
-    CameraIntervals(camera_intervals::Options),
+    CameraIntervals(harness::Options),
+    /// Hold the intervals and doubts of presses that are read directly against the truth on random scenes, into
+    /// results/press-intervals.csv.
+    PressIntervals(harness::Options),
     /// Try every public entry point at its extremes, into results/extremes.csv.
     Extremes(extremes::Options),
     /// Compare instruction counts and accuracy with the committed baseline.

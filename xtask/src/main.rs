@@ -1,16 +1,14 @@
 //! Development tasks: `cargo xtask ci`, `cargo xtask reproduce`.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
-mod answers;
 mod bench_check;
-mod camera_intervals;
 mod ci;
 mod cli;
 mod compare;
 mod extremes;
 mod fuzz;
+mod harness;
 mod house;
-mod intervals;
 mod palpate;
 mod peers;
 mod python;
@@ -55,9 +53,10 @@ fn run(cli: Cli) -> Result<()> {
         Task::SameBytes(options) => same_bytes::run(&shell, &options),
         Task::Scale(options) => scale::run(&shell, &options),
         Task::Tradeoff(options) => tradeoff::run(&shell, &options),
-        Task::Answers(options) => answers::run(&shell, &options),
-        Task::Intervals(options) => intervals::run(&shell, &options),
-        Task::CameraIntervals(options) => camera_intervals::run(&shell, &options),
+        Task::Answers(options) => harness::run(&shell, "answers", &options),
+        Task::Intervals(options) => harness::run(&shell, "intervals", &options),
+        Task::CameraIntervals(options) => harness::run(&shell, "camera-intervals", &options),
+        Task::PressIntervals(options) => harness::run(&shell, "press-intervals", &options),
         Task::Extremes(options) => extremes::run(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),
