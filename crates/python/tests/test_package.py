@@ -48,9 +48,6 @@ def test_settings_of_estimators_are_arguments():
         arguments = inspect.signature(function).parameters
         estimator = scenes[scene]["estimator"]
         for variant in estimator.get("oneOf", [estimator]):
-            # Arrays are no pictures.
-            if variant.get("x-of-scenes"):
-                continue
             for key in variant["properties"]:
                 assert renamed.get(key, key) in arguments, f"{scene}: {key}"
 
