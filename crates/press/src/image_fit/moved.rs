@@ -14,14 +14,14 @@ use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
 const STEP: f64 = 1e-6;
 
 impl<V: View> ImageFit<V> {
-    /// Displacement of each marker midway between its discs, that its own picture tells beside an estimated press: how the
-    /// discs move against each other is the press's, and how both move together is the picture's, by least squares. `None`
-    /// for markers that are not seen in both frames, and where a picture does not tell all components.
+    /// Displacement of each marker beyond those of an estimated press, that its own picture tells: how its discs move against
+    /// each other is the press's, and what both move beyond that is the picture's, by least squares. `None` for markers that
+    /// are not seen in both frames, and where a picture does not tell all components.
     ///
     /// # Errors
     /// [`PressError::BadSetting`] and [`PressError::NotFinite`] for what is given; [`PressError::OutOfRange`] where there is
     /// no such press.
-    pub fn displacements(
+    pub fn beyond(
         &self,
         rest: &Rest,
         seen: &[Option<Seen>],
@@ -40,20 +40,17 @@ impl<V: View> ImageFit<V> {
         let residuals = problem.own(&problem.residuals(&state)?)?;
         let moved = problem.displaced(&state)?;
         let slopes = problem.by_displacement(&moved, STEP * self.markers.skin().radius())?;
-        let mut displacements = vec![None; seen.len()];
+        let mut beyond = vec![None; seen.len()];
         for ((at, &marker), slope) in problem.counting.iter().enumerate().zip(&slopes) {
             let residual = residuals.fixed_rows::<NUMBERS>(NUMBERS * at);
             let square: Matrix3<f64> = slope.transpose() * slope;
             let right: Vector3<f64> = slope.transpose() * residual;
-            let both = &moved[marker];
-            displacements[marker] = solve(&square, &right).map(|more| MarkerDisplacement {
-                normal: 0.5 * (both[0].normal + both[1].normal) + more[0],
-                tangential: [0, 1].map(|axis| {
-                    0.5 * (both[0].tangential[axis] + both[1].tangential[axis]) + more[1 + axis]
-                }),
+            beyond[marker] = solve(&square, &right).map(|more| MarkerDisplacement {
+                normal: more[0],
+                tangential: [more[1], more[2]],
             });
         }
-        Ok(displacements)
+        Ok(beyond)
     }
 }
 

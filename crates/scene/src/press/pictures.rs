@@ -45,14 +45,14 @@ impl PictureMethod {
         })
     }
 
-    /// Displacements of the markers in an estimated press, as their own pictures tell them.
-    pub(crate) fn displacements(
+    /// Displacements of the markers beyond those of an estimated press, as their own pictures tell them.
+    pub(crate) fn beyond(
         &self,
         pictures: &Pictures,
         press: &PressEstimate,
     ) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
         self.with_rest(pictures, |rest| {
-            self.fit.displacements(rest, &pictures.pressed, press)
+            self.fit.beyond(rest, &pictures.pressed, press)
         })
     }
 

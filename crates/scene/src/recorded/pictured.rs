@@ -103,7 +103,7 @@ pub fn estimate_pictures(
     let refused = |error: PressError| scene.refused(&error, wording);
     let widened = Widened::of(fit, &seen.seen, matched.pressed(tracked), indentation);
     let widened = widened.map_err(refused)?;
-    let moved = widened.displacements().map_err(refused)?;
+    let moved = scene.moved(&widened).map_err(refused)?;
     let sensed = scene.sensed(tracked, &moved, file)?;
     let contradiction =
         indentation.and_then(|told| stated::contradiction(widened.alone(), told, scene.unit()));
@@ -211,6 +211,26 @@ impl Scene<'_> {
             _ => error.to_string(),
         };
         failure(pressed, explained(message, error.name()))
+    }
+
+    /// Displacements of the markers, midway between their discs: those of the press, and what their own pictures tell beyond.
+    fn moved(&self, widened: &Widened) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
+        let estimate = &widened.estimate;
+        let body = self.body()?;
+        let contact = body.press(estimate.most_likely_curvature, estimate.indentation.value)?;
+        let by_press = self.meant.markers.displacements(&contact, estimate.contact);
+        let beyond = widened.beyond()?;
+        let pairs = by_press.iter().zip(beyond);
+        Ok(pairs
+            .map(|(by_press, beyond)| {
+                let beyond = beyond?;
+                Some(MarkerDisplacement {
+                    normal: by_press.normal + beyond.normal,
+                    tangential: [0, 1]
+                        .map(|axis| by_press.tangential[axis] + beyond.tangential[axis]),
+                })
+            })
+            .collect())
     }
 
     /// Displacements of the markers that were found again.

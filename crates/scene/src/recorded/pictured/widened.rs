@@ -52,9 +52,9 @@ impl Widened {
         self.method.estimate(&self.pictures, None)
     }
 
-    /// Displacements of the markers, as their pictures tell them.
-    pub(super) fn displacements(&self) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
-        self.method.displacements(&self.pictures, &self.estimate)
+    /// Displacements of the markers beyond those of the press, as their pictures tell them.
+    pub(super) fn beyond(&self) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
+        self.method.beyond(&self.pictures, &self.estimate)
     }
 
     /// Warnings of errors that are wider than those that are stated.
