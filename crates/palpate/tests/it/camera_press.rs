@@ -211,6 +211,16 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
         assert!(matches!(ended.status, Some(1 | 2)), "{to}: {ended:?}");
         assert!(ended.stderr.contains(words), "{to}: {}", ended.stderr);
     }
+    let row = camera.find("covariance = [[").unwrap() + "covariance = [[".len();
+    let first = &camera[row..row + camera[row..].find(',').unwrap()];
+    desk.write(
+        "camera.toml",
+        edited(&camera, &format!("[[{first}"), "[[1e6"),
+    );
+    desk.palpate(&format!("sensor track {run}")).fails(
+        1,
+        "camera.toml: `centre_px[0]` has a standard deviation of 1000 px; it must be at most 5",
+    );
     // A study in another unit is that of the same sensor.
     desk.write("camera.toml", &camera);
     let mut in_cm = edited(PRESS, "\"mm\"", "\"cm\"");

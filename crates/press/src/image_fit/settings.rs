@@ -1,6 +1,6 @@
 //! Settings of a fit of pictures.
 
-use super::told::Told;
+use super::told::{Known, Told};
 use super::view::View;
 use crate::{Body, Markers, PressError};
 
@@ -41,6 +41,12 @@ impl<V: View> ImageFit<V> {
             PressError::unless_good("deeper", deeper, good, "> 0 and at most 1e50")?;
         }
         Ok(())
+    }
+
+    /// Departures that something else tells, if any are.
+    pub(super) fn known(&self) -> Result<Option<Known>, PressError> {
+        let told = self.told.as_ref();
+        told.map(|told| told.known(&self.common_stds)).transpose()
     }
 
     /// Numbers of the common departures that are not exact.

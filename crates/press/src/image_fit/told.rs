@@ -2,8 +2,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::settings::ImageFit;
-use super::view::View;
 use crate::PressError;
 
 /// Common departures that another frame of the same sensor told, or the very frame at rest: that frame is then taken to
@@ -25,46 +23,39 @@ pub(super) struct Known {
     precision: DMatrix<f64>,
 }
 
-impl<V: View> ImageFit<V> {
-    /// Departures that are told, if any are.
-    pub(super) fn known(&self) -> Result<Option<Known>, PressError> {
-        let Some(Told {
+impl Told {
+    /// These departures among those that are not exact, by the standard deviations of all.
+    pub(super) fn known(&self, stds: &[f64]) -> Result<Known, PressError> {
+        let Self {
             numbers,
             covariance,
-        }) = &self.told
-        else {
-            return Ok(None);
-        };
-        let refused = |value: f64, expected: &'static str| {
-            PressError::unless_good("told", value, false, expected).map(|_| None)
-        };
-        let free = self.free();
-        let place = |number: &usize| free.binary_search(number).ok();
+        } = self;
+        let is_free = |number: &usize| stds.get(*number).is_some_and(|std| *std > 0.0);
+        let place = |number: &usize| is_free(number).then(|| (0..*number).filter(is_free).count());
         let places: Option<Vec<usize>> = numbers.iter().map(place).collect();
-        let is_ascending = numbers.is_sorted_by(|one, next| one < next);
+        let places = places.filter(|_| numbers.is_sorted_by(|one, next| one < next));
         let count = numbers.len();
-        let Some(places) = places.filter(|_| is_ascending) else {
-            let expected = "numbers of departures that are not exact, in ascending order";
-            return refused(count as f64, expected);
+        let unless = |is_good: bool, value: usize, expected: &'static str| {
+            PressError::unless_good("told", value as f64, is_good, expected)
         };
-        if covariance.shape() != (count, count) {
-            let expected = "as many rows and columns as departures";
-            return refused(covariance.nrows() as f64, expected);
-        }
+        let expected = "numbers of departures that are not exact, in ascending order";
+        unless(places.is_some(), count, expected)?;
+        let is_square = covariance.shape() == (count, count);
+        let expected = "as many rows and columns as departures";
+        unless(is_square, covariance.nrows(), expected)?;
         let scaled = DMatrix::from_fn(count, count, |row, column| {
-            let stds = self.common_stds[numbers[row]] * self.common_stds[numbers[column]];
-            covariance[(row, column)] / stds
+            covariance[(row, column)] / (stds[numbers[row]] * stds[numbers[column]])
         });
         let is_symmetric = (&scaled - scaled.transpose()).amax() <= 1e-9 * scaled.amax();
         let precision = scaled.cholesky().map(|factor| factor.inverse());
-        let precision = precision.filter(|all| all.iter().all(|entry| entry.is_finite()));
-        match precision.filter(|_| is_symmetric) {
-            Some(precision) => Ok(Some(Known { places, precision })),
-            None => refused(
-                count as f64,
-                "departures whose covariance is symmetric and positive definite",
-            ),
-        }
+        let precision =
+            precision.filter(|all| is_symmetric && all.iter().all(|entry| entry.is_finite()));
+        let expected = "departures whose covariance is symmetric and positive definite";
+        unless(precision.is_some(), count, expected)?;
+        Ok(Known {
+            places: places.unwrap_or_default(),
+            precision: precision.unwrap_or_default(),
+        })
     }
 }
 

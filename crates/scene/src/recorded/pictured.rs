@@ -18,7 +18,7 @@ use super::origin::wording;
 use super::pressed::{force_and_pressure, too_large};
 use super::pressed_object::{Described, PressedObject, Row};
 use super::sensed::{Sensed, TrackedPress};
-use super::stated;
+use super::stated::{self, FORMAT_VERSION};
 use super::tracked::{Frame, TrackedFrames};
 use super::wording::Wording;
 use crate::plan::PlanError;
@@ -295,6 +295,7 @@ impl Scene<'_> {
         Ok(PressedObject::of(
             estimate,
             Described {
+                format_version: FORMAT_VERSION,
                 method: press.estimator.name(),
                 c: None,
                 markers: rows.len(),

@@ -8,7 +8,7 @@ use super::error::{RecordedError, explained};
 use super::origin::agreed_unit;
 use super::press::PressReadings;
 use super::pressed_object::{Described, PressedObject, Row};
-use super::stated;
+use super::stated::{self, FORMAT_VERSION};
 use super::suspicion::{Sensor, of_press};
 use super::wording::Wording;
 use crate::press::{Assumed, body_of, large_contact};
@@ -130,6 +130,7 @@ pub fn estimate_press(
     Ok(PressedObject::of(
         &estimate,
         Described {
+            format_version: FORMAT_VERSION,
             method: options.estimator.name(),
             c,
             markers: recorded.places.len(),

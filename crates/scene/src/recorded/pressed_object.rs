@@ -6,7 +6,6 @@ use palpate_press::{ContactRegime, Estimated, PressEstimate};
 use serde::Serialize;
 
 use super::Value;
-use super::stated::FORMAT_VERSION;
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 
@@ -106,6 +105,7 @@ pub struct PressedObject {
 
 /// Description of readings and of what they do not tell, beside an estimate.
 pub(super) struct Described {
+    pub(super) format_version: u32,
     pub(super) method: &'static str,
     pub(super) c: Option<f64>,
     pub(super) markers: usize,
@@ -130,7 +130,7 @@ impl PressedObject {
         };
         let [force, peak_pressure] = described.stresses;
         Self {
-            format_version: FORMAT_VERSION,
+            format_version: described.format_version,
             method: described.method,
             c: described.c,
             markers: described.markers,

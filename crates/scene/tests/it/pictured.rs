@@ -2,7 +2,8 @@
 
 use image::{Rgb, RgbImage};
 use palpate_scene::recorded::{
-    Frame, PictureOptions, RestCamera, calibrate_camera, estimate_pictures, track_frames,
+    Frame, PictureOptions, RecordedFile, RestCamera, calibrate_camera, estimate_pictures,
+    parse_camera, track_frames,
 };
 use palpate_scene::{Parts, PressScene, Scene, Scenes, Trials};
 use palpate_study::config::{Study, parse};
@@ -220,4 +221,62 @@ fn a_camera_in_another_unit_is_refused() {
         said.starts_with("camera.toml: `length_unit` is cm"),
         "{said}"
     );
+}
+
+/// Cameras of any numbers give an estimate of finite numbers, or an error.
+#[test]
+fn cameras_of_extreme_numbers_end() {
+    let study = study(3, "");
+    let frames = frames(&scene(&study), &study, 0);
+    let good = calibrate_camera(&frames[0], &study).expect("a camera");
+    let mut count = 0;
+    for number in [
+        f64::NAN,
+        f64::INFINITY,
+        -1.0,
+        0.0,
+        5e-324,
+        1e-150,
+        1e40,
+        f64::MAX,
+    ] {
+        let with = |change: fn(&mut RestCamera, f64)| {
+            let mut camera = good.clone();
+            change(&mut camera, number);
+            camera
+        };
+        let cameras = [
+            with(|camera, number| camera.place[1] = number),
+            with(|camera, number| camera.turn_deg[2] = number),
+            with(|camera, number| camera.px_per_rad = number),
+            with(|camera, number| camera.centre_px[0] = number),
+            with(|camera, number| camera.px_per_rad_std = number),
+            with(|camera, number| {
+                camera.place_std[0] = number.sqrt();
+                camera.covariance[3] = vec![0.0; 9];
+                for row in &mut camera.covariance {
+                    row[3] = 0.0;
+                }
+                camera.covariance[3][3] = number;
+            }),
+        ];
+        for camera in cameras {
+            let file = RecordedFile::new("camera.toml", camera.to_toml().into_bytes());
+            let Ok(camera) = parse_camera(&file) else {
+                count += 1;
+                continue;
+            };
+            let mut options = options(&study);
+            options.camera = Some(("camera.toml".to_owned(), camera));
+            // JSON has no numbers that are not finite.
+            match estimate(&frames, &options) {
+                Ok(told) => assert!(told["object_curvature"]["value"].is_number(), "{told}"),
+                Err(said) => assert!(
+                    said.contains("camera.toml") || said.contains("rest.png"),
+                    "{said}"
+                ),
+            }
+        }
+    }
+    assert!(count > 20, "{count}");
 }

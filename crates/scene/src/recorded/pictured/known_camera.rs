@@ -15,6 +15,8 @@ use crate::press::sensor_stds;
 const CONTRADICTED: f64 = 6.0;
 /// Chi-squared of all nine numbers together past which the camera is doubtful: chance brings one in 10,000.
 const DOUBTFUL: f64 = 33.7;
+/// Standard deviations, in those that a camera is known to before any frame, to which it must be known after one.
+const VAGUE: f64 = 10.0;
 /// Names of the camera's numbers and their units, but for lengths.
 const NAMES: [(&str, Option<&str>); 9] = [
     ("centre_px[0]", Some("px")),
@@ -77,8 +79,21 @@ impl<'a> KnownCamera<'a> {
         }
         let covariance = camera.covariance();
         let mut stds = meant.stds;
+        let scales = scales(camera);
         for (entry, number) in CAMERA.enumerate() {
-            stds[number] = covariance[(entry, entry)].sqrt();
+            let (std, most) = (covariance[(entry, entry)].sqrt(), VAGUE * stds[number]);
+            if std > most {
+                let [std, most] = [std, most].map(|std| Number::rounded(std * scales[entry]));
+                let (name, of_number) = NAMES[entry];
+                let of_number = of_number.unwrap_or(unit.as_str());
+                return Err(fail(
+                    file,
+                    format!(
+                        "`{name}` has a standard deviation of {std} {of_number}; it must be at most {most}"
+                    ),
+                ));
+            }
+            stds[number] = std;
         }
         Ok(Self {
             stand: stand_of(camera),
