@@ -23,7 +23,7 @@ def test_everything_is_documented():
 
 
 def test_every_argument_is_described():
-    for name in ("estimate_roll", "estimate_glide", "estimate_press", "track", "calibrate", "calibrate_frames"):
+    for name in ("estimate_roll", "estimate_glide", "estimate_press", "track", "calibrate", "calibrate_frames", "calibrate_camera"):
         function = getattr(palpate, name)
         document = inspect.getdoc(function)
         for argument in inspect.signature(function).parameters:
