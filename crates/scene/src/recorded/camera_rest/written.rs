@@ -69,6 +69,7 @@ fn check(camera: &RestCamera) -> Result<(), String> {
         })
         .collect::<Vec<_>>()
     };
+    let residuals: Vec<f64> = camera.residuals_px.iter().map(|one| one.px).collect();
     let stds = [
         named("place_std", &camera.place_std),
         named("turn_std_deg", &camera.turn_std_deg),
@@ -80,6 +81,9 @@ fn check(camera: &RestCamera) -> Result<(), String> {
         named("place", &camera.place),
         named("turn_deg", &camera.turn_deg),
         named("centre_px", &camera.centre_px),
+        named("residual_px", &[camera.residual_px]),
+        named("reduced_chi_squared", &[camera.reduced_chi_squared]),
+        named("residuals_px", &residuals),
     ]
     .concat();
     for (name, number) in others {
