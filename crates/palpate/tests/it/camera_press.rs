@@ -61,10 +61,8 @@ fn frames_tell_the_press_that_they_show() {
     assert_eq!(told["warnings"], Value::Array(vec![]));
     // The contact lies 6 degrees from the apex, in the direction of 40.
     let distance = 20.0 * 6.0_f64.to_radians();
-    for (axis, direction) in [40.0_f64.to_radians().cos(), 40.0_f64.to_radians().sin()]
-        .into_iter()
-        .enumerate()
-    {
+    let (sine, cosine) = libm::sincos(40.0_f64.to_radians());
+    for (axis, direction) in [cosine, sine].into_iter().enumerate() {
         let off = number(&told["contact"][axis]) - distance * direction;
         assert!(
             off.abs() < 4.0 * number(&told["contact_std"][axis]),
@@ -118,7 +116,7 @@ fn frames_tell_the_press_that_they_show() {
         let [x, y] = place(&of_image.1, row);
         let marker = (0..77).find(|&marker| {
             let [at, beside] = place(&truth, marker);
-            (at - x).hypot(beside - y) < 1e-6
+            libm::hypot(at - x, beside - y) < 1e-6
         });
         let marker = marker.unwrap();
         for (name, most) in [

@@ -12,7 +12,8 @@ pub struct PictureOptions {
     /// The press as a study states it, in the unit of all lengths.
     pub(in crate::recorded) press: PressConfig,
     pub(in crate::recorded) unit: LengthUnit,
-    /// The indentation, if something else tells it; length. As of [`PressOptions::indentation`](super::super::PressOptions::indentation).
+    /// The indentation, if something else tells it, length: as
+    /// [`PressOptions::indentation`](super::super::PressOptions::indentation).
     pub indentation: Option<f64>,
     /// Young's modulus of the soft body, force per length²; gives forces.
     pub young: Option<f64>,
