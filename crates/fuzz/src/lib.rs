@@ -171,13 +171,13 @@ pub fn frame(bytes: &[u8]) -> Verdict {
     Ok(())
 }
 
-/// Reads a calibration, and points to make one from.
+/// Reads a calibration, points to make one from, and a camera.
 ///
 /// # Errors
-/// Message of the reader, where it is neither.
+/// Message of the reader, where it is none of these.
 ///
 /// # Panics
-/// If a calibration is not read back the same, is not finite, or an error says nothing.
+/// If a calibration or a camera is not read back the same, is not finite, or an error says nothing.
 pub fn calibration(bytes: &[u8]) -> Verdict {
     let file = || RecordedFile::new("fuzz", bytes.to_vec());
     let points = whole(recorded::parse_calibration_points(&file())).map(|points| {
@@ -190,7 +190,13 @@ pub fn calibration(bytes: &[u8]) -> Verdict {
             .unwrap_or_else(|error| panic!("{error}\nof\n{written}"));
         assert_eq!(recorded::calibration_toml(&again, unit), written);
     });
-    first_read([points, calibration])
+    let camera = whole(recorded::parse_camera(&file())).map(|camera| {
+        let again = RecordedFile::new("again.toml", camera.to_toml().into_bytes());
+        let again = recorded::parse_camera(&again)
+            .unwrap_or_else(|error| panic!("{error}\nof\n{}", camera.to_toml()));
+        assert_eq!(again, camera);
+    });
+    first_read([points, calibration, camera])
 }
 
 fn text(bytes: &[u8]) -> Result<&str, String> {

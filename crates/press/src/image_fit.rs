@@ -9,14 +9,17 @@
 mod law;
 mod learn;
 mod minimise;
+mod moved;
 mod outcome;
 mod problem;
 mod profile;
 mod rest;
 mod settings;
 mod start;
+mod told;
 mod view;
 
 pub use rest::Rest;
 pub use settings::ImageFit;
+pub use told::Told;
 pub use view::{Seen, SensorState, View};

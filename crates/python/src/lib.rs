@@ -39,6 +39,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<estimate::GlideEstimate>()?;
     module.add_class::<estimate::PressEstimate>()?;
     module.add_class::<sensor::Calibration>()?;
+    module.add_class::<sensor::CameraCalibration>()?;
     module.add_class::<sensor::Tracked>()?;
     module.add_class::<sensor::Layout>()?;
     module.add_class::<sensor::Pattern>()?;
@@ -55,6 +56,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(estimate::estimate_press, module)?)?;
     module.add_function(wrap_pyfunction!(sensor::calibrate, module)?)?;
     module.add_function(wrap_pyfunction!(sensor::calibrate_frames, module)?)?;
+    module.add_function(wrap_pyfunction!(sensor::calibrate_camera, module)?)?;
     module.add_function(wrap_pyfunction!(sensor::track, module)?)?;
     module.add_function(wrap_pyfunction!(sensor::pattern, module)?)?;
     module.add_function(wrap_pyfunction!(answers::design::design, module)?)?;

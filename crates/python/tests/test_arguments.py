@@ -213,7 +213,7 @@ def test_settings_of_glides(glides, settings, says):
         ({"sensor_radius": -1}, "sensor_radius is -1; it must be finite and > 0"),
         ({"depth": 20}, "depth is 20; it must be less than sensor_radius, 20"),
         ({"method": "bonded-layer"}, 'method="bonded-layer" needs thickness'),
-        ({"thickness": 5.0}, 'thickness is of use only to method="bonded-layer"'),
+        ({"thickness": 5.0}, 'thickness is of use only to method="bonded-layer or image"'),
         ({"indentation_std": 0.1}, "indentation_std is of use only to a given indentation"),
         ({"indentation": 25}, "indentation is 25; it must be less than sensor_radius, 20"),
         ({"noise": "found", "normal_std": 0.1}, 'normal_std is of use only without noise="found"'),

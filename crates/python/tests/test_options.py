@@ -15,6 +15,7 @@ OF_FILES = {
 RENAMED = {
     ("estimate glide", "normals"): "tangent_normals",
     ("sensor calibrate", "from"): "source",
+    ("sensor calibrate", "layout"): "study",
     ("run", "every-nth-cell"): "cells",
 }
 
@@ -24,7 +25,7 @@ COMMANDS = {
     "estimate press": [palpate.estimate_press],
     # The settings of an estimate go through.
     "sensor track": [palpate.track, palpate.estimate_press],
-    "sensor calibrate": [palpate.calibrate, palpate.calibrate_frames],
+    "sensor calibrate": [palpate.calibrate, palpate.calibrate_frames, palpate.calibrate_camera],
     "sensor pattern": [palpate.pattern],
     "design": [palpate.design],
     "distinguish": [palpate.distinguish],

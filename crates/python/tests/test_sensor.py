@@ -1,5 +1,7 @@
 """Camera sensors: frames, calibrations, layouts, patterns."""
 
+import pickle
+
 import numpy as np
 import palpate
 import pytest
@@ -74,6 +76,78 @@ def test_from_two_frames_to_an_object():
         palpate.track(seen.rest, seen.pressed, calibration=calibration, thicknes=1)
     with pytest.raises(palpate.ArgumentError, match="grid"):
         palpate.track(seen.rest, seen.pressed, calibration=calibration, grid=0, **settings)
+
+
+MISALIGNED = {"magenta_diameter": 2.0, "yellow_diameter": 2.0, "separation": 2.0, "misalignment": 0.2}
+BALL = CAMERA.with_(**{
+    "sweep": None, "plot": None, "scene.object": {"kind": "sphere", "radius": 30.0},
+    "scene.sensor": {"kind": "rendered", "size_px": 400, "calibration": {"presses": 2, "rest_frames": 1}},
+    "scene.probe.discs": MISALIGNED,
+})
+
+
+def holds(told, truth):
+    low, high = told.interval95
+    return low < truth < high
+
+
+def test_what_the_camera_sees_is_fitted():
+    seen = BALL.trace(0, 0)
+    known = {"method": "image", "like": BALL, "indentation": 1.0, "indentation_std": 0.02}
+    tracked = palpate.track(seen.rest, seen.pressed, **known)
+    estimate = tracked.estimate
+    assert estimate.method == "image" and estimate.verdict == "convex"
+    assert holds(estimate.object_curvature, 1 / 30) and holds(estimate.indentation, 1.0)
+    assert tracked.readings.height == tracked.fates.tracked and tracked.field.height > 0
+    with pytest.raises(palpate.ReadingsError, match="all pixels are those of rest"):
+        palpate.track(seen.rest, seen.rest, **known)
+    with pytest.raises(palpate.ReadingsError, match="the layout's camera takes 265"):
+        palpate.track(seen.rest, seen.pressed, method="image", like=CAMERA)
+    with pytest.raises(palpate.ReadingsError, match="colours swapped"):
+        palpate.track(seen.rest[..., [0, 2, 1]], seen.pressed[..., [0, 2, 1]], **known)
+    with pytest.raises(palpate.ArgumentError, match="needs like") as caught:
+        palpate.track(seen.rest, seen.pressed, method="image")
+    assert caught.value.argument == "like"
+    with pytest.raises(palpate.ConfigError, match="must have a camera"):
+        palpate.track(seen.rest, seen.pressed, method="image", like=palpate.Study(EXAMPLES / "press-a-ball.toml"))
+    for argument, value in (("depth", 2.0), ("px_per_rad", 200.0), ("normal_std", 0.1), ("shift_std", -1.0)):
+        with pytest.raises(palpate.ArgumentError, match=argument) as caught:
+            palpate.track(seen.rest, seen.pressed, **known, **{argument: value})
+        assert caught.value.argument == argument
+
+
+def test_a_frame_at_rest_tells_the_camera():
+    place = [0.5, 0.0, -0.4]
+    seen = BALL.with_(**{"scene.sensor.place": place}).trace(0, 0)
+    known = {"method": "image", "like": BALL}
+    with pytest.raises(palpate.ReadingsError, match="contradicts"):
+        palpate.track(seen.rest, seen.pressed, **known)
+    camera = palpate.calibrate_camera(seen.rest, BALL)
+    told = camera.to_dict()
+    assert np.all(np.abs(np.array(told["place"]) - place) < 4 * np.array(told["place_std"]))
+    assert camera.length_unit == "mm" and camera.warnings == [] and "px per rad" in camera.summary
+    again = palpate.CameraCalibration(camera.to_toml())
+    assert again == camera == pickle.loads(pickle.dumps(camera)) and repr(again) == camera.summary
+    tracked = palpate.track(seen.rest, seen.pressed, calibration=again, **known)
+    assert holds(tracked.estimate.object_curvature, 1 / 30) and tracked.estimate.warnings == []
+    away = camera.to_toml().replace(f"place = [{told['place'][0]}", "place = [3.0")
+    with pytest.raises(palpate.ReadingsError, match=r"calibration: contradicts .* `place\[0\]` is 3"):
+        palpate.track(seen.rest, seen.pressed, calibration=palpate.CameraCalibration(away), **known)
+    of_displacements = palpate.calibrate({"normal_displacement": [0.5, 1.0], "hue_turns": [0.01, 0.02]})
+    for calibration, settings in (
+        (of_displacements, known), (camera, {"sensor_radius": 20.0, "depth": 2.0}), (camera.to_toml(), known),
+    ):
+        with pytest.raises(palpate.ArgumentError) as caught:
+            palpate.track(seen.rest, seen.pressed, calibration=calibration, **settings)
+        assert caught.value.argument == "calibration"
+    with pytest.raises(palpate.ReadingsError, match="calibration of displacements"):
+        palpate.CameraCalibration(of_displacements.to_toml())
+    with pytest.raises(palpate.ReadingsError, match="camera"):
+        palpate.Calibration(camera.to_toml())
+    with pytest.raises(palpate.ArgumentError):
+        palpate.calibrate_camera(seen.rest[..., 0], BALL)
+    with pytest.raises(palpate.ReadingsError, match="must have a camera"):
+        palpate.calibrate_camera(seen.rest, palpate.Study(EXAMPLES / "press-a-ball.toml"))
 
 
 def test_calibrations_that_cannot_be(trace):

@@ -90,6 +90,14 @@ impl<'a> MarkerSphere<'a> {
         self.discs.map_or(0.0, |discs| discs.misalignment)
     }
 
+    /// Standard deviation of either coordinate of a marker's misalignment, rad at the sensor's centre.
+    pub(crate) fn misalignment_std(&self) -> Result<f64, PlanError> {
+        let (diameters, depths) = (self.diameters()?, self.disc_depths()?);
+        // Of a point that is uniform over a disc, either coordinate has half the radius.
+        let most = self.misalignment() * diameters.yellow;
+        Ok(0.5 * most / (self.radius - depths.yellow))
+    }
+
     /// Markers at these places, as they are meant to be.
     pub(crate) fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, PlanError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);

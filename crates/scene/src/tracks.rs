@@ -1,7 +1,7 @@
-//! Tables of tracked markers.
+//! Tracked markers: their errors, and tables of them.
 
 use palpate_study::{Table, number};
-use palpate_tracking::Track;
+use palpate_tracking::{Found, MarkerErrors, Track};
 
 /// Table with one row per marker: place and hue at rest (pressed, of one that is new) and how they changed, as far as they
 /// did. What is not seen is empty.
@@ -26,4 +26,11 @@ pub(crate) fn of_tracks<'a>(tracks: impl Iterator<Item = Option<&'a Track>>) -> 
         table.rows.push(row);
     }
     table
+}
+
+/// The errors of a marker that was found in a pressed frame, and is a single one there.
+pub(crate) fn errors_of(track: &Track, found: &Found) -> Option<MarkerErrors> {
+    let pressed = track.pressed?;
+    let place = found.markers.iter().position(|one| *one == pressed)?;
+    found.errors.get(place).copied()
 }

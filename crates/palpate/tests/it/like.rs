@@ -225,9 +225,7 @@ fn every_setting_is_a_flag() {
         let help = Desk::new()
             .palpate(&format!("estimate {kind} --help"))
             .printed();
-        // Recorded readings are no pictures.
-        let of_readings = |estimator: &&Value| estimator["x-of-scenes"] != true;
-        for estimator in estimators.iter().filter(of_readings) {
+        for estimator in estimators {
             for key in estimator["properties"].as_object().unwrap().keys() {
                 let flag = match key.as_str() {
                     "kind" => "--method".to_owned(),

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod allowance;
+mod camera_press;
 mod camera_rest;
 mod check;
 mod design;

@@ -56,8 +56,11 @@ impl<V: View + Clone> ImageFit<V> {
         }
         search(problem)
     }
+}
 
-    fn check(
+impl<V: View> ImageFit<V> {
+    /// Refuses what cannot be given to a fit.
+    pub(super) fn check(
         &self,
         rest: &Rest,
         seen: &[Option<Seen>],

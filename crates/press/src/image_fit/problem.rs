@@ -109,7 +109,7 @@ impl<'a, V: View> Problem<'a, V> {
         NUMBERS * self.counting.len()
     }
 
-    fn pictures(
+    pub(super) fn pictures(
         &self,
         moved: &[[MarkerDisplacement; 2]],
     ) -> Result<Vec<Option<[f64; NUMBERS]>>, PressError> {
@@ -224,9 +224,17 @@ impl<'a, V: View> Problem<'a, V> {
         moved
     }
 
+    /// Displacements of discs at a state, where they lie as deep as the frame at rest has them.
+    pub(super) fn displaced(
+        &self,
+        state: &State,
+    ) -> Result<Vec<[MarkerDisplacement; 2]>, PressError> {
+        Ok(self.deeper(self.fit.moved(state)?))
+    }
+
     /// Whitened residuals at a state.
     pub(super) fn residuals(&self, state: &State) -> Result<Residuals, PressError> {
-        let moved = self.deeper(self.fit.moved(state)?);
+        let moved = self.displaced(state)?;
         let pictures = self.pictures(&moved)?;
         self.whitened(|marker| pictures[marker])
     }
@@ -291,7 +299,7 @@ impl<'a, V: View> Problem<'a, V> {
     /// median of those that count.
     pub(super) fn normal_std(&self, state: &State) -> Result<f64, PressError> {
         let step = 1e-6 * self.fit.markers.skin().radius();
-        let mut moved = self.deeper(self.fit.moved(state)?);
+        let mut moved = self.displaced(state)?;
         let at = self.pictures(&moved)?;
         for disc in moved.iter_mut().flatten() {
             disc.normal += step;

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Matrix4, OMatrix, U2, Vector4};
 
 use super::settings::ImageFit;
+use super::told::Known;
 use super::view::{MOST_MISALIGNED, NUMBERS, Seen, Sensor, SensorState, View, difference};
 use crate::{MarkerDisplacement, PressError};
 
@@ -92,6 +93,7 @@ impl<V: View> ImageFit<V> {
         Resting {
             fit: self,
             free: self.free(),
+            known: self.known()?,
             seen,
             weights: &weights,
         }
@@ -103,6 +105,7 @@ impl<V: View> ImageFit<V> {
         let resting = Resting {
             fit: self,
             free: self.free(),
+            known: self.known().ok()?,
             seen: &rest.readings,
             weights: &rest.weights,
         };
@@ -229,6 +232,8 @@ fn weights(seen: &[Option<Seen>]) -> Result<Vec<Option<Matrix4<f64>>>, PressErro
 struct Resting<'a, V> {
     fit: &'a ImageFit<V>,
     free: Vec<usize>,
+    /// Departures that something else tells.
+    known: Option<Known>,
     seen: &'a [Option<Seen>],
     weights: &'a [Option<Matrix4<f64>>],
 }
@@ -430,6 +435,9 @@ impl<V: View> Resting<'_, V> {
         for (square, vector) in reduced {
             information -= square;
             right -= vector;
+        }
+        if let Some(known) = &self.known {
+            known.cut(&state.common, &mut information, &mut right)?;
         }
         Some(Equations {
             information,

@@ -1,5 +1,6 @@
 //! Settings of a fit of pictures.
 
+use super::told::{Known, Told};
 use super::view::View;
 use crate::{Body, Markers, PressError};
 
@@ -17,6 +18,8 @@ pub struct ImageFit<V> {
     pub deeper: Option<(f64, [Body; 2])>,
     /// Standard deviations of the departures of [`SensorState::common`](super::view::SensorState); 0 for exact ones.
     pub common_stds: Vec<f64>,
+    /// Departures among these whose joint covariance something else tells.
+    pub told: Option<Told>,
     /// Standard deviation of either component of a marker's misalignment, rad; 0 where the discs are aligned.
     pub misalignment_std: f64,
     /// Standard deviation of either component of a sideways shift of the object after it touched, length; 0 where it
@@ -32,11 +35,18 @@ impl<V: View> ImageFit<V> {
         }
         at_least_0("misalignment_std", self.misalignment_std)?;
         at_least_0("shift_std", self.shift_std)?;
+        self.known()?;
         if let Some((deeper, _)) = self.deeper {
             let good = deeper > 0.0 && deeper <= 1e50;
             PressError::unless_good("deeper", deeper, good, "> 0 and at most 1e50")?;
         }
         Ok(())
+    }
+
+    /// Departures that something else tells, if any are.
+    pub(super) fn known(&self) -> Result<Option<Known>, PressError> {
+        let told = self.told.as_ref();
+        told.map(|told| told.known(&self.common_stds)).transpose()
     }
 
     /// Numbers of the common departures that are not exact.

@@ -8,6 +8,8 @@ use palpate_press::{
 use palpate_sensing::{Channel, GaussianError, Stream};
 use proptest::prelude::*;
 
+mod told;
+
 const RADIUS: f64 = 20.0;
 const CURVATURE: f64 = 1.0 / 80.0;
 /// Standard deviations of centroid, hue and logarithm of the size.
@@ -81,6 +83,7 @@ fn fit(layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Ideal> {
         bodies: bodies(layer, 0.0),
         deeper: Some((0.02, bodies(layer, 0.02))),
         common_stds: common_stds.to_vec(),
+        told: None,
         misalignment_std: 0.02,
         shift_std: 0.0,
     }
@@ -190,6 +193,40 @@ fn pictures_without_error_give_the_press() {
         assert!(estimate.wrong_markers.is_empty());
         assert!(estimate.r_squared > 0.999_999);
     }
+}
+
+/// Markers move as the press says, but for one.
+#[test]
+fn pictures_without_error_give_the_displacements() {
+    let truth = Truth::drawn(0, [0.0; 5]);
+    let fit = fit(None, [0.0; 5]);
+    let rest = fit.at_rest(&truth.at_rest(None)).unwrap();
+    let mut moved = truth.moved(None, [2.5, -1.0], 1.0);
+    for disc in &mut moved[20] {
+        disc.normal += 0.02;
+        disc.tangential[1] -= 0.03;
+    }
+    let mut seen = truth.seen(&moved, None);
+    let estimate = fit.estimate(&rest, &seen, None).unwrap();
+    seen[30] = None;
+    let found = fit.beyond(&rest, &seen, &estimate).unwrap();
+    for (marker, found) in found.iter().enumerate() {
+        let Some(found) = found else {
+            assert_eq!(marker, 30);
+            continue;
+        };
+        let more = if marker == 20 {
+            [0.02, 0.0, -0.03]
+        } else {
+            [0.0; 3]
+        };
+        let [x, y] = found.tangential;
+        for (found, more) in [found.normal, x, y].into_iter().zip(more) {
+            assert!((found - more).abs() < 1e-3, "{marker}: {found} {more}");
+        }
+    }
+    let few = fit.beyond(&rest, &seen[1..], &estimate);
+    assert!(matches!(few, Err(PressError::BadSetting(_))), "{few:?}");
 }
 
 /// Each trial has another sensor, within the covariance that the fit is told.

@@ -9,6 +9,8 @@ estimate from small rolls             estimate_roll(rotations, shifts, probe_rad
 estimate from gliding fingers         estimate_glide(points, normals, fingers)
 estimate from a press                 estimate_press(positions, displacements, sensor_radius=…)
 find markers in camera frames         track(rest, pressed), calibrate(table), calibrate_frames(…)
+find the camera of a sensor           calibrate_camera(rest, study)
+fit what that camera sees             track(rest, pressed, method="image", like=study, calibration=…)
 lay out a skin, and cut it            Layout(radius), pattern(layout)
 simulate                              Study(toml or dict).run()
 find what sensor or motion will do    design(study, target, vary)

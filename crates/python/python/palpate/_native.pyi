@@ -10,6 +10,7 @@ __all__ = [
     "ArgumentError",
     "Batch",
     "Calibration",
+    "CameraCalibration",
     "ConfigError",
     "DesignAnswer",
     "DesignRegion",
@@ -33,6 +34,7 @@ __all__ = [
     "Tracked",
     "__version__",
     "calibrate",
+    "calibrate_camera",
     "calibrate_frames",
     "design",
     "distinguish",
@@ -351,6 +353,18 @@ class Calibration:
     def to_dict(self) -> dict[str, Any]: ...
 
 @final
+class CameraCalibration:
+    def __new__(cls, toml: str) -> CameraCalibration: ...
+    @property
+    def summary(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def length_unit(self) -> str: ...
+    def to_toml(self) -> str: ...
+    def to_dict(self) -> dict[str, Any]: ...
+
+@final
 class Tracked:
     @property
     def markers(self) -> Table: ...
@@ -560,6 +574,7 @@ def estimate_press(
     window: float | None = None,
     baseline: str | None = None,
     gain_std: float | None = None,
+    shift_std: float | None = None,
     noise: str | None = None,
     length_unit: str | None = None,
     like: Study | None = None,
@@ -583,11 +598,12 @@ def calibrate_frames(
     per_marker: bool = False,
     length_unit: str | None = None,
 ) -> Calibration: ...
+def calibrate_camera(rest: ArrayLike, study: Study) -> CameraCalibration: ...
 def track(
     rest: ArrayLike,
     pressed: ArrayLike,
     *,
-    calibration: Calibration | None = None,
+    calibration: Calibration | CameraCalibration | None = None,
     px_per_rad: float | None = None,
     grid: int = 30,
     filter: float = 0.0,

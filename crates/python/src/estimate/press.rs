@@ -85,6 +85,7 @@ arguments! {
     window: f64,
     baseline: String,
     gain_std: f64,
+    shift_std: f64,
     noise: String,
 }
 
@@ -106,6 +107,7 @@ impl PressArguments {
                 ("window", number("window", self.window)?),
                 ("baseline", word(&self.baseline)),
                 ("gain_std", number("gain_std", self.gain_std)?),
+                ("shift_std", number("shift_std", self.shift_std)?),
                 ("noise", word(&self.noise)),
             ]),
             indentation: self.indentation,
@@ -155,6 +157,8 @@ impl PressArguments {
 ///     "known" (the default), or "fitted" where all normal displacements may have an offset.
 /// gain_std : float, optional
 ///     Standard deviation of a factor on all normal displacements; 0 by default.
+/// shift_std : float, optional
+///     Of image, which `track` knows: standard deviation of a sideways move of the object, along either axis, length.
 /// noise : str, optional
 ///     "stated" (the default), or "found" from the residuals although `like` states it.
 /// length_unit : str, optional
@@ -185,8 +189,8 @@ impl PressArguments {
 #[pyfunction]
 #[pyo3(signature = (positions, displacements, *, sensor_radius=None, depth=None, method=None, indentation=None,
     indentation_std=None, normal_std=None, tangential_std=None, radial_scale=None, young=None, poisson=None,
-    thickness=None, c=None, window=None, baseline=None, gain_std=None, noise=None, length_unit=None, like=None,
-    cell=0, threads=None))]
+    thickness=None, c=None, window=None, baseline=None, gain_std=None, shift_std=None, noise=None, length_unit=None,
+    like=None, cell=0, threads=None))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn estimate_press<'py>(
     py: Python<'py>,
@@ -207,6 +211,7 @@ pub(crate) fn estimate_press<'py>(
     window: Option<f64>,
     baseline: Option<String>,
     gain_std: Option<f64>,
+    shift_std: Option<f64>,
     noise: Option<String>,
     length_unit: Option<&str>,
     like: Option<Bound<'py, Study>>,
@@ -229,6 +234,7 @@ pub(crate) fn estimate_press<'py>(
         window,
         baseline,
         gain_std,
+        shift_std,
         noise,
     };
     let given = PressGiven {

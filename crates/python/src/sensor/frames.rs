@@ -1,15 +1,12 @@
 //! Frames of a camera sensor.
 
-use palpate::recorded::{
-    self, PressOptions, Sensed, SensorOptions, TrackedFrames, TrackedPress, Wording,
-    difference_image, overlay, track_frames,
-};
+use palpate::recorded::{TrackedFrames, TrackedPress, difference_image, overlay, track_frames};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::calibration::Calibration;
+use super::reader::{Read, Reader};
 use crate::error;
-use crate::estimate::{PressArguments, PressEstimate, like};
+use crate::estimate::{PressArguments, PressEstimate};
 use crate::json::to_python;
 use crate::pixels::{frame, pixels};
 use crate::record::{Made, Record};
@@ -40,13 +37,13 @@ pub(crate) struct Tracked {
     /// Signed difference of the frames, (h, w, 3) of uint8: magenta where green light was lost, green where gained.
     #[pyo3(get)]
     difference: Py<PyAny>,
-    /// Table of the displacements of the markers that were tracked; None without a calibration.
+    /// Table of the displacements of the markers that were tracked; None without a calibration or `method="image"`.
     #[pyo3(get)]
     readings: Option<Py<Table>>,
-    /// The same on a grid between the markers; None without a calibration.
+    /// The same on a grid between the markers; None without a calibration or `method="image"`.
     #[pyo3(get)]
     field: Option<Py<Table>>,
-    /// The PressEstimate from them; None without a calibration.
+    /// The PressEstimate from them; None without a calibration or `method="image"`.
     #[pyo3(get)]
     estimate: Option<Py<PyAny>>,
 }
@@ -108,15 +105,17 @@ impl Tracked {
     }
 }
 
-/// Finds the markers of a frame at rest in a pressed one, and with a calibration estimates what pressed them.
+/// Finds the markers of a frame at rest in a pressed one, and with a calibration or by `method="image"` estimates what
+/// pressed them.
 ///
 /// Parameters
 /// ----------
 /// rest, pressed : array of uint8, (h, w, 3)
 ///     Frames of one size, red, green and blue. The camera looks at the apex from the sensor's centre, through a fisheye
 ///     with r = f angle, columns along x, rows against y.
-/// calibration : Calibration, optional
-///     Its unit is that of all lengths here. Needs `sensor_radius` and `depth`, or `like`.
+/// calibration : Calibration or CameraCalibration, optional
+///     Its unit is that of all lengths here. A Calibration needs `sensor_radius` and `depth`, or `like`. A CameraCalibration
+///     is of `method="image"`: that camera, with its covariance, is taken instead of the study's.
 /// px_per_rad : float, optional
 ///     Focal length of the fisheye; else the calibration's px per length times the markers' distance from the centre.
 /// grid : int
@@ -126,7 +125,9 @@ impl Tracked {
 /// like, cell
 ///     As of `estimate_press`.
 /// **settings
-///     All others of `estimate_press` but `radial_scale`, `length_unit` and `threads`.
+///     All others of `estimate_press` but `radial_scale`, `length_unit` and `threads`. `method="image"` fits what the camera
+///     sees, centroid, hue and size of each marker, by the errors that the frames show: `like` states layout, discs, body,
+///     camera and noise.
 ///
 /// Returns
 /// -------
@@ -137,7 +138,9 @@ impl Tracked {
 /// ArgumentError
 ///     For frames of another shape, and settings that cannot be.
 /// ReadingsError
-///     For frames of different sizes, without markers or of different sensors, and where displacements tell no press.
+///     For frames of different sizes, without markers or of different sensors, and where displacements tell no press; of
+///     `method="image"` also for frames of another layout or camera than stated, in other colours, saturated or
+///     under-exposed.
 ///
 /// Source
 /// ------
@@ -150,7 +153,7 @@ pub(crate) fn track(
     py: Python<'_>,
     rest: &Bound<'_, PyAny>,
     pressed: &Bound<'_, PyAny>,
-    calibration: Option<Bound<'_, Calibration>>,
+    calibration: Option<Bound<'_, PyAny>>,
     px_per_rad: Option<f64>,
     grid: usize,
     filter: f64,
@@ -159,33 +162,23 @@ pub(crate) fn track(
     settings: Option<Bound<'_, PyDict>>,
 ) -> PyResult<Tracked> {
     let frames = [frame("rest", rest)?, frame("pressed", pressed)?];
-    let calibrated = match calibration {
-        Some(calibration) => {
-            let unit = Some(calibration.get().unit);
-            let arguments = PressArguments::of(settings.as_ref())?;
-            let base = self::like(like.as_ref(), cell, unit, PressOptions::like)?;
-            let given = arguments.given(None)?;
-            let is_stated = base.is_some() || given.depth.is_some();
-            let options = PressOptions::given(&given, base, Wording::Arguments);
-            let options = options.map_err(error::given)?;
-            if !is_stated {
-                let message = "calibration needs depth, or like";
-                return Err(error::argument("depth", &[], None, message));
-            }
-            if !(1..=1000).contains(&grid) {
-                let message = format!("grid is {grid}; it must be a whole number from 1 to 1000");
-                return Err(error::argument("grid", &[], Some(grid as f64), message));
-            }
-            Some((calibration, options))
-        }
-        None => {
-            if let Some(name) = settings.iter().flat_map(|all| all.keys()).next() {
-                let message = format!("{name} is of use only with calibration");
-                return Err(error::argument(&name.to_string(), &[], None, message));
-            }
-            None
-        }
-    };
+    let given = PressArguments::of(settings.as_ref())?.given(None)?;
+    if !(1..=1000).contains(&grid) {
+        let message = format!("grid is {grid}; it must be a whole number from 1 to 1000");
+        return Err(error::argument("grid", &[], Some(grid as f64), message));
+    }
+    let reader = Reader::of(
+        calibration.as_ref(),
+        px_per_rad,
+        (like.as_ref(), cell),
+        &given,
+    )?;
+    if reader.is_none()
+        && let Some(name) = settings.iter().flat_map(|all| all.keys()).next()
+    {
+        let message = format!("{name} is of use only with calibration");
+        return Err(error::argument(&name.to_string(), &[], None, message));
+    }
     let [rest, pressed] = &frames;
     let seen = py.detach(|| {
         let tracked = track_frames(rest, pressed)?;
@@ -194,9 +187,11 @@ pub(crate) fn track(
             overlay(&pressed.image, &tracked),
             difference_image(rest, pressed)?,
         ];
-        Ok((tracked, pictures))
+        let read = reader.map(|reader| reader.read([rest, pressed], &tracked, (grid, filter)));
+        Ok((tracked, pictures, read.transpose()?))
     });
-    let (tracked, [drawn, difference]): (TrackedFrames, _) = seen.map_err(error::recorded)?;
+    let (tracked, [drawn, difference], read): (TrackedFrames, _, Option<Read>) =
+        seen.map_err(error::recorded)?;
     let mut made = Tracked {
         markers: Py::new(
             py,
@@ -210,24 +205,15 @@ pub(crate) fn track(
         field: None,
         estimate: None,
     };
-    if let Some((calibration, options)) = calibrated {
-        let Calibration {
-            calibration, unit, ..
-        } = calibration.get();
-        let sensor = SensorOptions {
-            radius: options.sensor_radius,
-            depth: options.marker_depth,
-            px_per_rad,
-        };
-        let read = || -> Result<_, recorded::RecordedError> {
-            let sensed = Sensed::read(&tracked, (calibration, *unit), &sensor, None)?;
-            let field = sensed.field(grid, filter)?;
-            let estimate = sensed.estimate(&options)?;
-            Ok((sensed.readings(), field, estimate))
-        };
-        let (readings, field, estimate) = py.detach(read).map_err(error::recorded)?;
-        made.readings = Some(Py::new(py, Table::new(readings.to_csv(), *unit)?)?);
-        made.field = Some(Py::new(py, Table::new(field.to_csv(), *unit)?)?);
+    if let Some(Read {
+        readings,
+        field,
+        estimate,
+        unit,
+    }) = read
+    {
+        made.readings = Some(Py::new(py, Table::new(readings.to_csv(), unit)?)?);
+        made.field = Some(Py::new(py, Table::new(field.to_csv(), unit)?)?);
         made.estimate = Some(PressEstimate::of(py, estimate)?.unbind());
     }
     Ok(made)

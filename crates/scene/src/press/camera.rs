@@ -10,6 +10,7 @@ use palpate_tracking::{
 };
 
 use super::failure::PressFailure;
+use crate::tracks::errors_of;
 
 /// The number of the trial whose errors the first frame at rest has; further ones count down from here.
 pub(super) const AT_REST: u64 = u64::MAX;
@@ -166,10 +167,7 @@ impl Eye {
                             .and_then(|pressed| nearest(&images, pressed.centroid_px))
                             != Some(marker);
                     wrong_matches += usize::from(is_other);
-                    let place = track
-                        .pressed
-                        .and_then(|pressed| found.markers.iter().position(|one| *one == pressed));
-                    errors[marker] = place.and_then(|place| found.errors.get(place).copied());
+                    errors[marker] = errors_of(&track, &found);
                     tracks[marker] = Some(track);
                 }
                 Ok(Sight {

@@ -2,44 +2,57 @@
 
 use std::sync::{Arc, OnceLock};
 
-use palpate_press::{ImageFit, Measured, PressError, PressEstimate, Rest, Seen};
+use palpate_press::{
+    ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate, Rest, Seen,
+};
+use palpate_tracking::{MarkerErrors, Track};
 
-use super::camera::{Sight, Spotted};
-use super::picture_law::{PictureLaw, seen};
+use super::picture_law::{PictureLaw, seen_of};
 
 /// Pictures of the markers that a fit is given.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Pictures {
+pub(crate) struct Pictures {
     /// The markers at rest; `None` where all trials share them.
-    pub(super) own_rest: Option<Arc<[Option<Seen>]>>,
+    pub(crate) own_rest: Option<Arc<[Option<Seen>]>>,
     /// The markers pressed.
-    pub(super) pressed: Vec<Option<Seen>>,
+    pub(crate) pressed: Vec<Option<Seen>>,
 }
 
 /// A fit of pictures, and the frame at rest that trials share.
 #[derive(Clone, Debug)]
-pub(super) struct PictureMethod {
+pub(crate) struct PictureMethod {
     fit: ImageFit<PictureLaw>,
     rest: Vec<Option<Seen>>,
     fitted: OnceLock<Result<Rest, PressError>>,
 }
 
 impl PictureMethod {
-    pub(super) fn new(fit: ImageFit<PictureLaw>, rest: &[Option<Spotted>]) -> Self {
+    pub(crate) fn new(fit: ImageFit<PictureLaw>, rest: Vec<Option<Seen>>) -> Self {
         Self {
             fit,
-            rest: rest.iter().map(|one| Some(seen(one.as_ref()?))).collect(),
+            rest,
             fitted: OnceLock::new(),
         }
     }
 
-    pub(super) fn estimate(
+    pub(crate) fn estimate(
         &self,
         pictures: &Pictures,
         indentation: Option<Measured>,
     ) -> Result<PressEstimate, PressError> {
         self.with_rest(pictures, |rest| {
             self.fit.estimate(rest, &pictures.pressed, indentation)
+        })
+    }
+
+    /// Displacements of the markers beyond those of an estimated press, as their own pictures tell them.
+    pub(crate) fn beyond(
+        &self,
+        pictures: &Pictures,
+        press: &PressEstimate,
+    ) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
+        self.with_rest(pictures, |rest| {
+            self.fit.beyond(rest, &pictures.pressed, press)
         })
     }
 
@@ -70,26 +83,29 @@ impl PictureMethod {
                 own = self.fit.at_rest(rest)?;
                 &own
             }
-            None => {
-                let fitted = self.fitted.get_or_init(|| self.fit.at_rest(&self.rest));
-                fitted.as_ref().map_err(|error| *error)?
-            }
+            None => self.rest()?,
         };
         then(rest)
     }
+
+    /// The sensor as the frame at rest that trials share shows it.
+    pub(crate) fn rest(&self) -> Result<&Rest, PressError> {
+        let fitted = self.fitted.get_or_init(|| self.fit.at_rest(&self.rest));
+        fitted.as_ref().map_err(|error| *error)
+    }
 }
 
-/// The pictures of markers that were found again as they were.
-pub(super) fn pressed(sight: &Sight) -> Vec<Option<Seen>> {
-    let pairs = sight.tracks.iter().zip(&sight.errors);
+/// The pictures of markers that were found again as they were, with the errors of what is seen pressed.
+pub(crate) fn pressed(
+    tracks: &[Option<Track>],
+    errors: &[Option<MarkerErrors>],
+) -> Vec<Option<Seen>> {
+    let pairs = tracks.iter().zip(errors);
     pairs
         .map(|(track, errors)| {
             let track = (*track)?;
             track.change()?;
-            Some(seen(&Spotted {
-                marker: track.pressed?,
-                errors: (*errors)?,
-            }))
+            Some(seen_of(&track.pressed?, errors.as_ref()?))
         })
         .collect()
 }

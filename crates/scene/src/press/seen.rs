@@ -66,7 +66,7 @@ impl CameraPress {
         };
         readings.pictures = Some(Pictures {
             own_rest: departed.map(|departed| departed.rest),
-            pressed: pictures::pressed(&sight),
+            pressed: pictures::pressed(&sight.tracks, &sight.errors),
         });
         let mut tracked = Vec::new();
         for (marker, normal, tangential) in self.sensor.displacements(&sight) {

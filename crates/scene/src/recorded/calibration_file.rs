@@ -9,6 +9,7 @@ use palpate_tracking::{
 use serde::{Deserialize, Serialize};
 
 use super::RecordedFile;
+use super::camera_rest::is_camera;
 use super::error::RecordedError;
 use palpate_study::config::LengthUnit;
 
@@ -133,6 +134,11 @@ pub fn read_calibration(path: &Path) -> Result<(Calibration, LengthUnit), Record
 /// Errors of [`read_calibration`].
 pub fn parse_calibration(file: &RecordedFile) -> Result<(Calibration, LengthUnit), RecordedError> {
     let text = file.text()?;
+    if is_camera(&text) {
+        return Err(file.error(
+            "is a camera that a frame at rest told, which knows no displacements; it is of use to the method image",
+        ));
+    }
     let parsed: CalibrationFile = toml::from_str(&text).map_err(|error| {
         file.error(format!(
             "is no calibration: {}",

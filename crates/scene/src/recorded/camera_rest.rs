@@ -3,16 +3,24 @@
 mod matched;
 mod meant;
 mod report;
+mod written;
 
+pub(super) use matched::{CAMERA, CONTRADICTED, DOUBTED};
+pub(super) use meant::{Meant, Stand};
 pub use report::{Residual, RestCamera};
+pub(super) use written::is_camera;
+pub use written::{parse_camera, read_camera};
 
-use palpate_study::config::{CameraConfig, PressConfig, PressSensorConfig, SceneConfig, Study};
+use palpate_press::Seen;
+use palpate_study::config::{
+    CameraConfig, LengthUnit, PressConfig, PressSensorConfig, SceneConfig, Study,
+};
+use palpate_tracking::Found;
 
 use super::error::RecordedError;
 use super::tracked::{Frame, find};
 use crate::plan::PlanError;
 use matched::Matched;
-use meant::Meant;
 
 /// Lowest level of the ground's green, of 255, that markers are measured on, and largest share of it at full scale.
 const DARKEST: u8 = 40;
@@ -30,36 +38,66 @@ pub fn calibrate_camera(rest: &Frame, study: &Study) -> Result<RestCamera, Recor
         message,
     };
     let of_study = |error: PlanError| fail(format!("{}: {}", error.path, error.message));
-    let (press, camera) = sensor(study).map_err(of_study)?;
+    let (press, camera) = sensor(&study.config.scene).map_err(of_study)?;
     let meant = Meant::of(press, camera).map_err(of_study)?;
-    let (width, height) = rest.image.dimensions();
-    if width != camera.size_px || height != camera.size_px {
-        return Err(fail(format!(
-            "has {width} x {height} px; the layout's camera takes {0} x {0}",
-            camera.size_px
-        )));
-    }
-    exposed(rest).map_err(fail)?;
+    usable(rest, camera).map_err(fail)?;
     let found = find(rest)?;
-    let optics = meant.optics(&found).map_err(of_study)?;
-    let (matched, optics) = Matched::of(&meant, optics, &found).map_err(fail)?;
-    matched
-        .camera(&meant, &optics, study.config.length_unit)
-        .map_err(fail)
+    let seen = SeenAtRest::of(&meant, &found, study.config.length_unit);
+    seen.map(|seen| seen.camera).map_err(fail)
 }
 
-fn sensor(study: &Study) -> Result<(&PressConfig, &CameraConfig), PlanError> {
-    match &study.config.scene {
-        SceneConfig::Press(press) => match &press.sensor {
-            PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => {
-                Ok((press, camera))
-            }
-            PressSensorConfig::Direct { .. } => {
-                Err(PlanError::at("scene.sensor", "must have a camera"))
-            }
-        },
-        _ => Err(PlanError::at("scene.kind", "must be \"press\"")),
+/// Markers of a layout, as a frame at rest shows them.
+pub(super) struct SeenAtRest {
+    /// The camera that shows them so.
+    pub(super) camera: RestCamera,
+    /// Doubt where markers are missing.
+    pub(super) missing: Option<String>,
+    /// Each marker of the layout; `None` for those that the frame does not show whole.
+    pub(super) seen: Vec<Option<Seen>>,
+}
+
+impl SeenAtRest {
+    /// Matches the markers that were found in a frame with those that are meant.
+    pub(super) fn of(meant: &Meant<'_>, found: &Found, unit: LengthUnit) -> Result<Self, String> {
+        let optics = meant.optics(found);
+        let optics = optics.map_err(|error| format!("{}: {}", error.path, error.message))?;
+        let (matched, optics) = Matched::of(meant, optics, found)?;
+        Ok(Self {
+            camera: matched.camera(meant, &optics, unit)?,
+            missing: matched.warning(),
+            seen: matched.seen,
+        })
     }
+}
+
+/// The press of a study's scene, and the camera before it.
+pub(super) fn sensor(scene: &SceneConfig) -> Result<(&PressConfig, &CameraConfig), PlanError> {
+    let SceneConfig::Press(press) = scene else {
+        return Err(PlanError::at("scene.kind", "must be \"press\""));
+    };
+    Ok((press, camera_of(press)?))
+}
+
+/// The camera before a press.
+pub(super) fn camera_of(press: &PressConfig) -> Result<&CameraConfig, PlanError> {
+    match &press.sensor {
+        PressSensorConfig::Projected(camera) | PressSensorConfig::Rendered(camera) => Ok(camera),
+        PressSensorConfig::Direct { .. } => {
+            Err(PlanError::at("scene.sensor", "must have a camera"))
+        }
+    }
+}
+
+/// Refuses frames that a camera does not take, or takes too dark or too bright to tell colours.
+pub(super) fn usable(frame: &Frame, camera: &CameraConfig) -> Result<(), String> {
+    let (width, height) = frame.image.dimensions();
+    if width != camera.size_px || height != camera.size_px {
+        return Err(format!(
+            "has {width} x {height} px; the layout's camera takes {0} x {0}",
+            camera.size_px
+        ));
+    }
+    exposed(frame)
 }
 
 /// Refuses frames that are too dark or too bright to tell colours.

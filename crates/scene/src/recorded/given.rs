@@ -1,6 +1,7 @@
 //! Options of estimates from settings that were given by their names, on a command line or in a call.
 
 mod glide;
+mod pictures;
 mod press;
 mod roll;
 

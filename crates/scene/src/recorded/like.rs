@@ -56,7 +56,7 @@ impl From<PlanError> for LikeError {
 }
 
 /// Factor on the study's lengths.
-fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, LikeError> {
+pub(super) fn factor(study: &StudyConfig, unit: LengthUnit) -> Result<f64, LikeError> {
     study.length_unit.to(unit).ok_or(LikeError::Unit {
         study: study.length_unit,
         readings: unit,
@@ -71,6 +71,14 @@ fn of_kind<'a, T>(
     pick(&study.scene).ok_or(LikeError::Kind {
         needed,
         found: study.scene.kind(),
+    })
+}
+
+/// The press of a study.
+pub(super) fn press_of(study: &StudyConfig) -> Result<&PressConfig, LikeError> {
+    of_kind(study, "press", |scene| match scene {
+        SceneConfig::Press(press) => Some(press),
+        _ => None,
     })
 }
 
@@ -155,27 +163,31 @@ impl PressOptions {
     /// # Errors
     /// [`LikeError`] for a scene that is no press, a unit that cannot be converted, and a config that makes no scene.
     pub fn like(study: &StudyConfig, unit: LengthUnit) -> Result<Self, LikeError> {
-        let config: &PressConfig = of_kind(study, "press", |scene| match scene {
-            SceneConfig::Press(press) => Some(press),
-            _ => None,
-        })?;
+        let config = press_of(study)?;
         let factor = factor(study, unit)?;
-        let PressProbeConfig::MarkerSphere {
-            radius,
-            marker_depth,
-            ..
-        } = config.probe;
         let [normal_std, tangential_std] = PressScene::new(config, study.seed, &Parts::default())?
             .told_stds()
             .map(|std| std.map(|std| std * factor));
         Ok(Self {
-            marker_depth: marker_depth * factor,
             model: in_unit(&config.model, factor),
             estimator: in_unit(&config.estimator, factor),
             normal_std,
             tangential_std,
             length_unit: Some(unit),
-            ..Self::new(radius * factor)
+            ..Self::of_probe(&in_unit(&config.probe, factor))
         })
+    }
+
+    /// Options with the skin and the depth of markers of a probe.
+    pub(super) fn of_probe(probe: &PressProbeConfig) -> Self {
+        let PressProbeConfig::MarkerSphere {
+            radius,
+            marker_depth,
+            ..
+        } = *probe;
+        Self {
+            marker_depth,
+            ..Self::new(radius)
+        }
     }
 }

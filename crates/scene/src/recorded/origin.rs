@@ -15,6 +15,14 @@ pub(super) enum Origin {
     Arrays,
 }
 
+/// Wording of the settings that go with readings from a file, or from arrays.
+pub(super) const fn wording(is_file: bool) -> Wording {
+    match is_file {
+        true => Wording::Flags,
+        false => Wording::Arguments,
+    }
+}
+
 impl Origin {
     /// Name of all readings.
     pub(super) fn name(&self) -> &str {
@@ -26,10 +34,7 @@ impl Origin {
 
     /// Wording of the settings that go with such readings.
     pub(super) fn wording(&self) -> Wording {
-        match self {
-            Self::File { .. } => Wording::Flags,
-            Self::Arrays => Wording::Arguments,
-        }
+        wording(matches!(self, Self::File { .. }))
     }
 
     /// Line of a reading, if it has one.

@@ -1,21 +1,17 @@
 //! The curvature of an object from a recorded press.
 
 use palpate_number::BadSetting;
-use palpate_press::{
-    Body, ContactRegime, Estimated, ForwardFit, Markers, PressError, PressEstimate, Prior, Reading,
-    Skin,
-};
+use palpate_press::{Body, ForwardFit, Markers, PressError, PressEstimate, Prior, Reading, Skin};
 
 use super::Value;
 use super::error::{RecordedError, explained};
 use super::origin::agreed_unit;
 use super::press::PressReadings;
-use super::pressed_object::{PressDoubt, PressNoise, PressedObject, Radius, Row, Told};
+use super::pressed_object::{Described, PressedObject, Row};
 use super::stated::{self, FORMAT_VERSION};
 use super::suspicion::{Sensor, of_press};
 use super::wording::Wording;
 use crate::press::{Assumed, body_of, large_contact};
-use palpate_study::Unit;
 use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig, PressModelConfig};
 
 /// Settings of an estimate that the readings do not state; lengths in the readings' unit.
@@ -100,7 +96,7 @@ pub fn estimate_press(
     });
     let contradiction = indentation.and_then(|told| {
         let sound = Sound::of(&reading, estimate.as_ref().ok());
-        stated::contradiction(&alone, &sound.reading(), told, unit.as_str())
+        stated::contradiction(alone.estimate(&sound.reading()), told, unit.as_str())
     });
     let estimate = estimate
         .map_err(|error| refused_for(recorded, options, &error, contradiction.as_deref()))?;
@@ -137,54 +133,22 @@ pub fn estimate_press(
     .chain(warnings(recorded, &estimate, options))
     .chain(stated::doubts(&doubts, is_contradicted, &recorded.origin))
     .collect();
-    let told = |estimated, power| Told::new(&estimated, power, unit);
-    let curvature = estimate.object_curvature();
-    // Radii are those of the best fit.
-    let most_likely = Estimated {
-        value: estimate.most_likely_object_curvature(),
-        ..curvature
-    };
-    let [force, peak_pressure] =
-        stresses(&fit.body, &estimate, options, (unit, wording)).map_err(refused)?;
-    Ok(PressedObject {
-        format_version: FORMAT_VERSION,
-        method: options.estimator.name(),
-        c,
-        markers: recorded.places.len(),
-        with_tangential: recorded.tangential.is_some(),
-        length_unit: unit.as_str(),
-        relative_curvature: told(estimate.relative_curvature, Unit::PerLength),
-        effective_radius: told(estimate.effective_radius(), Unit::Length),
-        object_curvature: told(curvature, Unit::PerLength),
-        object_radius: Radius::of(&most_likely, unit),
-        regime: ContactRegime::of(skin.curvature(), most_likely.value).name(),
-        verdict: estimate.verdict.name(),
-        indentation: told(estimate.indentation, Unit::Length),
-        contact_radius: told(estimate.contact_radius, Unit::Length),
-        force,
-        peak_pressure,
-        contact: estimate.contact.map(|component| component + 0.0),
-        contact_std: estimate
-            .contact_std
-            .map(|std| Some(std).filter(|std| std.is_finite())),
-        baseline: estimate
-            .baseline
-            .map(|baseline| told(baseline, Unit::Length)),
-        gain: estimate.gain.map(|gain| told(gain, Unit::One)),
-        wrong_markers,
-        noise: PressNoise {
-            normal_std: Value::new(estimate.normal_std, None, Unit::Length, unit),
-            tangential_std: estimate
-                .tangential_std
-                .map(|std| Value::new(std, None, Unit::Length, unit)),
-            reduced_chi_squared: estimate.reduced_chi_squared,
-            p_value: estimate.goodness.map(|goodness| goodness.p_value),
+    let stresses = force_and_pressure(&fit.body, &estimate, options.young, (unit, wording));
+    Ok(PressedObject::of(
+        &estimate,
+        Described {
+            format_version: FORMAT_VERSION,
+            method: options.estimator.name(),
+            c,
+            markers: recorded.places.len(),
+            with_tangential: recorded.tangential.is_some(),
+            unit,
+            stresses: stresses.map_err(refused)?,
+            wrong_markers,
+            doubts,
+            warnings,
         },
-        r_squared: estimate.r_squared,
-        contact_seen: estimate.is_seen,
-        doubts: doubts.into_iter().map(PressDoubt::of).collect(),
-        warnings,
-    })
+    ))
 }
 
 /// Readings without those that are wrong whatever the indentation is.
@@ -274,13 +238,13 @@ fn suspicion(recorded: &PressReadings, options: &PressOptions, unit: LengthUnit)
 }
 
 /// The force and the highest pressure of the estimated press, where they are known.
-fn stresses(
+pub(super) fn force_and_pressure(
     body: &Body,
     estimate: &PressEstimate,
-    options: &PressOptions,
+    young: Option<f64>,
     (unit, wording): (LengthUnit, Wording),
 ) -> Result<[Option<Value>; 2], PressError> {
-    let Some(young) = options.young else {
+    let Some(young) = young else {
         return Ok([None, None]);
     };
     let (curvature, indentation) = (estimate.relative_curvature, estimate.indentation);
@@ -305,18 +269,27 @@ const LITTLE: f64 = 0.5;
 /// About the number of unknowns of a fit: curvature, place and indentation.
 const UNKNOWNS: usize = 4;
 
+/// The warning of a contact too wide for small strains.
+pub(super) fn too_large(
+    estimate: &PressEstimate,
+    sensor_radius: f64,
+    is_layer: bool,
+) -> Option<String> {
+    large_contact(
+        estimate.relative_curvature.value,
+        estimate.contact_radius.value,
+        sensor_radius,
+        is_layer,
+    )
+}
+
 fn warnings(
     recorded: &PressReadings,
     estimate: &PressEstimate,
     options: &PressOptions,
 ) -> impl Iterator<Item = String> {
     let is_layer = matches!(options.estimator, PressEstimatorConfig::BondedLayer { .. });
-    let large = large_contact(
-        estimate.relative_curvature.value,
-        estimate.contact_radius.value,
-        options.sensor_radius,
-        is_layer,
-    );
+    let large = too_large(estimate, options.sensor_radius, is_layer);
     let each = if estimate.tangential_std.is_some() {
         3
     } else {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use palpate_press::{Doubt, Estimated};
+use palpate_press::{ContactRegime, Doubt, Estimated, PressEstimate};
 use serde::Serialize;
 
 use super::Value;
@@ -124,6 +124,75 @@ pub struct PressedObject {
     /// Ways in which the readings contradict the model.
     pub(super) doubts: Vec<PressDoubt>,
     pub(super) warnings: Vec<String>,
+}
+
+/// Description of readings and of what they do not tell, beside an estimate.
+pub(super) struct Described {
+    pub(super) format_version: u32,
+    pub(super) method: &'static str,
+    pub(super) c: Option<f64>,
+    pub(super) markers: usize,
+    pub(super) with_tangential: bool,
+    pub(super) unit: LengthUnit,
+    /// Force and highest pressure, where they are known.
+    pub(super) stresses: [Option<Value>; 2],
+    pub(super) wrong_markers: Vec<Row>,
+    pub(super) doubts: Vec<Doubt>,
+    pub(super) warnings: Vec<String>,
+}
+
+impl PressedObject {
+    /// Report of an estimate.
+    pub(super) fn of(estimate: &PressEstimate, described: Described) -> Self {
+        let Described { unit, .. } = described;
+        let told = |estimated, power| Told::new(&estimated, power, unit);
+        let curvature = estimate.object_curvature();
+        // Radii are those of the best fit.
+        let most_likely = Estimated {
+            value: estimate.most_likely_object_curvature(),
+            ..curvature
+        };
+        let [force, peak_pressure] = described.stresses;
+        Self {
+            format_version: described.format_version,
+            method: described.method,
+            c: described.c,
+            markers: described.markers,
+            with_tangential: described.with_tangential,
+            length_unit: unit.as_str(),
+            relative_curvature: told(estimate.relative_curvature, Unit::PerLength),
+            effective_radius: told(estimate.effective_radius(), Unit::Length),
+            object_curvature: told(curvature, Unit::PerLength),
+            object_radius: Radius::of(&most_likely, unit),
+            regime: ContactRegime::of(estimate.sensor_curvature, most_likely.value).name(),
+            verdict: estimate.verdict.name(),
+            indentation: told(estimate.indentation, Unit::Length),
+            contact_radius: told(estimate.contact_radius, Unit::Length),
+            force,
+            peak_pressure,
+            contact: estimate.contact.map(|component| component + 0.0),
+            contact_std: estimate
+                .contact_std
+                .map(|std| Some(std).filter(|std| std.is_finite())),
+            baseline: estimate
+                .baseline
+                .map(|baseline| told(baseline, Unit::Length)),
+            gain: estimate.gain.map(|gain| told(gain, Unit::One)),
+            wrong_markers: described.wrong_markers,
+            noise: PressNoise {
+                normal_std: Value::new(estimate.normal_std, None, Unit::Length, unit),
+                tangential_std: estimate
+                    .tangential_std
+                    .map(|std| Value::new(std, None, Unit::Length, unit)),
+                reduced_chi_squared: estimate.reduced_chi_squared,
+                p_value: estimate.goodness.map(|goodness| goodness.p_value),
+            },
+            r_squared: estimate.r_squared,
+            contact_seen: estimate.is_seen,
+            doubts: described.doubts.into_iter().map(PressDoubt::of).collect(),
+            warnings: described.warnings,
+        }
+    }
 }
 
 fn finite(number: f64) -> Option<f64> {

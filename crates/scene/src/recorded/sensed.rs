@@ -1,5 +1,7 @@
 //! Readings of a calibrated camera sensor from two frames.
 
+use std::collections::BTreeMap;
+
 use palpate_number::Number;
 use palpate_tracking::{Calibration, CalibrationError, Displaced, Equidistant, Field, FieldError};
 use serde::Serialize;
@@ -10,8 +12,9 @@ use super::extra::Extras;
 use super::origin::Origin;
 use super::press::PressReadings;
 use super::pressed::{PressOptions, estimate_press};
-use super::pressed_object::PressedObject;
+use super::pressed_object::{PressedObject, Row};
 use super::tracked::{Fates, TrackedFrames};
+use super::wording::Wording;
 use palpate_study::config::LengthUnit;
 use palpate_study::{Table, Unit};
 
@@ -66,11 +69,7 @@ impl Sensed {
         options: &SensorOptions,
         file: Option<String>,
     ) -> Result<Self, RecordedError> {
-        let origin = file.map_or(Origin::Arrays, |name| Origin::File {
-            name,
-            // A header stands before them.
-            lines: (2..frames.tracks.len() + 2).collect(),
-        });
+        let origin = origin(frames, file);
         let fail = |message: String| origin.fail(message);
         let refused = |error: CalibrationError| fail(error.to_string());
         calibration.fits(frames.at_rest()).map_err(refused)?;
@@ -105,14 +104,12 @@ impl Sensed {
                 normal,
             });
         }
-        let refused = |error: FieldError| match error {
-            FieldError::NoMarkers => fail("no marker was found again".to_owned()),
+        let field = Field::new(&displaced).map_err(|error| match error {
             FieldError::OutOfRange { .. } => fail(format!(
                 "{error}: is the camera's scale, {px_per_rad} px per rad, right?"
             )),
-            _ => fail(error.to_string()),
-        };
-        let field = Field::new(&displaced).map_err(refused)?;
+            _ => no_field(&origin, error),
+        })?;
         let far = calibrated.filter(|&calibrated| {
             !(calibrated / FAR_OFF..=calibrated * FAR_OFF).contains(&px_per_rad)
         });
@@ -131,6 +128,52 @@ impl Sensed {
             fates: frames.fates(),
             origin,
         })
+    }
+
+    /// Displacements of the markers of two frames that were read otherwise, in the order of their tracks; with the radius of
+    /// the skin and the unit of lengths.
+    pub(super) fn of(
+        frames: &TrackedFrames,
+        displaced: &[Displaced],
+        (radius, unit): (f64, LengthUnit),
+        file: Option<String>,
+    ) -> Result<Self, RecordedError> {
+        let origin = origin(frames, file);
+        let field = Field::new(displaced).map_err(|error| no_field(&origin, error))?;
+        Ok(Self {
+            scale: None,
+            field,
+            unit,
+            radius,
+            has_tangential: true,
+            fates: frames.fates(),
+            origin,
+        })
+    }
+
+    /// Row of a marker that was tracked, counted from 0.
+    pub(super) fn row(&self, marker: usize) -> Row {
+        Row {
+            row: marker + 1,
+            line: self.origin.line(marker),
+            columns: BTreeMap::default(),
+        }
+    }
+
+    /// Wording of the settings that go with the readings.
+    pub(super) fn wording(&self) -> Wording {
+        self.origin.wording()
+    }
+
+    /// The object that pressed the markers, with what the markers themselves tell.
+    pub(super) fn pressed_by(&self, object: PressedObject) -> TrackedPress {
+        let outward = self.field.outward().mean.filter(|_| self.has_tangential);
+        TrackedPress {
+            frames: self.fates,
+            outward_displacement: outward
+                .map(|mean| Value::new(mean, None, Unit::Length, self.unit)),
+            object,
+        }
     }
 
     /// One row per marker that was tracked: what `estimate press` accepts.
@@ -189,12 +232,22 @@ impl Sensed {
         };
         let mut object = estimate_press(&readings, options)?;
         object.warnings.extend(self.scale.clone());
-        let outward = self.field.outward().mean.filter(|_| self.has_tangential);
-        Ok(TrackedPress {
-            frames: self.fates,
-            outward_displacement: outward
-                .map(|mean| Value::new(mean, None, Unit::Length, self.unit)),
-            object,
-        })
+        Ok(self.pressed_by(object))
     }
+}
+
+/// Origin of the readings of two frames.
+fn origin(frames: &TrackedFrames, file: Option<String>) -> Origin {
+    file.map_or(Origin::Arrays, |name| Origin::File {
+        name,
+        // A header stands before them.
+        lines: (2..frames.tracks.len() + 2).collect(),
+    })
+}
+
+fn no_field(origin: &Origin, error: FieldError) -> RecordedError {
+    origin.fail(match error {
+        FieldError::NoMarkers => "no marker was found again".to_owned(),
+        _ => error.to_string(),
+    })
 }

@@ -1,7 +1,7 @@
 //! Warnings where something that a user states does not agree with the readings.
 
 use palpate_number::Number;
-use palpate_press::{Doubt, ForwardFit, Measured, PressError, PressEstimate, Reading};
+use palpate_press::{Doubt, Measured, PressError, PressEstimate};
 
 use super::origin::Origin;
 use super::pressed_object::Row;
@@ -45,14 +45,13 @@ pub(super) fn indentation(
     (Measured { value, std }, Some(warning))
 }
 
-/// The warning where a stated indentation is not the one that the readings, which are given none, tell by `fit`.
+/// The warning where a stated indentation is not that of the estimate from the readings `alone`, which are given none.
 pub(super) fn contradiction(
-    fit: &ForwardFit,
-    reading: &Reading<'_>,
+    alone: Result<PressEstimate, PressError>,
     told: Measured,
     unit: &str,
 ) -> Option<String> {
-    let found = match fit.estimate(reading) {
+    let found = match alone {
         Ok(estimate) => estimate.indentation,
         Err(error) => return Some(unchecked(&error)),
     };

@@ -32,6 +32,8 @@ pub struct TrackedFrames {
     /// Place at which the rest frame shows the apex if the camera looks straight at it, px: the middle of its image
     /// circle.
     pub centre_px: [f64; 2],
+    /// Markers of both frames, with their errors.
+    pub(super) found: [Found; 2],
     files: [String; 2],
 }
 
@@ -88,8 +90,9 @@ pub fn track_frames(rest: &Frame, pressed: &Frame) -> Result<TrackedFrames, Reco
     let found = find(pressed)?;
     Ok(TrackedFrames {
         tracks: match_markers(&at_rest.markers, &found.markers),
-        cut: at_rest.cut,
+        cut: at_rest.cut.clone(),
         centre_px: at_rest.mask.centre_px,
+        found: [at_rest, found],
         files: [rest, pressed].map(|frame| frame.file.clone()),
     })
 }

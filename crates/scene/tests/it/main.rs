@@ -11,6 +11,7 @@ mod image_press;
 mod ladder;
 mod marker_errors;
 mod names;
+mod pictured;
 mod press;
 mod recorded;
 mod roll;

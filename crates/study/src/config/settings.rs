@@ -185,8 +185,7 @@ fn known<T: JsonSchema + 'static>() -> Arc<Known> {
     Arc::clone(known)
 }
 
-/// All settings of a table that has kinds, in the order in which its kinds state them; without kinds that only scenes
-/// have use for, not recorded readings.
+/// All settings of a table that has kinds, in the order in which its kinds state them.
 pub fn settings<T: JsonSchema + 'static>() -> Vec<Setting> {
     known::<T>().settings.clone()
 }
@@ -200,10 +199,7 @@ fn settings_in(schema: &Json) -> Vec<Setting> {
         default: None,
         is_length: false,
     }];
-    let of_readings = variants(schema)
-        .iter()
-        .filter(|variant| variant["x-of-scenes"] != true);
-    for variant in of_readings {
+    for variant in variants(schema) {
         let Some(kind) = kind_of(variant) else {
             continue;
         };

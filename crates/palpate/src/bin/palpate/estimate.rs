@@ -9,7 +9,7 @@ mod warned;
 
 pub(crate) use glide::glide;
 pub(crate) use like::Like;
-pub(crate) use press::{press, press_options};
+pub(crate) use press::{picture_options, press, press_options};
 pub(crate) use roll::roll;
 pub(crate) use table::table;
 pub(crate) use warned::warn;

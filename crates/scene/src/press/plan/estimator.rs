@@ -1,7 +1,7 @@
 //! Plan of the estimator of a press.
 
-use palpate_chromatouch::{Departure, DiscDepths};
-use palpate_press::{Body, Bounds, Contact, ForwardFit, ImageFit, Markers, PressError};
+use palpate_chromatouch::Departure;
+use palpate_press::{Bounds, Contact, ForwardFit, Markers};
 use palpate_sensing::GaussianError;
 use palpate_study::config::{
     Indentation, NoiseKnown, PressEstimatorConfig, PressModelConfig, SensorNoise,
@@ -12,17 +12,15 @@ use super::super::departed::stds;
 use super::super::looks::RestLook;
 use super::super::method::{self, Assumed};
 use super::super::parts::Parts;
-use super::super::picture_law::PictureLaw;
+use super::super::picture_fit::PicturePlan;
+use super::super::picture_law::seen;
 use super::super::pictures::PictureMethod;
 use super::super::pressed::Pressed;
 use super::super::readings::MarkerNoise;
 use super::super::scene::{PressMethod, PressSensor};
 use super::super::soft_body::{SoftBody, of_body, within_sensor};
-use crate::marker_sphere::{MarkerSphere, of_optics};
+use crate::marker_sphere::MarkerSphere;
 use crate::plan::PlanError;
-
-/// Step of the discs' depth by which slopes are found, in radii of the sensor.
-const DEEPER: f64 = 1e-3;
 
 /// Settings of an estimator, and the press and the sensor that it is used on.
 pub(super) struct EstimatorPlan<'a> {
@@ -93,55 +91,29 @@ impl EstimatorPlan<'_> {
 
     /// The fit of pictures, where that is asked for and there is a camera.
     fn of_pictures(&self) -> Result<Option<PictureMethod>, PlanError> {
-        let (
-            PressEstimatorConfig::Image {
-                poisson, shift_std, ..
-            },
-            PressSensor::Camera(Ok(camera)),
-        ) = (self.estimator, self.sensor)
-        else {
+        let PressSensor::Camera(Ok(camera)) = self.sensor else {
             return Ok(None);
         };
-        let thickness = method::thickness(self.estimator, self.model);
-        let poisson = poisson.unwrap_or(self.model.poisson());
-        let DiscDepths { magenta, yellow } = self.sphere.disc_depths()?;
-        let bodies = |deeper: f64| -> Result<[Body; 2], PressError> {
-            let body = |depth: f64| match thickness {
-                Some(thickness) => self.parts.layer(thickness, depth),
-                None => Body::half_space(poisson, depth),
-            };
-            Ok([body(magenta + deeper)?, body(yellow + deeper)?])
-        };
-        let refused = |error| of_body("scene.estimator", error);
-        let stds = self.of_sensor.map_or([0.0; Departure::NUMBERS], stds);
-        let deeper = DEEPER * self.sphere.radius;
-        let deeper = match stds[0] > 0.0 {
-            true => Some((deeper, bodies(deeper).map_err(refused)?)),
-            false => None,
-        };
         let eye = &camera.sensor.eye;
-        let aligned = vec![[0.0; 2]; eye.optics.array().len()];
-        let optics = eye
-            .optics
-            .misaligned(&aligned)
-            .map_err(|error| of_optics(&error))?;
-        let diameters = self.sphere.diameters()?;
-        let fit = ImageFit {
-            view: PictureLaw { optics },
-            markers: self.markers.clone(),
-            bodies: bodies(0.0).map_err(refused)?,
-            deeper,
-            common_stds: stds.to_vec(),
-            // Of a point that is uniform over a disc, either coordinate has half the radius.
-            misalignment_std: 0.5 * self.sphere.misalignment() * diameters.yellow
-                / (self.sphere.radius - yellow),
-            shift_std: *shift_std,
+        let plan = PicturePlan {
+            estimator: self.estimator,
+            model: self.model,
+            sphere: self.sphere,
+            markers: self.markers,
+            optics: &eye.optics,
+            stds: self.of_sensor.map_or([0.0; Departure::NUMBERS], stds),
+            told: None,
+            layer: &|thickness, depth| self.parts.layer(thickness, depth),
+        };
+        let Some(fit) = plan.fit()? else {
+            return Ok(None);
         };
         let look = RestLook::new(eye, self.rest_frames);
         let rest = look
             .spotted(AT_REST)
             .map_err(|error| PlanError::at("scene.sensor", error))?;
-        Ok(Some(PictureMethod::new(fit, &rest)))
+        let rest = rest.iter().map(|one| Some(seen(one.as_ref()?)));
+        Ok(Some(PictureMethod::new(fit, rest.collect())))
     }
 
     /// The bounds on what the readings can tell by the model's own body.

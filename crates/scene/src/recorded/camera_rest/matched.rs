@@ -27,7 +27,7 @@ const DISCS: [(usize, &str); 10] = [
     (18, "blue light through yellow discs"),
 ];
 /// Numbers of a departure that are the camera's.
-const CAMERA: std::ops::Range<usize> = 4..13;
+pub(in crate::recorded) const CAMERA: std::ops::Range<usize> = 4..13;
 /// Rounds in which markers are matched roughly.
 const ROUNDS: usize = 4;
 /// Standard deviations that misaligned discs add meanwhile to those of centroids, px, hue, turns, and the logarithm of
@@ -39,11 +39,11 @@ const LEAST_AT_FIRST: f64 = 0.5;
 /// Largest median difference of hues from those of the colours that are meant, turns.
 const MOST_TURNED: f64 = 0.06;
 /// Chi-squared per degree of freedom beyond which the frame contradicts the layout, and beyond which errors count for more.
-const CONTRADICTED: f64 = 25.0;
-const DOUBTED: f64 = 1.5;
+pub(in crate::recorded) const CONTRADICTED: f64 = 25.0;
+pub(in crate::recorded) const DOUBTED: f64 = 1.5;
 /// Markers of a frame, by those of the layout.
 pub(super) struct Matched {
-    seen: Vec<Option<Seen>>,
+    pub(super) seen: Vec<Option<Seen>>,
     rest: Rest,
     law: Vec<Option<[f64; 4]>>,
     missing: usize,
@@ -142,13 +142,7 @@ impl Matched {
                 Number::rounded(widened)
             ));
         }
-        if self.missing > 0 {
-            warnings.push(format!(
-                "{} of the layout's {} markers are missing at rest",
-                self.missing,
-                self.seen.len()
-            ));
-        }
+        warnings.extend(self.warning());
         let departure: [f64; Departure::NUMBERS] = self.rest.common[..]
             .try_into()
             .map_err(|_| "has no departures".to_owned())?;
@@ -179,6 +173,17 @@ impl Matched {
             residuals_px,
             reduced_chi_squared: reduced,
             warnings,
+        })
+    }
+
+    /// The warning where markers are missing.
+    pub(super) fn warning(&self) -> Option<String> {
+        let all = self.seen.len();
+        (self.missing > 0).then(|| {
+            format!(
+                "{} of the layout's {all} markers are missing at rest",
+                self.missing
+            )
         })
     }
 

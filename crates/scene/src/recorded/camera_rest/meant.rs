@@ -1,6 +1,6 @@
 //! The sensor that a study states, as a frame at rest is held against it.
 
-use palpate_chromatouch::{Blemishes, Camera, Colours, Departure, Lens, Optics, OpticsError, Pose};
+use palpate_chromatouch::{Blemishes, Camera, Colours, Departure, Lens, Optics, Pose};
 use palpate_press::{Body, ImageFit, Markers, Skin};
 use palpate_study::config::{CameraConfig, PressConfig, SensorNoise};
 use palpate_tracking::Found;
@@ -16,17 +16,33 @@ const BEFORE: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
 /// shares.
 const OF_DISCS: [f64; 3] = [0.002, 0.02, 0.03];
 /// The sensor as it is meant to be.
-pub(super) struct Meant<'a> {
-    sphere: MarkerSphere<'a>,
+pub(in crate::recorded) struct Meant<'a> {
+    pub(in crate::recorded) sphere: MarkerSphere<'a>,
     camera: &'a CameraConfig,
-    places: Vec<[f64; 2]>,
-    markers: Markers,
-    pub(super) stds: [f64; Departure::NUMBERS],
+    pub(in crate::recorded) places: Vec<[f64; 2]>,
+    pub(in crate::recorded) markers: Markers,
+    pub(in crate::recorded) stds: [f64; Departure::NUMBERS],
     misalignment_std: f64,
 }
 
+/// Stand of a camera, and the scale of its image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::recorded) struct Stand {
+    /// Middle of the image, px.
+    pub(in crate::recorded) centre_px: [f64; 2],
+    /// Focal length, px per radian.
+    pub(in crate::recorded) px_per_rad: f64,
+    /// Place from the sensor's centre, length.
+    pub(in crate::recorded) place: [f64; 3],
+    /// Turn, degrees.
+    pub(in crate::recorded) turn_deg: [f64; 3],
+}
+
 impl<'a> Meant<'a> {
-    pub(super) fn of(press: &'a PressConfig, camera: &'a CameraConfig) -> Result<Self, PlanError> {
+    pub(in crate::recorded) fn of(
+        press: &'a PressConfig,
+        camera: &'a CameraConfig,
+    ) -> Result<Self, PlanError> {
         let sphere = MarkerSphere::of(&press.probe);
         let places = sphere.places()?;
         let skin = Skin::new(sphere.radius);
@@ -50,9 +66,7 @@ impl<'a> Meant<'a> {
             colour: stated.colour,
             ..known
         });
-        let yellow = sphere.disc_depths()?.yellow;
-        let misalignment_std =
-            0.5 * sphere.misalignment() * sphere.diameters()?.yellow / (sphere.radius - yellow);
+        let misalignment_std = sphere.misalignment_std()?;
         Ok(Self {
             stds: sensor_stds(&known),
             sphere,
@@ -65,30 +79,42 @@ impl<'a> Meant<'a> {
 
     /// Optics with the middle of the image where the frame has it.
     pub(super) fn optics(&self, found: &Found) -> Result<Optics, PlanError> {
+        self.seen_from(&Stand {
+            centre_px: found.mask.centre_px,
+            ..self.stand()?
+        })
+    }
+
+    /// Camera that is meant, without departures.
+    fn lens(&self) -> Result<Camera, PlanError> {
         let CameraConfig {
-            size_px,
-            field_deg,
-            place,
-            turn_deg,
-            ..
+            size_px, field_deg, ..
         } = *self.camera;
-        let middle = 0.5 * (f64::from(size_px) - 1.0);
-        let offset = found.mask.centre_px.map(|centre| centre - middle);
-        let made = || -> Result<Optics, OpticsError> {
-            let camera = Camera::new(Lens::Fisheye, size_px, field_deg)?;
-            let camera = camera.adjusted(offset, camera.px_per_rad())?;
-            let array = self
-                .sphere
-                .array(&self.places)
-                .map_err(|_| OpticsError::WrongCount {
-                    motions: 0,
-                    markers: self.places.len(),
-                })?;
-            let optics = Optics::new(array, camera, Colours::default(), Blemishes::default())?;
-            optics.seen_from(Pose::new(place, turn_deg.map(f64::to_radians)))
-        };
-        self.sphere.array(&self.places)?;
-        made().map_err(|error| of_optics(&error))
+        Camera::new(Lens::Fisheye, size_px, field_deg).map_err(|error| of_optics(&error))
+    }
+
+    /// Stand that the camera is meant to have.
+    pub(in crate::recorded) fn stand(&self) -> Result<Stand, PlanError> {
+        let lens = self.lens()?;
+        Ok(Stand {
+            centre_px: lens.centre_px(),
+            px_per_rad: lens.px_per_rad(),
+            place: self.camera.place,
+            turn_deg: self.camera.turn_deg,
+        })
+    }
+
+    /// Optics of a camera that stands so.
+    pub(in crate::recorded) fn seen_from(&self, stand: &Stand) -> Result<Optics, PlanError> {
+        let lens = self.lens()?;
+        let middle = lens.centre_px();
+        let offset = [0, 1].map(|axis| stand.centre_px[axis] - middle[axis]);
+        let array = self.sphere.array(&self.places)?;
+        let pose = Pose::new(stand.place, stand.turn_deg.map(f64::to_radians));
+        lens.adjusted(offset, stand.px_per_rad)
+            .and_then(|lens| Optics::new(array, lens, Colours::default(), Blemishes::default()))
+            .and_then(|optics| optics.seen_from(pose))
+            .map_err(|error| of_optics(&error))
     }
 
     pub(super) fn fit(&self, optics: &Optics) -> Result<ImageFit<PictureLaw>, String> {
@@ -102,6 +128,7 @@ impl<'a> Meant<'a> {
             // Nothing is pressed.
             bodies: [body()?, body()?],
             deeper: None,
+            told: None,
             common_stds: self.stds.to_vec(),
             misalignment_std: self.misalignment_std,
             shift_std: 0.0,

@@ -2,10 +2,11 @@
 
 use palpate_number::Number;
 use palpate_study::config::LengthUnit;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A camera, as its markers at rest show it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RestCamera {
     /// Unit of lengths.
     pub length_unit: LengthUnit,
@@ -61,7 +62,8 @@ impl RestCamera {
 }
 
 /// Distance of a marker's centroid from where it should be seen.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Residual {
     /// The marker, by its number in the layout, from 0.
     pub marker: usize,

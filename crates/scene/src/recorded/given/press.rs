@@ -172,11 +172,7 @@ fn useful(given: &PressGiven, options: &PressOptions, wording: Wording) -> Resul
     let refuse = |key: &str, message: String| Err(wording.refused(key, message));
     let name = |key: &str| wording.name(key);
     let is_told = options.indentation.is_some();
-    if given.estimator.contains_key("indentation_std") && !is_told {
-        let [std, indentation] = ["indentation_std", "indentation"].map(name);
-        let message = format!("{std} is of use only to a given {indentation}");
-        return refuse("indentation_std", message);
-    }
+    useful_std(given, wording)?;
     let noise = given.estimator.get("noise");
     let is_found = noise.is_some_and(|word| word == "found");
     for (key, std) in [
@@ -221,8 +217,18 @@ fn useful(given: &PressGiven, options: &PressOptions, wording: Wording) -> Resul
     }
 }
 
+/// Refuses the standard deviation of an indentation that is not given.
+pub(super) fn useful_std(given: &PressGiven, wording: Wording) -> Result<(), GivenError> {
+    if given.estimator.contains_key("indentation_std") && given.indentation.is_none() {
+        let [std, indentation] = ["indentation_std", "indentation"].map(|key| wording.name(key));
+        let message = format!("{std} is of use only to a given {indentation}");
+        return Err(wording.refused("indentation_std", message));
+    }
+    Ok(())
+}
+
 /// Refuses lengths that do not fit into the sensor.
-fn possible(options: &PressOptions, wording: Wording) -> Result<(), GivenError> {
+pub(super) fn possible(options: &PressOptions, wording: Wording) -> Result<(), GivenError> {
     let refuse = |key: &str, value: f64, bound: &str, (what, limit): (&str, f64)| {
         let expected = format!("{bound} {}, {}", wording.name(what), Number(limit));
         Err(wording.bad(key, value, &expected))
@@ -234,7 +240,8 @@ fn possible(options: &PressOptions, wording: Wording) -> Result<(), GivenError> 
     }
     let of_model = options.model.thickness();
     let (thickness, limit) = match options.estimator {
-        PressEstimatorConfig::BondedLayer { thickness, .. } => {
+        PressEstimatorConfig::BondedLayer { thickness, .. }
+        | PressEstimatorConfig::Image { thickness, .. } => {
             let thickness = thickness.or(of_model);
             (thickness, thickness.map(|limit| ("thickness", limit)))
         }

@@ -83,7 +83,6 @@ pub enum PressEstimatorConfig {
     /// A layer bonded to a rigid core, where there is a `thickness`, else a half-space, as a camera sees it: fitted to
     /// centroid, hue and size of each marker, at rest and pressed. It is told the errors that the tracker states, and how
     /// roughly the sensor is known (`noise.sensor`).
-    #[schemars(extend("x-of-scenes" = true))]
     Image {
         /// Thickness of the layer; by default the model's, if that has one.
         #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -5,12 +5,10 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use palpate_scene::recorded::NormalFrom;
-use palpate_study::config::PressEstimatorConfig;
 
 use super::estimate::{SensorArgs, tables};
 use super::form::FormArgs;
 use super::number::{not_negative, positive};
-use super::settings::Flagged;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum SensorCommand {
@@ -31,8 +29,6 @@ Example:
     Calibrate(CalibrateArgs),
     /// Match the markers of a pressed frame with those of a frame at rest, and estimate what pressed them.
     #[command(after_help = TRACK_HELP)]
-    #[command(mut_group("LikeArgs", |group| group.requires("calibration")))]
-    #[command(mut_group(PressEstimatorConfig::GROUP, |group| group.requires("calibration")))]
     Track(TrackArgs),
 }
 
@@ -79,12 +75,19 @@ flags override them. Warns as `estimate press` does, and of a --px-per-rad that 
 Where there is no estimate, the tables are written all the same, and the status
 is 1.
 
-The camera is taken to look at the apex from the sensor's centre, through a fisheye with r = f angle, columns
+--method image --like STUDY.toml fits what the camera sees: centroid, hue and size of each marker, by the errors that
+the frames show. Layout, discs, body, camera and noise are those of the study, which is of a press by a camera; with
+--calibration the camera is the one that `sensor calibrate --rest` wrote. The outputs are the same; readings.csv has
+the displacement of each marker as its own picture tells it beside the estimated press, and there is none where there is
+no estimate.
+
+For the other methods the camera is taken to look at the apex from the sensor's centre, through a fisheye with r = f angle, columns
 along x, rows against y.
 
 Examples:
   palpate sensor track rest.png pressed.png --out out/track
-  palpate sensor track rest.png pressed.png --calibration calibration.toml --sensor-radius 20 --depth 2 --indentation 1.4 --indentation-std 0.02 --out out/track";
+  palpate sensor track rest.png pressed.png --calibration calibration.toml --sensor-radius 20 --depth 2 --indentation 1.4 --indentation-std 0.02 --out out/track
+  palpate sensor track rest.png pressed.png --like examples/press-with-a-camera.toml --cell 2 --method image --indentation 1 --indentation-std 0.02 --out out/track";
 
 #[derive(Debug, Args)]
 pub(crate) struct PatternArgs {
@@ -144,20 +147,20 @@ pub(crate) struct TrackArgs {
     /// Where to write the files.
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// A calibration that `palpate sensor calibrate` wrote; lengths below are in its unit.
+    /// A calibration that `palpate sensor calibrate` wrote, for --method image by --rest; lengths below are in its unit.
     #[arg(long, value_name = "FILE")]
     pub(crate) calibration: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) sensor: SensorArgs,
     /// Focal length of the fisheye, px per rad [default: the calibration's px per length, times R - Z].
-    #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true, requires = "calibration")]
+    #[arg(long, value_name = "F", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) px_per_rad: Option<f64>,
-    /// Points along each side of the field's grid.
-    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1000), requires = "calibration")]
-    pub(crate) grid: u32,
-    /// Smooth the field with a Gaussian of this standard deviation, a length along the skin.
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true, requires = "calibration")]
-    pub(crate) filter: f64,
+    /// Points along each side of the field's grid [default: 30].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) grid: Option<u32>,
+    /// Smooth the field with a Gaussian of this standard deviation, a length along the skin [default: 0].
+    #[arg(long, value_name = "S", value_parser = not_negative, allow_negative_numbers = true)]
+    pub(crate) filter: Option<f64>,
     /// Replace also files that palpate did not write, that were changed since, or that are read.
     #[arg(long)]
     pub(crate) force: bool,

@@ -47,6 +47,14 @@ pub(crate) struct Settings<T> {
     of: PhantomData<T>,
 }
 
+impl<T> Settings<T> {
+    /// Flag that was given, if any was.
+    pub(crate) fn flag(&self) -> Option<String> {
+        let key = self.given.keys().next()?;
+        Some(format!("--{}", flag(key)))
+    }
+}
+
 /// Name of the flag of a key.
 fn flag(key: &str) -> String {
     match key {

@@ -1,6 +1,8 @@
 //! `palpate estimate press`.
 
-use palpate_scene::recorded::{PressGiven, PressOptions, Wording, estimate_press, parse_press};
+use palpate_scene::recorded::{
+    PictureOptions, PressGiven, PressOptions, Wording, estimate_press, parse_press,
+};
 use palpate_study::config::LengthUnit;
 
 use super::like::Like;
@@ -36,6 +38,17 @@ pub(crate) fn press_options(
 ) -> Result<PressOptions, Failure> {
     let base = like.map(|like| like.options(unit, PressOptions::like));
     PressOptions::given(&given(args), base.transpose()?, Wording::Flags).map_err(Failure::usage)
+}
+
+/// Options of a fit of pictures in this unit, likewise.
+pub(crate) fn picture_options(
+    args: &SensorArgs,
+    like: Option<&Like>,
+    unit: Option<LengthUnit>,
+) -> Result<PictureOptions, Failure> {
+    let base = like.map(|like| like.options(unit, PictureOptions::like));
+    let options = PictureOptions::given(&given(args), base.transpose()?, Wording::Flags);
+    options.map_err(Failure::usage)
 }
 
 fn given(args: &SensorArgs) -> PressGiven {

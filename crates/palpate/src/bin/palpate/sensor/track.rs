@@ -4,24 +4,23 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use palpate_scene::recorded::{
-    Fates, PressOptions, RecordedError, Sensed, SensorOptions, TrackedFrames, difference_image,
-    overlay, read_calibration, read_frame, track_frames,
+    Calibration, Fates, Frame, PictureOptions, PressOptions, RecordedError, Sensed, SensorOptions,
+    TrackedFrames, TrackedPress, difference_image, estimate_pictures, overlay, read_calibration,
+    read_camera, read_frame, track_frames,
 };
+use palpate_study::Table;
+use palpate_study::config::LengthUnit;
 
 use crate::cli::TrackArgs;
-use crate::estimate::{Like, press_options, warn};
+use crate::estimate::{Like, picture_options, press_options, warn};
 use crate::failure::Failure;
 use crate::output::{self, Folder, Guard};
 
+/// Points along each side of the field's grid, unless others are asked for.
+const GRID: u32 = 30;
+
 pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
-    if let (None, Some(flag)) = (&args.calibration, args.sensor.given()) {
-        return Err(Failure::Usage(anyhow!("{flag} needs --calibration FILE")));
-    }
-    let calibrated = args
-        .calibration
-        .as_deref()
-        .map(|file| Calibrated::new(args, file))
-        .transpose()?;
+    let reader = Reader::of(args)?;
     output::make_directory(&args.out)?;
     let read = |path: &Path| read_frame(path).map_err(Failure::work);
     let [rest, pressed] = [read(&args.rest)?, read(&args.pressed)?];
@@ -36,12 +35,10 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         ("difference.png", output::png(&difference)?),
     ];
     // The tables are written even where the frames turn out not to fit together below.
-    let read = calibrated
-        .as_ref()
-        .map(|calibrated| calibrated.read(&frames));
+    let read = reader.map(|reader| reader.read(args, [&rest, &pressed], &frames));
     if let Some(Ok(read)) = &read {
-        files.push(("readings.csv", read.sensed.readings().to_csv().into_bytes()));
-        files.push(("field.csv", read.field.clone().into_bytes()));
+        files.push(("readings.csv", read.readings.to_csv().into_bytes()));
+        files.push(("field.csv", read.field.to_csv().into_bytes()));
     }
     let like = &args.sensor.like.like;
     let inputs = [&args.rest, &args.pressed]
@@ -54,9 +51,13 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
         eprintln!("warning: {warning}");
     }
     frames.of_one_sensor().map_err(Failure::work)?;
-    match (calibrated, read) {
-        (Some(calibrated), Some(read)) => calibrated.estimate(&read.map_err(Failure::work)?),
-        _ => output::print(&summary(&frames.fates(), &args.out)),
+    match read {
+        Some(read) => {
+            let estimate = read.and_then(|read| read.estimate).map_err(Failure::work)?;
+            warn(&estimate)?;
+            output::print(&output::json(&estimate)?)
+        }
+        None => output::print(&summary(&frames.fates(), &args.out)),
     }
 }
 
@@ -76,27 +77,121 @@ fn summary(fates: &Fates, out: &Path) -> String {
     )
 }
 
+/// Way from tracked markers to what pressed them.
+enum Reader {
+    /// By the displacements that a calibration tells.
+    Displacements(Box<Calibrated>),
+    /// By what the camera of a study sees.
+    Pictures(Box<PictureOptions>),
+}
+
 /// Calibration of a sensor, with the options of what is to be read with it.
-struct Calibrated<'a> {
-    args: &'a TrackArgs,
+struct Calibrated {
     sensor: SensorOptions,
     estimate: PressOptions,
-    calibration: palpate_scene::recorded::Calibration,
-    unit: palpate_study::config::LengthUnit,
+    calibration: Calibration,
+    unit: LengthUnit,
 }
 
-/// Readings of a calibrated sensor.
+/// Displacements of the markers, and the press that they tell.
 struct Read {
-    sensed: Sensed,
-    /// Displacements on a regular grid, as CSV.
-    field: String,
+    readings: Table,
+    /// Displacements on a regular grid.
+    field: Table,
+    estimate: Result<TrackedPress, RecordedError>,
 }
 
-impl<'a> Calibrated<'a> {
-    fn new(args: &'a TrackArgs, file: &Path) -> Result<Self, Failure> {
+impl Reader {
+    /// The way that is asked for, if one is.
+    fn of(args: &TrackArgs) -> Result<Option<Self>, Failure> {
+        let like = Like::of(&args.sensor.like)?;
+        let study = like.as_ref().map(|like| &like.config);
+        if PictureOptions::are_asked_for(&args.sensor.estimator.given, study) {
+            let pictures = pictures(args, like.as_ref())?;
+            return Ok(Some(Self::Pictures(Box::new(pictures))));
+        }
+        match (&args.calibration, of_calibration(args)) {
+            (Some(file), _) => {
+                let calibrated = Calibrated::new(args, file, like.as_ref())?;
+                Ok(Some(Self::Displacements(Box::new(calibrated))))
+            }
+            (None, Some(flag)) => Err(Failure::Usage(anyhow!("{flag} needs --calibration FILE"))),
+            (None, None) => Ok(None),
+        }
+    }
+
+    fn read(
+        self,
+        args: &TrackArgs,
+        shown: [&Frame; 2],
+        frames: &TrackedFrames,
+    ) -> Result<Read, RecordedError> {
+        let file = args.out.join("readings.csv").display().to_string();
+        let (grid, filter) = (
+            args.grid.unwrap_or(GRID) as usize,
+            args.filter.unwrap_or(0.0),
+        );
+        match self {
+            Self::Displacements(calibrated) => {
+                let calibration = (&calibrated.calibration, calibrated.unit);
+                let sensed = Sensed::read(frames, calibration, &calibrated.sensor, Some(file))?;
+                Ok(Read {
+                    readings: sensed.readings(),
+                    field: sensed.field(grid, filter)?,
+                    estimate: sensed.estimate(&calibrated.estimate),
+                })
+            }
+            Self::Pictures(options) => {
+                let pictured = estimate_pictures(shown, frames, &options, Some(file))?;
+                Ok(Read {
+                    readings: pictured.readings(),
+                    field: pictured.field(grid, filter)?,
+                    estimate: Ok(pictured.press().clone()),
+                })
+            }
+        }
+    }
+}
+
+/// Flag that only a calibration has use for, if one was given.
+fn of_calibration(args: &TrackArgs) -> Option<String> {
+    let given = [
+        ("--like", args.sensor.like.like.is_some()),
+        ("--px-per-rad", args.px_per_rad.is_some()),
+        ("--grid", args.grid.is_some()),
+        ("--filter", args.filter.is_some()),
+    ];
+    let mut given = given.into_iter().filter(|(_, is_given)| *is_given);
+    let other = given.next().map(|(flag, _)| flag);
+    let own = args.sensor.given().or(other).map(str::to_owned);
+    own.or_else(|| args.sensor.estimator.flag())
+}
+
+/// Options of a fit of pictures.
+fn pictures(args: &TrackArgs, like: Option<&Like>) -> Result<PictureOptions, Failure> {
+    if args.px_per_rad.is_some() {
+        return Err(Failure::Usage(anyhow!(
+            "--px-per-rad is of no use to --method image: the study of --like states the camera, or --calibration does"
+        )));
+    }
+    // Bad arguments are refused before the calibration is read.
+    picture_options(&args.sensor, like, None)?;
+    let camera = args.calibration.as_deref().map(|file| {
+        let camera = read_camera(file).map_err(Failure::work)?;
+        Ok::<_, Failure>((file.display().to_string(), camera))
+    });
+    let camera = camera.transpose()?;
+    let unit = camera.as_ref().map(|(_, camera)| camera.length_unit);
+    let mut options = picture_options(&args.sensor, like, unit)?;
+    options.camera = camera;
+    Ok(options)
+}
+
+impl Calibrated {
+    fn new(args: &TrackArgs, file: &Path, like: Option<&Like>) -> Result<Self, Failure> {
         let given = &args.sensor;
         let missing = |option| Failure::Usage(anyhow!("--calibration needs {option}"));
-        if given.like.like.is_none() {
+        if like.is_none() {
             given
                 .sensor_radius
                 .ok_or_else(|| missing("--sensor-radius"))?;
@@ -105,10 +200,8 @@ impl<'a> Calibrated<'a> {
             press_options(given, None, None)?;
         }
         let (calibration, unit) = read_calibration(file).map_err(Failure::work)?;
-        let like = Like::of(&given.like)?;
-        let estimate = press_options(given, like.as_ref(), Some(unit))?;
+        let estimate = press_options(given, like, Some(unit))?;
         Ok(Self {
-            args,
             sensor: SensorOptions {
                 radius: estimate.sensor_radius,
                 depth: estimate.marker_depth,
@@ -118,23 +211,5 @@ impl<'a> Calibrated<'a> {
             calibration,
             unit,
         })
-    }
-
-    fn read(&self, frames: &TrackedFrames) -> Result<Read, RecordedError> {
-        let file = self.args.out.join("readings.csv").display().to_string();
-        let calibration = (&self.calibration, self.unit);
-        let sensed = Sensed::read(frames, calibration, &self.sensor, Some(file))?;
-        let field = sensed.field(self.args.grid as usize, self.args.filter)?;
-        let field = field.to_csv();
-        Ok(Read { sensed, field })
-    }
-
-    fn estimate(&self, read: &Read) -> Result<(), Failure> {
-        let estimate = read
-            .sensed
-            .estimate(&self.estimate)
-            .map_err(Failure::work)?;
-        warn(&estimate)?;
-        output::print(&output::json(&estimate)?)
     }
 }

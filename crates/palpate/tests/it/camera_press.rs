@@ -1,0 +1,390 @@
+//! `palpate sensor track --method image`: the press behind two frames, fitted to what the camera sees.
+
+use serde_json::Value;
+
+use super::desk::{Desk, edited};
+
+/// A press on a ball, seen by a camera in the sensor's centre.
+const PRESS: &str = r#"name = "pressed"
+length_unit = "mm"
+seed = 3
+trials = 1
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0, discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0, misalignment = 0.2 } }
+object = { kind = "sphere", radius = 30.0 }
+motion = { indentation = 1.0, contact_deg = [6.0, 40.0] }
+model = { kind = "bonded-layer", thickness = 5.0 }
+sensor = { kind = "rendered", size_px = 400, calibration = { presses = 2, rest_frames = 1 } }
+noise = { pixel = { kind = "gaussian", std = 2.0 } }
+estimator = { kind = "image", indentation_std = 0.02 }
+"#;
+const FRAMES: &str = "t/rest.png t/pressed.png --out o";
+const IMAGE: &str = "--like c.toml --method image";
+
+fn desk() -> Desk {
+    let desk = Desk::with(PRESS);
+    desk.palpate("trace c.toml --trial 0 --out t").printed();
+    desk
+}
+
+fn track(desk: &Desk, arguments: &str) -> Value {
+    let printed = desk.palpate(&format!("sensor track {arguments}")).printed();
+    serde_json::from_str(&printed).unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value}"))
+}
+
+fn holds(told: &Value, truth: f64) -> bool {
+    let interval = &told["interval95"];
+    number(&interval[0]) < truth && truth < number(&interval[1])
+}
+
+/// Keys of a table of JSON, in order.
+fn keys(told: &Value) -> Vec<String> {
+    told.as_object().unwrap().keys().cloned().collect()
+}
+
+#[test]
+fn frames_tell_the_press_that_they_show() {
+    let desk = desk();
+    let known = "--indentation 1 --indentation-std 0.02";
+    let told = track(&desk, &format!("{FRAMES} {IMAGE} {known}"));
+    assert_eq!(
+        (&told["method"], &told["markers"]),
+        (&"image".into(), &77.into())
+    );
+    assert!(holds(&told["object_curvature"], 1.0 / 30.0), "{told}");
+    assert!(holds(&told["indentation"], 1.0), "{told}");
+    assert_eq!(told["warnings"], Value::Array(vec![]));
+    // The contact lies 6 degrees from the apex, in the direction of 40.
+    let distance = 20.0 * 6.0_f64.to_radians();
+    let (sine, cosine) = libm::sincos(40.0_f64.to_radians());
+    for (axis, direction) in [cosine, sine].into_iter().enumerate() {
+        let off = number(&told["contact"][axis]) - distance * direction;
+        assert!(
+            off.abs() < 4.0 * number(&told["contact_std"][axis]),
+            "{told}"
+        );
+    }
+
+    // The trial whose frames these are tells the same.
+    desk.palpate("run c.toml --trials-out trials.csv --out r")
+        .printed();
+    let trials = desk.table("trials.csv");
+    let row =
+        (0..trials.rows.len()).find(|&row| trials.text(row, "quantity") == "object_curvature");
+    let row = row.unwrap();
+    let std = trials.number(row, "std");
+    let off = number(&told["object_curvature"]["value"]) - trials.number(row, "estimate");
+    assert!(off.abs() < 0.1 * std, "{off} {std}");
+    assert!((number(&told["object_curvature"]["std"]) / std - 1.0).abs() < 0.02);
+
+    // Files, columns and keys are those of the other methods.
+    let of_image = (
+        desk.names("o"),
+        desk.table("o/readings.csv"),
+        desk.table("o/field.csv"),
+    );
+    assert_eq!(of_image.1.rows.len(), 77);
+    desk.write(
+        "less.toml",
+        edited(PRESS, "indentation = 1.0", "indentation = 0.5"),
+    );
+    desk.palpate("trace less.toml --trial 0 --out t2").printed();
+    desk.palpate("sensor calibrate t/rest.png t2/pressed.png t/pressed.png --normal 0.2,0.43 --tangential 0.13,0.26 --from size --length-unit mm --out c2.toml").printed();
+    let other = track(
+        &desk,
+        &format!(
+            "{FRAMES} --calibration c2.toml --sensor-radius 20 --depth 2 --px-per-rad 176.3 --method bonded-layer --thickness 5"
+        ),
+    );
+    assert_eq!(keys(&told), keys(&other));
+    assert_eq!(of_image.0, desk.names("o"));
+    assert_eq!(of_image.1.header, desk.table("o/readings.csv").header);
+    assert_eq!(of_image.2.header, desk.table("o/field.csv").header);
+
+    // Each marker was displaced as the truth says, within a few standard deviations.
+    let truth = desk.table("t/trace.csv");
+    let normal_std = number(&told["noise"]["normal_std"]["value"]);
+    for row in 0..77 {
+        let place = |table: &super::desk::Table, row: usize| {
+            ["x_mm", "y_mm"].map(|name| table.number(row, name))
+        };
+        let [x, y] = place(&of_image.1, row);
+        let marker = (0..77).find(|&marker| {
+            let [at, beside] = place(&truth, marker);
+            libm::hypot(at - x, beside - y) < 1e-6
+        });
+        let marker = marker.unwrap();
+        for (name, most) in [
+            ("normal_displacement_mm", 5.0 * normal_std),
+            ("tangential_x_mm", 0.01),
+        ] {
+            let off = of_image.1.number(row, name) - truth.number(marker, name);
+            assert!(off.abs() < most, "{marker} {name}: {off}");
+        }
+    }
+    // The study's own estimator is the method, unless another one is asked for.
+    let again = track(
+        &desk,
+        &format!("{FRAMES} --like c.toml {known} --young 0.1"),
+    );
+    assert_eq!(again["object_curvature"], told["object_curvature"]);
+    assert!(number(&again["force"]["value"]) > 0.0 && told["force"].is_null());
+}
+
+/// The camera stands beside the centre; a frame at rest tells where, and presses are estimated with that.
+#[test]
+fn a_camera_that_a_frame_at_rest_told_is_taken() {
+    let desk = Desk::with(&edited(
+        PRESS,
+        "size_px = 400",
+        "size_px = 400, place = [0.5, 0.0, -0.4]",
+    ));
+    desk.palpate("trace c.toml --trial 0 --out t").printed();
+    desk.write("c.toml", PRESS);
+    let said = desk
+        .palpate(&format!("sensor track {FRAMES} {IMAGE}"))
+        .said(1);
+    assert!(
+        said.contains("rest.png: contradicts")
+            && said.contains("place[")
+            && said.contains("--rest"),
+        "{said}"
+    );
+    assert!(desk.names("o").contains(&"markers.csv".to_owned()));
+    desk.palpate("sensor calibrate --rest t/rest.png --layout c.toml --out camera.toml")
+        .printed();
+    let run = format!("{FRAMES} {IMAGE} --calibration camera.toml");
+    let told = track(&desk, &run);
+    assert!(holds(&told["object_curvature"], 1.0 / 30.0), "{told}");
+    assert_eq!(told["warnings"], Value::Array(vec![]));
+
+    let camera = desk.read("camera.toml");
+    let line = |key: &str| {
+        let start = format!("{key} = ");
+        let line = camera.lines().find(|line| line.starts_with(&start));
+        line.unwrap().to_owned()
+    };
+    for (from, to, words) in [
+        (
+            line("place"),
+            "place = [3.0, 0.0, 0.0]",
+            "contradicts the frame at rest: `place[0]` is 3",
+        ),
+        (
+            line("px_per_rad"),
+            "px_per_rad = 180.0",
+            "`px_per_rad` is 180",
+        ),
+        (
+            line("px_per_rad"),
+            "px_per_rad = -1.0",
+            "`px_per_rad` is -1; it must be finite and > 0",
+        ),
+        (
+            line("place"),
+            "place = [nan, 0.0, 0.0]",
+            "`place[0]` is NaN; it must be finite",
+        ),
+        (
+            line("place_std"),
+            "place_std = [1.0, 1.0, 1.0]",
+            "`covariance[3][3]` is that of a standard deviation",
+        ),
+        (line("place_std"), "", "missing field `place_std`"),
+        (
+            line("covariance"),
+            "covariance = [[1.0]]",
+            "`covariance` must have 9 rows of 9 numbers",
+        ),
+        (line("turn_deg"), "turned = 1", "turned"),
+        (line("length_unit"), "length_unit = \"unit\"", "length_unit"),
+    ] {
+        desk.write("camera.toml", edited(&camera, &from, to));
+        let ended = desk.palpate(&format!("sensor track {run}"));
+        assert!(matches!(ended.status, Some(1 | 2)), "{to}: {ended:?}");
+        assert!(ended.stderr.contains(words), "{to}: {}", ended.stderr);
+    }
+    let row = camera.find("covariance = [[").unwrap() + "covariance = [[".len();
+    let first = &camera[row..row + camera[row..].find(',').unwrap()];
+    desk.write(
+        "camera.toml",
+        edited(&camera, &format!("[[{first}"), "[[1e6"),
+    );
+    desk.palpate(&format!("sensor track {run}")).fails(
+        1,
+        "camera.toml: `centre_px[0]` has a standard deviation of 1000 px; it must be at most 5",
+    );
+    // A study in another unit is that of the same sensor.
+    desk.write("camera.toml", &camera);
+    let mut in_cm = edited(PRESS, "\"mm\"", "\"cm\"");
+    for (mm, cm) in [
+        ("radius = 20.0", "radius = 2.0"),
+        ("marker_depth = 2.0", "marker_depth = 0.2"),
+        ("magenta_diameter = 2.0", "magenta_diameter = 0.2"),
+        ("yellow_diameter = 2.0", "yellow_diameter = 0.2"),
+        ("separation = 2.0", "separation = 0.2"),
+        ("radius = 30.0", "radius = 3.0"),
+        ("indentation = 1.0", "indentation = 0.1"),
+        ("thickness = 5.0", "thickness = 0.5"),
+        ("indentation_std = 0.02", "indentation_std = 0.002"),
+    ] {
+        in_cm = edited(&in_cm, mm, cm);
+    }
+    desk.write("cm.toml", in_cm);
+    let again = track(
+        &desk,
+        &format!("{FRAMES} --like cm.toml --calibration camera.toml"),
+    );
+    assert_eq!(again["length_unit"], "mm");
+    for key in ["value", "std"] {
+        let [one, other] = [&told, &again].map(|told| number(&told["object_curvature"][key]));
+        assert!((one / other - 1.0).abs() < 1e-4, "{key}: {one} {other}");
+    }
+    // A calibration of another kind is none of a camera, and the other way round.
+    desk.write(
+        "t.csv",
+        "normal_displacement_mm,hue_turns\n1,0.02\n2,0.05\n",
+    );
+    desk.palpate("sensor calibrate t.csv --out other.toml")
+        .printed();
+    desk.palpate(&format!(
+        "sensor track {FRAMES} {IMAGE} --calibration other.toml"
+    ))
+    .fails(
+        1,
+        "other.toml: is a calibration of displacements (`normal`)",
+    );
+    desk.palpate(&format!(
+        "sensor track {FRAMES} --calibration camera.toml --sensor-radius 20 --depth 2"
+    ))
+    .fails(1, "camera.toml: is a camera that a frame at rest told");
+}
+
+#[test]
+fn frames_and_arguments_that_do_not_fit_are_named() {
+    let desk = desk();
+    for (name, from, to) in [
+        ("other.toml", "radius = 20.0", "radius = 30.0"),
+        ("size.toml", "size_px = 400", "size_px = 500"),
+        (
+            "direct.toml",
+            "\"rendered\", size_px = 400, calibration = { presses = 2, rest_frames = 1 }",
+            "\"direct\"",
+        ),
+        (
+            "plain.toml",
+            ", discs = { magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0, misalignment = 0.2 }",
+            "",
+        ),
+    ] {
+        let mut text = edited(PRESS, from, to);
+        if name == "direct.toml" {
+            text = edited(
+                &text,
+                "noise = { pixel = { kind = \"gaussian\", std = 2.0 } }\n",
+                "",
+            );
+            text = edited(&text, "kind = \"image\"", "kind = \"half-space\"");
+        }
+        desk.write(name, text);
+    }
+    for (arguments, status, words) in [
+        (
+            "--like other.toml --method image",
+            1,
+            "rest.png: does not show the layout",
+        ),
+        (
+            "--like size.toml --method image",
+            1,
+            "rest.png: has 400 x 400 px; the layout's camera takes 500 x 500",
+        ),
+        (
+            "--like direct.toml --method image",
+            2,
+            "scene.sensor: must have a camera",
+        ),
+        ("--like plain.toml --method image", 2, "`discs` is missing"),
+        (
+            "--method image",
+            2,
+            "--method image needs --like STUDY.toml",
+        ),
+        (
+            "--like c.toml --method bonded-layer",
+            2,
+            "--like needs --calibration FILE",
+        ),
+        ("--thickness 5", 2, "--thickness needs --calibration FILE"),
+        (
+            "--like c.toml --sensor-radius 20",
+            2,
+            "--sensor-radius is of no use to --method image",
+        ),
+        (
+            "--like c.toml --normal-std 0.1",
+            2,
+            "--normal-std is of no use to --method image",
+        ),
+        (
+            "--like c.toml --px-per-rad 176",
+            2,
+            "--px-per-rad is of no use to --method image",
+        ),
+        ("--like c.toml --baseline fitted", 2, "--baseline"),
+        (
+            "--like c.toml --indentation-std 0.1",
+            2,
+            "--indentation-std is of use only to a given --indentation",
+        ),
+        (
+            "--like c.toml --indentation 6",
+            2,
+            "--indentation is 6; it must be less than --thickness, 5",
+        ),
+        (
+            "--like c.toml --thickness 1",
+            2,
+            "--depth is 2; it must be at most --thickness, 1",
+        ),
+        (
+            "--like c.toml --cell 1",
+            2,
+            "--cell is 1; the study has cells 0 to 0",
+        ),
+        ("--like c.toml --calibration none.toml", 1, "none.toml"),
+    ] {
+        let said = desk
+            .palpate(&format!("sensor track {FRAMES} {arguments}"))
+            .said(status);
+        assert!(said.contains(words), "{arguments}: {said}");
+    }
+    desk.palpate(&format!(
+        "sensor track t/rest.png t/rest.png --out o {IMAGE}"
+    ))
+    .fails(1, "no contact to be seen");
+    // Displacements are no pictures.
+    desk.palpate("estimate press t/readings.csv --like c.toml")
+        .fails(2, "a fit of pictures needs the frames");
+    // What is stated wrongly widens what is told, and a warning says why.
+    let told = track(&desk, &format!("{FRAMES} {IMAGE} --thickness 6"));
+    let warnings = told["warnings"].to_string();
+    assert!(
+        warnings.contains("times as much as the frame's noise explains"),
+        "{told}"
+    );
+    let [wide, narrow] = [told, track(&desk, &format!("{FRAMES} {IMAGE}"))]
+        .map(|told| number(&told["object_curvature"]["std"]));
+    assert!(wide > 3.0 * narrow, "{wide} {narrow}");
+    let told = track(&desk, &format!("{FRAMES} {IMAGE} --indentation 1.3"));
+    let warnings = told["warnings"].to_string();
+    assert!(
+        warnings.contains("the indentation is stated as 1.3 mm"),
+        "{told}"
+    );
+}

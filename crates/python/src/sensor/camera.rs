@@ -1,0 +1,113 @@
+//! Camera of a sensor, as a frame at rest tells it.
+
+use palpate::recorded::{self, RecordedFile, RestCamera, parse_camera};
+use pyo3::prelude::*;
+
+use crate::error;
+use crate::json::of_json;
+use crate::pixels::frame;
+use crate::study::Study;
+
+/// Camera of a sensor: its place, its turn and its scale, with their covariance.
+///
+/// `CameraCalibration(toml)` reads what `palpate sensor calibrate --rest` writes.
+#[pyclass(frozen, module = "palpate")]
+pub(crate) struct CameraCalibration {
+    pub(super) camera: RestCamera,
+}
+
+#[pymethods]
+impl CameraCalibration {
+    #[new]
+    fn new(toml: String) -> PyResult<Self> {
+        let file = RecordedFile::new("calibration", toml.into_bytes());
+        let camera = parse_camera(&file).map_err(error::recorded)?;
+        Ok(Self { camera })
+    }
+
+    /// The camera in words.
+    #[getter]
+    fn summary(&self) -> String {
+        self.camera.summary()
+    }
+
+    /// Doubts, in words.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.camera.warnings.clone()
+    }
+
+    /// Unit of its lengths.
+    #[getter]
+    fn length_unit(&self) -> &'static str {
+        self.camera.length_unit.as_str()
+    }
+
+    /// The camera as TOML, which `palpate sensor track --method image --calibration` reads.
+    fn to_toml(&self) -> String {
+        self.camera.to_toml()
+    }
+
+    /// The same as a dictionary: `place`, `turn_deg` and `px_per_rad` with `place_std`, `turn_std_deg` and
+    /// `px_per_rad_std`, `centre_px`, `covariance` (9 x 9: of the centre, px; px per rad, a share; place; turn, rad),
+    /// `residuals_px` of the layout's markers, `residual_px`, `reduced_chi_squared` and `warnings`.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let json = serde_json::to_value(&self.camera);
+        of_json(
+            py,
+            &json.map_err(|error| error::RunError::new_err(error.to_string()))?,
+        )
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.camera == other.camera
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyAny>, (String,)) {
+        (slf.get_type().into_any(), (slf.get().to_toml(),))
+    }
+
+    fn __repr__(&self) -> String {
+        self.summary()
+    }
+}
+
+/// Finds the camera of a sensor from one frame at rest.
+///
+/// Parameters
+/// ----------
+/// rest : array of uint8, (h, w, 3)
+///     Frame at rest, red, green and blue.
+/// study : Study
+///     Study of a press by a camera, whose first cell states the layout, the discs, the frame's size and where the camera is
+///     meant to be: it may stand a tenth of the sensor's radius and 5 degrees elsewhere.
+///
+/// Returns
+/// -------
+/// CameraCalibration
+///     Lengths are in the study's unit.
+///
+/// Raises
+/// ------
+/// ArgumentError
+///     For a frame of another shape.
+/// ReadingsError
+///     For a study without a camera; for a frame of another size, without the layout's markers, in other colours, saturated
+///     or under-exposed, and one that contradicts the layout.
+///
+/// Source
+/// ------
+/// Least squares of centroid, hue and size of the markers, as `palpate sensor calibrate --rest`.
+#[pyfunction]
+pub(crate) fn calibrate_camera(
+    py: Python<'_>,
+    rest: &Bound<'_, PyAny>,
+    study: &Bound<'_, Study>,
+) -> PyResult<CameraCalibration> {
+    let rest = frame("rest", rest)?;
+    let study = study.get().study();
+    let camera = py.detach(|| recorded::calibrate_camera(&rest, study));
+    Ok(CameraCalibration {
+        camera: camera.map_err(error::recorded)?,
+    })
+}

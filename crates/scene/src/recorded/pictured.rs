@@ -1,0 +1,320 @@
+//! The curvature of an object from two frames of a camera sensor, fitted to what the camera sees.
+
+mod known_camera;
+mod options;
+mod widened;
+
+pub use options::PictureOptions;
+
+use palpate_press::{Body, MarkerDisplacement, Measured, PressError, PressEstimate};
+use palpate_study::Table;
+use palpate_tracking::{Displaced, MarkerErrors, Track};
+
+use self::known_camera::KnownCamera;
+use self::widened::Widened;
+use super::camera_rest::{Meant, SeenAtRest, camera_of, usable};
+use super::error::{RecordedError, explained};
+use super::origin::wording;
+use super::pressed::{force_and_pressure, too_large};
+use super::pressed_object::{Described, PressedObject, Row};
+use super::sensed::{Sensed, TrackedPress};
+use super::stated::{self, FORMAT_VERSION};
+use super::tracked::{Frame, TrackedFrames};
+use super::wording::Wording;
+use crate::plan::PlanError;
+use crate::press::{PicturePlan, Pictures, pressed, seen_of};
+use crate::tracks::errors_of;
+
+/// A press behind two frames, and the displacements of the markers in it.
+#[derive(Clone, Debug)]
+pub struct Pictured {
+    sensed: Sensed,
+    press: TrackedPress,
+}
+
+impl Pictured {
+    /// One row per marker that was tracked: its place in the layout, and its displacement as its own picture tells it beside
+    /// the estimated press.
+    pub fn readings(&self) -> Table {
+        self.sensed.readings()
+    }
+
+    /// The field on a grid, as [`Sensed::field`].
+    ///
+    /// # Errors
+    /// Those of [`Sensed::field`].
+    pub fn field(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
+        self.sensed.field(grid, filter_std)
+    }
+
+    /// The estimate.
+    pub const fn press(&self) -> &TrackedPress {
+        &self.press
+    }
+}
+
+/// Estimates the curvature of an object from a frame at rest and a pressed one: the markers of the first are matched with
+/// the layout, those of the second tracked, and a press is fitted to centroid, hue and size of each, by the errors that the
+/// tracker states. `tracked` is of these frames; `file` is the name of the readings, for messages, `None` where they are no
+/// file.
+///
+/// Where markers scatter by more than these errors explain, uncertainties are as much wider, with a warning.
+///
+/// # Errors
+/// [`RecordedError::Readings`] for frames of another size, under-exposed or saturated, of another layout or in other
+/// colours, for a camera that the frame at rest contradicts, and where the frames tell no press; each with its numbers.
+pub fn estimate_pictures(
+    [rest, press]: [&Frame; 2],
+    tracked: &TrackedFrames,
+    options: &PictureOptions,
+    file: Option<String>,
+) -> Result<Pictured, RecordedError> {
+    let at_rest = |message: String| failure(rest, message);
+    let of_study = |error: PlanError| at_rest(format!("{}: {}", error.path, error.message));
+    let camera = camera_of(&options.press).map_err(of_study)?;
+    usable(rest, camera).map_err(at_rest)?;
+    usable(press, camera).map_err(|message| failure(press, message))?;
+    let meant = Meant::of(&options.press, camera).map_err(of_study)?;
+    let seen = SeenAtRest::of(&meant, &tracked.found[0], options.unit()).map_err(at_rest)?;
+    let known = KnownCamera::of(&meant, options, rest)?;
+    let doubt = known.doubt(&seen.camera, rest)?;
+    let plan = PicturePlan {
+        estimator: &options.press.estimator,
+        model: &options.press.model,
+        sphere: &meant.sphere,
+        markers: &meant.markers,
+        optics: &meant.seen_from(&known.stand).map_err(of_study)?,
+        stds: known.stds,
+        told: known.told.clone(),
+        layer: &Body::bonded_layer,
+    };
+    let fit = plan.fit().map_err(of_study)?;
+    let fit = fit.ok_or_else(|| at_rest("the estimator takes no pictures".to_owned()))?;
+    let matched = Matched::of(&seen, tracked);
+    let scene = Scene {
+        frames: [rest, press],
+        options,
+        meant: &meant,
+        matched: &matched,
+    };
+    let wording = wording(file.is_some());
+    let measured = scene.indentation(wording);
+    let indentation = measured.as_ref().map(|(indentation, _)| *indentation);
+    let refused = |error: PressError| scene.refused(&error, wording);
+    let widened = Widened::of(fit, &seen.seen, matched.pressed(tracked), indentation);
+    let widened = widened.map_err(refused)?;
+    let moved = scene.moved(&widened).map_err(refused)?;
+    let sensed = scene.sensed(tracked, &moved, file)?;
+    let contradiction =
+        indentation.and_then(|told| stated::contradiction(widened.alone(), told, scene.unit()));
+    let missing = seen.missing.into_iter();
+    let warnings = missing
+        .chain(doubt)
+        .chain(widened.warnings(scene.frames))
+        .chain(contradiction)
+        .chain(measured.and_then(|(_, warning)| warning))
+        .collect();
+    let object = scene.object(&widened.estimate, &moved, warnings, &sensed)?;
+    Ok(Pictured {
+        press: sensed.pressed_by(object),
+        sensed,
+    })
+}
+
+fn failure(frame: &Frame, message: String) -> RecordedError {
+    RecordedError::Readings {
+        file: frame.file.clone(),
+        message,
+    }
+}
+
+/// Markers of a layout, matched with those that were tracked.
+struct Matched {
+    /// Track of each marker of the layout, by its number.
+    tracks: Vec<Option<usize>>,
+    /// Markers of the layout that were found again, in the order of their tracks.
+    rows: Vec<usize>,
+}
+
+impl Matched {
+    fn of(at_rest: &SeenAtRest, tracked: &TrackedFrames) -> Self {
+        let found = &tracked.found[0];
+        let pictures: Vec<_> = found
+            .markers
+            .iter()
+            .zip(&found.errors)
+            .map(|(marker, errors)| seen_of(marker, errors).picture)
+            .collect();
+        // The tracks begin with those of the markers at rest, in their order.
+        let track = |picture: [f64; 4]| pictures.iter().position(|one| *one == picture);
+        let tracks: Vec<Option<usize>> = at_rest
+            .seen
+            .iter()
+            .map(|seen| track(seen.as_ref()?.picture))
+            .collect();
+        let again = |marker: &usize| {
+            let track = tracks[*marker].and_then(|track| tracked.tracks.get(track));
+            track.is_some_and(|track| track.change().is_some())
+        };
+        let mut rows: Vec<usize> = (0..tracks.len()).filter(again).collect();
+        rows.sort_by_key(|&marker| tracks[marker]);
+        Self { tracks, rows }
+    }
+
+    /// Pictures of the markers in the pressed frame.
+    fn pressed(&self, tracked: &TrackedFrames) -> Pictures {
+        let of_layout = self.tracks.iter();
+        let tracks: Vec<Option<Track>> = of_layout
+            .map(|track| tracked.tracks.get((*track)?).copied())
+            .collect();
+        let errors: Vec<Option<MarkerErrors>> = tracks
+            .iter()
+            .map(|track| errors_of(track.as_ref()?, &tracked.found[1]))
+            .collect();
+        Pictures {
+            own_rest: None,
+            pressed: pressed(&tracks, &errors),
+        }
+    }
+}
+
+/// Frames of a press, with what is known of the sensor.
+struct Scene<'a> {
+    frames: [&'a Frame; 2],
+    options: &'a PictureOptions,
+    meant: &'a Meant<'a>,
+    matched: &'a Matched,
+}
+
+impl Scene<'_> {
+    fn unit(&self) -> &'static str {
+        self.options.unit().as_str()
+    }
+
+    /// The stated indentation, and the warning that goes with it.
+    fn indentation(&self, wording: Wording) -> Option<(Measured, Option<String>)> {
+        let std = self.options.press.estimator.priors().indentation_std;
+        let value = self.options.indentation?;
+        Some(stated::indentation(value, std, self.unit(), wording))
+    }
+
+    fn refused(&self, error: &PressError, wording: Wording) -> RecordedError {
+        let [rest, pressed] = self.frames;
+        let message = match error {
+            PressError::NoContact { .. } if rest.image == pressed.image => {
+                format!("{error}: all pixels are those of {}", rest.file)
+            }
+            PressError::Undetermined { .. } if self.options.indentation.is_none() => {
+                let indentation = wording.with("indentation", "D");
+                format!("{error}; give the indentation with {indentation} if it is known")
+            }
+            _ => error.to_string(),
+        };
+        failure(pressed, explained(message, error.name()))
+    }
+
+    /// Displacements of the markers, midway between their discs: those of the press, and what their own pictures tell beyond.
+    fn moved(&self, widened: &Widened) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
+        let estimate = &widened.estimate;
+        let body = self.body()?;
+        let contact = body.press(estimate.most_likely_curvature, estimate.indentation.value)?;
+        let by_press = self.meant.markers.displacements(&contact, estimate.contact);
+        let beyond = widened.beyond()?;
+        let pairs = by_press.iter().zip(beyond);
+        Ok(pairs
+            .map(|(by_press, beyond)| {
+                let beyond = beyond?;
+                Some(MarkerDisplacement {
+                    normal: by_press.normal + beyond.normal,
+                    tangential: [0, 1]
+                        .map(|axis| by_press.tangential[axis] + beyond.tangential[axis]),
+                })
+            })
+            .collect())
+    }
+
+    /// Displacements of the markers that were found again.
+    fn sensed(
+        &self,
+        tracked: &TrackedFrames,
+        moved: &[Option<MarkerDisplacement>],
+        file: Option<String>,
+    ) -> Result<Sensed, RecordedError> {
+        let radius = self.meant.sphere.radius;
+        let rows = self.matched.rows.iter();
+        let displaced: Vec<Displaced> = rows
+            .filter_map(|&marker| {
+                let moved = moved[marker]?;
+                Some(Displaced {
+                    place: self.meant.places[marker].map(|along| along / radius),
+                    tangential: moved.tangential,
+                    normal: moved.normal,
+                })
+            })
+            .collect();
+        Sensed::of(tracked, &displaced, (radius, self.options.unit()), file)
+    }
+
+    fn object(
+        &self,
+        estimate: &PressEstimate,
+        moved: &[Option<MarkerDisplacement>],
+        mut warnings: Vec<String>,
+        sensed: &Sensed,
+    ) -> Result<PressedObject, RecordedError> {
+        let rows = self.matched.rows.iter().copied();
+        let rows: Vec<usize> = rows.filter(|&marker| moved[marker].is_some()).collect();
+        let row = |marker: &usize| rows.iter().position(|one| one == marker);
+        let wrong_markers: Vec<Row> = estimate
+            .wrong_markers
+            .iter()
+            .filter_map(row)
+            .map(|at| sensed.row(at))
+            .collect();
+        let distances = self.meant.markers.subset(&rows).distances(estimate.contact);
+        warnings.extend(stated::left_out(
+            &wrong_markers,
+            &distances,
+            estimate.contact_radius.value,
+            self.options.indentation.is_some(),
+        ));
+        let press = &self.options.press;
+        warnings.extend(too_large(
+            estimate,
+            self.meant.sphere.radius,
+            self.options.thickness().is_some(),
+        ));
+        let body = self.body();
+        let wording = sensed.wording();
+        let stresses = body
+            .and_then(|body| {
+                let young = self.options.young;
+                force_and_pressure(&body, estimate, young, (self.options.unit(), wording))
+            })
+            .map_err(|error| self.refused(&error, wording))?;
+        Ok(PressedObject::of(
+            estimate,
+            Described {
+                format_version: FORMAT_VERSION,
+                method: press.estimator.name(),
+                c: None,
+                markers: rows.len(),
+                with_tangential: true,
+                unit: self.options.unit(),
+                stresses,
+                wrong_markers,
+                doubts: Vec::new(),
+                warnings,
+            },
+        ))
+    }
+
+    /// Body that bears the press, as its surface does.
+    fn body(&self) -> Result<Body, PressError> {
+        let depth = self.meant.sphere.marker_depth;
+        match self.options.thickness() {
+            Some(thickness) => Body::solved_layer(thickness, depth),
+            None => Body::half_space(self.options.poisson(), depth),
+        }
+    }
+}

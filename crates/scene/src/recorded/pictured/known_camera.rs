@@ -1,0 +1,216 @@
+//! The camera that a fit of frames takes for known.
+
+use nalgebra::{DMatrix, DVector};
+use palpate_chromatouch::Departure;
+use palpate_number::Number;
+use palpate_press::Told;
+
+use super::super::camera_rest::{CAMERA, Meant, RestCamera, Stand};
+use super::super::error::RecordedError;
+use super::super::tracked::Frame;
+use super::options::PictureOptions;
+use crate::press::sensor_stds;
+
+/// Standard deviations by which a number of the camera may differ from that which the frame at rest shows.
+const CONTRADICTED: f64 = 6.0;
+/// Chi-squared of all nine numbers together past which the camera is doubtful: chance brings one in 10,000.
+const DOUBTFUL: f64 = 33.7;
+/// Standard deviations, in those that a camera is known to before any frame, to which it must be known after one.
+const VAGUE: f64 = 10.0;
+/// Names of the camera's numbers and their units, but for lengths.
+const NAMES: [(&str, Option<&str>); 9] = [
+    ("centre_px[0]", Some("px")),
+    ("centre_px[1]", Some("px")),
+    ("px_per_rad", Some("px")),
+    ("place[0]", None),
+    ("place[1]", None),
+    ("place[2]", None),
+    ("turn_deg[0]", Some("deg")),
+    ("turn_deg[1]", Some("deg")),
+    ("turn_deg[2]", Some("deg")),
+];
+
+/// A camera, as far as it is known.
+pub(super) struct KnownCamera<'a> {
+    pub(super) stand: Stand,
+    /// Standard deviations of departures of the sensor.
+    pub(super) stds: [f64; Departure::NUMBERS],
+    /// Departures of the camera whose joint covariance a calibration tells.
+    pub(super) told: Option<Told>,
+    /// The file that tells the camera; `None` of a study.
+    file: Option<&'a str>,
+    unit: &'static str,
+}
+
+impl<'a> KnownCamera<'a> {
+    /// The camera of a calibration, else that of the study.
+    pub(super) fn of(
+        meant: &Meant<'_>,
+        options: &'a PictureOptions,
+        rest: &Frame,
+    ) -> Result<Self, RecordedError> {
+        let fail = |file: &str, message: String| RecordedError::Readings {
+            file: file.to_owned(),
+            message,
+        };
+        let unit = options.unit();
+        let Some((file, camera)) = &options.camera else {
+            let stand = meant.stand();
+            let of_study = options.press.noise.sensor.as_ref();
+            return Ok(Self {
+                stand: stand.map_err(|error| {
+                    fail(&rest.file, format!("{}: {}", error.path, error.message))
+                })?,
+                stds: of_study.map_or([0.0; Departure::NUMBERS], sensor_stds),
+                told: None,
+                file: None,
+                unit: unit.as_str(),
+            });
+        };
+        if camera.length_unit != unit {
+            return Err(fail(
+                file,
+                format!(
+                    "`length_unit` is {}; it must be that of the other lengths, {}",
+                    camera.length_unit.as_str(),
+                    unit.as_str()
+                ),
+            ));
+        }
+        let covariance = camera.covariance();
+        let mut stds = meant.stds;
+        let scales = scales(camera);
+        for (entry, number) in CAMERA.enumerate() {
+            let (std, most) = (covariance[(entry, entry)].sqrt(), VAGUE * stds[number]);
+            if std > most {
+                let [std, most] = [std, most].map(|std| Number::rounded(std * scales[entry]));
+                let (name, of_number) = NAMES[entry];
+                let of_number = of_number.unwrap_or(unit.as_str());
+                return Err(fail(
+                    file,
+                    format!(
+                        "`{name}` has a standard deviation of {std} {of_number}; it must be at most {most}"
+                    ),
+                ));
+            }
+            stds[number] = std;
+        }
+        Ok(Self {
+            stand: stand_of(camera),
+            stds,
+            told: Some(Told {
+                numbers: CAMERA.collect(),
+                covariance,
+            }),
+            file: Some(file),
+            unit: unit.as_str(),
+        })
+    }
+
+    /// Doubt about the camera where a frame at rest shows another one.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] where it contradicts the frame, with the number that does and what it should be.
+    pub(super) fn doubt(
+        &self,
+        shown: &RestCamera,
+        rest: &Frame,
+    ) -> Result<Option<String>, RecordedError> {
+        let (here, there) = (numbers(&self.stand), numbers(&stand_of(shown)));
+        let scales = scales(shown);
+        let [own, seen] = [self.covariance(), shown.covariance()];
+        let std = |covariance: &DMatrix<f64>, entry: usize| {
+            covariance[(entry, entry)].sqrt() * scales[entry]
+        };
+        let pull = |entry: usize| {
+            let std = libm::hypot(std(&own, entry), std(&seen, entry));
+            ((here[entry] - there[entry]) / std).abs()
+        };
+        let worst = (0..NAMES.len()).max_by(|one, other| pull(*one).total_cmp(&pull(*other)));
+        let worst = worst.unwrap_or(0);
+        let (name, unit) = NAMES[worst];
+        let unit = unit.unwrap_or(self.unit);
+        let told = |value: f64, std: f64| {
+            let value = Number::rounded(value);
+            match std > 0.0 {
+                true => format!("{value} +- {} {unit}", Number::rounded(std)),
+                false => format!("{value} {unit}"),
+            }
+        };
+        let difference = format!(
+            "{} is {}, but {} shows {}",
+            match self.file {
+                Some(_) => format!("`{name}`"),
+                None => format!("`scene.sensor` has a camera whose {name}"),
+            },
+            told(here[worst], std(&own, worst)),
+            rest.file,
+            told(there[worst], std(&seen, worst))
+        );
+        let remedy = "calibrate the camera with this frame by `palpate sensor calibrate --rest`";
+        if pull(worst) > CONTRADICTED {
+            return Err(RecordedError::Readings {
+                file: self.file.unwrap_or(&rest.file).to_owned(),
+                message: format!("contradicts the frame at rest: {difference}; {remedy}"),
+            });
+        }
+        let apart = DVector::from_fn(NAMES.len(), |entry, _| {
+            (here[entry] - there[entry]) / scales[entry]
+        });
+        let both = own + seen;
+        let square = both
+            .cholesky()
+            .map(|factor| apart.dot(&factor.solve(&apart)));
+        let is_doubtful = square.is_some_and(|square| square > DOUBTFUL);
+        Ok(is_doubtful.then(|| {
+            format!(
+                "the camera is not the one that {} shows, most of all: {difference}; {remedy}",
+                rest.file
+            )
+        }))
+    }
+
+    /// Covariance of departures of the camera.
+    fn covariance(&self) -> DMatrix<f64> {
+        match &self.told {
+            Some(told) => told.covariance.clone(),
+            None => DMatrix::from_fn(NAMES.len(), NAMES.len(), |row, column| {
+                match row == column {
+                    true => self.stds[CAMERA.start + row] * self.stds[CAMERA.start + row],
+                    false => 0.0,
+                }
+            }),
+        }
+    }
+}
+
+fn stand_of(camera: &RestCamera) -> Stand {
+    Stand {
+        centre_px: camera.centre_px,
+        px_per_rad: camera.px_per_rad,
+        place: camera.place,
+        turn_deg: camera.turn_deg,
+    }
+}
+
+/// Numbers of a camera in the order of [`NAMES`].
+fn numbers(stand: &Stand) -> [f64; 9] {
+    let ([x, y], [a, b, c], [d, e, f]) = (stand.centre_px, stand.place, stand.turn_deg);
+    [x, y, stand.px_per_rad, a, b, c, d, e, f]
+}
+
+/// What these numbers are of departures: of a share of px per rad, and of rad.
+fn scales(camera: &RestCamera) -> [f64; 9] {
+    let degree = 1.0_f64.to_degrees();
+    [
+        1.0,
+        1.0,
+        camera.px_per_rad,
+        1.0,
+        1.0,
+        1.0,
+        degree,
+        degree,
+        degree,
+    ]
+}

@@ -1,0 +1,104 @@
+//! Fit of pictures whose errors are as large as the markers scatter.
+
+use palpate_number::Number;
+use palpate_press::{ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate, Seen};
+
+use super::super::camera_rest::{CONTRADICTED, DOUBTED};
+use super::super::tracked::Frame;
+use crate::press::{PictureLaw, PictureMethod, Pictures};
+
+/// An estimate, and what it is an estimate from.
+pub(super) struct Widened {
+    method: PictureMethod,
+    pictures: Pictures,
+    pub(super) estimate: PressEstimate,
+    /// Standard deviations of scatter at rest and pressed, in those of the errors that are stated; 1 where these explain it.
+    scatter: [f64; 2],
+}
+
+impl Widened {
+    /// The estimate from markers at rest and pressed, with errors that explain how they scatter.
+    pub(super) fn of(
+        fit: ImageFit<PictureLaw>,
+        rest: &[Option<Seen>],
+        mut pictures: Pictures,
+        indentation: Option<Measured>,
+    ) -> Result<Self, PressError> {
+        let mut method = PictureMethod::new(fit.clone(), rest.to_vec());
+        let at_rest = method.rest()?;
+        let at_rest = scatter(at_rest.chi_squared / at_rest.freedom.max(1) as f64);
+        if at_rest > 1.0 {
+            let mut rest = rest.to_vec();
+            widen(&mut rest, at_rest);
+            widen(&mut pictures.pressed, at_rest);
+            method = PictureMethod::new(fit, rest);
+        }
+        let mut estimate = method.estimate(&pictures, indentation)?;
+        let pressed = scatter(estimate.reduced_chi_squared);
+        if pressed > 1.0 {
+            widen(&mut pictures.pressed, pressed);
+            estimate = method.estimate(&pictures, indentation)?;
+        }
+        Ok(Self {
+            method,
+            pictures,
+            estimate,
+            scatter: [at_rest, at_rest * pressed],
+        })
+    }
+
+    /// The estimate from the same pictures without an indentation.
+    pub(super) fn alone(&self) -> Result<PressEstimate, PressError> {
+        self.method.estimate(&self.pictures, None)
+    }
+
+    /// Displacements of the markers beyond those of the press, as their pictures tell them.
+    pub(super) fn beyond(&self) -> Result<Vec<Option<MarkerDisplacement>>, PressError> {
+        self.method.beyond(&self.pictures, &self.estimate)
+    }
+
+    /// Warnings of errors that are wider than those that are stated.
+    pub(super) fn warnings(&self, frames: [&Frame; 2]) -> Vec<String> {
+        let [at_rest, pressed] = self.scatter;
+        let warning = |scatter: f64, frame: &Frame, cause: &str| {
+            (scatter > 1.0).then(|| {
+                let doubt = match scatter * scatter > CONTRADICTED {
+                    true => ", and the curvature is not to be trusted",
+                    false => "",
+                };
+                format!(
+                    "the markers of {} scatter {} times as much as the frame's noise explains; uncertainties are as much wider{doubt}: {cause}",
+                    frame.file,
+                    Number::rounded(scatter)
+                )
+            })
+        };
+        let [rest, press] = frames;
+        let of_rest = warning(
+            at_rest,
+            rest,
+            "are the camera and the discs those of the sensor?",
+        );
+        let of_press = warning(
+            if pressed > at_rest { pressed } else { 1.0 },
+            press,
+            "are the body and the indentation those of the sensor?",
+        );
+        of_rest.into_iter().chain(of_press).collect()
+    }
+}
+
+/// Root of a reduced chi-squared that is no chance; 1 of others.
+fn scatter(reduced: f64) -> f64 {
+    if reduced > DOUBTED {
+        reduced.sqrt()
+    } else {
+        1.0
+    }
+}
+
+fn widen(seen: &mut [Option<Seen>], scatter: f64) {
+    for seen in seen.iter_mut().flatten() {
+        seen.covariance *= scatter * scatter;
+    }
+}
