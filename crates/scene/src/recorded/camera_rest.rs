@@ -12,14 +12,18 @@ use super::error::RecordedError;
 use super::tracked::{Frame, find};
 use crate::plan::PlanError;
 use matched::Matched;
-use meant::Meant;
+use meant::{Meant, TERMS_BEFORE};
 
 /// Lowest level of the ground's green, of 255, that markers are measured on, and largest share of it at full scale.
 const DARKEST: u8 = 40;
 const MOST_SATURATED: f64 = 0.5;
+/// Largest standard deviation of an odd term that a frame determines, as a share of that which is known beforehand.
+const DETERMINED: f64 = 0.5;
 
 /// The camera that shows the markers of a study's sensor so at rest. The study is of a press by a camera: its first cell
-/// states layout, discs, the frame's size and where the camera is meant to be.
+/// states layout, discs, the frame's size, the lens and where the camera is meant to be. Odd terms of the lens are fitted as
+/// far as the frame determines them, k3 before k5: to half of what fisheyes differ by, or better; else they stay those of the
+/// study.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] for a study that has no camera, a frame of another size, without the layout's markers, in
@@ -42,10 +46,27 @@ pub fn calibrate_camera(rest: &Frame, study: &Study) -> Result<RestCamera, Recor
     exposed(rest).map_err(fail)?;
     let found = find(rest)?;
     let optics = meant.optics(&found).map_err(of_study)?;
-    let (matched, optics) = Matched::of(&meant, optics, &found).map_err(fail)?;
-    matched
-        .camera(&meant, &optics, study.config.length_unit)
-        .map_err(fail)
+    let told = |unknown: usize| {
+        let meant = meant.with_terms(unknown);
+        let (matched, optics) = Matched::of(&meant, optics.clone(), &found)?;
+        matched.camera(&meant, &optics, study.config.length_unit)
+    };
+    // As many odd terms of the lens as the frame determines.
+    for unknown in (1..=TERMS_BEFORE.len()).rev() {
+        if let Ok(camera) = told(unknown)
+            && is_determined(&camera)
+        {
+            return Ok(camera);
+        }
+    }
+    told(0).map_err(fail)
+}
+
+/// Whether a frame tells the odd terms that were fitted to it.
+fn is_determined(camera: &RestCamera) -> bool {
+    let stds = [camera.k3_std, camera.k5_std].into_iter().zip(TERMS_BEFORE);
+    let mut fitted = stds.filter_map(|(std, before)| Some((std?, before)));
+    fitted.all(|(std, before)| std <= DETERMINED * before)
 }
 
 fn sensor(study: &Study) -> Result<(&PressConfig, &CameraConfig), PlanError> {

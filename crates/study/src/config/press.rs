@@ -3,6 +3,7 @@
 mod camera;
 mod estimator;
 mod layout;
+mod zero;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 pub use camera::{CalibrationConfig, CameraConfig, NormalFrom, ShownMarkers};
 pub use estimator::{Baseline, Indentation, NoiseKnown, PressEstimatorConfig, PressPriors};
 pub use layout::{LayoutConfig, LayoutTable, NamedLayout};
+use zero::is_zero;
 
 /// A sensor is pressed onto an object, and the object's curvature is estimated from how its markers move.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

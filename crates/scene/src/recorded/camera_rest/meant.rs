@@ -1,6 +1,8 @@
 //! The sensor that a study states, as a frame at rest is held against it.
 
-use palpate_chromatouch::{Blemishes, Camera, Colours, Departure, Lens, Optics, OpticsError, Pose};
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, Departure, Lens, OddTerms, Optics, OpticsError, Pose,
+};
 use palpate_press::{Body, ImageFit, Markers, Skin};
 use palpate_study::config::{CameraConfig, PressConfig, SensorNoise};
 use palpate_tracking::Found;
@@ -12,10 +14,16 @@ use crate::press::{PictureLaw, sensor_stds};
 /// Standard deviations to which a camera is known beforehand: of the image's centre, px; of pixels per radian, a share; of
 /// its place, a share of the sensor's radius; of its turn, degrees.
 const BEFORE: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
+/// Standard deviations to which the odd terms of a lens are known beforehand, k3 and k5: the projections that fisheyes are made
+/// to, from orthographic to stereographic, lie within two.
+pub(super) const TERMS_BEFORE: [f64; 2] = [0.1, 0.05];
+/// Numbers of a departure that are the odd terms.
+pub(super) const TERMS: [usize; 2] = [19, 20];
 /// Standard deviations to which discs are known where the study does not say it: depth, a share of the sensor's radius; diameter and colours,
 /// shares.
 const OF_DISCS: [f64; 3] = [0.002, 0.02, 0.03];
 /// The sensor as it is meant to be.
+#[derive(Clone)]
 pub(super) struct Meant<'a> {
     sphere: MarkerSphere<'a>,
     camera: &'a CameraConfig,
@@ -63,11 +71,27 @@ impl<'a> Meant<'a> {
         })
     }
 
+    /// This sensor with the first so many odd terms of its lens unknown.
+    pub(super) fn with_terms(&self, unknown: usize) -> Self {
+        let mut other = self.clone();
+        for (number, std) in TERMS.into_iter().zip(TERMS_BEFORE).take(unknown) {
+            other.stds[number] = std;
+        }
+        other
+    }
+
+    /// Whether the odd terms of the lens are known.
+    pub(super) fn knows_lens(&self) -> bool {
+        TERMS.iter().all(|&number| self.stds[number] == 0.0)
+    }
+
     /// Optics with the middle of the image where the frame has it.
     pub(super) fn optics(&self, found: &Found) -> Result<Optics, PlanError> {
         let CameraConfig {
             size_px,
             field_deg,
+            k3,
+            k5,
             place,
             turn_deg,
             ..
@@ -75,7 +99,7 @@ impl<'a> Meant<'a> {
         let middle = 0.5 * (f64::from(size_px) - 1.0);
         let offset = found.mask.centre_px.map(|centre| centre - middle);
         let made = || -> Result<Optics, OpticsError> {
-            let camera = Camera::new(Lens::Fisheye, size_px, field_deg)?;
+            let camera = Camera::new(Lens::fisheye(OddTerms { k3, k5 }), size_px, field_deg)?;
             let camera = camera.adjusted(offset, camera.px_per_rad())?;
             let array = self
                 .sphere
