@@ -31,6 +31,7 @@ fn motions() -> Vec<Option<MarkerMotion>> {
     let disc = |normal, along| DiscMotion {
         normal,
         tangential: [along, -0.5 * along],
+        ..DiscMotion::default()
     };
     let motion = |marker: i32| MarkerMotion {
         magenta: disc(0.4 / f64::from(1 + marker), 0.05),

@@ -8,6 +8,7 @@ mod departed;
 mod departure;
 mod error;
 mod lens;
+mod odd_terms;
 mod overlap;
 mod pose;
 mod projected;
@@ -21,6 +22,7 @@ pub use colours::Colours;
 pub use departure::Departure;
 pub use error::OpticsError;
 pub use lens::Lens;
+pub use odd_terms::OddTerms;
 pub use pose::Pose;
 
 use array::MarkerSight;

@@ -16,6 +16,7 @@ mod regimes;
 mod roll_length;
 mod second_fit;
 mod shape_classes;
+mod slopes;
 mod straight_line;
 mod turned_cylinder;
 mod wrist;
@@ -75,7 +76,7 @@ struct Claim {
     judge: fn(&Study) -> Result<Finding, String>,
 }
 
-const CLAIMS: [Claim; 21] = [
+const CLAIMS: [Claim; 22] = [
     Claim {
         number: 1,
         paper_says: "The error for a given noise in angular velocity grows as the relative curvature falls, dramatically from R₂ of about 50 R₁ up.",
@@ -180,6 +181,11 @@ const CLAIMS: [Claim; 21] = [
         number: 21,
         paper_says: "A wrist sensor's contact error of 0.54 mm (2.7 % of a probe of R₁ = 10 mm across) acts like pads of that size.",
         judge: wrist::acts_like_pads,
+    },
+    Claim {
+        number: 22,
+        paper_says: "A marker's hue changes by 0.0258 turns per millimetre of indentation, its centroid by 7.0 px per millimetre of shift, in frames of 265 px.",
+        judge: slopes::are_the_published,
     },
 ];
 

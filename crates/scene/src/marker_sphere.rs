@@ -98,6 +98,11 @@ impl<'a> MarkerSphere<'a> {
         Ok(0.5 * most / (self.radius - depths.yellow))
     }
 
+    /// Share of the skin's strain that the discs take part in.
+    pub(crate) fn strain(&self) -> f64 {
+        self.discs.map_or(0.0, |discs| discs.strain)
+    }
+
     /// Markers at these places, as they are meant to be.
     pub(crate) fn array(&self, places: &[[f64; 2]]) -> Result<MarkerArray, PlanError> {
         let (diameters, depths) = (self.diameters()?, self.disc_depths()?);

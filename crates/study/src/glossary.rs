@@ -153,6 +153,7 @@ subjects! {
         "off-markers": "The contact that would explain the readings lies away from all markers.";
     }
     "Failures of cameras and frames" {
+        "folded-lens": "With its odd terms the lens would show angles within its field twice.";
         "bad-depth": "A disc of a marker would lie outside the skin, or at the sensor's centre.";
         "off-the-skin": "A marker would lie half a turn or more from the apex.";
         "too-many-markers": "More markers than can be worked with.";

@@ -2,9 +2,11 @@
 
 use nalgebra::Vector3;
 
+use crate::odd_terms::OddTerms;
 use crate::{CalibrationError, Change, Marker, Track};
 
-/// An equidistant fisheye, r = f θ, in the centre of a spherical sensor, looking at its apex.
+/// An equidistant fisheye, r = f θ, in the centre of a spherical sensor, looking at its apex; with odd terms,
+/// r = f (θ + k3 θ³ + k5 θ⁵).
 ///
 /// Places are directions from the centre, given as their logarithm map from the apex in radians: √(x² + y²) is the
 /// angle from the apex, (x, y) the way there. The picture's columns count along x, its rows against y. Displacements of
@@ -27,6 +29,8 @@ use crate::{CalibrationError, Change, Marker, Track};
 pub struct Equidistant {
     centre_px: [f64; 2],
     px_per_rad: f64,
+    /// Odd terms beyond r = f θ, if there are any.
+    terms: Option<OddTerms>,
 }
 
 impl Equidistant {
@@ -54,6 +58,7 @@ impl Equidistant {
             None if (1e-6..=1e12).contains(&px_per_rad) => Ok(Self {
                 centre_px,
                 px_per_rad,
+                terms: None,
             }),
             None => bad(
                 "the camera's px per rad",
@@ -63,12 +68,35 @@ impl Equidistant {
         }
     }
 
+    /// This camera with odd terms, r = f (θ + k3 θ³ + k5 θ⁵). Points that lie beyond the angles up to which r grows are no
+    /// places.
+    ///
+    /// # Errors
+    /// [`CalibrationError::OutOfRange`] unless `k3` and `k5` lie between -100 and 100.
+    pub fn with_odd_terms(self, [k3, k5]: [f64; 2]) -> Result<Self, CalibrationError> {
+        for (what, value) in [("the lens's k3", k3), ("the lens's k5", k5)] {
+            let is_good = value.abs() <= 100.0;
+            if !is_good {
+                return Err(CalibrationError::OutOfRange {
+                    what,
+                    value,
+                    needed: "between -100 and 100",
+                });
+            }
+        }
+        let terms = Some([k3, k5]).filter(|terms| *terms != [0.0; 2]);
+        Ok(Self {
+            terms: terms.map(|[k3, k5]| OddTerms::new(k3, k5)),
+            ..self
+        })
+    }
+
     /// Place in the picture at which the apex is seen, px.
     pub const fn centre_px(&self) -> [f64; 2] {
         self.centre_px
     }
 
-    /// Scale f of r = f θ, px per radian.
+    /// Scale f of r = f θ, px per radian; with odd terms that of the picture's middle.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }
@@ -83,7 +111,14 @@ impl Equidistant {
             (point_px[0] - self.centre_px[0]) / self.px_per_rad,
             (self.centre_px[1] - point_px[1]) / self.px_per_rad,
         ];
-        libm::hypot(place[0], place[1]).is_finite().then_some(place)
+        let scaled = libm::hypot(place[0], place[1]);
+        match self.terms {
+            Some(terms) if scaled > 0.0 => {
+                let angle = terms.angle(scaled)?;
+                Some(place.map(|part| part * (angle / scaled)))
+            }
+            _ => scaled.is_finite().then_some(place),
+        }
     }
 
     /// How far a place moved along the sphere, rad along the axes at rest.
@@ -102,10 +137,14 @@ impl Equidistant {
     pub fn change(&self, track: &Track) -> Option<Change> {
         let (rest, pressed) = (track.rest?, track.pressed?);
         let change = track.change()?;
+        let is_place = |marker: &Marker| self.finite_place(marker.centroid_px).is_some();
+        if self.terms.is_some() && !(is_place(&rest) && is_place(&pressed)) {
+            return None;
+        }
         let shift = self.shift(rest.centroid_px, pressed.centroid_px);
         let stretched = |marker: &Marker| {
             let [x, y] = self.place(marker.centroid_px);
-            libm::log(stretching(libm::hypot(x, y)))
+            libm::log(self.stretching(libm::hypot(x, y)))
         };
         let change = Change {
             shift_px: shift.map(|angle| self.px_per_rad * angle),
@@ -113,6 +152,14 @@ impl Equidistant {
             ..change
         };
         Some(change).filter(Change::is_finite)
+    }
+}
+
+impl Equidistant {
+    /// Factor by which the picture enlarges areas this far from its middle, against those in its middle.
+    fn stretching(&self, angle: f64) -> f64 {
+        let [even, slope] = self.terms.map_or([1.0; 2], |terms| terms.stretches(angle));
+        stretching(angle) * (even * slope)
     }
 }
 
@@ -192,6 +239,38 @@ mod tests {
             1e-3 / 230.0 * libm::sin(1.0_f64),
             max_relative = 1e-6
         );
+    }
+
+    #[test]
+    fn odd_terms_come_back() {
+        for [k3, k5] in [[0.05, -0.02], [-0.2, 0.03], [-0.04, 0.0], [0.0, 0.1]] {
+            let camera = camera().with_odd_terms([k3, k5]).expect("terms in range");
+            for step in 0..=50 {
+                let angle = 0.02 * f64::from(step);
+                let radius = 230.0 * (angle + k3 * angle.powi(3) + k5 * angle.powi(5));
+                let (up, along) = libm::sincos(0.3 * f64::from(step));
+                let place = camera.place([319.5 + radius * along, 319.5 - radius * up]);
+                assert_relative_eq!(place[0], angle * along, epsilon = 1e-12);
+                assert_relative_eq!(place[1], angle * up, epsilon = 1e-12);
+                // The picture's area over that of the sphere, by a difference along the radius.
+                let more = 1e-6;
+                let seen = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
+                if angle > 0.0 {
+                    let slope = (seen(angle + more) - seen(angle - more)) / (2.0 * more);
+                    let area = slope * seen(angle) / libm::sin(angle);
+                    assert_relative_eq!(camera.stretching(angle), area, max_relative = 1e-9);
+                }
+            }
+        }
+        assert_eq!(camera().with_odd_terms([0.0; 2]).expect("none"), camera());
+        assert!(camera().with_odd_terms([f64::NAN, 0.0]).is_err());
+        assert!(camera().with_odd_terms([0.0, 1e9]).is_err());
+        // 1 − 3 θ² ends at 0.574 rad, seen 0.385 f from the middle: beyond, there is no place.
+        let folded = camera()
+            .with_odd_terms([-1.0, 0.0])
+            .expect("terms in range");
+        assert_eq!(folded.place([319.5 + 230.0 * 0.4, 319.5]), [0.0; 2]);
+        assert!(folded.place([319.5 + 230.0 * 0.38, 319.5])[0] > 0.5);
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod lighting;
 mod marker;
 mod matching;
 mod measure;
+mod odd_terms;
 mod opening;
 mod rim;
 mod selection;

@@ -45,6 +45,7 @@ pub fn motions() -> Vec<Option<MarkerMotion>> {
     let disc = |normal, along| DiscMotion {
         normal,
         tangential: [along, -0.5 * along],
+        ..DiscMotion::default()
     };
     let motion = |marker: i32| MarkerMotion {
         magenta: disc(0.4 / f64::from(1 + marker), 0.05),

@@ -34,6 +34,8 @@ pub struct DiscMotion {
     /// Displacement along the skin: the disc's arc around the centre, length, in the axes of the apex carried along
     /// the meridian to the marker's place.
     pub tangential: [f64; 2],
+    /// Share by which the disc is wider than at rest, as one that the skin strains; it stays a circle.
+    pub stretch: f64,
 }
 
 /// Displacements of the two discs of a marker in a press; 0 by default.
@@ -309,21 +311,34 @@ impl Layer {
         if !beside {
             return Err(libm::hypot(motion.tangential[0], motion.tangential[1]));
         }
+        let half_width = self.stretched(motion)?;
         let (x, y) = (x + offset[0], y + offset[1]);
         // Exponential map from the marker's place.
         let (sinc, cosine) = sinc_and_cosine(x * x + y * y);
         let along = stand.x_axis * (x * sinc) + stand.y_axis * (y * sinc);
         let distance = 1.0 - inward;
-        let slant = (distance * distance + self.half_width * self.half_width).sqrt();
+        let slant = (distance * distance + half_width * half_width).sqrt();
         Ok(Sight {
             direction: stand.direction * cosine + along,
-            sine: self.half_width / slant,
+            sine: half_width / slant,
             cosine: distance / slant,
         })
     }
 }
 
 impl Layer {
+    /// Radius of a disc after a motion, over the disc's distance from the centre at rest. The error is how far the edge of one
+    /// that cannot be would move.
+    #[inline]
+    fn stretched(&self, motion: &DiscMotion) -> Result<f64, f64> {
+        let is_disc = motion.stretch.abs() < 1.0;
+        if is_disc {
+            Ok(self.half_width * (1.0 + motion.stretch))
+        } else {
+            Err(motion.stretch * self.half_width * self.distance)
+        }
+    }
+
     /// A disc that is seen so from the sensor's centre, seen from a camera elsewhere: the circular cap of the same solid
     /// angle, to first order in it. The error is the motion that cannot be: one that takes the disc behind the camera.
     fn seen_beside(&self, sight: &Sight, motion: &DiscMotion, pose: &Pose) -> Result<Sight, f64> {
@@ -336,7 +351,7 @@ impl Layer {
         if !is_before {
             return Err(motion.normal);
         }
-        let tangent = self.half_width * self.distance * facing.sqrt() / distance;
+        let tangent = self.stretched(motion)? * self.distance * facing.sqrt() / distance;
         let slant = (1.0 + tangent * tangent).sqrt();
         Ok(Sight {
             direction: pose.turned(&(ray / distance)),

@@ -4,9 +4,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{UnitVector3, Vector3};
 
-use super::OpticsError;
 use super::lens::{Lens, Local, cap};
 use super::sines::sinc_and_cosine;
+use super::{OddTerms, OpticsError};
 
 /// Largest number of pixels along a side of a frame.
 pub const LARGEST_FRAME: u32 = 8192;
@@ -58,18 +58,20 @@ impl Camera {
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `size_px` unless it is from 1 to [`LARGEST_FRAME`], and for `field_deg` unless
-    /// it is at least 1e-6 and at most 180, or less than 90 through a pinhole.
+    /// it is at least 1e-6 and at most 180, or less than 90 through a pinhole; for `k3` and `k5` unless each is from -100
+    /// to 100. [`OpticsError::FoldedLens`] where with these the image turns back within the field.
     pub fn new(lens: Lens, size_px: u32, field_deg: f64) -> Result<Self, OpticsError> {
         let good = (1..=LARGEST_FRAME).contains(&size_px);
         OpticsError::unless(good, "size_px", f64::from(size_px), "from 1 to 8192")?;
         let (good, expected) = match lens {
-            Lens::Fisheye => (field_deg <= 180.0, "from 1e-6 to 180"),
+            Lens::Fisheye | Lens::Odd(_) => (field_deg <= 180.0, "from 1e-6 to 180"),
             Lens::Pinhole => (field_deg <= 89.9999, "from 1e-6 to 89.9999"),
         };
         OpticsError::unless(good && field_deg >= 1e-6, "field_deg", field_deg, expected)?;
         let rim_rad = field_deg.to_radians();
         let rim = match lens {
             Lens::Fisheye => rim_rad,
+            Lens::Odd(terms) => terms.checked(rim_rad)?.map(rim_rad),
             Lens::Pinhole => libm::tan(rim_rad),
         };
         Ok(Self {
@@ -96,6 +98,18 @@ impl Camera {
         let rim = self.rim_px() / px_per_rad;
         let rim_rad = match self.lens {
             Lens::Fisheye => rim,
+            Lens::Odd(terms) => {
+                let reach = terms.checked(0.0)?.reach();
+                let is_seen = rim <= terms.map(reach);
+                let good = px_per_rad.is_finite() && is_seen;
+                OpticsError::unless(
+                    good,
+                    "px_per_rad",
+                    px_per_rad,
+                    "such that the image grows up to its rim with these k3 and k5",
+                )?;
+                terms.angle(rim, reach)
+            }
             Lens::Pinhole => libm::atan(rim),
         };
         let good = px_per_rad.is_finite() && rim_rad > 0.0 && rim_rad <= PI;
@@ -114,12 +128,38 @@ impl Camera {
         })
     }
 
+    /// This camera with other odd terms of its fisheye. The image circle and the pixels per radian at its middle stay, so
+    /// that its rim shows another angle.
+    ///
+    /// # Errors
+    /// [`OpticsError::BadSetting`] for `k3` unless the lens is a fisheye, for `k3` and `k5` unless each is from -100 to 100, and
+    /// for `px_per_rad` unless the image grows up to its rim.
+    pub fn with_odd_terms(self, terms: OddTerms) -> Result<Self, OpticsError> {
+        let is_fisheye = self.lens != Lens::Pinhole;
+        OpticsError::unless(
+            is_fisheye,
+            "k3",
+            terms.k3,
+            "of a fisheye: a pinhole has no odd terms",
+        )?;
+        let other = Self {
+            lens: Lens::fisheye(terms),
+            ..self
+        };
+        other.adjusted(self.offset_px, self.px_per_rad)
+    }
+
+    /// Lens of the camera.
+    pub const fn lens(&self) -> Lens {
+        self.lens
+    }
+
     /// Pixels along a side of the image.
     pub const fn size_px(&self) -> u32 {
         self.size_px
     }
 
-    /// Pixels per radian at the image's centre, the focal length; everywhere along the radius for a fisheye.
+    /// Pixels per radian at the image's centre, the focal length; everywhere along the radius for an equidistant fisheye.
     pub const fn px_per_rad(&self) -> f64 {
         self.px_per_rad
     }
@@ -166,6 +206,7 @@ impl Camera {
         }
         let polar = match self.lens {
             Lens::Fisheye => radius / self.px_per_rad,
+            Lens::Odd(terms) => terms.angle(radius / self.px_per_rad, self.rim_rad),
             Lens::Pinhole => libm::atan(radius / self.px_per_rad),
         };
         let (sine, cosine) = libm::sincos(polar);
@@ -200,6 +241,7 @@ impl Camera {
     pub(super) fn radius(&self, polar: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => self.px_per_rad * polar,
+            Lens::Odd(terms) => self.px_per_rad * terms.map(polar),
             Lens::Pinhole => self.px_per_rad * libm::tan(polar),
         }
     }
@@ -217,13 +259,39 @@ impl Camera {
         self.local_at(polar, libm::sincos(polar))
     }
 
-    /// Largest number of pixels per radian, in any direction, at a polar angle in the field.
+    /// Bound on the pixels per radian, in any direction, up to a polar angle in the field.
     pub(super) fn most_px_per_rad(&self, polar: f64) -> f64 {
         let (sine, cosine) = libm::sincos(polar);
         match self.lens {
             Lens::Fisheye if polar > 0.0 => self.px_per_rad * (polar / sine.max(0.0)),
             Lens::Fisheye => self.px_per_rad,
+            Lens::Odd(terms) => {
+                let around = if polar > 0.0 {
+                    polar / sine.max(0.0)
+                } else {
+                    1.0
+                };
+                self.px_per_rad * terms.most_slope(polar) * around
+            }
             Lens::Pinhole => self.px_per_rad / (cosine * cosine),
+        }
+    }
+
+    /// Bound from below on the pixels per radian, in any direction, anywhere in the field.
+    pub(super) fn least_px_per_rad(&self) -> f64 {
+        match self.lens {
+            Lens::Fisheye | Lens::Pinhole => self.px_per_rad,
+            Lens::Odd(terms) => self.px_per_rad * terms.least_slope(self.rim_rad),
+        }
+    }
+
+    /// Polar angle that is seen at a distance from the image's centre over the focal length, from its square; its square.
+    #[inline]
+    pub(super) fn polar_square(&self, square: f64) -> f64 {
+        match self.lens {
+            Lens::Fisheye => square,
+            Lens::Odd(terms) => terms.angle(square.sqrt(), self.rim_rad).powi(2),
+            Lens::Pinhole => libm::atan(square.sqrt()).powi(2),
         }
     }
 
@@ -250,6 +318,14 @@ impl Camera {
                     cosine,
                 }
             }),
+            Lens::Odd(terms) => std::array::from_fn(|step| {
+                let polar_square = self.polar_square(square(step));
+                let (sinc, cosine) = sinc_and_cosine(polar_square);
+                Ray {
+                    lateral_rad: sinc / terms.stretch(polar_square) * rad_per_px,
+                    cosine,
+                }
+            }),
             Lens::Pinhole => std::array::from_fn(|step| {
                 let cosine = 1.0 / (1.0 + square(step)).sqrt();
                 Ray {
@@ -265,6 +341,10 @@ impl Camera {
     pub(super) fn radial_rad(&self, ray: &Ray) -> f64 {
         match self.lens {
             Lens::Fisheye => 1.0 / self.px_per_rad,
+            Lens::Odd(terms) => {
+                let polar = libm::acos(ray.cosine.clamp(-1.0, 1.0));
+                1.0 / (self.px_per_rad * terms.slope(polar.min(self.rim_rad).powi(2)))
+            }
             Lens::Pinhole => ray.lateral_rad * ray.cosine,
         }
     }

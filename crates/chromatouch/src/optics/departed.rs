@@ -1,14 +1,28 @@
 //! Sensors that depart from a known one.
 
-use super::{Colours, Departure, Optics, OpticsError};
+use super::{Camera, Colours, Departure, OddTerms, Optics, OpticsError};
+
+impl Camera {
+    /// This camera with odd terms that are so much larger.
+    fn departed(self, [k3, k5]: [f64; 2]) -> Result<Self, OpticsError> {
+        if [k3, k5] == [0.0; 2] {
+            return Ok(self);
+        }
+        let known = self.lens.odd_terms().unwrap_or_default();
+        self.with_odd_terms(OddTerms {
+            k3: known.k3 + k3,
+            k5: known.k5 + k5,
+        })
+    }
+}
 
 impl Optics {
     /// A sensor that departs so from this one. Shares of light may leave the range from 0 to 1 a little, as those of fits do
     /// whose pictures go on smoothly there: [`Optics::possible`] has departures of sensors that can be.
     ///
     /// # Errors
-    /// [`OpticsError::BadDepth`] and [`OpticsError::BadSetting`] where there is no such sensor, and for a share of light below
-    /// -1 or above 2.
+    /// [`OpticsError::BadDepth`], [`OpticsError::BadSetting`] and [`OpticsError::FoldedLens`] where there is no such sensor, and
+    /// for a share of light below -1 or above 2.
     pub fn departed(&self, departure: &Departure) -> Result<Self, OpticsError> {
         let Departure {
             depths,
@@ -19,6 +33,7 @@ impl Optics {
             turn_rad,
             magenta,
             yellow,
+            odd_terms,
         } = *departure;
         let middle = 0.5 * (f64::from(self.camera.size_px()) - 1.0);
         let centre = self.camera.centre_px();
@@ -40,7 +55,7 @@ impl Optics {
         }
         let optics = Self {
             array: self.array.clone().remade(depths, diameters)?,
-            camera: self.camera.adjusted(offset, focal)?,
+            camera: self.camera.departed(odd_terms)?.adjusted(offset, focal)?,
             colours,
             blemishes: self.blemishes,
             contrasts: colours.contrasts(),

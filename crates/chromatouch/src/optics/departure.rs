@@ -19,15 +19,39 @@ pub struct Departure {
     pub magenta: [f64; 3],
     /// The same of yellow discs.
     pub yellow: [f64; 3],
+    /// How much larger the odd terms of a fisheye are, k3 and k5 of [`OddTerms`](super::OddTerms).
+    pub odd_terms: [f64; 2],
 }
 
 impl Departure {
     /// How many numbers it has.
-    pub const NUMBERS: usize = 19;
+    pub const NUMBERS: usize = 21;
 
     /// Departure of these numbers, in the order of the fields.
     pub const fn of(
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s]: [f64; Self::NUMBERS],
+        [
+            a,
+            b,
+            c,
+            d,
+            e,
+            f,
+            g,
+            h,
+            i,
+            j,
+            k,
+            l,
+            m,
+            n,
+            o,
+            p,
+            q,
+            r,
+            s,
+            t,
+            u,
+        ]: [f64; Self::NUMBERS],
     ) -> Self {
         Self {
             depths: [a, b],
@@ -38,6 +62,7 @@ impl Departure {
             turn_rad: [k, l, m],
             magenta: [n, o, p],
             yellow: [q, r, s],
+            odd_terms: [t, u],
         }
     }
 }

@@ -11,6 +11,23 @@ pub enum OpticsError {
     /// A setting is out of its range.
     #[error(transparent)]
     BadSetting(#[from] BadSetting),
+    /// A lens whose odd terms let the image turn back within its field: angles beyond would be seen twice.
+    #[error(
+        "with k3 = {} and k5 = {} the lens sees angles once up to {reach_deg:.4} degrees from its axis, and its field ends at {field_deg:.4}; for this field k3 must be at least {least_k3:.4} beside this k5",
+        Number(*k3), Number(*k5)
+    )]
+    FoldedLens {
+        /// Term of the third power.
+        k3: f64,
+        /// Term of the fifth power.
+        k5: f64,
+        /// Angle up to which the image grows, degrees.
+        reach_deg: f64,
+        /// Angle that its rim is meant to show, degrees.
+        field_deg: f64,
+        /// Least term of the third power with which the image grows up to there.
+        least_k3: f64,
+    },
     /// A disc would lie at or beyond the sensor's centre, or outside its skin.
     #[error(
         "the {disc} discs would lie {depth} under a skin of radius {radius}; {expected}",
@@ -78,7 +95,7 @@ pub enum OpticsError {
         marker: usize,
         /// Which of its discs.
         disc: &'static str,
-        /// The normal or tangential motion, length.
+        /// The normal or tangential motion, or that of its edge, length.
         motion: f64,
         /// The disc's distance from the centre at rest, length.
         distance: f64,
@@ -105,6 +122,7 @@ impl OpticsError {
         match self {
             Self::BadSetting(BadSetting { setting, .. }) => Some(setting),
             Self::BadDepth { .. } => Some("separation"),
+            Self::FoldedLens { .. } => Some("k3"),
             _ => None,
         }
     }

@@ -2,11 +2,15 @@
 
 use std::f64::consts::TAU;
 
+use super::odd_terms::OddTerms;
+
 /// How a lens maps the angle θ from its axis to the distance r from the image's centre, with the focal length f.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens {
     /// Equidistant: r = f θ.
     Fisheye,
+    /// Fisheye with further odd terms: r = f (θ + k3 θ³ + k5 θ⁵).
+    Odd(OddTerms),
     /// r = f tan θ.
     Pinhole,
 }
@@ -46,49 +50,139 @@ pub(super) struct Region {
     pub(super) moment: [f64; 2],
 }
 
+impl Lens {
+    /// Fisheye with these odd terms: the equidistant one where both are 0.
+    pub fn fisheye(terms: OddTerms) -> Self {
+        if terms == OddTerms::default() {
+            Self::Fisheye
+        } else {
+            Self::Odd(terms)
+        }
+    }
+
+    /// Odd terms of a fisheye; `None` of another lens.
+    pub fn odd_terms(self) -> Option<OddTerms> {
+        match self {
+            Self::Fisheye => Some(OddTerms::default()),
+            Self::Odd(terms) => Some(terms),
+            Self::Pinhole => None,
+        }
+    }
+}
+
+/// q = θ / sin θ, how much an equidistant lens stretches the way around its axis, and its derivatives.
+struct Stretch {
+    /// q.
+    value: f64,
+    /// q′.
+    slope: f64,
+    /// q″.
+    curve: f64,
+    /// q′ cot θ.
+    slope_bend: f64,
+    /// cot θ − θ / sin² θ.
+    bend: f64,
+}
+
+impl Stretch {
+    #[inline]
+    fn new(polar: f64, sine: f64, cosine: f64) -> Self {
+        if polar < 0.05 {
+            // Power series; what is left out is below 1e-13.
+            let square = polar * polar;
+            let per_angle = 1.0 / 3.0 + square * (7.0 / 90.0 + square * (31.0 / 2520.0));
+            let value =
+                1.0 + square * (1.0 / 6.0 + square * (7.0 / 360.0 + square * (31.0 / 15120.0)));
+            return Self {
+                value,
+                slope: polar * per_angle,
+                curve: 1.0 / 3.0 + square * (7.0 / 30.0 + square * (31.0 / 504.0)),
+                slope_bend: per_angle * cosine * value,
+                bend: -polar * (2.0 / 3.0 + square * (4.0 / 45.0 + square * (4.0 / 315.0))),
+            };
+        }
+        let (per_sine, cotangent) = (1.0 / sine, cosine / sine);
+        let value = polar * per_sine;
+        let slope = (1.0 - value * cosine) * per_sine;
+        Self {
+            value,
+            slope,
+            curve: value * (1.0 + 2.0 * cotangent * cotangent) - 2.0 * cotangent * per_sine,
+            slope_bend: slope * cotangent,
+            bend: (cosine - value) * per_sine,
+        }
+    }
+}
+
 impl Local {
     /// Derivatives of a lens of this focal length, px, at a polar angle, rad, with this sine and cosine.
     #[inline]
     pub(super) fn new(lens: Lens, focal: f64, polar: f64, (sine, cosine): (f64, f64)) -> Self {
         match lens {
-            Lens::Fisheye => Self::fisheye(focal, polar, sine, cosine),
+            Lens::Fisheye => Self::fisheye(focal, polar, &Stretch::new(polar, sine, cosine)),
+            Lens::Odd(terms) => {
+                let stretch = Stretch::new(polar, sine, cosine);
+                Self::odd(focal, polar, cosine, &stretch, terms)
+            }
             Lens::Pinhole => Self::pinhole(focal, sine, cosine),
         }
     }
 
-    fn fisheye(focal: f64, polar: f64, sine: f64, cosine: f64) -> Self {
-        // q = θ / sin θ, q′, q″, q′ cot θ, and cot θ − θ / sin² θ.
-        let (stretch, slope, curve, slope_bend, bend);
-        if polar < 0.05 {
-            // Power series; what is left out is below 1e-13.
-            let square = polar * polar;
-            let per_angle = 1.0 / 3.0 + square * (7.0 / 90.0 + square * (31.0 / 2520.0));
-            stretch =
-                1.0 + square * (1.0 / 6.0 + square * (7.0 / 360.0 + square * (31.0 / 15120.0)));
-            slope = polar * per_angle;
-            curve = 1.0 / 3.0 + square * (7.0 / 30.0 + square * (31.0 / 504.0));
-            slope_bend = per_angle * cosine * stretch;
-            bend = -polar * (2.0 / 3.0 + square * (4.0 / 45.0 + square * (4.0 / 315.0)));
-        } else {
-            let (per_sine, cotangent) = (1.0 / sine, cosine / sine);
-            stretch = polar * per_sine;
-            slope = (1.0 - stretch * cosine) * per_sine;
-            curve = stretch * (1.0 + 2.0 * cotangent * cotangent) - 2.0 * cotangent * per_sine;
-            slope_bend = slope * cotangent;
-            bend = (cosine - stretch) * per_sine;
-        }
+    #[inline]
+    fn fisheye(focal: f64, polar: f64, stretch: &Stretch) -> Self {
         let area = focal * focal;
         Self {
             radius: focal * polar,
             radial: focal,
             radial_slope: 0.0,
-            lateral: focal * stretch,
-            lateral_slope: focal * slope,
-            bend: focal * bend,
-            area: area * stretch,
-            area_slope: area * slope,
-            area_curve: area * curve,
-            area_bend: area * slope_bend,
+            lateral: focal * stretch.value,
+            lateral_slope: focal * stretch.slope,
+            bend: focal * stretch.bend,
+            area: area * stretch.value,
+            area_slope: area * stretch.slope,
+            area_curve: area * stretch.curve,
+            area_bend: area * stretch.slope_bend,
+        }
+    }
+
+    /// With m = r / (f θ) and n = m r′ / f, polynomials in u = θ²: g = f q m, J = f² q n.
+    fn odd(focal: f64, polar: f64, cosine: f64, stretch: &Stretch, terms: OddTerms) -> Self {
+        let OddTerms { k3, k5 } = terms;
+        let square = polar * polar;
+        let even = terms.stretch(square);
+        // dm/du, and n with its derivatives by u.
+        let per_square = k3 + 2.0 * k5 * square;
+        let [once, twice, thrice, fourth] = [
+            4.0 * k3,
+            6.0 * k5 + 3.0 * k3 * k3,
+            8.0 * k3 * k5,
+            5.0 * k5 * k5,
+        ];
+        let n = 1.0 + square * (once + square * (twice + square * (thrice + square * fourth)));
+        let n_per_square =
+            once + square * (2.0 * twice + square * (3.0 * thrice + square * (4.0 * fourth)));
+        let n_curve = 2.0 * twice + square * (6.0 * thrice + square * (12.0 * fourth));
+        let (n_slope, n_second) = (
+            2.0 * polar * n_per_square,
+            2.0 * n_per_square + 4.0 * square * n_curve,
+        );
+        // θ cot θ.
+        let cotangent = stretch.value * cosine;
+        let area = focal * focal;
+        Self {
+            radius: focal * terms.map(polar),
+            radial: focal * terms.slope(square),
+            radial_slope: focal * polar * (6.0 * k3 + 20.0 * k5 * square),
+            lateral: focal * stretch.value * even,
+            lateral_slope: focal
+                * (stretch.slope * even + stretch.value * 2.0 * polar * per_square),
+            bend: focal * (stretch.bend * even + 2.0 * polar * per_square * cotangent),
+            area: area * stretch.value * n,
+            area_slope: area * (stretch.slope * n + stretch.value * n_slope),
+            area_curve: area
+                * (stretch.curve * n + 2.0 * stretch.slope * n_slope + stretch.value * n_second),
+            area_bend: area
+                * (stretch.slope_bend * n + stretch.value * 2.0 * n_per_square * cotangent),
         }
     }
 
@@ -117,7 +211,7 @@ impl Local {
 #[inline]
 pub(super) fn cap(lens: Lens, local: &Local, sine: f64, cosine: f64) -> Region {
     match lens {
-        Lens::Fisheye => fisheye_cap(local, sine, cosine),
+        Lens::Fisheye | Lens::Odd(_) => fisheye_cap(local, sine, cosine),
         Lens::Pinhole => pinhole_cap(local, sine, cosine),
     }
 }

@@ -60,6 +60,7 @@ fn motion(moves: &[f64; 6], radius: f64) -> MarkerMotion {
     let disc = |at: usize| DiscMotion {
         normal: moves[at] * radius,
         tangential: [moves[at + 1] * radius, moves[at + 2] * radius],
+        ..DiscMotion::default()
     };
     MarkerMotion {
         magenta: disc(0),

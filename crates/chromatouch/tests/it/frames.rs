@@ -3,7 +3,7 @@
 use image::RgbImage;
 use palpate_chromatouch::{
     Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,
-    MarkerMotion, Optics, Seams, SeenMarker,
+    MarkerMotion, OddTerms, Optics, Seams, SeenMarker,
 };
 use palpate_sensing::{Channel, Stream};
 
@@ -84,7 +84,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
         })
         .collect();
     let field_deg = match lens {
-        Lens::Fisheye => 80.0,
+        Lens::Fisheye | Lens::Odd(_) => 80.0,
         Lens::Pinhole => 72.0,
     };
     let camera = Camera::new(lens, size_px, field_deg).unwrap();
@@ -95,6 +95,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
         let disc = |normal, x, y| DiscMotion {
             normal,
             tangential: [x, y],
+            ..DiscMotion::default()
         };
         let motion = if moves {
             MarkerMotion {
@@ -113,7 +114,7 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
             let from_centre = libm::hypot(column - middle, row - middle) / camera.px_per_rad();
             // Half a side that holds a marker and not its neighbours, over the focal length.
             let half_side = match lens {
-                Lens::Fisheye => 0.16,
+                Lens::Fisheye | Lens::Odd(_) => 0.16,
                 Lens::Pinhole => 0.15 * (1.0 + from_centre * from_centre),
             };
             let found = measured(&frame, marker.centroid_px, half_side * camera.px_per_rad());
@@ -135,7 +136,13 @@ fn differences(lens: Lens, size_px: u32, misalignment: f64, moves: bool) -> [f64
 #[test]
 fn frames_show_what_is_projected_the_better_the_larger() {
     // The overlap of two discs is magnified most by a pinhole, which is off by up to 2e-4 focal lengths at 60°.
-    for (lens, bound_px) in [(Lens::Fisheye, 0.01), (Lens::Pinhole, 0.06)] {
+    let odd = |k3, k5| Lens::fisheye(OddTerms { k3, k5 });
+    for (lens, bound_px) in [
+        (Lens::Fisheye, 0.01),
+        (odd(-0.1, 0.01), 0.01),
+        (odd(0.1, -0.01), 0.01),
+        (Lens::Pinhole, 0.06),
+    ] {
         for (misalignment, moves) in [(0.0, false), (0.0, true), (0.5, false), (0.5, true)] {
             let differences = |size_px| differences(lens, size_px, misalignment, moves);
             let [small, large] = [256, 2048].map(differences);

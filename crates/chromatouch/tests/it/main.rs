@@ -4,6 +4,7 @@
 mod any_number;
 mod extremes;
 mod frames;
+mod odd_lens;
 mod optics;
 mod optics_limits;
 mod pattern;

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, DiscDepths, DiscMotion, Discs, Layout, Lens, MarkerArray,
-    MarkerMotion, Optics, SeenMarker,
+    Blemishes, Camera, Colours, Departure, DiscDepths, DiscMotion, Discs, Layout, Lens,
+    MarkerArray, MarkerMotion, Optics, OpticsError, Pose, SeenMarker,
 };
 
 /// Discs that take nothing but green and nothing but blue.
@@ -194,6 +194,7 @@ fn markers_move_along_the_carried_axes() {
     let along = |tangential| DiscMotion {
         normal: 0.0,
         tangential,
+        ..DiscMotion::default()
     };
     let rest = seen(&optics, Some(MarkerMotion::default())).centroid_px;
     // y is up, rows go down.
@@ -340,4 +341,41 @@ fn only_what_is_all_in_the_picture_is_seen() {
             .iter()
             .all(Option::is_none)
     );
+}
+
+#[test]
+fn discs_that_the_skin_widens_are_seen_as_wider_discs() {
+    let made = optics(&[at(30.0, 90.0)], depths(3.0, 1.0), Lens::Fisheye, PURE);
+    let [of_magenta, of_yellow] = [0.1, -0.05].map(|stretch| DiscMotion {
+        stretch,
+        ..inward(0.3)
+    });
+    let strained = seen(&made, moved(of_magenta, of_yellow));
+    let wider = made.departed(&Departure {
+        diameters: [0.1, -0.05],
+        ..Departure::default()
+    });
+    let wider = seen(&wider.unwrap(), moved(inward(0.3), inward(0.3)));
+    assert_relative_eq!(strained.size_px2, wider.size_px2, max_relative = 1e-13);
+    assert_relative_eq!(strained.hue_turns, wider.hue_turns, epsilon = 1e-13);
+    // A camera beside the centre sees them so too.
+    let beside = |optics: Optics| {
+        optics
+            .seen_from(Pose::new([1.0, 0.0, 2.0], [0.0; 3]))
+            .unwrap()
+    };
+    let beside_size = seen(&beside(made.clone()), moved(of_magenta, of_yellow)).size_px2;
+    let rest = seen(&beside(made.clone()), moved(inward(0.3), inward(0.3))).size_px2;
+    assert!(beside_size > 1.05 * rest);
+    for stretch in [1.0, -1.0, f64::NAN, f64::INFINITY] {
+        let torn = DiscMotion {
+            stretch,
+            ..DiscMotion::default()
+        };
+        let refused = made.projected(&[moved(torn, torn)]);
+        assert!(
+            matches!(refused, Err(OpticsError::ImpossibleMotion { .. })),
+            "{stretch}"
+        );
+    }
 }

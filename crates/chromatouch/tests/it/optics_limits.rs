@@ -160,6 +160,7 @@ fn impossible_motions_are_named() {
         let along = |tangential| DiscMotion {
             normal: 0.0,
             tangential,
+            ..DiscMotion::default()
         };
         for motion in [inward(bad), along([bad, 0.0]), along([0.0, bad])] {
             let motions = [rest, moved(motion, DiscMotion::default())];
@@ -206,6 +207,7 @@ fn every_size_of_everything_is_finite() {
                     let motion = DiscMotion {
                         normal: share * radius * (1.0 - separation),
                         tangential: [share * radius * (1.0 - separation); 2],
+                        ..DiscMotion::default()
                     };
                     let motions = [moved(motion, motion)];
                     if let Some(marker) = optics.projected(&motions).unwrap()[0] {

@@ -13,14 +13,15 @@ const CENTROID: f64 = 0.99;
 
 /// Slope of the line through all 39 readings of the paper's Fig. 6b, turns/mm: what `palpate sensor calibrate` tells of
 /// `examples/chromatouch-2020/calibration-normal.csv`.
-const PUBLISHED_SLOPE: f64 = 0.02583;
+pub(super) const PUBLISHED_SLOPE: f64 = 0.02583;
 
 const MOTION: &str = "scene.motion";
+const OBJECT: &str = "scene.object";
 
 /// Claim 14.
 pub(super) fn and_centroid_are_linear(study: &Study) -> Result<Finding, String> {
-    let hue = hue_lines(study)?;
-    let centroid = centroid_lines(study)?;
+    let hue = hue_lines(study, OBJECT)?;
+    let centroid = centroid_lines(study, OBJECT)?;
     let least = |lines: &Lines| range(lines.iter().map(|(_, line)| line.r_squared));
     let reaches = |lines: &Lines, r_squared| least(lines).is_some_and(|(low, _)| low >= r_squared);
     let length = match study.setting("length_unit").and_then(toml::Value::as_str) {
@@ -41,11 +42,11 @@ pub(super) fn and_centroid_are_linear(study: &Study) -> Result<Finding, String> 
     })
 }
 
-/// Lines, each with the object it is of.
-type Lines = Vec<(String, StraightLine)>;
+/// Lines, each with the label of what it is of.
+pub(super) type Lines = Vec<(String, StraightLine)>;
 
-/// Hue against indentation without shift, per object and whatever else is swept.
-fn hue_lines(study: &Study) -> Result<Lines, String> {
+/// Hue against indentation without shift, whatever else is swept; labelled by the setting at a path.
+pub(super) fn hue_lines(study: &Study, path: &str) -> Result<Lines, String> {
     let unmoved = |row: &usize| shift(study, *row) == 0.0;
     let rows: Vec<usize> = rows_of(study, "hue_change")
         .into_iter()
@@ -53,11 +54,11 @@ fn hue_lines(study: &Study) -> Result<Lines, String> {
         .collect();
     let along = |row| number(study, row, MOTION, "indentation");
     let missing = "the table has no hue_change without shift at three indentations of one object";
-    lines(study, groups(study, &rows, &[MOTION]), along, missing)
+    lines(study, path, groups(study, &rows, &[MOTION]), along, missing)
 }
 
-/// Centroid against shift, per object, indentation and whatever else is swept.
-fn centroid_lines(study: &Study) -> Result<Lines, String> {
+/// Centroid against shift, per indentation and whatever else is swept; labelled by the setting at a path.
+pub(super) fn centroid_lines(study: &Study, path: &str) -> Result<Lines, String> {
     let indentation = |row: usize| number(study, row, MOTION, "indentation").unwrap_or(0.0);
     let mut pressed: Vec<Vec<usize>> = Vec::new();
     for group in groups(study, &rows_of(study, "centroid_shift"), &[MOTION]) {
@@ -72,7 +73,7 @@ fn centroid_lines(study: &Study) -> Result<Lines, String> {
     }
     let along = |row| Some(shift(study, row));
     let missing = "the table has no centroid_shift at three shifts of one object and indentation";
-    lines(study, pressed, along, missing)
+    lines(study, path, pressed, along, missing)
 }
 
 /// The shift along the skin in `row`: none where neither the table nor the config has one.
@@ -83,6 +84,7 @@ fn shift(study: &Study, row: usize) -> f64 {
 /// The lines through those of the groups of rows that have one; what is missing, if none has.
 fn lines(
     study: &Study,
+    path: &str,
     groups: Vec<Vec<usize>>,
     along: impl Fn(usize) -> Option<f64>,
     missing: &str,
@@ -97,8 +99,10 @@ fn lines(
     };
     let line = |rows: Vec<usize>| {
         let readings: Vec<Reading> = rows.iter().filter_map(|row| reading(*row)).collect();
-        let object = label(study, *rows.first()?, "scene.object").unwrap_or("the only object");
-        Some((object.to_owned(), StraightLine::through(&readings)?))
+        let alone = path.rsplit('.').next().unwrap_or(path);
+        let known = label(study, *rows.first()?, path).map(str::to_owned);
+        let object = known.unwrap_or_else(|| format!("the only {alone}"));
+        Some((object, StraightLine::through(&readings)?))
     };
     let lines: Lines = groups.into_iter().filter_map(line).collect();
     if lines.is_empty() {

@@ -297,13 +297,13 @@ fn claim_21_needs_its_labels() {
 
 #[test]
 fn unknown_claims_and_other_quantities_are_not_testable() {
-    let study = angular_velocity("claims = [22]");
+    let study = angular_velocity("claims = [23]");
     untestable(&study, &["no function"]);
     let mut cells = Cells::new("scene.object.radius_cm");
     cells.push("5", Numbers::new(-0.2, 0.1));
     let study = cells.study(&config(
         "dish",
-        "claims = [1, 2, 3, 4, 5, 6, 7, 8, 14, 18, 19, 20, 21]",
+        "claims = [1, 2, 3, 4, 5, 6, 7, 8, 14, 18, 19, 20, 21, 22]",
     ));
     for score in score(&[study]) {
         assert_eq!(score.verdict, Verdict::NotTestable, "{score:?}");

@@ -118,6 +118,50 @@ fn claim_14_needs_three_indentations_and_three_shifts() {
     untestable(&of_lines(&cells), &["centroid_shift", "three shifts"]);
 }
 
+// ---- 22: slopes of those lines
+
+/// Hue and centroid of two sensors, with slopes per millimetre.
+fn slopes(hue: [f64; 2], centroid: [f64; 2]) -> Study {
+    let mut cells = Cells::new("scene.sensor,scene.motion.indentation_mm,scene.motion.shift_mm");
+    for (at, sensor) in ["as designed", "nearer camera"].into_iter().enumerate() {
+        for depth in [0.4, 0.8, 1.2] {
+            let place = format!("{sensor},{depth},0");
+            cells.push(&place, "hue_change", mean(hue[at] * depth), "");
+        }
+        for shift in [0.0, 1.0, 2.0] {
+            let place = format!("{sensor},1,{shift}");
+            cells.push(&place, "centroid_shift", mean(centroid[at] * shift), "");
+        }
+    }
+    cells.study(&config("[22]", ""), None)
+}
+
+#[test]
+fn claim_22_holds_where_one_sensor_has_both_slopes() {
+    holds(
+        &slopes([0.005166, 0.02583], [4.2, 6.3]),
+        &[
+            "Of the hue's 0.02583 turns/mm: 20 % (as designed), 100 % (nearer camera).",
+            "Of the centroid's 7 px/mm: 60 % (as designed), 90 % (nearer camera).",
+        ],
+    );
+}
+
+#[test]
+fn claim_22_differs_where_no_sensor_has_both() {
+    differs(
+        &slopes([0.005166, 0.02583], [7.0, 4.2]),
+        &[
+            "20 % (as designed)",
+            "60 % (nearer camera)",
+            "reach 100 % (nearer camera) of the hue's and 100 % (as designed) of the centroid's",
+        ],
+    );
+    // One and a fifth is still alike, and more is not.
+    holds(&slopes([0.0, 0.0309], [0.0, 7.0]), &["120 %"]);
+    differs(&slopes([0.0, 0.0312], [0.0, 7.0]), &["121 %"]);
+}
+
 // ---- 18: gores
 
 fn gores(greatest: &[(u32, f64)], rms: &[(u32, f64)]) -> Study {

@@ -31,7 +31,9 @@ pub(crate) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
         colour,
     } = *noise;
     let turn = turn_deg.to_radians();
-    let mut stds = [colour; Departure::NUMBERS];
+    // The odd terms of its lens are known.
+    let mut stds = [0.0; Departure::NUMBERS];
+    stds[13..19].fill(colour);
     stds[..13].copy_from_slice(&[
         disc_depth,
         disc_depth,
@@ -145,6 +147,7 @@ impl Redrawn {
         let motion = |moved: palpate_press::MarkerDisplacement| DiscMotion {
             normal: moved.normal,
             tangential: moved.tangential,
+            ..DiscMotion::default()
         };
         Ok(magenta?
             .into_iter()

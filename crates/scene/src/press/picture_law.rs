@@ -23,6 +23,7 @@ impl View for PictureLaw {
         let motion = |moved: &MarkerDisplacement| DiscMotion {
             normal: moved.normal,
             tangential: moved.tangential,
+            ..DiscMotion::default()
         };
         let motions: Vec<Option<MarkerMotion>> = moved
             .iter()

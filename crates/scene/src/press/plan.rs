@@ -4,6 +4,7 @@ mod calibrated;
 mod camera;
 mod discs;
 mod estimator;
+mod straining;
 
 use std::sync::OnceLock;
 

@@ -21,13 +21,18 @@ use super::error::RecordedError;
 use super::tracked::{Frame, find};
 use crate::plan::PlanError;
 use matched::Matched;
+use meant::TERMS_BEFORE;
 
 /// Lowest level of the ground's green, of 255, that markers are measured on, and largest share of it at full scale.
 const DARKEST: u8 = 40;
 const MOST_SATURATED: f64 = 0.5;
+/// Largest standard deviation of an odd term that a frame determines, as a share of that which is known beforehand.
+const DETERMINED: f64 = 0.5;
 
 /// The camera that shows the markers of a study's sensor so at rest. The study is of a press by a camera: its first cell
-/// states layout, discs, the frame's size and where the camera is meant to be.
+/// states layout, discs, the frame's size, the lens and where the camera is meant to be. Odd terms of the lens are fitted as
+/// far as the frame determines them, k3 before k5: to half of what fisheyes differ by, or better; else they stay those of the
+/// study.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] for a study that has no camera, a frame of another size, without the layout's markers, in
@@ -46,6 +51,13 @@ pub fn calibrate_camera(rest: &Frame, study: &Study) -> Result<RestCamera, Recor
     seen.map(|seen| seen.camera).map_err(fail)
 }
 
+/// Whether a frame tells the odd terms that were fitted to it.
+fn is_determined(camera: &RestCamera) -> bool {
+    let stds = [camera.k3_std, camera.k5_std].into_iter().zip(TERMS_BEFORE);
+    let mut fitted = stds.filter_map(|(std, before)| Some((std?, before)));
+    fitted.all(|(std, before)| std <= DETERMINED * before)
+}
+
 /// Markers of a layout, as a frame at rest shows them.
 pub(super) struct SeenAtRest {
     /// The camera that shows them so.
@@ -61,12 +73,24 @@ impl SeenAtRest {
     pub(super) fn of(meant: &Meant<'_>, found: &Found, unit: LengthUnit) -> Result<Self, String> {
         let optics = meant.optics(found);
         let optics = optics.map_err(|error| format!("{}: {}", error.path, error.message))?;
-        let (matched, optics) = Matched::of(meant, optics, found)?;
-        Ok(Self {
-            camera: matched.camera(meant, &optics, unit)?,
-            missing: matched.warning(),
-            seen: matched.seen,
-        })
+        let told = |unknown: usize| -> Result<Self, String> {
+            let meant = meant.with_terms(unknown);
+            let (matched, optics) = Matched::of(&meant, optics.clone(), found)?;
+            Ok(Self {
+                camera: matched.camera(&meant, &optics, unit)?,
+                missing: matched.warning(),
+                seen: matched.seen,
+            })
+        };
+        // As many odd terms of the lens as the frame determines.
+        for unknown in (1..=TERMS_BEFORE.len()).rev() {
+            if let Ok(seen) = told(unknown)
+                && is_determined(&seen.camera)
+            {
+                return Ok(seen);
+            }
+        }
+        told(0)
     }
 }
 

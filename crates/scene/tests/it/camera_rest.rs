@@ -2,8 +2,8 @@
 
 use image::{Rgb, RgbImage};
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion, Optics,
-    Pose,
+    Blemishes, Camera, Colours, DiscDepths, Discs, Layout, Lens, MarkerArray, MarkerMotion,
+    OddTerms, Optics, Pose,
 };
 use palpate_scene::recorded::{Frame, RestCamera, calibrate_camera};
 use palpate_sensing::{Channel, Stream};
@@ -41,6 +41,8 @@ struct Truth {
     /// Markers that are not there.
     lost: usize,
     white: f64,
+    /// Odd terms of the lens.
+    terms: OddTerms,
 }
 
 impl Default for Truth {
@@ -52,11 +54,17 @@ impl Default for Truth {
             yellow: 2.0,
             lost: 0,
             white: 0.96,
+            terms: OddTerms::default(),
         }
     }
 }
 
 impl Truth {
+    /// The camera as it is meant to be, but for its odd terms.
+    fn lens(&self) -> Camera {
+        Camera::new(Lens::fisheye(self.terms), SIZE, 65.0).expect("a camera")
+    }
+
     fn frame(&self, seed: u64) -> RgbImage {
         let places = Layout::published().places(20.0).expect("places");
         let (magenta, yellow) = (2.0, self.yellow);
@@ -66,7 +74,7 @@ impl Truth {
         };
         let array = MarkerArray::new(20.0, &places, Discs { magenta, yellow }, depths);
         let array = array.and_then(|array| array.misaligned(0.25, seed));
-        let camera = Camera::new(Lens::Fisheye, SIZE, 65.0).expect("a camera");
+        let camera = self.lens();
         let camera = camera.adjusted([0.0; 2], camera.px_per_rad() * (1.0 + self.scale));
         let blemishes = Blemishes {
             pixel_std: 2.0,
@@ -110,7 +118,7 @@ fn refused(image: RgbImage, study: &Study) -> String {
 
 /// Differences from the truth, in what is stated of them.
 fn pulls(told: &RestCamera, truth: &Truth) -> Vec<f64> {
-    let scale = 250.0 / 65.0_f64.to_radians() * (1.0 + truth.scale);
+    let scale = truth.lens().px_per_rad() * (1.0 + truth.scale);
     let of = |axis: usize| {
         [
             (told.place[axis] - truth.place[axis]) / told.place_std[axis],
@@ -141,11 +149,44 @@ fn one_frame_tells_where_the_camera_is() {
         assert!(told.turn_std_deg.iter().all(|std| *std < 1.0), "{told:?}");
         assert!(told.px_per_rad_std < 0.03 * told.px_per_rad, "{told:?}");
         assert!(told.residual_px < 0.05, "{told:?}");
-        assert_eq!(told.covariance.len(), 9);
+        let terms = [told.k3_std, told.k5_std].into_iter().flatten().count();
+        assert_eq!(told.covariance.len(), 9 + terms);
         let variance = told.covariance[3][3];
         assert!((variance.sqrt() / told.place_std[0] - 1.0).abs() < 1e-12);
     }
     // Seven numbers, correlated, in four frames.
+    let spread = f64::sqrt(square / count);
+    assert!((0.15..2.0).contains(&spread), "{spread}");
+}
+
+#[test]
+fn one_frame_tells_the_odd_terms_of_the_lens() {
+    let study = study(20.0);
+    let (mut square, mut count) = (0.0, 0.0);
+    let terms = [(0.04, -0.01), (-0.06, 0.01), (0.0, 0.02)];
+    for (seed, (k3, k5)) in (1..7).zip(terms.into_iter().cycle()) {
+        let truth = Truth {
+            terms: OddTerms { k3, k5 },
+            ..Truth::default()
+        };
+        let told = calibrate_camera(&frame(truth.frame(seed)), &study).expect("a camera");
+        println!("{k3} {k5}: {}", told.summary());
+        let stds = [told.k3_std, told.k5_std].map(|std| std.expect("it is determined"));
+        let of_terms = [(told.k3 - k3) / stds[0], (told.k5 - k5) / stds[1]];
+        for pull in pulls(&told, &truth).into_iter().chain(of_terms) {
+            assert!(pull.abs() < 4.0, "{pull}: {told:?}");
+        }
+        for pull in of_terms {
+            square += pull * pull;
+            count += 1.0;
+        }
+        assert!(told.residual_px < 0.05, "{told:?}");
+        assert_eq!(told.covariance.len(), 11);
+        for (at, std) in stds.into_iter().enumerate() {
+            let variance: f64 = told.covariance[9 + at][9 + at];
+            assert!((variance.sqrt() / std - 1.0).abs() < 1e-12);
+        }
+    }
     let spread = f64::sqrt(square / count);
     assert!((0.15..2.0).contains(&spread), "{spread}");
 }

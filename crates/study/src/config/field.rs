@@ -31,6 +31,9 @@ impl Label {
                 Self::in_percent("position noise of the estimator", "% of the IFD")
             }
             ["sensor", "light at rim"] => Self::in_percent("light at the rim", "% of the middle's"),
+            ["sensor", term @ ("k3" | "k5")] => {
+                Self::in_unit(format!("odd term {term} of the lens"), "")
+            }
             ["motion", "contact deg", "0"] => Self::in_unit("polar angle of the contact", "°"),
             ["motion", "contact deg", _] => Self::in_unit("azimuth of the contact", "°"),
             all if leaf.starts_with("fraction") => Self::in_percent(plain(all), "%"),
@@ -59,7 +62,11 @@ fn plain(segments: &[&str]) -> String {
         ["probe", "layout", leaf @ ("markers" | "gores")] => (*leaf).to_owned(),
         ["probe", "layout", rest @ ..] => format!("marker {}", rest.join(" ")),
         ["probe", "marker depth"] => "marker depth".to_owned(),
-        ["probe", "discs", leaf @ ("separation" | "misalignment")] => {
+        [
+            "probe",
+            "discs",
+            leaf @ ("separation" | "misalignment" | "strain"),
+        ] => {
             format!("{leaf} of the two discs")
         }
         ["probe", "discs", leaf] => match leaf.strip_suffix(" diameter") {
@@ -193,6 +200,7 @@ mod tests {
             scene.sensor.size_px: image size (px)
             scene.sensor.field_deg: field of view, from its middle (°)
             scene.sensor.lens: lens
+            scene.sensor.k3: odd term k3 of the lens
             scene.sensor.light_at_rim: light at the rim (% of the middle's)
             scene.sensor.blur_px: blur (px)
             scene.sensor.tangential: tangential readings

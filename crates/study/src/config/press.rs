@@ -3,6 +3,7 @@
 mod camera;
 mod estimator;
 mod layout;
+mod zero;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 pub use camera::{CalibrationConfig, CameraConfig, NormalFrom, ShownMarkers};
 pub use estimator::{Baseline, Indentation, NoiseKnown, PressEstimatorConfig, PressPriors};
 pub use layout::{LayoutConfig, LayoutTable, NamedLayout};
+use zero::is_zero;
 
 /// A sensor is pressed onto an object, and the object's curvature is estimated from how its markers move.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -58,6 +60,7 @@ impl PressConfig {
             ));
         }
         self.check_sensor()?;
+        self.check_strain()?;
         if self.motion.shift != 0.0 && of_model.is_some() {
             return Err((
                 "scene.motion.shift",
@@ -93,6 +96,28 @@ impl PressConfig {
 }
 
 impl PressConfig {
+    /// Discs strain where it is known by how much.
+    fn check_strain(&self) -> Result<(), (&'static str, &'static str)> {
+        let PressProbeConfig::MarkerSphere { discs, .. } = &self.probe;
+        if discs.as_ref().is_none_or(|discs| discs.strain == 0.0) {
+            return Ok(());
+        }
+        let refuse = |message| Err(("scene.probe.discs.strain", message));
+        if self.model.poisson() != half() {
+            return refuse(
+                "strains are those of an incompressible skin: must be 0, or `scene.model.poisson` 0.5",
+            );
+        }
+        if self.noise.sensor.is_some()
+            || matches!(self.estimator, PressEstimatorConfig::Image { .. })
+        {
+            return refuse(
+                "a fit of pictures knows rigid discs: must be 0, without `scene.noise.sensor` and an estimator of `image`",
+            );
+        }
+        Ok(())
+    }
+
     /// A sensor has the noise and the blemishes of its kind.
     fn check_sensor(&self) -> Result<(), (&'static str, &'static str)> {
         let noise = &self.noise;
@@ -192,6 +217,11 @@ pub struct DiscsConfig {
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
     pub misalignment: f64,
+    /// Share of the skin's strain in a press that the discs take part in: 0 of rigid discs, 1 of discs as soft as the skin. They
+    /// stay circles, as much wider as their area grows; of an incompressible skin.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("minimum" = 0, "maximum" = 1, "x-unit" = "1"))]
+    pub strain: f64,
 }
 
 /// The object that is pressed on.

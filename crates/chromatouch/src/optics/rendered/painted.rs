@@ -101,14 +101,13 @@ fn pixels(camera: &Camera, disc: &Sight) -> Option<[Range<usize>; 2]> {
 
 impl PaintedDisc {
     fn new(camera: &Camera, disc: &Sight) -> Self {
-        let ray_scale = camera.px_per_rad;
         // Radius of a circle of the same area in the image, px.
         let radius = camera.local(&disc.direction).area.sqrt() * disc.sine;
         Self {
             direction: disc.direction.into(),
             cosine: disc.cosine,
             per_sine: 1.0 / disc.sine,
-            band: HALF_DIAGONAL * disc.sine / ray_scale,
+            band: HALF_DIAGONAL * disc.sine / camera.least_px_per_rad(),
             opacity: if radius < 1.0 {
                 4.0 * radius / ((1.0 + radius) * (1.0 + radius))
             } else {

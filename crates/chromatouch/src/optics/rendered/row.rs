@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use palpate_sensing::Stream;
 
-use super::super::{Camera, Lens, Optics};
+use super::super::{Camera, Optics};
 use super::painted::{Cover, PaintedMarker};
 use super::seams::SeamLines;
 
@@ -226,11 +226,7 @@ impl<'a> Rows<'a> {
         for column in touched.clone() {
             let x = column as f64 - middle;
             let square = (x * x + y * y) * per_square;
-            let polar_square = match self.camera.lens {
-                Lens::Fisheye => square,
-                Lens::Pinhole => libm::atan(square.sqrt()).powi(2),
-            };
-            let light = (1.0 - fall * polar_square).max(0.0) as f32;
+            let light = (1.0 - fall * self.camera.polar_square(square)).max(0.0) as f32;
             row.filter(column, [light; 3]);
         }
     }

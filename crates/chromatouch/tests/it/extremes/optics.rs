@@ -127,8 +127,8 @@ fn area(lens: Lens, polar: f64, width: f64) -> Option<Answer> {
     let (theta, alpha) = (Precise::new(polar), Precise::new(width));
     let solid = (&alpha * 0.5).sin().squared() * 4.0 * Precise::pi();
     let on_picture = match lens {
-        Lens::Fisheye if polar > 0.0 => solid * &theta / theta.sin(),
-        Lens::Fisheye => solid,
+        Lens::Fisheye | Lens::Odd(_) if polar > 0.0 => solid * &theta / theta.sin(),
+        Lens::Fisheye | Lens::Odd(_) => solid,
         // The image of a cone is an ellipse: π sin² α cos α/(cos² θ − sin² α)^{3/2}.
         Lens::Pinhole => {
             let below = theta.cos().squared() - alpha.sin().squared();
@@ -138,7 +138,7 @@ fn area(lens: Lens, polar: f64, width: f64) -> Option<Answer> {
     let truth = on_picture * Precise::new(camera.px_per_rad()).squared();
     let bound = match lens {
         // The magnification's mean over the disc is off by the order of α².
-        Lens::Fisheye => 1e-12 + width * width,
+        Lens::Fisheye | Lens::Odd(_) => 1e-12 + width * width,
         Lens::Pinhole => 1e-12,
     };
     Some(Answer::near(found, truth.to_f64()).within(bound))
@@ -180,6 +180,7 @@ fn moved(motion: Vector3<f64>) -> Result<SeenMarker, OpticsError> {
     let disc = DiscMotion {
         normal: motion.x,
         tangential: [motion.y, motion.z],
+        ..DiscMotion::default()
     };
     let motion = MarkerMotion {
         magenta: disc,

@@ -1,7 +1,7 @@
 //! Plan of a press before a camera: the optics, the markers at rest, and what the press shows.
 
 use palpate_chromatouch::{
-    Blemishes, Camera, Colours, DiscDepths, Lens, MarkerMotion, Optics, Pose,
+    Blemishes, Camera, Colours, DiscDepths, Lens, MarkerMotion, OddTerms, Optics, Pose,
 };
 use palpate_press::PressError;
 use palpate_sensing::GaussianError;
@@ -112,6 +112,8 @@ impl CameraPlan<'_> {
         let CameraConfig {
             size_px,
             field_deg,
+            k3,
+            k5,
             frames,
             light_at_rim,
             blur_px,
@@ -120,8 +122,8 @@ impl CameraPlan<'_> {
         } = *self.camera;
         let pixel = self.noise.pixel.as_ref();
         let pixel = gaussian(pixel.map(|PixelNoise::Gaussian { std }| *std), "pixel")?;
-        let camera =
-            Camera::new(Lens::Fisheye, size_px, field_deg).map_err(|error| of_optics(&error))?;
+        let lens = Lens::fisheye(OddTerms { k3, k5 });
+        let camera = Camera::new(lens, size_px, field_deg).map_err(|error| of_optics(&error))?;
         let blemishes = Blemishes {
             light_at_rim,
             blur_px,
@@ -140,6 +142,7 @@ impl CameraPlan<'_> {
             (CameraModel::Projected(error), error.is_random())
         };
         let lens = Equidistant::new(camera.centre_px(), camera.px_per_rad())
+            .and_then(|lens| lens.with_odd_terms([k3, k5]))
             .map_err(|error| PlanError::at("scene.sensor", error))?;
         Ok(Eye {
             optics,

@@ -7,6 +7,7 @@ use palpate_study::config::PressModelConfig;
 use super::super::parts::Parts;
 use super::super::pressed::Pressed;
 use super::super::soft_body::SoftBody;
+use super::straining::Straining;
 use crate::marker_sphere::MarkerSphere;
 use crate::plan::PlanError;
 
@@ -17,6 +18,8 @@ pub(super) struct DiscMarkers<'a> {
     midway: &'a SoftBody,
     magenta: SoftBody,
     yellow: SoftBody,
+    /// Skin about the magenta and the yellow discs, where it strains them.
+    straining: Option<[Straining; 2]>,
 }
 
 impl<'a> DiscMarkers<'a> {
@@ -30,7 +33,12 @@ impl<'a> DiscMarkers<'a> {
         let depths = sphere.disc_depths()?;
         let layer = |thickness, depth| parts.layer(thickness, depth);
         let body = |depth: f64| SoftBody::of(model, sphere.radius, depth, layer);
+        let deepest = model.thickness().unwrap_or(sphere.radius);
+        let about = |depth| Straining::of(sphere.strain(), depth, (sphere.radius, deepest), body);
+        let is_strained = sphere.strain() > 0.0;
+        let straining = is_strained.then(|| Ok([about(depths.magenta)?, about(depths.yellow)?]));
         Ok(Self {
+            straining: straining.transpose()?,
             markers,
             midway,
             magenta: body(depths.magenta)?,
@@ -50,15 +58,24 @@ impl<'a> DiscMarkers<'a> {
     pub(super) fn motions(&self, pressed: &Pressed) -> Result<Vec<MarkerMotion>, PressError> {
         let magenta = self.magenta.displacements(self.markers, pressed)?;
         let yellow = self.yellow.displacements(self.markers, pressed)?;
-        let motion = |moved: MarkerDisplacement| DiscMotion {
-            normal: moved.normal,
-            tangential: moved.tangential,
+        let [wider_magenta, wider_yellow] = match &self.straining {
+            None => [None, None],
+            Some([of_magenta, of_yellow]) => [
+                Some(of_magenta.stretches(self.markers, pressed)?),
+                Some(of_yellow.stretches(self.markers, pressed)?),
+            ],
         };
-        let pairs = magenta.into_iter().zip(yellow);
+        let motion =
+            |moved: MarkerDisplacement, wider: &Option<Vec<f64>>, marker: usize| DiscMotion {
+                normal: moved.normal,
+                tangential: moved.tangential,
+                stretch: wider.as_ref().map_or(0.0, |wider| wider[marker]),
+            };
+        let pairs = magenta.into_iter().zip(yellow).enumerate();
         Ok(pairs
-            .map(|(magenta, yellow)| MarkerMotion {
-                magenta: motion(magenta),
-                yellow: motion(yellow),
+            .map(|(marker, (magenta, yellow))| MarkerMotion {
+                magenta: motion(magenta, &wider_magenta, marker),
+                yellow: motion(yellow, &wider_yellow, marker),
             })
             .collect())
     }

@@ -7,7 +7,7 @@ use palpate_press::{ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View}
 use palpate_study::config::LengthUnit;
 use palpate_tracking::{Found, Marker};
 
-use super::meant::Meant;
+use super::meant::{Meant, TERMS};
 use super::report::{Residual, RestCamera};
 use crate::press::{PictureLaw, seen_of};
 
@@ -27,7 +27,8 @@ const DISCS: [(usize, &str); 10] = [
     (18, "blue light through yellow discs"),
 ];
 /// Numbers of a departure that are the camera's.
-pub(in crate::recorded) const CAMERA: std::ops::Range<usize> = 4..13;
+pub(in crate::recorded) const CAMERA: [usize; 11] =
+    [4, 5, 6, 7, 8, 9, 10, 11, 12, TERMS[0], TERMS[1]];
 /// Rounds in which markers are matched roughly.
 const ROUNDS: usize = 4;
 /// Standard deviations that misaligned discs add meanwhile to those of centroids, px, hue, turns, and the logarithm of
@@ -41,6 +42,10 @@ const MOST_TURNED: f64 = 0.06;
 /// Chi-squared per degree of freedom beyond which the frame contradicts the layout, and beyond which errors count for more.
 pub(in crate::recorded) const CONTRADICTED: f64 = 25.0;
 pub(in crate::recorded) const DOUBTED: f64 = 1.5;
+/// Fits about the optics that the last one led to, and the gain in chi-squared that ends them.
+const MOST_FITS: usize = 12;
+const SETTLED: f64 = 1e-3;
+
 /// Markers of a frame, by those of the layout.
 pub(super) struct Matched {
     pub(super) seen: Vec<Option<Seen>>,
@@ -70,6 +75,10 @@ impl Matched {
         let seen = Self::seen(&fit, found, LEAST_SEEN)?;
         let missing = told(&law(&fit, None)?, &seen, found, LEAST_SEEN)?;
         let rest = fit.at_rest(&seen).map_err(other_layout)?;
+        let (fit, rest, optics) = match meant.knows_lens() {
+            true => (fit, rest, optics),
+            false => settled(meant, (rest, optics), &seen)?,
+        };
         let law = law(&fit, Some(&rest))?;
         let matched = Self {
             missing,
@@ -151,11 +160,15 @@ impl Matched {
             px_per_rad,
             place,
             turn_rad,
+            odd_terms: [k3, k5],
             ..
         } = Departure::of(departure);
         let pose = optics.pose();
         let camera = optics.camera();
         let turn = pose.turn_rad();
+        let terms = camera.lens().odd_terms().unwrap_or_default();
+        // Their rows follow those of the rest of the camera.
+        let std_of_term = |at: usize| (meant.stds[TERMS[at]] > 0.0).then(|| std(9 + at));
         Ok(RestCamera {
             length_unit,
             place: [0, 1, 2].map(|axis| pose.place[axis] + place[axis]),
@@ -164,6 +177,10 @@ impl Matched {
             turn_std_deg: [6, 7, 8].map(|number| std(number).to_degrees()),
             px_per_rad: camera.px_per_rad() * (1.0 + px_per_rad),
             px_per_rad_std: camera.px_per_rad() * std(2),
+            k3: terms.k3 + k3,
+            k3_std: std_of_term(0),
+            k5: terms.k5 + k5,
+            k5_std: std_of_term(1),
             centre_px: [0, 1].map(|axis| camera.centre_px()[axis] + centre_px[axis]),
             covariance: covariance
                 .row_iter()
@@ -194,16 +211,34 @@ impl Matched {
         let free: Vec<usize> = (0..meant.stds.len())
             .filter(|&number| meant.stds[number] > 0.0)
             .collect();
-        let place = |number: usize| free.iter().position(|&one| one == number);
-        let places: Option<Vec<usize>> = CAMERA.map(place).collect();
-        let places = places.ok_or_else(singular)?;
-        let std = |at: usize| widened * meant.stds[CAMERA.start + at];
+        let of_camera = (0..free.len()).filter(|&at| CAMERA.contains(&free[at]));
+        let places: Vec<usize> = of_camera.collect();
+        let std = |at: usize| widened * meant.stds[free[places[at]]];
         Ok(DMatrix::from_fn(
-            CAMERA.len(),
-            CAMERA.len(),
+            places.len(),
+            places.len(),
             |row, column| shares[(places[row], places[column])] * std(row) * std(column),
         ))
     }
+}
+
+/// The fit about the optics that it leads to: odd terms, scale and the camera's height almost make up for each other, so that
+/// one fit from afar ends before the least chi-squared.
+fn settled(
+    meant: &Meant<'_>,
+    (mut rest, mut optics): (Rest, Optics),
+    seen: &[Option<Seen>],
+) -> Result<(ImageFit<PictureLaw>, Rest, Optics), String> {
+    for _ in 0..MOST_FITS {
+        optics = optics.departed(&of_camera(&rest)?).map_err(other_layout)?;
+        let again = meant.fit(&optics)?.at_rest(seen).map_err(other_layout)?;
+        let gain = rest.chi_squared - again.chi_squared;
+        rest = again;
+        if gain < SETTLED {
+            break;
+        }
+    }
+    Ok((meant.fit(&optics)?, rest, optics))
 }
 
 fn other_layout(error: impl std::fmt::Display) -> String {

@@ -1,6 +1,6 @@
 //! The sensor that a study states, as a frame at rest is held against it.
 
-use palpate_chromatouch::{Blemishes, Camera, Colours, Departure, Lens, Optics, Pose};
+use palpate_chromatouch::{Blemishes, Camera, Colours, Departure, Lens, OddTerms, Optics, Pose};
 use palpate_press::{Body, ImageFit, Markers, Skin};
 use palpate_study::config::{CameraConfig, PressConfig, SensorNoise};
 use palpate_tracking::Found;
@@ -12,10 +12,16 @@ use crate::press::{PictureLaw, sensor_stds};
 /// Standard deviations to which a camera is known beforehand: of the image's centre, px; of pixels per radian, a share; of
 /// its place, a share of the sensor's radius; of its turn, degrees.
 const BEFORE: [f64; 4] = [0.5, 0.1, 0.1, 5.0];
+/// Standard deviations to which the odd terms of a lens are known beforehand, k3 and k5: the projections that fisheyes are made
+/// to, from orthographic to stereographic, lie within two.
+pub(super) const TERMS_BEFORE: [f64; 2] = [0.1, 0.05];
+/// Numbers of a departure that are the odd terms.
+pub(super) const TERMS: [usize; 2] = [19, 20];
 /// Standard deviations to which discs are known where the study does not say it: depth, a share of the sensor's radius; diameter and colours,
 /// shares.
 const OF_DISCS: [f64; 3] = [0.002, 0.02, 0.03];
 /// The sensor as it is meant to be.
+#[derive(Clone)]
 pub(in crate::recorded) struct Meant<'a> {
     pub(in crate::recorded) sphere: MarkerSphere<'a>,
     camera: &'a CameraConfig,
@@ -36,6 +42,8 @@ pub(in crate::recorded) struct Stand {
     pub(in crate::recorded) place: [f64; 3],
     /// Turn, degrees.
     pub(in crate::recorded) turn_deg: [f64; 3],
+    /// Odd terms of the lens.
+    pub(in crate::recorded) odd_terms: OddTerms,
 }
 
 impl<'a> Meant<'a> {
@@ -77,6 +85,20 @@ impl<'a> Meant<'a> {
         })
     }
 
+    /// This sensor with the first so many odd terms of its lens unknown.
+    pub(in crate::recorded) fn with_terms(&self, unknown: usize) -> Self {
+        let mut other = self.clone();
+        for (number, std) in TERMS.into_iter().zip(TERMS_BEFORE).take(unknown) {
+            other.stds[number] = std;
+        }
+        other
+    }
+
+    /// Whether the odd terms of the lens are known.
+    pub(super) fn knows_lens(&self) -> bool {
+        TERMS.iter().all(|&number| self.stds[number] == 0.0)
+    }
+
     /// Optics with the middle of the image where the frame has it.
     pub(super) fn optics(&self, found: &Found) -> Result<Optics, PlanError> {
         self.seen_from(&Stand {
@@ -85,28 +107,32 @@ impl<'a> Meant<'a> {
         })
     }
 
-    /// Camera that is meant, without departures.
-    fn lens(&self) -> Result<Camera, PlanError> {
+    /// Camera of the meant size and field, with a lens of these odd terms.
+    fn lens(&self, odd_terms: OddTerms) -> Result<Camera, PlanError> {
         let CameraConfig {
             size_px, field_deg, ..
         } = *self.camera;
-        Camera::new(Lens::Fisheye, size_px, field_deg).map_err(|error| of_optics(&error))
+        let lens = Lens::fisheye(odd_terms);
+        Camera::new(lens, size_px, field_deg).map_err(|error| of_optics(&error))
     }
 
     /// Stand that the camera is meant to have.
     pub(in crate::recorded) fn stand(&self) -> Result<Stand, PlanError> {
-        let lens = self.lens()?;
+        let CameraConfig { k3, k5, .. } = *self.camera;
+        let odd_terms = OddTerms { k3, k5 };
+        let lens = self.lens(odd_terms)?;
         Ok(Stand {
             centre_px: lens.centre_px(),
             px_per_rad: lens.px_per_rad(),
             place: self.camera.place,
             turn_deg: self.camera.turn_deg,
+            odd_terms,
         })
     }
 
     /// Optics of a camera that stands so.
     pub(in crate::recorded) fn seen_from(&self, stand: &Stand) -> Result<Optics, PlanError> {
-        let lens = self.lens()?;
+        let lens = self.lens(stand.odd_terms)?;
         let middle = lens.centre_px();
         let offset = [0, 1].map(|axis| stand.centre_px[axis] - middle[axis]);
         let array = self.sphere.array(&self.places)?;

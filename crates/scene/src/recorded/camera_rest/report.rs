@@ -18,13 +18,24 @@ pub struct RestCamera {
     pub turn_deg: [f64; 3],
     /// Its standard deviations.
     pub turn_std_deg: [f64; 3],
-    /// Focal length of the fisheye, px per radian.
+    /// Focal length f of the fisheye, px per radian: an angle θ from its axis is seen f (θ + k3 θ³ + k5 θ⁵) from the middle.
     pub px_per_rad: f64,
     /// Its standard deviation.
     pub px_per_rad_std: f64,
+    /// Odd term of the third power; that of the study where the frame does not determine it.
+    pub k3: f64,
+    /// Its standard deviation; absent where the frame does not determine it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub k3_std: Option<f64>,
+    /// Odd term of the fifth power, likewise.
+    pub k5: f64,
+    /// Its standard deviation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub k5_std: Option<f64>,
     /// Middle of the image, px.
     pub centre_px: [f64; 2],
-    /// Covariance of both coordinates of the centre, px; of px per radian, a share; of the place, length; of the turn, rad.
+    /// Covariance of both coordinates of the centre, px; of px per radian, a share; of the place, length; of the turn, rad; of the odd
+    /// terms that the frame determines.
     pub covariance: Vec<Vec<f64>>,
     /// Root mean square distance of the markers' centroids from where they should be seen, px.
     pub residual_px: f64,
@@ -45,9 +56,16 @@ impl RestCamera {
     /// The camera in words.
     pub fn summary(&self) -> String {
         let number = |value: f64| Number::rounded(value).to_string();
+        let term = |name: &str, value: f64, std: Option<f64>| match std {
+            Some(std) => format!("{name} {} +- {}", number(value), number(std)),
+            None => format!(
+                "{name} {} as stated (the frame does not tell it)",
+                number(value)
+            ),
+        };
         let three = |values: [f64; 3]| values.map(number).join(", ");
         format!(
-            "camera at ({}) +- ({}) {} from the centre, turned by ({}) +- ({}) deg, {} +- {} px per rad; {} markers, {} px from where they should be seen",
+            "camera at ({}) +- ({}) {} from the centre, turned by ({}) +- ({}) deg, {} +- {} px per rad, {}, {}; {} markers, {} px from where they should be seen",
             three(self.place),
             three(self.place_std),
             self.length_unit.as_str(),
@@ -55,6 +73,8 @@ impl RestCamera {
             three(self.turn_std_deg),
             number(self.px_per_rad),
             number(self.px_per_rad_std),
+            term("k3", self.k3, self.k3_std),
+            term("k5", self.k5, self.k5_std),
             self.residuals_px.len(),
             number(self.residual_px)
         )

@@ -75,12 +75,16 @@ fn check(camera: &RestCamera) -> Result<(), String> {
         named("turn_std_deg", &camera.turn_std_deg),
         named("px_per_rad_std", &[camera.px_per_rad_std]),
         named("px_per_rad", &[camera.px_per_rad]),
+        named("k3_std", camera.k3_std.as_slice()),
+        named("k5_std", camera.k5_std.as_slice()),
     ]
     .concat();
     let others = [
         named("place", &camera.place),
         named("turn_deg", &camera.turn_deg),
         named("centre_px", &camera.centre_px),
+        named("k3", &[camera.k3]),
+        named("k5", &[camera.k5]),
         named("residual_px", &[camera.residual_px]),
         named("reduced_chi_squared", &[camera.reduced_chi_squared]),
         named("residuals_px", &residuals),
@@ -101,7 +105,11 @@ fn check(camera: &RestCamera) -> Result<(), String> {
             ));
         }
     }
-    let size = CAMERA.len();
+    let of_terms = [camera.k3_std, camera.k5_std];
+    if of_terms[0].is_none() && of_terms[1].is_some() {
+        return Err("`k5_std` is stated without `k3_std`".to_owned());
+    }
+    let size = CAMERA.len() - of_terms.iter().filter(|std| std.is_none()).count();
     let is_square =
         camera.covariance.len() == size && camera.covariance.iter().all(|row| row.len() == size);
     if !is_square {
@@ -122,7 +130,8 @@ fn check(camera: &RestCamera) -> Result<(), String> {
     let stated = [camera.px_per_rad_std / camera.px_per_rad]
         .into_iter()
         .chain(camera.place_std)
-        .chain(camera.turn_std_deg.map(f64::to_radians));
+        .chain(camera.turn_std_deg.map(f64::to_radians))
+        .chain(of_terms.into_iter().flatten());
     for (entry, stated) in (2..size).zip(stated) {
         let std = stds[entry];
         if (std - stated).abs() > ROUNDING * stated {

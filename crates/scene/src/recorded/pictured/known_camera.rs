@@ -1,7 +1,7 @@
 //! The camera that a fit of frames takes for known.
 
 use nalgebra::{DMatrix, DVector};
-use palpate_chromatouch::Departure;
+use palpate_chromatouch::{Departure, OddTerms};
 use palpate_number::Number;
 use palpate_press::Told;
 
@@ -13,12 +13,14 @@ use crate::press::sensor_stds;
 
 /// Standard deviations by which a number of the camera may differ from that which the frame at rest shows.
 const CONTRADICTED: f64 = 6.0;
-/// Chi-squared of all nine numbers together past which the camera is doubtful: chance brings one in 10,000.
-const DOUBTFUL: f64 = 33.7;
+/// Chi-squared of nine, ten and eleven numbers together past which the camera is doubtful: chance brings one in 10,000.
+const DOUBTFUL: [f64; 3] = [33.7, 35.6, 37.4];
+/// Number of a camera's numbers without the odd terms of its lens, which a frame need not determine.
+const SURE: usize = 9;
 /// Standard deviations, in those that a camera is known to before any frame, to which it must be known after one.
 const VAGUE: f64 = 10.0;
 /// Names of the camera's numbers and their units, but for lengths.
-const NAMES: [(&str, Option<&str>); 9] = [
+const NAMES: [(&str, Option<&str>); CAMERA.len()] = [
     ("centre_px[0]", Some("px")),
     ("centre_px[1]", Some("px")),
     ("px_per_rad", Some("px")),
@@ -28,6 +30,8 @@ const NAMES: [(&str, Option<&str>); 9] = [
     ("turn_deg[0]", Some("deg")),
     ("turn_deg[1]", Some("deg")),
     ("turn_deg[2]", Some("deg")),
+    ("k3", Some("")),
+    ("k5", Some("")),
 ];
 
 /// A camera, as far as it is known.
@@ -79,9 +83,11 @@ impl<'a> KnownCamera<'a> {
         }
         let covariance = camera.covariance();
         let mut stds = meant.stds;
+        let before = meant.with_terms(covariance.nrows() - SURE).stds;
         let scales = scales(camera);
-        for (entry, number) in CAMERA.enumerate() {
-            let (std, most) = (covariance[(entry, entry)].sqrt(), VAGUE * stds[number]);
+        let determined = &CAMERA[..covariance.nrows()];
+        for (entry, &number) in determined.iter().enumerate() {
+            let (std, most) = (covariance[(entry, entry)].sqrt(), VAGUE * before[number]);
             if std > most {
                 let [std, most] = [std, most].map(|std| Number::rounded(std * scales[entry]));
                 let (name, of_number) = NAMES[entry];
@@ -99,7 +105,7 @@ impl<'a> KnownCamera<'a> {
             stand: stand_of(camera),
             stds,
             told: Some(Told {
-                numbers: CAMERA.collect(),
+                numbers: determined.to_vec(),
                 covariance,
             }),
             file: Some(file),
@@ -118,7 +124,10 @@ impl<'a> KnownCamera<'a> {
     ) -> Result<Option<String>, RecordedError> {
         let (here, there) = (numbers(&self.stand), numbers(&stand_of(shown)));
         let scales = scales(shown);
-        let [own, seen] = [self.covariance(), shown.covariance()];
+        let seen = shown.covariance();
+        // Odd terms that the frame does not determine contradict none.
+        let count = seen.nrows();
+        let own = self.covariance().resize(count, count, 0.0);
         let std = |covariance: &DMatrix<f64>, entry: usize| {
             covariance[(entry, entry)].sqrt() * scales[entry]
         };
@@ -126,16 +135,17 @@ impl<'a> KnownCamera<'a> {
             let std = libm::hypot(std(&own, entry), std(&seen, entry));
             ((here[entry] - there[entry]) / std).abs()
         };
-        let worst = (0..NAMES.len()).max_by(|one, other| pull(*one).total_cmp(&pull(*other)));
+        let worst = (0..count).max_by(|one, other| pull(*one).total_cmp(&pull(*other)));
         let worst = worst.unwrap_or(0);
         let (name, unit) = NAMES[worst];
         let unit = unit.unwrap_or(self.unit);
         let told = |value: f64, std: f64| {
             let value = Number::rounded(value);
-            match std > 0.0 {
+            let told = match std > 0.0 {
                 true => format!("{value} +- {} {unit}", Number::rounded(std)),
                 false => format!("{value} {unit}"),
-            }
+            };
+            told.trim_end().to_owned()
         };
         let difference = format!(
             "{} is {}, but {} shows {}",
@@ -154,14 +164,14 @@ impl<'a> KnownCamera<'a> {
                 message: format!("contradicts the frame at rest: {difference}; {remedy}"),
             });
         }
-        let apart = DVector::from_fn(NAMES.len(), |entry, _| {
+        let apart = DVector::from_fn(count, |entry, _| {
             (here[entry] - there[entry]) / scales[entry]
         });
         let both = own + seen;
         let square = both
             .cholesky()
             .map(|factor| apart.dot(&factor.solve(&apart)));
-        let is_doubtful = square.is_some_and(|square| square > DOUBTFUL);
+        let is_doubtful = square.is_some_and(|square| square > DOUBTFUL[count - SURE]);
         Ok(is_doubtful.then(|| {
             format!(
                 "the camera is not the one that {} shows, most of all: {difference}; {remedy}",
@@ -174,11 +184,9 @@ impl<'a> KnownCamera<'a> {
     fn covariance(&self) -> DMatrix<f64> {
         match &self.told {
             Some(told) => told.covariance.clone(),
-            None => DMatrix::from_fn(NAMES.len(), NAMES.len(), |row, column| {
-                match row == column {
-                    true => self.stds[CAMERA.start + row] * self.stds[CAMERA.start + row],
-                    false => 0.0,
-                }
+            None => DMatrix::from_fn(SURE, SURE, |row, column| match row == column {
+                true => self.stds[CAMERA[row]] * self.stds[CAMERA[row]],
+                false => 0.0,
             }),
         }
     }
@@ -190,17 +198,22 @@ fn stand_of(camera: &RestCamera) -> Stand {
         px_per_rad: camera.px_per_rad,
         place: camera.place,
         turn_deg: camera.turn_deg,
+        odd_terms: OddTerms {
+            k3: camera.k3,
+            k5: camera.k5,
+        },
     }
 }
 
 /// Numbers of a camera in the order of [`NAMES`].
-fn numbers(stand: &Stand) -> [f64; 9] {
+fn numbers(stand: &Stand) -> [f64; CAMERA.len()] {
+    let OddTerms { k3, k5 } = stand.odd_terms;
     let ([x, y], [a, b, c], [d, e, f]) = (stand.centre_px, stand.place, stand.turn_deg);
-    [x, y, stand.px_per_rad, a, b, c, d, e, f]
+    [x, y, stand.px_per_rad, a, b, c, d, e, f, k3, k5]
 }
 
 /// What these numbers are of departures: of a share of px per rad, and of rad.
-fn scales(camera: &RestCamera) -> [f64; 9] {
+fn scales(camera: &RestCamera) -> [f64; CAMERA.len()] {
     let degree = 1.0_f64.to_degrees();
     [
         1.0,
@@ -212,5 +225,7 @@ fn scales(camera: &RestCamera) -> [f64; 9] {
         degree,
         degree,
         degree,
+        1.0,
+        1.0,
     ]
 }

@@ -1,9 +1,10 @@
 //! A camera in the sensor's centre.
 
+use super::zero::is_zero;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The camera and the way from its pictures to displacements. The lens is an equidistant fisheye.
+/// The camera and the way from its pictures to displacements. The lens is a fisheye, equidistant unless it has odd terms.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraConfig {
@@ -15,6 +16,15 @@ pub struct CameraConfig {
     #[serde(default = "field")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 180))]
     pub field_deg: f64,
+    /// Odd term of the third power of the fisheye: a polar angle θ, rad, is seen f (θ + k3 θ³ + k5 θ⁵) from the image's centre.
+    /// The rim shows `field_deg` whatever the terms, and f follows from that.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
+    pub k3: f64,
+    /// Odd term of the fifth power.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(extend("minimum" = -100, "maximum" = 100, "x-unit" = "1"))]
+    pub k5: f64,
     /// Light at the rim of the field, as a share of that in the middle; of a rendered sensor.
     #[serde(default = "even")]
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1, "x-unit" = "1"))]

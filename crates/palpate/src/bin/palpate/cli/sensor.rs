@@ -51,8 +51,9 @@ as the 2020 paper draws it, and of the line through rest, from which `track` rea
 residuals, slopes that may be 0 and series that disagree; that all displacements err by one factor nothing tells.
 
 With --rest and --layout the camera is found from one frame at rest, which shows the markers of a study's sensor: place,
-turn and px per rad with standard deviations and covariance (of the image's centre, px; px per rad, a share; place,
-length; turn, rad), and how far each marker lies from where it should be seen.
+turn, px per rad and odd terms of the lens with standard deviations and covariance (of the image's centre, px; px per
+rad, a share; place, length; turn, rad; odd terms), and how far each marker lies from where it should be seen. Odd terms
+that the frame does not tell to half of what fisheyes differ by stay those of the study.
 
 Examples:
   palpate sensor calibrate examples/chromatouch-2020/calibration-normal.csv examples/chromatouch-2020/calibration-tangential.csv --out calibration.toml

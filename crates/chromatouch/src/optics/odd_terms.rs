@@ -1,0 +1,229 @@
+//! Odd terms of a fisheye beyond the equidistant one.
+
+use std::f64::consts::PI;
+
+use super::OpticsError;
+
+/// Least slope of a lens, as a share of that on its axis: where it is less, no picture tells angles.
+const LEAST_SLOPE: f64 = 0.01;
+/// Largest size of a term.
+const MOST: f64 = 100.0;
+/// Steps of Newton's method; halving the bracket, as it does in between, has found the last digit after these.
+const STEPS: usize = 64;
+
+/// Odd terms of a fisheye beyond the equidistant one: an angle θ from the axis is seen f (θ + k3 θ³ + k5 θ⁵) from the
+/// image's centre. Both are 0 of an equidistant lens; k3 is -1/24 of an equisolid one, 1/12 of a stereographic and -1/6 of an
+/// orthographic one (Kannala and Brandt, *A generic camera model*, IEEE Trans. Pattern Anal. Mach. Intell. 28, 2006).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OddTerms {
+    /// Term of the third power, per rad².
+    pub k3: f64,
+    /// Term of the fifth power, per rad⁴.
+    pub k5: f64,
+}
+
+impl OddTerms {
+    /// Distance from the image's centre over the focal length at which an angle from the axis is seen.
+    #[inline]
+    pub(super) fn map(self, polar: f64) -> f64 {
+        polar * self.stretch(polar * polar)
+    }
+
+    /// The map over the angle, from the angle's square.
+    #[inline]
+    pub(super) fn stretch(self, square: f64) -> f64 {
+        1.0 + square * (self.k3 + square * self.k5)
+    }
+
+    /// Derivative of the map, from the angle's square.
+    #[inline]
+    pub(super) fn slope(self, square: f64) -> f64 {
+        1.0 + square * (3.0 * self.k3 + square * (5.0 * self.k5))
+    }
+
+    /// The angle from the axis that is seen at a distance over the focal length, from 0 up. Beyond `rim`, up to which the map
+    /// grows, it goes on as it ends there.
+    #[inline]
+    pub(super) fn angle(self, scaled: f64, rim: f64) -> f64 {
+        let beyond = scaled - self.map(rim);
+        if beyond >= 0.0 {
+            return rim + beyond / self.slope(rim * rim);
+        }
+        let (mut low, mut high) = (0.0, rim);
+        let mut angle = scaled.min(rim);
+        for _ in 0..STEPS {
+            let error = self.map(angle) - scaled;
+            if error > 0.0 {
+                high = angle;
+            } else {
+                low = angle;
+            }
+            let newton = angle - error / self.slope(angle * angle);
+            let next = if newton >= low && newton <= high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            if (next - angle).abs() <= f64::EPSILON * next {
+                return next;
+            }
+            angle = next;
+        }
+        angle
+    }
+
+    /// Largest angle, at most half a turn, up to which the map grows everywhere by [`LEAST_SLOPE`] at least.
+    pub(super) fn reach(self) -> f64 {
+        // a u² + b u + c with u = θ²: the least positive root, without cancellation.
+        let (a, b, c) = (5.0 * self.k5, 3.0 * self.k3, 1.0 - LEAST_SLOPE);
+        let square = b * b - 4.0 * a * c;
+        if square < 0.0 {
+            return PI;
+        }
+        let sum = -0.5 * (b + square.sqrt().copysign(b));
+        let roots = [sum / a, c / sum].into_iter();
+        let positive = roots.filter(|root| *root > 0.0);
+        positive.fold(PI * PI, f64::min).sqrt().min(PI)
+    }
+
+    /// Least slope from the axis to an angle.
+    pub(super) fn least_slope(self, rim: f64) -> f64 {
+        let square = rim * rim;
+        let ends = self.slope(square).min(1.0);
+        let turn = -0.3 * self.k3 / self.k5;
+        if turn > 0.0 && turn < square {
+            ends.min(self.slope(turn))
+        } else {
+            ends
+        }
+    }
+
+    /// Bound on the slope and on the map over the angle, from the axis to an angle.
+    pub(super) fn most_slope(self, rim: f64) -> f64 {
+        let square = rim * rim;
+        1.0 + square * (3.0 * self.k3.max(0.0) + square * (5.0 * self.k5.max(0.0)))
+    }
+
+    /// Least k3 with which the map grows up to an angle, beside this k5.
+    fn least_k3(self, rim: f64) -> f64 {
+        let (square, constant) = (rim * rim, 1.0 - LEAST_SLOPE);
+        let k5 = 5.0 * self.k5;
+        let turn = (constant / k5).sqrt();
+        let at = if turn < square { turn } else { square };
+        -(constant / at + k5 * at) / 3.0
+    }
+
+    /// These terms, where a lens can have them that sees up to an angle, rad.
+    pub(super) fn checked(self, rim: f64) -> Result<Self, OpticsError> {
+        for (setting, term) in [("k3", self.k3), ("k5", self.k5)] {
+            OpticsError::unless(term.abs() <= MOST, setting, term, "from -100 to 100")?;
+        }
+        let reach = self.reach();
+        if rim <= reach {
+            return Ok(self);
+        }
+        Err(OpticsError::FoldedLens {
+            k3: self.k3,
+            k5: self.k5,
+            reach_deg: reach.to_degrees(),
+            field_deg: rim.to_degrees(),
+            least_k3: self.least_k3(rim),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Terms of lenses that grow up to 1.5 rad: projections of textbooks, and others at their limits.
+    const TERMS: [OddTerms; 7] = [
+        OddTerms { k3: 0.0, k5: 0.0 },
+        OddTerms {
+            k3: -1.0 / 24.0,
+            k5: 1.0 / 1920.0,
+        },
+        OddTerms {
+            k3: 1.0 / 12.0,
+            k5: 1.0 / 120.0,
+        },
+        OddTerms { k3: -0.14, k5: 0.0 },
+        OddTerms { k3: -0.5, k5: 0.12 },
+        OddTerms { k3: 0.3, k5: -0.1 },
+        OddTerms {
+            k3: 100.0,
+            k5: 100.0,
+        },
+    ];
+
+    #[test]
+    fn angles_come_back() {
+        for terms in TERMS {
+            terms.checked(1.5).unwrap();
+            for step in 0..=160 {
+                let angle = 0.01 * f64::from(step);
+                // Beyond the rim the map is a line.
+                let beyond = (angle - 1.5_f64).max(0.0);
+                let mapped = terms.map(angle.min(1.5)) + beyond * terms.slope(2.25);
+                let back = terms.angle(mapped, 1.5);
+                assert!((back - angle).abs() < 1e-13, "{terms:?} {angle} {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_differences() {
+        for terms in TERMS {
+            for step in 1..30 {
+                let (angle, more) = (0.05 * f64::from(step), 1e-5);
+                let slope = terms.slope(angle * angle);
+                let difference = (terms.map(angle + more) - terms.map(angle - more)) / (2.0 * more);
+                assert!(
+                    (slope - difference).abs() < 1e-7 * slope.abs().max(1.0),
+                    "{terms:?} {angle}"
+                );
+                let [least, most] = [terms.least_slope(1.5), terms.most_slope(1.5)];
+                assert!(slope >= least && slope <= most, "{terms:?} {angle}");
+            }
+        }
+    }
+
+    #[test]
+    fn lenses_fold_where_their_slope_ends() {
+        // 1 − 3·0.2 u = 0.01 at u = 1.65; 1 − u + 0.24 u² at its lesser root.
+        let terms = OddTerms { k3: -0.2, k5: 0.0 };
+        assert!((terms.reach() - 1.65_f64.sqrt()).abs() < 1e-15);
+        let terms = OddTerms {
+            k3: -1.0 / 3.0,
+            k5: 0.048,
+        };
+        let root = (1.0 - (1.0 - 4.0 * 0.24 * 0.99_f64).sqrt()) / 0.48;
+        assert!((terms.reach() - root.sqrt()).abs() < 1e-14);
+        assert_eq!(OddTerms { k3: 0.1, k5: 0.0 }.reach(), PI);
+        assert_eq!(OddTerms { k3: -0.1, k5: 0.1 }.reach(), PI);
+        assert!(OddTerms { k3: 0.0, k5: -0.1 }.reach() < PI);
+    }
+
+    #[test]
+    fn what_would_be_right_is_right() {
+        for (k3, k5) in [
+            (-0.6, 0.0),
+            (-0.6, 0.05),
+            (-2.0, 0.4),
+            (0.1, -0.5),
+            (-1.0, -1.0),
+        ] {
+            let folded = OddTerms { k3, k5 }.checked(1.2);
+            let Err(OpticsError::FoldedLens { least_k3, .. }) = folded else {
+                panic!("{k3} {k5}: {folded:?}");
+            };
+            let at_least = |k3| OddTerms { k3, k5 }.checked(1.2);
+            at_least(least_k3 + 1e-9).unwrap();
+            at_least(least_k3 - 1e-9).unwrap_err();
+        }
+        for k3 in [f64::NAN, f64::INFINITY, 101.0] {
+            let refused = OddTerms { k3, k5: 0.0 }.checked(1.0);
+            assert!(matches!(refused, Err(OpticsError::BadSetting(_))), "{k3}");
+        }
+    }
+}

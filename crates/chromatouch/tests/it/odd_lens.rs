@@ -1,0 +1,216 @@
+//! Fisheyes with odd terms.
+
+use std::f64::consts::PI;
+
+use approx::assert_relative_eq;
+use nalgebra::Vector3;
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, Departure, DiscDepths, Discs, Layout, Lens, MarkerArray,
+    MarkerMotion, OddTerms, Optics, OpticsError, SeenMarker,
+};
+
+const FIELD: f64 = 65.0;
+/// Terms of an equisolid and a stereographic lens, of one that is distorted either way, and of one near to its fold.
+const TERMS: [[f64; 2]; 5] = [
+    [-1.0 / 24.0, 1.0 / 1920.0],
+    [1.0 / 12.0, 1.0 / 120.0],
+    [0.05, -0.03],
+    [-0.2, 0.02],
+    [-0.25, 0.0],
+];
+
+fn camera([k3, k5]: [f64; 2]) -> Camera {
+    Camera::new(Lens::fisheye(OddTerms { k3, k5 }), 640, FIELD).unwrap()
+}
+
+fn optics(camera: Camera) -> Optics {
+    let places = Layout::published().places(20.0).unwrap();
+    let discs = Discs {
+        magenta: 2.0,
+        yellow: 2.0,
+    };
+    let depths = DiscDepths {
+        magenta: 3.0,
+        yellow: 1.0,
+    };
+    let array = MarkerArray::new(20.0, &places, discs, depths).unwrap();
+    Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap()
+}
+
+fn at_rest(optics: &Optics) -> Vec<Option<SeenMarker>> {
+    let motions = vec![Some(MarkerMotion::default()); optics.array().len()];
+    optics.projected(&motions).unwrap()
+}
+
+#[test]
+fn angles_are_seen_where_the_polynomial_has_them_and_come_back() {
+    for [k3, k5] in TERMS {
+        let camera = camera([k3, k5]);
+        let map = |angle: f64| angle + k3 * angle.powi(3) + k5 * angle.powi(5);
+        // The rim shows the field whatever the terms.
+        assert_relative_eq!(
+            camera.px_per_rad() * map(FIELD.to_radians()),
+            320.0,
+            max_relative = 1e-14
+        );
+        for step in 0..=130 {
+            let (polar, azimuth) = (0.5 * f64::from(step), 0.1 * f64::from(step));
+            let (sine, cosine) = libm::sincos(polar.to_radians());
+            let (up, along) = libm::sincos(azimuth);
+            let direction = Vector3::new(sine * along, sine * up, cosine);
+            let place = camera.image(&direction).unwrap();
+            let radius = libm::hypot(place[0] - 319.5, place[1] - 319.5);
+            assert_relative_eq!(
+                radius,
+                camera.px_per_rad() * map(polar.to_radians()),
+                epsilon = 1e-10
+            );
+            // The very rim may round to outside.
+            if step < 130 {
+                let back = camera.direction(place).unwrap();
+                assert!(
+                    (back.into_inner() - direction).norm() < 1e-12,
+                    "{k3} {k5} {polar}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn an_equisolid_lens_shows_all_directions_alike() {
+    // 2 sin(θ/2) without the term of the seventh power, whose area is below 1e-6 at half a radian.
+    let camera = camera(TERMS[0]);
+    let square = camera.px_per_rad().powi(2);
+    for polar in [0.0, 0.03, 0.1, 0.3, 0.5] {
+        let area = camera.disc_area(0.02, polar).unwrap();
+        let solid = 2.0 * PI * (1.0 - libm::cos(0.02));
+        assert_relative_eq!(area, square * solid, max_relative = 2e-6);
+    }
+}
+
+#[test]
+fn pictures_follow_a_change_of_the_terms_as_they_follow_a_new_lens() {
+    let known = optics(camera([0.0; 2]));
+    for [k3, k5] in TERMS {
+        let departed = known.departed(&Departure {
+            odd_terms: [k3, k5],
+            ..Departure::default()
+        });
+        let Ok(departed) = departed else {
+            // The rim of such a lens would lie beyond its fold.
+            assert_eq!([k3, k5], TERMS[4]);
+            continue;
+        };
+        // The circle keeps its size and its pixels per radian, so that its rim shows another angle.
+        let other = departed.camera();
+        assert_relative_eq!(other.px_per_rad(), known.camera().px_per_rad());
+        let rim = other.direction([639.4, 319.5]).unwrap();
+        let polar = libm::atan2(rim.x, rim.z);
+        let map = polar + k3 * polar.powi(3) + k5 * polar.powi(5);
+        assert_relative_eq!(other.px_per_rad() * map, 319.9, max_relative = 1e-12);
+        for (marker, (seen, place)) in at_rest(&departed)
+            .iter()
+            .zip(known.array().places())
+            .enumerate()
+        {
+            let Some(seen) = seen else { continue };
+            let angle = libm::hypot(place[0], place[1]) / 20.0;
+            let map = angle + k3 * angle.powi(3) + k5 * angle.powi(5);
+            let radius = libm::hypot(seen.centroid_px[0] - 319.5, seen.centroid_px[1] - 319.5);
+            // Discs of finite width are seen a little farther in or out.
+            let error = radius - other.px_per_rad() * map;
+            assert!(error.abs() < 0.5, "marker {marker}: {error}");
+        }
+    }
+    assert_eq!(
+        known
+            .departed(&Departure::default())
+            .unwrap()
+            .camera()
+            .lens(),
+        Lens::Fisheye
+    );
+}
+
+#[test]
+fn derivatives_of_pictures_are_differences() {
+    // Centroids of small discs are the images of their middles, and sizes go as the area between neighbouring rays.
+    let places: Vec<[f64; 2]> = (0..12).map(|step| [1.8 * f64::from(step), 0.3]).collect();
+    let discs = Discs {
+        magenta: 0.02,
+        yellow: 0.02,
+    };
+    let depths = DiscDepths {
+        magenta: 1.0,
+        yellow: 1.0,
+    };
+    for [k3, k5] in TERMS {
+        let camera = camera([k3, k5]);
+        let array = MarkerArray::new(20.0, &places, discs, depths).unwrap();
+        let optics = Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap();
+        let seen = at_rest(&optics);
+        let first = seen[0].unwrap().size_px2 / area(&camera, places[0]);
+        for (seen, place) in seen.iter().zip(&places) {
+            let seen = seen.unwrap();
+            let middle = camera.image(&direction(*place)).unwrap();
+            let [x, y] = [0, 1].map(|axis| seen.centroid_px[axis] - middle[axis]);
+            assert!(libm::hypot(x, y) < 1e-4);
+            let per_area = seen.size_px2 / area(&camera, *place);
+            assert!((per_area / first - 1.0).abs() < 1e-5, "{k3} {k5} {place:?}");
+        }
+    }
+}
+
+fn direction([x, y]: [f64; 2]) -> Vector3<f64> {
+    let angle = libm::hypot(x, y) / 20.0;
+    let (sine, cosine) = libm::sincos(angle);
+    Vector3::new(sine * x / (20.0 * angle), sine * y / (20.0 * angle), cosine)
+}
+
+/// Image area per solid angle at a place, by differences.
+fn area(camera: &Camera, place: [f64; 2]) -> f64 {
+    let middle = direction(place);
+    let across = Vector3::new(-middle.y, middle.x, 0.0).normalize();
+    let along = across.cross(&middle);
+    let step = 1e-4;
+    let slope = |axis: Vector3<f64>| {
+        let [one, other] = [step, -step].map(|step| camera.image(&(middle + axis * step)).unwrap());
+        [0, 1].map(|at| (one[at] - other[at]) / (2.0 * step))
+    };
+    let (one, other) = (slope(along), slope(across));
+    (one[0] * other[1] - one[1] * other[0]).abs()
+}
+
+#[test]
+fn lenses_that_cannot_be_are_refused_with_what_would_be_right() {
+    let made = |k3, k5, field| Camera::new(Lens::fisheye(OddTerms { k3, k5 }), 640, field);
+    let refused = made(-0.5, 0.0, 65.0).unwrap_err();
+    assert_eq!(refused.setting(), Some("k3"));
+    let said = refused.to_string();
+    // 1 - 1.5 θ² falls to 0.01 at 46.55°; -0.99 / (3 θ²) at 65°.
+    for word in ["k3 = -0.5", "up to 46.54", "ends at 65", "at least -0.2564"] {
+        assert!(said.contains(word), "{word}: {said}");
+    }
+    made(-0.2563, 0.0, 65.0).unwrap();
+    for (k3, k5) in [
+        (f64::NAN, 0.0),
+        (0.0, f64::INFINITY),
+        (-101.0, 0.0),
+        (0.0, 1e300),
+    ] {
+        assert!(
+            matches!(made(k3, k5, 65.0), Err(OpticsError::BadSetting(_))),
+            "{k3} {k5}"
+        );
+    }
+    let pinhole = Camera::new(Lens::Pinhole, 640, 65.0).unwrap();
+    assert!(
+        pinhole
+            .with_odd_terms(OddTerms { k3: 0.1, k5: 0.0 })
+            .is_err()
+    );
+    // With terms that fold, no rim is as far out as it was.
+    let wide = Camera::new(Lens::Fisheye, 640, 120.0).unwrap();
+    assert!(wide.with_odd_terms(OddTerms { k3: -0.2, k5: 0.0 }).is_err());
+}
