@@ -199,7 +199,7 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
         (
             line("covariance"),
             "covariance = [[1.0]]",
-            "`covariance` must have 9 rows of 9 numbers",
+            "`covariance` must have 11 rows of 11 numbers",
         ),
         (line("turn_deg"), "turned = 1", "turned"),
         (line("length_unit"), "length_unit = \"unit\"", "length_unit"),

@@ -47,6 +47,14 @@ pub(super) struct Search<'a> {
     rivals: Vec<State>,
 }
 
+/// What readings tell that show no contact at first.
+enum Found<'a> {
+    /// A contact that they show elsewhere.
+    Contact(Box<(Search<'a>, State, Sums)>),
+    /// The estimate of a contact that only its indentation tells of.
+    Left(PressEstimate),
+}
+
 impl<'a> Problem<'a> {
     /// All that is not known is sought; every marker counts, and all with a standard deviation of 1.
     pub(super) fn new(fit: &'a ForwardFit, reading: &'a Reading<'a>) -> Self {
@@ -159,10 +167,13 @@ impl<'a> Search<'a> {
         // The profile may find a better fit than the one it starts from.
         for _ in 0..4 {
             if let Err(refusal) = seen(&self.problem, &state) {
-                return match refusal {
-                    PressError::OtherBody { .. } => Err(refusal),
-                    _ => self.unseen(refusal),
-                };
+                if matches!(refusal, PressError::OtherBody { .. }) {
+                    return Err(refusal);
+                }
+                match self.unseen(refusal)? {
+                    Found::Contact(found) => (self, state, sums) = *found,
+                    Found::Left(estimate) => return Ok(estimate),
+                }
             }
             let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
                 what: "some combination of curvature, place, indentation, baseline and gain is free",
@@ -185,24 +196,33 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// The estimate from readings that do not show a contact of themselves: the curvatures that they leave to one whose
-    /// indentation is given, on the markers.
-    fn unseen(mut self, refusal: PressError) -> Result<PressEstimate, PressError> {
+    /// What readings tell that do not show a contact where the fits have led: a contact that they do show elsewhere, or the
+    /// curvatures that they leave to one whose indentation is given, on the markers.
+    fn unseen(&self, refusal: PressError) -> Result<Found<'a>, PressError> {
+        let mut problem = self.problem.clone();
         if let PressError::OneMarker { marker, .. } = refusal {
             // Without it the others say what a needle under it would not contradict.
-            self.problem.kept[marker] = false;
+            problem.kept[marker] = false;
+        }
+        if problem.equations() < problem.unknowns() {
+            return Err(refusal);
+        }
+        let unseen = Unseen::new(&problem).ok_or(refusal)?;
+        let mut missed = self.clone();
+        if let Some(mut state) = unseen.likeliest()
+            && let Ok(sums) = missed.settle(&mut state)
+            && seen(&missed.problem, &state).is_ok()
+        {
+            return Ok(Found::Contact(Box::new((missed, state, sums))));
         }
         let limit = self.limit();
-        let left = Unseen::new(&self.problem)
-            .and_then(|unseen| unseen.left(limit * limit))
-            .ok_or(refusal)?;
-        let (state, sums, interval) = left;
+        let (state, sums, interval) = unseen.left(limit * limit).ok_or(refusal)?;
         let covariance = inverse(&sums.hessian, SINGULAR).ok_or(refusal)?;
-        let estimate = outcome(&self.problem, &state, &sums, &covariance, interval, limit)?;
-        Ok(PressEstimate {
+        let estimate = outcome(&problem, &state, &sums, &covariance, interval, limit)?;
+        Ok(Found::Left(PressEstimate {
             is_seen: false,
             ..estimate
-        })
+        }))
     }
 
     /// An interval that holds what other fits tell which explain the readings about as well.

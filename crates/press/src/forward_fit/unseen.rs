@@ -65,20 +65,27 @@ impl<'p, 'a> Unseen<'p, 'a> {
         })
     }
 
+    /// The likeliest contact.
+    pub(super) fn likeliest(&self) -> Option<State> {
+        let best = self.found.iter().min_by(|one, other| likelier(one, other));
+        best.map(|(state, ..)| *state)
+    }
+
     /// The likeliest contact and the interval of the curvatures that lie less than `limit` above its chi-squared; `None`
-    /// where all do, or only contacts that hide among the markers.
-    pub(super) fn left(self, limit: f64) -> Option<(State, Sums, Interval)> {
-        let chi_squared = |(_, sums, _): &(State, Sums, f64)| sums.chi_squared;
-        let likelier = |one: &&(State, Sums, f64), other: &&(State, Sums, f64)| {
-            chi_squared(one).total_cmp(&chi_squared(other))
-        };
-        let (state, sums, _) = self.found.iter().min_by(likelier)?;
-        let root = |one: &(State, Sums, f64)| (chi_squared(one) - sums.chi_squared).max(0.0).sqrt();
+    /// where all do, or only contacts that hide among the markers, and where no contact could be seen for noise.
+    pub(super) fn left(&self, limit: f64) -> Option<(State, Sums, Interval)> {
+        let (state, sums, _) = self
+            .found
+            .iter()
+            .min_by(|one, other| likelier(one, other))?;
+        let least = sums.chi_squared;
+        let root = |(_, sums, _): &(State, Sums, f64)| (sums.chi_squared - least).max(0.0).sqrt();
         let is_left = |one: &(State, Sums, f64)| root(one) < limit.sqrt();
         let widest = self.found.iter().position(is_left)?;
         let narrowest = self.found.iter().rposition(is_left)?;
-        let says_nothing = widest == 0 && narrowest + 1 == self.found.len();
-        if self.found[widest].2 < 1.0 || says_nothing {
+        let leaves_all = widest == 0 && narrowest + 1 == self.found.len();
+        let is_clear = |one: &(State, Sums, f64)| self.clarity(&one.0) > limit;
+        if self.found[widest].2 < 1.0 || leaves_all || !self.found.iter().any(is_clear) {
             return None;
         }
         // The end lies where the root of chi-squared's rise meets the limit's, between two that were found.
@@ -98,6 +105,35 @@ impl<'p, 'a> Unseen<'p, 'a> {
             sums.hessian[(unknown, unknown)] += 1.0 / (std * std);
         }
         Some((*state, sums, interval))
+    }
+}
+
+fn likelier(one: &(State, Sums, f64), other: &(State, Sums, f64)) -> std::cmp::Ordering {
+    one.1.chi_squared.total_cmp(&other.1.chi_squared)
+}
+
+impl Unseen<'_, '_> {
+    /// Chi-squared of the displacements by a contact, against rest.
+    fn clarity(&self, state: &State) -> f64 {
+        let problem = self.problem;
+        let Ok(contact) = problem.contact(state) else {
+            return 0.0;
+        };
+        let moved = problem.displacements(&contact, state);
+        let square = |marker: usize| {
+            let normal = (moved[marker].normal - state.baseline) / problem.normal_std;
+            let along = moved[marker]
+                .tangential
+                .map(|along| along / problem.tangential_std);
+            let along = along.iter().map(|along| along * along).sum::<f64>();
+            normal * normal
+                + if problem.uses_tangential() {
+                    along
+                } else {
+                    0.0
+                }
+        };
+        problem.counting().map(square).sum()
     }
 }
 

@@ -23,11 +23,13 @@ pub struct RestCamera {
     /// Its standard deviation.
     pub px_per_rad_std: f64,
     /// Odd term of the third power; that of the study where the frame does not determine it.
+    #[serde(default)]
     pub k3: f64,
     /// Its standard deviation; absent where the frame does not determine it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub k3_std: Option<f64>,
     /// Odd term of the fifth power, likewise.
+    #[serde(default)]
     pub k5: f64,
     /// Its standard deviation.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -13,6 +13,8 @@ use crate::press::sensor_stds;
 
 /// Standard deviations by which a number of the camera may differ from that which the frame at rest shows.
 const CONTRADICTED: f64 = 6.0;
+/// Chi-squared of all numbers together past which the camera is another.
+const CONTRADICTED_BY_ALL: f64 = 200.0;
 /// Chi-squared of nine, ten and eleven numbers together past which the camera is doubtful: chance brings one in 10,000.
 const DOUBTFUL: [f64; 3] = [33.7, 35.6, 37.4];
 /// Number of a camera's numbers without the odd terms of its lens, which a frame need not determine.
@@ -158,19 +160,21 @@ impl<'a> KnownCamera<'a> {
             told(there[worst], std(&seen, worst))
         );
         let remedy = "calibrate the camera with this frame by `palpate sensor calibrate --rest`";
-        if pull(worst) > CONTRADICTED {
+        let apart = DVector::from_fn(count, |entry, _| {
+            (here[entry] - there[entry]) / scales[entry]
+        });
+        let both = &own + &seen;
+        let square = both
+            .cholesky()
+            .map(|factor| apart.dot(&factor.solve(&apart)));
+        // Numbers that nearly make up for each other contradict it together.
+        let is_contradicted = square.is_some_and(|square| square > CONTRADICTED_BY_ALL);
+        if pull(worst) > CONTRADICTED || is_contradicted {
             return Err(RecordedError::Readings {
                 file: self.file.unwrap_or(&rest.file).to_owned(),
                 message: format!("contradicts the frame at rest: {difference}; {remedy}"),
             });
         }
-        let apart = DVector::from_fn(count, |entry, _| {
-            (here[entry] - there[entry]) / scales[entry]
-        });
-        let both = own + seen;
-        let square = both
-            .cholesky()
-            .map(|factor| apart.dot(&factor.solve(&apart)));
         let is_doubtful = square.is_some_and(|square| square > DOUBTFUL[count - SURE]);
         Ok(is_doubtful.then(|| {
             format!(
