@@ -13,7 +13,7 @@ use super::settings::{ForwardFit, Prior};
 use super::start::{median, starts};
 use super::unseen::Unseen;
 use crate::definite::inverse;
-use crate::{Contact, Interval, PressError, PressEstimate};
+use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 
 /// Least entry on the diagonal of the scaled factor of information that can be inverted.
 pub(super) const SINGULAR: f64 = 1e-7;
@@ -219,8 +219,16 @@ impl<'a> Search<'a> {
         let (state, sums, interval) = unseen.left(limit * limit).ok_or(refusal)?;
         let covariance = inverse(&sums.hessian, SINGULAR).ok_or(refusal)?;
         let estimate = outcome(&problem, &state, &sums, &covariance, interval, limit)?;
+        // So far from a clear minimum second differences tell no bias.
+        let value = estimate.most_likely_curvature;
+        let corrected = estimate.relative_curvature;
         Ok(Found::Left(PressEstimate {
             is_seen: false,
+            relative_curvature: Estimated {
+                value,
+                std: corrected.std * (value / corrected.value),
+                interval,
+            },
             ..estimate
         }))
     }

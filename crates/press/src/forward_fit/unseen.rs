@@ -51,18 +51,27 @@ impl<'p, 'a> Unseen<'p, 'a> {
             }
         }
         let hidden = HIDDEN * median(&spacings);
-        let found = best.into_iter().flatten().filter_map(|(_, state)| {
-            let radius = problem.contact(&state).ok()?.radius;
-            let near = minimise(problem, state, ENOUGH, Some(CURVATURE)).ok();
+        let near = |state: State, held: Option<usize>| {
+            let near = minimise(problem, state, ENOUGH, held).ok();
             let near = near.filter(|(state, _)| on_markers(problem, state).is_ok());
             let sums = || Some((state, problem.sums(&state).ok()?));
             let (state, sums) = near.or_else(sums)?;
-            Some((state, sums, radius / hidden))
-        });
-        Some(Self {
-            found: found.collect(),
+            Some((state, sums, problem.contact(&state).ok()?.radius / hidden))
+        };
+        let of_radii = best.into_iter().flatten();
+        let mut unseen = Self {
+            found: of_radii
+                .filter_map(|(_, state)| near(state, Some(CURVATURE)))
+                .collect(),
             problem,
-        })
+        };
+        // Between two radii another may be likelier.
+        let best = unseen.likeliest().and_then(|best| near(best, None));
+        unseen.found.extend(best);
+        unseen
+            .found
+            .sort_by(|(one, ..), (other, ..)| one.log_curvature.total_cmp(&other.log_curvature));
+        Some(unseen)
     }
 
     /// The likeliest contact.

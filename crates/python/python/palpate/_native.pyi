@@ -274,6 +274,8 @@ class PressEstimate(Record):
     wrong_markers: list[Record]
     noise: Record
     r_squared: float
+    contact_seen: bool
+    doubts: list[Record]
     warnings: list[str]
 
 @final
