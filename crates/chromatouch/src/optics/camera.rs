@@ -290,7 +290,7 @@ impl Camera {
     pub(super) fn polar_square(&self, square: f64) -> f64 {
         match self.lens {
             Lens::Fisheye => square,
-            Lens::Odd(terms) => terms.angle(square.sqrt(), self.rim_rad).powi(2),
+            Lens::Odd(terms) => self.odd_polar_square(terms, square),
             Lens::Pinhole => libm::atan(square.sqrt()).powi(2),
         }
     }
@@ -318,14 +318,7 @@ impl Camera {
                     cosine,
                 }
             }),
-            Lens::Odd(terms) => std::array::from_fn(|step| {
-                let polar_square = self.polar_square(square(step));
-                let (sinc, cosine) = sinc_and_cosine(polar_square);
-                Ray {
-                    lateral_rad: sinc / terms.stretch(polar_square) * rad_per_px,
-                    cosine,
-                }
-            }),
+            Lens::Odd(terms) => self.odd_rays(terms, std::array::from_fn(square)),
             Lens::Pinhole => std::array::from_fn(|step| {
                 let cosine = 1.0 / (1.0 + square(step)).sqrt();
                 Ray {
@@ -336,15 +329,38 @@ impl Camera {
         }
     }
 
+    // What follows is apart, for the loops over pixels of other lenses to stay small.
+
+    #[inline(never)]
+    fn odd_polar_square(&self, terms: OddTerms, square: f64) -> f64 {
+        terms.angle(square.sqrt(), self.rim_rad).powi(2)
+    }
+
+    #[inline(never)]
+    fn odd_rays<const N: usize>(&self, terms: OddTerms, squares: [f64; N]) -> [Ray; N] {
+        let rad_per_px = 1.0 / self.px_per_rad;
+        squares.map(|square| {
+            let polar_square = self.odd_polar_square(terms, square);
+            let (sinc, cosine) = sinc_and_cosine(polar_square);
+            Ray {
+                lateral_rad: sinc / terms.stretch(polar_square) * rad_per_px,
+                cosine,
+            }
+        })
+    }
+
+    #[inline(never)]
+    fn odd_radial_rad(&self, terms: OddTerms, ray: &Ray) -> f64 {
+        let polar = libm::acos(ray.cosine.clamp(-1.0, 1.0));
+        1.0 / (self.px_per_rad * terms.slope(polar.min(self.rim_rad).powi(2)))
+    }
+
     /// Angle that a pixel spans away from the axis, rad.
     #[inline]
     pub(super) fn radial_rad(&self, ray: &Ray) -> f64 {
         match self.lens {
             Lens::Fisheye => 1.0 / self.px_per_rad,
-            Lens::Odd(terms) => {
-                let polar = libm::acos(ray.cosine.clamp(-1.0, 1.0));
-                1.0 / (self.px_per_rad * terms.slope(polar.min(self.rim_rad).powi(2)))
-            }
+            Lens::Odd(terms) => self.odd_radial_rad(terms, ray),
             Lens::Pinhole => ray.lateral_rad * ray.cosine,
         }
     }
