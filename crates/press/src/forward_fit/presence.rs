@@ -1,7 +1,6 @@
 //! Whether there is a contact to be seen at all.
 
-use super::problem::{Problem, State};
-use super::search::WRONG;
+use super::problem::{Problem, State, WRONG};
 use super::settings::Prior;
 use crate::PressError;
 use crate::goodness::tail;

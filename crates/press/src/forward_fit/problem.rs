@@ -18,6 +18,9 @@ pub(super) const INDENTATION: usize = 3;
 pub(super) const BASELINE: usize = 4;
 pub(super) const GAIN: usize = 5;
 
+/// A residual beyond this many standard deviations is wrong, not noisy: chance brings one in two million.
+pub(super) const WRONG: f64 = 5.0;
+
 pub(super) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(super) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 

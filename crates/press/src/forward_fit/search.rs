@@ -6,7 +6,7 @@ use super::minimise::minimise;
 use super::misfit::Misfit;
 use super::outcome::outcome;
 use super::presence::{NOTHING, on_markers, seen};
-use super::problem::{ACROSS, BASELINE, GAIN, INDENTATION, Problem, State, Sums};
+use super::problem::{ACROSS, BASELINE, GAIN, INDENTATION, Problem, State, Sums, WRONG};
 use super::profile::{Profile, profile};
 use super::reading::Reading;
 use super::settings::{ForwardFit, Prior};
@@ -17,8 +17,6 @@ use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 
 /// Least entry on the diagonal of the scaled factor of information that can be inverted.
 pub(super) const SINGULAR: f64 = 1e-7;
-/// A residual beyond this many standard deviations is wrong, not noisy: chance brings one in two million.
-pub(super) const WRONG: f64 = 5.0;
 /// Largest share of the markers that can be wrong; if more seem so, the model is.
 const MOST_WRONG: f64 = 1.0 / 8.0;
 /// Markers are in a row where they spread (squared) less across it than this share of what they do along it.
@@ -52,7 +50,7 @@ enum Found<'a> {
     /// A contact that they show elsewhere.
     Contact(Box<(Search<'a>, State, Sums)>),
     /// The estimate of a contact that only its indentation tells of.
-    Left(PressEstimate),
+    Left(Box<PressEstimate>),
 }
 
 impl<'a> Problem<'a> {
@@ -172,7 +170,7 @@ impl<'a> Search<'a> {
                 }
                 match self.unseen(refusal)? {
                     Found::Contact(found) => (self, state, sums) = *found,
-                    Found::Left(estimate) => return Ok(estimate),
+                    Found::Left(estimate) => return Ok(*estimate),
                 }
             }
             let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
@@ -222,7 +220,7 @@ impl<'a> Search<'a> {
         // So far from a clear minimum second differences tell no bias.
         let value = estimate.most_likely_curvature;
         let corrected = estimate.relative_curvature;
-        Ok(Found::Left(PressEstimate {
+        Ok(Found::Left(Box::new(PressEstimate {
             is_seen: false,
             relative_curvature: Estimated {
                 value,
@@ -230,7 +228,7 @@ impl<'a> Search<'a> {
                 interval,
             },
             ..estimate
-        }))
+        })))
     }
 
     /// An interval that holds what other fits tell which explain the readings about as well.

@@ -181,8 +181,8 @@ impl Score {
         let within = |[low, high]: [f64; 2]| (low..=high).contains(&score.coverage95);
         let is_within_limits = match family {
             _ if family.is_wrong() => Some(
-                !(score.doubted_where_short < DOUBTED)
-                    && !(score.doubted_where_covered > UNDOUBTED),
+                (score.scenes_short == 0 || score.doubted_where_short >= DOUBTED)
+                    && (score.scenes_covered == 0 || score.doubted_where_covered <= UNDOUBTED),
             ),
             _ if !family.touches() => Some(score.seen <= ALARMS),
             _ if family.is_faint() => Some(within(FAINT)),
