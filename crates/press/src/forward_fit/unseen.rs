@@ -31,8 +31,9 @@ impl<'p, 'a> Unseen<'p, 'a> {
     /// The contacts; `None` where no indentation is given.
     pub(super) fn new(problem: &'p Problem<'a>) -> Option<Self> {
         problem.reading.indentation?;
-        let radii: Vec<f64> = (0..RADII)
-            .map(|number| WIDEST * NARROWER.powi(number as i32))
+        let narrower = |radius: &f64| Some(NARROWER * radius);
+        let radii: Vec<f64> = std::iter::successors(Some(WIDEST), narrower)
+            .take(RADII)
             .collect();
         let shapes = Shapes::new(problem, &radii);
         let places = problem.reading.markers.places();
