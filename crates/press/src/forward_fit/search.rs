@@ -217,9 +217,9 @@ impl<'a> Search<'a> {
         let (state, sums, interval) = unseen.left(limit * limit).ok_or(refusal)?;
         let covariance = inverse(&sums.hessian, SINGULAR).ok_or(refusal)?;
         let estimate = outcome(&problem, &state, &sums, &covariance, interval, limit)?;
-        // So far from a clear minimum second differences tell no bias.
-        let value = estimate.most_likely_curvature;
+        // Noise makes readings that show nothing look sharp; so far from a clear minimum no bias the other way is told.
         let corrected = estimate.relative_curvature;
+        let value = corrected.value.min(estimate.most_likely_curvature);
         Ok(Found::Left(Box::new(PressEstimate {
             is_seen: false,
             relative_curvature: Estimated {
