@@ -6,8 +6,8 @@ use palpate_number::Number;
 use strum::{IntoStaticStr, VariantNames};
 
 /// Way in which readings contradict the model of a press. Where the model holds each arises by chance in
-/// [`Doubt::LEVEL`] of all presses, and the likeliest of the first ones where all together are as unlikely as
-/// [`Doubt::LEVEL_OF_ALL`].
+/// [`Doubt::LEVEL`] of all presses, and the likeliest of `OtherIndentation`, `OtherBody` and `NotRound` where these
+/// together are as unlikely as [`Doubt::LEVEL_OF_ALL`].
 ///
 /// A wrong gain of all displacements makes none of these where the indentation is fitted: no reading tells it from another
 /// curvature and indentation.

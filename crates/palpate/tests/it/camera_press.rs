@@ -220,6 +220,11 @@ fn a_camera_that_a_frame_at_rest_told_is_taken() {
         "camera.toml: `centre_px[0]` has a standard deviation of 1000 px; it must be at most 5",
     );
     // A study in another unit is that of the same sensor.
+    desk.write("camera.toml", "\n");
+    desk.palpate(&format!("sensor track {run}")).fails(
+        1,
+        "camera.toml: is empty; a camera is needed, as `palpate sensor calibrate --rest` writes it",
+    );
     desk.write("camera.toml", &camera);
     let mut in_cm = edited(PRESS, "\"mm\"", "\"cm\"");
     for (mm, cm) in [

@@ -5,7 +5,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::problem::{INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns};
+use super::problem::{INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns, finite};
 use super::reading::Reading;
 use super::search::SINGULAR;
 use super::settings::ForwardFit;
@@ -39,7 +39,7 @@ impl ForwardFit {
     /// is no body, and where there are hardly more equations than unknowns.
     ///
     /// # Errors
-    /// Those of [`ForwardFit::estimate`].
+    /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] where the estimate is none of this fit.
     pub fn doubts(
         &self,
         reading: &Reading<'_>,
@@ -193,6 +193,9 @@ impl<'p, 'a> Test<'p, 'a> {
                 products.by_residuals += *patterns * residual;
             }
         }
+        let sum =
+            products.by_slopes.sum() + products.by_patterns.sum() + products.by_residuals.sum();
+        finite(sum)?;
         Ok(products)
     }
 

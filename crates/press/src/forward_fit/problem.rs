@@ -437,7 +437,7 @@ fn moved(contact: &Contact<'_>, state: &State, sight: &Sight) -> (f64, Vector2<f
     (normal, sight.outward * moved.radial)
 }
 
-fn finite(value: f64) -> Result<f64, PressError> {
+pub(super) fn finite(value: f64) -> Result<f64, PressError> {
     if value.is_finite() {
         Ok(value)
     } else {

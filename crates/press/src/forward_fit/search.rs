@@ -45,7 +45,7 @@ pub(super) struct Search<'a> {
     rivals: Vec<State>,
 }
 
-/// What readings tell that show no contact at first.
+/// Contact of readings that show none at first.
 enum Found<'a> {
     /// A contact that they show elsewhere.
     Contact(Box<(Search<'a>, State, Sums)>),
@@ -194,8 +194,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// What readings tell that do not show a contact where the fits have led: a contact that they do show elsewhere, or the
-    /// curvatures that they leave to one whose indentation is given, on the markers.
+    /// Contact of readings that show none where the fits have led: one that they do show elsewhere, or the curvatures that
+    /// they leave to one whose indentation is given, on the markers.
     fn unseen(&self, refusal: PressError) -> Result<Found<'a>, PressError> {
         let mut problem = self.problem.clone();
         if let PressError::OneMarker { marker, .. } = refusal {

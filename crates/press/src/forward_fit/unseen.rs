@@ -1,5 +1,7 @@
 //! Curvatures that readings leave to a contact which they do not show.
 
+use std::cmp::Ordering;
+
 use super::minimise::minimise;
 use super::presence::on_markers;
 use super::problem::{ACROSS, ALONG, CURVATURE, Problem, State, Sums};
@@ -23,8 +25,23 @@ const LOGARITHM: f64 = 3.0;
 /// that contradicts them least.
 pub(super) struct Unseen<'p, 'a> {
     problem: &'p Problem<'a>,
-    /// State, chi-squared, and radius over that of hidden contacts.
-    found: Vec<(State, Sums, f64)>,
+    /// Candidates in ascending order of their curvatures.
+    found: Vec<Candidate>,
+}
+
+/// Contact that may be.
+#[derive(Clone, Copy)]
+struct Candidate {
+    state: State,
+    sums: Sums,
+    /// Radius over that of the widest contact that hides between neighbouring markers.
+    relative_radius: f64,
+}
+
+impl Candidate {
+    fn likelier(one: &&Self, other: &&Self) -> Ordering {
+        one.sums.chi_squared.total_cmp(&other.sums.chi_squared)
+    }
 }
 
 impl<'p, 'a> Unseen<'p, 'a> {
@@ -57,7 +74,11 @@ impl<'p, 'a> Unseen<'p, 'a> {
             let near = near.filter(|(state, _)| on_markers(problem, state).is_ok());
             let sums = || Some((state, problem.sums(&state).ok()?));
             let (state, sums) = near.or_else(sums)?;
-            Some((state, sums, problem.contact(&state).ok()?.radius / hidden))
+            Some(Candidate {
+                state,
+                sums,
+                relative_radius: problem.contact(&state).ok()?.radius / hidden,
+            })
         };
         let of_radii = best.into_iter().flatten();
         let mut unseen = Self {
@@ -69,57 +90,53 @@ impl<'p, 'a> Unseen<'p, 'a> {
         // Between two radii another may be likelier.
         let best = unseen.likeliest().and_then(|best| near(best, None));
         unseen.found.extend(best);
+        let log_curvature = |one: &Candidate| one.state.log_curvature;
         unseen
             .found
-            .sort_by(|(one, ..), (other, ..)| one.log_curvature.total_cmp(&other.log_curvature));
+            .sort_by(|one, other| log_curvature(one).total_cmp(&log_curvature(other)));
         Some(unseen)
     }
 
     /// The likeliest contact.
     pub(super) fn likeliest(&self) -> Option<State> {
-        let best = self.found.iter().min_by(|one, other| likelier(one, other));
-        best.map(|(state, ..)| *state)
+        Some(self.found.iter().min_by(Candidate::likelier)?.state)
     }
 
     /// The likeliest contact and the interval of the curvatures that lie less than `limit` above its chi-squared; `None`
     /// where all do, or only contacts that hide among the markers, and where no contact could be seen for noise.
     pub(super) fn left(&self, limit: f64) -> Option<(State, Sums, Interval)> {
-        let (state, sums, _) = self
-            .found
-            .iter()
-            .min_by(|one, other| likelier(one, other))?;
-        let least = sums.chi_squared;
-        let root = |(_, sums, _): &(State, Sums, f64)| (sums.chi_squared - least).max(0.0).sqrt();
-        let is_left = |one: &(State, Sums, f64)| root(one) < limit.sqrt();
+        let best = self.found.iter().min_by(Candidate::likelier)?;
+        let least = best.sums.chi_squared;
+        let root = |one: &Candidate| (one.sums.chi_squared - least).max(0.0).sqrt();
+        let is_left = |one: &Candidate| root(one) < limit.sqrt();
         let widest = self.found.iter().position(is_left)?;
         let narrowest = self.found.iter().rposition(is_left)?;
         let leaves_all = widest == 0 && narrowest + 1 == self.found.len();
-        let is_clear = |one: &(State, Sums, f64)| self.clarity(&one.0) > limit;
-        if self.found[widest].2 < 1.0 || leaves_all || !self.found.iter().any(is_clear) {
+        let is_clear = |one: &Candidate| self.clarity(&one.state) > limit;
+        if self.found[widest].relative_radius < 1.0
+            || leaves_all
+            || !self.found.iter().any(is_clear)
+        {
             return None;
         }
         // The end lies where the root of chi-squared's rise meets the limit's, between two that were found.
         let end = |inside: usize, outside: Option<usize>| {
             let (inside, outside) = (&self.found[inside], self.found.get(outside?)?);
             let share = (limit.sqrt() - root(inside)) / (root(outside) - root(inside));
-            let way = outside.0.log_curvature - inside.0.log_curvature;
-            Some(libm::exp(inside.0.log_curvature + share * way))
+            let way = outside.state.log_curvature - inside.state.log_curvature;
+            Some(libm::exp(inside.state.log_curvature + share * way))
         };
         let interval = Interval {
             low: end(widest, widest.checked_sub(1)),
             high: end(narrowest, Some(narrowest + 1)),
         };
-        let mut sums = *sums;
+        let mut sums = best.sums;
         let radius = self.problem.reading.markers.skin().radius();
         for (unknown, std) in [(CURVATURE, LOGARITHM), (ALONG, radius), (ACROSS, radius)] {
             sums.hessian[(unknown, unknown)] += 1.0 / (std * std);
         }
-        Some((*state, sums, interval))
+        Some((best.state, sums, interval))
     }
-}
-
-fn likelier(one: &(State, Sums, f64), other: &(State, Sums, f64)) -> std::cmp::Ordering {
-    one.1.chi_squared.total_cmp(&other.1.chi_squared)
 }
 
 impl Unseen<'_, '_> {

@@ -1,6 +1,6 @@
 //! Doubts about estimates: none where the model holds, named ones where it does not.
 
-use palpate_press::{Body, Doubt, ForwardFit, Measured};
+use palpate_press::{Body, Doubt, ForwardFit, Measured, PressEstimate};
 
 use crate::sensor::{DEPTH, Readings, at, half_space, published};
 
@@ -156,4 +156,36 @@ fn what_is_not_seen_is_bounded_and_said() {
         f64::from(held) >= 0.85 * f64::from(unseen),
         "{held} of {unseen}"
     );
+}
+
+/// An estimate whose numbers have been changed to those of no press.
+#[test]
+fn estimates_of_no_press_are_refused() {
+    let markers = published();
+    let body = half_space();
+    let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0);
+    let fit = ForwardFit {
+        normal_std: Some(STD),
+        ..ForwardFit::new(half_space())
+    };
+    let readings = Readings::of(&markers, &contact.unwrap(), at(6.0, 20.0)).noisy(STD, 1);
+    let reading = readings.reading(&markers, Some(TOLD));
+    let sound = fit.estimate(&reading).unwrap();
+    assert!(fit.doubts(&reading, &sound).is_ok());
+    for number in [f64::NAN, f64::INFINITY, 0.0, -1.0, 1e300, 1e-300] {
+        let changes: [fn(&mut PressEstimate, f64); 4] = [
+            |estimate, number| estimate.most_likely_curvature = number,
+            |estimate, number| estimate.indentation.value = number,
+            |estimate, number| estimate.normal_std = number,
+            |estimate, number| estimate.contact = [number; 2],
+        ];
+        for change in changes {
+            let mut changed = sound.clone();
+            change(&mut changed, number);
+            if let Ok(doubts) = fit.doubts(&reading, &changed) {
+                let of_chance = |doubt: &Doubt| (0.0..=1.0).contains(&doubt.p_value());
+                assert!(doubts.iter().all(of_chance), "{number}: {doubts:?}");
+            }
+        }
+    }
 }

@@ -48,7 +48,7 @@ impl CameraCalibration {
         self.camera.to_toml()
     }
 
-    /// The same as a dictionary: `place`, `turn_deg` and `px_per_rad` with `place_std`, `turn_std_deg` and
+    /// Dictionary of the camera: `place`, `turn_deg` and `px_per_rad` with `place_std`, `turn_std_deg` and
     /// `px_per_rad_std`, `centre_px`, `covariance` (9 x 9: of the centre, px; px per rad, a share; place; turn, rad),
     /// `residuals_px` of the layout's markers, `residual_px`, `reduced_chi_squared` and `warnings`.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

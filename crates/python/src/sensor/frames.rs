@@ -40,7 +40,7 @@ pub(crate) struct Tracked {
     /// Table of the displacements of the markers that were tracked; None without a calibration or `method="image"`.
     #[pyo3(get)]
     readings: Option<Py<Table>>,
-    /// The same on a grid between the markers; None without a calibration or `method="image"`.
+    /// Displacements on a grid between the markers; None without a calibration or `method="image"`.
     #[pyo3(get)]
     field: Option<Py<Table>>,
     /// The PressEstimate from them; None without a calibration or `method="image"`.

@@ -81,8 +81,14 @@ impl RecordedFile {
         }
     }
 
-    /// Its text, of UTF-8 or, with a byte order mark, UTF-16; the mark is dropped.
-    pub(super) fn text(&self) -> Result<Cow<'_, str>, RecordedError> {
+    /// Its text, as of a table.
+    pub(super) fn table(&self) -> Result<Cow<'_, str>, RecordedError> {
+        self.text("a header and one row per reading are needed")
+    }
+
+    /// Its text, of UTF-8 or, with a byte order mark, UTF-16; the mark is dropped. Where there is none, the error says what is
+    /// needed.
+    pub(super) fn text(&self, needed: &str) -> Result<Cow<'_, str>, RecordedError> {
         let text = match self.bytes.as_slice() {
             [0xff, 0xfe, rest @ ..] => Cow::Owned(self.utf16(rest, u16::from_le_bytes)?),
             [0xfe, 0xff, rest @ ..] => Cow::Owned(self.utf16(rest, u16::from_be_bytes)?),
@@ -90,7 +96,7 @@ impl RecordedFile {
             bytes => Cow::Borrowed(self.utf8(bytes)?),
         };
         if text.trim().is_empty() {
-            return Err(self.error("is empty; a header and one row per reading are needed"));
+            return Err(self.error(format!("is empty; {needed}")));
         }
         Ok(text)
     }

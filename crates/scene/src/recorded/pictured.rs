@@ -42,7 +42,7 @@ impl Pictured {
     /// The field on a grid, as [`Sensed::field`].
     ///
     /// # Errors
-    /// Those of [`Sensed::field`].
+    /// Errors of [`Sensed::field`].
     pub fn field(&self, grid: usize, filter_std: f64) -> Result<Table, RecordedError> {
         self.sensed.field(grid, filter_std)
     }

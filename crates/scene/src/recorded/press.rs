@@ -92,7 +92,7 @@ pub fn read_press(path: &Path) -> Result<PressReadings, RecordedError> {
 /// # Errors
 /// Errors of [`read_press`].
 pub fn parse_press(file: RecordedFile) -> Result<PressReadings, RecordedError> {
-    let text = file.text()?;
+    let text = file.table()?;
     let table = Written::of(&file, &text)?;
     let header = header(&table, &columns_of("press"))?;
     let has = |column: &Column| header.has(column);

@@ -165,7 +165,7 @@ pub fn read_roll(path: &Path) -> Result<RollReadings, RecordedError> {
 /// # Errors
 /// Errors of [`read_roll`].
 pub fn parse_roll(file: RecordedFile) -> Result<RollReadings, RecordedError> {
-    let text = file.text()?;
+    let text = file.table()?;
     let table = Written::of(&file, &text)?;
     let is_series = is_series(&table)?;
     let all = if is_series {

@@ -48,7 +48,7 @@ enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Family {
     pressed: Kind,
-    /// What the fit believes, where that is not so.
+    /// Kind that the fit believes in, where it is another.
     believed: Option<Kind>,
     seen: Seen,
     knows_indentation: bool,
@@ -162,9 +162,14 @@ impl Family {
         self.seen != Seen::Nothing
     }
 
-    /// Whether it is hardly to be seen.
+    /// Whether noise all but hides the press.
     pub(super) fn is_faint(&self) -> bool {
         self.seen == Seen::Barely
+    }
+
+    /// Whether no reading tells what is wrong from another press.
+    pub(super) fn cannot_be_told(&self) -> bool {
+        self.flaw == Flaw::Gain
     }
 
     /// Whether the readings are not what the fit believes.

@@ -1,4 +1,4 @@
-//! What is read of a press, with what may be wrong with it.
+//! Readings of a press, with flaws that they may have.
 
 use palpate_press::{Contact, Markers, Measured, Reading};
 use palpate_sensing::{Channel, Stream};
@@ -13,7 +13,7 @@ const SLIPS: [f64; 2] = [0.3, 1.0];
 const EDGE: f64 = 6.0;
 const ALONG_EDGE: usize = 13;
 
-/// What is wrong with the readings.
+/// Flaw of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Flaw {
     None,
@@ -163,4 +163,64 @@ fn edge(
     sum.into_iter()
         .map(|(normal, tangential)| (scale * normal, tangential.map(|one| scale * one)))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use palpate_press::{Body, Skin};
+
+    use super::*;
+
+    fn markers() -> Markers {
+        let places: Vec<_> = (0..21 * 21)
+            .map(|number| [number % 21, number / 21].map(|step| f64::from(step) - 10.0))
+            .collect();
+        Markers::new(Skin::new(20.0).unwrap(), &places).unwrap()
+    }
+
+    fn readings(markers: &Markers, flaw: Flaw, number: u64) -> Readings {
+        let body = Body::half_space(0.5, 2.0).unwrap();
+        let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
+        let mut draws = Draws::new(3, number, Channel::PadOffset);
+        Readings::of(markers, &contact, [0.0; 2], flaw, &mut draws)
+    }
+
+    #[test]
+    fn gains_scale_all_alike_and_slips_one() {
+        let markers = markers();
+        for number in 0..20 {
+            let [plain, gained, slipped] = [Flaw::None, Flaw::Gain, Flaw::Slipped]
+                .map(|flaw| readings(&markers, flaw, number).normal);
+            let gain = gained[0] / plain[0];
+            assert!((1.0 / 1.3..=1.0 / 1.1).contains(&gain) || (1.1..=1.3).contains(&gain));
+            for (gained, plain) in gained.iter().zip(&plain) {
+                assert!((gained - gain * plain).abs() <= 1e-12 * plain.abs());
+            }
+            let moved = slipped.iter().zip(&plain);
+            let moved: Vec<f64> = moved.map(|(one, other)| (one - other).abs()).collect();
+            assert_eq!(moved.iter().filter(|slip| **slip > 1e-12).count(), 1);
+            let slip = moved.iter().fold(0.0, |most: f64, one| most.max(*one));
+            assert!((0.3..=1.0).contains(&slip), "{slip}");
+        }
+    }
+
+    #[test]
+    fn an_edge_presses_further_one_way_than_across() {
+        let markers = markers();
+        let [ball, edge] = [Flaw::None, Flaw::Edge].map(|flaw| readings(&markers, flaw, 1).normal);
+        let second_moments = |normal: &[f64]| {
+            let mut sums = [0.0; 3];
+            for (place, weight) in markers.places().iter().zip(normal) {
+                let (x, y) = (place.direction.x, place.direction.y);
+                for (sum, product) in sums.iter_mut().zip([x * x, x * y, y * y]) {
+                    *sum += weight * product;
+                }
+            }
+            let [xx, xy, yy] = sums;
+            let spread = libm::hypot(0.5 * (xx - yy), xy);
+            (0.5 * (xx + yy) + spread) / (0.5 * (xx + yy) - spread)
+        };
+        assert!((second_moments(&ball) - 1.0).abs() < 0.02);
+        assert!(second_moments(&edge) > 1.1, "{}", second_moments(&edge));
+    }
 }

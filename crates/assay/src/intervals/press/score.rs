@@ -56,7 +56,7 @@ pub struct Score {
     pub is_within_limits: Option<bool>,
 }
 
-/// What the trials of a scene gave.
+/// Sums over the trials of a scene.
 #[derive(Default)]
 pub(super) struct Tally {
     sums: Sums,
@@ -180,6 +180,7 @@ impl Score {
         };
         let within = |[low, high]: [f64; 2]| (low..=high).contains(&score.coverage95);
         let is_within_limits = match family {
+            _ if family.cannot_be_told() => None,
             _ if family.is_wrong() => Some(
                 (score.scenes_short == 0 || score.doubted_where_short >= DOUBTED)
                     && (score.scenes_covered == 0 || score.doubted_where_covered <= UNDOUBTED),
@@ -239,5 +240,64 @@ impl fmt::Display for Score {
             Some(false) => write!(f, ", beyond the limits"),
             _ => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scene of twenty trials: of so many that failed, were covered, seen and doubted.
+    fn scene(failed: u64, covered: u64, seen: u64, doubted: u64) -> Tally {
+        let mut tally = Tally::default();
+        tally.sums.asked = 20.0;
+        for trial in 0..20 - failed {
+            let holds = trial < covered;
+            tally.sums.add(0.01, 0.01, [false, holds, holds]);
+        }
+        tally.seen = seen as f64;
+        tally.doubted = doubted as f64;
+        tally
+    }
+
+    fn family(word: &str) -> Family {
+        let named = |family: &Family| family.name().contains(word);
+        Family::all().into_iter().find(named).unwrap()
+    }
+
+    #[test]
+    fn failures_are_misses() {
+        let score = Score::of(
+            &family("half-space, indentation known"),
+            &[scene(2, 18, 18, 0)],
+        );
+        assert_eq!(score.coverage95, 0.9);
+        assert!((score.failed - 0.1).abs() < 1e-12);
+        assert_eq!(score.is_within_limits, Some(false));
+        assert_eq!((score.scenes_short, score.scenes_covered), (0, 1));
+        let sound = scene(1, 19, 19, 0);
+        let score = Score::of(&family("half-space, indentation known"), &[sound]);
+        assert_eq!(score.is_within_limits, Some(true));
+    }
+
+    #[test]
+    fn contacts_that_are_seen_where_nothing_touches_are_false_alarms() {
+        let nothing = family("nothing touches");
+        let of = |seen: u64| Score::of(&nothing, &[scene(0, 0, seen, 0)]).is_within_limits;
+        assert_eq!([of(1), of(2)], [Some(true), Some(false)]);
+    }
+
+    #[test]
+    fn wrong_models_are_judged_by_their_doubts() {
+        let edge = family("an edge");
+        let of = |scenes: &[Tally]| Score::of(&edge, scenes).is_within_limits;
+        assert_eq!(of(&[scene(0, 4, 20, 18)]), Some(true));
+        assert_eq!(of(&[scene(0, 4, 20, 17)]), Some(false));
+        assert_eq!(of(&[scene(0, 20, 20, 1)]), Some(true));
+        assert_eq!(of(&[scene(0, 20, 20, 2)]), Some(false));
+        assert_eq!(
+            Score::of(&family("wrong gain"), &[scene(0, 4, 20, 0)]).is_within_limits,
+            None
+        );
     }
 }

@@ -78,7 +78,7 @@ fn told_by(seen: &[Option<Seen>]) -> ImageFit<About> {
     }
 }
 
-/// What a frame says of the camera is not counted twice: the camera that it told leaves all as it is.
+/// A frame is not counted twice: the camera that it told leaves all as it is.
 #[test]
 fn a_camera_that_the_frame_at_rest_told_changes_nothing() {
     let truth = Truth::drawn(11, ROUGHLY);

@@ -28,7 +28,7 @@ pub fn read_camera(path: &Path) -> Result<RestCamera, RecordedError> {
 /// finite, a scale or a standard deviation that is not positive, and what is no covariance or not that of the standard
 /// deviations.
 pub fn parse_camera(file: &RecordedFile) -> Result<RestCamera, RecordedError> {
-    let text = file.text()?;
+    let text = file.text("a camera is needed, as `palpate sensor calibrate --rest` writes it")?;
     let kinds = kinds_of_calibration(&text);
     if !kinds.is_empty() {
         return Err(file.error(format!(

@@ -216,7 +216,7 @@ fn numbers(stand: &Stand) -> [f64; CAMERA.len()] {
     [x, y, stand.px_per_rad, a, b, c, d, e, f, k3, k5]
 }
 
-/// What these numbers are of departures: of a share of px per rad, and of rad.
+/// Size of each of these numbers in the units of departures: shares of px per rad, and rad.
 fn scales(camera: &RestCamera) -> [f64; CAMERA.len()] {
     let degree = 1.0_f64.to_degrees();
     [
