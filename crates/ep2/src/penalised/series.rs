@@ -22,35 +22,33 @@ struct Sums {
     degree: usize,
     /// Σ weight T_p(a) T_q(b) for p + q up to twice the degree, p slowest.
     moments: Vec<f64>,
-    /// Σ weight value T_i(a) T_j(b), as [`products`].
-    right: DVector<f64>,
+    /// Σ weight value T_i(a) T_j(b) for i + j up to the degree, i slowest.
+    right: Vec<f64>,
     square: f64,
 }
 
 impl Sums {
     fn new(degree: usize) -> Self {
-        let side = 2 * degree + 1;
+        let square = |side: usize| vec![0.0; side * side];
         Self {
             degree,
-            moments: vec![0.0; side * side],
-            right: DVector::zeros(count(degree)),
+            moments: square(2 * degree + 1),
+            right: square(degree + 1),
             square: 0.0,
         }
     }
 
     fn add(&mut self, a: &[f64], b: &[f64], value: f64, weight: f64) {
-        let side = 2 * self.degree + 1;
-        for (p, (row, a)) in self.moments.chunks_exact_mut(side).zip(a).enumerate() {
-            let weighted = weight * a;
-            for (sum, b) in row[..side - p].iter_mut().zip(b) {
-                *sum += weighted * b;
-            }
-        }
         let weighted = weight * value;
-        for (sum, [i, j]) in self.right.iter_mut().zip(products(self.degree)) {
-            *sum += weighted * a[i] * b[j];
-        }
+        add_products(&mut self.moments, 2 * self.degree, a, b, weight);
+        add_products(&mut self.right, self.degree, a, b, weighted);
         self.square += weighted * value;
+    }
+
+    /// Right side of the equations, as [`products`].
+    fn right(&self) -> DVector<f64> {
+        let all = products(self.degree).map(|[i, j]| self.right[i * (self.degree + 1) + j]);
+        DVector::from_iterator(count(self.degree), all)
     }
 
     fn gram(&self) -> DMatrix<f64> {
@@ -71,6 +69,18 @@ impl Sums {
             }
         }
         gram
+    }
+}
+
+/// Adds weighted products of two rows of numbers to sums of a square, those whose places add up to no more than `degree`.
+#[inline]
+fn add_products(sums: &mut [f64], degree: usize, a: &[f64], b: &[f64], weight: f64) {
+    let rows = sums.chunks_exact_mut(degree + 1).zip(a);
+    for (p, (row, a)) in rows.enumerate() {
+        let weighted = weight * a;
+        for (sum, b) in row[..=degree - p].iter_mut().zip(b) {
+            *sum += weighted * b;
+        }
     }
 }
 
@@ -102,7 +112,7 @@ impl SeriesEquations {
         }
         let mut equations = Self {
             gram: heights.gram(),
-            right: heights.right,
+            right: heights.right(),
             square: heights.square,
         };
         if patch.has_normals() {
@@ -118,7 +128,8 @@ impl SeriesEquations {
         let adjoint = derivative(degree, axis).transposed();
         let half = adjoint.of_rows(&sums.gram());
         self.gram += adjoint.of_rows(&half.transpose());
-        let right = DMatrix::from_row_slice(1, sums.right.len(), sums.right.as_slice());
+        let right = sums.right();
+        let right = DMatrix::from_row_slice(1, right.len(), right.as_slice());
         self.right += adjoint.of_rows(&right).transpose().column(0);
         self.square += sums.square;
     }
