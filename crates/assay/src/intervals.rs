@@ -9,9 +9,11 @@ pub mod press;
 mod score;
 mod sums;
 mod surface;
+mod tested;
 
 pub use options::Options;
 pub use score::Score;
+pub use tested::{Tested, tested};
 
 use anyhow::Result;
 use case::{Case, cases};

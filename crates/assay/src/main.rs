@@ -56,6 +56,15 @@ enum Harness {
     },
     /// Holds the intervals and the doubts of presses that are read directly against the truth on random scenes.
     PressIntervals(Scenes),
+    /// Writes the table from which `palpate check` tells whether intervals were tested, from those of the harnesses.
+    Tested {
+        /// Folder of the harnesses' tables.
+        #[arg(long)]
+        results: PathBuf,
+        /// The table to write.
+        #[arg(long)]
+        out: PathBuf,
+    },
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
     /// Times palpate on the tasks of the peers, a line of JSON per rung; or writes the inputs of the peers.
@@ -199,6 +208,10 @@ fn main() -> Result<()> {
                 intervals::press::scores(scenes.options(300), |score| println!("{score}"))?;
             scenes.write(&scores)
         }
+        Harness::Tested { results, out } => Ok(std::fs::write(
+            out,
+            intervals::table(&intervals::tested(&results)?)?,
+        )?),
         Harness::Accuracy => {
             print!("{}", accuracy::table()?);
             Ok(())

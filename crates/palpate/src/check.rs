@@ -13,6 +13,7 @@ use palpate_sweep::{Clock, Pace, Runner, SweepError, Trial, spread};
 use crate::asked::refuse;
 use crate::costs::{self, Cost};
 use crate::plan::bare;
+use crate::tested::{Tested, tested};
 use crate::trial::SceneTrial;
 
 /// Times after which no more scenes are set up as they are run, no more trials are timed, and no more rungs of ladders
@@ -41,6 +42,8 @@ pub struct Check {
     pub trials: u64,
     /// Cells that were set up, by the models that they need.
     pub groups: Vec<CellGroup>,
+    /// Number of the cells set up whose intervals were tested alike, or not for the same reason.
+    pub intervals: Vec<(usize, Tested)>,
     /// Time that planning and the run will take, roughly, s.
     pub seconds: f64,
     /// Number of threads that this time is for.
@@ -132,6 +135,7 @@ pub fn check(
     let pace = Pace::of(runner, &timed, TIMING, clock)
         .map_err(|error| error.map_set_up(|never| match never {}))?;
     let groups = groups(study, &scenes, &pace, clock).map_err(SweepError::SetUp)?;
+    let intervals = intervals(&scenes);
     let of_all = study.trials() as f64 / asked as f64;
     let threads = runner.threads();
     Ok(Check {
@@ -141,6 +145,7 @@ pub fn check(
         single: trials.iter().filter(|&&trials| trials == 1).count(),
         trials: trials_of_all,
         groups,
+        intervals,
         seconds: planning + of_all * pace.run_seconds(&trials, threads),
         threads,
     })
@@ -278,6 +283,19 @@ fn groups(
         };
     }
     Ok(groups)
+}
+
+/// What random scenes tell of the intervals of scenes, with the number of those of which it is told.
+fn intervals(scenes: &[CellScene]) -> Vec<(usize, Tested)> {
+    let mut told: Vec<(usize, Tested)> = Vec::new();
+    for one in scenes {
+        let tested = tested(&one.config.scene, one.config.length_unit);
+        match told.iter_mut().find(|(_, known)| *known == tested) {
+            Some((cells, _)) => *cells += 1,
+            None => told.push((1, tested)),
+        }
+    }
+    told
 }
 
 /// Means which scenes of this kind may need and this one does not.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | read a study | [`load`] from a file, [`parse`] from a text with a name |
 //! | see what it will do | [`check`] |
+//! | know whether intervals of such scenes were held against the truth | [`tested`] |
 //! | refuse what it asks for and cannot have | [`refuse`] |
 //! | choose its trials from a budget of time or a target error | [`plan`] |
 //! | find the values of a field that meet a target | [`design`] |
@@ -56,6 +57,7 @@ mod resolved;
 mod share;
 mod simulation;
 mod tables;
+mod tested;
 mod trace;
 mod trial;
 
@@ -83,6 +85,7 @@ pub use region::{Best, Extreme, Region, RegionColumn, Sought, Survey, region};
 pub use resolved::resolved;
 pub use share::Shard;
 pub use simulation::{CellRows, Finished, Ran, RunError, Simulation, Warnings, run};
+pub use tested::{Family, Tested, tested};
 pub use trace::{TraceError, trace};
 pub use trial::SceneTrial;
 

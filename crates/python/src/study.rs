@@ -240,6 +240,8 @@ impl Study {
     ///
     /// Returns a Record with `cells`, `checked`, `set_up`, `single`, `trials`, `seconds`, `threads` and `groups`, of each
     /// the number of its `cells`, what it `needs` and why, and the `rungs` of its model with errors and costs (s).
+    /// `intervals` says of numbers of cells how often intervals of 95 % held on random scenes like these (`family`,
+    /// what is `beyond` its draws, `scenes`, `coverage95`, `lowest` of one scene, `holds`), or why that was `not_tested`.
     /// `threads` are those that the time is for; `progress` is called with numbers of cells.
     /// Raises ConfigError.
     #[pyo3(signature = (*, threads=None, progress=None))]

@@ -70,6 +70,7 @@ def test_changes_and_sweeps(ball):
 
 def test_check_and_plan(ball):
     check = ball.check(threads=1)
+    assert sum(told.cells for told in check.intervals) == check.set_up
     assert (check.cells, check.trials, check.threads) == (1, 200, 1)
     assert "closed form" in check.groups[0].needs[0]
     planned = ball.plan(target_error=0.05)

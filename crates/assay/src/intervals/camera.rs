@@ -84,3 +84,19 @@ fn press(case: &Case, block: u64, seed: u64, parts: &Parts) -> Result<PressScene
         _ => bail!("a case is no press"),
     }
 }
+
+/// Random presses as configs, with the name of their family.
+#[cfg(test)]
+pub(super) fn texts() -> Vec<(String, String)> {
+    let cases = (0..50).map(|number| Case::random(7, number));
+    let named = |case: Case| {
+        let known = if case.fits_indentation {
+            "fitted"
+        } else {
+            "known"
+        };
+        let name = format!("pictures of layers, indentation {known}");
+        (name, case.text(7, 1))
+    };
+    cases.map(named).collect()
+}

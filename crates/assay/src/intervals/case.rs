@@ -164,3 +164,50 @@ impl Case {
             .collect())
     }
 }
+
+#[cfg(test)]
+impl Case {
+    /// Glides over a ball and a saddle as configs, with the surfaces' name.
+    pub(super) fn texts(&self) -> [(&'static str, String); 2] {
+        let half = 0.5 * (HALF_SIDES[0] + HALF_SIDES[1]);
+        let fingers: Vec<f64> = (0..self.fingers)
+            .map(|finger| half * share(finger, self.fingers))
+            .collect();
+        let (kind, size, field) = match self.distribution {
+            Distribution::Gaussian => ("gaussian", self.position_std, "std"),
+            Distribution::Uniform => ("uniform", 3.0_f64.sqrt() * self.position_std, "bound"),
+        };
+        let normals = self.normal_std_deg.is_some();
+        let normal = self.normal_std_deg.unwrap_or(0.0);
+        let told = match (self.is_told, normals) {
+            (false, _) => String::new(),
+            (true, false) => format!(", position_std = {}", self.position_std),
+            (true, true) => format!(
+                ", position_std = {}, normal_std_deg = {normal}",
+                self.position_std
+            ),
+        };
+        let objects = [
+            ("ball", "kind = \"sphere\", radius = 20.0"),
+            ("quadric and waves", "kind = \"saddle\", a = 0.12"),
+        ];
+        objects.map(|(on, object)| {
+            let text = format!(
+                r#"
+                name = "a-glide"
+                [scene]
+                kind = "glide"
+                probe = {{ kind = "point" }}
+                object = {{ {object} }}
+                motion = {{ finger_positions = {fingers:?}, inter_finger_distance = 1.0, patch_length = {}, contacts_per_finger = 10 }}
+                sensor = {{ kind = "ideal", normals = {normals} }}
+                noise = {{ position = {{ kind = "{kind}", {field} = {size} }}, normal = {{ kind = "gaussian", std_deg = {normal} }} }}
+                estimator = {{ kind = "penalised"{told} }}
+                evaluate = {{ half_width = 0.5, gaussian_threshold = 0.01, mean_threshold = 0.1 }}
+                "#,
+                2.0 * half
+            );
+            (on, text)
+        })
+    }
+}

@@ -12,6 +12,16 @@ use anyhow::Result;
 use super::options::Options;
 use case::{Case, Family};
 
+/// Names of the families whose presses are well seen, by readings that are as the fit believes.
+pub(super) fn sound_families() -> Vec<String> {
+    let families = Family::all().into_iter();
+    let is_sound = |family: &Family| family.is_well_seen() && !family.is_wrong();
+    families
+        .filter(is_sound)
+        .map(|family| family.name())
+        .collect()
+}
+
 /// The scores of all families; `say` is told each as it is known.
 ///
 /// # Errors
@@ -37,4 +47,14 @@ pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> 
         scores.push(score);
     }
     Ok(scores)
+}
+
+/// Presses at the ends of what the sound families draw, as configs with the family's name; with lengths, angles and noise
+/// that are so many times as large.
+#[cfg(test)]
+pub(super) fn texts(times: f64) -> Vec<(String, String)> {
+    let families = Family::all().into_iter();
+    let sound = families.filter(|family| family.is_well_seen() && !family.is_wrong());
+    let ends = |family: Family| [0, 1].map(|end| (family.name(), family.text(end, times)));
+    sound.flat_map(ends).collect()
 }

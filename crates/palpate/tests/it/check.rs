@@ -360,3 +360,47 @@ fn check_of_extremes_is_finite(kind: &str, scene: &str) {
         }
     }
 }
+
+/// A press within the draws of random scenes, one deeper than any of them, and one read otherwise.
+#[test]
+fn whether_intervals_were_tested_is_told() {
+    let press = r#"
+name = "a-press"
+length_unit = "mm"
+trials = 10
+[scene]
+kind = "press"
+probe = { kind = "marker-sphere", radius = 20.0, marker_depth = 2.0 }
+object = { kind = "sphere", radius = 30.0 }
+motion = { indentation = 1.0 }
+sensor = { kind = "direct", tangential = false }
+noise = { normal_displacement = { kind = "gaussian", std = 0.05 } }
+estimator = { kind = "half-space", indentation = "fitted" }
+"#;
+    let desk = Desk::with(press);
+    let after = |line: &str| {
+        let printed = desk.palpate("check c.toml").printed();
+        let lines = printed
+            .lines()
+            .skip_while(|one| !one.starts_with("intervals"));
+        let at = lines.skip(2).take(2).map(str::trim);
+        let told = at.collect::<Vec<_>>();
+        assert!(told[0].starts_with(line), "{printed}");
+        told[1].to_owned()
+    };
+    assert!(after("held the truth in ").starts_with("time"));
+    desk.write(
+        "c.toml",
+        edited(press, "indentation = 1.0", "indentation = 2.0"),
+    );
+    let beyond = after("held the truth in ");
+    assert_eq!(
+        beyond,
+        "none of which has an indentation of 2 mm (0.6 to 1.4 mm)"
+    );
+    desk.write(
+        "c.toml",
+        edited(press, "kind = \"half-space\", ", "kind = \"gaussian\", "),
+    );
+    after("not tested: a Gaussian, which is no body");
+}

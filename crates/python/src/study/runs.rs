@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use palpate::config::Output;
 use palpate::{
     Check, Cost, Goal, PlanError, Ran, RunOptions, Rungs, Runner, Simulation, Study, SweepError,
-    Trace, TraceError, resolved, trace,
+    Tested, Trace, TraceError, resolved, trace,
 };
 use pyo3::prelude::*;
 use serde_json::{Value as Json, json};
@@ -128,6 +128,7 @@ fn of_check(check: &Check) -> Json {
             "rungs": of_rungs(&group.rungs),
         })
     });
+    let intervals = check.intervals.iter().map(of_tested);
     json!({
         "cells": check.cells,
         "checked": check.checked,
@@ -137,7 +138,27 @@ fn of_check(check: &Check) -> Json {
         "seconds": check.seconds,
         "threads": check.threads,
         "groups": groups.collect::<Vec<Json>>(),
+        "intervals": intervals.collect::<Vec<Json>>(),
     })
+}
+
+fn of_tested((cells, tested): &(usize, Tested)) -> Json {
+    let measured = |family: &Family, beyond: Option<&str>| {
+        json!({
+            "cells": cells,
+            "family": family.name,
+            "beyond": beyond,
+            "scenes": family.scenes,
+            "coverage95": family.coverage95,
+            "lowest": family.lowest,
+            "holds": family.holds(),
+        })
+    };
+    match tested {
+        Tested::On(family) => measured(family, None),
+        Tested::Beyond(family, beyond) => measured(family, Some(beyond)),
+        Tested::Not(why) => json!({ "cells": cells, "not_tested": why }),
+    }
 }
 
 fn of_rungs(rungs: &Rungs) -> Json {

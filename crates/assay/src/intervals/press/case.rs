@@ -18,8 +18,8 @@ const INDENTATIONS: [f64; 2] = [0.6, 1.4];
 const POLAR_ANGLES: [f64; 2] = [0.0, 20.0];
 /// Smallest and largest noise of normal displacements, mm; along the skin it is as large.
 const NOISES: [f64; 2] = [0.01, 0.1];
-/// Standard deviation of an indentation that is known, mm.
-const INDENTATION_STD: f64 = 0.02;
+/// Largest standard deviation of an indentation that is known, mm; half of them are known exactly.
+const INDENTATION_STD: f64 = 0.04;
 /// Cramér–Rao standard deviations of faint presses, in curvatures of the sensor.
 const FAINT: [f64; 2] = [0.3, 1.0];
 /// Smallest and largest thickness of layers, mm.
@@ -162,6 +162,11 @@ impl Family {
         self.seen != Seen::Nothing
     }
 
+    /// Whether a contact is to be seen well.
+    pub(super) fn is_well_seen(&self) -> bool {
+        self.seen == Seen::Well
+    }
+
     /// Whether noise all but hides the press.
     pub(super) fn is_faint(&self) -> bool {
         self.seen == Seen::Barely
@@ -217,7 +222,9 @@ impl Case {
         let (sine, cosine) = libm::sincos(azimuth);
         let at = [cosine, sine].map(|along| RADIUS * polar * along);
         let mut fit = ForwardFit::new(body(family.believed.unwrap_or(family.pressed))?);
-        let known = family.knows_indentation.then_some(INDENTATION_STD);
+        let mut known = Draws::new(seed, number, Channel::Indentation);
+        let known = known.between([-INDENTATION_STD, INDENTATION_STD]).max(0.0);
+        let known = family.knows_indentation.then_some(known);
         let std = match family.seen {
             Seen::Well => noise,
             Seen::Barely | Seen::Nothing => {
@@ -267,6 +274,58 @@ fn noise_of(bound: impl Fn(f64) -> f64, value: f64) -> f64 {
         }
     }
     low
+}
+
+#[cfg(test)]
+impl Family {
+    /// Press with the smallest values (0) or the largest (1) that the family draws, as a config; they are so many times as large.
+    pub(super) fn text(&self, end: usize, times: f64) -> String {
+        let times = if end == 0 { times.recip() } else { times };
+        let relative = CURVATURES[end] * RADIUS * times;
+        let curvature = (relative - 1.0) / RADIUS;
+        let kind = if curvature < 0.0 { "dish" } else { "sphere" };
+        let radius = curvature.abs().recip();
+        let indentation = INDENTATIONS[end] * times;
+        let polar = POLAR_ANGLES[end] * times;
+        let noise = NOISES[end] * times;
+        let std = [0.0, INDENTATION_STD][end] * times;
+        let (model, thickness) = match self.pressed {
+            Kind::HalfSpace => ("half-space", String::new()),
+            Kind::Layer(fixed) => {
+                let thickness = fixed.unwrap_or(THICKNESSES[end]);
+                ("bonded-layer", format!(", thickness = {thickness}"))
+            }
+        };
+        let known = if self.knows_indentation {
+            "known"
+        } else {
+            "fitted"
+        };
+        let told = if self.is_noise_told {
+            "stated"
+        } else {
+            "found"
+        };
+        let tangential = self.reads_along;
+        format!(
+            r#"
+            name = "a-press"
+            length_unit = "mm"
+            [scene]
+            kind = "press"
+            probe = {{ kind = "marker-sphere", radius = {RADIUS}, marker_depth = {DEPTH} }}
+            object = {{ kind = "{kind}", radius = {radius} }}
+            motion = {{ indentation = {indentation}, contact_deg = [{polar}, 30.0] }}
+            model = {{ kind = "{model}"{thickness} }}
+            sensor = {{ kind = "direct", tangential = {tangential} }}
+            estimator = {{ kind = "{model}", indentation = "{known}", indentation_std = {std}, noise = "{told}" }}
+            [scene.noise]
+            normal_displacement = {{ kind = "gaussian", std = {noise} }}
+            tangential_displacement = {{ kind = "gaussian", std = {noise} }}
+            indentation = {{ kind = "gaussian", std = {std} }}
+            "#
+        )
+    }
 }
 
 #[cfg(test)]

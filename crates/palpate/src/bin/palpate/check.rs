@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::time::{Duration, Instant};
 
 use palpate::config::ModelConfig;
-use palpate::{Check, Cost, Ladder, Rungs, load};
+use palpate::{Check, Cost, Family, Ladder, Rungs, Tested, load};
 
 use crate::answers::tell_swept;
 use crate::budget::runner;
@@ -78,6 +78,13 @@ fn text(name: &str, check: &Check) -> String {
         let cells: usize = more.iter().map(|group| group.cells).sum();
         let _ = writeln!(text, "  {cells} others in {} more groups", more.len());
     }
+    let _ = writeln!(text, "intervals of 95 %");
+    for (cells, tested) in check.intervals.iter().take(MOST_GROUPS) {
+        let _ = writeln!(text, "  {cells} of {of}");
+        for line in intervals(tested).into_iter().flatten() {
+            let _ = writeln!(text, "    {line}");
+        }
+    }
     let _ = write!(
         text,
         "time    about {} on {} threads, planning included",
@@ -85,6 +92,26 @@ fn text(name: &str, check: &Check) -> String {
         check.threads
     );
     text
+}
+
+/// Words for what random scenes tell of intervals.
+fn intervals(tested: &Tested) -> [Option<String>; 2] {
+    let measured = |family: &Family| {
+        let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);
+        let only = if share < 92.0 { "only " } else { "" };
+        format!(
+            "held the truth in {only}{share:.1} % of trials of {} random scenes (in the worst scene {lowest:.0} %): {}",
+            family.scenes, family.name
+        )
+    };
+    match tested {
+        Tested::On(family) => [Some(measured(family)), None],
+        Tested::Beyond(family, beyond) => [
+            Some(measured(family)),
+            Some(format!("none of which has {beyond}")),
+        ],
+        Tested::Not(why) => [Some(format!("not tested: {why}")), None],
+    }
 }
 
 fn rungs(rungs: &Rungs) -> Vec<String> {

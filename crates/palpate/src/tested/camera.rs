@@ -1,0 +1,82 @@
+//! Presses whose pictures are fitted.
+
+use palpate_study::config::{
+    CameraConfig, LengthUnit, PixelNoise, PressConfig, PressProbeConfig, PressSensorConfig,
+    SensorNoise,
+};
+
+use super::limits::{Likeness, Limits};
+use super::press::{of_body, of_indentation, of_motion, of_probe, scaled};
+
+// Draws of the random scenes. Lengths are in radii of the sensor, angles in degrees, noise in levels of 255.
+const RELATIVE_CURVATURES: [f64; 2] = [2.0 / 3.0, 5.0];
+const INDENTATIONS: [f64; 2] = [0.03, 0.07];
+const POLAR_ANGLES_DEG: [f64; 2] = [0.0, 20.0];
+const SIZES_PX: [f64; 2] = [400.0, 1024.0];
+const NOISES: [f64; 2] = [1.0, 5.0];
+const MISALIGNMENTS: [f64; 2] = [0.0, 0.3];
+const INDENTATION_STDS: [f64; 2] = [0.0, 0.0005];
+const THICKNESSES: [f64; 2] = [0.2, 0.5];
+const PLACE: f64 = 0.0025;
+const DISC_DEPTH: f64 = 0.0015;
+
+/// Family of random scenes that a press before a camera is like, else why there is none.
+pub(super) fn family(press: &PressConfig, unit: LengthUnit) -> Likeness {
+    let mut limits = Limits::new(unit);
+    let radius = of_probe(press, &mut limits)?;
+    of_motion(
+        press,
+        radius,
+        RELATIVE_CURVATURES,
+        INDENTATIONS,
+        POLAR_ANGLES_DEG,
+        &mut limits,
+    )?;
+    let PressSensorConfig::Rendered(CameraConfig { size_px, .. }) = &press.sensor else {
+        return Err("pictures without pixels".to_owned());
+    };
+    limits.within("an image", f64::from(*size_px), SIZES_PX, " px");
+    let pixel = press.noise.pixel.as_ref();
+    let pixel = pixel.map_or(0.0, |PixelNoise::Gaussian { std }| *std);
+    limits.within("noise of pixels", pixel, NOISES, " levels");
+    let PressProbeConfig::MarkerSphere { discs, .. } = &press.probe;
+    let misalignment = discs.as_ref().map_or(0.0, |discs| discs.misalignment);
+    limits.within("a misalignment", misalignment, MISALIGNMENTS, " diameters");
+    let SensorNoise {
+        centre_px,
+        scale,
+        place,
+        turn_deg,
+        disc_depth,
+        disc_diameter,
+        colour,
+    } = press.noise.sensor.clone().unwrap_or_default();
+    limits.within(
+        "a centre of the image known to",
+        centre_px,
+        [0.0, 0.29],
+        " px",
+    );
+    limits.within("px per radian known to", scale, [0.0, 0.002], "");
+    limits.length_within(
+        "a camera's place known to",
+        place,
+        scaled([0.0, PLACE], radius),
+    );
+    limits.within("a camera's turn known to", turn_deg, [0.0, 0.3], " deg");
+    limits.length_within(
+        "discs' depths known to",
+        disc_depth,
+        scaled([0.0, DISC_DEPTH], radius),
+    );
+    limits.within("discs' diameters known to", disc_diameter, [0.0, 0.01], "");
+    limits.within("colours known to", colour, [0.0, 0.01], "");
+    let is_known = of_indentation(press, scaled(INDENTATION_STDS, radius), &mut limits)?;
+    let thickness = of_body(press)?;
+    let Some(thickness) = thickness else {
+        return Err("pictures of a half-space".to_owned());
+    };
+    limits.length_within("a layer", thickness, scaled(THICKNESSES, radius));
+    let known = if is_known { "known" } else { "fitted" };
+    limits.likeness(format!("pictures of layers, indentation {known}"))
+}
