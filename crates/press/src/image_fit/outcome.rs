@@ -8,10 +8,10 @@ use super::rest::Rest;
 use super::settings::ImageFit;
 use super::view::{NUMBERS, Seen, View};
 use crate::definite::inverse;
-use crate::{Estimated, Interval, Measured, PressError, PressEstimate, Verdict};
+use crate::{Estimated, GoodnessOfFit, Interval, Measured, PressError, PressEstimate, Verdict};
 
 /// Least entry on the diagonal of the scaled factor of information that can be inverted.
-const SINGULAR: f64 = 1e-6;
+pub(super) const SINGULAR: f64 = 1e-6;
 /// The normal quantile of a two-sided interval of 95 %.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Sum of the squares of a marker's four residuals beyond which it is wrong: chance brings one in three million.
@@ -170,6 +170,18 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     })
 }
 
+/// The fit near a state, about the sensor that both frames tell.
+pub(super) fn settle<V: View + Clone>(
+    problem: &mut Problem<'_, V>,
+    near: State,
+) -> Result<Fitted, PressError> {
+    problem.weigh(&near)?;
+    let near = Fitted::at(problem, near)?;
+    let near = learn(problem, near)?;
+    let fitted = Fitted::at(problem, near.state)?;
+    minimise(problem, fitted, EXACTLY, None, false)
+}
+
 /// A fit about the sensor that both frames tell.
 fn learn<V: View + Clone>(
     problem: &mut Problem<'_, V>,
@@ -261,8 +273,7 @@ fn drop_wrong<V: View>(
     if wrong.len() > most || !enough {
         return Ok(Vec::new());
     }
-    problem.counting.retain(|marker| !wrong.contains(marker));
-    problem.trust = vec![1.0; problem.counting.len()];
+    problem.leave_out(&wrong);
     Ok(wrong)
 }
 
@@ -338,7 +349,10 @@ fn outcome<V: View>(
         tangential_std: None,
         r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
         reduced_chi_squared: best.sums.chi_squared / freedom as f64,
-        goodness: None,
+        goodness: Some(GoodnessOfFit::new(
+            best.sums.chi_squared,
+            (problem.equations() + problem.known()).saturating_sub(problem.unknowns()),
+        )),
         is_seen: true,
         verdict: Verdict::of(interval, skin.curvature()),
     })
