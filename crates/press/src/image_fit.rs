@@ -9,6 +9,7 @@
 mod doubts;
 mod law;
 mod learn;
+mod mean;
 mod minimise;
 mod moved;
 mod outcome;

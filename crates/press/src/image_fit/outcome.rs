@@ -287,7 +287,7 @@ impl<V: View> Problem<'_, V> {
     }
 }
 
-fn outcome<V: View>(
+fn outcome<V: View + Clone>(
     problem: &Problem<'_, V>,
     best: &Fitted,
     covariance: &Square,
@@ -324,11 +324,19 @@ fn outcome<V: View>(
     let curvature = contact.relative_curvature;
     let log_variance = variance(CURVATURE, CURVATURE);
     let freedom = (problem.equations() - problem.unknowns()).max(1);
+    // The interval goes with the mean.
+    let factor = libm::exp(problem.mean_beside(best, covariance));
+    let Interval { low, high } = interval;
+    let interval = Interval {
+        low: low.map(|low| low * factor),
+        high: high.map(|high| high * factor),
+    };
+    let unbiased = curvature * factor;
     Ok(PressEstimate {
         sensor_curvature: skin.curvature(),
         relative_curvature: Estimated {
-            value: curvature,
-            std: curvature * log_variance.sqrt(),
+            value: unbiased,
+            std: unbiased * log_variance.sqrt(),
             interval,
         },
         most_likely_curvature: curvature,
