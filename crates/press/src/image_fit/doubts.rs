@@ -15,11 +15,12 @@ use crate::definite::inverse;
 use crate::score::{
     BY_INDENTATION, LEFT, Noise, PATTERNS, Patterns, Products, Score, least_likely, patterns,
 };
-use crate::{Doubt, Measured, PressError, PressEstimate};
+use crate::{Doubt, GoodnessOfFit, Measured, PressError, PressEstimate};
 
 impl<V: View + Clone> ImageFit<V> {
     /// Ways in which pictures contradict the model, of an estimate that this fit made of them: each pattern is one of the
-    /// displacements of both discs, as the camera sees it.
+    /// displacements of both discs, as the camera sees it. Where the residuals are larger than the stated errors make them,
+    /// the other ways are judged by the residuals, not by these errors.
     ///
     /// # Errors
     /// Those of [`ImageFit::estimate`].
@@ -43,9 +44,11 @@ impl<V: View + Clone> ImageFit<V> {
             shift: [0.0; 2],
         };
         let best = settle(&mut problem, state)?;
-        let large = estimate.goodness.map_or(1.0, |goodness| goodness.p_value);
+        let Some(goodness) = estimate.goodness else {
+            return Ok(Vec::new());
+        };
         let test = Test::new(&problem, &best);
-        test.map_or(Ok(Vec::new()), |test| test.doubts(large))
+        test.map_or(Ok(Vec::new()), |test| test.doubts(goodness))
     }
 }
 
@@ -67,10 +70,22 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
         })
     }
 
-    fn doubts(&self, large: f64) -> Result<Vec<Doubt>, PressError> {
-        let score = Score::new(&self.products()?, &self.covariance, Noise::Stated);
+    fn doubts(&self, goodness: GoodnessOfFit) -> Result<Vec<Doubt>, PressError> {
+        let GoodnessOfFit {
+            chi_squared,
+            freedom,
+            p_value,
+        } = goodness;
+        let noise = match p_value < Doubt::LEVEL {
+            true => Noise::Found {
+                chi_squared,
+                freedom,
+            },
+            false => Noise::Stated,
+        };
+        let score = Score::new(&self.products()?, &self.covariance, noise);
         let slipped = self.slipped(&score.noise);
-        Ok(score.doubts(self.indentation(&score.noise), slipped, large))
+        Ok(score.doubts(self.indentation(&score.noise), slipped, p_value))
     }
 
     fn products(&self) -> Result<Products<UNKNOWNS>, PressError> {
