@@ -3,6 +3,7 @@
 
 pub mod camera;
 mod case;
+mod doubted;
 mod draws;
 mod options;
 pub mod press;

@@ -123,7 +123,7 @@ struct Scenes {
     /// Number of scenes, of each case where there are several.
     #[arg(long, alias = "surfaces", default_value = "60", value_parser = at_least_one())]
     scenes: u64,
-    /// Trials of each scene [default: 12 of EP2, else 300]
+    /// Trials of each scene; a tenth before a camera where the model is wrong [default: 12 of EP2, else 300]
     #[arg(long, value_parser = at_least_one())]
     trials: Option<u64>,
     /// Only cases whose names hold each of these words.
@@ -200,7 +200,9 @@ fn main() -> Result<()> {
         Harness::CameraIntervals { scenes, threads } => {
             let options = scenes.options(300);
             let scores = intervals::camera::scores(options, threads, |score| println!("{score}"))?;
-            println!("{}", intervals::camera::Summary::of(&scores));
+            for summary in intervals::camera::summaries(&scores) {
+                println!("{summary}");
+            }
             scenes.write(&scores)
         }
         Harness::PressIntervals(scenes) => {

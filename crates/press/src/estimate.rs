@@ -121,8 +121,9 @@ pub struct PressEstimate {
     pub r_squared: f64,
     /// Chi-squared of the residuals per degree of freedom; about 1 where the noise is as stated.
     pub reduced_chi_squared: f64,
-    /// Goodness of fit of displacements whose noise is stated; `None` where some noise is found from the residuals, of a
-    /// Gaussian, and of fits to pictures.
+    /// Goodness of fit of readings whose noise is stated; `None` where some noise is found from the residuals, and of a
+    /// Gaussian. Of pictures what is common to all markers is taken out as far as it is not known: it has its own prior
+    /// knowledge, and counts as no unknown.
     pub goodness: Option<GoodnessOfFit>,
     /// Whether the readings show a contact of themselves. Where they do not, but an indentation is given, the interval of the
     /// curvature is that of all contacts on the markers that the readings leave, mostly without an upper end, and the place

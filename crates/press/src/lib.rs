@@ -19,6 +19,7 @@ pub mod hertz;
 mod image_fit;
 mod markers;
 mod regime;
+mod score;
 pub mod shear;
 mod skin;
 mod spheroidal;

@@ -1,17 +1,20 @@
 //! Random presses before a camera, and how many of the objects' curvatures are within the intervals that the fit of
-//! pictures states. Every trial has another sensor, within what its calibration states.
+//! pictures states: of bodies that the fit knows, and of others. Every trial has another sensor, within what its
+//! calibration states.
 
 mod case;
 mod score;
+mod summary;
 
-pub use score::{Score, Summary};
+pub use score::Score;
+pub use summary::Summary;
 
 use anyhow::{Result, bail};
 use palpate_scene::{Parts, PressScene, Scene, Scenes};
 use palpate_study::config::parse;
 
 use super::options::Options;
-use case::Case;
+use case::{Case, Family};
 use score::Judged;
 
 /// Trials that share the place of the contact.
@@ -23,31 +26,43 @@ const JITTERED: u64 = 5;
 /// A scene that cannot be asked.
 pub fn scores(options: Options<'_>, threads: u64, say: impl Fn(&Score)) -> Result<Vec<Score>> {
     let mut scores = Vec::new();
-    for index in 0..options.scenes {
-        let case = Case::random(options.seed, index);
-        if !options
-            .only
-            .split_whitespace()
-            .all(|word| case.name().contains(word))
-        {
-            continue;
+    for family in Family::ALL {
+        for number in 0..options.scenes {
+            let case = Case::random(family, options.seed, number);
+            let name = case.name();
+            let is_asked = options
+                .only
+                .split_whitespace()
+                .all(|word| name.contains(word));
+            if is_asked {
+                let score = score(&case, options, threads)?;
+                say(&score);
+                scores.push(score);
+            }
         }
-        let score = score(&case, options, threads)?;
-        say(&score);
-        scores.push(score);
     }
     Ok(scores)
+}
+
+/// The summaries of the families that have scores.
+pub fn summaries(scores: &[Score]) -> Vec<Summary> {
+    let of_family = |family: Family| -> Option<Summary> {
+        let of_family = scores.iter().filter(|score| score.family == family.name());
+        Summary::of(family, &of_family.collect::<Vec<_>>())
+    };
+    Family::ALL.into_iter().filter_map(of_family).collect()
 }
 
 fn score(case: &Case, options: Options<'_>, threads: u64) -> Result<Score> {
     let parts = Parts::default();
     let pixel_bound = press(case, 0, options.seed, &parts)?.pixel_std_bound();
-    let blocks = options.trials.div_ceil(JITTERED);
+    let trials = case.family.trials(options.trials);
+    let blocks = trials.div_ceil(JITTERED);
     let of_thread = |thread: u64| -> Result<Vec<_>> {
         let mut judged = Vec::new();
         for block in (thread..blocks).step_by(threads.max(1) as usize) {
             let scene = press(case, block, options.seed, &parts)?;
-            let end = options.trials.min((block + 1) * JITTERED);
+            let end = trials.min((block + 1) * JITTERED);
             for trial in block * JITTERED..end {
                 judged.push((trial, trial_of(&scene, trial)));
             }
@@ -88,7 +103,7 @@ fn press(case: &Case, block: u64, seed: u64, parts: &Parts) -> Result<PressScene
 /// Random presses as configs, with the name of their family.
 #[cfg(test)]
 pub(super) fn texts() -> Vec<(String, String)> {
-    let cases = (0..50).map(|number| Case::random(7, number));
+    let cases = (0..50).map(|number| Case::random(Family::Sound, 7, number));
     let named = |case: Case| {
         let known = if case.fits_indentation {
             "fitted"

@@ -1,38 +1,21 @@
-//! Tests of a fit against readings that contradict it.
-//!
-//! Each asks how much chi-squared would fall, to first order, if the model had one more unknown (Rao's score test): what the
-//! residuals have of a pattern, after the unknowns that were fitted have taken of it what they can.
+//! Tests of a fit against readings that contradict it: score tests.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 
 use super::problem::{INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns, finite};
 use super::reading::Reading;
 use super::search::SINGULAR;
 use super::settings::ForwardFit;
 use crate::definite::inverse;
-use crate::goodness::{tail, tail_of_ratio};
+use crate::score::{
+    BY_INDENTATION, LEFT, Noise, Patterns, Products, Score, least_likely, patterns,
+};
 use crate::{Doubt, PressError, PressEstimate};
 
-/// Patterns, in this order: what depends on the distance alone, on the direction, and on the indentation.
-const PATTERNS: usize = 8;
-const BY_DISTANCE: std::ops::Range<usize> = 0..5;
-const BY_DIRECTION: std::ops::Range<usize> = 5..7;
-const BY_INDENTATION: std::ops::Range<usize> = 7..8;
-/// Share of a pattern that the fitted unknowns must leave for it to be looked for: of less, only what bends the model.
-const LEFT: f64 = 0.02;
 /// Noise that is found, as a share of the largest displacement, below which it may be rounding.
 const ROUNDING: f64 = 1e-3;
 /// Least number of equations beyond the unknowns by which noise that is found can be told from patterns.
 const FEW: usize = 8;
-
-type Patterns = SVector<f64, PATTERNS>;
-
-/// Sums over readings of products of their residuals, slopes and patterns.
-struct Products {
-    by_slopes: SMatrix<f64, UNKNOWNS, PATTERNS>,
-    by_patterns: SMatrix<f64, PATTERNS, PATTERNS>,
-    by_residuals: Patterns,
-}
 
 impl ForwardFit {
     /// Ways in which readings contradict the model, of an estimate that this fit made of them; none for a Gaussian, which
@@ -110,41 +93,19 @@ impl<'p, 'a> Test<'p, 'a> {
             let is_large = large.p_value() < Doubt::LEVEL;
             return Ok(is_large.then_some(large).into_iter().collect());
         }
-        let products = self.products()?;
-        let pattern = |range: std::ops::Range<usize>| self.pattern(&products, range);
-        let (marker, slipped) = self.slipped()?;
-        let doubts = [
-            Doubt::OtherIndentation {
-                p_value: self
-                    .indentation()
-                    .unwrap_or_else(|| pattern(BY_INDENTATION)),
+        let noise = match self.problem.knows_noise() {
+            true => Noise::Stated,
+            false => Noise::Found {
+                chi_squared: self.chi_squared,
+                freedom: self.freedom,
             },
-            Doubt::OtherBody {
-                p_value: pattern(BY_DISTANCE),
-            },
-            Doubt::NotRound {
-                p_value: pattern(BY_DIRECTION),
-            },
-            Doubt::SlippedMarker {
-                marker,
-                p_value: slipped,
-            },
-            large,
-        ];
-        let least = doubts[..3]
-            .iter()
-            .map(|doubt| doubt.p_value())
-            .fold(1.0, f64::min);
-        // What no pattern alone tells, all may tell together.
-        let is_told_by_all = pattern(0..PATTERNS) < Doubt::LEVEL_OF_ALL;
-        let is_doubted = |doubt: &Doubt| {
-            let p_value = doubt.p_value();
-            p_value < Doubt::LEVEL || is_told_by_all && p_value == least
         };
-        Ok(doubts.into_iter().filter(is_doubted).collect())
+        let score = Score::new(&self.products()?, &self.covariance, noise);
+        let slipped = self.slipped(&score.noise)?;
+        Ok(score.doubts(self.indentation(&score.noise), slipped, large.p_value()))
     }
 
-    fn products(&self) -> Result<Products, PressError> {
+    fn products(&self) -> Result<Products<UNKNOWNS>, PressError> {
         let (problem, state) = (self.problem, self.state);
         let contact = problem.contact(state)?;
         let is_given = problem.reading.indentation.is_some() && !problem.sought[INDENTATION];
@@ -156,37 +117,20 @@ impl<'p, 'a> Test<'p, 'a> {
         let slopes = problem.slopes(state)?;
         for (marker, slopes) in problem.counting().zip(slopes) {
             let sight = problem.sight(state, marker);
-            let field = contact.field(sight.distance);
-            let stretch = sight.distance * field.normal_per_r;
-            let (cosine, sine) = (sight.bearing.x, sight.bearing.y);
-            let [along, across] = [cosine * cosine - sine * sine, 2.0 * cosine * sine];
-            let mut normal = Patterns::zeros();
-            normal[0] = field.normal;
-            normal[1] = stretch;
-            normal[2] = contact.radius * contact.radius;
-            normal[5] = along * stretch;
-            normal[6] = across * stretch;
+            let [normal, x, y] = patterns(&contact, &sight);
             let mut patterns = [
                 normal / problem.normal_std,
                 Patterns::zeros(),
                 Patterns::zeros(),
             ];
             if problem.uses_tangential() {
-                for axis in 0..2 {
-                    let outward = [sight.outward.x, sight.outward.y][axis];
-                    let stretch = sight.distance * field.radial_per_r;
-                    let mut tangential = Patterns::zeros();
-                    tangential[3] = field.radial;
-                    tangential[4] = stretch;
-                    tangential[5] = along * stretch;
-                    tangential[6] = across * stretch;
-                    patterns[1 + axis] = tangential * (outward / problem.tangential_std);
-                }
+                patterns[1] = x / problem.tangential_std;
+                patterns[2] = y / problem.tangential_std;
             }
             let residuals = problem.residuals_at(&contact, state, marker);
             for ((patterns, slopes), residual) in patterns.iter_mut().zip(&slopes).zip(residuals) {
                 if is_given {
-                    patterns[BY_INDENTATION.start] = slopes[INDENTATION];
+                    patterns[BY_INDENTATION] = slopes[INDENTATION];
                 }
                 products.by_slopes += self.sought(slopes) * patterns.transpose();
                 products.by_patterns += *patterns * patterns.transpose();
@@ -207,76 +151,23 @@ impl<'p, 'a> Test<'p, 'a> {
         })
     }
 
-    /// Probability by chance of as much of these patterns as the residuals have.
-    fn pattern(&self, products: &Products, range: std::ops::Range<usize>) -> f64 {
-        let Products {
-            by_slopes,
-            by_patterns,
-            by_residuals,
-        } = products;
-        let left = by_patterns - by_slopes.transpose() * self.covariance * by_slopes;
-        let size = |pattern: usize| by_patterns[(pattern, pattern)].sqrt();
-        let there: Vec<usize> = range.filter(|&pattern| size(pattern) > 0.0).collect();
-        let count = there.len();
-        if count == 0 {
-            return 1.0;
-        }
-        let scaled = nalgebra::DMatrix::from_fn(count, count, |row, column| {
-            let (row, column) = (there[row], there[column]);
-            left[(row, column)] / (size(row) * size(column))
-        });
-        let found =
-            nalgebra::DVector::from_fn(count, |row, _| by_residuals[there[row]] / size(there[row]));
-        let eigen = scaled.symmetric_eigen();
-        let (mut explained, mut freedom) = (0.0, 0);
-        for (index, &value) in eigen.eigenvalues.iter().enumerate() {
-            if value > LEFT {
-                let along = eigen.eigenvectors.column(index).dot(&found);
-                explained += along * along / value;
-                freedom += 1;
-            }
-        }
-        self.chance(explained, freedom)
-    }
-
-    /// Probability by chance of a fall of chi-squared for so many unknowns more.
-    fn chance(&self, fall: f64, unknowns: usize) -> f64 {
-        if unknowns == 0 {
-            return 1.0;
-        }
-        if self.problem.knows_noise() {
-            return tail(fall, unknowns);
-        }
-        let rest = self.freedom.saturating_sub(unknowns);
-        tail_of_ratio(fall, unknowns, (self.chi_squared - fall).max(0.0), rest)
-    }
-
     /// Probability by chance of a given indentation as far from the one that the displacements tell, where it was fitted
     /// too; `None` where it was not.
-    fn indentation(&self) -> Option<f64> {
+    fn indentation(&self, noise: &Noise) -> Option<f64> {
         let told = self.problem.reading.indentation?;
-        if !self.problem.sought[INDENTATION] {
-            return None;
-        }
-        let variance = self.covariance[(INDENTATION, INDENTATION)];
-        let prior = told.std * told.std;
-        // The fit moved a share of the way from what is told to what the displacements alone tell.
-        let share = 1.0 - variance / prior;
         let off = self.state.indentation - told.value;
-        let of_off = share * prior;
-        Some(match share > LEFT {
-            true => self.chance(off * off / of_off, 1),
-            false => 1.0,
-        })
+        let variance = self.covariance[(INDENTATION, INDENTATION)];
+        self.problem.sought[INDENTATION]
+            .then(|| noise.of_indentation(off, told.std * told.std, variance))
     }
 
     /// The marker that contradicts the others most, and the probability that chance makes one do as much.
-    fn slipped(&self) -> Result<(usize, f64), PressError> {
+    fn slipped(&self, noise: &Noise) -> Result<(usize, f64), PressError> {
         let (problem, state) = (self.problem, self.state);
         let contact = problem.contact(state)?;
         let components = if problem.uses_tangential() { 3 } else { 1 };
-        let (mut most, mut least) = (0, 1.0);
-        for (marker, slopes) in problem.counting().zip(problem.slopes(state)?) {
+        let slopes = problem.slopes(state)?;
+        let chance = |(marker, slopes): (usize, [Unknowns; 3])| {
             let residuals = problem.residuals_at(&contact, state, marker);
             let mut square = 0.0;
             for (residual, slopes) in residuals.iter().zip(&slopes) {
@@ -284,11 +175,8 @@ impl<'p, 'a> Test<'p, 'a> {
                 let leverage = slopes.dot(&(self.covariance * slopes));
                 square += residual * residual / (1.0 - leverage).max(LEFT);
             }
-            let chance = self.chance(square, components);
-            if chance < least {
-                (most, least) = (marker, chance);
-            }
-        }
-        Ok((most, (least * problem.counting().count() as f64).min(1.0)))
+            (marker, noise.chance(square, components))
+        };
+        Ok(least_likely(problem.counting().zip(slopes).map(chance)))
     }
 }

@@ -38,19 +38,25 @@ impl<V: View> Problem<'_, V> {
 
     /// Goes on about the sensor that both frames tell, after a fit about the present one; whether there is such a sensor.
     pub(super) fn learn(&mut self, best: &Fitted) -> Result<bool, PressError> {
-        let sensor = self.learnt(best)?;
+        let sensor = self.learnt(&best.residuals)?;
+        Ok(self.take(sensor))
+    }
+
+    /// Goes on about a sensor; whether there is such a sensor.
+    pub(super) fn take(&mut self, sensor: Sensor) -> bool {
         let rest = self.fit.rest_about(&self.rest, &sensor);
         let is_there = rest.is_some();
         if let Some(rest) = rest {
             self.rest = Cow::Owned(rest);
             self.sensor = sensor;
         }
-        Ok(is_there)
+        is_there
     }
 
-    fn learnt(&self, best: &Fitted) -> Result<Sensor, PressError> {
-        let departures = self.departures(&best.residuals)?;
-        let own = &best.residuals - &self.common * &departures;
+    /// The sensor that both frames tell where these are the residuals about the present one.
+    pub(super) fn learnt(&self, residuals: &Residuals) -> Result<Sensor, PressError> {
+        let departures = self.departures(residuals)?;
+        let own = residuals - &self.common * &departures;
         let mut sensor = self.rest.sensor();
         for (&number, departure) in self.fit.free().iter().zip(departures.iter()) {
             sensor.common[number] += departure * self.fit.common_stds[number];

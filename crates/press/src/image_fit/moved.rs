@@ -1,5 +1,7 @@
 //! Displacements of single markers, as their pictures tell them.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, SMatrix, Vector3, Vector4};
 
 use super::law::State;
@@ -11,7 +13,7 @@ use crate::definite::solve;
 use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
 
 /// Step of a displacement by which slopes are found, in radii of the skin.
-const STEP: f64 = 1e-6;
+pub(super) const STEP: f64 = 1e-6;
 
 impl<V: View> ImageFit<V> {
     /// Displacement of each marker beyond those of an estimated press, that its own picture tells: how its discs move against
@@ -39,7 +41,7 @@ impl<V: View> ImageFit<V> {
         problem.weigh(&state)?;
         let residuals = problem.own(&problem.residuals(&state)?)?;
         let moved = problem.displaced(&state)?;
-        let slopes = problem.by_displacement(&moved, STEP * self.markers.skin().radius())?;
+        let slopes = problem.by_displacement(&moved, 0..2, STEP * self.markers.skin().radius())?;
         let mut beyond = vec![None; seen.len()];
         for ((at, &marker), slope) in problem.counting.iter().enumerate().zip(&slopes) {
             let residual = residuals.fixed_rows::<NUMBERS>(NUMBERS * at);
@@ -55,18 +57,20 @@ impl<V: View> ImageFit<V> {
 }
 
 impl<V: View> Problem<'_, V> {
-    /// Slopes of the whitened pictures of the markers that count, by a displacement of both discs: inward and along the
-    /// skin.
-    fn by_displacement(
+    /// Slopes of the whitened pictures of the markers that count, by a displacement of these discs, all alike: inward and
+    /// along the skin.
+    pub(super) fn by_displacement(
         &self,
         moved: &[[MarkerDisplacement; 2]],
+        discs: Range<usize>,
         step: f64,
     ) -> Result<Vec<SMatrix<f64, NUMBERS, 3>>, PressError> {
         let at = self.pictures(moved)?;
         let mut slopes = vec![SMatrix::<f64, NUMBERS, 3>::zeros(); self.counting.len()];
         for component in 0..3 {
             let mut beside = moved.to_vec();
-            for disc in beside.iter_mut().flatten() {
+            let those = beside.iter_mut().flat_map(|both| &mut both[discs.clone()]);
+            for disc in those {
                 match component {
                     0 => disc.normal += step,
                     _ => disc.tangential[component - 1] += step,

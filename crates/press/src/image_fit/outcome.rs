@@ -8,10 +8,10 @@ use super::rest::Rest;
 use super::settings::ImageFit;
 use super::view::{NUMBERS, Seen, View};
 use crate::definite::inverse;
-use crate::{Estimated, Interval, Measured, PressError, PressEstimate, Verdict};
+use crate::{Estimated, GoodnessOfFit, Interval, Measured, PressError, PressEstimate, Verdict};
 
 /// Least entry on the diagonal of the scaled factor of information that can be inverted.
-const SINGULAR: f64 = 1e-6;
+pub(super) const SINGULAR: f64 = 1e-6;
 /// The normal quantile of a two-sided interval of 95 %.
 const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Sum of the squares of a marker's four residuals beyond which it is wrong: chance brings one in three million.
@@ -170,6 +170,18 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
     })
 }
 
+/// The fit near a state, about the sensor that both frames tell.
+pub(super) fn settle<V: View + Clone>(
+    problem: &mut Problem<'_, V>,
+    near: State,
+) -> Result<Fitted, PressError> {
+    problem.weigh(&near)?;
+    let near = Fitted::at(problem, near)?;
+    let near = learn(problem, near)?;
+    let fitted = Fitted::at(problem, near.state)?;
+    minimise(problem, fitted, EXACTLY, None, false)
+}
+
 /// A fit about the sensor that both frames tell.
 fn learn<V: View + Clone>(
     problem: &mut Problem<'_, V>,
@@ -261,8 +273,7 @@ fn drop_wrong<V: View>(
     if wrong.len() > most || !enough {
         return Ok(Vec::new());
     }
-    problem.counting.retain(|marker| !wrong.contains(marker));
-    problem.trust = vec![1.0; problem.counting.len()];
+    problem.leave_out(&wrong);
     Ok(wrong)
 }
 
@@ -276,7 +287,7 @@ impl<V: View> Problem<'_, V> {
     }
 }
 
-fn outcome<V: View>(
+fn outcome<V: View + Clone>(
     problem: &Problem<'_, V>,
     best: &Fitted,
     covariance: &Square,
@@ -313,11 +324,19 @@ fn outcome<V: View>(
     let curvature = contact.relative_curvature;
     let log_variance = variance(CURVATURE, CURVATURE);
     let freedom = (problem.equations() - problem.unknowns()).max(1);
+    // The interval goes with the mean.
+    let factor = libm::exp(problem.mean_beside(best, covariance));
+    let Interval { low, high } = interval;
+    let interval = Interval {
+        low: low.map(|low| low * factor),
+        high: high.map(|high| high * factor),
+    };
+    let unbiased = curvature * factor;
     Ok(PressEstimate {
         sensor_curvature: skin.curvature(),
         relative_curvature: Estimated {
-            value: curvature,
-            std: curvature * log_variance.sqrt(),
+            value: unbiased,
+            std: unbiased * log_variance.sqrt(),
             interval,
         },
         most_likely_curvature: curvature,
@@ -338,7 +357,10 @@ fn outcome<V: View>(
         tangential_std: None,
         r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
         reduced_chi_squared: best.sums.chi_squared / freedom as f64,
-        goodness: None,
+        goodness: Some(GoodnessOfFit::new(
+            best.sums.chi_squared,
+            (problem.equations() + problem.known()).saturating_sub(problem.unknowns()),
+        )),
         is_seen: true,
         verdict: Verdict::of(interval, skin.curvature()),
     })

@@ -52,7 +52,7 @@ pub(super) struct Problem<'a, V> {
     /// Effect of common departures, whitened: as many rows as equations, and a column for each departure.
     pub(super) common: DMatrix<f64>,
     /// Inverse root of the information on the departures in both frames, times `common` transposed.
-    shared: DMatrix<f64>,
+    pub(super) shared: DMatrix<f64>,
 }
 
 /// Residuals, whitened, of the markers that count.
@@ -107,6 +107,22 @@ impl<'a, V: View> Problem<'a, V> {
 
     pub(super) fn equations(&self) -> usize {
         NUMBERS * self.counting.len()
+    }
+
+    /// Numbers that are known beforehand of unknowns that are sought.
+    pub(super) fn known(&self) -> usize {
+        let [along, across] = [SHIFT, SHIFT + 1].map(|shift| self.sought[shift]);
+        let indentation = self.indentation.is_some() && self.sought[INDENTATION];
+        [along, across, indentation]
+            .into_iter()
+            .map(usize::from)
+            .sum()
+    }
+
+    /// Takes markers out of those that count.
+    pub(super) fn leave_out(&mut self, wrong: &[usize]) {
+        self.counting.retain(|marker| !wrong.contains(marker));
+        self.trust = vec![1.0; self.counting.len()];
     }
 
     pub(super) fn pictures(
@@ -271,18 +287,28 @@ impl<'a, V: View> Problem<'a, V> {
     ) -> Result<Jacobian, PressError> {
         let mut jacobian = Jacobian::zeros(residuals.len(), UNKNOWNS);
         for unknown in (0..UNKNOWNS).filter(|&unknown| self.sought[unknown]) {
-            let scale = match unknown {
-                CURVATURE => 1.0,
-                ALONG | ACROSS => self.fit.markers.skin().radius(),
-                INDENTATION => state.indentation,
-                _ => self.fit.shift_std,
-            };
-            let mut step = Unknowns::zeros();
-            step[unknown] = STEP * scale;
-            let there = self.residuals(&self.stepped(state, &step))?;
-            jacobian.set_column(unknown, &((residuals - there) / (STEP * scale)));
+            jacobian.set_column(unknown, &self.slopes_by(unknown, state, residuals)?);
         }
         Ok(jacobian)
+    }
+
+    /// Slopes of the whitened pictures by one unknown, sought or not.
+    pub(super) fn slopes_by(
+        &self,
+        unknown: usize,
+        state: &State,
+        residuals: &Residuals,
+    ) -> Result<Residuals, PressError> {
+        let scale = match unknown {
+            CURVATURE => 1.0,
+            ALONG | ACROSS => self.fit.markers.skin().radius(),
+            INDENTATION => state.indentation,
+            _ => self.fit.shift_std,
+        };
+        let mut step = Unknowns::zeros();
+        step[unknown] = STEP * scale;
+        let there = self.residuals(&self.stepped(state, &step))?;
+        Ok((residuals - there) / (STEP * scale))
     }
 
     /// Residuals without what departures of the sensor account for.

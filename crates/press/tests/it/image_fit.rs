@@ -8,6 +8,7 @@ use palpate_press::{
 use palpate_sensing::{Channel, GaussianError, Stream};
 use proptest::prelude::*;
 
+mod doubts;
 mod told;
 
 const RADIUS: f64 = 20.0;

@@ -2,7 +2,7 @@
 
 use nalgebra::SMatrix;
 use palpate_chromatouch::MarkerMotion;
-use palpate_press::{Estimated, Measured};
+use palpate_press::{Doubt, Estimated};
 
 use super::failure::PressFailure;
 use super::pressed::Pressed;
@@ -16,7 +16,7 @@ const STEP: f64 = 2e-4;
 const SHARE: f64 = 1e-2;
 
 /// The object's curvature as one trial tells it, 1/length.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct JudgedCurvature {
     /// The estimate with its interval.
     pub estimated: Estimated,
@@ -27,6 +27,10 @@ pub struct JudgedCurvature {
     /// The Cramér–Rao bound on the standard deviation, from the errors that the tracker and the calibration state; `None`
     /// of fits that are not of pictures.
     pub std_bound: Option<f64>,
+    /// P-value of the fit; `None` where it has none.
+    pub p_value: Option<f64>,
+    /// Ways in which the readings contradict the model.
+    pub doubts: Vec<Doubt>,
 }
 
 impl PressScene {
@@ -36,14 +40,13 @@ impl PressScene {
     /// Failure of the trial.
     pub fn judged_curvature(&self, trial: u64) -> Result<JudgedCurvature, PressFailure> {
         let readings = self.readings(Some(trial))?;
-        let estimated = self.estimate_from(&readings)?.object_curvature();
+        let estimate = self.estimate_from(&readings)?;
+        let doubts = self.doubts(&readings, &estimate)?;
+        let estimated = estimate.object_curvature();
         let truth = self.pressed.object.curvature;
+        let indentation = self.measured_indentation(&readings);
         let pictures = self.method.of_pictures.as_ref().zip(readings.pictures);
         let std_bound = pictures.and_then(|(method, pictures)| {
-            let indentation = self.method.known_indentation.map(|std| Measured {
-                value: readings.indentation,
-                std,
-            });
             let skin = self.markers.skin();
             let relative = skin.curvature() + truth;
             let depth = self.pressed.indentation;
@@ -54,6 +57,8 @@ impl PressScene {
             truth,
             holds: hold(&estimated, truth),
             std_bound,
+            p_value: estimate.goodness.map(|goodness| goodness.p_value),
+            doubts,
         })
     }
 

@@ -95,11 +95,7 @@ pub(super) const fn assumed_body(estimator: &PressEstimatorConfig) -> (&'static 
 
 /// Thickness of the layer that an estimator assumes: its own, else the model's; length.
 pub(crate) fn thickness(estimator: &PressEstimatorConfig, model: &PressModelConfig) -> Option<f64> {
-    match *estimator {
-        PressEstimatorConfig::BondedLayer { thickness, .. }
-        | PressEstimatorConfig::Image { thickness, .. } => thickness.or(model.thickness()),
-        _ => None,
-    }
+    estimator.layer(model.thickness())
 }
 
 /// Body of a model that is named, with a layer made by `layer`.

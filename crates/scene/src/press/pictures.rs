@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use palpate_press::{
-    ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate, Rest, Seen,
+    Doubt, ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate, Rest, Seen,
 };
 use palpate_tracking::{MarkerErrors, Track};
 
@@ -42,6 +42,19 @@ impl PictureMethod {
     ) -> Result<PressEstimate, PressError> {
         self.with_rest(pictures, |rest| {
             self.fit.estimate(rest, &pictures.pressed, indentation)
+        })
+    }
+
+    /// Ways in which the pictures contradict the model, of an estimate from them.
+    pub(crate) fn doubts(
+        &self,
+        pictures: &Pictures,
+        indentation: Option<Measured>,
+        estimate: &PressEstimate,
+    ) -> Result<Vec<Doubt>, PressError> {
+        self.with_rest(pictures, |rest| {
+            let seen = &pictures.pressed;
+            self.fit.doubts(rest, seen, indentation, estimate)
         })
     }
 

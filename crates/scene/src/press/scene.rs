@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use palpate_number::{BadSetting, Number};
 use palpate_press::{
-    Bounds, Estimated, ForwardFit, MarkerDisplacement, Markers, Measured, PressError,
+    Bounds, Doubt, Estimated, ForwardFit, MarkerDisplacement, Markers, Measured, PressError,
     PressEstimate, Reading,
 };
 
@@ -154,24 +154,51 @@ impl PressScene {
         &self,
         readings: &MarkerReadings,
     ) -> Result<PressEstimate, PressFailure> {
-        let indentation = self.method.known_indentation.map(|std| Measured {
-            value: readings.indentation,
-            std,
-        });
+        let indentation = self.measured_indentation(readings);
         if let (Some(method), Some(pictures)) = (&self.method.of_pictures, &readings.pictures) {
             return Ok(method.estimate(pictures, indentation)?);
         }
+        self.by_displacements(readings, |fit, reading| fit.estimate(reading))
+    }
+
+    /// Ways in which readings contradict the model, of the estimate from them.
+    pub(super) fn doubts(
+        &self,
+        readings: &MarkerReadings,
+        estimate: &PressEstimate,
+    ) -> Result<Vec<Doubt>, PressFailure> {
+        let indentation = self.measured_indentation(readings);
+        if let (Some(method), Some(pictures)) = (&self.method.of_pictures, &readings.pictures) {
+            return Ok(method.doubts(pictures, indentation, estimate)?);
+        }
+        self.by_displacements(readings, |fit, reading| fit.doubts(reading, estimate))
+    }
+
+    /// The indentation that the estimator is told.
+    pub(super) fn measured_indentation(&self, readings: &MarkerReadings) -> Option<Measured> {
+        self.method.known_indentation.map(|std| Measured {
+            value: readings.indentation,
+            std,
+        })
+    }
+
+    fn by_displacements<T>(
+        &self,
+        readings: &MarkerReadings,
+        then: impl FnOnce(&ForwardFit, &Reading<'_>) -> Result<T, PressError>,
+    ) -> Result<T, PressFailure> {
         let fit = self.method.fit.as_ref().map_err(|error| *error)?;
         let tracked = readings
             .tracked
             .as_ref()
             .map(|tracked| self.markers.subset(tracked));
-        Ok(fit.estimate(&Reading {
+        let reading = Reading {
             markers: tracked.as_ref().unwrap_or(&self.markers),
             normal: &readings.normal,
             tangential: self.tangential.then_some(&readings.tangential),
-            indentation,
-        })?)
+            indentation: self.measured_indentation(readings),
+        };
+        Ok(then(fit, &reading)?)
     }
 
     /// Index of a quantity among those of the scene, if it is one.

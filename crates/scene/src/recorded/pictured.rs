@@ -6,7 +6,7 @@ mod widened;
 
 pub use options::PictureOptions;
 
-use palpate_press::{Body, MarkerDisplacement, Measured, PressError, PressEstimate};
+use palpate_press::{Body, Doubt, MarkerDisplacement, Measured, PressError};
 use palpate_study::Table;
 use palpate_tracking::{Displaced, MarkerErrors, Track};
 
@@ -58,7 +58,8 @@ impl Pictured {
 /// tracker states. `tracked` is of these frames; `file` is the name of the readings, for messages, `None` where they are no
 /// file.
 ///
-/// Where markers scatter by more than these errors explain, uncertainties are as much wider, with a warning.
+/// Where markers scatter by more than these errors explain, uncertainties are as much wider, with a warning. Doubts, p-value
+/// and reduced χ² are those by the errors that are stated.
 ///
 /// # Errors
 /// [`RecordedError::Readings`] for frames of another size, under-exposed or saturated, of another layout or in other
@@ -107,6 +108,7 @@ pub fn estimate_pictures(
     let sensed = scene.sensed(tracked, &moved, file)?;
     let contradiction =
         indentation.and_then(|told| stated::contradiction(widened.alone(), told, scene.unit()));
+    let is_contradicted = contradiction.is_some();
     let missing = seen.missing.into_iter();
     let warnings = missing
         .chain(doubt)
@@ -114,7 +116,7 @@ pub fn estimate_pictures(
         .chain(contradiction)
         .chain(measured.and_then(|(_, warning)| warning))
         .collect();
-    let object = scene.object(&widened.estimate, &moved, warnings, &sensed)?;
+    let object = scene.object(&widened, &moved, (warnings, is_contradicted), &sensed)?;
     Ok(Pictured {
         press: sensed.pressed_by(object),
         sensed,
@@ -257,11 +259,14 @@ impl Scene<'_> {
 
     fn object(
         &self,
-        estimate: &PressEstimate,
+        widened: &Widened,
         moved: &[Option<MarkerDisplacement>],
-        mut warnings: Vec<String>,
+        (mut warnings, is_contradicted): (Vec<String>, bool),
         sensed: &Sensed,
     ) -> Result<PressedObject, RecordedError> {
+        let Widened {
+            estimate, doubts, ..
+        } = widened;
         let rows = self.matched.rows.iter().copied();
         let rows: Vec<usize> = rows.filter(|&marker| moved[marker].is_some()).collect();
         let row = |marker: &usize| rows.iter().position(|one| one == marker);
@@ -284,6 +289,14 @@ impl Scene<'_> {
             self.meant.sphere.radius,
             self.options.thickness().is_some(),
         ));
+        let in_row = |doubt: &Doubt| match *doubt {
+            Doubt::SlippedMarker { marker, p_value } => {
+                row(&marker).map(|marker| Doubt::SlippedMarker { marker, p_value })
+            }
+            doubt => Some(doubt),
+        };
+        let in_rows: Vec<Doubt> = doubts.iter().filter_map(in_row).collect();
+        warnings.extend(sensed.doubted(&in_rows, is_contradicted));
         let body = self.body();
         let wording = sensed.wording();
         let stresses = body
@@ -303,7 +316,7 @@ impl Scene<'_> {
                 unit: self.options.unit(),
                 stresses,
                 wrong_markers,
-                doubts: Vec::new(),
+                doubts: doubts.clone(),
                 warnings,
             },
         ))

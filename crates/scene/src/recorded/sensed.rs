@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use palpate_number::Number;
+use palpate_press::Doubt;
 use palpate_tracking::{Calibration, CalibrationError, Displaced, Equidistant, Field, FieldError};
 use serde::Serialize;
 
@@ -13,6 +14,7 @@ use super::origin::Origin;
 use super::press::PressReadings;
 use super::pressed::{PressOptions, estimate_press};
 use super::pressed_object::{PressedObject, Row};
+use super::stated;
 use super::tracked::{Fates, TrackedFrames};
 use super::wording::Wording;
 use palpate_study::config::LengthUnit;
@@ -158,6 +160,11 @@ impl Sensed {
             line: self.origin.line(marker),
             columns: BTreeMap::default(),
         }
+    }
+
+    /// Warnings of doubts about a press of the markers in these rows.
+    pub(super) fn doubted(&self, doubts: &[Doubt], is_contradicted: bool) -> Vec<String> {
+        stated::doubts(doubts, is_contradicted, &self.origin).collect()
     }
 
     /// Wording of the settings that go with the readings.

@@ -15,7 +15,11 @@ const CURVATURE: f64 = 1.0 / 30.0;
 
 /// A press by a camera that stands so, of a sensor with the misalignments and the noise of `seed`.
 fn study(seed: u64, camera: &str) -> Study {
-    let text = format!(
+    parse("frames.toml", &text(seed, camera)).expect("a study")
+}
+
+fn text(seed: u64, camera: &str) -> String {
+    format!(
         r#"
         name = "frames"
         length_unit = "mm"
@@ -33,8 +37,7 @@ fn study(seed: u64, camera: &str) -> Study {
         marker_depth = 2.0
         discs = {{ magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0, misalignment = 0.25 }}
         "#
-    );
-    parse("frames.toml", &text).expect("a study")
+    )
 }
 
 fn scene(study: &Study) -> PressScene {
@@ -91,6 +94,41 @@ fn frames_of_a_trial_tell_what_the_trial_tells() {
             (&"image".into(), &Value::Array(vec![]))
         );
         assert!((value - CURVATURE).abs() < 4.0 * std, "{curvature}");
+        let p_value = told["noise"]["p_value"].as_f64().expect("a p-value");
+        assert!(p_value > 0.005, "{told}");
+        assert_eq!(told["doubts"], Value::Array(vec![]));
+    }
+}
+
+/// Frames of a press on a layer, fitted as one of a half-space and of a thicker layer.
+#[test]
+fn another_body_is_told() {
+    let study = study(3, "");
+    let frames = frames(&scene(&study), &study, 0);
+    for body in ["poisson = 0.5", "thickness = 8.0"] {
+        let text = text(3, "").replace(
+            r#"indentation = "fitted""#,
+            &format!(r#"indentation = "known", indentation_std = 0.02, {body}"#),
+        );
+        let mut options = options(&parse("frames.toml", &text).expect("a study"));
+        options.indentation = Some(1.0);
+        let told = estimate(&frames, &options).expect("an estimate");
+        let doubts = told["doubts"].as_array().expect("doubts");
+        let names: Vec<&str> = doubts
+            .iter()
+            .filter_map(|one| one["name"].as_str())
+            .collect();
+        assert!(names.contains(&"large-residuals"), "{told}");
+        assert!(names.contains(&"other-body"), "{told}");
+        assert_eq!(
+            number(&told["noise"]["p_value"]),
+            number(&doubts[doubts.len() - 1]["p_value"])
+        );
+        let warnings = told["warnings"].to_string();
+        assert!(
+            warnings.contains("pressed.png scatter") && warnings.contains("than in this body"),
+            "{warnings}"
+        );
     }
 }
 

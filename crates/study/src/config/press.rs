@@ -74,15 +74,8 @@ impl PressConfig {
                 "a fit of pictures needs a camera: let `scene.sensor` be `projected` or `rendered`",
             ));
         }
-        let thickness = match self.estimator {
-            PressEstimatorConfig::BondedLayer { thickness, .. } => thickness,
-            PressEstimatorConfig::Image { thickness, .. } if thickness.or(of_model).is_some() => {
-                thickness
-            }
-            _ => return Ok(()),
-        };
-        match thickness.or(of_model) {
-            None => Err((
+        match self.estimator.layer(of_model) {
+            None if matches!(self.estimator, PressEstimatorConfig::BondedLayer { .. }) => Err((
                 "scene.estimator",
                 "`thickness` is missing, and the model has no layer to take it from",
             )),
@@ -90,7 +83,7 @@ impl PressConfig {
                 "scene.estimator.thickness",
                 "the layer ends above the markers: must be at least `scene.probe.marker_depth`",
             )),
-            Some(_) => Ok(()),
+            _ => Ok(()),
         }
     }
 }

@@ -20,9 +20,66 @@ const JITTER: f64 = 1.0;
 /// Standard deviation of an indentation that is known, mm.
 const INDENTATION_STD: f64 = 0.01;
 
+/// Presses of one kind.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(in crate::intervals) enum Family {
+    /// Of a layer, which the fit knows.
+    Sound,
+    /// Of a layer, which the fit takes for a half-space.
+    LayerForHalfSpace,
+    /// Of a half-space, which the fit takes for a layer.
+    HalfSpaceForLayer,
+}
+
+impl Family {
+    /// All families.
+    pub(super) const ALL: [Self; 3] = [
+        Self::Sound,
+        Self::LayerForHalfSpace,
+        Self::HalfSpaceForLayer,
+    ];
+
+    /// The family in words.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Sound => "layers",
+            Self::LayerForHalfSpace => "layers taken for half-spaces",
+            Self::HalfSpaceForLayer => "half-spaces taken for layers",
+        }
+    }
+
+    /// Whether the press is not what the fit believes.
+    pub(super) const fn is_wrong(self) -> bool {
+        !matches!(self, Self::Sound)
+    }
+
+    /// Trials of each scene, of those that are asked for: few tell whether a wrong model is doubted.
+    pub(super) fn trials(self, asked: u64) -> u64 {
+        match self.is_wrong() {
+            true => asked.div_ceil(FEWER),
+            false => asked,
+        }
+    }
+
+    /// The model and the body that the fit believes in, as a config has them.
+    fn bodies(self, thickness: f64) -> [String; 2] {
+        let half_space = r#"{ kind = "half-space" }"#.to_owned();
+        let layer = format!(r#"{{ kind = "bonded-layer", thickness = {thickness} }}"#);
+        match self {
+            Self::Sound => [layer, String::new()],
+            Self::LayerForHalfSpace => [layer, ", poisson = 0.5".to_owned()],
+            Self::HalfSpaceForLayer => [half_space, format!(", thickness = {thickness}")],
+        }
+    }
+}
+
+/// Share of the trials, inverted, by which a wrong model is judged.
+const FEWER: u64 = 10;
+
 /// A press of a sensor by a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::intervals) struct Case {
+    pub(super) family: Family,
     pub(super) number: u64,
     /// Relative curvature, per mm.
     relative_curvature: f64,
@@ -38,10 +95,11 @@ pub(in crate::intervals) struct Case {
 }
 
 impl Case {
-    /// The case of this number.
-    pub(super) fn random(seed: u64, number: u64) -> Self {
+    /// The case of a family with this number: cases of one number differ by the bodies alone.
+    pub(super) fn random(family: Family, seed: u64, number: u64) -> Self {
         let mut draws = Draws::new(seed, number, Channel::PadOffset);
         Self {
+            family,
             number,
             relative_curvature: draws.log_between(CURVATURES),
             indentation: draws.between(INDENTATIONS),
@@ -66,7 +124,11 @@ impl Case {
             true => "fitted",
             false => "known",
         };
-        format!("{}, indentation {known}", self.number)
+        format!(
+            "{}, {}, indentation {known}",
+            self.family.name(),
+            self.number
+        )
     }
 
     /// The case as a config, with the contact of a block of trials.
@@ -88,6 +150,7 @@ impl Case {
             false => ("known", INDENTATION_STD),
         };
         let [polar, azimuth] = self.contact(seed, block);
+        let [model, believed] = self.family.bodies(thickness);
         let seed = seed.wrapping_mul(1000).wrapping_add(number);
         format!(
             r#"
@@ -98,9 +161,9 @@ impl Case {
             kind = "press"
             object = {{ kind = "{kind}", radius = {radius} }}
             motion = {{ indentation = {indentation}, contact_deg = [{polar}, {azimuth}] }}
-            model = {{ kind = "bonded-layer", thickness = {thickness} }}
+            model = {model}
             sensor = {{ kind = "rendered", size_px = {size_px}, calibration = {{ rest_frames = 1, presses = 2 }} }}
-            estimator = {{ kind = "image", indentation = "{known}", indentation_std = {std} }}
+            estimator = {{ kind = "image", indentation = "{known}", indentation_std = {std}{believed} }}
             [scene.probe]
             kind = "marker-sphere"
             radius = 20.0
@@ -133,7 +196,8 @@ mod tests {
     #[test]
     fn scenes_are_of_the_family() {
         for number in 0..50 {
-            let case = Case::random(7, number);
+            let family = Family::ALL[number as usize % Family::ALL.len()];
+            let case = Case::random(family, 7, number);
             assert!((-1.0 / 60.0..=0.2).contains(&case.curvature()), "{case:?}");
             assert!((400..=1024).contains(&case.size_px), "{case:?}");
             for block in 0..3 {

@@ -1,31 +1,26 @@
 //! How often the intervals of presses hold, how wide they are, and how far from what can be reached.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use palpate_press::Interval;
 use palpate_scene::JudgedCurvature;
 use serde::Serialize;
 
-use super::super::sums::{HOLDS, Sums, WIDTHS};
+use super::super::doubted::shares;
+use super::super::sums::{Sums, WIDTHS};
 use super::case::Case;
 
 /// The curvature of a trial, or the name of what went wrong.
 pub(super) type Judged = Result<JudgedCurvature, &'static str>;
 
-/// Limits of the coverage of intervals of 95 % over all scenes.
-const COVERAGE: [f64; 2] = [0.92, 0.97];
-/// Least share of scenes in which they hold.
-const SCENES: f64 = 0.95;
-/// Largest mean error, in the errors' standard deviations.
-const MEAN: f64 = 0.3;
-/// Largest root mean square of the errors, in the Cramér–Rao bound.
-const RMS: f64 = 1.3;
-/// Largest mean width of closed intervals of 95 %, in what errors of this scatter would need.
-const WIDTH: f64 = 1.5;
-
+/// P-value below which residuals are large.
+const SMALL: f64 = 0.05;
 /// How often the intervals of a scene hold. Lengths are mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Score {
+    /// Family of the scene.
+    pub family: &'static str,
     /// Number of the scene.
     pub scene: u64,
     /// Curvature of the object.
@@ -74,6 +69,14 @@ pub struct Score {
     pub one_sided: f64,
     /// Share of intervals without end.
     pub open: f64,
+    /// Share of doubted estimates.
+    pub doubted: f64,
+    /// Names of the doubts, with the share of estimates that have each.
+    pub doubts: String,
+    /// Share of fits whose p-value is below 0.05; as much where it is right.
+    pub small_p_values: f64,
+    /// Kolmogorov's distance of the p-values from the uniform distribution.
+    pub p_value_distance: f64,
 }
 
 /// The score of a scene from its trials.
@@ -84,6 +87,7 @@ pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) ->
     };
     let (mut ends, mut width, mut bound, mut bounds) = ([0.0; 3], 0.0, 0.0, 0.0);
     let mut failures: Vec<&str> = Vec::new();
+    let (mut doubts, mut doubted, mut p_values) = (BTreeMap::new(), 0.0, Vec::new());
     for one in judged {
         let one = match one {
             Ok(one) => one,
@@ -97,6 +101,11 @@ pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) ->
             one.estimated.std,
             one.holds,
         );
+        doubted += f64::from(u8::from(!one.doubts.is_empty()));
+        for doubt in &one.doubts {
+            *doubts.entry(doubt.name()).or_insert(0.0) += 1.0;
+        }
+        p_values.extend(one.p_value);
         let Interval { low, high } = one.estimated.interval;
         ends[usize::from(low.is_some()) + usize::from(high.is_some())] += 1.0;
         if let (Some(low), Some(high)) = (low, high) {
@@ -110,7 +119,9 @@ pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) ->
     failures.sort_unstable();
     failures.dedup();
     let rms = sums.rms();
+    let small = p_values.iter().filter(|&&p_value| p_value < SMALL).count();
     Score {
+        family: case.family.name(),
         scene: case.number,
         object_curvature: case.curvature(),
         indentation: case.indentation,
@@ -135,7 +146,22 @@ pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) ->
         closed: ends[2] / sums.asked,
         one_sided: ends[1] / sums.asked,
         open: ends[0] / sums.asked,
+        doubted: doubted / sums.stated,
+        doubts: shares(&doubts, sums.stated),
+        small_p_values: small as f64 / p_values.len() as f64,
+        p_value_distance: distance_from_uniform(p_values),
     }
+}
+
+/// Kolmogorov's distance of numbers from the uniform distribution from 0 to 1.
+fn distance_from_uniform(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    let count = numbers.len() as f64;
+    let apart = |(index, number): (usize, &f64)| {
+        let rank = index as f64;
+        (number - rank / count).max((rank + 1.0) / count - number)
+    };
+    numbers.iter().enumerate().map(apart).fold(0.0, f64::max)
 }
 
 impl fmt::Display for Score {
@@ -156,6 +182,9 @@ impl fmt::Display for Score {
             width_per_rms,
             closed,
             failures,
+            doubted,
+            doubts,
+            small_p_values,
             ..
         } = self;
         let known = match self.fits_indentation {
@@ -164,105 +193,23 @@ impl fmt::Display for Score {
         };
         write!(
             f,
-            "{scene}: 1/R {object_curvature:.3}, {indentation:.2} mm deep ({known}), {polar_deg:.0} deg, layer \
+            "{}, {scene}: 1/R {object_curvature:.3}, {indentation:.2} mm deep ({known}), {polar_deg:.0} deg, layer \
              {thickness:.1}, discs {misalignment:.2}, {size_px} px, noise {pixel_std:.1}: {:.1} % covered, mean/scatter \
              {mean_per_scatter:.2}, rms/bound {rms_per_bound:.2} (pixels' {rms_per_pixel_bound:.2}), width \
-             {width_per_rms:.2}, closed {:.0} % {failures}",
+             {width_per_rms:.2}, closed {:.0} % {failures}, p < {SMALL} in {:.0} %, doubted {:.0} % ({doubts})",
+            self.family,
             100.0 * coverage95,
             100.0 * closed,
-        )
-    }
-}
-
-/// All scenes together.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Summary {
-    /// Share of intervals of 95 % that hold the truth, over all scenes.
-    pub coverage95: f64,
-    /// Number of scenes.
-    pub scenes: usize,
-    /// Number of scenes in which intervals of 95 % hold in at least 85 %.
-    pub holding: usize,
-    /// Number of scenes whose mean error is at most 0.3 of the scatter.
-    pub unbiased: usize,
-    /// Root mean square over scenes of the errors in bounds.
-    pub rms_per_bound: f64,
-    /// Number of scenes in which that is at most 1.3.
-    pub efficient: usize,
-    /// Root mean square over scenes of the errors in the pixels' bounds.
-    pub rms_per_pixel_bound: f64,
-    /// Mean over scenes of the widths of closed intervals, in what errors of this scatter would need.
-    pub width_per_rms: f64,
-    /// Shares of intervals with two ends, one and none, and of failures.
-    pub shares: [f64; 4],
-}
-
-impl Summary {
-    /// The summary of some scenes.
-    pub fn of(scores: &[Score]) -> Self {
-        let mean = |part: &dyn Fn(&Score) -> f64| {
-            scores.iter().map(part).sum::<f64>() / scores.len() as f64
-        };
-        let count = |is: &dyn Fn(&Score) -> bool| scores.iter().filter(|one| is(one)).count();
-        Self {
-            coverage95: mean(&|one| one.coverage95),
-            scenes: scores.len(),
-            holding: count(&|one| one.coverage95 >= HOLDS),
-            unbiased: count(&|one| one.mean_per_scatter.abs() <= MEAN),
-            rms_per_bound: mean(&|one| one.rms_per_bound.powi(2)).sqrt(),
-            efficient: count(&|one| one.rms_per_bound <= RMS),
-            rms_per_pixel_bound: mean(&|one| one.rms_per_pixel_bound.powi(2)).sqrt(),
-            width_per_rms: mean(&|one| one.width_per_rms),
-            shares: [
-                mean(&|one| one.closed),
-                mean(&|one| one.one_sided),
-                mean(&|one| one.open),
-                mean(&|one| one.failed),
-            ],
-        }
-    }
-
-    /// Whether all is within the limits.
-    pub fn is_within_limits(&self) -> bool {
-        (COVERAGE[0]..=COVERAGE[1]).contains(&self.coverage95)
-            && self.holding as f64 >= SCENES * self.scenes as f64
-            && self.unbiased == self.scenes
-            && self.rms_per_bound <= RMS
-            && self.width_per_rms <= WIDTH
-    }
-}
-
-impl fmt::Display for Summary {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            coverage95,
-            scenes,
-            holding,
-            unbiased,
-            rms_per_bound,
-            efficient,
-            rms_per_pixel_bound,
-            width_per_rms,
-            shares,
-        } = self;
-        let [closed, one_sided, open, failed] = shares.map(|share| 100.0 * share);
-        let limits = match self.is_within_limits() {
-            true => "within the limits",
-            false => "beyond the limits",
-        };
-        write!(
-            f,
-            "{:.1} % covered over all; at least 85 % in {holding} of {scenes} scenes; mean error at most 0.3 of the \
-             scatter in {unbiased}; rms/bound {rms_per_bound:.2}, at most 1.3 in {efficient} (pixels' bound \
-             {rms_per_pixel_bound:.2}); width/(3.92 rms) {width_per_rms:.2}; closed {closed:.1} %, one-sided \
-             {one_sided:.1} %, open {open:.1} %, failed {failed:.1} %: {limits}",
-            100.0 * coverage95,
+            100.0 * small_p_values,
+            100.0 * doubted,
         )
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::case::Family;
+    use super::super::summary::Summary;
     use super::*;
     use palpate_press::Estimated;
 
@@ -279,12 +226,14 @@ mod tests {
             truth: 0.1,
             holds: [error.abs() < 0.006, error.abs() < 0.012, error.abs() < 0.02],
             std_bound: Some(0.01),
+            p_value: Some(0.5),
+            doubts: Vec::new(),
         })
     }
 
     #[test]
     fn trials_are_summed_up() {
-        let case = Case::random(1, 0);
+        let case = Case::random(Family::Sound, 1, 0);
         let trials = [
             judged(0.01, Some(0.12)),
             judged(-0.01, None),
@@ -308,12 +257,16 @@ mod tests {
         assert!((score.rms_per_bound - rms / 0.01).abs() < 1e-9);
         assert!((score.rms_per_pixel_bound - rms / 0.005).abs() < 1e-9);
         assert!((score.width_per_rms - 0.05 / (2.0 * WIDTHS[2] * rms)).abs() < 1e-9);
-        assert!(!Summary::of(&[score]).is_within_limits());
+        assert_eq!((score.doubted, score.small_p_values), (0.0, 0.0));
+        assert!((score.p_value_distance - 0.5).abs() < 1e-12);
+        let summary = Summary::of(Family::Sound, &[&score]).unwrap();
+        assert!(!summary.is_within_limits());
+        assert_eq!(Summary::of(Family::Sound, &[]), None);
     }
 
     #[test]
     fn all_scenes_count_alike() {
-        let case = Case::random(1, 0);
+        let case = Case::random(Family::Sound, 1, 0);
         let trials: Vec<Judged> = (0..100)
             .map(|trial| {
                 let error = if trial % 20 == 0 { 0.021 } else { 0.0088 };
@@ -321,12 +274,25 @@ mod tests {
             })
             .collect();
         let good = score(&case, &trials, Some(0.01));
-        let summary = Summary::of(&[good.clone(), good.clone()]);
+        let summary = Summary::of(Family::Sound, &[&good, &good]).unwrap();
         assert!(summary.is_within_limits(), "{summary}");
         let bad = Score {
             coverage95: 0.5,
             ..good.clone()
         };
-        assert!(!Summary::of(&[good, bad]).is_within_limits());
+        let of = |family, one: &Score| Summary::of(family, &[one]).unwrap();
+        assert!(!of(Family::Sound, &bad).is_within_limits());
+        // A wrong model has to be doubted where its intervals do not hold.
+        assert!(!of(Family::LayerForHalfSpace, &bad).is_within_limits());
+        let doubted = Score {
+            doubted: 0.9,
+            ..bad
+        };
+        assert!(of(Family::LayerForHalfSpace, &doubted).is_within_limits());
+        let doubted = Score {
+            doubted: 0.06,
+            ..good
+        };
+        assert!(!of(Family::Sound, &doubted).is_within_limits());
     }
 }

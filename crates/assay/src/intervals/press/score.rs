@@ -8,6 +8,7 @@ use palpate_press::{Interval, Measured, PressError};
 use palpate_sensing::{Channel, Stream};
 use serde::Serialize;
 
+use super::super::doubted::{Doubted, shares};
 use super::super::sums::{HOLDS, Sums, within};
 use super::case::{Case, Family, RADIUS};
 
@@ -128,11 +129,6 @@ pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
 /// Limits of the coverage of intervals of 95 %.
 const SEEN: [f64; 2] = [0.92, 0.97];
 const FAINT: [f64; 2] = [0.92, 0.98];
-/// Least coverage of estimates that are not to be doubted, largest share of these that are, and least share of those that are
-/// to be.
-const COVERED: f64 = 0.92;
-const UNDOUBTED: f64 = 0.05;
-const DOUBTED: f64 = 0.9;
 /// Largest share of false alarms.
 const ALARMS: f64 = 0.05;
 
@@ -147,15 +143,8 @@ impl Score {
         widths.sort_by(f64::total_cmp);
         let failures: BTreeSet<&str> = scenes.iter().flat_map(|one| one.failures.clone()).collect();
         let lowest = scenes.iter().map(|one| one.sums.coverage(2));
-        let those = |is: &dyn Fn(f64) -> bool| -> Vec<&Tally> {
-            let those = scenes.iter().filter(|one| is(one.coverage_of_stated()));
-            those.collect()
-        };
-        let short = those(&|coverage| coverage < HOLDS);
-        let covered = those(&|coverage| coverage >= COVERED);
-        let share = |those: &[&Tally]| {
-            those.iter().map(|one| one.doubted()).sum::<f64>() / those.len() as f64
-        };
+        let doubted = scenes.iter();
+        let doubted = Doubted::of(doubted.map(|one| (one.coverage_of_stated(), one.doubted())));
         let score = Self {
             family: family.name(),
             scenes: scenes.len(),
@@ -171,20 +160,17 @@ impl Score {
             closed: ends(2),
             one_sided: ends(1),
             open: ends(0),
-            scenes_short: short.len(),
-            doubted_where_short: share(&short),
-            scenes_covered: covered.len(),
-            doubted_where_covered: share(&covered),
+            scenes_short: doubted.scenes_short,
+            doubted_where_short: doubted.where_short,
+            scenes_covered: doubted.scenes_covered,
+            doubted_where_covered: doubted.where_covered,
             doubts: doubts(scenes),
             is_within_limits: None,
         };
         let within = |[low, high]: [f64; 2]| (low..=high).contains(&score.coverage95);
         let is_within_limits = match family {
             _ if family.cannot_be_told() => None,
-            _ if family.is_wrong() => Some(
-                (score.scenes_short == 0 || score.doubted_where_short >= DOUBTED)
-                    && (score.scenes_covered == 0 || score.doubted_where_covered <= UNDOUBTED),
-            ),
+            _ if family.is_wrong() => Some(doubted.is_within_limits()),
             _ if !family.touches() => Some(score.seen <= ALARMS),
             _ if family.is_faint() => Some(within(FAINT)),
             _ => Some(within(SEEN)),
@@ -203,10 +189,7 @@ fn doubts(scenes: &[Tally]) -> String {
         *all.entry(name).or_default() += count;
     }
     let stated: f64 = scenes.iter().map(|one| one.sums.stated).sum();
-    let words = all
-        .iter()
-        .map(|(name, count)| format!("{name} {:.3}", count / stated));
-    words.collect::<Vec<_>>().join(" ")
+    shares(&all, stated)
 }
 
 impl fmt::Display for Score {

@@ -1,7 +1,9 @@
-//! Fit of pictures whose errors are as large as the markers scatter.
+//! Fit of pictures whose errors are as large as the markers scatter, and what is doubted of it.
 
 use palpate_number::Number;
-use palpate_press::{ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate, Seen};
+use palpate_press::{
+    Doubt, ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate, Seen,
+};
 
 use super::super::camera_rest::{CONTRADICTED, DOUBTED};
 use super::super::tracked::Frame;
@@ -11,7 +13,10 @@ use crate::press::{PictureLaw, PictureMethod, Pictures};
 pub(super) struct Widened {
     method: PictureMethod,
     pictures: Pictures,
+    /// The estimate; its goodness is that by the errors that are stated.
     pub(super) estimate: PressEstimate,
+    /// Ways in which the pictures contradict the model by these errors.
+    pub(super) doubts: Vec<Doubt>,
     /// Standard deviations of scatter at rest and pressed, in those of the errors that are stated; 1 where these explain it.
     scatter: [f64; 2],
 }
@@ -33,16 +38,24 @@ impl Widened {
             widen(&mut pictures.pressed, at_rest);
             method = PictureMethod::new(fit, rest);
         }
-        let mut estimate = method.estimate(&pictures, indentation)?;
-        let pressed = scatter(estimate.reduced_chi_squared);
-        if pressed > 1.0 {
+        let stated = method.estimate(&pictures, indentation)?;
+        let doubts = method.doubts(&pictures, indentation, &stated)?;
+        let is_large = |doubt: &Doubt| matches!(doubt, Doubt::LargeResiduals { .. });
+        let (mut estimate, mut pressed) = (stated.clone(), 1.0);
+        if doubts.iter().any(is_large) {
+            pressed = stated.reduced_chi_squared.sqrt();
             widen(&mut pictures.pressed, pressed);
-            estimate = method.estimate(&pictures, indentation)?;
+            estimate = PressEstimate {
+                goodness: stated.goodness,
+                reduced_chi_squared: stated.reduced_chi_squared,
+                ..method.estimate(&pictures, indentation)?
+            };
         }
         Ok(Self {
             method,
             pictures,
             estimate,
+            doubts,
             scatter: [at_rest, at_rest * pressed],
         })
     }

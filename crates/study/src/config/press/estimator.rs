@@ -84,11 +84,12 @@ pub enum PressEstimatorConfig {
     /// centroid, hue and size of each marker, at rest and pressed. It is told the errors that the tracker states, and how
     /// roughly the sensor is known (`noise.sensor`).
     Image {
-        /// Thickness of the layer; by default the model's, if that has one.
+        /// Thickness of the layer; by default the model's, if that has one and `poisson` is left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "length"))]
         thickness: Option<f64>,
-        /// Poisson's ratio of a half-space; by default the model's, or 0.5 where that has none.
+        /// Poisson's ratio of a half-space; by default the model's, or 0.5 where that has none. Where it is given and
+        /// `thickness` is not, the body is a half-space, whatever the model is.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("minimum" = 0, "maximum" = 0.5))]
         poisson: Option<f64>,
@@ -189,6 +190,17 @@ impl PressEstimatorConfig {
         }
     }
 
+    /// Thickness of the layer that is assumed: its own, else the model's; `None` of other bodies.
+    pub fn layer(&self, of_model: Option<f64>) -> Option<f64> {
+        match *self {
+            Self::BondedLayer { thickness, .. } => thickness.or(of_model),
+            Self::Image {
+                thickness, poisson, ..
+            } => thickness.or(of_model.filter(|_| poisson.is_none())),
+            _ => None,
+        }
+    }
+
     /// Writes into the settings what they leave to a model of this thickness, if it has one, and Poisson's ratio.
     pub(in crate::config) fn keep(&mut self, of_thickness: Option<f64>, of_poisson: f64) {
         match self {
@@ -197,7 +209,7 @@ impl PressEstimatorConfig {
             Self::Image {
                 thickness, poisson, ..
             } => {
-                *thickness = thickness.or(of_thickness);
+                *thickness = thickness.or(of_thickness.filter(|_| poisson.is_none()));
                 if thickness.is_none() {
                     *poisson = poisson.or(Some(of_poisson));
                 }

@@ -1,0 +1,176 @@
+//! Tests of a fit against pictures that contradict it: score tests, in which what is common to all markers takes part.
+
+use nalgebra::{DMatrix, Matrix4, OMatrix, SMatrix, U4, Vector4};
+use nalgebra::{DVector, Dyn};
+
+use super::law::State;
+use super::minimise::Fitted;
+use super::moved::STEP;
+use super::outcome::{SINGULAR, settle};
+use super::problem::{INDENTATION, Problem, Square, UNKNOWNS};
+use super::rest::Rest;
+use super::settings::ImageFit;
+use super::view::{NUMBERS, Seen, View};
+use crate::definite::inverse;
+use crate::score::{
+    BY_INDENTATION, LEFT, Noise, PATTERNS, Patterns, Products, Score, least_likely, patterns,
+};
+use crate::{Doubt, GoodnessOfFit, Measured, PressError, PressEstimate};
+
+impl<V: View + Clone> ImageFit<V> {
+    /// Ways in which pictures contradict the model, of an estimate that this fit made of them: each pattern is one of the
+    /// displacements of both discs, as the camera sees it. Where the residuals are larger than the stated errors make them,
+    /// the other ways are judged by the residuals, not by these errors.
+    ///
+    /// # Errors
+    /// Those of [`ImageFit::estimate`].
+    pub fn doubts(
+        &self,
+        rest: &Rest,
+        seen: &[Option<Seen>],
+        indentation: Option<Measured>,
+        estimate: &PressEstimate,
+    ) -> Result<Vec<Doubt>, PressError> {
+        self.check(rest, seen, indentation)?;
+        let mut problem = Problem::new(self, rest, seen, indentation)?;
+        problem.leave_out(&estimate.wrong_markers);
+        if problem.equations() <= problem.unknowns() {
+            return Ok(Vec::new());
+        }
+        let state = State {
+            log_curvature: libm::log(estimate.most_likely_curvature),
+            place: self.markers.skin().place(estimate.contact),
+            indentation: estimate.indentation.value,
+            shift: [0.0; 2],
+        };
+        let best = settle(&mut problem, state)?;
+        let Some(goodness) = estimate.goodness else {
+            return Ok(Vec::new());
+        };
+        let test = Test::new(&problem, &best);
+        test.map_or(Ok(Vec::new()), |test| test.doubts(goodness))
+    }
+}
+
+/// A fit with all that its tests ask for.
+struct Test<'p, 'a, V> {
+    problem: &'p Problem<'a, V>,
+    best: &'p Fitted,
+    covariance: Square,
+}
+
+impl<'p, 'a, V: View> Test<'p, 'a, V> {
+    /// The tests of a fit; `None` where some combination of its unknowns is free.
+    fn new(problem: &'p Problem<'a, V>, best: &'p Fitted) -> Option<Self> {
+        let covariance = inverse(&best.sums.hessian, SINGULAR)?;
+        Some(Self {
+            problem,
+            best,
+            covariance,
+        })
+    }
+
+    fn doubts(&self, goodness: GoodnessOfFit) -> Result<Vec<Doubt>, PressError> {
+        let GoodnessOfFit {
+            chi_squared,
+            freedom,
+            p_value,
+        } = goodness;
+        let noise = match p_value < Doubt::LEVEL {
+            true => Noise::Found {
+                chi_squared,
+                freedom,
+            },
+            false => Noise::Stated,
+        };
+        let score = Score::new(&self.products()?, &self.covariance, noise);
+        let slipped = self.slipped(&score.noise);
+        Ok(score.doubts(self.indentation(&score.noise), slipped, p_value))
+    }
+
+    fn products(&self) -> Result<Products<UNKNOWNS>, PressError> {
+        let Fitted {
+            residuals,
+            jacobian,
+            ..
+        } = self.best;
+        let patterns = self.patterns()?;
+        let shared = &self.problem.shared;
+        let common = shared * &patterns;
+        let by_slopes =
+            jacobian.transpose() * &patterns - (shared * jacobian).transpose() * &common;
+        let by_patterns = patterns.transpose() * &patterns - common.transpose() * &common;
+        let by_residuals =
+            patterns.transpose() * residuals - common.transpose() * (shared * residuals);
+        Ok(Products {
+            by_slopes: SMatrix::from_fn(|row, column| by_slopes[(row, column)]),
+            by_patterns: SMatrix::from_fn(|row, column| by_patterns[(row, column)]),
+            by_residuals: Patterns::from_fn(|row, _| by_residuals[row]),
+        })
+    }
+
+    /// Patterns of the whitened pictures, a column each.
+    fn patterns(&self) -> Result<DMatrix<f64>, PressError> {
+        let Self { problem, best, .. } = self;
+        let fit = problem.fit;
+        let moved = problem.displaced(&best.state)?;
+        let step = STEP * fit.markers.skin().radius();
+        let mut all = DMatrix::zeros(problem.equations(), PATTERNS);
+        for (disc, body) in fit.bodies.iter().enumerate() {
+            let contact = fit.contact(body, &best.state)?;
+            let slopes = problem.by_displacement(&moved, disc..disc + 1, step)?;
+            for ((at, &marker), slopes) in problem.counting.iter().enumerate().zip(slopes) {
+                let place = &fit.markers.places()[marker];
+                let sight = fit.markers.sight(&best.state.place, place);
+                let of_disc = patterns(&contact, &sight);
+                let mut rows = all.rows_mut(NUMBERS * at, NUMBERS);
+                for (component, of_disc) in of_disc.iter().enumerate() {
+                    rows += slopes.column(component) * of_disc.transpose();
+                }
+            }
+        }
+        if problem.indentation.is_some() && !problem.sought[INDENTATION] {
+            let slopes = problem.slopes_by(INDENTATION, &best.state, &best.residuals)?;
+            all.set_column(BY_INDENTATION, &slopes);
+        }
+        Ok(all)
+    }
+
+    /// Probability by chance of a given indentation as far from the one that the pictures tell, where it was fitted too;
+    /// `None` where it was not.
+    fn indentation(&self, noise: &Noise) -> Option<f64> {
+        let told = self.problem.indentation?;
+        let off = self.best.state.indentation - told.value;
+        let variance = self.covariance[(INDENTATION, INDENTATION)];
+        self.problem.sought[INDENTATION]
+            .then(|| noise.of_indentation(off, told.std * told.std, variance))
+    }
+
+    /// The marker that contradicts the others most, and the probability that chance makes one do as much.
+    fn slipped(&self, noise: &Noise) -> (usize, f64) {
+        let Fitted {
+            residuals,
+            jacobian,
+            ..
+        } = self.best;
+        let shared = &self.problem.shared;
+        let of_residuals: DVector<f64> = residuals - shared.tr_mul(&(shared * residuals));
+        let of_slopes: DMatrix<f64> = jacobian - shared.tr_mul(&(shared * jacobian));
+        let chance = |(at, &marker): (usize, &usize)| {
+            let first = NUMBERS * at;
+            let score: Vector4<f64> = of_residuals.fixed_rows::<NUMBERS>(first).into();
+            let slopes: OMatrix<f64, U4, Dyn> = of_slopes.fixed_rows::<NUMBERS>(first).into();
+            let common = shared.fixed_columns::<NUMBERS>(first);
+            let taken = &slopes * self.covariance * slopes.transpose() + common.tr_mul(&common);
+            let left = Matrix4::identity() - Matrix4::from_fn(|row, column| taken[(row, column)]);
+            let eigen = left.symmetric_eigen();
+            let pairs = eigen
+                .eigenvalues
+                .iter()
+                .zip(eigen.eigenvectors.column_iter());
+            let parts = pairs.map(|(value, along)| along.dot(&score).powi(2) / value.max(LEFT));
+            (marker, noise.chance(parts.sum(), NUMBERS))
+        };
+        least_likely(self.problem.counting.iter().enumerate().map(chance))
+    }
+}

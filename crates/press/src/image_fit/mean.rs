@@ -1,0 +1,70 @@
+//! The mean of what the pictures leave possible, beside the likeliest.
+//!
+//! Sensors depart from the one that is meant by chance, in which the pictures are not linear: products of what depths and
+//! colours leave unknown pull the likeliest curvature to one side of the mean over all sensors that may be. Laplace's method
+//! tells by how much: the mean lies −½ C ∇ ln det H beside the mode, with the Hessian H of half of chi-squared by all that is
+//! unknown, and its inverse C (Tierney, Kass and Kadane 1989, to the same order).
+
+use super::law::State;
+use super::minimise::Fitted;
+use super::problem::{CURVATURE, Problem, Square, Unknowns};
+use super::view::View;
+use crate::definite::inverse;
+
+/// Step along the way of the curvature, in its standard deviations.
+const STEP: f64 = 0.3;
+/// Variance of the logarithm of the curvature from which on the pictures tell no more than its order.
+const VAGUE: f64 = 1.0;
+/// Largest distance of the mean from the mode, in standard deviations, at which that is the next term and not the first.
+const FURTHEST: f64 = 1.0;
+
+impl<V: View + Clone> Problem<'_, V> {
+    /// Distance of the mean of the logarithm of the curvature from its likeliest value; 0 where it cannot be told.
+    pub(super) fn mean_beside(&self, best: &Fitted, covariance: &Square) -> f64 {
+        let variance = covariance[(CURVATURE, CURVATURE)];
+        let std = variance.sqrt();
+        if !(variance < VAGUE) {
+            return 0.0;
+        }
+        let along = covariance.column(CURVATURE) / std;
+        let of_step = |step: f64| self.log_determinant(best, &(along * step));
+        match (of_step(STEP), of_step(-STEP)) {
+            (Some(there), Some(back)) => {
+                let slope = (there - back) / (2.0 * STEP);
+                let beside = -0.5 * slope;
+                match beside.is_finite() {
+                    true => std * beside.clamp(-FURTHEST, FURTHEST),
+                    false => 0.0,
+                }
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Logarithm of the determinant of the Hessian by all that is unknown, but for a constant: after a step of the unknowns,
+    /// which the sensor follows.
+    fn log_determinant(&self, best: &Fitted, step: &Unknowns) -> Option<f64> {
+        let moved = &best.jacobian * step;
+        let sensor = self.learnt(&(&best.residuals - moved)).ok()?;
+        let state: State = self.stepped(&best.state, step);
+        let mut there = self.clone();
+        if !there.take(sensor) {
+            return None;
+        }
+        there.weigh(&state).ok()?;
+        let hessian = Fitted::at(&there, state).ok()?.sums.hessian;
+        let of_press = inverse(&hessian, 0.0)?.determinant();
+        let information = &there.rest.information + there.common.transpose() * &there.common;
+        let factor = information.cholesky()?;
+        let mut sum = 2.0 * factor.l_dirty().diagonal().map(libm::log).sum() - libm::log(of_press);
+        for (&marker, whiten) in there.counting.iter().zip(&there.whiten) {
+            sum -= 2.0 * whiten.diagonal().map(libm::log).sum();
+            let spread = there.rest.local[marker].as_ref()?.spread.determinant();
+            // Where discs are aligned there is nothing to be known of it.
+            if spread > 0.0 {
+                sum -= libm::log(spread);
+            }
+        }
+        Some(sum)
+    }
+}

@@ -1,0 +1,223 @@
+//! Score tests of a press's model (Rao): how much chi-squared would fall, to first order, if the model had one more unknown.
+//!
+//! That is what the residuals have of a pattern, after the unknowns that were fitted have taken of it what they can.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2};
+
+use crate::goodness::{tail, tail_of_ratio};
+use crate::markers::Sight;
+use crate::{Contact, Doubt, MarkerDisplacement};
+
+/// Patterns, in this order: what depends on the distance alone, on the direction, and on the indentation.
+pub(crate) const PATTERNS: usize = 8;
+const BY_DISTANCE: std::ops::Range<usize> = 0..5;
+const BY_DIRECTION: std::ops::Range<usize> = 5..7;
+/// Pattern of an indentation that is taken for exact.
+pub(crate) const BY_INDENTATION: usize = 7;
+/// Share of a pattern that the fitted unknowns must leave for it to be looked for: of less, only what bends the model.
+pub(crate) const LEFT: f64 = 0.02;
+
+pub(crate) type Patterns = SVector<f64, PATTERNS>;
+
+/// Directions along and across which contacts are longer, as angles from the bearing's first axis.
+const AXES: [[[f64; 2]; 2]; 2] = [
+    [[1.0, 0.0], [0.0, 1.0]],
+    [
+        [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+        [-FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    ],
+];
+
+/// Patterns of a marker's displacement by a contact, of any scale: inward, and along the axes at the marker.
+pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> [Patterns; 3] {
+    let field = contact.field(sight.distance);
+    let mut normal = Patterns::zeros();
+    normal[0] = field.normal;
+    normal[1] = sight.distance * field.normal_per_r;
+    normal[2] = contact.radius * contact.radius;
+    let mut radial = Patterns::zeros();
+    radial[3] = field.radial;
+    radial[4] = sight.distance * field.radial_per_r;
+    let mut all = [normal, radial * sight.outward.x, radial * sight.outward.y];
+    for (pattern, axes) in BY_DIRECTION.zip(AXES) {
+        let longer = elongation(contact, sight, axes);
+        let [x, y] = longer.tangential;
+        for (all, longer) in all.iter_mut().zip([longer.normal, x, y]) {
+            all[pattern] = longer;
+        }
+    }
+    all
+}
+
+/// Displacements by a contact that is longer along one axis than along the other, less those of a round one: by contacts one
+/// radius to either side along one, less those along the other.
+fn elongation(contact: &Contact<'_>, sight: &Sight, axes: [[f64; 2]; 2]) -> MarkerDisplacement {
+    let mut sum = MarkerDisplacement::default();
+    for (axis, sign) in axes.into_iter().zip([1.0, -1.0]) {
+        for side in [contact.radius, -contact.radius] {
+            let from = sight.bearing * sight.distance - Vector2::from(axis) * side;
+            let distance = from.norm();
+            let moved = contact.displacement(distance);
+            sum.normal += sign * moved.normal;
+            if distance > 0.0 {
+                // The marker's own axes are turned against the bearing's by as much as its outward direction is.
+                let along = [from.dot(&sight.bearing), sight.bearing.perp(&from)];
+                let [cosine, sine] = along.map(|one| one / distance);
+                let [x, y] = [sight.outward.x, sight.outward.y];
+                sum.tangential[0] += sign * moved.radial * (cosine * x - sine * y);
+                sum.tangential[1] += sign * moved.radial * (sine * x + cosine * y);
+            }
+        }
+    }
+    sum
+}
+
+/// Noise that residuals are judged by.
+pub(crate) enum Noise {
+    /// Its size is stated.
+    Stated,
+    /// It is found from the residuals, whose sum of squares is this with so many degrees of freedom.
+    Found { chi_squared: f64, freedom: usize },
+}
+
+impl Noise {
+    /// Probability by chance of a fall of chi-squared for so many unknowns more.
+    pub(crate) fn chance(&self, fall: f64, unknowns: usize) -> f64 {
+        match *self {
+            _ if unknowns == 0 => 1.0,
+            Self::Stated => tail(fall, unknowns),
+            Self::Found {
+                chi_squared,
+                freedom,
+            } => {
+                let rest = freedom.saturating_sub(unknowns);
+                tail_of_ratio(fall, unknowns, (chi_squared - fall).max(0.0), rest)
+            }
+        }
+    }
+
+    /// Probability by chance of a given indentation as far as `off` from the fitted one: its variance is `prior`, that of
+    /// the fit `variance`.
+    pub(crate) fn of_indentation(&self, off: f64, prior: f64, variance: f64) -> f64 {
+        // The fit moved a share of the way from what is told to what the displacements alone tell.
+        let share = 1.0 - variance / prior;
+        match share > LEFT {
+            true => self.chance(off * off / (share * prior), 1),
+            false => 1.0,
+        }
+    }
+}
+
+/// Sums over readings, by their weights, of products of their residuals, their slopes by the unknowns, and patterns.
+pub(crate) struct Products<const UNKNOWNS: usize> {
+    pub(crate) by_slopes: SMatrix<f64, UNKNOWNS, PATTERNS>,
+    pub(crate) by_patterns: SMatrix<f64, PATTERNS, PATTERNS>,
+    pub(crate) by_residuals: Patterns,
+}
+
+/// What the residuals of a fit have of patterns.
+pub(crate) struct Score {
+    found: Patterns,
+    /// Squares of the patterns, and products of what the unknowns leave of them.
+    squares: Patterns,
+    left: SMatrix<f64, PATTERNS, PATTERNS>,
+    pub(crate) noise: Noise,
+}
+
+impl Score {
+    /// The score of a fit whose unknowns have this covariance.
+    pub(crate) fn new<const UNKNOWNS: usize>(
+        products: &Products<UNKNOWNS>,
+        covariance: &SMatrix<f64, UNKNOWNS, UNKNOWNS>,
+        noise: Noise,
+    ) -> Self {
+        let Products {
+            by_slopes,
+            by_patterns,
+            by_residuals,
+        } = products;
+        Self {
+            found: *by_residuals,
+            squares: by_patterns.diagonal(),
+            left: by_patterns - by_slopes.transpose() * covariance * by_slopes,
+            noise,
+        }
+    }
+
+    /// Probability by chance of as much of these patterns as the residuals have.
+    pub(crate) fn pattern(&self, range: std::ops::Range<usize>) -> f64 {
+        let size = |pattern: usize| self.squares[pattern].sqrt();
+        let there: Vec<usize> = range.filter(|&pattern| size(pattern) > 0.0).collect();
+        let count = there.len();
+        if count == 0 {
+            return 1.0;
+        }
+        let scaled = DMatrix::from_fn(count, count, |row, column| {
+            let (row, column) = (there[row], there[column]);
+            self.left[(row, column)] / (size(row) * size(column))
+        });
+        let found = DVector::from_fn(count, |row, _| self.found[there[row]] / size(there[row]));
+        let eigen = scaled.symmetric_eigen();
+        let (mut explained, mut freedom) = (0.0, 0);
+        for (index, &value) in eigen.eigenvalues.iter().enumerate() {
+            if value > LEFT {
+                let along = eigen.eigenvectors.column(index).dot(&found);
+                explained += along * along / value;
+                freedom += 1;
+            }
+        }
+        self.noise.chance(explained, freedom)
+    }
+
+    /// Doubts about the fit. `indentation` is the probability by chance of one that was fitted about the given one, `slipped`
+    /// that of a marker that contradicts the others as much as this one, and `large` that of the residuals.
+    pub(crate) fn doubts(
+        &self,
+        indentation: Option<f64>,
+        (marker, slipped): (usize, f64),
+        large: f64,
+    ) -> Vec<Doubt> {
+        let of_pattern = || self.pattern(BY_INDENTATION..BY_INDENTATION + 1);
+        let doubts = [
+            Doubt::OtherIndentation {
+                p_value: indentation.unwrap_or_else(of_pattern),
+            },
+            Doubt::OtherBody {
+                p_value: self.pattern(BY_DISTANCE),
+            },
+            Doubt::NotRound {
+                p_value: self.pattern(BY_DIRECTION),
+            },
+            Doubt::SlippedMarker {
+                marker,
+                p_value: slipped,
+            },
+            Doubt::LargeResiduals { p_value: large },
+        ];
+        let least = doubts[..3]
+            .iter()
+            .map(|doubt| doubt.p_value())
+            .fold(1.0, f64::min);
+        // What no pattern alone tells, all may tell together.
+        let is_told_by_all = self.pattern(0..PATTERNS) < Doubt::LEVEL_OF_ALL;
+        let is_doubted = |doubt: &Doubt| {
+            let p_value = doubt.p_value();
+            p_value < Doubt::LEVEL || is_told_by_all && p_value == least
+        };
+        doubts.into_iter().filter(is_doubted).collect()
+    }
+}
+
+/// The likeliest of markers with their probabilities by chance, and the probability that one of them all is as unlikely.
+pub(crate) fn least_likely(chances: impl Iterator<Item = (usize, f64)>) -> (usize, f64) {
+    let (mut most, mut least, mut count) = (0, 1.0, 0.0);
+    for (marker, chance) in chances {
+        count += 1.0;
+        if chance < least {
+            (most, least) = (marker, chance);
+        }
+    }
+    (most, (least * count).min(1.0))
+}
