@@ -3,14 +3,14 @@
 //! Each asks how much chi-squared would fall, to first order, if the model had one more unknown (Rao's score test): what the
 //! residuals have of a pattern, after the unknowns that were fitted have taken of it what they can.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use palpate_chance::{Explained, LEFT};
 
 use super::problem::{INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns};
 use super::reading::Reading;
 use super::search::SINGULAR;
 use super::settings::ForwardFit;
 use crate::definite::inverse;
-use crate::goodness::{tail, tail_of_ratio};
 use crate::{Doubt, PressError, PressEstimate};
 
 /// Patterns, in this order: what depends on the distance alone, on the direction, and on the indentation.
@@ -18,8 +18,6 @@ const PATTERNS: usize = 8;
 const BY_DISTANCE: std::ops::Range<usize> = 0..5;
 const BY_DIRECTION: std::ops::Range<usize> = 5..7;
 const BY_INDENTATION: std::ops::Range<usize> = 7..8;
-/// Share of a pattern that the fitted unknowns must leave for it to be looked for: of less, only what bends the model.
-const LEFT: f64 = 0.02;
 /// Noise that is found, as a share of the largest displacement, below which it may be rounding.
 const ROUNDING: f64 = 1e-3;
 /// Least number of equations beyond the unknowns by which noise that is found can be told from patterns.
@@ -212,40 +210,20 @@ impl<'p, 'a> Test<'p, 'a> {
             by_residuals,
         } = products;
         let left = by_patterns - by_slopes.transpose() * self.covariance * by_slopes;
-        let size = |pattern: usize| by_patterns[(pattern, pattern)].sqrt();
-        let there: Vec<usize> = range.filter(|&pattern| size(pattern) > 0.0).collect();
-        let count = there.len();
-        if count == 0 {
-            return 1.0;
-        }
-        let scaled = nalgebra::DMatrix::from_fn(count, count, |row, column| {
-            let (row, column) = (there[row], there[column]);
-            left[(row, column)] / (size(row) * size(column))
+        let squares: Vec<f64> = range.clone().map(|one| by_patterns[(one, one)]).collect();
+        let left = DMatrix::from_fn(range.len(), range.len(), |row, column| {
+            left[(range.start + row, range.start + column)]
         });
-        let found =
-            nalgebra::DVector::from_fn(count, |row, _| by_residuals[there[row]] / size(there[row]));
-        let eigen = scaled.symmetric_eigen();
-        let (mut explained, mut freedom) = (0.0, 0);
-        for (index, &value) in eigen.eigenvalues.iter().enumerate() {
-            if value > LEFT {
-                let along = eigen.eigenvectors.column(index).dot(&found);
-                explained += along * along / value;
-                freedom += 1;
-            }
-        }
-        self.chance(explained, freedom)
+        let found = DVector::from_fn(range.len(), |row, _| by_residuals[range.start + row]);
+        self.chance(Explained::by(&squares, &left, &found, LEFT))
     }
 
-    /// Probability by chance of a fall of chi-squared for so many unknowns more.
-    fn chance(&self, fall: f64, unknowns: usize) -> f64 {
-        if unknowns == 0 {
-            return 1.0;
-        }
+    /// Probability by chance of as much that patterns explain.
+    fn chance(&self, explained: Explained) -> f64 {
         if self.problem.knows_noise() {
-            return tail(fall, unknowns);
+            return explained.p_value();
         }
-        let rest = self.freedom.saturating_sub(unknowns);
-        tail_of_ratio(fall, unknowns, (self.chi_squared - fall).max(0.0), rest)
+        explained.p_value_beside(self.chi_squared, self.freedom)
     }
 
     /// Probability by chance of a given indentation as far from the one that the displacements tell, where it was fitted
@@ -262,7 +240,10 @@ impl<'p, 'a> Test<'p, 'a> {
         let off = self.state.indentation - told.value;
         let of_off = share * prior;
         Some(match share > LEFT {
-            true => self.chance(off * off / of_off, 1),
+            true => self.chance(Explained {
+                fall: off * off / of_off,
+                freedom: 1,
+            }),
             false => 1.0,
         })
     }
@@ -281,7 +262,10 @@ impl<'p, 'a> Test<'p, 'a> {
                 let leverage = slopes.dot(&(self.covariance * slopes));
                 square += residual * residual / (1.0 - leverage).max(LEFT);
             }
-            let chance = self.chance(square, components);
+            let chance = self.chance(Explained {
+                fall: square,
+                freedom: components,
+            });
             if chance < least {
                 (most, least) = (marker, chance);
             }

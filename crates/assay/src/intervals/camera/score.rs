@@ -2,11 +2,12 @@
 
 use std::fmt;
 
+use palpate_chance::NORMAL_95;
 use palpate_press::Interval;
 use palpate_scene::JudgedCurvature;
 use serde::Serialize;
 
-use super::super::sums::{HOLDS, Sums, WIDTHS};
+use super::super::sums::{HOLDS, Sums};
 use super::case::Case;
 
 /// The curvature of a trial, or the name of what went wrong.
@@ -130,7 +131,7 @@ pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) ->
         rms,
         rms_per_bound: rms / (bound / bounds).sqrt(),
         rms_per_pixel_bound: pixel_bound.map_or(f64::NAN, |bound| rms / bound),
-        width_per_rms: width / ends[2] / (2.0 * WIDTHS[2] * rms),
+        width_per_rms: width / ends[2] / (2.0 * NORMAL_95 * rms),
         std_per_rms: sums.std_per_rms(),
         closed: ends[2] / sums.asked,
         one_sided: ends[1] / sums.asked,
@@ -307,7 +308,7 @@ mod tests {
         let rms = (0.0011_f64 / 3.0).sqrt();
         assert!((score.rms_per_bound - rms / 0.01).abs() < 1e-9);
         assert!((score.rms_per_pixel_bound - rms / 0.005).abs() < 1e-9);
-        assert!((score.width_per_rms - 0.05 / (2.0 * WIDTHS[2] * rms)).abs() < 1e-9);
+        assert!((score.width_per_rms - 0.05 / (2.0 * NORMAL_95 * rms)).abs() < 1e-9);
         assert!(!Summary::of(&[score]).is_within_limits());
     }
 
