@@ -4,22 +4,30 @@
 //! deviations of it, weighted least squares take of them what a change of `B` can explain, so that their squares are
 //! distributed as chi-squared. Rao's score test asks how much this would fall if a pattern were fitted too.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
 use palpate_chance::{Explained, GoodnessOfFit, LEFT};
 
 use crate::{Doubt, Estimate, LeastSquares, ProbeReading, ReadingNoise};
 
 /// Entries of `B`, and the part that all shifts have in common where pads round the first contact.
-const UNKNOWNS: usize = 5;
 const OF_MOBILITY: usize = 3;
-/// Patterns, in this order: of a common shift, a twist, squares and third powers.
+const WITH_PADS: usize = 5;
+/// Unknowns with the patterns that change no curvature.
+const UNKNOWNS: usize = WITH_PADS + EVEN;
+/// Patterns, in this order: of a common shift, squares, a twist and third powers.
 const PATTERNS: usize = 12;
-const COMMON: std::ops::Range<usize> = 0..2;
-const TWIST: std::ops::Range<usize> = 2..3;
-const SQUARES: std::ops::Range<usize> = 3..7;
-const THIRD_POWERS: std::ops::Range<usize> = 7..12;
+/// Patterns that are the same of a roll to and fro.
+const EVEN: usize = 6;
+const COMMON: Range<usize> = 0..2;
+const SQUARES: Range<usize> = 2..6;
+const TWIST: Range<usize> = 6..7;
+const THIRD_POWERS: Range<usize> = 7..12;
 /// Powers of the rotations in the patterns.
-const DEGREES: [f64; PATTERNS] = [0.0, 0.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0, 3.0];
+const DEGREES: [f64; PATTERNS] = [0.0, 0.0, 2.0, 2.0, 2.0, 2.0, 1.0, 3.0, 3.0, 3.0, 3.0, 3.0];
+/// Probability of what patterns leave above which it is of chance.
+const UNREMARKABLE: f64 = 0.05;
 /// Noise that is found, as a share of the longest shift, below which it may be rounding.
 const ROUNDING: f64 = 1e-3;
 /// Least share of an unknown or of noise in a direction that tells it from rounding.
@@ -42,8 +50,28 @@ pub struct Agreement {
 /// Reading of a probe in standard deviations of its noise.
 struct Weighted {
     residual: Vector2<f64>,
+    /// Square of the whole shift.
+    signal: f64,
     slopes: Slopes,
     patterns: Patterns,
+}
+
+/// Sums over probes of products of patterns.
+struct Products {
+    /// Of each with itself.
+    squares: Vec<f64>,
+    /// With each other, after the unknowns have taken of them what they can.
+    left: DMatrix<f64>,
+    by_slopes: DMatrix<f64>,
+    by_residuals: DVector<f64>,
+    /// Share of a pattern that must be left for it to be looked for.
+    least: f64,
+}
+
+impl Products {
+    fn explained(&self) -> Explained {
+        Explained::by(&self.squares, &self.left, &self.by_residuals, self.least)
+    }
 }
 
 /// A fit with all that its tests ask for.
@@ -51,6 +79,7 @@ struct Test {
     probes: Vec<(usize, Weighted)>,
     covariance: Unknowns,
     is_noise_told: bool,
+    has_pads: bool,
     /// Mean square of the rotations' noise over that of the rotations.
     rotation_noise: f64,
     chi_squared: f64,
@@ -78,8 +107,7 @@ impl LeastSquares {
     /// ```
     pub fn agreement(&self, estimate: &Estimate, readings: &[ProbeReading]) -> Agreement {
         let test = Test::new(self, estimate, readings);
-        test.map(|test| test.agreement(readings))
-            .unwrap_or_default()
+        test.map(|test| test.agreement()).unwrap_or_default()
     }
 }
 
@@ -89,7 +117,7 @@ impl Test {
         let noise = fit.noise();
         let is_noise_told = noise.is_stated();
         let has_pads = noise.shift_resolution > 0.0;
-        let unknowns = if has_pads { UNKNOWNS } else { OF_MOBILITY };
+        let unknowns = if has_pads { WITH_PADS } else { OF_MOBILITY };
         let (residual, _) = estimate.residual(readings);
         let noise = match is_noise_told {
             true => noise,
@@ -120,7 +148,10 @@ impl Test {
         let mut along = SVector::<f64, UNKNOWNS>::zeros();
         for (_, weighted) in &mut probes {
             if !has_pads {
-                weighted.slopes.columns_mut(OF_MOBILITY, 2).fill(0.0);
+                weighted
+                    .slopes
+                    .fixed_columns_mut::<2>(OF_MOBILITY)
+                    .fill(0.0);
             }
             normal += weighted.slopes.tr_mul(&weighted.slopes);
             along += weighted.slopes.tr_mul(&weighted.residual);
@@ -146,10 +177,11 @@ impl Test {
             probes,
             covariance,
             is_noise_told,
+            has_pads,
         })
     }
 
-    fn agreement(&self, readings: &[ProbeReading]) -> Agreement {
+    fn agreement(mut self) -> Agreement {
         let goodness = GoodnessOfFit::new(self.chi_squared, self.freedom);
         let goodness = self.is_noise_told.then_some(goodness);
         if self.freedom == 0 {
@@ -158,7 +190,7 @@ impl Test {
                 doubts: Vec::new(),
             };
         }
-        let of_powers = self.pattern(SQUARES).min(self.pattern(THIRD_POWERS));
+        let of_powers = self.of_squares().min(self.pattern(THIRD_POWERS));
         let (probe, slipped) = self.slipped();
         let doubts = [
             Doubt::CommonShift {
@@ -172,10 +204,13 @@ impl Test {
             },
             Doubt::SlippedProbe {
                 probe,
-                p_value: (slipped * readings.len() as f64).min(1.0),
+                p_value: (slipped * self.probes.len() as f64).min(1.0),
             },
             Doubt::LargeResiduals {
-                p_value: goodness.map_or(1.0, |goodness| goodness.p_value),
+                p_value: match self.is_noise_told {
+                    true => GoodnessOfFit::new(self.chi_squared, self.freedom).p_value,
+                    false => 1.0,
+                },
             },
         ];
         let of_patterns = doubts[..3].iter().map(|doubt| doubt.p_value());
@@ -192,8 +227,99 @@ impl Test {
         }
     }
 
+    /// Probability by chance of as much of the squares as the residuals have. Where the probes roll as far to as fro, those and
+    /// a common shift change no curvature, and are put aside; squares then count where they have consequences.
+    fn of_squares(&mut self) -> f64 {
+        let alone = self.pattern(SQUARES);
+        let [common, even] = [COMMON, 0..EVEN].map(|range| self.products(range).explained());
+        // A common shift looks like squares of rolls that are as far in all directions.
+        let beyond = Explained {
+            fall: (even.fall - common.fall).max(0.0),
+            freedom: even.freedom.saturating_sub(common.freedom),
+        };
+        let of_beyond = self.chance(beyond);
+        match (self.put_aside(), self.is_consequential(beyond)) {
+            (false, _) => alone,
+            (true, true) => of_beyond,
+            (true, false) => 1.0,
+        }
+    }
+
+    /// Takes patterns that are the same of a roll to and fro out of the residuals, where the probes roll as far to as fro, so
+    /// that they change no curvature, and where they alone are large. Tells whether that is so.
+    fn put_aside(&mut self) -> bool {
+        let products = self.products(0..EVEN);
+        let is_taken = |(place, square): (usize, &f64)| {
+            square - products.left[(place, place)] > products.least * square
+        };
+        let explained = products.explained();
+        let left = GoodnessOfFit::new(
+            (self.chi_squared - explained.fall).max(0.0),
+            self.freedom.saturating_sub(explained.freedom),
+        );
+        // Where the others are too large as well, all are of one cause.
+        let is_alone = !self.is_noise_told || left.p_value > UNREMARKABLE;
+        let is_balanced = !products.squares.iter().enumerate().any(is_taken);
+        if self.has_pads || !is_balanced || !is_alone {
+            return false;
+        }
+        let size = |place: usize| match products.squares[place] > 0.0 {
+            true => products.squares[place].sqrt().recip(),
+            false => 0.0,
+        };
+        let scaled = DMatrix::from_fn(EVEN, EVEN, |row, column| {
+            products.left[(row, column)] * size(row) * size(column)
+        });
+        let eigen = scaled.symmetric_eigen();
+        let mut directions = SMatrix::<f64, EVEN, EVEN>::zeros();
+        for (index, &value) in eigen.eigenvalues.iter().enumerate() {
+            if value > products.least {
+                let column = eigen.eigenvectors.column(index) / value.sqrt();
+                directions.set_column(
+                    index,
+                    &column.map_with_location(|row, _, entry| entry * size(row)),
+                );
+                self.covariance[(WITH_PADS + index, WITH_PADS + index)] = 1.0;
+                self.freedom = self.freedom.saturating_sub(1);
+            }
+        }
+        let taken = self.covariance * products.by_slopes;
+        let mut along = SVector::<f64, EVEN>::zeros();
+        for (_, weighted) in &mut self.probes {
+            let own = weighted.patterns.fixed_columns::<EVEN>(0) - weighted.slopes * &taken;
+            let own = own * directions;
+            along += own.tr_mul(&weighted.residual);
+            weighted
+                .slopes
+                .fixed_columns_mut::<EVEN>(WITH_PADS)
+                .copy_from(&own);
+        }
+        for (_, weighted) in &mut self.probes {
+            let own = weighted.slopes.fixed_columns::<EVEN>(WITH_PADS) * along;
+            weighted.residual -= own;
+        }
+        self.chi_squared = (self.chi_squared - along.norm_squared()).max(0.0);
+        true
+    }
+
+    /// Whether squares of the rotations make third powers likely that change the curvature by a standard deviation. Where the
+    /// squares are the share ε of the shifts, third powers are about 2 ε² if the curvature changes evenly, and 16 ε² on an
+    /// object that is touched anywhere within half its size from where it is symmetric: taken is half of that.
+    fn is_consequential(&self, squares: Explained) -> bool {
+        let signal: f64 = self
+            .probes
+            .iter()
+            .map(|(_, weighted)| weighted.signal)
+            .sum();
+        8.0 * squares.fall >= signal.sqrt()
+    }
+
     /// Probability by chance of as much of these patterns as the residuals have.
-    fn pattern(&self, range: std::ops::Range<usize>) -> f64 {
+    fn pattern(&self, range: Range<usize>) -> f64 {
+        self.chance(self.products(range).explained())
+    }
+
+    fn products(&self, range: Range<usize>) -> Products {
         let (first, count) = (range.start, range.len());
         let mut by_patterns = DMatrix::zeros(count, count);
         let mut by_slopes = DMatrix::zeros(UNKNOWNS, count);
@@ -204,12 +330,15 @@ impl Test {
             by_slopes += weighted.slopes.tr_mul(&patterns);
             by_residuals += patterns.tr_mul(&weighted.residual);
         }
-        let squares: Vec<f64> = by_patterns.diagonal().iter().copied().collect();
-        let left = by_patterns - by_slopes.tr_mul(&(self.covariance * &by_slopes));
         // Patterns of powers of noisy rotations are noisy too, by as much as their powers, and go with the residuals.
         let noisy: f64 = DEGREES[range].iter().map(|degree| degree * degree).sum();
-        let least = LEFT.max(2.0 * self.rotation_noise * noisy);
-        self.chance(Explained::by(&squares, &left, &by_residuals, least))
+        Products {
+            squares: by_patterns.diagonal().iter().copied().collect(),
+            left: by_patterns - by_slopes.tr_mul(&(self.covariance * &by_slopes)),
+            by_slopes,
+            by_residuals,
+            least: LEFT.max(2.0 * self.rotation_noise * noisy),
+        }
     }
 
     fn chance(&self, explained: Explained) -> f64 {
@@ -283,7 +412,9 @@ impl Weighted {
         let moved = shape * Vector2::new(g, h);
         let patterns = patterns(&Vector2::new(g, h), &moved, &shape);
         let weight = least / size;
+        let signal = root.solve_lower_triangular(&(mobility * drive / size))?;
         let weighted = Self {
+            signal: signal.norm_squared(),
             residual: root.solve_lower_triangular(&(residual / size))?,
             slopes: root.solve_lower_triangular(&slopes)? * weight,
             patterns: root.solve_lower_triangular(&patterns)? * weight,
@@ -300,10 +431,9 @@ fn patterns(g: &Vector2<f64>, s: &Vector2<f64>, mobility: &Matrix2<f64>) -> Patt
     let mut patterns = Patterns::zeros();
     patterns.set_column(0, &Vector2::x());
     patterns.set_column(1, &Vector2::y());
-    patterns.set_column(2, &Vector2::new(-g.y, g.x));
+    patterns.set_column(TWIST.start, &Vector2::new(-g.y, g.x));
     let power = |base: f64, exponent: usize| (0..exponent).fold(1.0, |power, _| power * base);
-    let mut column = SQUARES.start;
-    for degree in [3, 4] {
+    for (degree, mut column) in [(3, SQUARES.start), (4, THIRD_POWERS.start)] {
         for of_v in 0..=degree {
             let of_u = degree - of_v;
             let slope = |along: usize, own: f64, across: usize, other: f64| match along {
