@@ -247,6 +247,8 @@ class GlideEstimate(Record):
     effective_unknowns: float
     grid: int
     regions: list[Record]
+    p_value: float | None
+    doubts: list[Record]
     warnings: list[str]
     covariance: _Floats
     map: _Map

@@ -1,6 +1,7 @@
 //! Doubts about an estimate, as they are told.
 
 use palpate_ep1::Doubt as RollDoubt;
+use palpate_ep2::Doubt as GlideDoubt;
 use palpate_press::Doubt as PressDoubt;
 use serde::Serialize;
 
@@ -24,6 +25,15 @@ impl From<PressDoubt> for ToldDoubt {
 
 impl From<RollDoubt> for ToldDoubt {
     fn from(doubt: RollDoubt) -> Self {
+        Self {
+            name: doubt.name(),
+            p_value: doubt.p_value(),
+        }
+    }
+}
+
+impl From<GlideDoubt> for ToldDoubt {
+    fn from(doubt: GlideDoubt) -> Self {
         Self {
             name: doubt.name(),
             p_value: doubt.p_value(),

@@ -70,8 +70,13 @@ times as long as most, and longer by half than all others. A warning tells which
 The JSON tells the curvature in the middle of the patch and the regions of one shape class; --map
 writes the curvature all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
 
+`p_value` is the probability that noise of the stated size takes the contacts at least as far from the surface; null
+where noise is found and not stated, and of two-pass. `doubts` are the ways in which the contacts contradict the
+model, each with its p-value: large-residuals, contradicting-normals (of a turned frame or a wrong sign),
+displaced-finger; 1 glide in 200 has each by chance. A wrong radius of tips makes none of them.
+
 The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
-standard error repeats, tell where the readings contradict what is stated: the noise of positions and
+standard error repeats, tell the doubts, and where the readings contradict what is stated: the noise of positions and
 of normals, by that of the same method where none is stated; the distance between fingers; normals that are not of
 length 1, or point to -z. Whether all normals point inward, and the unit of all lengths, the readings do not tell.
 
