@@ -11,20 +11,13 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
 use palpate_chance::{Explained, GoodnessOfFit, LEFT};
 
 use crate::chebyshev::{count, products, values};
+use crate::doubt::Agreement;
 use crate::patch::Sample;
-use crate::quadric::UNKNOWNS;
 use crate::square::Square;
 use crate::{Doubt, Ep2Error, Fit, Jet, Noise, Patch};
 
-/// Agreement of contacts with the fit to them.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Agreement {
-    /// Goodness of fit; `None` where the noise is found and not stated.
-    pub goodness: Option<GoodnessOfFit>,
-    /// Ways in which the contacts contradict the model.
-    pub doubts: Vec<Doubt>,
-}
-
+/// Number of unknowns of a quadric, whose products come first.
+const UNKNOWNS: usize = count(2);
 /// Observations of a contact: its height, and both slopes.
 const OBSERVED: usize = 3;
 /// Patterns of normals: turns about both tangents, and linear maps of the slopes.

@@ -2,8 +2,18 @@
 
 use std::fmt;
 
+use palpate_chance::GoodnessOfFit;
 use palpate_number::Number;
 use strum::{IntoStaticStr, VariantNames};
+
+/// Agreement of contacts with the fit to them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Agreement {
+    /// Goodness of fit; `None` where the noise is found and not stated.
+    pub goodness: Option<GoodnessOfFit>,
+    /// Ways in which the contacts contradict the model.
+    pub doubts: Vec<Doubt>,
+}
 
 /// Way in which contacts contradict the model of a fit. Where the model holds each arises by chance in [`Doubt::LEVEL`] of
 /// all glides.

@@ -62,11 +62,10 @@ mod surface;
 mod tip;
 mod two_pass;
 
-pub use agreement::Agreement;
 pub use class::SignClass;
 pub use contact::Contact;
 pub use curvature::{Curvature, Uncertainty};
-pub use doubt::Doubt;
+pub use doubt::{Agreement, Doubt};
 pub use error::Ep2Error;
 pub use fit::{Fit, Method};
 pub use frame::PatchFrame;
