@@ -3,9 +3,12 @@
 
 pub mod camera;
 mod case;
+mod doubted;
 mod draws;
+pub mod glide;
 mod options;
 pub mod press;
+pub mod roll;
 mod score;
 mod sums;
 mod surface;

@@ -56,6 +56,10 @@ enum Harness {
     },
     /// Holds the intervals and the doubts of presses that are read directly against the truth on random scenes.
     PressIntervals(Scenes),
+    /// Holds the intervals and the doubts of rolls against the truth on random scenes.
+    RollIntervals(Scenes),
+    /// Holds the doubts of glides against the truth on random surfaces.
+    GlideIntervals(Scenes),
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
     /// Times palpate on the tasks of the peers, a line of JSON per rung; or writes the inputs of the peers.
@@ -114,7 +118,7 @@ struct Scenes {
     /// Number of scenes, of each case where there are several.
     #[arg(long, alias = "surfaces", default_value = "60", value_parser = at_least_one())]
     scenes: u64,
-    /// Trials of each scene [default: 12 of EP2, else 300]
+    /// Trials of each scene [default: 12 of EP2 and glides, else 300]
     #[arg(long, value_parser = at_least_one())]
     trials: Option<u64>,
     /// Only cases whose names hold each of these words.
@@ -197,6 +201,14 @@ fn main() -> Result<()> {
         Harness::PressIntervals(scenes) => {
             let scores =
                 intervals::press::scores(scenes.options(300), |score| println!("{score}"))?;
+            scenes.write(&scores)
+        }
+        Harness::RollIntervals(scenes) => {
+            let scores = intervals::roll::scores(scenes.options(300), |score| println!("{score}"))?;
+            scenes.write(&scores)
+        }
+        Harness::GlideIntervals(scenes) => {
+            let scores = intervals::glide::scores(scenes.options(12), |score| println!("{score}"))?;
             scenes.write(&scores)
         }
         Harness::Accuracy => {
