@@ -35,6 +35,10 @@ pub(crate) enum Task {
     /// Hold the intervals and doubts of presses that are read directly against the truth on random scenes, into
     /// results/press-intervals.csv.
     PressIntervals(harness::Options),
+    /// Hold the intervals and doubts of rolls against the truth on random scenes, into results/roll-intervals.csv.
+    RollIntervals(harness::Options),
+    /// Hold the doubts of glides against the truth on random surfaces, into results/glide-intervals.csv.
+    GlideIntervals(harness::Options),
     /// Try every public entry point at its extremes, into results/extremes.csv.
     Extremes(extremes::Options),
     /// Compare instruction counts and accuracy with the committed baseline.

@@ -57,6 +57,8 @@ fn run(cli: Cli) -> Result<()> {
         Task::Intervals(options) => harness::run(&shell, "intervals", &options),
         Task::CameraIntervals(options) => harness::run(&shell, "camera-intervals", &options),
         Task::PressIntervals(options) => harness::run(&shell, "press-intervals", &options),
+        Task::RollIntervals(options) => harness::run(&shell, "roll-intervals", &options),
+        Task::GlideIntervals(options) => harness::run(&shell, "glide-intervals", &options),
         Task::Extremes(options) => extremes::run(&shell, &options),
         Task::BenchCheck(options) => bench_check::run(&shell, &options),
         Task::Peers(options) => peers::run(&shell, &options),

@@ -65,6 +65,10 @@ enum Harness {
         #[arg(long)]
         out: PathBuf,
     },
+    /// Holds the intervals and the doubts of rolls against the truth on random scenes.
+    RollIntervals(Scenes),
+    /// Holds the doubts of glides against the truth on random surfaces.
+    GlideIntervals(Scenes),
     /// Prints the errors of palpate on fixed scenes, as CSV.
     Accuracy,
     /// Times palpate on the tasks of the peers, a line of JSON per rung; or writes the inputs of the peers.
@@ -123,7 +127,7 @@ struct Scenes {
     /// Number of scenes, of each case where there are several.
     #[arg(long, alias = "surfaces", default_value = "60", value_parser = at_least_one())]
     scenes: u64,
-    /// Trials of each scene; a tenth before a camera where the model is wrong [default: 12 of EP2, else 300]
+    /// Trials of each scene; a tenth before a camera where the model is wrong [default: 12 of EP2 and glides, else 300]
     #[arg(long, value_parser = at_least_one())]
     trials: Option<u64>,
     /// Only cases whose names hold each of these words.
@@ -214,6 +218,14 @@ fn main() -> Result<()> {
             out,
             intervals::table(&intervals::tested(&results)?)?,
         )?),
+        Harness::RollIntervals(scenes) => {
+            let scores = intervals::roll::scores(scenes.options(300), |score| println!("{score}"))?;
+            scenes.write(&scores)
+        }
+        Harness::GlideIntervals(scenes) => {
+            let scores = intervals::glide::scores(scenes.options(12), |score| println!("{score}"))?;
+            scenes.write(&scores)
+        }
         Harness::Accuracy => {
             print!("{}", accuracy::table()?);
             Ok(())

@@ -257,6 +257,11 @@ impl LeastSquares {
         }))
     }
 
+    /// Noise of the readings, as it was stated.
+    pub(crate) const fn noise(&self) -> ReadingNoise {
+        self.noise
+    }
+
     /// Estimates from the first `count` of `moments`, to the last bit those of [`LeastSquares::estimate`]. Tells how many
     /// there are before the first that cannot be found.
     ///

@@ -10,6 +10,8 @@
 //! which the least squares of the 1996 paper (equations 2 to 4) solve over any number of probes.
 //! See [`LeastSquares`].
 
+mod agreement;
+mod doubt;
 mod error;
 mod estimate;
 mod least_squares;
@@ -19,6 +21,8 @@ mod reading;
 mod sets;
 mod symmetric;
 
+pub use agreement::Agreement;
+pub use doubt::Doubt;
 pub use error::Ep1Error;
 pub use estimate::{Estimate, Measured};
 pub use least_squares::LeastSquares;

@@ -1,7 +1,6 @@
 //! Shape classes of a curvature, and their probabilities.
 
-use std::f64::consts::FRAC_1_SQRT_2;
-
+use palpate_chance::normal_tail;
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 use strum::IntoStaticStr;
 
@@ -157,7 +156,7 @@ impl<'a> GivenMean<'a> {
     fn below(&self, edge: f64, mean: f64) -> f64 {
         let centre = self.curvature.gaussian + self.slope * (mean - self.curvature.mean);
         if self.std > 0.0 {
-            0.5 * libm::erfc((centre - edge) / self.std * FRAC_1_SQRT_2)
+            normal_tail((centre - edge) / self.std)
         } else {
             f64::from(u8::from(centre <= edge))
         }

@@ -1,6 +1,8 @@
 //! The surface that a method fits to a patch.
 
-use crate::{Ep2Error, NoiseEstimate, Patch, PatchFrame, Posterior, Status, TensorSpline};
+use crate::{
+    Agreement, Ep2Error, NoiseEstimate, Patch, PatchFrame, Posterior, Status, TensorSpline,
+};
 
 /// A way from the contacts of a patch to its surface.
 pub trait Method {
@@ -9,6 +11,15 @@ pub trait Method {
     /// # Errors
     /// [`Ep2Error`] where the contacts do not determine it, or a setting is out of its range.
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error>;
+
+    /// Goodness of the fit to a patch, and the ways in which the contacts contradict its model; neither of methods that
+    /// state no uncertainty. Takes about as long as the fit, which it makes anew.
+    ///
+    /// # Errors
+    /// Errors of [`Method::fit`].
+    fn agreement(&self, _patch: &Patch) -> Result<Agreement, Ep2Error> {
+        Ok(Agreement::default())
+    }
 }
 
 /// The surface of a patch, as a graph in the patch's frame.

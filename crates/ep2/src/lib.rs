@@ -36,10 +36,12 @@
 //! # Ok::<(), palpate_ep2::Ep2Error>(())
 //! ```
 
+mod agreement;
 mod chebyshev;
 mod class;
 mod contact;
 mod curvature;
+mod doubt;
 mod error;
 mod fingers;
 mod fit;
@@ -63,6 +65,7 @@ mod two_pass;
 pub use class::SignClass;
 pub use contact::Contact;
 pub use curvature::{Curvature, Uncertainty};
+pub use doubt::{Agreement, Doubt};
 pub use error::Ep2Error;
 pub use fit::{Fit, Method};
 pub use frame::PatchFrame;

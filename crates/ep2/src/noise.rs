@@ -28,6 +28,11 @@ const ROUNDING: f64 = 1e-12;
 const LARGEST_RATIO: f64 = 1e8;
 
 impl Noise {
+    /// Whether this tells all noise of a patch.
+    pub(crate) fn is_all_of(&self, patch: &Patch) -> bool {
+        self.position_std.is_some() && (self.normal_std_rad.is_some() || !patch.has_normals())
+    }
+
     /// This noise in the unit of a patch.
     ///
     /// # Errors

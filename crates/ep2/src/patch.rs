@@ -22,6 +22,8 @@ pub struct Sample {
     pub w: f64,
     /// Weight of the contact, as in [`Contact::weight`].
     pub weight: f64,
+    /// Finger that made the contact.
+    pub finger: usize,
     /// ∂w/∂u and ∂w/∂v from the normal, if the contacts have normals.
     pub slopes: Option<[f64; 2]>,
 }
@@ -180,6 +182,7 @@ fn sample(frame: &PatchFrame, index: usize, contact: &Contact) -> Result<Sample,
         v: place.y,
         w: place.z,
         weight: contact.weight,
+        finger: contact.finger,
         slopes,
     })
 }

@@ -12,11 +12,12 @@ mod weight;
 
 pub use weight::Criterion;
 
+use crate::agreement::Model;
 use crate::chebyshev::count;
 use crate::noise::{Noise, Variances};
 use crate::quadric::SquareQuadric;
 use crate::square::Square;
-use crate::{Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
+use crate::{Agreement, Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
 use equations::{DEGREE, Equations};
 use mixture::Given;
 use series::SeriesEquations;
@@ -80,6 +81,23 @@ impl Method for Penalised {
             ..estimated.fit
         })
     }
+
+    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
+        let estimated = self.estimated(patch)?;
+        if !estimated.told {
+            return Ok(Agreement::default());
+        }
+        let (degree, process) = estimated.with_equations(patch, mixture::likeliest)?;
+        let model = Model {
+            patch,
+            square: estimated.square,
+            fit: &estimated.fit,
+            told: &self.noise,
+            degree,
+            process,
+        };
+        model.agreement()
+    }
 }
 
 impl Penalised {
@@ -116,8 +134,7 @@ impl Penalised {
         let expected = weight::of_a_sphere(quadric.bending(&square));
 
         let mut variances = quadric.variances;
-        let is_known = known.position_std.is_some()
-            && (known.normal_std_rad.is_some() || !patch.has_normals());
+        let is_known = known.is_all_of(patch);
         let mut spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         let mut told = quadric.tells_noise();
         if patch.has_normals() && !is_known {
@@ -189,11 +206,20 @@ impl Estimated {
         if !self.told {
             return Ok(None);
         }
+        self.with_equations(patch, mixture::posterior).map(Some)
+    }
+
+    /// What is asked of the equations of the series that the posterior is of.
+    fn with_equations<T>(
+        &self,
+        patch: &Patch,
+        ask: impl FnOnce(&Given<'_>) -> Result<T, Ep2Error>,
+    ) -> Result<T, Ep2Error> {
         let least = coefficients(self.intervals) + MORE_COEFFICIENTS;
         let degree = (0..).find(|&degree| count(degree) >= least).unwrap_or(0);
         let (quadric, square) = (&self.quadric, self.square);
         let equations = SeriesEquations::around(quadric, patch, &square, &self.variances, degree);
-        mixture::posterior(&Given {
+        ask(&Given {
             equations: &equations,
             degree,
             observations: patch.equations(),
@@ -202,7 +228,6 @@ impl Estimated {
             quadric: quadric.series(),
             bend: quadric.bend(),
         })
-        .map(Some)
     }
 }
 

@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, SMatrix, SVector, SymmetricEigen};
 
+use crate::agreement::Model;
 use crate::noise::{Kinds, Noise, NoiseEstimate, Variances};
 use crate::square::Square;
-use crate::{Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
+use crate::{Agreement, Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
 
 /// Unknowns of a quadric: 1, a, b, a², ab, b².
 pub(crate) const UNKNOWNS: usize = 6;
@@ -78,6 +79,18 @@ impl Method for Quadric {
             effective_unknowns: UNKNOWNS as f64,
             status: None,
         })
+    }
+
+    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
+        let model = Model {
+            patch,
+            square: Square::of(patch),
+            fit: &self.fit(patch)?,
+            told: &self.noise,
+            degree: 2,
+            process: DMatrix::zeros(0, 0),
+        };
+        model.agreement()
     }
 }
 

@@ -32,6 +32,11 @@ impl SparseMap {
         }
     }
 
+    /// The map as a matrix, a row for each coefficient from which.
+    pub(crate) fn matrix(&self) -> DMatrix<f64> {
+        self.of_rows(&DMatrix::identity(self.from, self.from))
+    }
+
     /// The map of every row of coefficients.
     pub(crate) fn of_rows(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         debug_assert_eq!(rows.ncols(), self.from);
@@ -59,6 +64,7 @@ mod tests {
         let whole = DMatrix::from_row_slice(3, 2, &[0.0, 2.0, 4.0, 0.0, 0.0, -1.0]);
         let rows = DMatrix::from_fn(4, 3, |i, j| (i * i + 3 * j) as f64);
         assert_eq!(map.of_rows(&rows), &rows * &whole);
+        assert_eq!(map.matrix(), whole);
         let back = map.of_rows(&rows);
         assert_eq!(map.transposed().of_rows(&back), &back * whole.transpose());
         assert_eq!(map.in_unit(2.0).of_rows(&rows), rows * whole / 2.0);

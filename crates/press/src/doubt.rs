@@ -46,10 +46,10 @@ pub enum Doubt {
 
 impl Doubt {
     /// Probability with which each doubt arises where the model holds.
-    pub const LEVEL: f64 = 0.005;
+    pub const LEVEL: f64 = palpate_chance::DOUBTED;
 
     /// Probability by chance of all that depends on distance and direction together, below which the likeliest cause is told.
-    pub const LEVEL_OF_ALL: f64 = 0.02;
+    pub const LEVEL_OF_ALL: f64 = palpate_chance::DOUBTED_BY_ALL;
 
     /// The stable name.
     pub fn name(self) -> &'static str {

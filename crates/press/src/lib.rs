@@ -13,7 +13,6 @@ mod error;
 mod estimate;
 mod field;
 mod forward_fit;
-mod goodness;
 mod half_space;
 pub mod hertz;
 mod image_fit;
@@ -31,9 +30,9 @@ pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use field::Field;
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};
-pub use goodness::GoodnessOfFit;
 pub use image_fit::{ImageFit, Rest, Seen, SensorState, Told, View};
 pub use markers::{MarkerDisplacement, Markers};
+pub use palpate_chance::GoodnessOfFit;
 pub use regime::ContactRegime;
 pub use skin::{Place, Skin};
 

@@ -5,8 +5,8 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2};
+use palpate_chance::{Explained, LEFT};
 
-use crate::goodness::{tail, tail_of_ratio};
 use crate::markers::Sight;
 use crate::{Contact, Doubt, MarkerDisplacement};
 
@@ -16,8 +16,6 @@ const BY_DISTANCE: std::ops::Range<usize> = 0..5;
 const BY_DIRECTION: std::ops::Range<usize> = 5..7;
 /// Pattern of an indentation that is taken for exact.
 pub(crate) const BY_INDENTATION: usize = 7;
-/// Share of a pattern that the fitted unknowns must leave for it to be looked for: of less, only what bends the model.
-pub(crate) const LEFT: f64 = 0.02;
 
 pub(crate) type Patterns = SVector<f64, PATTERNS>;
 
@@ -83,18 +81,14 @@ pub(crate) enum Noise {
 }
 
 impl Noise {
-    /// Probability by chance of a fall of chi-squared for so many unknowns more.
-    pub(crate) fn chance(&self, fall: f64, unknowns: usize) -> f64 {
+    /// Probability by chance of as much that patterns explain.
+    pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
-            _ if unknowns == 0 => 1.0,
-            Self::Stated => tail(fall, unknowns),
+            Self::Stated => explained.p_value(),
             Self::Found {
                 chi_squared,
                 freedom,
-            } => {
-                let rest = freedom.saturating_sub(unknowns);
-                tail_of_ratio(fall, unknowns, (chi_squared - fall).max(0.0), rest)
-            }
+            } => explained.p_value_beside(chi_squared, freedom),
         }
     }
 
@@ -104,7 +98,10 @@ impl Noise {
         // The fit moved a share of the way from what is told to what the displacements alone tell.
         let share = 1.0 - variance / prior;
         match share > LEFT {
-            true => self.chance(off * off / (share * prior), 1),
+            true => self.chance(Explained {
+                fall: off * off / (share * prior),
+                freedom: 1,
+            }),
             false => 1.0,
         }
     }
@@ -148,27 +145,13 @@ impl Score {
 
     /// Probability by chance of as much of these patterns as the residuals have.
     pub(crate) fn pattern(&self, range: std::ops::Range<usize>) -> f64 {
-        let size = |pattern: usize| self.squares[pattern].sqrt();
-        let there: Vec<usize> = range.filter(|&pattern| size(pattern) > 0.0).collect();
-        let count = there.len();
-        if count == 0 {
-            return 1.0;
-        }
-        let scaled = DMatrix::from_fn(count, count, |row, column| {
-            let (row, column) = (there[row], there[column]);
-            self.left[(row, column)] / (size(row) * size(column))
+        let squares: Vec<f64> = range.clone().map(|one| self.squares[one]).collect();
+        let left = DMatrix::from_fn(range.len(), range.len(), |row, column| {
+            self.left[(range.start + row, range.start + column)]
         });
-        let found = DVector::from_fn(count, |row, _| self.found[there[row]] / size(there[row]));
-        let eigen = scaled.symmetric_eigen();
-        let (mut explained, mut freedom) = (0.0, 0);
-        for (index, &value) in eigen.eigenvalues.iter().enumerate() {
-            if value > LEFT {
-                let along = eigen.eigenvectors.column(index).dot(&found);
-                explained += along * along / value;
-                freedom += 1;
-            }
-        }
-        self.noise.chance(explained, freedom)
+        let found = DVector::from_fn(range.len(), |row, _| self.found[range.start + row]);
+        let explained = Explained::by(&squares, &left, &found, LEFT);
+        self.noise.chance(explained)
     }
 
     /// Doubts about the fit. `indentation` is the probability by chance of one that was fitted about the given one, `slipped`

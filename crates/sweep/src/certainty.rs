@@ -1,42 +1,7 @@
 //! How surely trials tell on which side of a limit a number lies, as scores: standard deviations of a normal number. A
 //! score of 2 is as sure as a normal number that is found two of its standard deviations from 0.
 
-/// Largest score: of what has no spread.
-pub const CERTAIN: f64 = 40.0;
-/// Two-sided 95 % point of the normal distribution, in standard deviations.
-const WITHIN_95: f64 = 1.959_963_984_540_054;
-
-/// Probability that a standard normal number is above `score`.
-///
-/// ```
-/// assert!((palpate_sweep::tail(1.959964) - 0.025).abs() < 1e-8);
-/// assert_eq!(palpate_sweep::tail(0.0), 0.5);
-/// ```
-pub fn tail(score: f64) -> f64 {
-    0.5 * libm::erfc(score * std::f64::consts::FRAC_1_SQRT_2)
-}
-
-/// Score above which a standard normal number is with this probability, to 1e-12; at most [`CERTAIN`].
-///
-/// ```
-/// assert!((palpate_sweep::score_of_tail(0.025) - 1.959964).abs() < 1e-6);
-/// assert!(palpate_sweep::score_of_tail(0.0) > 38.0);
-/// ```
-pub fn score_of_tail(probability: f64) -> f64 {
-    let (mut low, mut high) = (-CERTAIN, CERTAIN);
-    while high - low > 1e-12 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if tail(middle) > probability {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
-}
+use palpate_chance::{CERTAIN, NORMAL_95};
 
 /// Score of a number that is `margin` on the right side of its limit (negative: on the wrong one) and has been found with
 /// the standard error `std` on so many degrees of freedom.
@@ -98,10 +63,10 @@ pub fn wilson(share: f64, of: f64) -> (f64, f64) {
     if !(of > 0.0 && share.is_finite()) {
         return (0.0, 1.0);
     }
-    let squared = WITHIN_95 * WITHIN_95;
+    let squared = NORMAL_95 * NORMAL_95;
     let about = (share + squared / (2.0 * of)) / (1.0 + squared / of);
     let spread = share * (1.0 - share) / of + squared / (4.0 * of * of);
-    let half = WITHIN_95 * spread.max(0.0).sqrt() / (1.0 + squared / of);
+    let half = NORMAL_95 * spread.max(0.0).sqrt() / (1.0 + squared / of);
     // Rounding must not take the ends off the share itself.
     (
         (about - half).clamp(0.0, share),
@@ -111,14 +76,9 @@ pub fn wilson(share: f64, of: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use palpate_chance::score_of_tail;
 
-    #[test]
-    fn tails_and_scores_are_inverse() {
-        for score in [-3.0, -1.0, 0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 30.0] {
-            assert!((score_of_tail(tail(score)) - score).abs() < 1e-8, "{score}");
-        }
-    }
+    use super::*;
 
     #[test]
     fn students_t_has_the_normal_score_of_its_probability() {

@@ -70,11 +70,12 @@ mod trial;
 mod watch;
 
 pub use batches::{Batches, Estimate, Growth};
-pub use certainty::{CERTAIN, score_of_tail, share_at_most, tail, wilson};
+pub use certainty::{share_at_most, wilson};
 pub use failures::{Failure, NEGATIVE_STD, NOT_FINITE, UNKNOWN_QUANTITY};
 pub use note::Seen;
 pub use observation::{Observation, Observations};
 pub use order::{Order, Repeats, Told, both_above, in_order, repeats};
+pub use palpate_chance::CERTAIN;
 pub use partial::Partial;
 pub use plan::{
     Clock, FailingCell, Goal, Pace, Pass, PassQuantity, PassValue, Plan, PlanError, Plannable,

@@ -5,7 +5,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::alone::alone;
-use crate::certainty::{score_of_tail, wilson};
+use palpate_chance::score_of_tail;
+
+use crate::certainty::wilson;
 use crate::column::Column;
 use crate::record::Record;
 use crate::runner::Runner;

@@ -2,16 +2,10 @@
 //!
 //! Sums are made of [`LANES`] partial sums, whatever the vectors are, so that every processor adds up the same bits.
 
+use palpate_chance::HALF_WIDTHS;
 use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 use crate::scale::LANES;
-
-/// Half-widths of the intervals of 50, 80 and 95 %, in standard deviations of the normal distribution.
-const HALF_WIDTHS: [f64; 3] = [
-    0.674_489_750_196_081_7,
-    1.281_551_565_544_600_4,
-    1.959_963_984_540_054,
-];
 
 /// Whether all errors of estimates are finite, and standard deviations finite and at least 0. May deny it where the
 /// sum of some of them is beyond the floats.

@@ -45,13 +45,14 @@ const CRATES: &[(&str, May)] = &[
     ("tally", Import(&[])),
     ("frames", Import(&[])),
     ("number", Import(&[])),
+    ("chance", Import(&[])),
     ("verdict", Import(&[])),
     ("assay", Anything),
     ("fuzz", Import(&["geometry", "study", "scene", "tracking"])),
     ("xtask", Nothing),
 ];
 /// Crates that each of the others may import.
-const EVERYBODYS: [&str; 2] = ["tally", "number"];
+const EVERYBODYS: [&str; 3] = ["tally", "number", "chance"];
 
 /// Finds imports that the table forbids, each told as a sentence.
 pub(super) fn faults(packages: &[Package]) -> Vec<String> {

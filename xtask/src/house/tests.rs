@@ -266,8 +266,8 @@ fn a_forbidden_import_of_a_crate_is_named() {
     assert_eq!(
         crates::faults(&packages),
         [
-            "crate press imports sensing; it may import tally, number",
-            "crate palpate imports assay; it may import study, scene, sweep, report, tally, number",
+            "crate press imports sensing; it may import tally, number, chance",
+            "crate palpate imports assay; it may import study, scene, sweep, report, tally, number, chance",
             "crate xtask imports tally; it may import nothing",
             "crate new is not in the table of crates",
         ]

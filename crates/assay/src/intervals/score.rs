@@ -4,12 +4,13 @@ use std::fmt;
 
 use anyhow::Result;
 use nalgebra::Vector3;
+use palpate_chance::NORMAL_95;
 use palpate_ep2::{Curvature, Ep2Error, Method, Patch, Penalised};
 use serde::Serialize;
 
 use super::case::{Case, Sweep};
 use super::options::Options;
-use super::sums::{HOLDS, Sums, WIDTHS, within};
+use super::sums::{HOLDS, Sums, within};
 use super::surface::{Place, Surface};
 
 /// How often the intervals of a case hold, on all its surfaces or those of one kind.
@@ -155,7 +156,7 @@ fn score(case: &Case, on: &'static str, quantity: &'static str, sums: &[&Sums]) 
         surfaces_above_85: mean(&|one| f64::from(u8::from(one.coverage(2) >= HOLDS))),
         lowest: lowest.fold(1.0, f64::min),
         std_per_rms: ratios[ratios.len() / 2],
-        width: 2.0 * WIDTHS[2] * of_stated(|one| one.std),
+        width: 2.0 * NORMAL_95 * of_stated(|one| one.std),
         rms: of_stated(|one| one.square_error).sqrt(),
         is_within_limits: None,
     };
@@ -227,7 +228,7 @@ mod tests {
         let case = crate::intervals::case::cases().next().unwrap();
         let of_both = score(&case, "all", "mean_curvature", &[&sums, &sums]);
         assert!((of_both.failed - 0.2).abs() < 1e-12 && of_both.surfaces_above_85 == 0.0);
-        assert!((of_both.width - 2.0 * WIDTHS[2] * 0.2).abs() < 1e-12);
+        assert!((of_both.width - 2.0 * NORMAL_95 * 0.2).abs() < 1e-12);
         assert!((of_both.rms - 0.2 * mean_square.sqrt()).abs() < 1e-12);
         assert_eq!(of_both.is_within_limits, Some(false));
     }

@@ -1,11 +1,7 @@
 //! Sums over trials, by which intervals are judged.
 
-/// Half widths of intervals of 50, 80 and 95 %, in standard deviations.
-pub(super) const WIDTHS: [f64; 3] = [
-    0.674_489_750_196_081_7,
-    1.281_551_565_544_600_4,
-    1.959_963_984_540_054,
-];
+use palpate_chance::HALF_WIDTHS;
+
 /// Intervals of 95 % that hold less often than this do not hold in a scene.
 pub(super) const HOLDS: f64 = 0.85;
 
@@ -25,7 +21,7 @@ pub(super) struct Sums {
 
 /// Whether intervals of 50, 80 and 95 % about an estimate with this error and standard deviation hold the truth.
 pub(super) fn within(error: f64, std: f64) -> [bool; 3] {
-    WIDTHS.map(|width| error.abs() <= width * std)
+    HALF_WIDTHS.map(|width| error.abs() <= width * std)
 }
 
 impl Sums {

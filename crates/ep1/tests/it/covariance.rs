@@ -1,34 +1,11 @@
 //! The stated uncertainty against a Monte Carlo of the readings.
 
 use approx::assert_relative_eq;
-use nalgebra::Vector2;
 use palpate_ep1::{Estimate, LeastSquares, Measured, ProbeReading, ReadingNoise};
 use palpate_geometry::CurvatureForm;
 
+use crate::draws::Draws;
 use crate::{eight, readings};
-
-/// A small congruential generator: the tests need no better.
-struct Draws(u64);
-
-impl Draws {
-    /// Sum of twelve uniforms less six: nearly normal, of unit variance.
-    fn normal(&mut self) -> f64 {
-        (0..12)
-            .map(|_| {
-                self.0 = self
-                    .0
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1_442_695_040_888_963_407);
-                (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-            })
-            .sum::<f64>()
-            - 6.0
-    }
-
-    fn pair(&mut self) -> Vector2<f64> {
-        Vector2::new(self.normal(), self.normal())
-    }
-}
 
 fn quantities(estimate: &Estimate) -> [Measured; 4] {
     [
@@ -46,19 +23,7 @@ fn check(noise: ReadingNoise, form: CurvatureForm, rolls: &[(f64, f64)]) {
     let mut draws = Draws(99);
     let mut square = [0.0; 4];
     for _ in 0..trials {
-        let noisy: Vec<ProbeReading> = exact
-            .iter()
-            .map(|reading| {
-                let rotation_std = libm::hypot(
-                    noise.relative_rotation_std * reading.rotation.norm(),
-                    noise.rotation_std_rad,
-                );
-                ProbeReading {
-                    rotation: reading.rotation + draws.pair() * rotation_std,
-                    shift: reading.shift + draws.pair() * noise.shift_std,
-                }
-            })
-            .collect();
+        let noisy = draws.noisy(&exact, &noise);
         let estimate = LeastSquares::of(1.0, noise, &noisy).unwrap();
         for (sum, (found, stated)) in square
             .iter_mut()

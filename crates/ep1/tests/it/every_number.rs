@@ -96,7 +96,14 @@ proptest! {
             shift_resolution: noise[3],
         };
         for (radius, noise) in [(radius, noise), (1.0, noise), (1.0, ReadingNoise::default())] {
-            let found = LeastSquares::of(radius, noise, &readings);
+            let fitted = LeastSquares::fitted(radius, noise, &readings);
+            if let Ok((fit, estimate)) = &fitted {
+                let found = fit.agreement(estimate, &readings);
+                let p_values = found.doubts.iter().map(|doubt| doubt.p_value());
+                let p_values = p_values.chain(found.goodness.map(|goodness| goodness.p_value));
+                prop_assert!(p_values.into_iter().all(|p_value| (0.0..=1.0).contains(&p_value)), "{found:?}");
+            }
+            let found = fitted.map(|(_, estimate)| estimate);
             if let Some(due) = due(radius, &noise, &readings) {
                 prop_assert_eq!(&found, &Err(due));
             }

@@ -1,7 +1,9 @@
 //! Integration tests of EP1.
 #![allow(clippy::unwrap_used)]
 
+mod agreement;
 mod covariance;
+mod draws;
 mod every_number;
 mod exact;
 mod extremes;

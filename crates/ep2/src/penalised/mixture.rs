@@ -2,7 +2,7 @@
 
 use std::f64::consts::LN_2;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::process;
 use super::product::{add_symmetric, product};
@@ -93,28 +93,12 @@ struct Candidate {
 /// # Errors
 /// [`Ep2Error::OutOfRange`] where the equations do not determine the quadric.
 pub(super) fn posterior(given: &Given) -> Result<Posterior, Ep2Error> {
-    let (gram, right) = (&given.equations.gram, &given.equations.right);
-    let rough = count(given.degree) - UNKNOWNS;
-    let part = |row: usize, column: usize, rows: usize, columns: usize| {
-        gram.view((row, column), (rows, columns)).into_owned()
-    };
-    let quadrics = part(0, 0, UNKNOWNS, UNKNOWNS);
-    let quadrics = quadrics.cholesky().ok_or(Ep2Error::OutOfRange)?;
-    let cross = part(0, UNKNOWNS, UNKNOWNS, rough);
-    let own = right.rows(0, UNKNOWNS).into_owned();
-    // How much of each quadric a rough product takes the place of.
-    let replaced = quadrics.solve(&cross);
-    let start = quadrics.solve(&own);
-    let mut left = part(UNKNOWNS, UNKNOWNS, rough, rough);
-    add_symmetric(&mut left, &-cross.transpose(), &replaced.transpose());
-    let rest = Rest {
-        right: right.rows(UNKNOWNS, rough) - cross.tr_mul(&start),
-        square: given.equations.square - own.dot(&start),
-        gram: left,
-        degrees: given.observations as f64 - UNKNOWNS as f64,
-        is_known: given.is_known,
-        expected_amplitude: EXPECTED_AMPLITUDE * given.bend,
-    };
+    let Parted {
+        quadrics,
+        replaced,
+        start,
+        rest,
+    } = Parted::of(given)?;
     let mixed = rest.blurred()?.mixed(given.degree);
 
     let carried = product(&replaced, &mixed.covariance);
@@ -150,6 +134,68 @@ pub(super) fn posterior(given: &Given) -> Result<Posterior, Ep2Error> {
     } else {
         Err(Ep2Error::OutOfRange)
     }
+}
+
+/// The equations, parted into those of the quadrics and of the rest.
+struct Parted {
+    quadrics: Cholesky<f64, Dyn>,
+    /// How much of each quadric a rough product takes the place of.
+    replaced: DMatrix<f64>,
+    /// The quadrics without rough products.
+    start: DVector<f64>,
+    rest: Rest,
+}
+
+impl Parted {
+    fn of(given: &Given<'_>) -> Result<Self, Ep2Error> {
+        let (gram, right) = (&given.equations.gram, &given.equations.right);
+        let rough = count(given.degree) - UNKNOWNS;
+        let part = |row: usize, column: usize, rows: usize, columns: usize| {
+            gram.view((row, column), (rows, columns)).into_owned()
+        };
+        let quadrics = part(0, 0, UNKNOWNS, UNKNOWNS);
+        let quadrics = quadrics.cholesky().ok_or(Ep2Error::OutOfRange)?;
+        let cross = part(0, UNKNOWNS, UNKNOWNS, rough);
+        let own = right.rows(0, UNKNOWNS).into_owned();
+        let replaced = quadrics.solve(&cross);
+        let start = quadrics.solve(&own);
+        let mut left = part(UNKNOWNS, UNKNOWNS, rough, rough);
+        add_symmetric(&mut left, &-cross.transpose(), &replaced.transpose());
+        let rest = Rest {
+            right: right.rows(UNKNOWNS, rough) - cross.tr_mul(&start),
+            square: given.equations.square - own.dot(&start),
+            gram: left,
+            degrees: given.observations as f64 - UNKNOWNS as f64,
+            is_known: given.is_known,
+            expected_amplitude: EXPECTED_AMPLITUDE * given.bend,
+        };
+        Ok(Self {
+            quadrics,
+            replaced,
+            start,
+            rest,
+        })
+    }
+}
+
+/// Degree of the series, and the process that is the most probable of all lengths and amplitudes: its coefficients behind the
+/// quadrics, a column for each independent factor of unit variance.
+///
+/// # Errors
+/// Errors of [`posterior`].
+pub(super) fn likeliest(given: &Given<'_>) -> Result<(usize, DMatrix<f64>), Ep2Error> {
+    let rest = Parted::of(given)?.rest.blurred()?;
+    let mut best = (f64::NEG_INFINITY, LONGEST, 0.0);
+    for length in lengths(given.degree) {
+        for one in Process::of(length, given.degree, &rest).candidates(&rest) {
+            if one.log_probability > best.0 {
+                best = (one.log_probability, length, one.square_amplitude);
+            }
+        }
+    }
+    let (_, length, square_amplitude) = best;
+    let process = process::factors(length, given.degree).matrix();
+    Ok((given.degree, process * square_amplitude.sqrt()))
 }
 
 /// Mean and covariance of the rough products, and mean scale, over all candidates.

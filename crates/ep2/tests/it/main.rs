@@ -1,6 +1,7 @@
 //! Tests of the crate's public face.
 #![allow(clippy::unwrap_used)]
 
+mod agreement;
 mod any_number;
 mod extremes;
 mod fitpack;

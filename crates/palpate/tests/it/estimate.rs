@@ -126,6 +126,55 @@ fn deviations_come_from_the_residuals() {
 }
 
 #[test]
+fn a_probe_that_slipped_is_doubted_by_its_number() {
+    // Rolls over 4 mm per half radian, with errors of 0.02 mm; that of probe 13 is 1 mm short.
+    let rows = [
+        "10,0,-0.5,4.02,0",
+        "11,0.5,0,-0.02,4",
+        "12,0,0.5,-4,0.02",
+        "13,-0.5,0,0,-3",
+        "14,0,-0.5,3.98,0.01",
+        "15,0.5,0,0.01,3.98",
+        "16,0,0.5,-4.01,-0.02",
+        "17,-0.5,0,0.01,-4.01",
+    ];
+    let readings = format!(
+        "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n{}\n",
+        rows.join("\n")
+    );
+    let json = estimate(&readings, "--shift-std 0.02");
+    assert!(json["p_value"].as_f64().unwrap() < 1e-6);
+    let names: Vec<&str> = json["doubts"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|doubt| doubt["name"].as_str().unwrap())
+        .collect();
+    assert!(
+        names.contains(&"slipped-probe") && names.contains(&"large-residuals"),
+        "{names:?}"
+    );
+    let warnings = json["warnings"].to_string();
+    assert!(
+        warnings.contains("probe 13 contradicts the others"),
+        "{warnings}"
+    );
+    // Noise that is found has no p-value; the probe is told all the same.
+    let found = estimate(&readings, "");
+    assert_eq!(found["p_value"], Value::Null);
+    assert!(
+        found["doubts"].to_string().contains("slipped-probe"),
+        "{found}"
+    );
+    let sound = estimate(
+        &readings.replace("-0.5,0,0,-3", "-0.5,0,0,-3.98"),
+        "--shift-std 0.02",
+    );
+    assert_eq!(sound["doubts"].to_string(), "[]");
+    assert!(sound["p_value"].as_f64().unwrap() > 0.01);
+}
+
+#[test]
 fn without_residuals_there_is_no_deviation() {
     let json = estimate(EXACT, "");
     assert_eq!(json["normal_curvature_u"]["std"], Value::Null);

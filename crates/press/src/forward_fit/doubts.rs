@@ -1,15 +1,14 @@
 //! Tests of a fit against readings that contradict it: score tests.
 
 use nalgebra::SMatrix;
+use palpate_chance::{Explained, LEFT};
 
 use super::problem::{INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns, finite};
 use super::reading::Reading;
 use super::search::SINGULAR;
 use super::settings::ForwardFit;
 use crate::definite::inverse;
-use crate::score::{
-    BY_INDENTATION, LEFT, Noise, Patterns, Products, Score, least_likely, patterns,
-};
+use crate::score::{BY_INDENTATION, Noise, Patterns, Products, Score, least_likely, patterns};
 use crate::{Doubt, PressError, PressEstimate};
 
 /// Noise that is found, as a share of the largest displacement, below which it may be rounding.
@@ -175,7 +174,11 @@ impl<'p, 'a> Test<'p, 'a> {
                 let leverage = slopes.dot(&(self.covariance * slopes));
                 square += residual * residual / (1.0 - leverage).max(LEFT);
             }
-            (marker, noise.chance(square, components))
+            let explained = Explained {
+                fall: square,
+                freedom: components,
+            };
+            (marker, noise.chance(explained))
         };
         Ok(least_likely(problem.counting().zip(slopes).map(chance)))
     }

@@ -3,8 +3,8 @@
 use super::problem::{Problem, State, WRONG};
 use super::settings::Prior;
 use crate::PressError;
-use crate::goodness::tail;
 use crate::markers::see;
+use palpate_chance::chi_squared_tail;
 
 /// Least improvement of chi-squared by a contact, against none, that counts as one.
 const SEEN: f64 = 16.0;
@@ -38,7 +38,7 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<(), PressErro
     }
     if improvement < SEEN {
         let (chi_squared, freedom) = moved(problem, baseline);
-        let is_moved = problem.knows_noise() && tail(chi_squared, freedom) < MOVED;
+        let is_moved = problem.knows_noise() && chi_squared_tail(chi_squared, freedom) < MOVED;
         return Err(match is_moved {
             true => PressError::OtherBody {
                 chi_squared,

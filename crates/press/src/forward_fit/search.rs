@@ -1,6 +1,7 @@
 //! The search for an estimate from readings: start, robust fit, wrong markers, noise, intervals.
 
 use nalgebra::Vector3;
+use palpate_chance::NORMAL_95;
 
 use super::minimise::minimise;
 use super::misfit::Misfit;
@@ -29,8 +30,6 @@ const ROUGHLY: f64 = 1e-2;
 const EXACTLY: f64 = 1e-8;
 /// Smallest standard deviation of a displacement, as a share of the largest displacement.
 const EXACT: f64 = 1e-10;
-/// The normal quantile of a two-sided interval of 95 %.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// A search for the press behind a reading.
 #[derive(Clone)]

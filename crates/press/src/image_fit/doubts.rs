@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix4, OMatrix, SMatrix, U4, Vector4};
 use nalgebra::{DVector, Dyn};
+use palpate_chance::{Explained, LEFT};
 
 use super::law::State;
 use super::minimise::Fitted;
@@ -13,7 +14,7 @@ use super::settings::ImageFit;
 use super::view::{NUMBERS, Seen, View};
 use crate::definite::inverse;
 use crate::score::{
-    BY_INDENTATION, LEFT, Noise, PATTERNS, Patterns, Products, Score, least_likely, patterns,
+    BY_INDENTATION, Noise, PATTERNS, Patterns, Products, Score, least_likely, patterns,
 };
 use crate::{Doubt, GoodnessOfFit, Measured, PressError, PressEstimate};
 
@@ -169,7 +170,11 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
                 .iter()
                 .zip(eigen.eigenvectors.column_iter());
             let parts = pairs.map(|(value, along)| along.dot(&score).powi(2) / value.max(LEFT));
-            (marker, noise.chance(parts.sum(), NUMBERS))
+            let explained = Explained {
+                fall: parts.sum(),
+                freedom: NUMBERS,
+            };
+            (marker, noise.chance(explained))
         };
         least_likely(self.problem.counting.iter().enumerate().map(chance))
     }

@@ -1,5 +1,7 @@
 //! The press behind pictures, and the estimate that is reported of it.
 
+use palpate_chance::NORMAL_95;
+
 use super::law::State;
 use super::minimise::{Fitted, minimise};
 use super::problem::{ACROSS, ALONG, CURVATURE, INDENTATION, Problem, Square};
@@ -12,8 +14,6 @@ use crate::{Estimated, GoodnessOfFit, Interval, Measured, PressError, PressEstim
 
 /// Least entry on the diagonal of the scaled factor of information that can be inverted.
 pub(super) const SINGULAR: f64 = 1e-6;
-/// The normal quantile of a two-sided interval of 95 %.
-const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// Sum of the squares of a marker's four residuals beyond which it is wrong: chance brings one in three million.
 const WRONG: f64 = 36.0;
 /// Sum of squares beyond which a marker counts less while it is not known which are wrong.

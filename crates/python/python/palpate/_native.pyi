@@ -108,6 +108,8 @@ class RollEstimate(Record):
     residual_rms: _Value
     std_from: str
     unresolved_probes: list[Record]
+    p_value: float | None
+    doubts: list[Record]
     warnings: list[str]
     covariance: _Floats
 
@@ -245,6 +247,8 @@ class GlideEstimate(Record):
     effective_unknowns: float
     grid: int
     regions: list[Record]
+    p_value: float | None
+    doubts: list[Record]
     warnings: list[str]
     covariance: _Floats
     map: _Map

@@ -1,8 +1,8 @@
 //! The methods of EP2, chosen at run time.
 
 use palpate_ep2::{
-    Criterion, Ep2Error, Fit, Method, Noise, Passes, Patch, Penalised, Quadric, TangentNormals,
-    TwoPass,
+    Agreement, Criterion, Ep2Error, Fit, Method, Noise, Passes, Patch, Penalised, Quadric,
+    TangentNormals, TwoPass,
 };
 
 use palpate_study::config::{CriterionName, GlideEstimatorConfig, NormalsOf};
@@ -21,6 +21,14 @@ impl Method for AnyMethod {
             Self::Penalised(method) => method.fit(patch),
             Self::TwoPass(method) => method.fit(patch),
             Self::Quadric(method) => method.fit(patch),
+        }
+    }
+
+    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
+        match self {
+            Self::Penalised(method) => method.agreement(patch),
+            Self::TwoPass(method) => method.agreement(patch),
+            Self::Quadric(method) => method.agreement(patch),
         }
     }
 }

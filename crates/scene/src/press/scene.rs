@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use palpate_chance::{HALF_WIDTHS, NORMAL_95};
 use palpate_number::{BadSetting, Number};
 use palpate_press::{
     Bounds, Doubt, Estimated, ForwardFit, MarkerDisplacement, Markers, Measured, PressError,
@@ -420,11 +421,6 @@ fn outcome(estimated: &Estimated, truth: f64) -> Outcome {
     }
 }
 
-/// Half-widths of the intervals of 50 and 80 % of a normal distribution, in standard deviations.
-const NARROW: [f64; 2] = [0.674_489_750_196_081_7, 1.281_551_565_544_600_4];
-/// Half-width of the interval of 95 %.
-const WIDE: f64 = 1.959_963_984_540_054;
-
 /// Whether the intervals of 50, 80 and 95 % hold a truth. The last is that of the estimate; the sides of the others are
 /// as much shorter as those of a normal distribution, or, where that one is open, as long as those.
 pub(super) fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
@@ -438,8 +434,8 @@ pub(super) fn hold(estimated: &Estimated, truth: f64) -> [bool; 3] {
     } else {
         interval.high
     };
-    let one_std = end.map_or(std, |end| (end - value).abs() / WIDE);
-    let [narrowest, narrow] = NARROW.map(|width| (truth - value).abs() <= width * one_std);
+    let one_std = end.map_or(std, |end| (end - value).abs() / NORMAL_95);
+    let [narrowest, narrow, _] = HALF_WIDTHS.map(|width| (truth - value).abs() <= width * one_std);
     [narrowest, narrow, interval.holds(truth)]
 }
 

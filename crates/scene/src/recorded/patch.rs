@@ -10,11 +10,12 @@ use palpate_ep2::{
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 
 use super::Value;
+use super::doubted::ToldDoubt;
 use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::glide::GlideReadings;
 use super::origin::agreed_unit;
-use super::patch_doubts::{noise, spacing};
+use super::patch_doubts::{noise, spacing, words};
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::stated::FORMAT_VERSION;
 use super::suspicion::{of_directions, of_normals};
@@ -206,6 +207,10 @@ impl<'r> FittedGlide<'r> {
         let curvature = centre.curvature;
         let stds = curvature.uncertainty;
         let [min_std, max_std] = principal_stds(&curvature);
+        let method = AnyMethod::of(&options.estimator, options.inter_finger_distance);
+        let agreement = method.agreement(patch).unwrap_or_default();
+        let of_noise = noise(patch, &options.estimator, unit);
+        let directions = of_directions(self.contacts());
         GlideEstimate {
             format_version: FORMAT_VERSION,
             method: options.estimator.name(),
@@ -256,14 +261,17 @@ impl<'r> FittedGlide<'r> {
                 .iter()
                 .map(|one| PatchRegion::of(one, unit))
                 .collect(),
+            p_value: agreement.goodness.map(|goodness| goodness.p_value),
             warnings: self
                 .spacing()
                 .into_iter()
-                .chain(noise(patch, &options.estimator, unit))
+                .chain(words(&agreement.doubts, &of_noise, directions.is_some()))
+                .chain(of_noise.iter().cloned())
                 .chain(of_normals(self.contacts()))
-                .chain(of_directions(self.contacts()))
+                .chain(directions)
                 .chain(recorded.note.clone())
                 .collect(),
+            doubts: agreement.doubts.into_iter().map(ToldDoubt::from).collect(),
             covariance: stds.map(|stds| {
                 let mixed = stds.correlation * stds.gaussian_std * stds.mean_std;
                 [

@@ -1,6 +1,6 @@
 //! Warnings where what is stated of a patch is not what its contacts show.
 
-use palpate_ep2::{Method, Patch};
+use palpate_ep2::{Doubt, Method, Patch};
 use palpate_number::Number;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
@@ -76,4 +76,17 @@ pub(super) fn noise(
         })
     })
     .collect()
+}
+
+/// Warnings of doubts; those about the noise and about directions are left to warnings that say more, where there are such.
+pub(super) fn words(
+    doubts: &[Doubt],
+    of_noise: &[String],
+    has_directions: bool,
+) -> impl Iterator<Item = String> {
+    doubts.iter().filter_map(move |doubt| match doubt {
+        Doubt::LargeResiduals { .. } if !of_noise.is_empty() => None,
+        Doubt::ContradictingNormals { .. } if has_directions => None,
+        _ => Some(doubt.to_string()),
+    })
 }

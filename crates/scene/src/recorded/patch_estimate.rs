@@ -8,6 +8,7 @@ use palpate_geometry::ShapeThresholds;
 use serde::Serialize;
 
 use super::Value;
+use super::doubted::ToldDoubt;
 use super::extra::Extras;
 use crate::map::MapTable;
 use palpate_study::Unit;
@@ -87,6 +88,11 @@ pub struct GlideEstimate {
     pub(super) grid: usize,
     /// The map's parts of one class, the largest first.
     pub(super) regions: Vec<PatchRegion>,
+    /// Probability that noise of the stated size takes the contacts at least as far from the surface where the model holds;
+    /// `null` where noise is found and not stated, and of two-pass.
+    pub(super) p_value: Option<f64>,
+    /// Ways in which the contacts contradict the model.
+    pub(super) doubts: Vec<ToldDoubt>,
     /// Doubts, in words.
     pub(super) warnings: Vec<String>,
     #[serde(skip)]

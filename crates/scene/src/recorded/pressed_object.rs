@@ -6,6 +6,7 @@ use palpate_press::{ContactRegime, Doubt, Estimated, PressEstimate};
 use serde::Serialize;
 
 use super::Value;
+use super::doubted::ToldDoubt;
 use palpate_study::Unit;
 use palpate_study::config::LengthUnit;
 
@@ -57,24 +58,6 @@ pub struct PressNoise {
     pub(super) p_value: Option<f64>,
 }
 
-/// A way in which the readings contradict the model.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PressDoubt {
-    /// Name: `large-residuals`, `other-body`, `not-round`, `other-indentation` or `slipped-marker`.
-    name: &'static str,
-    /// Probability of readings that contradict it as much where the model holds.
-    p_value: f64,
-}
-
-impl PressDoubt {
-    pub(super) fn of(doubt: Doubt) -> Self {
-        Self {
-            name: doubt.name(),
-            p_value: doubt.p_value(),
-        }
-    }
-}
-
 /// Output of `estimate press`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressedObject {
@@ -122,7 +105,7 @@ pub struct PressedObject {
     /// indentation, on the markers, that they leave.
     pub(super) contact_seen: bool,
     /// Ways in which the readings contradict the model.
-    pub(super) doubts: Vec<PressDoubt>,
+    pub(super) doubts: Vec<ToldDoubt>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -189,7 +172,7 @@ impl PressedObject {
             },
             r_squared: estimate.r_squared,
             contact_seen: estimate.is_seen,
-            doubts: described.doubts.into_iter().map(PressDoubt::of).collect(),
+            doubts: described.doubts.into_iter().map(ToldDoubt::from).collect(),
             warnings: described.warnings,
         }
     }

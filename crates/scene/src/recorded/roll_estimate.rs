@@ -12,8 +12,9 @@ use super::Value;
 use super::error::{RecordedError, explained};
 use super::origin::agreed_unit;
 use super::roll::{RollOptions, RollReadings};
+use super::roll_agreement::RollAgreement;
 use super::stated::FORMAT_VERSION;
-use super::suspicion::{of_pitch, of_roll, of_small_residuals};
+use super::suspicion::of_roll;
 use palpate_study::Unit;
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 
@@ -54,8 +55,8 @@ pub struct RollEstimate {
     /// Origin of the standard deviations, in words.
     std_from: &'static str,
     unresolved_probes: Vec<UnresolvedProbe>,
-    /// Doubts, in words.
-    warnings: Vec<String>,
+    #[serde(flatten)]
+    agreement: RollAgreement,
     #[serde(skip)]
     covariance: Option<[[f64; 3]; 3]>,
 }
@@ -157,18 +158,6 @@ pub fn estimate_roll(
         }
     }
 
-    let explained = expected(&stated, readings);
-    let noise = (freedom > 0 && explained > 0.0 && residual > LARGE_RESIDUAL * explained).then(|| {
-        format!(
-            "the residuals are {} times what the noise that is given explains: standard deviations are too small",
-            Number::rounded(residual / explained)
-        )
-    });
-    let doubts = [
-        noise,
-        of_small_residuals(residual, freedom, &stated, unit),
-        of_pitch(readings, stated.shift_resolution, unit),
-    ];
     let value =
         |measured: Measured, power: Unit| Value::new(measured.value, measured.std, power, unit);
     let bare = |value: f64, power: Unit| Value::new(value, None, power, unit);
@@ -195,34 +184,9 @@ pub fn estimate_roll(
             stated.shift_resolution,
             unit,
         ),
-        warnings: suspicion
-            .into_iter()
-            .chain(doubts.into_iter().flatten())
-            .chain(recorded.note.clone())
-            .collect(),
+        agreement: RollAgreement::new(recorded, options, unit, residual, suspicion),
         covariance: fitted.covariance(&estimate),
     })
-}
-
-/// Ratio of the residuals to what the stated noise explains past which they contradict each other. A roll of two probes
-/// has but one equation to spare, and chance gives that three standard deviations once in 400.
-const LARGE_RESIDUAL: f64 = 3.0;
-
-/// Root mean square of the residuals of a shift's component that the stated noise explains, length.
-fn expected(noise: &ReadingNoise, readings: &[ProbeReading]) -> f64 {
-    let of_rotation = |reading: &ProbeReading| {
-        let turned = reading.rotation.norm();
-        let variance =
-            noise.rotation_std_rad.powi(2) + (noise.relative_rotation_std * turned).powi(2);
-        let per_radian = reading.shift.norm() / turned;
-        if turned > 0.0 {
-            variance * per_radian.powi(2)
-        } else {
-            0.0
-        }
-    };
-    let mean = readings.iter().map(of_rotation).sum::<f64>() / readings.len().max(1) as f64;
-    libm::hypot(noise.shift_std, mean.sqrt())
 }
 
 /// The probes that rolled without a shift, with what that says of the object.

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix3, Point3, Vector3};
+use palpate_chance::GoodnessOfFit;
 use palpate_ep1::{ProbeReading, ReadingNoise};
 use palpate_ep2::{Contact, Method, Patch, Quadric};
 use palpate_number::Number;
@@ -135,30 +136,26 @@ pub(super) fn of_roll(
     }
 }
 
-/// Standard deviations of chance below which the sum of squared residuals of rolls is too small for the noise that is stated:
-/// 3 of 100,000 sets of Gaussian errors.
-const TOO_SMALL: f64 = -4.0;
+/// Probability of residuals of rolls as small by chance, below which they are too small for the noise that is stated.
+const TOO_SMALL: f64 = 3e-5;
 
 /// Ratio of the stated noise to the residuals from which on the one is far too large.
 const FAR_TOO_LARGE: f64 = 4.0;
 
-/// The warning of residuals of rolls, with these degrees of freedom, that are far smaller than the noise of shifts that is
-/// stated. Errors of pads are no noise: they may all be the same, or none at all.
+/// The warning of residuals of rolls that are far smaller than the noise of shifts that is stated. Errors of pads are no
+/// noise: they may all be the same, or none at all.
 pub(super) fn of_small_residuals(
     residual: f64,
-    freedom: usize,
+    goodness: GoodnessOfFit,
     stated: &ReadingNoise,
     unit: LengthUnit,
 ) -> Option<String> {
     let noise = stated.shift_std;
-    if freedom == 0 || noise <= 0.0 || stated.shift_resolution > 0.0 {
+    if noise <= 0.0 || stated.shift_resolution > 0.0 {
         return None;
     }
-    // The cube root of a chi-squared is nearly normal (Wilson and Hilferty, 1931).
     let share = residual / noise;
-    let spread = 2.0 / (9.0 * freedom as f64);
-    let off = (libm::cbrt(share * share) - (1.0 - spread)) / spread.sqrt();
-    (off < TOO_SMALL && share * FAR_TOO_LARGE < 1.0).then(|| {
+    (1.0 - goodness.p_value < TOO_SMALL && goodness.freedom > 0 && share * FAR_TOO_LARGE < 1.0).then(|| {
         let [noise, residual] = [noise, residual].map(Number::rounded);
         let unit = unit.as_str();
         format!(

@@ -1,6 +1,7 @@
 //! Probabilities of right order against closed forms, and the coverage of their intervals.
 
-use palpate_sweep::{Order, Repeats, Told, both_above, in_order, repeats, tail};
+use palpate_chance::normal_tail;
+use palpate_sweep::{Order, Repeats, Told, both_above, in_order, repeats};
 
 use crate::{normal, observation, observing, runner, uniform};
 
@@ -31,7 +32,7 @@ fn intervals_hold_the_probability_in_95_of_100() {
         (3.0, 300),
         (5.0, 300),
     ] {
-        let probability = tail(-distance / 2.0_f64.sqrt());
+        let probability = normal_tail(-distance / 2.0_f64.sqrt());
         let covered = coverage(probability, |seed| {
             in_order(
                 &normals(2 * seed, trials, 0.0),
@@ -50,7 +51,7 @@ fn unequal_samples_and_failures() {
         told.map(|(trial, told)| told.filter(|_| uniform((seed << 33) + trial as u64) < 0.9))
             .collect()
     };
-    let probability = 0.81 * tail(-1.0 / 2.0_f64.sqrt());
+    let probability = 0.81 * normal_tail(-1.0 / 2.0_f64.sqrt());
     let covered = coverage(probability, |seed| {
         in_order(&some(3 * seed, 1000, 0.0), &some(3 * seed + 1, 100, 1.0))
     });
@@ -59,7 +60,7 @@ fn unequal_samples_and_failures() {
 
 #[test]
 fn both_must_be_above_the_limit() {
-    let probability = tail(-1.0) * tail(-0.5);
+    let probability = normal_tail(-1.0) * normal_tail(-0.5);
     let covered = coverage(probability, |seed| {
         both_above(
             &normals(2 * seed, 200, 1.0),

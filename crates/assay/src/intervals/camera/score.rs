@@ -1,14 +1,14 @@
 //! How often the intervals of presses hold, how wide they are, and how far from what can be reached.
 
-use std::collections::BTreeMap;
 use std::fmt;
 
+use palpate_chance::NORMAL_95;
 use palpate_press::Interval;
 use palpate_scene::JudgedCurvature;
 use serde::Serialize;
 
-use super::super::doubted::shares;
-use super::super::sums::{Sums, WIDTHS};
+use super::super::doubted::{Doubts, words};
+use super::super::sums::Sums;
 use super::case::Case;
 
 /// The curvature of a trial, or the name of what went wrong.
@@ -87,7 +87,7 @@ pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) ->
     };
     let (mut ends, mut width, mut bound, mut bounds) = ([0.0; 3], 0.0, 0.0, 0.0);
     let mut failures: Vec<&str> = Vec::new();
-    let (mut doubts, mut doubted, mut p_values) = (BTreeMap::new(), 0.0, Vec::new());
+    let (mut doubts, mut p_values) = (Doubts::default(), Vec::new());
     for one in judged {
         let one = match one {
             Ok(one) => one,
@@ -101,10 +101,7 @@ pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) ->
             one.estimated.std,
             one.holds,
         );
-        doubted += f64::from(u8::from(!one.doubts.is_empty()));
-        for doubt in &one.doubts {
-            *doubts.entry(doubt.name()).or_insert(0.0) += 1.0;
-        }
+        doubts.add(one.doubts.iter().map(|doubt| doubt.name()));
         p_values.extend(one.p_value);
         let Interval { low, high } = one.estimated.interval;
         ends[usize::from(low.is_some()) + usize::from(high.is_some())] += 1.0;
@@ -141,13 +138,13 @@ pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) ->
         rms,
         rms_per_bound: rms / (bound / bounds).sqrt(),
         rms_per_pixel_bound: pixel_bound.map_or(f64::NAN, |bound| rms / bound),
-        width_per_rms: width / ends[2] / (2.0 * WIDTHS[2] * rms),
+        width_per_rms: width / ends[2] / (2.0 * NORMAL_95 * rms),
         std_per_rms: sums.std_per_rms(),
         closed: ends[2] / sums.asked,
         one_sided: ends[1] / sums.asked,
         open: ends[0] / sums.asked,
-        doubted: doubted / sums.stated,
-        doubts: shares(&doubts, sums.stated),
+        doubted: doubts.doubted() / sums.stated,
+        doubts: words([&doubts].into_iter(), sums.stated),
         small_p_values: small as f64 / p_values.len() as f64,
         p_value_distance: distance_from_uniform(p_values),
     }
@@ -256,7 +253,7 @@ mod tests {
         let rms = (0.0011_f64 / 3.0).sqrt();
         assert!((score.rms_per_bound - rms / 0.01).abs() < 1e-9);
         assert!((score.rms_per_pixel_bound - rms / 0.005).abs() < 1e-9);
-        assert!((score.width_per_rms - 0.05 / (2.0 * WIDTHS[2] * rms)).abs() < 1e-9);
+        assert!((score.width_per_rms - 0.05 / (2.0 * NORMAL_95 * rms)).abs() < 1e-9);
         assert_eq!((score.doubted, score.small_p_values), (0.0, 0.0));
         assert!((score.p_value_distance - 0.5).abs() < 1e-12);
         let summary = Summary::of(Family::Sound, &[&score]).unwrap();

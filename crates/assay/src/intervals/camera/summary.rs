@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::super::doubted::Doubted;
+use super::super::doubted::{Scene, Shares};
 use super::super::sums::HOLDS;
 use super::case::Family;
 use super::score::Score;
@@ -44,7 +44,7 @@ pub struct Summary {
     /// Share of fits whose p-value is below 0.05.
     pub small_p_values: f64,
     /// Doubts in scenes that hold and in others.
-    pub doubted: Doubted,
+    pub doubted: Shares,
 }
 
 impl Summary {
@@ -74,24 +74,29 @@ impl Summary {
                 mean(&|one| one.failed),
             ],
             small_p_values: mean(&|one| one.small_p_values),
-            doubted: Doubted::of(scores.iter().map(|one| {
-                let of_stated = one.coverage95 / (1.0 - one.failed);
-                (of_stated, one.doubted)
-            })),
+            doubted: Shares::of(&scores.iter().map(told).collect::<Vec<Scene>>()),
         })
     }
 
     /// Whether all is within the limits.
     pub fn is_within_limits(&self) -> bool {
         if self.family.is_wrong() {
-            return self.doubted.is_within_limits();
+            return self.doubted.hold();
         }
-        self.doubted.is_within_limits()
+        self.doubted.hold()
             && (COVERAGE[0]..=COVERAGE[1]).contains(&self.coverage95)
             && self.holding as f64 >= SCENES * self.scenes as f64
             && self.unbiased == self.scenes
             && self.rms_per_bound <= RMS
             && self.width_per_rms <= WIDTH
+    }
+}
+
+/// Coverage of a scene's estimates, and how many of them are doubted.
+fn told(score: &&Score) -> Scene {
+    Scene {
+        coverage: score.coverage95 / (1.0 - score.failed),
+        doubted: score.doubted,
     }
 }
 

@@ -1,6 +1,6 @@
 //! How often intervals of presses hold, and how wide they are.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt;
 
 use anyhow::Result;
@@ -8,7 +8,7 @@ use palpate_press::{Interval, Measured, PressError};
 use palpate_sensing::{Channel, Stream};
 use serde::Serialize;
 
-use super::super::doubted::{Doubted, shares};
+use super::super::doubted::{Doubts, Scene, Shares, words};
 use super::super::sums::{HOLDS, Sums, within};
 use super::case::{Case, Family, RADIUS};
 
@@ -67,8 +67,7 @@ pub(super) struct Tally {
     failures: BTreeSet<&'static str>,
     seen: f64,
     refused: f64,
-    doubted: f64,
-    doubts: BTreeMap<&'static str, f64>,
+    doubts: Doubts,
 }
 
 impl Tally {
@@ -79,7 +78,7 @@ impl Tally {
 
     /// Share that is doubted of the estimates and of the presses that are refused as those of another body.
     fn doubted(&self) -> f64 {
-        (self.doubted + self.refused) / (self.sums.stated + self.refused)
+        (self.doubts.doubted() + self.refused) / (self.sums.stated + self.refused)
     }
 }
 
@@ -108,10 +107,7 @@ pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
         };
         tally.seen += f64::from(u8::from(estimate.is_seen));
         let doubts = case.fit.doubts(&reading, &estimate)?;
-        tally.doubted += f64::from(u8::from(!doubts.is_empty()));
-        for doubt in doubts {
-            *tally.doubts.entry(doubt.name()).or_default() += 1.0;
-        }
+        tally.doubts.add(doubts.iter().map(|doubt| doubt.name()));
         let curvature = estimate.relative_curvature;
         let error = curvature.value - case.relative_curvature;
         let [half, most, _] = within(error, curvature.std);
@@ -143,8 +139,15 @@ impl Score {
         widths.sort_by(f64::total_cmp);
         let failures: BTreeSet<&str> = scenes.iter().flat_map(|one| one.failures.clone()).collect();
         let lowest = scenes.iter().map(|one| one.sums.coverage(2));
-        let doubted = scenes.iter();
-        let doubted = Doubted::of(doubted.map(|one| (one.coverage_of_stated(), one.doubted())));
+        let told: Vec<Scene> = scenes
+            .iter()
+            .map(|one| Scene {
+                coverage: one.coverage_of_stated(),
+                doubted: one.doubted(),
+            })
+            .collect();
+        let shares = Shares::of(&told);
+        let stated = scenes.iter().map(|one| one.sums.stated).sum();
         let score = Self {
             family: family.name(),
             scenes: scenes.len(),
@@ -160,17 +163,17 @@ impl Score {
             closed: ends(2),
             one_sided: ends(1),
             open: ends(0),
-            scenes_short: doubted.scenes_short,
-            doubted_where_short: doubted.where_short,
-            scenes_covered: doubted.scenes_covered,
-            doubted_where_covered: doubted.where_covered,
-            doubts: doubts(scenes),
+            scenes_short: shares.short.0,
+            doubted_where_short: shares.short.1,
+            scenes_covered: shares.covered.0,
+            doubted_where_covered: shares.covered.1,
+            doubts: words(scenes.iter().map(|one| &one.doubts), stated),
             is_within_limits: None,
         };
         let within = |[low, high]: [f64; 2]| (low..=high).contains(&score.coverage95);
         let is_within_limits = match family {
             _ if family.cannot_be_told() => None,
-            _ if family.is_wrong() => Some(doubted.is_within_limits()),
+            _ if family.is_wrong() => Some(shares.hold()),
             _ if !family.touches() => Some(score.seen <= ALARMS),
             _ if family.is_faint() => Some(within(FAINT)),
             _ => Some(within(SEEN)),
@@ -180,16 +183,6 @@ impl Score {
             ..score
         }
     }
-}
-
-/// Names of doubts with their shares of all estimates.
-fn doubts(scenes: &[Tally]) -> String {
-    let mut all: BTreeMap<&str, f64> = BTreeMap::new();
-    for (name, count) in scenes.iter().flat_map(|one| &one.doubts) {
-        *all.entry(name).or_default() += count;
-    }
-    let stated: f64 = scenes.iter().map(|one| one.sums.stated).sum();
-    shares(&all, stated)
 }
 
 impl fmt::Display for Score {
@@ -239,7 +232,7 @@ mod tests {
             tally.sums.add(0.01, 0.01, [false, holds, holds]);
         }
         tally.seen = seen as f64;
-        tally.doubted = doubted as f64;
+        (0..doubted).for_each(|_| tally.doubts.add(["a"].into_iter()));
         tally
     }
 

@@ -36,11 +36,18 @@ probe each row is one; of time series, each that a blank line or a time that doe
 ", tables!(), "Other columns are ignored, but those of rolls whose contact did not move stand in
 `unresolved_probes`, as `columns`.
 
+`p_value` is the probability that noise of the stated size leaves residuals at least as large; null where none is
+stated. Errors of pads are no independent noise: theirs is rather too large. `doubts` are the ways in which the
+readings contradict the model, each with its p-value: large-residuals, common-shift (a slip or a first contact that is
+off), twist (frames that are turned against each other), varying-curvature (rolls too long for the object),
+slipped-probe; 1 set of rolls in 200 has each by chance, and 1 in 50 one of the middle three by all that they tell
+together.
+
 The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
-standard error repeats, tell where the readings contradict what is stated: noise (or a pitch)
+standard error repeats, tell the doubts, and where the readings contradict what is stated: noise (or a pitch)
 that is too small for the residuals, rotations in degrees, shifts in another unit than the probe's radius. A few rolls
-do not tell noise that is too large, nor a radius that is wrong in the right unit: it errs the curvature by the error
-of 1/R.
+do not tell noise that is too large, nor a gain of all shifts or rotations, nor a radius that is wrong in the right
+unit: it errs the curvature by the error of 1/R.
 
 With --like STUDY.toml probe, noise and estimator are those of a study of kind roll, in the readings'
 unit; flags override them.
@@ -63,8 +70,13 @@ times as long as most, and longer by half than all others. A warning tells which
 The JSON tells the curvature in the middle of the patch and the regions of one shape class; --map
 writes the curvature all over the patch, with standard deviations and the probability of each class; with --at-contacts at the readings.
 
+`p_value` is the probability that noise of the stated size takes the contacts at least as far from the surface; null
+where noise is found and not stated, and of two-pass. `doubts` are the ways in which the contacts contradict the
+model, each with its p-value: large-residuals, contradicting-normals (of a turned frame or a wrong sign),
+displaced-finger; 1 glide in 200 has each by chance. A wrong radius of tips makes none of them.
+
 The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
-standard error repeats, tell where the readings contradict what is stated: the noise of positions and
+standard error repeats, tell the doubts, and where the readings contradict what is stated: the noise of positions and
 of normals, by that of the same method where none is stated; the distance between fingers; normals that are not of
 length 1, or point to -z. Whether all normals point inward, and the unit of all lengths, the readings do not tell.
 

@@ -1,0 +1,272 @@
+//! Rolls over random objects, and what is told of them.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use anyhow::Result;
+use palpate_ep1::{ProbeReading, ReadingNoise};
+use palpate_geometry::surfaces::{Ellipsoid, Sphere};
+use palpate_geometry::{CurvatureForm, Shape, Surface};
+use palpate_rolling::{Chart, Model, Motion, Probe, Roller, Rolls};
+use palpate_sensing::{Channel, PadLayout, PadOffset, Pads, Stream};
+
+use super::super::draws::Draws;
+use super::flaw::{Flaw, RADIUS};
+
+/// Smallest and largest radius of balls, mm.
+const RADII: [f64; 2] = [8.0, 200.0];
+/// Smallest and largest semi-axis of ellipsoids, mm; and how far from their tops they are touched, as a share of these.
+const SEMI_AXES: [f64; 2] = [20.0, 80.0];
+const PLACES: [f64; 2] = [-0.5, 0.5];
+/// Smallest and largest rotation of short rolls and of long ones, rad.
+const SHORT: [f64; 2] = [0.1, 0.3];
+const LONG: [f64; 2] = [0.5, 1.2];
+/// Smallest and largest standard deviation of shifts, mm, and of rotations, as a share of them.
+const SHIFT_STDS: [f64; 2] = [0.01, 0.1];
+const ROTATION_STDS: [f64; 2] = [0.005, 0.03];
+/// Smallest and largest pitch of pads, mm.
+const PITCHES: [f64; 2] = [0.1, 0.5];
+/// Error of the rolls' truth, as a share of the radius.
+const TOLERANCE: f64 = 1e-7;
+
+/// Sensor as a family draws it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sensor {
+    Shifts,
+    Rotations,
+    Both,
+    Pads,
+}
+
+/// Rolls of one kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Family {
+    on_ball: bool,
+    is_long: bool,
+    probes: usize,
+    sensor: Sensor,
+    is_noise_told: bool,
+    pub(super) flaw: Flaw,
+}
+
+impl Family {
+    /// All families.
+    pub(super) fn all() -> Vec<Self> {
+        let plain = Self {
+            on_ball: true,
+            is_long: false,
+            probes: 8,
+            sensor: Sensor::Shifts,
+            is_noise_told: true,
+            flaw: Flaw::None,
+        };
+        let sensors = [
+            Sensor::Shifts,
+            Sensor::Rotations,
+            Sensor::Both,
+            Sensor::Pads,
+        ];
+        let mut all: Vec<Self> = sensors.map(|sensor| Self { sensor, ..plain }).into();
+        let found = Self {
+            is_noise_told: false,
+            ..plain
+        };
+        all.extend([
+            found,
+            Self { probes: 4, ..plain },
+            Self { probes: 4, ..found },
+        ]);
+        for base in [plain, found] {
+            for is_long in [false, true] {
+                all.push(Self {
+                    on_ball: false,
+                    is_long,
+                    ..base
+                });
+            }
+        }
+        all.push(Self {
+            on_ball: false,
+            sensor: Sensor::Both,
+            ..plain
+        });
+        for base in [plain, found] {
+            let asked = |flaw: &Flaw| base.is_noise_told || *flaw != Flaw::HalfNoise;
+            let flaws = Flaw::ALL.into_iter().filter(asked);
+            all.extend(flaws.map(|flaw| Self { flaw, ..base }));
+        }
+        all
+    }
+
+    /// The family in words.
+    pub(super) fn name(&self) -> String {
+        let either = |is: bool, yes: &str, no: &str| if is { yes } else { no }.to_owned();
+        let sensor = match self.sensor {
+            Sensor::Shifts => "noise of shifts",
+            Sensor::Rotations => "noise of rotations",
+            Sensor::Both => "noise of both",
+            Sensor::Pads => "pads",
+        };
+        let mut words = vec![
+            format!("{} probes", self.probes),
+            either(self.on_ball, "balls", "ellipsoids"),
+            either(self.is_long, "long rolls", "short rolls"),
+            sensor.to_owned(),
+            either(self.is_noise_told, "told", "found"),
+        ];
+        words.extend(self.flaw.name().map(str::to_owned));
+        words.join(", ")
+    }
+
+    /// Whether the readings are not what the least squares believe.
+    pub(super) fn is_wrong(&self) -> bool {
+        self.flaw != Flaw::None || self.is_long
+    }
+}
+
+/// Rolls of a family.
+pub(super) struct Case {
+    /// Readings without noise, mm.
+    exact: Vec<ProbeReading>,
+    noise: ReadingNoise,
+    pads: Option<Pads>,
+    seed: u64,
+    /// Radius of the probe and noise as they are told, mm.
+    pub(super) radius: f64,
+    pub(super) told: ReadingNoise,
+    /// The object's curvature where it is touched first, per mm.
+    pub(super) truth: CurvatureForm,
+}
+
+impl Case {
+    /// The case of this number.
+    ///
+    /// # Errors
+    /// None that a family makes.
+    pub(super) fn random(family: Family, seed: u64, number: u64) -> Result<Self> {
+        let mut draws = Draws::new(seed, number, Channel::PadOffset);
+        let (object, place) = object(&family, &mut draws)?;
+        let angles = if family.is_long { LONG } else { SHORT };
+        let angle = draws.log_between(angles);
+        let start = draws.between([0.0, TAU]);
+        let step = TAU / family.probes as f64;
+        let motions: Vec<Vec<Motion>> = (0..family.probes)
+            .map(|probe| vec![Motion::rolling(start + probe as f64 * step, angle, 1.0)])
+            .collect();
+        let model = Model::Auto {
+            tolerance: TOLERANCE,
+            chart: Chart::default(),
+        };
+        let probe = Probe::new(RADIUS)?;
+        let roller = Roller::new(probe, object, place, model, Rolls { rolls: &motions })?;
+        let first = roller.first_contact();
+        let (_, truth) = roller
+            .object()
+            .curvature_along(&first.on_object, &first.x_axis)?;
+        let mut exact = Vec::new();
+        for motions in &motions {
+            let shift = roller.shift(motions)?.displacement;
+            let rotation = motions[0].rotation();
+            exact.push(ProbeReading { rotation, shift });
+        }
+        let (shift_std, rotation_std) = (
+            draws.log_between(SHIFT_STDS),
+            draws.log_between(ROTATION_STDS),
+        );
+        let pitch = draws.log_between(PITCHES);
+        let pads = Pads::new(
+            RADIUS,
+            pitch,
+            PadLayout::Square,
+            PadOffset::Random,
+            FRAC_PI_2,
+        )?;
+        let pads = (family.sensor == Sensor::Pads).then_some(pads);
+        let has = |sensors: [Sensor; 2], std: f64| match sensors.contains(&family.sensor) {
+            true => std,
+            false => 0.0,
+        };
+        let noise = ReadingNoise {
+            relative_rotation_std: has([Sensor::Rotations, Sensor::Both], rotation_std),
+            shift_std: has([Sensor::Shifts, Sensor::Both], shift_std),
+            ..ReadingNoise::default()
+        };
+        family.flaw.spoil(&mut exact, &mut draws);
+        let part = family.flaw.told();
+        let told = match (&pads, family.is_noise_told) {
+            (_, false) => ReadingNoise::default(),
+            (Some(pads), true) => ReadingNoise {
+                shift_std: pads.shift_std(),
+                shift_resolution: pads.resolution(),
+                ..noise
+            },
+            (None, true) => ReadingNoise {
+                relative_rotation_std: part * noise.relative_rotation_std,
+                shift_std: part * noise.shift_std,
+                ..noise
+            },
+        };
+        Ok(Self {
+            radius: family.flaw.radius(&mut draws),
+            exact,
+            noise,
+            pads,
+            seed: seed.wrapping_mul(1000).wrapping_add(number),
+            told,
+            truth,
+        })
+    }
+
+    /// Readings of a trial.
+    ///
+    /// # Errors
+    /// None that a family makes.
+    pub(super) fn readings(&self, trial: u64) -> Result<Vec<ProbeReading>> {
+        let mut stream = Stream::new(self.seed, trial, Channel::WristContact);
+        let placed = self.pads.as_ref().map(|pads| {
+            let placement = pads.place(|| Stream::new(self.seed, trial, Channel::PadOffset));
+            (pads, placement)
+        });
+        let mut readings = self.exact.clone();
+        for reading in &mut readings {
+            let rotation_std = self.noise.relative_rotation_std * reading.rotation.norm();
+            for angle in reading.rotation.iter_mut() {
+                *angle += rotation_std * stream.standard_normal();
+            }
+            for shift in reading.shift.iter_mut() {
+                *shift += self.noise.shift_std * stream.standard_normal();
+            }
+            if let Some((pads, placement)) = &placed {
+                reading.shift = pads.read(placement, &reading.shift)?;
+            }
+        }
+        Ok(readings)
+    }
+}
+
+/// A random object, and the place at which it is touched.
+fn object(family: &Family, draws: &mut Draws) -> Result<(Shape, (f64, f64))> {
+    if family.on_ball {
+        return Ok((
+            Shape::Sphere(Sphere::new(draws.log_between(RADII))?),
+            (0.0, 0.0),
+        ));
+    }
+    let semi_axes = [(); 3].map(|()| draws.log_between(SEMI_AXES));
+    let mut along = |axis: usize| semi_axes[axis] * draws.between(PLACES);
+    let place = (along(0), along(1));
+    Ok((Shape::Ellipsoid(Ellipsoid::new(semi_axes)?), place))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_families_apart() {
+        let mut names: Vec<String> = Family::all().iter().map(Family::name).collect();
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
+    }
+}

@@ -1,0 +1,63 @@
+//! The normal distribution.
+
+/// Largest score: of what has no spread.
+pub const CERTAIN: f64 = 40.0;
+
+/// Half-widths of the intervals of 50, 80 and 95 %, in standard deviations of the normal distribution.
+pub const HALF_WIDTHS: [f64; 3] = [0.674_489_750_196_081_7, 1.281_551_565_544_600_4, NORMAL_95];
+
+/// Half-width of the interval of 95 %, in standard deviations of the normal distribution.
+pub const NORMAL_95: f64 = 1.959_963_984_540_054;
+
+/// Probability that a standard normal number is above `score`.
+///
+/// ```
+/// assert!((palpate_chance::normal_tail(1.959964) - 0.025).abs() < 1e-8);
+/// assert_eq!(palpate_chance::normal_tail(0.0), 0.5);
+/// ```
+pub fn normal_tail(score: f64) -> f64 {
+    0.5 * libm::erfc(score * std::f64::consts::FRAC_1_SQRT_2)
+}
+
+/// Score above which a standard normal number is with this probability, to 1e-12; at most [`CERTAIN`].
+///
+/// ```
+/// assert!((palpate_chance::score_of_tail(0.025) - 1.959964).abs() < 1e-6);
+/// assert!(palpate_chance::score_of_tail(0.0) > 38.0);
+/// ```
+pub fn score_of_tail(probability: f64) -> f64 {
+    let (mut low, mut high) = (-CERTAIN, CERTAIN);
+    while high - low > 1e-12 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if normal_tail(middle) > probability {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tails_and_scores_are_inverse() {
+        for score in [-3.0, -1.0, 0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 30.0] {
+            let found = score_of_tail(normal_tail(score));
+            assert!((found - score).abs() < 1e-8, "{score}");
+        }
+    }
+
+    #[test]
+    fn half_widths_leave_half_of_the_rest_above() {
+        for (half_width, share) in HALF_WIDTHS.into_iter().zip([0.5, 0.8, 0.95]) {
+            let above = normal_tail(half_width);
+            assert!((1.0 - 2.0 * above - share).abs() < 1e-15, "{share}");
+        }
+    }
+}

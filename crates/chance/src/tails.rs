@@ -1,0 +1,210 @@
+//! Tails of sums of squares.
+
+use std::f64::consts::PI;
+
+/// Probability that chi-squared with `freedom` degrees of freedom is larger (Abramowitz and Stegun 26.4.4 and 26.4.5); 1
+/// without degrees of freedom, and 0 of what is not a number.
+///
+/// ```
+/// assert!((palpate_chance::chi_squared_tail(3.841459, 1) - 0.05).abs() < 1e-7);
+/// ```
+pub fn chi_squared_tail(chi_squared: f64, freedom: usize) -> f64 {
+    let half = 0.5 * chi_squared;
+    if freedom == 0 || half <= 0.0 {
+        return 1.0;
+    }
+    if !half.is_finite() {
+        return 0.0;
+    }
+    let is_odd = freedom % 2 == 1;
+    let first = if is_odd { libm::erfc(half.sqrt()) } else { 0.0 };
+    let log = libm::log(half);
+    // Logarithms, since powers and exponentials overflow where their products do not.
+    let term = |count: usize| {
+        let power = count as f64 + if is_odd { 0.5 } else { 0.0 };
+        libm::exp(power * log - half - libm::lgamma(power + 1.0))
+    };
+    let rest: f64 = (0..freedom / 2).map(term).sum();
+    (first + rest).min(1.0)
+}
+
+/// Probability that a ratio of two chi-squared, each over its degrees of freedom, is larger (the F distribution, to 1e-10);
+/// 1 where one of them has none.
+///
+/// ```
+/// // 5 % of ratios with 2 and 12 degrees of freedom are above 3.8853.
+/// assert!((palpate_chance::ratio_tail(2.0 * 3.885294, 2, 12.0, 12) - 0.05).abs() < 1e-7);
+/// ```
+pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f64 {
+    if of_above == 0 || of_below == 0 || above <= 0.0 {
+        return 1.0;
+    }
+    let ratio = above / below;
+    if !ratio.is_finite() {
+        return 0.0;
+    }
+    // The share of the sum is distributed as beta.
+    let (share, rest) = (ratio / (1.0 + ratio), 1.0 / (1.0 + ratio));
+    let [a, b] = [of_below, of_above].map(|freedom| 0.5 * freedom as f64);
+    // Of the two ways the one whose fraction converges.
+    if rest < (a + 1.0) / (a + b + 2.0) {
+        incomplete_beta([rest, share], a, b)
+    } else {
+        1.0 - incomplete_beta([share, rest], b, a)
+    }
+    .clamp(0.0, 1.0)
+}
+
+/// Difference from 1 of a factor at which the continued fraction is as good as its end, and most factors.
+const CONVERGED: f64 = 1e-13;
+const MOST_FACTORS: usize = 20_000;
+
+/// Regularised incomplete beta function of `x`, given with 1 − x (DLMF 8.17.22, by Lentz's algorithm).
+fn incomplete_beta([x, rest]: [f64; 2], a: f64, b: f64) -> f64 {
+    let log = a * libm::log(x) + b * libm::log(rest) - log_beta(a, b);
+    let front = libm::exp(log) / a;
+    if front == 0.0 {
+        return 0.0;
+    }
+    let not_zero = |number: f64| match number.abs() < f64::MIN_POSITIVE {
+        true => f64::MIN_POSITIVE,
+        false => number,
+    };
+    let mut above = 1.0;
+    let mut below = not_zero(1.0 - (a + b) * x / (a + 1.0)).recip();
+    let mut value = below;
+    for count in 1..MOST_FACTORS {
+        let m = count as f64;
+        let twice = a + 2.0 * m;
+        let even = m * (b - m) * x / ((twice - 1.0) * twice);
+        let odd = -(a + m) * (a + b + m) * x / (twice * (twice + 1.0));
+        let mut factor = 1.0;
+        for coefficient in [even, odd] {
+            below = not_zero(1.0 + coefficient * below).recip();
+            above = not_zero(1.0 + coefficient / above);
+            factor = above * below;
+            value *= factor;
+        }
+        if (factor - 1.0).abs() < CONVERGED {
+            break;
+        }
+    }
+    front * value
+}
+
+/// Numbers from which on the logarithms of gamma functions are of Stirling's series, so that large ones do not cancel.
+const LARGE: f64 = 20.0;
+
+/// Logarithm of the beta function.
+fn log_beta(a: f64, b: f64) -> f64 {
+    let (small, large) = if a < b { (a, b) } else { (b, a) };
+    if large < LARGE {
+        return libm::lgamma(a) + libm::lgamma(b) - libm::lgamma(a + b);
+    }
+    // ln Γ(large) − ln Γ(large + small), to 1e-15.
+    let sum = large + small;
+    let growth = (large - 0.5) * libm::log1p(small / large) + small * libm::log(sum) - small;
+    let of_large = rest_of_stirling(large) - rest_of_stirling(sum);
+    if small < LARGE {
+        return libm::lgamma(small) + of_large - growth;
+    }
+    let of_small = (small - 0.5) * libm::log(small) - small + 0.5 * libm::log(2.0 * PI);
+    of_small + rest_of_stirling(small) + of_large - growth
+}
+
+/// What Stirling's series adds to (x − ½) ln x − x + ½ ln 2π.
+fn rest_of_stirling(x: f64) -> f64 {
+    let square = 1.0 / (x * x);
+    (1.0 / 12.0 - square * (1.0 / 360.0 - square * (1.0 / 1260.0 - square / 1680.0))) / x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Percentage points of chi-squared, as tables print them (Abramowitz and Stegun, table 26.8).
+    const POINTS: [(usize, f64, f64); 7] = [
+        (1, 3.841_459, 0.05),
+        (2, 9.210_340, 0.01),
+        (5, 11.070_50, 0.05),
+        (10, 29.588_30, 0.001),
+        (30, 18.492_66, 0.95),
+        (75, 96.216_67, 0.05),
+        (100, 135.806_72, 0.01),
+    ];
+
+    #[test]
+    fn tails_are_those_of_tables() {
+        for (freedom, chi_squared, probability) in POINTS {
+            let found = chi_squared_tail(chi_squared, freedom);
+            assert!(
+                (found / probability - 1.0).abs() < 1e-4,
+                "{found} with {freedom}"
+            );
+        }
+    }
+
+    /// Percentage points of F, as tables print them (Abramowitz and Stegun, table 26.9).
+    const RATIOS: [(usize, usize, f64, f64); 8] = [
+        (1, 1, 161.447_6, 0.05),
+        (1, 12, 4.747_225, 0.05),
+        (2, 1, 199.5, 0.05),
+        (4, 9, 6.422_085, 0.01),
+        (6, 5, 4.950_288, 0.05),
+        (10, 30, 2.979_1, 0.01),
+        (30, 30, 1.840_9, 0.05),
+        (120, 60, 1.467_3, 0.05),
+    ];
+
+    #[test]
+    fn ratios_are_those_of_tables() {
+        for (of_above, of_below, ratio, probability) in RATIOS {
+            let found = ratio_tail(ratio * of_above as f64, of_above, of_below as f64, of_below);
+            assert!(
+                (found / probability - 1.0).abs() < 3e-4,
+                "{found} with {of_above} and {of_below}"
+            );
+        }
+    }
+
+    #[test]
+    fn ratios_to_a_sure_noise_are_chi_squared() {
+        for (chi_squared, freedom) in [(3.0, 1), (12.0, 4), (50.0, 30)] {
+            let count = 100_000_000;
+            let found = ratio_tail(chi_squared, freedom, count as f64, count);
+            let limit = chi_squared_tail(chi_squared, freedom);
+            assert!((found / limit - 1.0).abs() < 1e-5, "{found} {limit}");
+        }
+    }
+
+    #[test]
+    fn ratios_with_two_degrees_below_and_above_are_in_closed_form() {
+        for ratio in [1e-8, 0.3, 2.0, 70.0, 1e9] {
+            let below = ratio_tail(ratio, 2, 2.0, 2);
+            assert!((below * (1.0 + ratio / 2.0) - 1.0).abs() < 1e-12, "{below}");
+            // P(F > f) of 2 and n degrees of freedom is (1 + 2 f/n)^(−n/2).
+            let of_many = ratio_tail(2.0 * ratio, 2, 7.0, 7);
+            let exact = libm::exp(-3.5 * libm::log1p(2.0 * ratio / 7.0));
+            assert!((of_many / exact - 1.0).abs() < 1e-10, "{of_many} {exact}");
+        }
+    }
+
+    #[test]
+    fn tails_of_any_numbers_are_probabilities() {
+        let sums = [0.0, 1e-300, 1.0, 1e5, 1e300, f64::INFINITY];
+        let counts = [0, 1, 2, 77, 100_000];
+        for freedom in counts {
+            for sum in sums {
+                let found = chi_squared_tail(sum, freedom);
+                assert!((0.0..=1.0).contains(&found), "{found}");
+                for (below, of_below) in sums.iter().flat_map(|sum| counts.map(|n| (*sum, n))) {
+                    let found = ratio_tail(sum, freedom, below, of_below);
+                    assert!((0.0..=1.0).contains(&found), "{found}");
+                }
+            }
+            if freedom > 0 {
+                assert_eq!(chi_squared_tail(f64::INFINITY, freedom), 0.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,478 @@
+//! Tests of the least squares against readings that contradict them.
+//!
+//! Residuals `Δp − B g` have the covariance `σ_p² I + σ_g² B Bᵀ` of the noise of shifts and rotations. In standard
+//! deviations of it, weighted least squares take of them what a change of `B` can explain, so that their squares are
+//! distributed as chi-squared. Rao's score test asks how much this would fall if a pattern were fitted too.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
+use palpate_chance::{Explained, GoodnessOfFit, LEFT};
+
+use crate::{Doubt, Estimate, LeastSquares, ProbeReading, ReadingNoise};
+
+/// Entries of `B`, and the part that all shifts have in common where pads round the first contact.
+const OF_MOBILITY: usize = 3;
+const WITH_PADS: usize = 5;
+/// Unknowns with the patterns that change no curvature.
+const UNKNOWNS: usize = WITH_PADS + EVEN;
+/// Patterns, in this order: of a common shift, squares, a twist and third powers.
+const PATTERNS: usize = 12;
+/// Patterns that are the same of a roll to and fro.
+const EVEN: usize = 6;
+const COMMON: Range<usize> = 0..2;
+const SQUARES: Range<usize> = 2..6;
+const TWIST: Range<usize> = 6..7;
+const THIRD_POWERS: Range<usize> = 7..12;
+/// Powers of the rotations in the patterns.
+const DEGREES: [f64; PATTERNS] = [0.0, 0.0, 2.0, 2.0, 2.0, 2.0, 1.0, 3.0, 3.0, 3.0, 3.0, 3.0];
+/// Probability of what patterns leave above which it is of chance.
+const UNREMARKABLE: f64 = 0.05;
+/// Noise that is found, as a share of the longest shift, below which it may be rounding.
+const ROUNDING: f64 = 1e-3;
+/// Least share of an unknown or of noise in a direction that tells it from rounding.
+const SINGULAR: f64 = 1e-10;
+
+type Unknowns = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
+type Slopes = SMatrix<f64, 2, UNKNOWNS>;
+type Patterns = SMatrix<f64, 2, PATTERNS>;
+
+/// Agreement of readings with the fit to them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Agreement {
+    /// Goodness of fit; `None` where no noise is stated. Of pads the p-value is too large rather than too small: their
+    /// errors are no independent noise.
+    pub goodness: Option<GoodnessOfFit>,
+    /// Ways in which the readings contradict the model; none without more equations than unknowns.
+    pub doubts: Vec<Doubt>,
+}
+
+/// Reading of a probe in standard deviations of its noise.
+struct Weighted {
+    residual: Vector2<f64>,
+    /// Square of the whole shift.
+    signal: f64,
+    slopes: Slopes,
+    patterns: Patterns,
+}
+
+/// Sums over probes of products of patterns.
+struct Products {
+    /// Of each with itself.
+    squares: Vec<f64>,
+    /// With each other, after the unknowns have taken of them what they can.
+    left: DMatrix<f64>,
+    by_slopes: DMatrix<f64>,
+    by_residuals: DVector<f64>,
+    /// Share of a pattern that must be left for it to be looked for.
+    least: f64,
+}
+
+impl Products {
+    fn explained(&self) -> Explained {
+        Explained::by(&self.squares, &self.left, &self.by_residuals, self.least)
+    }
+}
+
+/// A fit with all that its tests ask for.
+struct Test {
+    probes: Vec<(usize, Weighted)>,
+    covariance: Unknowns,
+    is_noise_told: bool,
+    has_pads: bool,
+    /// Mean square of the rotations' noise over that of the rotations.
+    rotation_noise: f64,
+    chi_squared: f64,
+    freedom: usize,
+}
+
+impl LeastSquares {
+    /// Goodness of fit of an estimate that this fit made of the readings, and the ways in which they contradict the model.
+    /// Takes time in proportion to the number of probes.
+    ///
+    /// ```
+    /// use nalgebra::Vector2;
+    /// use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
+    ///
+    /// // Four probes of radius 2 on a plane; the shifts are told to err by 0.01, and one errs by 0.1.
+    /// let readings = [[0.0, -0.1], [0.1, 0.0], [0.0, 0.1], [-0.1, 0.0]].map(|[x, y]| ProbeReading {
+    ///     rotation: Vector2::new(x, y),
+    ///     shift: Vector2::new(-2.0 * y, 2.0 * x + if x > 0.0 { 0.1 } else { 0.0 }),
+    /// });
+    /// let noise = ReadingNoise { shift_std: 0.01, ..ReadingNoise::default() };
+    /// let (fit, estimate) = LeastSquares::fitted(2.0, noise, &readings)?;
+    /// let goodness = fit.agreement(&estimate, &readings).goodness.ok_or("noise is stated")?;
+    /// assert!(goodness.freedom == 5 && goodness.p_value < 1e-8);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn agreement(&self, estimate: &Estimate, readings: &[ProbeReading]) -> Agreement {
+        let test = Test::new(self, estimate, readings);
+        test.map(|test| test.agreement()).unwrap_or_default()
+    }
+}
+
+impl Test {
+    /// The tests of a fit; `None` where nothing can be tested.
+    fn new(fit: &LeastSquares, estimate: &Estimate, readings: &[ProbeReading]) -> Option<Self> {
+        let noise = fit.noise();
+        let is_noise_told = noise.is_stated();
+        let has_pads = noise.shift_resolution > 0.0;
+        let unknowns = if has_pads { WITH_PADS } else { OF_MOBILITY };
+        let (residual, _) = estimate.residual(readings);
+        let noise = match is_noise_told {
+            true => noise,
+            // Any size does where the noise is found.
+            false => ReadingNoise {
+                shift_std: residual,
+                ..noise
+            },
+        };
+        let longest =
+            |part: fn(&ProbeReading) -> f64| readings.iter().map(part).fold(0.0, f64::max);
+        let turned = longest(|reading| reading.rotation.norm());
+        if !is_noise_told && residual <= ROUNDING * longest(|reading| reading.shift.norm()) {
+            return None;
+        }
+        let sizes = readings
+            .iter()
+            .map(|reading| size(&noise, estimate, reading));
+        let least = sizes
+            .filter(|size| *size > 0.0)
+            .fold(f64::INFINITY, f64::min);
+        let weigh = |reading| Weighted::new(&noise, estimate, reading, [turned, least]);
+        let weighted = readings.iter().map(weigh).enumerate();
+        let mut probes: Vec<(usize, Weighted)> = weighted
+            .filter_map(|(probe, weighted)| Some((probe, weighted?)))
+            .collect();
+        let mut normal = Unknowns::zeros();
+        let mut along = SVector::<f64, UNKNOWNS>::zeros();
+        for (_, weighted) in &mut probes {
+            if !has_pads {
+                weighted
+                    .slopes
+                    .fixed_columns_mut::<2>(OF_MOBILITY)
+                    .fill(0.0);
+            }
+            normal += weighted.slopes.tr_mul(&weighted.slopes);
+            along += weighted.slopes.tr_mul(&weighted.residual);
+        }
+        let covariance = inverse(normal)?;
+        let change = covariance * along;
+        for (_, weighted) in &mut probes {
+            weighted.residual -= weighted.slopes * change;
+        }
+        let squares = probes
+            .iter()
+            .map(|(_, weighted)| weighted.residual.norm_squared());
+        let square = |number: f64| number * number;
+        let turns = readings
+            .iter()
+            .map(|reading| square(reading.rotation.norm() / turned));
+        let mean = turns.sum::<f64>() / readings.len() as f64;
+        Some(Self {
+            rotation_noise: square(noise.relative_rotation_std)
+                + square(noise.rotation_std_rad / turned) / mean,
+            chi_squared: squares.sum(),
+            freedom: (2 * probes.len()).saturating_sub(unknowns),
+            probes,
+            covariance,
+            is_noise_told,
+            has_pads,
+        })
+    }
+
+    fn agreement(mut self) -> Agreement {
+        let goodness = GoodnessOfFit::new(self.chi_squared, self.freedom);
+        let goodness = self.is_noise_told.then_some(goodness);
+        if self.freedom == 0 {
+            return Agreement {
+                goodness,
+                doubts: Vec::new(),
+            };
+        }
+        let of_powers = self.of_squares().min(self.pattern(THIRD_POWERS));
+        let (probe, slipped) = self.slipped();
+        let doubts = [
+            Doubt::CommonShift {
+                p_value: self.pattern(COMMON),
+            },
+            Doubt::Twist {
+                p_value: self.pattern(TWIST),
+            },
+            Doubt::VaryingCurvature {
+                p_value: (2.0 * of_powers).min(1.0),
+            },
+            Doubt::SlippedProbe {
+                probe,
+                p_value: (slipped * self.probes.len() as f64).min(1.0),
+            },
+            Doubt::LargeResiduals {
+                p_value: match self.is_noise_told {
+                    true => GoodnessOfFit::new(self.chi_squared, self.freedom).p_value,
+                    false => 1.0,
+                },
+            },
+        ];
+        let of_patterns = doubts[..3].iter().map(|doubt| doubt.p_value());
+        let least = of_patterns.fold(1.0, f64::min);
+        // What no pattern alone tells, all may tell together.
+        let is_told_by_all = self.pattern(0..PATTERNS) < Doubt::LEVEL_OF_ALL;
+        let is_doubted = |doubt: &Doubt| {
+            let p_value = doubt.p_value();
+            p_value < Doubt::LEVEL || is_told_by_all && p_value == least
+        };
+        Agreement {
+            goodness,
+            doubts: doubts.into_iter().filter(is_doubted).collect(),
+        }
+    }
+
+    /// Probability by chance of as much of the squares as the residuals have. Where the probes roll as far to as fro, those and
+    /// a common shift change no curvature, and are put aside; squares then count where they have consequences.
+    fn of_squares(&mut self) -> f64 {
+        let alone = self.pattern(SQUARES);
+        let [common, even] = [COMMON, 0..EVEN].map(|range| self.products(range).explained());
+        // A common shift looks like squares of rolls that are as far in all directions.
+        let beyond = Explained {
+            fall: (even.fall - common.fall).max(0.0),
+            freedom: even.freedom.saturating_sub(common.freedom),
+        };
+        let of_beyond = self.chance(beyond);
+        match (self.put_aside(), self.is_consequential(beyond)) {
+            (false, _) => alone,
+            (true, true) => of_beyond,
+            (true, false) => 1.0,
+        }
+    }
+
+    /// Takes patterns that are the same of a roll to and fro out of the residuals, where the probes roll as far to as fro, so
+    /// that they change no curvature, and where they alone are large. Tells whether that is so.
+    fn put_aside(&mut self) -> bool {
+        let products = self.products(0..EVEN);
+        let is_taken = |(place, square): (usize, &f64)| {
+            square - products.left[(place, place)] > products.least * square
+        };
+        let explained = products.explained();
+        let left = GoodnessOfFit::new(
+            (self.chi_squared - explained.fall).max(0.0),
+            self.freedom.saturating_sub(explained.freedom),
+        );
+        // Where the others are too large as well, all are of one cause.
+        let is_alone = !self.is_noise_told || left.p_value > UNREMARKABLE;
+        let is_balanced = !products.squares.iter().enumerate().any(is_taken);
+        if self.has_pads || !is_balanced || !is_alone {
+            return false;
+        }
+        let size = |place: usize| match products.squares[place] > 0.0 {
+            true => products.squares[place].sqrt().recip(),
+            false => 0.0,
+        };
+        let scaled = DMatrix::from_fn(EVEN, EVEN, |row, column| {
+            products.left[(row, column)] * size(row) * size(column)
+        });
+        let eigen = scaled.symmetric_eigen();
+        let mut directions = SMatrix::<f64, EVEN, EVEN>::zeros();
+        for (index, &value) in eigen.eigenvalues.iter().enumerate() {
+            if value > products.least {
+                let column = eigen.eigenvectors.column(index) / value.sqrt();
+                directions.set_column(
+                    index,
+                    &column.map_with_location(|row, _, entry| entry * size(row)),
+                );
+                self.covariance[(WITH_PADS + index, WITH_PADS + index)] = 1.0;
+                self.freedom = self.freedom.saturating_sub(1);
+            }
+        }
+        let taken = self.covariance * products.by_slopes;
+        let mut along = SVector::<f64, EVEN>::zeros();
+        for (_, weighted) in &mut self.probes {
+            let own = weighted.patterns.fixed_columns::<EVEN>(0) - weighted.slopes * &taken;
+            let own = own * directions;
+            along += own.tr_mul(&weighted.residual);
+            weighted
+                .slopes
+                .fixed_columns_mut::<EVEN>(WITH_PADS)
+                .copy_from(&own);
+        }
+        for (_, weighted) in &mut self.probes {
+            let own = weighted.slopes.fixed_columns::<EVEN>(WITH_PADS) * along;
+            weighted.residual -= own;
+        }
+        self.chi_squared = (self.chi_squared - along.norm_squared()).max(0.0);
+        true
+    }
+
+    /// Whether squares of the rotations make third powers likely that change the curvature by a standard deviation. Where the
+    /// squares are the share ε of the shifts, third powers are about 2 ε² if the curvature changes evenly, and 16 ε² on an
+    /// object that is touched anywhere within half its size from where it is symmetric: taken is half of that.
+    fn is_consequential(&self, squares: Explained) -> bool {
+        let signal: f64 = self
+            .probes
+            .iter()
+            .map(|(_, weighted)| weighted.signal)
+            .sum();
+        8.0 * squares.fall >= signal.sqrt()
+    }
+
+    /// Probability by chance of as much of these patterns as the residuals have.
+    fn pattern(&self, range: Range<usize>) -> f64 {
+        self.chance(self.products(range).explained())
+    }
+
+    fn products(&self, range: Range<usize>) -> Products {
+        let (first, count) = (range.start, range.len());
+        let mut by_patterns = DMatrix::zeros(count, count);
+        let mut by_slopes = DMatrix::zeros(UNKNOWNS, count);
+        let mut by_residuals = DVector::zeros(count);
+        for (_, weighted) in &self.probes {
+            let patterns = weighted.patterns.columns(first, count);
+            by_patterns += patterns.tr_mul(&patterns);
+            by_slopes += weighted.slopes.tr_mul(&patterns);
+            by_residuals += patterns.tr_mul(&weighted.residual);
+        }
+        // Patterns of powers of noisy rotations are noisy too, by as much as their powers, and go with the residuals.
+        let noisy: f64 = DEGREES[range].iter().map(|degree| degree * degree).sum();
+        Products {
+            squares: by_patterns.diagonal().iter().copied().collect(),
+            left: by_patterns - by_slopes.tr_mul(&(self.covariance * &by_slopes)),
+            by_slopes,
+            by_residuals,
+            least: LEFT.max(2.0 * self.rotation_noise * noisy),
+        }
+    }
+
+    fn chance(&self, explained: Explained) -> f64 {
+        match self.is_noise_told {
+            true => explained.p_value(),
+            false => explained.p_value_beside(self.chi_squared, self.freedom),
+        }
+    }
+
+    /// The probe that contradicts the others most, and the probability that chance makes it do as much.
+    fn slipped(&self) -> (usize, f64) {
+        let (mut most, mut least) = (0, 1.0);
+        for (probe, weighted) in &self.probes {
+            let slopes = weighted.slopes;
+            let left = Matrix2::identity() - slopes * self.covariance * slopes.transpose();
+            let left = DMatrix::from_fn(2, 2, |row, column| left[(row, column)]);
+            let residual = DVector::from_column_slice(weighted.residual.as_slice());
+            let chance = self.chance(Explained::by(&[1.0; 2], &left, &residual, LEFT));
+            if chance < least {
+                (most, least) = (*probe, chance);
+            }
+        }
+        (most, least)
+    }
+}
+
+/// Size of the noise of a residual over the radius: of shifts, or of rotations as they move the contact.
+fn size(noise: &ReadingNoise, estimate: &Estimate, reading: &ProbeReading) -> f64 {
+    let [of_shift, of_rotation] = sizes(noise, estimate, reading);
+    of_shift.max(of_rotation)
+}
+
+/// Standard deviations over the radius that a shift's and a rotation's noise give to a residual, the second where `B` is
+/// as large as its largest entry.
+fn sizes(noise: &ReadingNoise, estimate: &Estimate, reading: &ProbeReading) -> [f64; 2] {
+    let turned = reading.rotation.norm();
+    let rotation_std = libm::hypot(noise.relative_rotation_std * turned, noise.rotation_std_rad);
+    let largest = estimate.mobility().amax() * estimate.probe_curvature;
+    [
+        noise.shift_std * estimate.probe_curvature,
+        rotation_std * largest,
+    ]
+}
+
+impl Weighted {
+    /// A reading in standard deviations, its slopes and patterns in units of the least noisy reading; `None` without noise
+    /// in some direction, as of a probe that did not turn.
+    fn new(
+        noise: &ReadingNoise,
+        estimate: &Estimate,
+        reading: &ProbeReading,
+        [turned, least]: [f64; 2],
+    ) -> Option<Self> {
+        let mobility = estimate.mobility() * estimate.probe_curvature;
+        let shape = mobility / mobility.amax();
+        let size = size(noise, estimate, reading);
+        let [of_shift, of_rotation] = sizes(noise, estimate, reading).map(|part| part / size);
+        let covariance = Matrix2::identity() * (of_shift * of_shift)
+            + shape * shape.transpose() * (of_rotation * of_rotation);
+        let root = covariance.cholesky()?.l();
+        let is_told = root[(1, 1)] > SINGULAR && root[(0, 0)] > SINGULAR;
+        let drive = Vector2::new(-reading.rotation.y, reading.rotation.x);
+        let residual = reading.shift * estimate.probe_curvature - mobility * drive;
+        let [g, h] = (drive / turned).into();
+        let mut slopes = Slopes::zeros();
+        slopes.set_column(0, &Vector2::new(g, 0.0));
+        slopes.set_column(1, &Vector2::new(0.0, h));
+        slopes.set_column(2, &Vector2::new(h, g));
+        slopes.set_column(3, &Vector2::x());
+        slopes.set_column(4, &Vector2::y());
+        let moved = shape * Vector2::new(g, h);
+        let patterns = patterns(&Vector2::new(g, h), &moved, &shape);
+        let weight = least / size;
+        let signal = root.solve_lower_triangular(&(mobility * drive / size))?;
+        let weighted = Self {
+            signal: signal.norm_squared(),
+            residual: root.solve_lower_triangular(&(residual / size))?,
+            slopes: root.solve_lower_triangular(&slopes)? * weight,
+            patterns: root.solve_lower_triangular(&patterns)? * weight,
+        };
+        (is_told && weight.is_finite()).then_some(weighted)
+    }
+}
+
+/// Shifts of each pattern, of a probe with the drive `g` that moves by about `s`.
+///
+/// Along a roll the curvature changes as the gradient of a cubic form does (Codazzi), to second order as that of a quartic
+/// form; `B` makes a shift of it.
+fn patterns(g: &Vector2<f64>, s: &Vector2<f64>, mobility: &Matrix2<f64>) -> Patterns {
+    let mut patterns = Patterns::zeros();
+    patterns.set_column(0, &Vector2::x());
+    patterns.set_column(1, &Vector2::y());
+    patterns.set_column(TWIST.start, &Vector2::new(-g.y, g.x));
+    let power = |base: f64, exponent: usize| (0..exponent).fold(1.0, |power, _| power * base);
+    for (degree, mut column) in [(3, SQUARES.start), (4, THIRD_POWERS.start)] {
+        for of_v in 0..=degree {
+            let of_u = degree - of_v;
+            let slope = |along: usize, own: f64, across: usize, other: f64| match along {
+                0 => 0.0,
+                _ => along as f64 * power(own, along - 1) * power(other, across),
+            };
+            let gradient = Vector2::new(slope(of_u, s.x, of_v, s.y), slope(of_v, s.y, of_u, s.x));
+            patterns.set_column(column, &(mobility * gradient));
+            column += 1;
+        }
+    }
+    patterns
+}
+
+/// Inverse of the information of unknowns, of which those that are not sought have none; `None` where it is singular.
+fn inverse(mut information: Unknowns) -> Option<Unknowns> {
+    let scale = SVector::<f64, UNKNOWNS>::from_fn(|unknown, _| {
+        match information[(unknown, unknown)] > 0.0 {
+            true => information[(unknown, unknown)].sqrt().recip(),
+            false => 0.0,
+        }
+    });
+    for row in 0..UNKNOWNS {
+        for column in 0..UNKNOWNS {
+            information[(row, column)] *= scale[row] * scale[column];
+        }
+        if scale[row] == 0.0 {
+            information[(row, row)] = 1.0;
+        }
+    }
+    if !information.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let root = information.cholesky()?;
+    if root.l().diagonal().min() < SINGULAR {
+        return None;
+    }
+    let inverse = root.inverse();
+    Some(Unknowns::from_fn(|row, column| {
+        inverse[(row, column)] * scale[row] * scale[column]
+    }))
+}

@@ -1,0 +1,46 @@
+//! Noise of readings.
+
+use nalgebra::Vector2;
+use palpate_ep1::{ProbeReading, ReadingNoise};
+
+/// A small congruential generator: the tests need no better.
+pub(crate) struct Draws(pub(crate) u64);
+
+impl Draws {
+    /// Sum of twelve uniforms less six: nearly normal, of unit variance.
+    fn normal(&mut self) -> f64 {
+        (0..12)
+            .map(|_| {
+                self.0 = self
+                    .0
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
+                (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+            })
+            .sum::<f64>()
+            - 6.0
+    }
+
+    /// Readings with noise.
+    pub(crate) fn noisy(
+        &mut self,
+        exact: &[ProbeReading],
+        noise: &ReadingNoise,
+    ) -> Vec<ProbeReading> {
+        let noisy = exact.iter().map(|reading| {
+            let rotation_std = libm::hypot(
+                noise.relative_rotation_std * reading.rotation.norm(),
+                noise.rotation_std_rad,
+            );
+            ProbeReading {
+                rotation: reading.rotation + self.pair() * rotation_std,
+                shift: reading.shift + self.pair() * noise.shift_std,
+            }
+        });
+        noisy.collect()
+    }
+
+    fn pair(&mut self) -> Vector2<f64> {
+        Vector2::new(self.normal(), self.normal())
+    }
+}

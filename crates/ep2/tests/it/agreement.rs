@@ -1,0 +1,153 @@
+//! Goodness of fit and doubts against contacts of surfaces in closed form.
+
+use nalgebra::{Rotation3, Vector3};
+use palpate_ep2::{Agreement, Contact, Doubt, Method, Noise, Patch, Penalised, Quadric, TwoPass};
+
+use crate::samples::{QUADRIC_LIKE, Surface, Sweep};
+
+/// Seven contacts of each of five fingers, which err by a fiftieth of their distance and by a degree.
+const SWEEP: Sweep = Sweep {
+    fingers: 5,
+    contacts_per_finger: 7,
+    position_std: 0.02,
+    normal_std_rad: 0.02,
+};
+
+fn told(sweep: &Sweep) -> Noise {
+    Noise {
+        position_std: Some(sweep.position_std),
+        normal_std_rad: Some(sweep.normal_std_rad),
+    }
+}
+
+fn penalised(noise: Noise) -> Penalised {
+    Penalised {
+        noise,
+        ..Penalised::default()
+    }
+}
+
+fn agreement(method: &dyn Method, contacts: &[Contact]) -> Agreement {
+    let patch = Patch::new(contacts, &Vector3::z()).unwrap();
+    method.agreement(&patch).unwrap()
+}
+
+/// A saddle, which is a quadric.
+const SADDLE: &Surface = &QUADRIC_LIKE[3];
+
+/// Largest distance of the distribution of numbers from the uniform one (Kolmogorov), times the root of their number.
+fn kolmogorov(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    let count = numbers.len() as f64;
+    let off = numbers.iter().enumerate().map(|(index, number)| {
+        let below = index as f64 / count;
+        (number - below)
+            .abs()
+            .max((number - below - 1.0 / count).abs())
+    });
+    off.fold(0.0, f64::max) * count.sqrt()
+}
+
+/// Kolmogorov's distance that uniform numbers exceed once in a hundred.
+const ONE_IN_100: f64 = 1.628;
+
+#[test]
+fn p_values_are_uniform_on_a_quadric() {
+    let methods: [&dyn Method; 2] = [
+        &Quadric {
+            noise: told(&SWEEP),
+        },
+        &penalised(told(&SWEEP)),
+    ];
+    for method in methods {
+        let (mut p_values, mut doubted) = (Vec::new(), 0);
+        for trial in 0..200 {
+            let found = agreement(method, &SWEEP.contacts(SADDLE, trial));
+            let goodness = found.goodness.unwrap();
+            assert!(
+                goodness.freedom > 50 && goodness.freedom < 105,
+                "{goodness:?}"
+            );
+            p_values.push(goodness.p_value);
+            doubted += usize::from(!found.doubts.is_empty());
+        }
+        let off = kolmogorov(p_values);
+        assert!(off < ONE_IN_100, "{off}");
+        assert!(doubted < 10, "{doubted}");
+    }
+}
+
+/// Change of contacts, and the doubt that is due.
+type Flaw<'f> = (&'f dyn Fn(&mut [Contact]), &'static str);
+
+#[test]
+fn each_flaw_is_named() {
+    let displaced = |contacts: &mut [Contact]| {
+        let those = contacts.iter_mut().filter(|one| one.finger == 3);
+        those.for_each(|one| one.position.z += 8.0 * SWEEP.position_std);
+    };
+    let turned = |contacts: &mut [Contact]| {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.3);
+        let normals = contacts.iter_mut().filter_map(|one| one.normal.as_mut());
+        normals.for_each(|normal| *normal = turn * *normal);
+    };
+    let flaws: [Flaw<'_>; 2] = [
+        (&displaced, "displaced-finger"),
+        (&turned, "contradicting-normals"),
+    ];
+    for (flaw, name) in flaws {
+        for noise in [told(&SWEEP), Noise::default()] {
+            let named = (0..10).filter(|&trial| {
+                let mut contacts = SWEEP.contacts(SADDLE, trial);
+                flaw(&mut contacts);
+                let doubts = agreement(&penalised(noise), &contacts).doubts;
+                doubts.iter().any(|doubt| doubt.name() == name)
+            });
+            assert!(named.count() >= 9, "{name} with {noise:?}");
+        }
+    }
+}
+
+#[test]
+fn the_finger_that_is_displaced_is_told() {
+    let mut contacts = SWEEP.contacts(SADDLE, 1);
+    let those = contacts.iter_mut().filter(|one| one.finger == 1);
+    those.for_each(|one| one.position.z -= 0.3);
+    let doubts = agreement(&penalised(told(&SWEEP)), &contacts).doubts;
+    let finger = doubts.iter().find_map(|doubt| match doubt {
+        Doubt::DisplacedFinger { finger, .. } => Some(*finger),
+        _ => None,
+    });
+    assert_eq!(finger, Some(1));
+}
+
+#[test]
+fn noise_that_is_told_too_small_is_named() {
+    let half = Noise {
+        position_std: Some(0.5 * SWEEP.position_std),
+        normal_std_rad: Some(0.5 * SWEEP.normal_std_rad),
+    };
+    for trial in 0..5 {
+        let found = agreement(&penalised(half), &SWEEP.contacts(SADDLE, trial));
+        let names: Vec<_> = found.doubts.iter().map(|doubt| doubt.name()).collect();
+        assert!(names.contains(&"large-residuals"), "{names:?}");
+    }
+}
+
+#[test]
+fn what_states_no_noise_has_no_goodness() {
+    let contacts = SWEEP.contacts(SADDLE, 0);
+    assert_eq!(agreement(&Penalised::default(), &contacts).goodness, None);
+    assert_eq!(
+        agreement(&TwoPass::default(), &contacts),
+        Agreement::default()
+    );
+    // Exact contacts leave nothing to be tested.
+    let exact = Sweep {
+        position_std: 0.0,
+        normal_std_rad: 0.0,
+        ..SWEEP
+    };
+    let found = agreement(&Penalised::default(), &exact.contacts(SADDLE, 0));
+    assert_eq!(found, Agreement::default());
+}

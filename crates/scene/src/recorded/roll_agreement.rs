@@ -1,0 +1,132 @@
+//! Agreement of recorded rolls with their estimate.
+
+use std::sync::OnceLock;
+
+use palpate_chance::GoodnessOfFit;
+use palpate_ep1::{Agreement, Doubt, LeastSquares, ProbeReading, ReadingNoise};
+use palpate_number::Number;
+use palpate_study::config::LengthUnit;
+use serde::{Serialize, Serializer};
+
+use super::doubted::ToldDoubt;
+use super::roll::{RollOptions, RollReadings};
+use super::suspicion::{of_pitch, of_small_residuals};
+
+/// Agreement of readings with their estimate, found when it is first told: it takes longer than the estimate.
+#[derive(Clone, Debug)]
+pub(super) struct RollAgreement {
+    estimated: Estimated,
+    told: OnceLock<Told>,
+}
+
+/// Readings that were estimated.
+#[derive(Clone, Debug, PartialEq)]
+struct Estimated {
+    /// Numbers of the probes, as recorded.
+    probes: Vec<u64>,
+    readings: Vec<ProbeReading>,
+    probe_radius: f64,
+    noise: ReadingNoise,
+    unit: LengthUnit,
+    /// Root mean square of the residuals, length.
+    residual: f64,
+    suspicion: Option<String>,
+    note: Option<String>,
+}
+
+/// Agreement as it is told.
+#[derive(Clone, Debug, Serialize)]
+struct Told {
+    /// Probability that noise of the stated size leaves residuals at least as large where the model holds; `null` where no
+    /// noise is stated.
+    p_value: Option<f64>,
+    /// Ways in which the readings contradict the model.
+    doubts: Vec<ToldDoubt>,
+    /// Doubts and mistakes that the readings look like, in words.
+    warnings: Vec<String>,
+}
+
+impl PartialEq for RollAgreement {
+    fn eq(&self, other: &Self) -> bool {
+        self.estimated == other.estimated
+    }
+}
+
+impl Serialize for RollAgreement {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.told
+            .get_or_init(|| self.estimated.told())
+            .serialize(serializer)
+    }
+}
+
+impl RollAgreement {
+    pub(super) fn new(
+        recorded: &RollReadings,
+        options: &RollOptions,
+        unit: LengthUnit,
+        residual: f64,
+        suspicion: Option<String>,
+    ) -> Self {
+        let estimated = Estimated {
+            probes: recorded.probes.clone(),
+            readings: recorded.readings.clone(),
+            probe_radius: options.probe_radius,
+            noise: options.noise,
+            unit,
+            residual,
+            suspicion,
+            note: recorded.note.clone(),
+        };
+        Self {
+            estimated,
+            told: OnceLock::new(),
+        }
+    }
+}
+
+impl Estimated {
+    fn told(&self) -> Told {
+        let Self {
+            readings,
+            noise,
+            unit,
+            ..
+        } = self;
+        let fitted = LeastSquares::fitted(self.probe_radius, *noise, readings);
+        let agreement = fitted.map(|(fit, estimate)| fit.agreement(&estimate, readings));
+        let Agreement { goodness, doubts } = agreement.unwrap_or_default();
+        let small =
+            goodness.and_then(|goodness| of_small_residuals(self.residual, goodness, noise, *unit));
+        let in_words = doubts.iter().map(|doubt| self.words(*doubt, goodness));
+        let suspicion = self.suspicion.clone().into_iter();
+        let warnings = suspicion
+            .chain(in_words)
+            .chain(small)
+            .chain(of_pitch(readings, noise.shift_resolution, *unit))
+            .chain(self.note.clone())
+            .collect();
+        Told {
+            p_value: goodness.map(|goodness| goodness.p_value),
+            doubts: doubts.into_iter().map(ToldDoubt::from).collect(),
+            warnings,
+        }
+    }
+
+    fn words(&self, doubt: Doubt, goodness: Option<GoodnessOfFit>) -> String {
+        match (doubt, goodness) {
+            (Doubt::LargeResiduals { .. }, Some(goodness)) => {
+                let ratio = (goodness.chi_squared / goodness.freedom.max(1) as f64).sqrt();
+                format!(
+                    "the residuals are {} times what the noise that is given explains: standard deviations are too small",
+                    Number::rounded(ratio)
+                )
+            }
+            (Doubt::SlippedProbe { probe, .. }, _) => {
+                let probe = self.probes[probe];
+                format!("probe {probe} contradicts the others")
+            }
+            _ => doubt.to_string(),
+        }
+    }
+}
