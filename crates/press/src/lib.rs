@@ -32,7 +32,7 @@ pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use field::Field;
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};
 pub use goodness::GoodnessOfFit;
-pub use image_fit::{ImageFit, Rest, Seen, SensorState, Told, View};
+pub use image_fit::{ImageFit, KnownPress, Rest, Seen, SensorState, Told, View};
 pub use markers::{MarkerDisplacement, Markers};
 pub use regime::ContactRegime;
 pub use skin::{Place, Skin};

@@ -25,6 +25,8 @@ const INDENTATION_STD: f64 = 0.01;
 pub(in crate::intervals) enum Family {
     /// Of a layer, which the fit knows.
     Sound,
+    /// The same, by sensors that are known far more roughly, but that simulated presses on a plane calibrate.
+    Calibrated,
     /// Of a layer, which the fit takes for a half-space.
     LayerForHalfSpace,
     /// Of a half-space, which the fit takes for a layer.
@@ -33,8 +35,9 @@ pub(in crate::intervals) enum Family {
 
 impl Family {
     /// All families.
-    pub(super) const ALL: [Self; 3] = [
+    pub(super) const ALL: [Self; 4] = [
         Self::Sound,
+        Self::Calibrated,
         Self::LayerForHalfSpace,
         Self::HalfSpaceForLayer,
     ];
@@ -43,6 +46,7 @@ impl Family {
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Sound => "layers",
+            Self::Calibrated => "layers by calibrated sensors",
             Self::LayerForHalfSpace => "layers taken for half-spaces",
             Self::HalfSpaceForLayer => "half-spaces taken for layers",
         }
@@ -50,7 +54,7 @@ impl Family {
 
     /// Whether the press is not what the fit believes.
     pub(super) const fn is_wrong(self) -> bool {
-        !matches!(self, Self::Sound)
+        matches!(self, Self::LayerForHalfSpace | Self::HalfSpaceForLayer)
     }
 
     /// Trials of each scene, of those that are asked for: few tell whether a wrong model is doubted.
@@ -61,12 +65,24 @@ impl Family {
         }
     }
 
+    /// What is known of a sensor before its frame at rest and before presses that calibrate it, as a config has it.
+    const fn sensor(self) -> &'static str {
+        match self {
+            Self::Calibrated => {
+                "{ centre_px = 0.29, scale = 0.01, place = 0.2, turn_deg = 1.0, disc_depth = 0.03, disc_diameter = 0.03, colour = 0.02 }"
+            }
+            _ => {
+                "{ centre_px = 0.29, scale = 0.002, place = 0.05, turn_deg = 0.3, disc_depth = 0.03, disc_diameter = 0.01, colour = 0.01 }"
+            }
+        }
+    }
+
     /// The model and the body that the fit believes in, as a config has them.
     fn bodies(self, thickness: f64) -> [String; 2] {
         let half_space = r#"{ kind = "half-space" }"#.to_owned();
         let layer = format!(r#"{{ kind = "bonded-layer", thickness = {thickness} }}"#);
         match self {
-            Self::Sound => [layer, String::new()],
+            Self::Sound | Self::Calibrated => [layer, String::new()],
             Self::LayerForHalfSpace => [layer, ", poisson = 0.5".to_owned()],
             Self::HalfSpaceForLayer => [half_space, format!(", thickness = {thickness}")],
         }
@@ -150,6 +166,7 @@ impl Case {
             false => ("known", INDENTATION_STD),
         };
         let [polar, azimuth] = self.contact(seed, block);
+        let sensor = self.family.sensor();
         let [model, believed] = self.family.bodies(thickness);
         let seed = seed.wrapping_mul(1000).wrapping_add(number);
         format!(
@@ -172,7 +189,7 @@ impl Case {
             [scene.noise]
             pixel = {{ kind = "gaussian", std = {pixel_std} }}
             indentation = {{ kind = "gaussian", std = {INDENTATION_STD} }}
-            sensor = {{ centre_px = 0.29, scale = 0.002, place = 0.05, turn_deg = 0.3, disc_depth = 0.03, disc_diameter = 0.01, colour = 0.01 }}
+            sensor = {sensor}
             "#
         )
     }

@@ -18,7 +18,7 @@ use super::super::parts::Parts;
 use super::super::pressed::Pressed;
 use super::super::readings::{count_of, gaussian};
 use super::super::seen::{CameraPress, Shows};
-use super::calibrated::{CalibratedCamera, CalibrationPresses};
+use super::calibrated::{CalibratedCamera, CalibrationPresses, planes};
 use super::discs::DiscMarkers;
 use crate::marker_sphere::{MarkerSphere, of_optics};
 use crate::plan::PlanError;
@@ -92,10 +92,8 @@ impl CameraPlan<'_> {
             return Ok(None);
         };
         let DiscDepths { magenta, yellow } = self.sphere.disc_depths()?;
-        let made = (
-            self.camera.calibration.rest_frames,
-            self.sphere.misalignment(),
-        );
+        let calibration = &self.camera.calibration;
+        let planes = planes(calibration, pressed.indentation);
         Redrawn::new(
             noise,
             self.model,
@@ -103,7 +101,8 @@ impl CameraPlan<'_> {
             self.discs.markers,
             [magenta, yellow],
             pressed,
-            made,
+            (calibration.rest_frames, planes),
+            self.sphere.misalignment(),
         )
         .map(Some)
     }

@@ -1,0 +1,153 @@
+//! Frames of displacements that are known: at rest, and in presses that calibrate a sensor.
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::law::State;
+use super::rest::Rest;
+use super::settings::ImageFit;
+use super::view::{NUMBERS, Seen, View, difference};
+use crate::{MarkerDisplacement, PressError};
+
+/// Press whose object, place and depth are known, with what was seen of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownPress {
+    /// One reading per marker; `None` for those that are not seen.
+    pub seen: Vec<Option<Seen>>,
+    /// Relative curvature, 1/length.
+    pub relative_curvature: f64,
+    /// Chart coordinates of the contact, length.
+    pub at: [f64; 2],
+    /// Indentation, length.
+    pub indentation: f64,
+}
+
+/// Markers as they were read, where it is known how they moved.
+#[derive(Clone, Debug)]
+pub(super) struct KnownFrame {
+    pub(super) seen: Vec<Option<Seen>>,
+    /// Inverse covariances of what was read.
+    pub(super) weights: Vec<Option<Matrix4<f64>>>,
+    /// Displacements of discs that lie as deep as they are meant to.
+    moved: Vec<[MarkerDisplacement; 2]>,
+    /// Displacements more per length by which discs lie deeper; `None` for none.
+    pub(super) per_depth: Option<Vec<[MarkerDisplacement; 2]>>,
+}
+
+impl KnownFrame {
+    /// Displacements of discs that lie deeper by the first two of these departures.
+    pub(super) fn moved_at(&self, common: &[f64]) -> Vec<[MarkerDisplacement; 2]> {
+        let mut moved = self.moved.clone();
+        for (both, slopes) in moved.iter_mut().zip(self.per_depth.iter().flatten()) {
+            for ((moved, slope), deeper) in both.iter_mut().zip(slopes).zip(common) {
+                moved.normal += deeper * slope.normal;
+                for axis in 0..2 {
+                    moved.tangential[axis] += deeper * slope.tangential[axis];
+                }
+            }
+        }
+        moved
+    }
+
+    /// What a marker's reading differs by from its picture.
+    pub(super) fn residual(
+        &self,
+        marker: usize,
+        pictures: &[Option<[f64; NUMBERS]>],
+    ) -> Option<Vector4<f64>> {
+        let (seen, picture) = (self.seen[marker]?, pictures[marker]?);
+        Some(Vector4::from(difference(&seen.picture, &picture)))
+    }
+}
+
+impl<V: View> ImageFit<V> {
+    /// The sensor as its markers at rest and presses that are known show it: one reading per marker, `None` for those that
+    /// are not seen.
+    ///
+    /// # Errors
+    /// Those of [`ImageFit::at_rest`], and of [`Body::press`](crate::Body::press) for a press that cannot be.
+    pub fn calibrated(
+        &self,
+        at_rest: &[Option<Seen>],
+        presses: &[KnownPress],
+    ) -> Result<Rest, PressError> {
+        self.validate()?;
+        let rest = KnownFrame {
+            seen: at_rest.to_vec(),
+            weights: self.weights(at_rest)?,
+            moved: vec![[MarkerDisplacement::default(); 2]; at_rest.len()],
+            per_depth: None,
+        };
+        if rest.weights.iter().flatten().count() == 0 {
+            return Err(PressError::TooFewMarkers {
+                markers: 0,
+                equations: 0,
+                needed: 1,
+            });
+        }
+        let mut frames = vec![rest];
+        for press in presses {
+            frames.push(self.pressed(press)?);
+        }
+        self.told_by(frames)
+    }
+
+    fn pressed(&self, press: &KnownPress) -> Result<KnownFrame, PressError> {
+        let KnownPress {
+            seen,
+            relative_curvature,
+            at,
+            indentation,
+        } = press;
+        let good = *relative_curvature > 0.0 && *relative_curvature <= 1e50;
+        PressError::unless_good(
+            "curvature",
+            *relative_curvature,
+            good,
+            "> 0 and at most 1e50",
+        )?;
+        if !(at.iter().all(|along| along.abs() <= 1e50) && (0.0..=1e50).contains(indentation)) {
+            return Err(PressError::OutOfRange);
+        }
+        let state = State {
+            log_curvature: libm::log(*relative_curvature),
+            place: self.markers.skin().place(*at),
+            indentation: *indentation,
+            shift: [0.0; 2],
+        };
+        let moved = self.moved(&state)?;
+        Ok(KnownFrame {
+            seen: seen.clone(),
+            weights: self.weights(seen)?,
+            per_depth: self.per_depth(&state, &moved)?,
+            moved,
+        })
+    }
+
+    /// Inverse covariance of each marker's reading.
+    fn weights(&self, seen: &[Option<Seen>]) -> Result<Vec<Option<Matrix4<f64>>>, PressError> {
+        let good = seen.len() == self.markers.places().len();
+        PressError::unless_good("readings", seen.len() as f64, good, "one for each marker")?;
+        weights(seen)
+    }
+}
+
+/// Inverse covariance of each marker's reading.
+fn weights(seen: &[Option<Seen>]) -> Result<Vec<Option<Matrix4<f64>>>, PressError> {
+    let weight = |(marker, seen): (usize, &Option<Seen>)| {
+        let Some(Seen {
+            picture,
+            covariance,
+        }) = seen
+        else {
+            return Ok(None);
+        };
+        let inverse = covariance.cholesky().map(|factor| factor.inverse());
+        let inverse = inverse.filter(|inverse| inverse.iter().all(|entry| entry.is_finite()));
+        let sound = picture.iter().all(|number| number.abs() <= 1e50);
+        match inverse.filter(|_| sound) {
+            Some(inverse) => Ok(Some(inverse)),
+            None => Err(PressError::NotFinite { marker }),
+        }
+    };
+    seen.iter().enumerate().map(weight).collect()
+}
