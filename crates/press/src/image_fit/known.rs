@@ -3,10 +3,14 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::law::State;
+use super::outcome::WRONG;
 use super::rest::Rest;
 use super::settings::ImageFit;
 use super::view::{NUMBERS, Seen, View, difference};
 use crate::{MarkerDisplacement, PressError};
+
+/// At most one in so many markers of a frame is left out.
+const MOST_WRONG: usize = 8;
 
 /// Press whose object, place and depth are known, with what was seen of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +65,7 @@ impl KnownFrame {
 
 impl<V: View> ImageFit<V> {
     /// The sensor as its markers at rest and presses that are known show it: one reading per marker, `None` for those that
-    /// are not seen.
+    /// are not seen. Markers of a press that contradict the others are left out of it.
     ///
     /// # Errors
     /// Those of [`ImageFit::at_rest`], and of [`Body::press`](crate::Body::press) for a press that cannot be.
@@ -71,6 +75,7 @@ impl<V: View> ImageFit<V> {
         presses: &[KnownPress],
     ) -> Result<Rest, PressError> {
         self.validate()?;
+        let markers = at_rest.len();
         let rest = KnownFrame {
             seen: at_rest.to_vec(),
             weights: self.weights(at_rest)?,
@@ -88,7 +93,41 @@ impl<V: View> ImageFit<V> {
         for press in presses {
             frames.push(self.pressed(press)?);
         }
-        self.told_by(frames)
+        let mut rest = self.told_by(frames.clone())?;
+        // One at a time: a wrong marker makes others seem wrong.
+        for _ in 0..frames.len() * markers.div_ceil(MOST_WRONG) {
+            let Some((frame, marker)) = self.worst(&rest, &frames)? else {
+                break;
+            };
+            frames[frame].weights[marker] = None;
+            rest = self.told_by(frames.clone())?;
+        }
+        Ok(rest)
+    }
+
+    /// The marker of a press that contradicts the sensor most, by its frame and number; `None` where none does.
+    fn worst(
+        &self,
+        rest: &Rest,
+        frames: &[KnownFrame],
+    ) -> Result<Option<(usize, usize)>, PressError> {
+        let sensor = rest.sensor();
+        let (mut most, mut worst) = (WRONG, None);
+        for (number, frame) in frames.iter().enumerate().skip(1) {
+            let moved = frame.moved_at(&sensor.common);
+            let pictures = self.view.pictures(&sensor.state(), &moved);
+            let pictures = pictures.ok_or(PressError::OutOfRange)?;
+            for (marker, weight) in frame.weights.iter().enumerate() {
+                if let (Some(weight), Some(residual)) = (weight, frame.residual(marker, &pictures))
+                {
+                    let square = residual.dot(&(weight * residual));
+                    if square > most {
+                        (most, worst) = (square, Some((number, marker)));
+                    }
+                }
+            }
+        }
+        Ok(worst)
     }
 
     fn pressed(&self, press: &KnownPress) -> Result<KnownFrame, PressError> {

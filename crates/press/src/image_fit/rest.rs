@@ -280,7 +280,7 @@ impl<V: View> Resting<'_, V> {
         let Equations {
             information, local, ..
         } = equations;
-        let seen = |frame: &KnownFrame| frame.seen.iter().flatten().count();
+        let seen = |frame: &KnownFrame| frame.weights.iter().flatten().count();
         let count: usize = self.frames.iter().map(seen).sum();
         Rest {
             common: self.common(&state),

@@ -96,8 +96,7 @@ impl Redrawn {
         markers: &Markers,
         depths: [f64; 2],
         pressed: &Pressed,
-        (rest_frames, calibrating): (u32, Vec<Pressed>),
-        misalignment: f64,
+        (rest_frames, calibrating, misalignment): (u32, Vec<Pressed>, f64),
     ) -> Result<Self, PlanError> {
         let errors = stds(noise).map(|std| {
             GaussianError::new(std).map_err(|error| PlanError::at("scene.noise.sensor", error))

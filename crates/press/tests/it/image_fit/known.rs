@@ -78,6 +78,30 @@ fn presses_of_a_sensor_that_presses_calibrate_are_told() {
     assert!(two < 0.9 * alone, "{two} {alone}");
 }
 
+/// A marker of a calibrating press that is taken for another.
+#[test]
+fn a_wrong_marker_of_a_press_changes_little() {
+    let truth = Truth::drawn(1, WIDE);
+    let fit = fit(None, WIDE);
+    let at_rest = truth.at_rest(Some(&mut Stream::new(7, 1, Channel::Centroid)));
+    let mut press = plane(&truth, 1.0, &mut Stream::new(7, 2, Channel::Centroid));
+    let told = |press: &KnownPress| {
+        let presses = [press.clone()];
+        fit.calibrated(&at_rest, &presses).unwrap()
+    };
+    let sound = told(&press);
+    if let Some(seen) = &mut press.seen[40] {
+        seen.picture[0] += 3.0;
+        seen.picture[3] += 0.1;
+    }
+    let spoilt = told(&press);
+    let covariance = sound.covariance().unwrap();
+    for at in 0..5 {
+        let std = covariance[(at, at)].sqrt() * WIDE[at];
+        assert!((spoilt.common[at] - sound.common[at]).abs() < std, "{at}");
+    }
+}
+
 #[test]
 fn presses_that_cannot_be_are_refused() {
     let (truth, _, mut noise) = calibrated(0, 0);

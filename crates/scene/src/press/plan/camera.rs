@@ -93,7 +93,11 @@ impl CameraPlan<'_> {
         };
         let DiscDepths { magenta, yellow } = self.sphere.disc_depths()?;
         let calibration = &self.camera.calibration;
-        let planes = planes(calibration, pressed.indentation);
+        let made = (
+            calibration.rest_frames,
+            planes(calibration, pressed.indentation),
+            self.sphere.misalignment(),
+        );
         Redrawn::new(
             noise,
             self.model,
@@ -101,8 +105,7 @@ impl CameraPlan<'_> {
             self.discs.markers,
             [magenta, yellow],
             pressed,
-            (calibration.rest_frames, planes),
-            self.sphere.misalignment(),
+            made,
         )
         .map(Some)
     }
