@@ -7,6 +7,7 @@
 //! markers: it stands in the fit as parameters with their covariance, by which the interval is as wide as it must be.
 
 mod doubts;
+mod frame;
 mod known;
 mod law;
 mod learn;

@@ -1,12 +1,13 @@
-//! Frames of displacements that are known: at rest, and in presses that calibrate a sensor.
+//! Presses that are known, and that calibrate a sensor beside its frame at rest.
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::Matrix4;
 
+use super::frame::{KnownFrame, weights};
 use super::law::State;
 use super::outcome::WRONG;
 use super::rest::Rest;
 use super::settings::ImageFit;
-use super::view::{NUMBERS, Seen, View, difference};
+use super::view::{Seen, View};
 use crate::{MarkerDisplacement, PressError};
 
 /// At most one in so many markers of a frame is left out.
@@ -23,44 +24,6 @@ pub struct KnownPress {
     pub at: [f64; 2],
     /// Indentation, length.
     pub indentation: f64,
-}
-
-/// Markers as they were read, where it is known how they moved.
-#[derive(Clone, Debug)]
-pub(super) struct KnownFrame {
-    pub(super) seen: Vec<Option<Seen>>,
-    /// Inverse covariances of what was read.
-    pub(super) weights: Vec<Option<Matrix4<f64>>>,
-    /// Displacements of discs that lie as deep as they are meant to.
-    moved: Vec<[MarkerDisplacement; 2]>,
-    /// Displacements more per length by which discs lie deeper; `None` for none.
-    pub(super) per_depth: Option<Vec<[MarkerDisplacement; 2]>>,
-}
-
-impl KnownFrame {
-    /// Displacements of discs that lie deeper by the first two of these departures.
-    pub(super) fn moved_at(&self, common: &[f64]) -> Vec<[MarkerDisplacement; 2]> {
-        let mut moved = self.moved.clone();
-        for (both, slopes) in moved.iter_mut().zip(self.per_depth.iter().flatten()) {
-            for ((moved, slope), deeper) in both.iter_mut().zip(slopes).zip(common) {
-                moved.normal += deeper * slope.normal;
-                for axis in 0..2 {
-                    moved.tangential[axis] += deeper * slope.tangential[axis];
-                }
-            }
-        }
-        moved
-    }
-
-    /// What a marker's reading differs by from its picture.
-    pub(super) fn residual(
-        &self,
-        marker: usize,
-        pictures: &[Option<[f64; NUMBERS]>],
-    ) -> Option<Vector4<f64>> {
-        let (seen, picture) = (self.seen[marker]?, pictures[marker]?);
-        Some(Vector4::from(difference(&seen.picture, &picture)))
-    }
 }
 
 impl<V: View> ImageFit<V> {
@@ -168,25 +131,4 @@ impl<V: View> ImageFit<V> {
         PressError::unless_good("readings", seen.len() as f64, good, "one for each marker")?;
         weights(seen)
     }
-}
-
-/// Inverse covariance of each marker's reading.
-fn weights(seen: &[Option<Seen>]) -> Result<Vec<Option<Matrix4<f64>>>, PressError> {
-    let weight = |(marker, seen): (usize, &Option<Seen>)| {
-        let Some(Seen {
-            picture,
-            covariance,
-        }) = seen
-        else {
-            return Ok(None);
-        };
-        let inverse = covariance.cholesky().map(|factor| factor.inverse());
-        let inverse = inverse.filter(|inverse| inverse.iter().all(|entry| entry.is_finite()));
-        let sound = picture.iter().all(|number| number.abs() <= 1e50);
-        match inverse.filter(|_| sound) {
-            Some(inverse) => Ok(Some(inverse)),
-            None => Err(PressError::NotFinite { marker }),
-        }
-    };
-    seen.iter().enumerate().map(weight).collect()
 }

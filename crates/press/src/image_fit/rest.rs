@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Dyn, Matrix2, OMatrix, U2, Vector4};
 
-use super::known::KnownFrame;
+use super::frame::KnownFrame;
 use super::settings::ImageFit;
 use super::told::Known;
 use super::view::{MOST_MISALIGNED, NUMBERS, Seen, Sensor, SensorState, View, difference};
