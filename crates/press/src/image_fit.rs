@@ -7,6 +7,8 @@
 //! markers: it stands in the fit as parameters with their covariance, by which the interval is as wide as it must be.
 
 mod doubts;
+mod frame;
+mod known;
 mod law;
 mod learn;
 mod mean;
@@ -21,6 +23,7 @@ mod start;
 mod told;
 mod view;
 
+pub use known::KnownPress;
 pub use rest::Rest;
 pub use settings::ImageFit;
 pub use told::Told;

@@ -30,7 +30,7 @@ pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use field::Field;
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};
-pub use image_fit::{ImageFit, Rest, Seen, SensorState, Told, View};
+pub use image_fit::{ImageFit, KnownPress, Rest, Seen, SensorState, Told, View};
 pub use markers::{MarkerDisplacement, Markers};
 pub use palpate_chance::GoodnessOfFit;
 pub use regime::ContactRegime;

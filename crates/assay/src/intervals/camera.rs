@@ -64,7 +64,7 @@ fn score(case: &Case, options: Options<'_>, threads: u64) -> Result<Score> {
             let scene = press(case, block, options.seed, &parts)?;
             let end = trials.min((block + 1) * JITTERED);
             for trial in block * JITTERED..end {
-                judged.push((trial, trial_of(&scene, trial)));
+                judged.push((trial, trial_of(&scene, case, trial)));
             }
         }
         Ok(judged)
@@ -87,8 +87,12 @@ fn score(case: &Case, options: Options<'_>, threads: u64) -> Result<Score> {
     Ok(score::score(case, &judged, pixel_bound))
 }
 
-fn trial_of(scene: &PressScene, trial: u64) -> Judged {
-    scene.judged_curvature(trial).map_err(|error| error.name())
+fn trial_of(scene: &PressScene, case: &Case, trial: u64) -> Judged {
+    let judged = match case.family {
+        Family::Calibrated => scene.calibrated_curvature(trial),
+        _ => scene.judged_curvature(trial),
+    };
+    judged.map_err(|error| error.name())
 }
 
 /// The press of a case with the contact of a block of trials.

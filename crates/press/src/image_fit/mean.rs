@@ -23,7 +23,7 @@ impl<V: View + Clone> Problem<'_, V> {
     pub(super) fn mean_beside(&self, best: &Fitted, covariance: &Square) -> f64 {
         let variance = covariance[(CURVATURE, CURVATURE)];
         let std = variance.sqrt();
-        if !(variance < VAGUE) {
+        if variance >= VAGUE {
             return 0.0;
         }
         let along = covariance.column(CURVATURE) / std;

@@ -15,7 +15,7 @@ use crate::{Estimated, GoodnessOfFit, Interval, Measured, PressError, PressEstim
 /// Least entry on the diagonal of the scaled factor of information that can be inverted.
 pub(super) const SINGULAR: f64 = 1e-6;
 /// Sum of the squares of a marker's four residuals beyond which it is wrong: chance brings one in three million.
-const WRONG: f64 = 36.0;
+pub(super) const WRONG: f64 = 36.0;
 /// Sum of squares beyond which a marker counts less while it is not known which are wrong.
 const ROBUST: f64 = 16.0;
 /// Largest share of the markers that can be wrong; if more seem so, the model is.

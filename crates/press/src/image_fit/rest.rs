@@ -1,7 +1,10 @@
 //! Departures of the sensor that the markers at rest tell.
 
-use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Matrix4, OMatrix, U2, Vector4};
+use std::sync::Arc;
 
+use nalgebra::{DMatrix, DVector, Dyn, Matrix2, OMatrix, U2, Vector4};
+
+use super::frame::KnownFrame;
 use super::settings::ImageFit;
 use super::told::Known;
 use super::view::{MOST_MISALIGNED, NUMBERS, Seen, Sensor, SensorState, View, difference};
@@ -33,10 +36,8 @@ pub struct Rest {
     pub(super) information: DMatrix<f64>,
     /// How each marker's misalignment follows the free common departures, and its covariance beyond that.
     pub(super) local: Vec<Option<Local>>,
-    /// The markers as they were read.
-    readings: Vec<Option<Seen>>,
-    /// Inverse covariances of what was read.
-    weights: Vec<Option<Matrix4<f64>>>,
+    /// The frames that tell it.
+    frames: Arc<[KnownFrame]>,
 }
 
 impl Rest {
@@ -78,24 +79,16 @@ impl<V: View> ImageFit<V> {
     /// [`PressError::BadSetting`], [`PressError::NotFinite`] for what is given; [`PressError::TooFewMarkers`] without
     /// a marker; [`PressError::OutOfRange`] where there is no such sensor.
     pub fn at_rest(&self, seen: &[Option<Seen>]) -> Result<Rest, PressError> {
-        self.validate()?;
-        let markers = self.markers.places().len();
-        let good = seen.len() == markers;
-        PressError::unless_good("readings", seen.len() as f64, good, "one for each marker")?;
-        let weights = weights(seen)?;
-        if weights.iter().flatten().count() == 0 {
-            return Err(PressError::TooFewMarkers {
-                markers: 0,
-                equations: 0,
-                needed: 1,
-            });
-        }
+        self.calibrated(seen, &[])
+    }
+
+    /// The sensor as frames tell it together.
+    pub(super) fn told_by(&self, frames: Vec<KnownFrame>) -> Result<Rest, PressError> {
         Resting {
             fit: self,
             free: self.free(),
             known: self.known()?,
-            seen,
-            weights: &weights,
+            frames: frames.into(),
         }
         .rest()
     }
@@ -106,8 +99,7 @@ impl<V: View> ImageFit<V> {
             fit: self,
             free: self.free(),
             known: self.known().ok()?,
-            seen: &rest.readings,
-            weights: &rest.weights,
+            frames: Arc::clone(&rest.frames),
         };
         let free = resting.free.iter();
         let common = free.map(|&number| sensor.common[number] / self.common_stds[number]);
@@ -207,35 +199,14 @@ impl<V: View> ImageFit<V> {
     }
 }
 
-/// Inverse covariance of each marker's reading.
-fn weights(seen: &[Option<Seen>]) -> Result<Vec<Option<Matrix4<f64>>>, PressError> {
-    let weight = |(marker, seen): (usize, &Option<Seen>)| {
-        let Some(Seen {
-            picture,
-            covariance,
-        }) = seen
-        else {
-            return Ok(None);
-        };
-        let inverse = covariance.cholesky().map(|factor| factor.inverse());
-        let inverse = inverse.filter(|inverse| inverse.iter().all(|entry| entry.is_finite()));
-        let sound = picture.iter().all(|number| number.abs() <= 1e50);
-        match inverse.filter(|_| sound) {
-            Some(inverse) => Ok(Some(inverse)),
-            None => Err(PressError::NotFinite { marker }),
-        }
-    };
-    seen.iter().enumerate().map(weight).collect()
-}
-
-/// The fit of a frame at rest.
+/// The fit of frames that show the sensor: at rest, and in presses that are known.
 struct Resting<'a, V> {
     fit: &'a ImageFit<V>,
     free: Vec<usize>,
     /// Departures that something else tells.
     known: Option<Known>,
-    seen: &'a [Option<Seen>],
-    weights: &'a [Option<Matrix4<f64>>],
+    /// The first is that at rest.
+    frames: Arc<[KnownFrame]>,
 }
 
 /// Unknowns of the fit: free common departures in standard deviations, and misalignments, rad.
@@ -245,7 +216,8 @@ struct State {
     misalignments: Vec<[f64; 2]>,
 }
 
-type Pictures = Vec<Option<[f64; NUMBERS]>>;
+/// Pictures of the markers in each frame.
+type Pictures = Vec<Vec<Option<[f64; NUMBERS]>>>;
 
 /// Equations of one step with the misalignments taken out.
 struct Equations {
@@ -265,7 +237,7 @@ impl<V: View> Resting<'_, V> {
     fn rest(&self) -> Result<Rest, PressError> {
         let mut state = State {
             common: DVector::zeros(self.free.len()),
-            misalignments: vec![[0.0; 2]; self.seen.len()],
+            misalignments: vec![[0.0; 2]; self.markers()],
         };
         let mut pictures = self.pictures(&state).ok_or(PressError::OutOfRange)?;
         let mut cost = self.cost(&state, &pictures);
@@ -308,12 +280,12 @@ impl<V: View> Resting<'_, V> {
         let Equations {
             information, local, ..
         } = equations;
-        let seen: Vec<bool> = self.weights.iter().map(Option::is_some).collect();
-        let count = seen.iter().filter(|&&seen| seen).count();
+        let seen = |frame: &KnownFrame| frame.weights.iter().flatten().count();
+        let count: usize = self.frames.iter().map(seen).sum();
         Rest {
             common: self.common(&state),
             misalignments: state.misalignments,
-            seen,
+            seen: self.frames[0].seen.iter().map(Option::is_some).collect(),
             chi_squared,
             // As many numbers are known beforehand as there are unknowns.
             freedom: NUMBERS * count,
@@ -327,8 +299,7 @@ impl<V: View> Resting<'_, V> {
                     })
                 })
                 .collect(),
-            readings: self.seen.to_vec(),
-            weights: self.weights.to_vec(),
+            frames: Arc::clone(&self.frames),
         }
     }
 
@@ -340,36 +311,38 @@ impl<V: View> Resting<'_, V> {
         common
     }
 
-    fn still(&self) -> Vec<[MarkerDisplacement; 2]> {
-        vec![[MarkerDisplacement::default(); 2]; self.seen.len()]
+    fn markers(&self) -> usize {
+        self.fit.markers.places().len()
     }
 
     fn pictures(&self, state: &State) -> Option<Pictures> {
         let common = self.common(state);
-        let state = SensorState {
+        let sensor = SensorState {
             common: &common,
             misalignments: &state.misalignments,
         };
-        self.fit.view.pictures(&state, &self.still())
-    }
-
-    fn residual(&self, marker: usize, pictures: &Pictures) -> Option<Vector4<f64>> {
-        let (seen, picture) = (self.seen[marker]?, pictures[marker]?);
-        Some(Vector4::from(difference(&seen.picture, &picture)))
+        let frames = self.frames.iter();
+        frames
+            .map(|frame| self.fit.view.pictures(&sensor, &frame.moved_at(&common)))
+            .collect()
     }
 
     fn cost(&self, state: &State, pictures: &Pictures) -> f64 {
         let mut cost = state.common.norm_squared();
-        for marker in 0..self.seen.len() {
-            let Some(weight) = &self.weights[marker] else {
-                continue;
-            };
-            match self.residual(marker, pictures) {
-                Some(residual) => cost += residual.dot(&(weight * residual)),
-                // A marker that was seen cannot be out of sight.
-                None => return f64::INFINITY,
+        for marker in 0..self.markers() {
+            let mut is_seen = false;
+            for (frame, pictures) in self.frames.iter().zip(pictures) {
+                let Some(weight) = &frame.weights[marker] else {
+                    continue;
+                };
+                is_seen = true;
+                match frame.residual(marker, pictures) {
+                    Some(residual) => cost += residual.dot(&(weight * residual)),
+                    // A marker that was seen cannot be out of sight.
+                    None => return f64::INFINITY,
+                }
             }
-            if self.fit.misalignment_std > 0.0 {
+            if is_seen && self.fit.misalignment_std > 0.0 {
                 let [x, y] = state.misalignments[marker];
                 cost += (x * x + y * y) / self.fit.misalignment_std.powi(2);
             }
@@ -377,30 +350,51 @@ impl<V: View> Resting<'_, V> {
         cost
     }
 
-    fn equations(&self, state: &State, pictures: &Pictures, damping: f64) -> Option<Equations> {
+    fn slopes(&self, state: &State, pictures: &Pictures) -> Option<Vec<Slopes>> {
         let common = self.common(state);
-        let slopes =
+        let of_frame = |(frame, pictures): (&KnownFrame, &Vec<_>)| {
+            let moved = frame.moved_at(&common);
+            let per_depth = frame.per_depth.as_deref();
             self.fit
-                .slopes(&common, &state.misalignments, &self.still(), None, pictures)?;
+                .slopes(&common, &state.misalignments, &moved, per_depth, pictures)
+        };
+        self.frames.iter().zip(pictures).map(of_frame).collect()
+    }
+
+    fn equations(&self, state: &State, pictures: &Pictures, damping: f64) -> Option<Equations> {
+        let slopes = self.slopes(state, pictures)?;
         let count = self.free.len();
         let mut information = DMatrix::<f64>::identity(count, count);
         let mut right = -state.common.clone();
         let mut reduced = Vec::new();
         let mut local = Vec::new();
-        for marker in 0..self.seen.len() {
-            let parts = (
-                &self.weights[marker],
-                self.residual(marker, pictures),
-                &slopes.common[marker],
-                &slopes.local[marker],
-            );
-            let (Some(weight), Some(residual), Some(by_common), Some(by_local)) = parts else {
+        for marker in 0..self.markers() {
+            let mut is_seen = false;
+            let mut own = Matrix2::zeros();
+            let mut across = OMatrix::<f64, U2, Dyn>::zeros(count);
+            let mut own_right = nalgebra::Vector2::zeros();
+            for ((frame, pictures), slopes) in self.frames.iter().zip(pictures).zip(&slopes) {
+                let parts = (
+                    &frame.weights[marker],
+                    frame.residual(marker, pictures),
+                    &slopes.common[marker],
+                    &slopes.local[marker],
+                );
+                let (Some(weight), Some(residual), Some(by_common), Some(by_local)) = parts else {
+                    continue;
+                };
+                is_seen = true;
+                let weighted = weight * by_common;
+                information += by_common.transpose() * &weighted;
+                right += weighted.transpose() * residual;
+                own += by_local.transpose() * weight * by_local;
+                own_right += by_local.transpose() * (weight * residual);
+                across += by_local.transpose() * &weighted;
+            }
+            if !is_seen {
                 local.push(None);
                 continue;
-            };
-            let weighted = weight * by_common;
-            information += by_common.transpose() * &weighted;
-            right += weighted.transpose() * residual;
+            }
             if self.fit.misalignment_std == 0.0 {
                 local.push(Some(Own {
                     inverse: Matrix2::zeros(),
@@ -410,14 +404,11 @@ impl<V: View> Resting<'_, V> {
                 continue;
             }
             let per_square = self.fit.misalignment_std.powi(-2);
-            let mut own = by_local.transpose() * weight * by_local;
-            let misalignment = nalgebra::Vector2::from(state.misalignments[marker]);
-            let own_right = by_local.transpose() * (weight * residual) - misalignment * per_square;
+            own_right -= nalgebra::Vector2::from(state.misalignments[marker]) * per_square;
             for axis in 0..2 {
                 own[(axis, axis)] += per_square;
                 own[(axis, axis)] *= 1.0 + damping;
             }
-            let across = by_local.transpose() * &weighted;
             let inverse = own.try_inverse()?;
             reduced.push((
                 across.transpose() * inverse * &across,

@@ -9,6 +9,7 @@ use palpate_sensing::{Channel, GaussianError, Stream};
 use proptest::prelude::*;
 
 mod doubts;
+mod known;
 mod told;
 
 const RADIUS: f64 = 20.0;

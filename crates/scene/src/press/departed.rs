@@ -11,13 +11,21 @@ use super::camera::{AT_REST, Eye};
 use super::failure::PressFailure;
 use super::looks::RestLook;
 use super::picture_law::seen;
+use super::pictures;
 use super::pressed::Pressed;
 use super::soft_body::SoftBody;
 use crate::plan::PlanError;
-use palpate_press::{Body, Seen};
+use palpate_press::{Body, KnownPress, Seen};
 
 /// Trials whose errors frames at rest of redrawn sensors have lie this far apart, beyond those of shared frames.
 const APART: u64 = 1000;
+/// Errors of calibrating presses lie so far below those of the first frame at rest.
+const PRESSES: u64 = APART / 2;
+
+/// The number of the trial whose errors the first frame at rest of a redrawn sensor has.
+const fn first_of(trial: u64) -> u64 {
+    AT_REST.wrapping_sub(APART.wrapping_mul(trial.wrapping_add(2)))
+}
 
 /// Standard deviations of each number of a [`Departure`].
 pub(crate) fn stds(noise: &SensorNoise) -> [f64; Departure::NUMBERS] {
@@ -63,6 +71,8 @@ pub(super) struct Redrawn {
     depths: [f64; 2],
     pressed: Pressed,
     rest_frames: u32,
+    /// Presses on a plane that calibrate it.
+    calibrating: Vec<Pressed>,
     /// Largest misalignment of a marker, a share of the yellow diameter.
     misalignment: f64,
 }
@@ -70,6 +80,8 @@ pub(super) struct Redrawn {
 /// The sensor of a trial.
 pub(super) struct Departed {
     pub(super) eye: Eye,
+    /// Lengths by which the magenta and the yellow discs lie deeper.
+    deeper: [f64; 2],
     pub(super) motions: Vec<MarkerMotion>,
     /// The markers at rest, as they are seen.
     pub(super) rest: Arc<[Option<Seen>]>,
@@ -84,7 +96,7 @@ impl Redrawn {
         markers: &Markers,
         depths: [f64; 2],
         pressed: &Pressed,
-        (rest_frames, misalignment): (u32, f64),
+        (rest_frames, calibrating, misalignment): (u32, Vec<Pressed>, f64),
     ) -> Result<Self, PlanError> {
         let errors = stds(noise).map(|std| {
             GaussianError::new(std).map_err(|error| PlanError::at("scene.noise.sensor", error))
@@ -97,6 +109,7 @@ impl Redrawn {
             depths,
             pressed: *pressed,
             rest_frames,
+            calibrating,
             misalignment,
         })
     }
@@ -119,10 +132,10 @@ impl Redrawn {
         };
         let motions = self.motions(&self.pressed, departure.depths)?;
         let look = RestLook::new(&eye, self.rest_frames);
-        let first = AT_REST.wrapping_sub(APART.wrapping_mul(trial.wrapping_add(2)));
-        let spotted = look.spotted(first)?;
+        let spotted = look.spotted(first_of(trial))?;
         Ok(Departed {
             eye,
+            deeper: departure.depths,
             motions,
             rest: spotted
                 .iter()
@@ -130,6 +143,28 @@ impl Redrawn {
                 .collect(),
             markers: spotted.iter().map(|one| Some((*one)?.marker)).collect(),
         })
+    }
+
+    /// Presses that calibrate the sensor of a trial, as it sees them.
+    pub(super) fn calibrating(
+        &self,
+        meant: &Eye,
+        trial: u64,
+    ) -> Result<Vec<KnownPress>, PressFailure> {
+        let sensor = self.sensor(meant, trial)?;
+        let seen = |(press, number): (&Pressed, u64)| {
+            let motions = self.motions(press, sensor.deeper)?;
+            let motions: Vec<Option<MarkerMotion>> = motions.into_iter().map(Some).collect();
+            let draw = first_of(trial).wrapping_sub(PRESSES + number);
+            let sight = sensor.eye.sight(&sensor.markers, &motions, Some(draw))?;
+            Ok(KnownPress {
+                seen: pictures::pressed(&sight.tracks, &sight.errors),
+                relative_curvature: self.radius.recip() + press.object.curvature,
+                at: press.at,
+                indentation: press.indentation,
+            })
+        };
+        self.calibrating.iter().zip(0..).map(seen).collect()
     }
 
     /// Displacements in a press of discs that lie deeper than they are meant to.

@@ -6,6 +6,7 @@ use palpate_press::{Doubt, Estimated};
 
 use super::failure::PressFailure;
 use super::pressed::Pressed;
+use super::readings::MarkerReadings;
 use super::scene::{PressScene, PressSensor, hold};
 
 /// Unknowns of a press to which pixels are sensitive: relative curvature, both coordinates of the contact, indentation.
@@ -39,7 +40,26 @@ impl PressScene {
     /// # Errors
     /// Failure of the trial.
     pub fn judged_curvature(&self, trial: u64) -> Result<JudgedCurvature, PressFailure> {
-        let readings = self.readings(Some(trial))?;
+        self.judged(self.readings(Some(trial))?)
+    }
+
+    /// The object's curvature as trial number `trial` tells it, by a sensor that the presses of `scene.sensor.calibration`
+    /// tell too, beside its frame at rest: `scene.noise.sensor` is then what is known of it before them. Of fits of
+    /// pictures.
+    ///
+    /// # Errors
+    /// Failure of the trial.
+    pub fn calibrated_curvature(&self, trial: u64) -> Result<JudgedCurvature, PressFailure> {
+        let mut readings = self.readings(Some(trial))?;
+        if let (PressSensor::Camera(Ok(camera)), Some(pictures)) =
+            (&self.sensor, &mut readings.pictures)
+        {
+            pictures.calibrating = camera.calibrating(trial)?;
+        }
+        self.judged(readings)
+    }
+
+    fn judged(&self, readings: MarkerReadings) -> Result<JudgedCurvature, PressFailure> {
         let estimate = self.estimate_from(&readings)?;
         let doubts = self.doubts(&readings, &estimate)?;
         let estimated = estimate.object_curvature();

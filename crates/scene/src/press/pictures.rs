@@ -3,7 +3,8 @@
 use std::sync::{Arc, OnceLock};
 
 use palpate_press::{
-    Doubt, ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate, Rest, Seen,
+    Doubt, ImageFit, KnownPress, MarkerDisplacement, Measured, PressError, PressEstimate, Rest,
+    Seen,
 };
 use palpate_tracking::{MarkerErrors, Track};
 
@@ -14,6 +15,8 @@ use super::picture_law::{PictureLaw, seen_of};
 pub(crate) struct Pictures {
     /// The markers at rest; `None` where all trials share them.
     pub(crate) own_rest: Option<Arc<[Option<Seen>]>>,
+    /// Presses that calibrate the sensor of this trial; none where it is known as it is.
+    pub(crate) calibrating: Vec<KnownPress>,
     /// The markers pressed.
     pub(crate) pressed: Vec<Option<Seen>>,
 }
@@ -93,7 +96,7 @@ impl PictureMethod {
         let own;
         let rest = match &pictures.own_rest {
             Some(rest) => {
-                own = self.fit.at_rest(rest)?;
+                own = self.fit.calibrated(rest, &pictures.calibrating)?;
                 &own
             }
             None => self.rest()?,

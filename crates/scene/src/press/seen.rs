@@ -1,6 +1,7 @@
 //! A press before a camera.
 
 use palpate_chromatouch::MarkerMotion;
+use palpate_press::KnownPress;
 use palpate_sensing::{Channel, Stream};
 
 use super::camera::{AT_REST, CameraModel, CameraSensor, Eye, Sight};
@@ -66,6 +67,7 @@ impl CameraPress {
         };
         readings.pictures = Some(Pictures {
             own_rest: departed.map(|departed| departed.rest),
+            calibrating: Vec::new(),
             pressed: pictures::pressed(&sight.tracks, &sight.errors),
         });
         let mut tracked = Vec::new();
@@ -77,6 +79,14 @@ impl CameraPress {
         readings.tracked = Some(tracked);
         readings.sight = Some(sight);
         Ok(())
+    }
+
+    /// Presses that calibrate the sensor of a trial, as it sees them; none where all trials share a sensor.
+    pub(super) fn calibrating(&self, trial: u64) -> Result<Vec<KnownPress>, PressFailure> {
+        match &self.redrawn {
+            Some(redrawn) => redrawn.calibrating(&self.sensor.eye, trial),
+            None => Ok(Vec::new()),
+        }
     }
 
     /// Sight of the markers: without errors, or in trial number `trial`.

@@ -175,6 +175,7 @@ impl Matched {
             .collect();
         Pictures {
             own_rest: None,
+            calibrating: Vec::new(),
             pressed: pressed(&tracks, &errors),
         }
     }

@@ -53,8 +53,11 @@ impl Summary {
         if scores.is_empty() {
             return None;
         }
+        // Scenes without an estimate have no errors.
         let mean = |part: &dyn Fn(&Score) -> f64| {
-            scores.iter().map(|one| part(one)).sum::<f64>() / scores.len() as f64
+            let parts = scores.iter().map(|one| part(one));
+            let parts: Vec<f64> = parts.filter(|part| !part.is_nan()).collect();
+            parts.iter().sum::<f64>() / parts.len() as f64
         };
         let count = |is: &dyn Fn(&Score) -> bool| scores.iter().filter(|one| is(one)).count();
         Some(Self {

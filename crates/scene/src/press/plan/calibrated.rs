@@ -12,7 +12,7 @@ use super::super::parts::Parts;
 use super::super::pressed::Pressed;
 use super::discs::DiscMarkers;
 use crate::plan::PlanError;
-use palpate_study::config::{self, CameraConfig, ShownMarkers};
+use palpate_study::config::{self, CalibrationConfig, CameraConfig, ShownMarkers};
 
 const PATH: &str = "scene.sensor.calibration";
 
@@ -55,7 +55,7 @@ impl CalibrationPresses<'_> {
 
     /// Markers of each of the presses, with the changes of their pictures.
     fn shown(&self) -> Result<Vec<Vec<Shown>>, PlanError> {
-        let presses = self.presses();
+        let presses = planes(&self.camera.calibration, self.indentation);
         let motions = presses.iter().map(|plane| {
             let motions = self.discs.motions(plane);
             motions.map_err(|error| refused(plane, error))
@@ -83,15 +83,6 @@ impl CalibrationPresses<'_> {
                 .collect())
         });
         shown.collect()
-    }
-
-    fn presses(&self) -> Vec<Pressed> {
-        let calibration = &self.camera.calibration;
-        let deepest = calibration.indentation.unwrap_or(self.indentation);
-        let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
-        (1..=calibration.presses)
-            .map(|press| Pressed::on_plane(indentation(press)))
-            .collect()
     }
 
     fn fit(&self, shown: &[Vec<Shown>]) -> Result<Calibration, CalibrationError> {
@@ -125,6 +116,15 @@ impl CalibrationPresses<'_> {
         let lateral = LateralCalibration::fit(&lateral)?;
         Calibration::new(Some(normal), Some(lateral), None)
     }
+}
+
+/// Presses on a plane that calibrate a sensor; `indentation` is that of the deepest where the config gives none.
+pub(super) fn planes(calibration: &CalibrationConfig, indentation: f64) -> Vec<Pressed> {
+    let deepest = calibration.indentation.unwrap_or(indentation);
+    let indentation = |press: u32| deepest * f64::from(press) / f64::from(calibration.presses);
+    (1..=calibration.presses)
+        .map(|press| Pressed::on_plane(indentation(press)))
+        .collect()
 }
 
 fn refused(plane: &Pressed, error: PressError) -> PlanError {

@@ -18,7 +18,7 @@ use super::super::parts::Parts;
 use super::super::pressed::Pressed;
 use super::super::readings::{count_of, gaussian};
 use super::super::seen::{CameraPress, Shows};
-use super::calibrated::{CalibratedCamera, CalibrationPresses};
+use super::calibrated::{CalibratedCamera, CalibrationPresses, planes};
 use super::discs::DiscMarkers;
 use crate::marker_sphere::{MarkerSphere, of_optics};
 use crate::plan::PlanError;
@@ -92,8 +92,10 @@ impl CameraPlan<'_> {
             return Ok(None);
         };
         let DiscDepths { magenta, yellow } = self.sphere.disc_depths()?;
+        let calibration = &self.camera.calibration;
         let made = (
-            self.camera.calibration.rest_frames,
+            calibration.rest_frames,
+            planes(calibration, pressed.indentation),
             self.sphere.misalignment(),
         );
         Redrawn::new(
