@@ -22,6 +22,8 @@ const UNKNOWNS: usize = count(2);
 const OBSERVED: usize = 3;
 /// Patterns of normals: turns about both tangents, and linear maps of the slopes.
 const OF_NORMALS: usize = 6;
+/// Most contacts that are tested: of more, as many are taken evenly, which takes no longer than a fit.
+const MOST_CONTACTS: usize = 2000;
 /// Most fingers that are tested one by one.
 const MOST_FINGERS: usize = 64;
 /// Noise of positions that is found below which it may be rounding, or what the series does not follow, in the patch's unit.
@@ -111,9 +113,9 @@ impl Model<'_> {
         let position = square(position);
         let found = noise.normal_std_rad.map_or(0.0, square);
         // The noise of normals as the fit has it holds what an error of the place makes of it.
-        let jets = self.patch.samples.iter().map(|sample| self.jet(sample));
+        let jets = self.samples().map(|sample| self.jet(sample));
         let bend = |jet: Jet| 0.5 * (jet.uu * jet.uu + 2.0 * jet.uv * jet.uv + jet.vv * jet.vv);
-        let bending = jets.map(bend).sum::<f64>() / self.patch.samples.len() as f64;
+        let bending = jets.map(bend).sum::<f64>() / self.samples().count() as f64;
         Some(Variances {
             position,
             normal: told.unwrap_or((found - bending * position).max(OWN * found)),
@@ -123,6 +125,14 @@ impl Model<'_> {
     /// Whether all noise is stated.
     fn is_noise_told(&self) -> bool {
         self.told.is_all_of(self.patch)
+    }
+
+    /// Contacts that are tested.
+    fn samples(&self) -> impl Iterator<Item = &Sample> {
+        let samples = &self.patch.samples;
+        samples
+            .iter()
+            .step_by(samples.len().div_ceil(MOST_CONTACTS).max(1))
     }
 
     fn jet(&self, sample: &Sample) -> Jet {
@@ -195,7 +205,7 @@ impl Model<'_> {
             square: 0.0,
             equations: 0,
         };
-        for sample in &self.patch.samples {
+        for sample in self.samples() {
             let weighted = self.weighted(sample, variances)?;
             sums.information += weighted.slopes.tr_mul(&weighted.slopes);
             sums.right += weighted.slopes.tr_mul(&weighted.values);
@@ -336,8 +346,8 @@ impl<'m, 'a> Test<'m, 'a> {
 
     /// The finger that is displaced most, and the probability that chance displaces one of all as far.
     fn displaced(&self) -> Result<(usize, f64), Ep2Error> {
-        let samples = &self.model.patch.samples;
-        let fingers: BTreeSet<usize> = samples.iter().map(|sample| sample.finger).collect();
+        let samples = self.model.samples();
+        let fingers: BTreeSet<usize> = samples.map(|sample| sample.finger).collect();
         let fingers: Vec<usize> = fingers.into_iter().collect();
         if !(2..=MOST_FINGERS).contains(&fingers.len()) {
             return Ok((0, 1.0));
@@ -380,7 +390,7 @@ impl<'m, 'a> Test<'m, 'a> {
         let mut by_patterns = DMatrix::zeros(patterns, patterns);
         let mut by_slopes = DMatrix::zeros(self.model.size(), patterns);
         let mut by_residuals = DMatrix::zeros(patterns, 1);
-        for sample in &self.model.patch.samples {
+        for sample in self.model.samples() {
             let weighted = self.model.weighted(sample, self.variances)?;
             let patterns = of(sample, &self.model.jet(sample));
             let patterns = weighted

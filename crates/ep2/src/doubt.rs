@@ -6,7 +6,7 @@ use palpate_chance::GoodnessOfFit;
 use palpate_number::Number;
 use strum::{IntoStaticStr, VariantNames};
 
-/// Agreement of contacts with the fit to them.
+/// Agreement of contacts with the fit to them; of more than 2,000 contacts, with as many that are taken evenly.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Agreement {
     /// Goodness of fit; `None` where the noise is found and not stated.

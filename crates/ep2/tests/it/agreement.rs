@@ -151,3 +151,19 @@ fn what_states_no_noise_has_no_goodness() {
     let found = agreement(&Penalised::default(), &exact.contacts(SADDLE, 0));
     assert_eq!(found, Agreement::default());
 }
+
+#[test]
+fn of_many_contacts_some_are_tested() {
+    let many = Sweep {
+        contacts_per_finger: 900,
+        ..SWEEP
+    };
+    let found = agreement(&Quadric { noise: told(&many) }, &many.contacts(SADDLE, 3));
+    let goodness = found.goodness.unwrap();
+    // Every third of 4,500, less the quadric.
+    assert_eq!(goodness.freedom, 3 * 1500 - 6);
+    assert!(
+        goodness.p_value > 1e-3 && found.doubts.is_empty(),
+        "{found:?}"
+    );
+}
