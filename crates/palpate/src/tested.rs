@@ -4,6 +4,7 @@ mod camera;
 mod glide;
 mod limits;
 mod press;
+mod roll;
 
 use std::sync::OnceLock;
 
@@ -15,7 +16,7 @@ const TABLE: &str = include_str!("tested/table.csv");
 /// Random scenes of one kind, and how often the intervals of their estimates held the truth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
-    /// Kind of scene: `press`, `glide`.
+    /// Kind of scene: `roll`, `glide`, `press`.
     pub scene: String,
     /// Name, as the table of its harness has it.
     pub name: String,
@@ -81,7 +82,7 @@ pub fn tested(scene: &SceneConfig, unit: LengthUnit) -> Tested {
         }
         SceneConfig::Press(press) => press::family(press, unit),
         SceneConfig::Glide(glide) => glide::family(glide, unit),
-        SceneConfig::Roll(_) => Err("no random scenes of rolls".to_owned()),
+        SceneConfig::Roll(roll) => roll::family(roll, unit),
         SceneConfig::Fingertip(_) => Err("nothing is estimated".to_owned()),
     };
     let (name, beyond) = match likeness {

@@ -17,6 +17,9 @@ use super::options::Options;
 use case::{Case, Family};
 use score::Judged;
 
+/// Name of the family of presses by sensors that are as the fit believes.
+pub(super) const SOUND: &str = Family::Sound.name();
+
 /// Trials that share the place of the contact.
 const JITTERED: u64 = 5;
 

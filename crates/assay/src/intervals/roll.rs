@@ -35,3 +35,20 @@ pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> 
     }
     Ok(scores)
 }
+
+/// Names of the families whose readings are those of a sensor as a study tells it, of whatever rolls.
+pub(super) fn sound_families() -> Vec<String> {
+    sound().map(|family| family.name()).collect()
+}
+
+fn sound() -> impl Iterator<Item = Family> {
+    Family::all().into_iter().filter(Family::is_sound)
+}
+
+/// Rolls at the ends of what the sound families draw, as configs with the family's name; with lengths, angles and noise that
+/// are so many times as large, or as small.
+#[cfg(test)]
+pub(super) fn texts(times: f64) -> Vec<(String, String)> {
+    let ends = |family: Family| [0, 1].map(|end| (family.name(), family.text(end, times)));
+    sound().flat_map(ends).collect()
+}

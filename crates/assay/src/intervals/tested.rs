@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-use super::press::sound_families;
+use super::{camera, press, roll};
 
 /// Row of the table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -27,8 +27,9 @@ struct Glide {
     lowest: f64,
 }
 
+/// Row of the tables of rolls and presses.
 #[derive(Deserialize)]
-struct Press {
+struct Score {
     family: String,
     scenes: usize,
     coverage95: f64,
@@ -37,6 +38,7 @@ struct Press {
 
 #[derive(Deserialize)]
 struct Camera {
+    family: String,
     fits_indentation: bool,
     coverage95: f64,
 }
@@ -64,23 +66,28 @@ pub fn tested(results: &Path) -> Result<Vec<Tested>> {
             });
         }
     }
-    let sound = sound_families();
-    for row in rows::<Press>(&results.join("press-intervals.csv"))? {
-        if sound.contains(&row.family) {
-            add(Tested {
-                scene: "press",
-                family: row.family,
-                scenes: row.scenes,
-                coverage95: row.coverage95,
-                lowest: row.lowest,
-            });
+    let tables = [
+        ("press", "press-intervals.csv", press::sound_families()),
+        ("roll", "roll-intervals.csv", roll::sound_families()),
+    ];
+    for (scene, table, sound) in tables {
+        for row in rows::<Score>(&results.join(table))? {
+            if sound.contains(&row.family) {
+                add(Tested {
+                    scene,
+                    family: row.family,
+                    scenes: row.scenes,
+                    coverage95: row.coverage95,
+                    lowest: row.lowest,
+                });
+            }
         }
     }
     let camera = rows::<Camera>(&results.join("camera-intervals.csv"))?;
     for fits_indentation in [false, true] {
         let shares = camera
             .iter()
-            .filter(|row| row.fits_indentation == fits_indentation);
+            .filter(|row| row.family == camera::SOUND && row.fits_indentation == fits_indentation);
         let shares: Vec<f64> = shares.map(|row| row.coverage95).collect();
         let indentation = if fits_indentation { "fitted" } else { "known" };
         add(Tested {
@@ -116,7 +123,7 @@ mod tests {
     use palpate::config::parse;
 
     use super::*;
-    use crate::intervals::{camera, case, press};
+    use crate::intervals::case;
 
     /// Name of the family that a scene is taken to be of, else why there is none.
     fn family_of(text: &str) -> Result<String, String> {
@@ -130,7 +137,7 @@ mod tests {
 
     #[test]
     fn scenes_of_a_family_are_taken_to_be_of_it() {
-        for (name, text) in press::texts(1.0).into_iter().chain(camera::texts()) {
+        for (name, text) in [press::texts(1.0), camera::texts(), roll::texts(1.0)].concat() {
             assert_eq!(family_of(&text), Ok(name), "{text}");
         }
         for case in case::cases() {
@@ -143,9 +150,12 @@ mod tests {
 
     #[test]
     fn what_lies_beyond_the_draws_is_not_taken_to_be_tested() {
-        for (name, text) in press::texts(1.01) {
+        for (name, text) in [press::texts(1.01), roll::texts(1.01)].concat() {
             let why = family_of(&text).expect_err(&name);
-            assert!(why.contains("a curvature of "), "{why}");
+            assert!(
+                why.contains("a curvature of ") || why.contains("a rotation of "),
+                "{why}"
+            );
         }
     }
 }

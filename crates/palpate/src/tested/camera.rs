@@ -5,8 +5,8 @@ use palpate_study::config::{
     SensorNoise,
 };
 
-use super::limits::{Likeness, Limits};
-use super::press::{of_body, of_indentation, of_motion, of_probe, scaled};
+use super::limits::{Likeness, Limits, scaled};
+use super::press::{of_body, of_indentation, of_motion, of_probe};
 
 // Draws of the random scenes. Lengths are in radii of the sensor, angles in degrees, noise in levels of 255.
 const RELATIVE_CURVATURES: [f64; 2] = [2.0 / 3.0, 5.0];

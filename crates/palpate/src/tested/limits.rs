@@ -58,3 +58,8 @@ pub(super) fn unless(is_so: bool, else_words: &str) -> Result<(), String> {
         false => Err(else_words.to_owned()),
     }
 }
+
+/// Two shares of a radius as lengths.
+pub(super) fn scaled(shares: [f64; 2], radius: f64) -> [f64; 2] {
+    shares.map(|share| share * radius)
+}

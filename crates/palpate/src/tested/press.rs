@@ -6,7 +6,7 @@ use palpate_study::config::{
     PressProbeConfig, PressSensorConfig,
 };
 
-use super::limits::{Likeness, Limits, unless};
+use super::limits::{Likeness, Limits, scaled, unless};
 
 // Draws of the random scenes. Lengths are in radii of the sensor, angles in degrees.
 const DEPTH: f64 = 0.1;
@@ -175,11 +175,6 @@ pub(super) fn of_body(press: &PressConfig) -> Result<Option<f64>, String> {
         true => Ok(pressed),
         false => Err("an estimator that believes in another body than is pressed".to_owned()),
     }
-}
-
-/// Two shares of the sensor's radius as lengths.
-pub(super) fn scaled(shares: [f64; 2], radius: f64) -> [f64; 2] {
-    shares.map(|share| share * radius)
 }
 
 fn std(noise: &Option<LengthNoise>) -> f64 {

@@ -25,7 +25,7 @@ const INDENTATION_STD: f64 = 0.01;
 pub(in crate::intervals) enum Family {
     /// Of a layer, which the fit knows.
     Sound,
-    /// The same, by sensors that are known half as well, but that simulated presses on a plane calibrate.
+    /// Of a layer, by sensors that are known half as well, but that simulated presses on a plane calibrate.
     Calibrated,
     /// Of a layer, which the fit takes for a half-space.
     LayerForHalfSpace,

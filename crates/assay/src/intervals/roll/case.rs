@@ -117,6 +117,11 @@ impl Family {
         words.join(", ")
     }
 
+    /// Whether the readings are those of a sensor as it is told, of whatever rolls.
+    pub(super) fn is_sound(&self) -> bool {
+        self.flaw == Flaw::None && self.is_noise_told
+    }
+
     /// Whether the readings are not what the least squares believe.
     pub(super) fn is_wrong(&self) -> bool {
         self.flaw != Flaw::None || self.is_long
@@ -255,6 +260,56 @@ fn object(family: &Family, draws: &mut Draws) -> Result<(Shape, (f64, f64))> {
     let mut along = |axis: usize| semi_axes[axis] * draws.between(PLACES);
     let place = (along(0), along(1));
     Ok((Shape::Ellipsoid(Ellipsoid::new(semi_axes)?), place))
+}
+
+#[cfg(test)]
+impl Family {
+    /// Rolls with the smallest values (0) or the largest (1) that the family draws, as a config; they are so many times as
+    /// large, or as small.
+    pub(super) fn text(&self, end: usize, times: f64) -> String {
+        let times = if end == 0 { times.recip() } else { times };
+        let object = match self.on_ball {
+            true => format!(r#"kind = "sphere", radius = {}"#, RADII[end] * times),
+            false => {
+                let [long, wide, high] = [SEMI_AXES[end] * times; 3];
+                format!(r#"kind = "ellipsoid", semi_axes = [{long}, {wide}, {high}]"#)
+            }
+        };
+        let angle = times * if self.is_long { LONG[end] } else { SHORT[end] };
+        let directions: Vec<f64> = (0..self.probes)
+            .map(|probe| 360.0 * probe as f64 / self.probes as f64)
+            .collect();
+        let wrist = format!(r#"{{ kind = "wrist", std = {} }}"#, SHIFT_STDS[end] * times);
+        let pads = format!(
+            r#"{{ kind = "pads", pitch = {}, offset = "random" }}"#,
+            PITCHES[end] * times
+        );
+        let ideal = r#"{ kind = "ideal" }"#.to_owned();
+        let rotations = format!(
+            r#"angular_velocity = {{ kind = "gaussian", fraction = {} }}"#,
+            ROTATION_STDS[end] * times
+        );
+        let (sensor, noise) = match self.sensor {
+            Sensor::Shifts => (wrist, String::new()),
+            Sensor::Rotations => (ideal, rotations),
+            Sensor::Both => (wrist, rotations),
+            Sensor::Pads => (pads, String::new()),
+        };
+        format!(
+            r#"
+            name = "rolls"
+            length_unit = "mm"
+            [scene]
+            kind = "roll"
+            probe = {{ kind = "sphere", radius = {RADIUS} }}
+            object = {{ {object} }}
+            motion = {{ angle_deg = {}, directions_deg = {directions:?} }}
+            sensor = {sensor}
+            noise = {{ {noise} }}
+            "#,
+            angle.to_degrees()
+        )
+    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,124 @@
+//! Rolls whose curvature is the least squares' over all probes.
+
+use palpate_study::config::{
+    AngularVelocityNoise, LengthUnit, ObjectConfig, PadLayout, PadOffset, ProbeConfig, RollConfig,
+    RollMotionConfig, RollSensorConfig, When,
+};
+
+use super::limits::{Likeness, Limits, scaled, unless};
+
+// Draws of the random scenes. Lengths are in radii of the probe, angles in radians.
+const PROBES: [usize; 2] = [4, 8];
+const RADII: [f64; 2] = [0.8, 20.0];
+const SEMI_AXES: [f64; 2] = [2.0, 8.0];
+const SHORT: [f64; 2] = [0.1, 0.3];
+const LONG: [f64; 2] = [0.5, 1.2];
+const SHIFT_STDS: [f64; 2] = [0.001, 0.01];
+const ROTATION_STDS: [f64; 2] = [0.005, 0.03];
+const PITCHES: [f64; 2] = [0.01, 0.05];
+
+/// Family of random scenes that a roll is like, else why there is none.
+pub(super) fn family(roll: &RollConfig, unit: LengthUnit) -> Likeness {
+    let mut limits = Limits::new(unit);
+    let ProbeConfig::Sphere { radius } = roll.probe;
+    let probes = roll.motion.directions_deg.len();
+    unless(
+        PROBES.contains(&probes),
+        "a number of probes that is neither 4 nor 8",
+    )?;
+    unless(roll.motion.spin_rad_per_s == 0.0, "a probe that spins")?;
+    let (object, bent) = of_object(&roll.object, radius, &mut limits)?;
+    let angle = angle(&roll.motion, radius, bent)?;
+    // On balls, on which curvature is the same everywhere, short rolls alone.
+    let is_long = object != "balls" && angle > (SHORT[1] * LONG[0]).sqrt();
+    let angles = if is_long { LONG } else { SHORT };
+    limits.within("a rotation", angle, angles, " rad");
+    let sensor = of_sensor(roll, radius, &mut limits)?;
+    let rolls = if is_long { "long rolls" } else { "short rolls" };
+    limits.likeness(format!(
+        "{probes} probes, {object}, {rolls}, {sensor}, told"
+    ))
+}
+
+/// Objects that one is among, and its curvature where it is that of a ball.
+fn of_object(
+    object: &ObjectConfig,
+    probe: f64,
+    limits: &mut Limits,
+) -> Result<(&'static str, Option<f64>), String> {
+    match object {
+        ObjectConfig::Sphere { radius } => {
+            limits.length_within("a radius", *radius, scaled(RADII, probe));
+            Ok(("balls", Some(radius.recip())))
+        }
+        ObjectConfig::Ellipsoid { semi_axes } => {
+            for axis in semi_axes {
+                limits.length_within("a semi-axis", *axis, scaled(SEMI_AXES, probe));
+            }
+            Ok(("ellipsoids", None))
+        }
+        _ => Err("an object that is neither a ball nor an ellipsoid".to_owned()),
+    }
+}
+
+/// Rotation of each probe.
+fn angle(motion: &RollMotionConfig, radius: f64, bent: Option<f64>) -> Result<f64, String> {
+    let by_rate = motion.rate_rad_per_s.zip(motion.duration_s);
+    let by_rate = by_rate.map(|(rate, duration)| rate * duration);
+    let given = motion.angle_deg.map(f64::to_radians).or(by_rate);
+    // A contact moves by 1/(1/R₁ + 1/R₂) per radian.
+    let arc = motion.arc_length.zip(bent);
+    let by_arc = arc.map(|(length, bent)| length * (radius.recip() + bent));
+    given.or(by_arc).ok_or_else(|| {
+        "rolls whose rotations follow from lengths on an object that is no ball".to_owned()
+    })
+}
+
+/// What errs, in the words of the families.
+fn of_sensor(roll: &RollConfig, radius: f64, limits: &mut Limits) -> Result<&'static str, String> {
+    unless(roll.noise.encoder.is_none(), "rounded rotations")?;
+    let rotations = match &roll.noise.angular_velocity {
+        None => 0.0,
+        Some(AngularVelocityNoise::Gaussian {
+            fraction,
+            when: When::PerProbe,
+            ..
+        }) => *fraction,
+        Some(AngularVelocityNoise::Gaussian { .. }) => {
+            return Err("errors of rotations that are drawn at instants".to_owned());
+        }
+        Some(AngularVelocityNoise::Uniform { .. }) => {
+            return Err("errors of rotations that are uniform".to_owned());
+        }
+    };
+    if rotations > 0.0 {
+        limits.within("an error of rotations", rotations, ROTATION_STDS, "");
+    }
+    match roll.sensor {
+        RollSensorConfig::Pads {
+            pitch,
+            layout,
+            offset,
+            ..
+        } => {
+            let is_known = layout == PadLayout::Square && offset == PadOffset::Random;
+            unless(
+                is_known,
+                "pads that are not square or whose places are not random",
+            )?;
+            unless(rotations == 0.0, "pads with errors of rotations")?;
+            limits.length_within("a pitch", pitch, scaled(PITCHES, radius));
+            Ok("pads")
+        }
+        RollSensorConfig::Wrist { std } if std > 0.0 => {
+            limits.length_within("an error of shifts", std, scaled(SHIFT_STDS, radius));
+            Ok(if rotations > 0.0 {
+                "noise of both"
+            } else {
+                "noise of shifts"
+            })
+        }
+        _ if rotations > 0.0 => Ok("noise of rotations"),
+        _ => Err("no noise".to_owned()),
+    }
+}
