@@ -249,7 +249,12 @@ proptest! {
         };
         let found = fit.estimate(&reading).unwrap();
         prop_assert!(is_finite(&found), "{found:?}");
-        prop_assert!((found.most_likely_curvature - 0.05 - object).abs() < 1e-4, "{found:?}");
+        let left = found.goodness.map_or(f64::INFINITY, |goodness| goodness.chi_squared);
+        prop_assert!(left < 1e-3, "{found:?}");
+        // Of presses so sharp and shallow that noise of the stated size all but hides their curvature any near the best will do.
+        let is_told = found.relative_curvature.std < 0.3 * found.relative_curvature.value;
+        let off = found.most_likely_curvature - 0.05 - object;
+        prop_assert!(off.abs() < 1e-4 || !is_told, "{found:?}");
     }
 
     #[test]
