@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use palpate::config::Output;
 use palpate::{
-    Check, Cost, Goal, PlanError, Ran, RunOptions, Rungs, Runner, Simulation, Study, SweepError,
-    Tested, Trace, TraceError, resolved, trace,
+    Check, Cost, Family, Goal, PlanError, Ran, RunOptions, Rungs, Runner, Simulation, Study,
+    SweepError, Tested, Trace, TraceError, resolved, trace,
 };
 use pyo3::prelude::*;
 use serde_json::{Value as Json, json};
