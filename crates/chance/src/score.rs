@@ -18,7 +18,7 @@ pub struct Explained {
 }
 
 impl Explained {
-    /// What patterns explain: of their squared sizes, their products with each other after the unknowns have taken what
+    /// Fall of chi-squared by patterns, from their squared sizes, their products with each other after the unknowns have taken what
     /// they can, and their products with the residuals, all in standard deviations. Patterns of which the unknowns leave less
     /// than the share `least` ([`LEFT`] where nothing speaks for more) do not count, and none where a number is not finite.
     pub fn by(

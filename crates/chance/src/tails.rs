@@ -112,7 +112,7 @@ fn log_beta(a: f64, b: f64) -> f64 {
     of_small + rest_of_stirling(small) + of_large - growth
 }
 
-/// What Stirling's series adds to (x − ½) ln x − x + ½ ln 2π.
+/// Sum of Stirling's series beyond (x − ½) ln x − x + ½ ln 2π.
 fn rest_of_stirling(x: f64) -> f64 {
     let square = 1.0 / (x * x);
     (1.0 / 12.0 - square * (1.0 / 360.0 - square * (1.0 / 1260.0 - square / 1680.0))) / x

@@ -58,7 +58,7 @@ struct Weighted {
 
 /// Sums over probes of products of patterns.
 struct Products {
-    /// Of each with itself.
+    /// Products of each with itself.
     squares: Vec<f64>,
     /// With each other, after the unknowns have taken of them what they can.
     left: DMatrix<f64>,

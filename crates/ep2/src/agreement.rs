@@ -258,7 +258,7 @@ struct Test<'m, 'a> {
     /// The most likely factors.
     factors: DVector<f64>,
     goodness: GoodnessOfFit,
-    /// What is left of all contacts, of which the process explains as much as it may, and its degrees of freedom.
+    /// Rest of all contacts, of which the process explains as much as it may, and its degrees of freedom.
     chi_squared: f64,
     freedom: usize,
 }

@@ -209,7 +209,7 @@ impl Estimated {
         self.with_equations(patch, mixture::posterior).map(Some)
     }
 
-    /// What is asked of the equations of the series that the posterior is of.
+    /// Sums that are asked of the equations of the series that the posterior is of.
     fn with_equations<T>(
         &self,
         patch: &Patch,

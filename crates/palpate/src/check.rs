@@ -285,7 +285,7 @@ fn groups(
     Ok(groups)
 }
 
-/// What random scenes tell of the intervals of scenes, with the number of those of which it is told.
+/// Verdicts of random scenes on the intervals of scenes, with the number of those of which it is told.
 fn intervals(scenes: &[CellScene]) -> Vec<(usize, Tested)> {
     let mut told: Vec<(usize, Tested)> = Vec::new();
     for one in scenes {

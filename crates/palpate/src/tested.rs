@@ -49,7 +49,7 @@ pub enum Tested {
     Not(String),
 }
 
-/// What random scenes tell of the intervals of a scene, whose lengths are in this unit.
+/// Verdict of random scenes on the intervals of a scene, whose lengths are in this unit.
 ///
 /// ```
 /// use palpate::{Tested, tested};

@@ -1,6 +1,6 @@
 //! Score tests of a press's model (Rao): how much chi-squared would fall, to first order, if the model had one more unknown.
 //!
-//! That is what the residuals have of a pattern, after the unknowns that were fitted have taken of it what they can.
+//! The answer is what the residuals have of a pattern, after the unknowns that were fitted have taken of it what they can.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -114,7 +114,7 @@ pub(crate) struct Products<const UNKNOWNS: usize> {
     pub(crate) by_residuals: Patterns,
 }
 
-/// What the residuals of a fit have of patterns.
+/// Share that residuals of a fit have of patterns.
 pub(crate) struct Score {
     found: Patterns,
     /// Squares of the patterns, and products of what the unknowns leave of them.

@@ -74,7 +74,7 @@ fn angle(motion: &RollMotionConfig, radius: f64, bent: Option<f64>) -> Result<f6
     })
 }
 
-/// What errs, in the words of the families.
+/// Noise in the words of the families.
 fn of_sensor(roll: &RollConfig, radius: f64, limits: &mut Limits) -> Result<&'static str, String> {
     unless(roll.noise.encoder.is_none(), "rounded rotations")?;
     let rotations = match &roll.noise.angular_velocity {

@@ -24,7 +24,7 @@ impl<V: View + Clone> ImageFit<V> {
     /// the other ways are judged by the residuals, not by these errors.
     ///
     /// # Errors
-    /// Those of [`ImageFit::estimate`].
+    /// Errors of [`ImageFit::estimate`].
     pub fn doubts(
         &self,
         rest: &Rest,

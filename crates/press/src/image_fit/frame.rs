@@ -32,7 +32,7 @@ impl KnownFrame {
         moved
     }
 
-    /// What a marker's reading differs by from its picture.
+    /// Difference of a marker's reading from its picture.
     pub(super) fn residual(
         &self,
         marker: usize,

@@ -31,7 +31,7 @@ impl<V: View> ImageFit<V> {
     /// are not seen. Markers of a press that contradict the others are left out of it.
     ///
     /// # Errors
-    /// Those of [`ImageFit::at_rest`], and of [`Body::press`](crate::Body::press) for a press that cannot be.
+    /// Errors of [`ImageFit::at_rest`], and of [`Body::press`](crate::Body::press) for a press that cannot be.
     pub fn calibrated(
         &self,
         at_rest: &[Option<Seen>],

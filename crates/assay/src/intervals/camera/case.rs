@@ -23,13 +23,13 @@ const INDENTATION_STD: f64 = 0.01;
 /// Presses of one kind.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(in crate::intervals) enum Family {
-    /// Of a layer, which the fit knows.
+    /// Layers, which the fit knows.
     Sound,
-    /// Of a layer, by sensors that are known half as well, but that simulated presses on a plane calibrate.
+    /// Layers, by sensors that are known half as well, but that simulated presses on a plane calibrate.
     Calibrated,
-    /// Of a layer, which the fit takes for a half-space.
+    /// Layers, which the fit takes for half-spaces.
     LayerForHalfSpace,
-    /// Of a half-space, which the fit takes for a layer.
+    /// Half-spaces, which the fit takes for layers.
     HalfSpaceForLayer,
 }
 
@@ -66,7 +66,7 @@ impl Family {
         }
     }
 
-    /// What is known of a sensor before its frame at rest and before presses that calibrate it, as a config has it.
+    /// Knowledge of a sensor before its frame at rest and before presses that calibrate it, as a config has it.
     const fn sensor(self) -> &'static str {
         match self {
             Self::Calibrated => {

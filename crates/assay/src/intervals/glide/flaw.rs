@@ -1,4 +1,4 @@
-//! What may be wrong with contacts of glides.
+//! Flaws that contacts of glides may have.
 
 use nalgebra::{Rotation3, Unit, Vector3};
 use palpate_ep2::{Contact, Noise};
@@ -12,7 +12,7 @@ const DISPLACED: [f64; 2] = [3.0, 15.0];
 /// Smallest and largest turn of the normals' frame, degrees.
 const TURNED: [f64; 2] = [5.0, 20.0];
 
-/// What is wrong with the contacts.
+/// Flaw of the contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Flaw {
     None,

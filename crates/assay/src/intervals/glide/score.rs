@@ -51,7 +51,7 @@ pub struct Score {
     pub is_within_limits: bool,
 }
 
-/// What the trials of a scene gave.
+/// Sums over the trials of a scene.
 #[derive(Default)]
 pub(super) struct Tally {
     sums: Sums,

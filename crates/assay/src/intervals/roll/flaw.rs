@@ -1,4 +1,4 @@
-//! What may be wrong with the readings of rolls.
+//! Flaws that readings of rolls may have.
 
 use nalgebra::{Matrix2, Vector2};
 use palpate_ep1::ProbeReading;
@@ -16,7 +16,7 @@ const SLIPS: [f64; 2] = [0.2, 1.0];
 /// Smallest and largest length by which all first contacts are off, mm.
 const OFFSETS: [f64; 2] = [0.2, 1.0];
 
-/// What is wrong with the readings.
+/// Flaw of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Flaw {
     None,

@@ -52,7 +52,7 @@ pub struct Score {
     pub is_within_limits: Option<bool>,
 }
 
-/// What the trials of a scene gave.
+/// Sums over the trials of a scene.
 #[derive(Default)]
 pub(super) struct Tally {
     sums: Sums,

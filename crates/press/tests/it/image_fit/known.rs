@@ -40,7 +40,7 @@ fn calibrated(number: u64, presses: usize) -> (Truth, Rest, Stream) {
     (truth, rest, noise)
 }
 
-/// What presses and the frame at rest tell is not counted twice, nor half.
+/// Presses and the frame at rest are not counted twice, nor half.
 #[test]
 fn departures_scatter_by_their_covariance() {
     let trials = 60;
