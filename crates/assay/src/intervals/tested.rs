@@ -135,6 +135,15 @@ mod tests {
         }
     }
 
+    /// The program tells what the tables say.
+    #[test]
+    fn the_table_of_the_program_is_made_from_those_of_the_harnesses() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let made = super::super::table(&tested(&root.join("results")).unwrap()).unwrap();
+        let kept = root.join("crates/palpate/src/tested/table.csv");
+        assert_eq!(made, std::fs::read_to_string(kept).unwrap());
+    }
+
     #[test]
     fn scenes_of_a_family_are_taken_to_be_of_it() {
         for (name, text) in [press::texts(1.0), camera::texts(), roll::texts(1.0)].concat() {

@@ -129,7 +129,7 @@ fn what_holds_is_hardly_ever_doubted() {
     ] {
         for rolls in [around(), eight(0.1), askew()] {
             let exact = readings(1.0, &FORM, &rolls);
-            let trials = 400;
+            let trials = 200;
             let doubted = (0..trials).filter(|_| {
                 let found = agreement(told, &draws.noisy(&exact, &noise));
                 assert_eq!(found.goodness.is_some(), told.is_stated());

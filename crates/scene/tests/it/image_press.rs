@@ -151,13 +151,13 @@ fn curvatures_are_right_in_the_mean_over_sensors() {
     let model = r#"{ kind = "bonded-layer", thickness = 4.2 }"#;
     let text = text(sensor, &noise, model).replace("misalignment = 0.25", "misalignment = 0.05");
     let scene = scene(&text);
-    let count = 200;
+    let count = 120;
     let found = outcomes(&scene, "object_curvature", count);
     let count = count as f64;
     let error = |outcome: &Outcome| outcome.estimate - outcome.truth;
     let mean = found.iter().map(error).sum::<f64>() / count;
     let squares = found.iter().map(|outcome| (error(outcome) - mean).powi(2));
     let scatter = (squares.sum::<f64>() / (count - 1.0)).sqrt();
-    // The mean of 200 errors scatters by 0.07 of what one does; that of the likeliest curvatures is 0.6 of it off.
-    assert!(mean.abs() < 0.25 * scatter, "{mean} {scatter}");
+    // The mean of 120 errors scatters by 0.09 of what one does; that of the likeliest curvatures is 0.6 of it off.
+    assert!(mean.abs() < 0.3 * scatter, "{mean} {scatter}");
 }
