@@ -30,4 +30,10 @@ impl GoodnessOfFit {
             p_value: chi_squared_tail(chi_squared, freedom),
         }
     }
+
+    /// Whether chance alone leaves as much in fewer than [`DOUBTED`] of all fits. Patterns in the residuals are then to be judged
+    /// by the residuals' own size: noise that is stated too small finds every pattern.
+    pub fn is_doubted(&self) -> bool {
+        self.p_value < DOUBTED
+    }
 }

@@ -3,11 +3,13 @@
 mod goodness;
 mod normal;
 mod score;
+mod share;
 mod tails;
 
 pub use goodness::{DOUBTED, DOUBTED_BY_ALL, GoodnessOfFit};
 pub use normal::{CERTAIN, HALF_WIDTHS, NORMAL_95, normal_tail, score_of_tail};
 pub use score::{Explained, LEFT};
+pub use share::Share;
 pub use tails::{chi_squared_tail, ratio_tail};
 
 #[cfg(doctest)]

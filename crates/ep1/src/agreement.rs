@@ -84,6 +84,8 @@ struct Test {
     rotation_noise: f64,
     chi_squared: f64,
     freedom: usize,
+    /// Whether patterns are judged by the stated noise: it explains the residuals.
+    is_noise_trusted: bool,
 }
 
 impl LeastSquares {
@@ -169,25 +171,33 @@ impl Test {
             .iter()
             .map(|reading| square(reading.rotation.norm() / turned));
         let mean = turns.sum::<f64>() / readings.len() as f64;
+        let chi_squared = squares.sum();
+        let freedom = (2 * probes.len()).saturating_sub(unknowns);
+        let goodness = GoodnessOfFit::new(chi_squared, freedom);
         Some(Self {
             rotation_noise: square(noise.relative_rotation_std)
                 + square(noise.rotation_std_rad / turned) / mean,
-            chi_squared: squares.sum(),
-            freedom: (2 * probes.len()).saturating_sub(unknowns),
+            chi_squared,
+            freedom,
             probes,
             covariance,
             is_noise_told,
             has_pads,
+            is_noise_trusted: is_noise_told && !goodness.is_doubted(),
         })
     }
 
     fn agreement(mut self) -> Agreement {
         let goodness = GoodnessOfFit::new(self.chi_squared, self.freedom);
         let goodness = self.is_noise_told.then_some(goodness);
-        if self.freedom == 0 {
+        let large = Doubt::LargeResiduals {
+            p_value: goodness.map_or(1.0, |goodness| goodness.p_value),
+        };
+        if self.freedom == 0 || !self.chi_squared.is_finite() {
+            let is_large = large.p_value() < Doubt::LEVEL;
             return Agreement {
                 goodness,
-                doubts: Vec::new(),
+                doubts: is_large.then_some(large).into_iter().collect(),
             };
         }
         let of_powers = self.of_squares().min(self.pattern(THIRD_POWERS));
@@ -206,12 +216,7 @@ impl Test {
                 probe,
                 p_value: (slipped * self.probes.len() as f64).min(1.0),
             },
-            Doubt::LargeResiduals {
-                p_value: match self.is_noise_told {
-                    true => GoodnessOfFit::new(self.chi_squared, self.freedom).p_value,
-                    false => 1.0,
-                },
-            },
+            large,
         ];
         let of_patterns = doubts[..3].iter().map(|doubt| doubt.p_value());
         let least = of_patterns.fold(1.0, f64::min);
@@ -219,7 +224,7 @@ impl Test {
         let is_told_by_all = self.pattern(0..PATTERNS) < Doubt::LEVEL_OF_ALL;
         let is_doubted = |doubt: &Doubt| {
             let p_value = doubt.p_value();
-            p_value < Doubt::LEVEL || is_told_by_all && p_value == least
+            p_value < Doubt::LEVEL || is_told_by_all && least < 1.0 && p_value == least
         };
         Agreement {
             goodness,
@@ -299,6 +304,8 @@ impl Test {
             weighted.residual -= own;
         }
         self.chi_squared = (self.chi_squared - along.norm_squared()).max(0.0);
+        // The stated noise explains the others.
+        self.is_noise_trusted = self.is_noise_told;
         true
     }
 
@@ -342,7 +349,7 @@ impl Test {
     }
 
     fn chance(&self, explained: Explained) -> f64 {
-        match self.is_noise_told {
+        match self.is_noise_trusted {
             true => explained.p_value(),
             false => explained.p_value_beside(self.chi_squared, self.freedom),
         }

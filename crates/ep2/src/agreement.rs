@@ -375,7 +375,7 @@ impl<'m, 'a> Test<'m, 'a> {
     }
 
     fn chance(&self, explained: Explained) -> f64 {
-        match self.model.is_noise_told() {
+        match self.model.is_noise_told() && !self.goodness.is_doubted() {
             true => explained.p_value(),
             false => explained.p_value_beside(self.chi_squared, self.freedom),
         }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use palpate_chance::GoodnessOfFit;
-use palpate_number::Number;
+use palpate_chance::Share;
 use strum::{IntoStaticStr, VariantNames};
 
 /// Agreement of contacts with the fit to them; of more than 2,000 contacts, with as many that are taken evenly.
@@ -79,7 +79,7 @@ impl fmt::Display for Doubt {
         write!(
             f,
             " (chance does as much in {} of glides)",
-            Number::rounded(self.p_value())
+            Share(self.p_value())
         )
     }
 }

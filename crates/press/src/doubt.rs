@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use palpate_number::Number;
+use palpate_chance::Share;
 use strum::{IntoStaticStr, VariantNames};
 
 /// Way in which readings contradict the model of a press. Where the model holds each arises by chance in
@@ -99,7 +99,7 @@ impl fmt::Display for Doubt {
         write!(
             f,
             " (chance does as much in {} of presses)",
-            Number::rounded(self.p_value())
+            Share(self.p_value())
         )
     }
 }

@@ -113,6 +113,20 @@ subjects! {
         "unsettled": "Status of two-pass: the parameter that balances residuals against roughness was not found; curvatures are of no use. Another --smoothing helps.";
         "never-enough": "Of two objects: no number of trials tells them apart, since a trial is as likely to put them in the wrong order.";
     }
+    "Doubts about estimates" {
+        "doubts": "Ways in which readings contradict the model of an estimate, each with the probability that chance makes readings contradict it as much.";
+        "p-value": "Probability that noise of the stated size leaves residuals at least as large where the model holds; small where the readings contradict the model or the noise.";
+        "large-residuals": "Doubt about an estimate: the residuals are larger than the stated noise makes them.";
+        "common-shift": "Doubt about rolls: all contacts moved by a part in common, which no rotation makes, as by probes that slip or drift.";
+        "twist": "Doubt about rolls: the contacts moved askew to the rotations, as where the frames of the two are turned against each other.";
+        "varying-curvature": "Doubt about rolls: they are too long for the object, whose curvature changes along them.";
+        "slipped-probe": "Doubt about rolls: one probe contradicts the others.";
+        "contradicting-normals": "Doubt about glides: normals and positions tell different slopes, as in frames that are turned against each other.";
+        "displaced-finger": "Doubt about glides: one finger is displaced against the others.";
+        "not-round": "Doubt about presses: displacements depend on the direction from the contact, as by an edge, a cylinder or a saddle.";
+        "other-indentation": "Doubt about presses: the stated indentation is not the one that the displacements tell.";
+        "slipped-marker": "Doubt about presses: one marker contradicts the others, by too little to be left out.";
+    }
     "Failures of rolls" {
         "too-few-probes": "Fewer than two rolls: a curvature has three components, a roll tells two. Roll in at least two directions.";
         "unresolvable-set": "All rolls go nearly the same way, so that the curvature across it is not told. Roll in another direction too.";
@@ -149,7 +163,7 @@ subjects! {
         "too-few-markers": "Fewer readings of markers than unknowns.";
         "no-contact": "All markers moved alike, or not beyond their noise: the best fit of a press explains them hardly better than none. A deeper press or less noise helps; of recorded readings, inward displacements are positive.";
         "one-marker": "One marker moved and the others did not: it is wrong, or a needle under it.";
-        "other-body": "The markers moved, but not as a press moves the body that is fitted: its kind, its thickness or the depth of the markers is another.";
+        "other-body": "The markers moved, but not as a press moves the body that is fitted: its kind, its thickness or the depth of the markers is another. A failure where no press fits, a doubt where one fits badly.";
         "off-markers": "The contact that would explain the readings lies away from all markers.";
     }
     "Failures of cameras and frames" {

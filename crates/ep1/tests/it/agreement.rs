@@ -201,7 +201,7 @@ fn each_flaw_is_named() {
 }
 
 #[test]
-fn what_is_the_same_to_and_fro_changes_no_curvature_and_is_no_doubt() {
+fn what_is_the_same_to_and_fro_changes_no_curvature_and_is_told_by_its_size_alone() {
     let mut draws = Draws(19);
     let exact = readings(1.0, &FORM, &around());
     let mut off = exact.clone();
@@ -211,12 +211,14 @@ fn what_is_the_same_to_and_fro_changes_no_curvature_and_is_no_doubt() {
         estimate.curvature.matrix()
     };
     assert!((curvature(&off) - curvature(&exact)).amax() < 1e-12);
-    let doubted = (0..200).filter(|_| {
+    let named = (0..200).filter(|_| {
         let found = agreement(OF_SHIFTS, &draws.noisy(&off, &OF_SHIFTS));
         assert!(found.goodness.unwrap().p_value < 1e-6);
-        !found.doubts.is_empty()
+        let is_large = |doubt: &Doubt| matches!(doubt, Doubt::LargeResiduals { .. });
+        assert!(found.doubts.iter().any(is_large));
+        !found.doubts.iter().all(is_large)
     });
-    let count = doubted.count();
+    let count = named.count();
     assert!(count < 13, "{count}");
 }
 
@@ -286,4 +288,21 @@ fn exact_readings_are_not_doubted() {
     // Two probes have one equation to spare.
     let two = agreement(OF_SHIFTS, &exact[..2]);
     assert_eq!((two.doubts.len(), two.goodness.unwrap().freedom), (0, 1));
+}
+
+/// Noise of which nothing is left in double precision: the residuals are too large for it, and no cause is named.
+#[test]
+fn noise_that_is_far_too_small_names_no_cause() {
+    let mut draws = Draws(29);
+    let read = draws.noisy(&readings(1.0, &FORM, &around()), &OF_SHIFTS);
+    for shift_std in [1e-6, 1e-100, 1e-300] {
+        let told = ReadingNoise {
+            shift_std,
+            ..ReadingNoise::default()
+        };
+        let found = agreement(told, &read);
+        let names: Vec<_> = found.doubts.iter().map(|doubt| doubt.name()).collect();
+        assert_eq!(names, ["large-residuals"], "{shift_std}");
+        assert!(found.doubts[0].p_value() < 1e-12);
+    }
 }

@@ -5,7 +5,7 @@ use palpate_study::config::{
     SensorNoise,
 };
 
-use super::limits::{Likeness, Limits, scaled};
+use super::limits::{Likeness, Limits, scaled, unless};
 use super::press::{of_body, of_indentation, of_motion, of_probe};
 
 // Draws of the random scenes. Lengths are in radii of the sensor, angles in degrees, noise in levels of 255.
@@ -17,6 +17,8 @@ const NOISES: [f64; 2] = [1.0, 5.0];
 const MISALIGNMENTS: [f64; 2] = [0.0, 0.3];
 const INDENTATION_STDS: [f64; 2] = [0.0, 0.0005];
 const THICKNESSES: [f64; 2] = [0.2, 0.5];
+/// Polar angle that the image's inscribed circle shows.
+const FIELD_DEG: f64 = 65.0;
 const PLACE: f64 = 0.0025;
 const DISC_DEPTH: f64 = 0.0015;
 
@@ -32,9 +34,14 @@ pub(super) fn family(press: &PressConfig, unit: LengthUnit) -> Likeness {
         POLAR_ANGLES_DEG,
         &mut limits,
     )?;
-    let PressSensorConfig::Rendered(CameraConfig { size_px, .. }) = &press.sensor else {
+    let PressSensorConfig::Rendered(camera) = &press.sensor else {
         return Err("pictures without pixels".to_owned());
     };
+    let CameraConfig { size_px, .. } = camera;
+    unless(
+        is_plain(camera),
+        "a camera that is not the usual one in the very centre",
+    )?;
     limits.within("an image", f64::from(*size_px), SIZES_PX, " px");
     let pixel = press.noise.pixel.as_ref();
     let pixel = pixel.map_or(0.0, |PixelNoise::Gaussian { std }| *std);
@@ -79,4 +86,25 @@ pub(super) fn family(press: &PressConfig, unit: LengthUnit) -> Likeness {
     limits.length_within("a layer", thickness, scaled(THICKNESSES, radius));
     let known = if is_known { "known" } else { "fitted" };
     limits.likeness(format!("pictures of layers, indentation {known}"))
+}
+
+/// Whether a camera is as those of the random scenes, but for its pixels, and calibrated as they are.
+fn is_plain(camera: &CameraConfig) -> bool {
+    let CameraConfig {
+        k3,
+        k5,
+        light_at_rim,
+        blur_px,
+        seam_width,
+        place,
+        turn_deg,
+        calibration,
+        ..
+    } = camera;
+    let lens = [*k3, *k5, *blur_px, *seam_width, light_at_rim - 1.0];
+    let stand = place.iter().chain(turn_deg);
+    lens.iter().chain(stand).all(|one| *one == 0.0)
+        && camera.field_deg == FIELD_DEG
+        && camera.frames == 1
+        && calibration.rest_frames == 1
 }

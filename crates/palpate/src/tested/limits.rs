@@ -27,9 +27,14 @@ impl Limits {
         // A limit that was computed from another is met by a number that is written as it.
         let slack = 1e-9 * low.abs().max(high.abs());
         if !(low - slack..=high + slack).contains(&number) {
-            let [number, low, high] = [number, low, high].map(Number::rounded);
+            let number = Number::rounded(number);
+            let [least, most] = [low, high].map(shown);
+            let drawn = match low == high {
+                true => least,
+                false => format!("{least} to {most}"),
+            };
             self.beyond
-                .push(format!("{what} of {number}{unit} ({low} to {high}{unit})"));
+                .push(format!("{what} of {number}{unit} ({drawn}{unit})"));
         }
     }
 
@@ -48,6 +53,14 @@ impl Limits {
     /// The family's name, with what lies beyond.
     pub(super) fn likeness(self, name: String) -> Likeness {
         Ok((name, self.beyond))
+    }
+}
+
+/// A limit to as many digits as tell it from others.
+fn shown(limit: f64) -> String {
+    match limit >= 100.0 {
+        true => Number(limit.round()).to_string(),
+        false => Number::rounded(limit).to_string(),
     }
 }
 

@@ -49,8 +49,21 @@ impl ForwardFit {
         }
         problem.normal_std = estimate.normal_std;
         problem.tangential_std = estimate.tangential_std.unwrap_or(problem.tangential_std);
-        let doubts = Test::new(&problem, &state)?.map(|test| test.doubts(estimate));
-        Ok(doubts.transpose()?.unwrap_or_default())
+        match Test::new(&problem, &state)? {
+            // Patterns are sought about the best of all fits, which a press that is not seen is not.
+            Some(test) if estimate.is_seen => test.doubts(estimate),
+            _ => {
+                let large = large(estimate);
+                let is_large = large.p_value() < Doubt::LEVEL;
+                Ok(is_large.then_some(large).into_iter().collect())
+            }
+        }
+    }
+}
+
+fn large(estimate: &PressEstimate) -> Doubt {
+    Doubt::LargeResiduals {
+        p_value: estimate.goodness.map_or(1.0, |goodness| goodness.p_value),
     }
 }
 
@@ -84,14 +97,6 @@ impl<'p, 'a> Test<'p, 'a> {
     }
 
     fn doubts(self, estimate: &PressEstimate) -> Result<Vec<Doubt>, PressError> {
-        let large = Doubt::LargeResiduals {
-            p_value: estimate.goodness.map_or(1.0, |goodness| goodness.p_value),
-        };
-        if !estimate.is_seen {
-            // Patterns are sought about the best of all fits, which this is not.
-            let is_large = large.p_value() < Doubt::LEVEL;
-            return Ok(is_large.then_some(large).into_iter().collect());
-        }
         let noise = match self.problem.knows_noise() {
             true => Noise::Stated,
             false => Noise::Found {
@@ -101,7 +106,11 @@ impl<'p, 'a> Test<'p, 'a> {
         };
         let score = Score::new(&self.products()?, &self.covariance, noise);
         let slipped = self.slipped(&score.noise)?;
-        Ok(score.doubts(self.indentation(&score.noise), slipped, large.p_value()))
+        Ok(score.doubts(
+            self.indentation(&score.noise),
+            slipped,
+            large(estimate).p_value(),
+        ))
     }
 
     fn products(&self) -> Result<Products<UNKNOWNS>, PressError> {

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{
-    Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, Regions, RoundTip, Status,
-    Uncertainty, regions,
+    Agreement, Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, Regions, RoundTip,
+    Status, Uncertainty, regions,
 };
 use palpate_geometry::{ShapeClass, ShapeThresholds};
 
@@ -208,7 +208,13 @@ impl<'r> FittedGlide<'r> {
         let stds = curvature.uncertainty;
         let [min_std, max_std] = principal_stds(&curvature);
         let method = AnyMethod::of(&options.estimator, options.inter_finger_distance);
-        let agreement = method.agreement(patch).unwrap_or_default();
+        let (agreement, unknown) = match method.agreement(patch) {
+            Ok(agreement) => (agreement, None),
+            Err(error) => {
+                let why = format!("how well the patch fits the contacts cannot be told: {error}");
+                (Agreement::default(), Some(why))
+            }
+        };
         let of_noise = noise(patch, &options.estimator, unit);
         let directions = of_directions(self.contacts());
         GlideEstimate {
@@ -266,6 +272,7 @@ impl<'r> FittedGlide<'r> {
                 .spacing()
                 .into_iter()
                 .chain(words(&agreement.doubts, &of_noise, directions.is_some()))
+                .chain(unknown)
                 .chain(of_noise.iter().cloned())
                 .chain(of_normals(self.contacts()))
                 .chain(directions)

@@ -145,7 +145,8 @@ pub(super) fn noise(estimate: &PressEstimate, freedom: usize) -> Option<String> 
     let chance = 1.0 + 3.0 / (2.0 * freedom.max(1) as f64).sqrt();
     if ratio > LARGE_RESIDUALS.max(chance) {
         return Some(format!(
-            "the residuals are {ratio:.1} times the noise that is given: intervals are too narrow"
+            "the residuals are {:.1} times the noise that is given: intervals are too narrow",
+            Number(ratio)
         ));
     }
     (ratio * LARGE_RESIDUALS < 1.0 && freedom >= MANY).then(|| {

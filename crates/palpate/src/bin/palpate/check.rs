@@ -85,6 +85,15 @@ fn text(name: &str, check: &Check) -> String {
             let _ = writeln!(text, "    {line}");
         }
     }
+    if check.intervals.len() > MOST_GROUPS {
+        let more = &check.intervals[MOST_GROUPS..];
+        let cells: usize = more.iter().map(|(cells, _)| cells).sum();
+        let _ = writeln!(
+            text,
+            "  {cells} others, of which {} more things are told",
+            more.len()
+        );
+    }
     let _ = write!(
         text,
         "time    about {} on {} threads, planning included",
@@ -98,7 +107,8 @@ fn text(name: &str, check: &Check) -> String {
 fn intervals(tested: &Tested) -> [Option<String>; 2] {
     let measured = |family: &Family| {
         let [share, lowest] = [family.coverage95, family.lowest].map(|share| 100.0 * share);
-        let only = if share < 92.0 { "only " } else { "" };
+        let is_short = family.coverage95 < Family::HOLDS[0];
+        let only = if is_short { "only " } else { "" };
         format!(
             "held the truth in {only}{share:.1} % of trials of {} random scenes (in the worst scene {lowest:.0} %): {}",
             family.scenes, family.name

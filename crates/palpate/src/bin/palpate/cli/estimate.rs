@@ -37,11 +37,11 @@ probe each row is one; of time series, each that a blank line or a time that doe
 `unresolved_probes`, as `columns`.
 
 `p_value` is the probability that noise of the stated size leaves residuals at least as large; null where none is
-stated. Errors of pads are no independent noise: theirs is rather too large. `doubts` are the ways in which the
-readings contradict the model, each with its p-value: large-residuals, common-shift (a slip or a first contact that is
-off), twist (frames that are turned against each other), varying-curvature (rolls too long for the object),
-slipped-probe; 1 set of rolls in 200 has each by chance, and 1 in 50 one of the middle three by all that they tell
-together.
+stated or too few probes leave any. Errors of pads are no independent noise: theirs is rather too large. `doubts` are
+the ways in which the readings contradict the model, each with its p-value: large-residuals, common-shift (a slip or a
+first contact that is off), twist (frames that are turned against each other), varying-curvature (rolls too long for
+the object), slipped-probe; 1 set of rolls in 200 has each by chance, and 1 in 50 one of the middle three by all that
+they tell together. What is the same of rolls to and fro changes no curvature: large-residuals alone tells of it.
 
 The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
 standard error repeats, tell the doubts, and where the readings contradict what is stated: noise (or a pitch)
