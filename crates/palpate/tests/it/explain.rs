@@ -33,7 +33,7 @@ fn words_are_explained() {
     assert!(all.lines().all(|line| line.chars().count() <= 102), "{all}");
     assert_eq!(
         desk.palpate("explain not-roling").said(2),
-        "error: `not-roling` is no word of palpate; did you mean not-rolling?\n"
+        "error: `not-roling` is no word of palpate; did you mean not-rolling, not-round?\n"
     );
     desk.palpate("explain zzzzzz")
         .fails(2, "`palpate explain` lists all words");
