@@ -8,10 +8,8 @@ use palpate_study::config::{
 use super::limits::{Likeness, Limits, scaled, unless};
 use super::press::{of_body, of_indentation, of_motion, of_probe};
 
-// Draws of the random scenes. Lengths are in radii of the sensor, angles in degrees, noise in levels of 255.
-const RELATIVE_CURVATURES: [f64; 2] = [2.0 / 3.0, 5.0];
-const INDENTATIONS: [f64; 2] = [0.03, 0.07];
-const POLAR_ANGLES_DEG: [f64; 2] = [0.0, 20.0];
+// Draws of the random scenes beside those of presses that are read directly. Lengths are in radii of the sensor, noise in
+// levels of 255.
 const SIZES_PX: [f64; 2] = [400.0, 1024.0];
 const NOISES: [f64; 2] = [1.0, 5.0];
 const MISALIGNMENTS: [f64; 2] = [0.0, 0.3];
@@ -26,14 +24,7 @@ const DISC_DEPTH: f64 = 0.0015;
 pub(super) fn family(press: &PressConfig, unit: LengthUnit) -> Likeness {
     let mut limits = Limits::new(unit);
     let radius = of_probe(press, &mut limits)?;
-    of_motion(
-        press,
-        radius,
-        RELATIVE_CURVATURES,
-        INDENTATIONS,
-        POLAR_ANGLES_DEG,
-        &mut limits,
-    )?;
+    of_motion(press, radius, &mut limits)?;
     let PressSensorConfig::Rendered(camera) = &press.sensor else {
         return Err("pictures without pixels".to_owned());
     };

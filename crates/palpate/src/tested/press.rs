@@ -21,14 +21,7 @@ const THICKNESSES: [f64; 6] = [0.2, 0.25, 0.35, 0.5, 0.7, 1.0];
 pub(super) fn family(press: &PressConfig, unit: LengthUnit) -> Likeness {
     let mut limits = Limits::new(unit);
     let radius = of_probe(press, &mut limits)?;
-    of_motion(
-        press,
-        radius,
-        RELATIVE_CURVATURES,
-        INDENTATIONS,
-        POLAR_ANGLES_DEG,
-        &mut limits,
-    )?;
+    of_motion(press, radius, &mut limits)?;
     let PressSensorConfig::Direct { tangential, frames } = press.sensor else {
         return Err(
             "displacements from a camera, whose errors the estimator is not told".to_owned(),
@@ -102,13 +95,10 @@ pub(super) fn of_probe(press: &PressConfig, limits: &mut Limits) -> Result<f64, 
     Ok(*radius)
 }
 
-/// Asks for an object, a contact and an indentation within limits, the first and the last in radii of the sensor.
+/// Asks for an object, a contact and an indentation among the draws.
 pub(super) fn of_motion(
     press: &PressConfig,
     radius: f64,
-    relative_curvatures: [f64; 2],
-    indentations: [f64; 2],
-    polar_angles_deg: [f64; 2],
     limits: &mut Limits,
 ) -> Result<(), String> {
     let curvature = match press.object {
@@ -116,17 +106,17 @@ pub(super) fn of_motion(
         PressObjectConfig::Dish { radius } => -radius.recip(),
         PressObjectConfig::Plane {} => 0.0,
     };
-    let between = relative_curvatures.map(|relative| (relative - 1.0) / radius);
+    let between = RELATIVE_CURVATURES.map(|relative| (relative - 1.0) / radius);
     limits.curvature_within(curvature, between);
     limits.length_within(
         "an indentation",
         press.motion.indentation,
-        scaled(indentations, radius),
+        scaled(INDENTATIONS, radius),
     );
     limits.within(
         "a polar angle",
         press.motion.contact_deg[0],
-        polar_angles_deg,
+        POLAR_ANGLES_DEG,
         " deg",
     );
     unless(press.motion.shift == 0.0, "a sideways move")

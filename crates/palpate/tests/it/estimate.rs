@@ -230,3 +230,17 @@ fn a_hundred_thousand_probes() {
     assert_eq!(json["probes"], 100_000);
     assert_close(curvatures(&json)[0], 0.025, 1e-9);
 }
+
+/// Noise so small that squares of residuals over it are beyond double precision.
+#[test]
+fn noise_that_is_far_too_small_is_told_without_infinity() {
+    let desk = Desk::new();
+    let readings = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/roll-readings.csv"
+    );
+    let command = format!("estimate roll {readings} --probe-radius 10 --shift-std 1e-300");
+    let told = desk.palpate(&command).printed();
+    assert!(told.contains("\"large-residuals\""), "{told}");
+    assert!(!told.contains("inf ") && !told.contains("NaN"), "{told}");
+}

@@ -115,7 +115,7 @@ impl Estimated {
 
     fn words(&self, doubt: Doubt, goodness: Option<GoodnessOfFit>) -> String {
         match (doubt, goodness) {
-            (Doubt::LargeResiduals { .. }, Some(goodness)) => {
+            (Doubt::LargeResiduals { .. }, Some(goodness)) if goodness.chi_squared.is_finite() => {
                 let ratio = (goodness.chi_squared / goodness.freedom.max(1) as f64).sqrt();
                 format!(
                     "the residuals are {} times what the noise that is given explains: standard deviations are too small",
