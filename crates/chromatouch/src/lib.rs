@@ -11,7 +11,8 @@ pub use error::LayoutError;
 pub use layout::{Layout, MOST_MARKERS};
 pub use optics::{
     Blemishes, Camera, Colours, Departure, DiscDepths, DiscMotion, LARGEST_FRAME, Lens,
-    MarkerArray, MarkerMotion, OddTerms, Optics, OpticsError, Pose, Seams, SeenMarker,
+    MarkerArray, MarkerMotion, MarkerSlopes, OddTerms, Optics, OpticsError, Pose, Seams,
+    SeenMarker,
 };
 pub use pattern::{
     CuttingSheet, Discs, FEWEST_GORES, FlatPlace, FoldStrain, MOST_GORES, MOST_SAMPLES, Pattern,

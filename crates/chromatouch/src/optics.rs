@@ -13,7 +13,9 @@ mod overlap;
 mod pose;
 mod projected;
 mod rendered;
+mod sight_slopes;
 mod sines;
+mod slopes;
 
 pub use array::{DiscDepths, DiscMotion, MarkerArray, MarkerMotion};
 pub use blemishes::{Blemishes, Seams};
@@ -24,6 +26,7 @@ pub use error::OpticsError;
 pub use lens::Lens;
 pub use odd_terms::OddTerms;
 pub use pose::Pose;
+pub use slopes::MarkerSlopes;
 
 use array::MarkerSight;
 use colours::Contrasts;

@@ -59,23 +59,23 @@ pub struct MarkerArray {
 
 /// All discs of one colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Layer {
+pub(super) struct Layer {
     name: &'static str,
     /// Distance of the discs from the sensor's centre at rest, length.
-    distance: f64,
+    pub(super) distance: f64,
     /// Radius of a disc over that distance.
     half_width: f64,
 }
 
 /// Place of a marker at rest as seen from the sensor's centre: its direction, and the axes of its tangents.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Stand {
-    direction: Vector3<f64>,
-    x_axis: Vector3<f64>,
-    y_axis: Vector3<f64>,
+pub(super) struct Stand {
+    pub(super) direction: Vector3<f64>,
+    pub(super) x_axis: Vector3<f64>,
+    pub(super) y_axis: Vector3<f64>,
     /// Displacement of the yellow disc against the magenta one along the skin, as an angle at the centre, rad, along
     /// the axes.
-    misalignment: [f64; 2],
+    pub(super) misalignment: [f64; 2],
 }
 
 /// A disc as seen from the centre: all directions within an angle of its middle.
@@ -261,6 +261,16 @@ impl MarkerArray {
     /// Radius of the skin, length.
     pub(super) const fn radius(&self) -> f64 {
         self.radius
+    }
+
+    /// Place of a marker at rest.
+    pub(super) fn stand(&self, marker: usize) -> &Stand {
+        &self.stands[marker]
+    }
+
+    /// Magenta and yellow discs.
+    pub(super) const fn layers(&self) -> [&Layer; 2] {
+        [&self.magenta, &self.yellow]
     }
 
     /// Distance of the nearer discs from the sensor's centre at rest, length.

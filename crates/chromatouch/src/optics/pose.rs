@@ -1,8 +1,11 @@
 //! Stand of a camera that is not in the sensor's very centre.
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::OpticsError;
+
+/// Step of a turn by which slopes are found, rad.
+const TURN: f64 = 1e-5;
 
 /// Stand of a camera: where it is and how it is turned. By default it is in the sensor's centre and looks at the apex.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +75,18 @@ impl Pose {
         }
         let is_central = distance == 0.0 && self.turn == Vector3::zeros();
         Ok((!is_central).then_some(self))
+    }
+
+    /// Slopes of the rotation to the camera's axes by the turn of the camera, per rad.
+    pub(super) fn per_turn(&self) -> [Matrix3<f64>; 3] {
+        std::array::from_fn(|axis| {
+            let turned = |step: f64| {
+                let mut turn = [0.0; 3];
+                turn[axis] = step;
+                *self.moved([0.0; 3], turn).to_camera.matrix()
+            };
+            (turned(TURN) - turned(-TURN)) / (2.0 * TURN)
+        })
     }
 
     /// A direction in the sensor's axes, in the camera's.

@@ -27,16 +27,18 @@ impl Optics {
         motions: &[Option<MarkerMotion>],
     ) -> Result<Vec<Option<SeenMarker>>, OpticsError> {
         palpate_tally::projected(motions.len() as u64);
-        let seen = self.sights(motions)?.map(|sight| {
+        let mut all = Vec::with_capacity(motions.len());
+        for sight in self.sights(motions)? {
             let seen = |sight| seen(&self.camera, &self.contrasts, &sight);
-            sight.map(|sight| sight.and_then(seen))
-        });
-        seen.collect()
+            all.push(sight?.and_then(seen));
+        }
+        Ok(all)
     }
 }
 
 /// A direction in the camera's polar coordinates, and the lens there.
-struct Aim {
+#[derive(Clone, Copy)]
+pub(super) struct Aim {
     polar: f64,
     sine: f64,
     cosine: f64,
@@ -133,26 +135,75 @@ impl Image {
 
 #[inline]
 fn seen(camera: &Camera, contrasts: &Contrasts, sight: &MarkerSight) -> Option<SeenMarker> {
-    let MarkerSight { magenta, yellow } = sight;
-    let aim = Aim::new(camera, &magenta.direction);
-    let beside = aim.beside(camera, &yellow.direction);
-    let in_image = aim.holds(camera, magenta) && beside.holds(camera, yellow);
-    if !in_image {
-        return None;
+    Glimpse::new(camera, sight)?.features(camera, contrasts)
+}
+
+/// Images of both discs of a marker and of what they share.
+pub(super) struct Glimpse {
+    aims: [Aim; 2],
+    discs: [Image; 2],
+    shared: Image,
+}
+
+impl Glimpse {
+    /// A marker that is looked at; `None` unless it is all in the image circle.
+    #[inline]
+    pub(super) fn new(camera: &Camera, sight: &MarkerSight) -> Option<Self> {
+        let MarkerSight { magenta, yellow } = sight;
+        let aim = Aim::new(camera, &magenta.direction);
+        let beside = aim.beside(camera, &yellow.direction);
+        let in_image = aim.holds(camera, magenta) && beside.holds(camera, yellow);
+        if !in_image {
+            return None;
+        }
+        let discs =
+            [(&aim, magenta), (&beside, yellow)].map(|(aim, disc)| image(camera, aim, disc));
+        Some(Self {
+            shared: shared(camera, &aim, discs, sight),
+            aims: [aim, beside],
+            discs,
+        })
     }
-    let caps = [(&aim, magenta), (&beside, yellow)]
-        .map(|(aim, disc)| Image::of(aim, &cap(camera.lens, &aim.local, disc.sine, disc.cosine)));
-    let shared = match overlap(magenta, yellow) {
+
+    /// The marker with one disc seen a little otherwise, the magenta one (0) or the yellow one (1).
+    #[inline]
+    pub(super) fn beside(&self, camera: &Camera, sight: &MarkerSight, disc: usize) -> Self {
+        let changed = [&sight.magenta, &sight.yellow][disc];
+        let (mut aims, mut discs) = (self.aims, self.discs);
+        aims[disc] = aims[disc].beside(camera, &changed.direction);
+        discs[disc] = image(camera, &aims[disc], changed);
+        Self {
+            shared: shared(camera, &aims[0], discs, sight),
+            aims,
+            discs,
+        }
+    }
+
+    /// Size, centroid and hue of the marker in these colours.
+    #[inline]
+    pub(super) fn features(&self, camera: &Camera, contrasts: &Contrasts) -> Option<SeenMarker> {
+        features(camera, contrasts, self.discs, self.shared)
+    }
+}
+
+#[inline]
+fn image(camera: &Camera, aim: &Aim, disc: &Sight) -> Image {
+    Image::of(aim, &cap(camera.lens, &aim.local, disc.sine, disc.cosine))
+}
+
+/// Image of what the discs of a marker share, near which `aim` looks.
+#[inline]
+fn shared(camera: &Camera, aim: &Aim, discs: [Image; 2], sight: &MarkerSight) -> Image {
+    match overlap(&sight.magenta, &sight.yellow) {
         Overlap::None => Image::default(),
-        Overlap::AllOfMagenta => caps[0],
-        Overlap::AllOfYellow => caps[1],
+        Overlap::AllOfMagenta => discs[0],
+        Overlap::AllOfYellow => discs[1],
         Overlap::Part(part) => {
             let between = aim.beside(camera, &part.direction);
             let axis = between.components(&part.axis);
             Image::of(&between, &part.seen(&between.local, axis))
         }
-    };
-    features(camera, contrasts, caps, shared)
+    }
 }
 
 /// Size, centroid and hue of a marker, from the images of both discs and of their overlap.

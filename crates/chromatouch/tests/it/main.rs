@@ -10,3 +10,4 @@ mod optics_limits;
 mod pattern;
 mod pixel_noise;
 mod pose;
+mod slopes;

@@ -1,0 +1,172 @@
+//! Slopes of how a disc is seen by its motion and by the sensor, in closed form.
+
+use nalgebra::{Matrix3, SMatrix, Vector3};
+
+use super::array::{Layer, MarkerArray, MarkerSight, Sight, Stand};
+use super::sines::sinc_and_cosine;
+use super::{DiscMotion, MarkerMotion, Pose};
+
+/// Columns of [`SightSlopes::by`]: motion inward and along both axes of the skin, depth, logarithm of the diameter, place and
+/// turn of the camera.
+pub(super) const INWARD: usize = 0;
+pub(super) const X: usize = 1;
+pub(super) const DEEPER: usize = 3;
+pub(super) const WIDER: usize = 4;
+pub(super) const PLACE: usize = 5;
+pub(super) const TURN: usize = 8;
+pub(super) const COLUMNS: usize = 11;
+
+/// Slopes of a disc as a camera sees it.
+pub(super) struct SightSlopes {
+    /// Unit vectors across the direction to its middle.
+    across: [Vector3<f64>; 2],
+    /// Slopes of steps along these vectors, and of the logarithm of its tangent.
+    pub(super) by: SMatrix<f64, 3, COLUMNS>,
+}
+
+impl SightSlopes {
+    /// A marker of which one disc, magenta (0) or yellow (1), is seen a step away in one of the three numbers.
+    pub(super) fn beside(
+        &self,
+        sight: &MarkerSight,
+        disc: usize,
+        number: usize,
+        step: f64,
+    ) -> MarkerSight {
+        let mut beside = *sight;
+        let changed = [&mut beside.magenta, &mut beside.yellow];
+        let [magenta, yellow] = changed;
+        let changed = if disc == 0 { magenta } else { yellow };
+        match self.across.get(number) {
+            Some(across) => changed.direction += across * step,
+            None => {
+                let tangent = changed.sine / changed.cosine * (1.0 + step);
+                let slant = (1.0 + tangent * tangent).sqrt();
+                changed.sine = tangent / slant;
+                changed.cosine = slant.recip();
+            }
+        }
+        beside
+    }
+}
+
+impl MarkerArray {
+    /// Slopes of how both discs of a marker are seen by a camera that stands so, whose rotation has these slopes by its turn.
+    pub(super) fn sight_slopes(
+        &self,
+        marker: usize,
+        sight: &MarkerSight,
+        motion: &MarkerMotion,
+        pose: &Pose,
+        turns: &[Matrix3<f64>; 3],
+    ) -> [SightSlopes; 2] {
+        let stand = self.stand(marker);
+        let [magenta, yellow] = self.layers();
+        [
+            magenta.slopes(
+                stand,
+                &sight.magenta,
+                &motion.magenta,
+                [0.0; 2],
+                pose,
+                turns,
+            ),
+            yellow.slopes(
+                stand,
+                &sight.yellow,
+                &motion.yellow,
+                stand.misalignment,
+                pose,
+                turns,
+            ),
+        ]
+    }
+}
+
+impl Layer {
+    fn slopes(
+        &self,
+        stand: &Stand,
+        sight: &Sight,
+        motion: &DiscMotion,
+        offset: [f64; 2],
+        pose: &Pose,
+        turns: &[Matrix3<f64>; 3],
+    ) -> SightSlopes {
+        let aside = [0, 1].map(|axis| motion.tangential[axis] / self.distance);
+        let [x, y] = [0, 1].map(|axis| aside[axis] + offset[axis]);
+        let (normal, by_angles) = stand.towards(x, y);
+        let away = self.distance - motion.normal;
+        let ray = normal * away - pose.place;
+        let distance = ray.norm();
+        let towards = ray / distance;
+        let facing = towards.dot(&normal);
+        let direction = sight.direction;
+        let across = across(&direction);
+        let mut by = SMatrix::zeros();
+        // A step of the ray, with one of the disc's normal.
+        let mut set = |column: usize, ray: Vector3<f64>, turned: Vector3<f64>| {
+            let nearer = towards.dot(&ray);
+            let step = (ray - towards * nearer) / distance;
+            let seen = pose.turned(&step);
+            let facing_more = step.dot(&normal) + towards.dot(&turned);
+            by[(0, column)] = seen.dot(&across[0]);
+            by[(1, column)] = seen.dot(&across[1]);
+            by[(2, column)] = 0.5 * facing_more / facing - nearer / distance;
+        };
+        set(INWARD, -normal, Vector3::zeros());
+        let mut deeper = Vector3::zeros();
+        for axis in 0..2 {
+            let turned = by_angles[axis] / self.distance;
+            set(X + axis, turned * away, turned);
+            // Nearer to the centre, a way along the skin is a larger angle.
+            deeper += turned * aside[axis];
+        }
+        set(DEEPER, deeper * away - normal, deeper);
+        for axis in 0..3 {
+            let mut place = Vector3::zeros();
+            place[axis] = -1.0;
+            set(PLACE + axis, place, Vector3::zeros());
+        }
+        by[(2, WIDER)] = 1.0;
+        for (axis, turn) in turns.iter().enumerate() {
+            let seen = turn * towards;
+            by[(0, TURN + axis)] = seen.dot(&across[0]);
+            by[(1, TURN + axis)] = seen.dot(&across[1]);
+        }
+        SightSlopes { across, by }
+    }
+}
+
+impl Stand {
+    /// Direction these angles away from the marker's place, rad, along its axes, with its slopes by both.
+    fn towards(&self, x: f64, y: f64) -> (Vector3<f64>, [Vector3<f64>; 2]) {
+        let square = x * x + y * y;
+        let (sinc, cosine) = sinc_and_cosine(square);
+        // Slope of sin θ / θ over θ.
+        let bend = if square < 1e-4 {
+            -1.0 / 3.0 + square / 30.0
+        } else {
+            (cosine - sinc) / square
+        };
+        let along = self.x_axis * x + self.y_axis * y;
+        let slope = |angle: f64, axis: &Vector3<f64>| {
+            axis * sinc + along * (bend * angle) - self.direction * (sinc * angle)
+        };
+        (
+            self.direction * cosine + along * sinc,
+            [slope(x, &self.x_axis), slope(y, &self.y_axis)],
+        )
+    }
+}
+
+/// Unit vectors across a unit vector and each other.
+fn across(direction: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let axis = if direction.x.abs() < 0.5 {
+        Vector3::x()
+    } else {
+        Vector3::y()
+    };
+    let one = (axis - direction * direction.dot(&axis)).normalize();
+    [one, direction.cross(&one)]
+}

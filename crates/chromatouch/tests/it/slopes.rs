@@ -1,0 +1,208 @@
+//! Slopes of pictures, against central differences of the pictures.
+
+use nalgebra::Vector4;
+use palpate_chromatouch::{
+    Blemishes, Camera, Colours, Departure, DiscDepths, DiscMotion, Discs, Layout, Lens,
+    MarkerArray, MarkerMotion, OddTerms, Optics, Pose, SeenMarker,
+};
+use palpate_sensing::{Channel, Stream};
+
+const RADIUS: f64 = 20.0;
+const MARKERS: usize = 77;
+/// Step of all differences.
+const STEP: f64 = 1e-5;
+
+/// A sensor whose markers moved, and that departs from the one that is known.
+struct Scene {
+    known: Optics,
+    departure: [f64; Departure::NUMBERS],
+    misalignments: Vec<[f64; 2]>,
+    motions: Vec<[[f64; 3]; 2]>,
+}
+
+impl Scene {
+    fn new(lens: Lens, pose: Option<Pose>, aside: f64) -> Self {
+        let places = Layout::published().places(RADIUS).unwrap();
+        let discs = Discs {
+            magenta: 2.0,
+            yellow: 2.2,
+        };
+        let depths = DiscDepths {
+            magenta: 3.0,
+            yellow: 1.0,
+        };
+        let array = MarkerArray::new(RADIUS, &places, discs, depths).unwrap();
+        let camera = Camera::new(lens, 640, 75.0).unwrap();
+        let known = Optics::new(array, camera, Colours::default(), Blemishes::default()).unwrap();
+        let mut stream = Stream::new(5, 5, Channel::Sensor);
+        let mut draw = |size: f64| size * stream.symmetric_uniform();
+        let mut departure: [f64; Departure::NUMBERS] = std::array::from_fn(|_| draw(0.01));
+        if !matches!(lens, Lens::Odd(_)) {
+            departure[19..].fill(0.0);
+        }
+        // Discs that overlap in part, or not at all.
+        let misalignments = (0..MARKERS).map(|_| [aside + draw(0.03), 0.02 + draw(0.02)]);
+        let misalignments = misalignments.collect();
+        let mut motion = || [draw(0.5), draw(0.5), draw(0.5)];
+        Self {
+            known: match pose {
+                Some(pose) => known.seen_from(pose).unwrap(),
+                None => known,
+            },
+            departure,
+            misalignments,
+            motions: (0..MARKERS).map(|_| [motion(), motion()]).collect(),
+        }
+    }
+
+    fn motions(&self) -> Vec<Option<MarkerMotion>> {
+        let disc = |[normal, x, y]: [f64; 3]| DiscMotion {
+            normal,
+            tangential: [x, y],
+            stretch: 0.01,
+        };
+        let marker = |[magenta, yellow]: &[[f64; 3]; 2]| {
+            Some(MarkerMotion {
+                magenta: disc(*magenta),
+                yellow: disc(*yellow),
+            })
+        };
+        self.motions.iter().map(marker).collect()
+    }
+
+    fn known(&self) -> Optics {
+        self.known.misaligned(&self.misalignments).unwrap()
+    }
+
+    fn seen(&self) -> Vec<Option<SeenMarker>> {
+        let departed = self
+            .known()
+            .departed(&Departure::of(self.departure))
+            .unwrap();
+        departed.projected(&self.motions()).unwrap()
+    }
+
+    /// Slopes by what `change` does with a step, of the markers that are seen.
+    fn differences(&mut self, change: impl Fn(&mut Self, f64)) -> Vec<Option<Vector4<f64>>> {
+        change(self, STEP);
+        let more = self.seen();
+        change(self, -2.0 * STEP);
+        let less = self.seen();
+        change(self, STEP);
+        let pairs = more.iter().zip(&less);
+        let slope = |(more, less): (&Option<SeenMarker>, &Option<SeenMarker>)| {
+            let (more, less) = (more.as_ref()?, less.as_ref()?);
+            let turn = more.hue_turns - less.hue_turns;
+            let difference = Vector4::new(
+                more.centroid_px[0] - less.centroid_px[0],
+                more.centroid_px[1] - less.centroid_px[1],
+                turn - turn.round(),
+                libm::log(more.size_px2 / less.size_px2),
+            );
+            Some(difference / (2.0 * STEP))
+        };
+        pairs.map(slope).collect()
+    }
+
+    /// Compares columns of slopes with differences; a marker whose edges touch within a step may be apart.
+    fn compare(
+        &mut self,
+        what: &str,
+        column: impl Fn(usize) -> Option<Vector4<f64>>,
+        change: impl Fn(&mut Self, f64),
+    ) {
+        let differences = self.differences(change);
+        let mut compared = 0;
+        for (marker, difference) in differences.iter().enumerate() {
+            let (Some(difference), Some(column)) = (difference, column(marker)) else {
+                continue;
+            };
+            for row in 0..4 {
+                let scale = [300.0, 300.0, 1.0, 1.0][row];
+                let error = (column[row] - difference[row]).abs();
+                let bound = 5e-5 * scale + 2e-5 * difference[row].abs();
+                assert!(error < bound, "{what}, {marker}: {column} {difference}");
+            }
+            compared += 1;
+        }
+        assert!(compared > 60, "{what}: {compared}");
+    }
+}
+
+#[test]
+fn slopes_are_those_of_the_pictures() {
+    let odd = Lens::Odd(OddTerms {
+        k3: 0.05,
+        k5: -0.01,
+    });
+    let pose = Pose::new([0.3, -0.5, 0.8], [0.02, -0.01, 0.03]);
+    for (lens, pose, aside) in [
+        (Lens::Fisheye, None, 0.0),
+        (Lens::Fisheye, Some(pose), 0.05),
+        (odd, Some(pose), 0.0),
+        (Lens::Pinhole, Some(pose), 0.2),
+    ] {
+        let mut scene = Scene::new(lens, pose, aside);
+        let known = if matches!(lens, Lens::Odd(_)) { 21 } else { 19 };
+        let asked: Vec<usize> = (0..known).collect();
+        let departure = Departure::of(scene.departure);
+        let slopes = scene
+            .known()
+            .slopes(&departure, &scene.motions(), &asked)
+            .unwrap();
+        let seen = slopes.iter().map(|one| one.as_ref().map(|one| one.seen));
+        assert_eq!(seen.collect::<Vec<_>>(), scene.seen());
+        for &number in &asked {
+            let column = |marker: usize| {
+                let slopes = slopes[marker].as_ref()?;
+                Some(slopes.by_departure.column(number).into())
+            };
+            scene.compare(&format!("departure {number}"), column, |scene, step| {
+                scene.departure[number] += step;
+            });
+        }
+        for axis in 0..2 {
+            let column =
+                |marker: usize| Some(slopes[marker].as_ref()?.by_misalignment.column(axis).into());
+            scene.compare(&format!("misalignment {axis}"), column, |scene, step| {
+                for misalignment in &mut scene.misalignments {
+                    misalignment[axis] += step;
+                }
+            });
+        }
+        for disc in 0..2 {
+            for component in 0..3 {
+                let column = |marker: usize| {
+                    let slopes = slopes[marker].as_ref()?;
+                    Some(slopes.by_motion[disc].column(component).into())
+                };
+                let what = format!("motion {component} of disc {disc}");
+                scene.compare(&what, column, |scene, step| {
+                    for motion in &mut scene.motions {
+                        motion[disc][component] += step;
+                    }
+                });
+            }
+        }
+    }
+}
+
+#[test]
+fn slopes_that_are_not_asked_for_are_none() {
+    let scene = Scene::new(Lens::Fisheye, None, 0.0);
+    let departure = Departure::of(scene.departure);
+    let slopes = scene
+        .known()
+        .slopes(&departure, &scene.motions(), &[4])
+        .unwrap();
+    for slopes in slopes.iter().flatten() {
+        for number in 0..Departure::NUMBERS {
+            let expected = if number == 4 {
+                Vector4::x()
+            } else {
+                Vector4::zeros()
+            };
+            assert_eq!(slopes.by_departure.column(number), expected);
+        }
+    }
+}
