@@ -27,4 +27,4 @@ pub use known::KnownPress;
 pub use rest::Rest;
 pub use settings::ImageFit;
 pub use told::Told;
-pub use view::{Seen, SensorState, View};
+pub use view::{PictureSlopes, Seen, SensorState, Steps, View};

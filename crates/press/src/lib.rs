@@ -17,6 +17,7 @@ mod half_space;
 pub mod hertz;
 mod image_fit;
 mod markers;
+mod press_slopes;
 mod regime;
 mod score;
 pub mod shear;
@@ -30,7 +31,9 @@ pub use error::PressError;
 pub use estimate::{Estimated, Interval, PressEstimate, Verdict};
 pub use field::Field;
 pub use forward_fit::{Bounds, ForwardFit, Measured, Prior, Reading, calibrated_c};
-pub use image_fit::{ImageFit, KnownPress, Rest, Seen, SensorState, Told, View};
+pub use image_fit::{
+    ImageFit, KnownPress, PictureSlopes, Rest, Seen, SensorState, Steps, Told, View,
+};
 pub use markers::{MarkerDisplacement, Markers};
 pub use palpate_chance::GoodnessOfFit;
 pub use regime::ContactRegime;

@@ -27,7 +27,7 @@ pub use measured_sensor::MeasuredSensor;
 pub use palpate_rolling::TOLERANCES;
 pub use pattern::{CutPattern, marker_places};
 pub use plan::PlanError;
-pub use press::{JudgedCurvature, Parts, PressFailure, PressScene};
+pub use press::{JudgedCurvature, Parts, PictureLaw, PressFailure, PressScene};
 pub use roll::{Arch, RollScene, SideBySide};
 pub use scene::{Scene, Scenes, quantities_of};
 pub use trace::{SeenPress, Trace, TraceError};

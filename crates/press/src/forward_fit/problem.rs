@@ -6,6 +6,7 @@ use super::misfit::Misfit;
 use super::reading::{Measured, Reading};
 use super::settings::{ForwardFit, Prior};
 use crate::markers::Sight;
+use crate::press_slopes::PressSlopes;
 use crate::{Contact, MarkerDisplacement, Place, PressError};
 
 /// Unknowns, in this order: the logarithm of the relative curvature; steps of the contact's place along the axes there;
@@ -144,7 +145,7 @@ impl<'a> Problem<'a> {
     fn sums_of<const TANGENTIAL: bool>(&self, state: &State) -> Result<Sums, PressError> {
         let contact = self.contact(state)?;
         let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
-        let per_d = slope.recip();
+        let slopes = PressSlopes::new(&contact, slope);
         let (chi_squared, gradient, hessian) = self.priors(state);
         let mut sums = Sums {
             chi_squared,
@@ -154,7 +155,7 @@ impl<'a> Problem<'a> {
         let mut misfit = Misfit::new(self.tolerance);
         let [normally, tangentially] = [self.normal_std, self.tangential_std].map(f64::recip);
         for marker in self.counting() {
-            let predicted = self.predicted::<TANGENTIAL>(state, &contact, per_d, marker);
+            let predicted = self.predicted::<TANGENTIAL>(state, &contact, &slopes, marker);
             let residuals = self.residuals(marker, predicted.moved);
             let weight = misfit.add(residuals);
             sums.add(residuals[0], weight, &(predicted.normal_slopes * normally));
@@ -232,9 +233,10 @@ impl<'a> Problem<'a> {
     ) -> Result<impl Iterator<Item = [Unknowns; 3]> + use<'_, 'a>, PressError> {
         let contact = self.contact(state)?;
         let [_, slope] = self.fit.body.indentation_of(contact.radius)?;
+        let press = PressSlopes::new(&contact, slope);
         let state = *state;
         Ok(self.counting().map(move |marker| {
-            let predicted = self.predicted::<true>(&state, &contact, slope.recip(), marker);
+            let predicted = self.predicted::<true>(&state, &contact, &press, marker);
             let [along_x, along_y] = match self.uses_tangential() {
                 true => predicted
                     .tangential_slopes
@@ -275,43 +277,23 @@ impl<'a> Problem<'a> {
         &self,
         state: &State,
         contact: &Contact<'_>,
-        per_d: f64,
+        slopes: &PressSlopes,
         marker: usize,
     ) -> Predicted {
         let sight = self.sight(state, marker);
         let field = contact.field(sight.distance);
         let curvature = contact.relative_curvature;
-        // u = C F(a, r) with C D(a) = δ, so ∂u/∂δ = F_a/D' and ∂u/∂ln C = C F − δ F_a/D'.
-        let by_indentation = |per_a: f64| per_a * per_d;
-        let by_log = |value: f64, per_a: f64| curvature * value - state.indentation * per_a * per_d;
         let normal = curvature * field.normal;
-        // A step of the contact towards the marker brings it nearer.
-        let nearer = -curvature * field.normal_per_r;
         let mut normal_slopes = Unknowns::zeros();
-        normal_slopes[CURVATURE] = state.gain * by_log(field.normal, field.normal_per_a);
-        normal_slopes[ALONG] = state.gain * nearer * sight.bearing.x;
-        normal_slopes[ACROSS] = state.gain * nearer * sight.bearing.y;
-        normal_slopes[INDENTATION] = state.gain * by_indentation(field.normal_per_a);
+        let by_press = slopes.normal(&field, &sight, state.gain);
+        normal_slopes.as_mut_slice()[..BASELINE].copy_from_slice(&by_press);
         normal_slopes[BASELINE] = 1.0;
         normal_slopes[GAIN] = normal;
         let mut tangential_slopes = [Unknowns::zeros(); 2];
         if TANGENTIAL {
-            let nearer = -curvature * field.radial_per_r;
-            // A step across turns the view from the marker.
-            let turn = if sight.reach > 1e-6 * sight.distance && sight.distance > 0.0 {
-                -curvature * field.radial / sight.reach
-            } else {
-                -curvature * field.radial_per_r
-            };
-            let (bearing, outward) = (sight.bearing, sight.outward);
-            let across = [-outward.y, outward.x];
-            for axis in 0..2 {
-                let slopes = &mut tangential_slopes[axis];
-                let onward = [outward.x, outward.y][axis];
-                slopes[CURVATURE] = onward * by_log(field.radial, field.radial_per_a);
-                slopes[ALONG] = nearer * bearing.x * onward - turn * bearing.y * across[axis];
-                slopes[ACROSS] = nearer * bearing.y * onward + turn * bearing.x * across[axis];
-                slopes[INDENTATION] = onward * by_indentation(field.radial_per_a);
+            let by_press = slopes.tangential(&field, &sight);
+            for (slopes, by_press) in tangential_slopes.iter_mut().zip(by_press) {
+                slopes.as_mut_slice()[..BASELINE].copy_from_slice(&by_press);
             }
         }
         Predicted {

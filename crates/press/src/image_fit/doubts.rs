@@ -1,14 +1,12 @@
 //! Tests of a fit against pictures that contradict it: score tests, in which what is common to all markers takes part.
 
-use nalgebra::{DMatrix, Matrix4, OMatrix, SMatrix, U4, Vector4};
-use nalgebra::{DVector, Dyn};
+use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, Vector4};
 use palpate_chance::{Explained, LEFT};
 
 use super::law::State;
 use super::minimise::Fitted;
-use super::moved::STEP;
 use super::outcome::{SINGULAR, settle};
-use super::problem::{INDENTATION, Problem, Square, UNKNOWNS};
+use super::problem::{INDENTATION, Jacobian, Problem, Square, UNKNOWNS};
 use super::rest::Rest;
 use super::settings::ImageFit;
 use super::view::{NUMBERS, Seen, View};
@@ -85,7 +83,7 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
             false => Noise::Stated,
         };
         let score = Score::new(&self.products()?, &self.covariance, noise);
-        let slipped = self.slipped(&score.noise);
+        let slipped = self.slipped(&score.noise)?;
         Ok(score.doubts(self.indentation(&score.noise), slipped, p_value))
     }
 
@@ -96,13 +94,11 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
             ..
         } = self.best;
         let patterns = self.patterns()?;
-        let shared = &self.problem.shared;
-        let common = shared * &patterns;
-        let by_slopes =
-            jacobian.transpose() * &patterns - (shared * jacobian).transpose() * &common;
-        let by_patterns = patterns.transpose() * &patterns - common.transpose() * &common;
-        let by_residuals =
-            patterns.transpose() * residuals - common.transpose() * (shared * residuals);
+        let problem = self.problem;
+        let common = problem.shared(&patterns)?;
+        let by_slopes = jacobian.tr_mul(&patterns) - problem.shared(jacobian)?.tr_mul(&common);
+        let by_patterns = patterns.tr_mul(&patterns) - common.tr_mul(&common);
+        let by_residuals = patterns.tr_mul(residuals) - common.tr_mul(&problem.shared(residuals)?);
         Ok(Products {
             by_slopes: SMatrix::from_fn(|row, column| by_slopes[(row, column)]),
             by_patterns: SMatrix::from_fn(|row, column| by_patterns[(row, column)]),
@@ -114,25 +110,26 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
     fn patterns(&self) -> Result<DMatrix<f64>, PressError> {
         let Self { problem, best, .. } = self;
         let fit = problem.fit;
-        let moved = problem.displaced(&best.state)?;
-        let step = STEP * fit.markers.skin().radius();
+        let slopes = problem.by_displacements(&problem.displaced(&best.state)?)?;
+        let moving = fit.moving(&best.state)?;
         let mut all = DMatrix::zeros(problem.equations(), PATTERNS);
         for (disc, body) in fit.bodies.iter().enumerate() {
             let contact = fit.contact(body, &best.state)?;
-            let slopes = problem.by_displacement(&moved, disc..disc + 1, step)?;
-            for ((at, &marker), slopes) in problem.counting.iter().enumerate().zip(slopes) {
+            let markers = problem.counting.iter().zip(&problem.whiten);
+            for (at, (&marker, whiten)) in markers.enumerate() {
                 let place = &fit.markers.places()[marker];
                 let sight = fit.markers.sight(&best.state.place, place);
-                let of_disc = patterns(&contact, &sight);
-                let mut rows = all.rows_mut(NUMBERS * at, NUMBERS);
-                for (component, of_disc) in of_disc.iter().enumerate() {
-                    rows += slopes.column(component) * of_disc.transpose();
+                let mut of_disc: SMatrix<f64, 3, PATTERNS> = SMatrix::zeros();
+                for (component, pattern) in patterns(&contact, &sight).iter().enumerate() {
+                    of_disc.set_row(component, &pattern.transpose());
                 }
+                if problem.indentation.is_some() && !problem.sought[INDENTATION] {
+                    let by_indentation = moving.slopes[marker][disc].column(INDENTATION);
+                    of_disc.set_column(BY_INDENTATION, &by_indentation);
+                }
+                let mut rows = all.fixed_rows_mut::<NUMBERS>(NUMBERS * at);
+                rows += whiten * (slopes.displacements[marker][disc] * of_disc);
             }
-        }
-        if problem.indentation.is_some() && !problem.sought[INDENTATION] {
-            let slopes = problem.slopes_by(INDENTATION, &best.state, &best.residuals)?;
-            all.set_column(BY_INDENTATION, &slopes);
         }
         Ok(all)
     }
@@ -148,22 +145,27 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
     }
 
     /// The marker that contradicts the others most, and the probability that chance makes one do as much.
-    fn slipped(&self, noise: &Noise) -> (usize, f64) {
+    fn slipped(&self, noise: &Noise) -> Result<(usize, f64), PressError> {
         let Fitted {
             residuals,
             jacobian,
             ..
         } = self.best;
-        let shared = &self.problem.shared;
-        let of_residuals: DVector<f64> = residuals - shared.tr_mul(&(shared * residuals));
-        let of_slopes: DMatrix<f64> = jacobian - shared.tr_mul(&(shared * jacobian));
+        let problem = self.problem;
+        let shared = problem
+            .root
+            .solve_lower_triangular(&problem.common.transpose());
+        let shared = shared.ok_or(PressError::OutOfRange)?;
+        let of_residuals: DVector<f64> = problem.own(residuals)?;
+        let of_slopes: Jacobian = jacobian - shared.tr_mul(&problem.shared(jacobian)?);
         let chance = |(at, &marker): (usize, &usize)| {
             let first = NUMBERS * at;
             let score: Vector4<f64> = of_residuals.fixed_rows::<NUMBERS>(first).into();
-            let slopes: OMatrix<f64, U4, Dyn> = of_slopes.fixed_rows::<NUMBERS>(first).into();
+            let slopes: SMatrix<f64, NUMBERS, UNKNOWNS> =
+                of_slopes.fixed_rows::<NUMBERS>(first).into();
             let common = shared.fixed_columns::<NUMBERS>(first);
-            let taken = &slopes * self.covariance * slopes.transpose() + common.tr_mul(&common);
-            let left = Matrix4::identity() - Matrix4::from_fn(|row, column| taken[(row, column)]);
+            let taken = slopes * self.covariance * slopes.transpose() + common.tr_mul(&common);
+            let left = Matrix4::identity() - taken;
             let eigen = left.symmetric_eigen();
             let pairs = eigen
                 .eigenvalues
@@ -176,6 +178,8 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
             };
             (marker, noise.chance(explained))
         };
-        least_likely(self.problem.counting.iter().enumerate().map(chance))
+        Ok(least_likely(
+            problem.counting.iter().enumerate().map(chance),
+        ))
     }
 }

@@ -1,11 +1,29 @@
 //! The forward law: from a press to the displacements of both discs of every marker.
 
-use nalgebra::Vector2;
+use nalgebra::{SMatrix, Vector2};
 
+use super::problem::{ACROSS, ALONG, CURVATURE, INDENTATION, SHIFT, UNKNOWNS, Unknowns};
 use super::settings::ImageFit;
 use super::view::View;
+use crate::press_slopes::PressSlopes;
 use crate::shear::stuck_shift;
-use crate::{Body, Contact, MarkerDisplacement, Place, PressError};
+use crate::{Body, Contact, MarkerDisplacement, Place, PressError, Skin};
+
+/// Steps by which slopes of shifted discs are found, as shares of the unknowns' scales.
+const STEP: f64 = 1e-5;
+
+/// Both discs of every marker.
+pub(super) type Discs = Vec<[MarkerDisplacement; 2]>;
+
+/// Slopes of a disc's displacement by the unknowns: inward, and along both axes.
+pub(super) type DiscSlopes = SMatrix<f64, 3, UNKNOWNS>;
+
+/// Displacements of the discs of every marker, with their slopes by the unknowns.
+#[derive(Clone, Debug)]
+pub(super) struct Moving {
+    pub(super) moved: Discs,
+    pub(super) slopes: Vec<[DiscSlopes; 2]>,
+}
 
 /// Values of the unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +39,21 @@ impl State {
     pub(super) fn curvature(&self) -> f64 {
         libm::exp(self.log_curvature)
     }
+
+    /// The state after a step.
+    pub(super) fn stepped(&self, skin: &Skin, step: &Unknowns) -> Self {
+        let place = if step[ALONG] == 0.0 && step[ACROSS] == 0.0 {
+            self.place
+        } else {
+            skin.place_at(&skin.beyond(&self.place, step[ALONG], step[ACROSS]))
+        };
+        Self {
+            log_curvature: self.log_curvature + step[CURVATURE],
+            place,
+            indentation: self.indentation + step[INDENTATION],
+            shift: [0, 1].map(|axis| self.shift[axis] + step[SHIFT + axis]),
+        }
+    }
 }
 
 impl<V: View> ImageFit<V> {
@@ -35,8 +68,83 @@ impl<V: View> ImageFit<V> {
     }
 
     /// Displacements of the magenta and the yellow disc of each marker.
-    pub(super) fn moved(&self, state: &State) -> Result<Vec<[MarkerDisplacement; 2]>, PressError> {
+    pub(super) fn moved(&self, state: &State) -> Result<Discs, PressError> {
         self.moved_by(&self.bodies, state)
+    }
+
+    /// These displacements with their slopes by the unknowns.
+    pub(super) fn moving(&self, state: &State) -> Result<Moving, PressError> {
+        if self.shifts() {
+            self.moving_by_differences(state)
+        } else {
+            self.moving_in_closed_form(state)
+        }
+    }
+
+    /// Whether the object may have moved sideways.
+    pub(super) fn shifts(&self) -> bool {
+        self.shift_std > 0.0 && self.bodies[0].sideways().is_some()
+    }
+
+    fn moving_in_closed_form(&self, state: &State) -> Result<Moving, PressError> {
+        let markers = self.markers.places();
+        let mut moving = Moving {
+            moved: vec![[MarkerDisplacement::default(); 2]; markers.len()],
+            slopes: vec![[DiscSlopes::zeros(); 2]; markers.len()],
+        };
+        let [magenta, yellow] = &self.bodies;
+        let of_body = |body| -> Result<_, PressError> {
+            let contact = self.contact(body, state)?;
+            let [_, slope] = body.indentation_of(contact.radius)?;
+            let slopes = PressSlopes::new(&contact, slope);
+            Ok((contact, slopes))
+        };
+        let presses = [of_body(magenta)?, of_body(yellow)?];
+        let pairs = moving.moved.iter_mut().zip(&mut moving.slopes);
+        for (place, (moved, slopes)) in markers.iter().zip(pairs) {
+            let sight = self.markers.sight(&state.place, place);
+            let discs = moved.iter_mut().zip(slopes).zip(&presses);
+            for ((moved, slopes), (contact, press)) in discs {
+                let field = contact.field(sight.distance);
+                let radial = contact.relative_curvature * field.radial;
+                moved.normal = contact.relative_curvature * field.normal;
+                moved.tangential = (sight.outward * radial).into();
+                let [x, y] = press.tangential(&field, &sight);
+                let rows = [press.normal(&field, &sight, 1.0), x, y];
+                for (row, values) in rows.iter().enumerate() {
+                    for (unknown, value) in values.iter().enumerate() {
+                        slopes[(row, unknown)] = *value;
+                    }
+                }
+            }
+        }
+        Ok(moving)
+    }
+
+    fn moving_by_differences(&self, state: &State) -> Result<Moving, PressError> {
+        let skin = self.markers.skin();
+        let moved = self.moved(state)?;
+        let mut slopes = vec![[DiscSlopes::zeros(); 2]; moved.len()];
+        for unknown in 0..UNKNOWNS {
+            let size = match unknown {
+                CURVATURE => 1.0,
+                ALONG | ACROSS => skin.radius(),
+                INDENTATION => state.indentation,
+                _ => self.shift_std,
+            };
+            let mut step = Unknowns::zeros();
+            step[unknown] = STEP * size;
+            let beside = self.moved(&state.stepped(skin, &step))?;
+            for ((slopes, beside), at) in slopes.iter_mut().zip(&beside).zip(&moved) {
+                for ((slopes, beside), at) in slopes.iter_mut().zip(beside).zip(at) {
+                    let [x, y] = [0, 1].map(|axis| beside.tangential[axis] - at.tangential[axis]);
+                    for (row, value) in [beside.normal - at.normal, x, y].iter().enumerate() {
+                        slopes[(row, unknown)] = value / (STEP * size);
+                    }
+                }
+            }
+        }
+        Ok(Moving { moved, slopes })
     }
 
     /// Displacements per length by which discs lie deeper; `None` where they lie no other way.
@@ -44,7 +152,7 @@ impl<V: View> ImageFit<V> {
         &self,
         state: &State,
         moved: &[[MarkerDisplacement; 2]],
-    ) -> Result<Option<Vec<[MarkerDisplacement; 2]>>, PressError> {
+    ) -> Result<Option<Discs>, PressError> {
         let Some((depth, bodies)) = &self.deeper else {
             return Ok(None);
         };
@@ -61,16 +169,12 @@ impl<V: View> ImageFit<V> {
         ))
     }
 
-    fn moved_by(
-        &self,
-        bodies: &[Body; 2],
-        state: &State,
-    ) -> Result<Vec<[MarkerDisplacement; 2]>, PressError> {
+    fn moved_by(&self, bodies: &[Body; 2], state: &State) -> Result<Discs, PressError> {
         let [magenta, yellow] = bodies;
         let contacts = [self.contact(magenta, state)?, self.contact(yellow, state)?];
         let shift = Vector2::from(state.shift);
         let (size, azimuth) = (shift.norm(), libm::atan2(shift.y, shift.x));
-        let moved = |place: &Place| {
+        let moved = |place: &Place| -> Result<_, PressError> {
             let sight = self.markers.sight(&state.place, place);
             let mut both = [MarkerDisplacement::default(); 2];
             for ((moved, contact), body) in both.iter_mut().zip(&contacts).zip(bodies) {
@@ -92,6 +196,11 @@ impl<V: View> ImageFit<V> {
             }
             Ok(both)
         };
-        self.markers.places().iter().map(moved).collect()
+        let places = self.markers.places();
+        let mut all = Vec::with_capacity(places.len());
+        for place in places {
+            all.push(moved(place)?);
+        }
+        Ok(all)
     }
 }

@@ -31,9 +31,10 @@ impl<V: View> Problem<'_, V> {
 
     /// Free common departures from the sensor at rest, in their standard deviations, that both frames speak for.
     pub(super) fn departures(&self, residuals: &Residuals) -> Result<DVector<f64>, PressError> {
-        let both = &self.rest.information + self.common.transpose() * &self.common;
-        let factor = both.cholesky().ok_or(PressError::OutOfRange)?;
-        Ok(factor.solve(&(self.common.transpose() * residuals)))
+        let departures = self
+            .root
+            .tr_solve_lower_triangular(&self.shared(residuals)?);
+        departures.ok_or(PressError::OutOfRange)
     }
 
     /// Goes on about the sensor that both frames tell, after a fit about the present one; whether there is such a sensor.

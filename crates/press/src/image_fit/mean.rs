@@ -51,12 +51,9 @@ impl<V: View + Clone> Problem<'_, V> {
         if !there.take(sensor) {
             return None;
         }
-        there.weigh(&state).ok()?;
-        let hessian = Fitted::at(&there, state).ok()?.sums.hessian;
+        let hessian = there.weigh(&state).ok()?.sums.hessian;
         let of_press = inverse(&hessian, 0.0)?.determinant();
-        let information = &there.rest.information + there.common.transpose() * &there.common;
-        let factor = information.cholesky()?;
-        let mut sum = 2.0 * factor.l_dirty().diagonal().map(libm::log).sum() - libm::log(of_press);
+        let mut sum = 2.0 * there.root.diagonal().map(libm::log).sum() - libm::log(of_press);
         for (&marker, whiten) in there.counting.iter().zip(&there.whiten) {
             sum -= 2.0 * whiten.diagonal().map(libm::log).sum();
             let spread = there.rest.local[marker].as_ref()?.spread.determinant();

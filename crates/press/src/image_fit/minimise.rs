@@ -15,20 +15,47 @@ pub(super) struct Fitted {
     pub(super) state: State,
     pub(super) residuals: Residuals,
     pub(super) jacobian: Jacobian,
+    /// Slope of each counting marker's whitened picture by an inward displacement of both discs, its size.
+    pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,
 }
 
 impl Fitted {
     pub(super) fn at<V: View>(problem: &Problem<'_, V>, state: State) -> Result<Self, PressError> {
-        let residuals = problem.residuals(&state)?;
-        let jacobian = problem.jacobian(&state, &residuals)?;
-        let sums = problem.sums(&state, &residuals, &jacobian)?;
+        problem.reached(problem.tried(state)?)
+    }
+
+    /// Another state, near enough for these slopes to serve.
+    pub(super) fn near<V: View>(
+        self,
+        problem: &Problem<'_, V>,
+        state: State,
+        residuals: Residuals,
+    ) -> Result<Self, PressError> {
         Ok(Self {
+            sums: problem.sums(&state, &residuals, &self.jacobian)?,
             state,
             residuals,
-            jacobian,
-            sums,
+            ..self
         })
+    }
+
+    /// Standard deviation of the normal displacement of a marker, of both discs alike, that its own picture tells: the
+    /// median of those that count.
+    pub(super) fn normal_std(&self) -> f64 {
+        let mut stds: Vec<f64> = self
+            .normal_slopes
+            .iter()
+            .map(|slope| slope.recip())
+            .collect();
+        stds.sort_by(f64::total_cmp);
+        stds.get(stds.len() / 2).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// Fall of chi-squared that a whole step promises; 0 where there is none.
+    pub(super) fn promise(&self) -> f64 {
+        let gradient = self.sums.gradient;
+        solve(&self.sums.hessian, &gradient).map_or(0.0, |step| gradient.dot(&step))
     }
 }
 
@@ -68,26 +95,15 @@ pub(super) fn minimise<V: View>(
             break;
         }
         let state = problem.stepped(&best.state, &step);
-        let tried = problem.residuals(&state).and_then(|residuals| {
-            let cost = problem.cost(&state, &residuals)?;
-            Ok((residuals, cost))
-        });
-        match tried {
-            Ok((residuals, cost)) if cost <= best.sums.chi_squared => {
-                let gain = best.sums.chi_squared - cost;
+        match problem.tried(state) {
+            Ok(tried) if tried.cost <= best.sums.chi_squared => {
+                let gain = best.sums.chi_squared - tried.cost;
                 // Slopes that foretell badly are made anew.
                 frozen &= gain > 0.3 * promise;
-                let jacobian = if frozen {
-                    best.jacobian
+                best = if frozen {
+                    best.near(problem, state, tried.residuals)?
                 } else {
-                    problem.jacobian(&state, &residuals)?
-                };
-                let sums = problem.sums(&state, &residuals, &jacobian)?;
-                best = Fitted {
-                    state,
-                    residuals,
-                    jacobian,
-                    sums,
+                    problem.reached(tried)?
                 };
                 if gain > 0.5 * promise {
                     damping *= 0.1;

@@ -1,19 +1,14 @@
 //! Displacements of single markers, as their pictures tell them.
 
-use std::ops::Range;
-
-use nalgebra::{Matrix3, SMatrix, Vector3, Vector4};
+use nalgebra::{Matrix3, Vector3};
 
 use super::law::State;
 use super::problem::Problem;
 use super::rest::Rest;
 use super::settings::ImageFit;
-use super::view::{NUMBERS, Seen, View, difference};
+use super::view::{NUMBERS, Seen, View};
 use crate::definite::solve;
 use crate::{Estimated, MarkerDisplacement, Measured, PressError, PressEstimate};
-
-/// Step of a displacement by which slopes are found, in radii of the skin.
-pub(super) const STEP: f64 = 1e-6;
 
 impl<V: View> ImageFit<V> {
     /// Displacement of each marker beyond those of an estimated press, that its own picture tells: how its discs move against
@@ -41,9 +36,11 @@ impl<V: View> ImageFit<V> {
         problem.weigh(&state)?;
         let residuals = problem.own(&problem.residuals(&state)?)?;
         let moved = problem.displaced(&state)?;
-        let slopes = problem.by_displacement(&moved, 0..2, STEP * self.markers.skin().radius())?;
+        let slopes = problem.by_displacements(&moved)?.displacements;
         let mut beyond = vec![None; seen.len()];
-        for ((at, &marker), slope) in problem.counting.iter().enumerate().zip(&slopes) {
+        for ((at, &marker), whiten) in problem.counting.iter().enumerate().zip(&problem.whiten) {
+            let [magenta, yellow] = &slopes[marker];
+            let slope = whiten * (magenta + yellow);
             let residual = residuals.fixed_rows::<NUMBERS>(NUMBERS * at);
             let square: Matrix3<f64> = slope.transpose() * slope;
             let right: Vector3<f64> = slope.transpose() * residual;
@@ -53,40 +50,5 @@ impl<V: View> ImageFit<V> {
             });
         }
         Ok(beyond)
-    }
-}
-
-impl<V: View> Problem<'_, V> {
-    /// Slopes of the whitened pictures of the markers that count, by a displacement of these discs, all alike: inward and
-    /// along the skin.
-    pub(super) fn by_displacement(
-        &self,
-        moved: &[[MarkerDisplacement; 2]],
-        discs: Range<usize>,
-        step: f64,
-    ) -> Result<Vec<SMatrix<f64, NUMBERS, 3>>, PressError> {
-        let at = self.pictures(moved)?;
-        let mut slopes = vec![SMatrix::<f64, NUMBERS, 3>::zeros(); self.counting.len()];
-        for component in 0..3 {
-            let mut beside = moved.to_vec();
-            let those = beside.iter_mut().flat_map(|both| &mut both[discs.clone()]);
-            for disc in those {
-                match component {
-                    0 => disc.normal += step,
-                    _ => disc.tangential[component - 1] += step,
-                }
-            }
-            let there = self.pictures(&beside)?;
-            for ((slope, &marker), whiten) in
-                slopes.iter_mut().zip(&self.counting).zip(&self.whiten)
-            {
-                let (Some(at), Some(there)) = (&at[marker], &there[marker]) else {
-                    return Err(PressError::OutOfRange);
-                };
-                let column = whiten * Vector4::from(difference(there, at)) / step;
-                slope.set_column(component, &column);
-            }
-        }
-        Ok(slopes)
     }
 }

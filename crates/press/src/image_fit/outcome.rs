@@ -24,6 +24,9 @@ const MOST_WRONG: f64 = 1.0 / 8.0;
 const ROUNDS: usize = 20;
 /// Rounds in which the sensor is told by both frames.
 const LEARNT: usize = 5;
+/// Fall of chi-squared by a step about a sensor that was just learnt, below which the next would change nothing that counts: a
+/// twentieth of a standard deviation, of which the next would be a small part.
+const SETTLED: f64 = 2.5e-3;
 /// Least improvement of chi-squared by a contact, against none, that counts as one.
 const SEEN: f64 = 16.0;
 /// Least decrease of chi-squared that a further step must promise: roughly, and at last.
@@ -123,8 +126,7 @@ impl<V: View + Clone> ImageFit<V> {
             indentation: depth,
             shift: [0.0; 2],
         };
-        problem.weigh(&state)?;
-        let sums = Fitted::at(&problem, state)?.sums;
+        let sums = problem.weigh(&state)?.sums;
         let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
             what: "some combination of curvature, place and indentation is free",
         })?;
@@ -134,20 +136,19 @@ impl<V: View + Clone> ImageFit<V> {
 
 fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate, PressError> {
     problem.weigh_at_rest()?;
-    let best = robust(&mut problem)?;
-    problem.weigh(&best.state)?;
-    let mut best = Fitted::at(&problem, best.state)?;
+    let mut best = robust(&mut problem)?;
     let wrong = drop_wrong(&mut problem, &best)?;
-    problem.weigh(&best.state)?;
+    if !wrong.is_empty() {
+        best = problem.weigh(&best.state)?;
+    }
     best = learn(&mut problem, best)?;
     for _ in 0..4 {
-        let fitted = Fitted::at(&problem, best.state)?;
-        best = minimise(&problem, fitted, EXACTLY, None, false)?;
+        best = minimise(&problem, best, EXACTLY, None, true)?;
         let covariance = inverse(&best.sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
             what: "some combination of curvature, place and indentation is free",
         })?;
         let at_rest = problem.residuals_at_rest()?;
-        let unmoved = at_rest.norm_squared() - problem.shared_part(&at_rest);
+        let unmoved = problem.own_squares(&at_rest)?;
         let improvement = unmoved - best.sums.chi_squared;
         if improvement < SEEN {
             return Err(PressError::NoContact {
@@ -175,11 +176,9 @@ pub(super) fn settle<V: View + Clone>(
     problem: &mut Problem<'_, V>,
     near: State,
 ) -> Result<Fitted, PressError> {
-    problem.weigh(&near)?;
-    let near = Fitted::at(problem, near)?;
+    let near = problem.weigh(&near)?;
     let near = learn(problem, near)?;
-    let fitted = Fitted::at(problem, near.state)?;
-    minimise(problem, fitted, EXACTLY, None, false)
+    minimise(problem, near, EXACTLY, None, true)
 }
 
 /// A fit about the sensor that both frames tell.
@@ -189,12 +188,18 @@ fn learn<V: View + Clone>(
 ) -> Result<Fitted, PressError> {
     let mut best = near;
     for _ in 0..LEARNT {
-        let fitted = Fitted::at(problem, best.state)?;
-        best = minimise(problem, fitted, ROUGHLY, None, false)?;
+        best = minimise(problem, best, 0.1 * SETTLED, None, true)?;
         let before = problem.clone();
-        if !problem.learn(&best)? || problem.weigh(&best.state).is_err() {
-            // There is no such sensor.
-            *problem = before;
+        let is_there = problem.learn(&best)?;
+        match problem.weigh(&best.state) {
+            Ok(fitted) if is_there => best = fitted,
+            _ => {
+                // There is no such sensor.
+                *problem = before;
+                break;
+            }
+        }
+        if best.promise() < SETTLED {
             break;
         }
     }
@@ -229,10 +234,10 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<Fitted, Press
         }
     }
     let near = best.ok_or(failure)?;
-    problem.weigh(&near.state)?;
-    let fitted = Fitted::at(problem, near.state)?;
-    let mut best = minimise(problem, fitted, ROUGHLY, None, false)?;
+    let near = problem.weigh(&near.state)?;
+    let mut best = minimise(problem, near, ROUGHLY, None, true)?;
     // Where the fit is bad, a few markers may be to blame.
+    let mut is_weighed = false;
     for _ in 0..ROUNDS {
         let squares = problem.squares(&best)?;
         let mut is_new = false;
@@ -249,11 +254,14 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<Fitted, Press
         if !is_new {
             break;
         }
-        problem.weigh(&best.state)?;
-        let fitted = Fitted::at(problem, best.state)?;
-        best = minimise(problem, fitted, ROUGHLY, None, false)?;
+        let weighed = problem.weigh(&best.state)?;
+        best = minimise(problem, weighed, ROUGHLY, None, true)?;
+        is_weighed = true;
     }
-    problem.trust.fill(1.0);
+    if is_weighed {
+        problem.trust.fill(1.0);
+        best = problem.weigh(&best.state)?;
+    }
     Ok(best)
 }
 
@@ -353,7 +361,7 @@ fn outcome<V: View + Clone>(
         baseline: None,
         gain: None,
         wrong_markers,
-        normal_std: problem.normal_std(&best.state)?,
+        normal_std: best.normal_std(),
         tangential_std: None,
         r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
         reduced_chi_squared: best.sums.chi_squared / freedom as f64,

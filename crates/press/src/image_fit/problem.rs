@@ -2,12 +2,17 @@
 
 use std::borrow::Cow;
 
-use nalgebra::{DMatrix, DVector, Matrix4, Matrix4x2, SMatrix, SVector, Vector4};
+use nalgebra::allocator::Allocator;
+use nalgebra::{
+    DMatrix, DVector, DefaultAllocator, Dim, Dyn, Matrix, Matrix4, Matrix4x2, MatrixXx6, OMatrix,
+    SMatrix, SVector, Storage, Vector4,
+};
 
-use super::law::State;
-use super::rest::Rest;
+use super::law::{DiscSlopes, Moving, State};
+use super::minimise::Fitted;
+use super::rest::{Rest, products};
 use super::settings::ImageFit;
-use super::view::{NUMBERS, Seen, Sensor, View, difference};
+use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, Steps, View, difference};
 use crate::{MarkerDisplacement, Measured, PressError};
 
 /// Unknowns, in this order: the logarithm of the relative curvature; steps of the contact's place along the axes there;
@@ -17,13 +22,10 @@ pub(super) const CURVATURE: usize = 0;
 pub(super) const ALONG: usize = 1;
 pub(super) const ACROSS: usize = 2;
 pub(super) const INDENTATION: usize = 3;
-const SHIFT: usize = 4;
+pub(super) const SHIFT: usize = 4;
 
 pub(super) type Unknowns = SVector<f64, UNKNOWNS>;
 pub(super) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
-
-/// Steps by which slopes are found, as shares of the unknowns' scales.
-const STEP: f64 = 1e-5;
 
 /// The least-squares problem: the pictures, their weights at some state, and the unknowns that are sought.
 #[derive(Clone)]
@@ -51,14 +53,22 @@ pub(super) struct Problem<'a, V> {
     from_rest: Vec<Vector4<f64>>,
     /// Effect of common departures, whitened: as many rows as equations, and a column for each departure.
     pub(super) common: DMatrix<f64>,
-    /// Inverse root of the information on the departures in both frames, times `common` transposed.
-    pub(super) shared: DMatrix<f64>,
+    /// Root of the information on the departures in both frames, a lower triangle.
+    pub(super) root: DMatrix<f64>,
 }
 
 /// Residuals, whitened, of the markers that count.
 pub(super) type Residuals = DVector<f64>;
 /// Slopes of the whitened pictures by the unknowns.
-pub(super) type Jacobian = DMatrix<f64>;
+pub(super) type Jacobian = MatrixXx6<f64>;
+
+/// A state that is tried, with what is needed to go on from it.
+pub(super) struct Tried {
+    pub(super) state: State,
+    pub(super) residuals: Residuals,
+    pub(super) cost: f64,
+    moving: Moving,
+}
 
 /// Chi-squared and half its gradient and Hessian.
 #[derive(Clone, Copy, Debug)]
@@ -80,9 +90,7 @@ impl<'a, V: View> Problem<'a, V> {
             .collect();
         let mut sought = [true; UNKNOWNS];
         sought[INDENTATION] = indentation.is_none_or(|known| known.std > 1e-10 * known.value);
-        let shifts = fit.shift_std > 0.0 && fit.bodies[0].sideways().is_some();
-        sought[SHIFT] = shifts;
-        sought[SHIFT + 1] = shifts;
+        sought[SHIFT..].fill(fit.shifts());
         Ok(Self {
             fit,
             sensor: rest.sensor(),
@@ -96,7 +104,7 @@ impl<'a, V: View> Problem<'a, V> {
             by_local: Vec::new(),
             from_rest: Vec::new(),
             common: DMatrix::zeros(0, 0),
-            shared: DMatrix::zeros(0, 0),
+            root: DMatrix::zeros(0, 0),
             counting,
         })
     }
@@ -137,9 +145,9 @@ impl<'a, V: View> Problem<'a, V> {
 
     /// Gives every reading the weight that it has at a state: by its own noise, by what is left unknown of its
     /// marker's misalignment, and by what is left unknown of the sensor, which is common to all.
-    pub(super) fn weigh(&mut self, state: &State) -> Result<(), PressError> {
-        let moved = self.fit.moved(state)?;
-        let per_depth = self.fit.per_depth(state, &moved)?;
+    pub(super) fn weigh(&mut self, state: &State) -> Result<Fitted, PressError> {
+        let moving = self.fit.moving(state)?;
+        let per_depth = self.fit.per_depth(state, &moving.moved)?;
         self.by_depth = per_depth.clone().unwrap_or_default();
         for moved in &mut self.by_depth {
             for (disc, deeper) in moved.iter_mut().zip(&self.sensor.common) {
@@ -147,13 +155,15 @@ impl<'a, V: View> Problem<'a, V> {
                 disc.tangential = disc.tangential.map(|along| along * deeper);
             }
         }
-        let moved = self.deeper(moved);
-        self.weigh_at(&moved, per_depth.as_deref())
+        let moved = self.deeper(moving.moved);
+        let slopes = self.weigh_at(&moved, per_depth.as_deref())?;
+        let residuals = self.whitened(|marker| slopes.pictures[marker])?;
+        self.fitted(*state, residuals, &slopes, &moving.slopes)
     }
 
     /// Weighs the equations by the errors of markers that are at rest.
     pub(super) fn weigh_at_rest(&mut self) -> Result<(), PressError> {
-        self.weigh_at(&self.still(), None)
+        self.weigh_at(&self.still(), None).map(|_| ())
     }
 
     fn still(&self) -> Vec<[MarkerDisplacement; 2]> {
@@ -169,35 +179,26 @@ impl<'a, V: View> Problem<'a, V> {
         &mut self,
         moved: &[[MarkerDisplacement; 2]],
         per_depth: Option<&[[MarkerDisplacement; 2]]>,
-    ) -> Result<(), PressError> {
-        let pictures = self.pictures(moved)?;
+    ) -> Result<PictureSlopes, PressError> {
+        let slopes = self
+            .fit
+            .slopes(&self.sensor.state(), moved, per_depth)
+            .ok_or(PressError::OutOfRange)?;
         let Rest {
             local, information, ..
         } = &*self.rest;
-        let Sensor {
-            common,
-            misalignments,
-        } = &self.sensor;
-        let slopes = self
-            .fit
-            .slopes(common, misalignments, moved, per_depth, &pictures)
-            .ok_or(PressError::OutOfRange)?;
         let to_rest = self.to_rest();
-        let departures = information.nrows();
+        let aside_by_common = &slopes.common * &to_rest;
         self.whiten.clear();
         self.by_local.clear();
         self.from_rest.clear();
-        self.common = DMatrix::zeros(self.equations(), departures);
+        self.common = DMatrix::zeros(self.equations(), information.nrows());
         for (at, &marker) in self.counting.iter().enumerate() {
-            let parts = (
-                &self.seen[marker],
-                &local[marker],
-                &slopes.common[marker],
-                &slopes.local[marker],
-            );
-            let (Some(seen), Some(local), Some(by_common), Some(by_local)) = parts else {
+            let parts = (&self.seen[marker], &local[marker], &slopes.pictures[marker]);
+            let (Some(seen), Some(local), Some(_)) = parts else {
                 return Err(PressError::OutOfRange);
             };
+            let by_local = &slopes.misalignments[marker];
             let covariance = seen.covariance + by_local * local.spread * by_local.transpose();
             let factor = covariance
                 .cholesky()
@@ -207,22 +208,23 @@ impl<'a, V: View> Problem<'a, V> {
                 .try_inverse()
                 .ok_or(PressError::NotFinite { marker })?
                 * self.trust[at];
-            let aside = by_common * &to_rest + by_local * self.to_rest_of(marker);
-            let slopes = whiten * (by_common + by_local * &local.follows);
-            self.by_local.push(whiten * by_local);
+            let first = NUMBERS * marker;
+            let aside =
+                aside_by_common.fixed_rows::<NUMBERS>(first) + by_local * self.to_rest_of(marker);
             self.from_rest.push(whiten * aside);
-            self.common
-                .rows_mut(NUMBERS * at, NUMBERS)
-                .copy_from(&slopes);
+            for column in 0..self.common.ncols() {
+                let by_common = slopes.common.fixed_view::<NUMBERS, 1>(first, column)
+                    + by_local * local.follows.fixed_view::<2, 1>(0, column);
+                self.common
+                    .fixed_view_mut::<NUMBERS, 1>(NUMBERS * at, column)
+                    .copy_from(&(whiten * by_common));
+            }
+            self.by_local.push(whiten * by_local);
             self.whiten.push(whiten);
         }
-        let both = information + self.common.transpose() * &self.common;
-        let factor = both.cholesky().ok_or(PressError::OutOfRange)?;
-        self.shared = factor
-            .l()
-            .solve_lower_triangular(&self.common.transpose())
-            .ok_or(PressError::OutOfRange)?;
-        Ok(())
+        let both = information + products(&self.common, &self.common);
+        self.root = both.cholesky().ok_or(PressError::OutOfRange)?.unpack();
+        Ok(slopes)
     }
 
     /// Displacements of discs that lie as deep as the frame at rest has them.
@@ -246,6 +248,78 @@ impl<'a, V: View> Problem<'a, V> {
         state: &State,
     ) -> Result<Vec<[MarkerDisplacement; 2]>, PressError> {
         Ok(self.deeper(self.fit.moved(state)?))
+    }
+
+    /// A state with its residuals and their sum of squares.
+    pub(super) fn tried(&self, state: State) -> Result<Tried, PressError> {
+        let mut moving = self.fit.moving(&state)?;
+        moving.moved = self.deeper(moving.moved);
+        let pictures = self.pictures(&moving.moved)?;
+        let residuals = self.whitened(|marker| pictures[marker])?;
+        Ok(Tried {
+            cost: self.cost(&state, &residuals)?,
+            state,
+            residuals,
+            moving,
+        })
+    }
+
+    /// A state that was tried, with slopes there.
+    pub(super) fn reached(&self, tried: Tried) -> Result<Fitted, PressError> {
+        let Tried {
+            state,
+            residuals,
+            moving: Moving { moved, slopes },
+            ..
+        } = tried;
+        let pictures = self.by_displacements(&moved)?;
+        self.fitted(state, residuals, &pictures, &slopes)
+    }
+
+    /// Pictures with their slopes by displacements alone.
+    pub(super) fn by_displacements(
+        &self,
+        moved: &[[MarkerDisplacement; 2]],
+    ) -> Result<PictureSlopes, PressError> {
+        let steps = Steps {
+            departures: &[],
+            radius: self.fit.markers.skin().radius(),
+        };
+        let slopes = self.fit.view.slopes(&self.sensor.state(), moved, &steps);
+        slopes.ok_or(PressError::OutOfRange)
+    }
+
+    /// A state with slopes by the unknowns, from those of pictures by displacements and of displacements by the unknowns.
+    fn fitted(
+        &self,
+        state: State,
+        residuals: Residuals,
+        pictures: &PictureSlopes,
+        moving: &[[DiscSlopes; 2]],
+    ) -> Result<Fitted, PressError> {
+        let mut jacobian = Jacobian::zeros(residuals.len());
+        let mut normal_slopes = Vec::with_capacity(self.counting.len());
+        for ((at, &marker), whiten) in self.counting.iter().enumerate().zip(&self.whiten) {
+            let [magenta, yellow] = &pictures.displacements[marker];
+            let [by_magenta, by_yellow] = &moving[marker];
+            let slopes = whiten * (magenta * by_magenta + yellow * by_yellow);
+            jacobian
+                .fixed_rows_mut::<NUMBERS>(NUMBERS * at)
+                .copy_from(&slopes);
+            let normal = whiten * (magenta.column(0) + yellow.column(0));
+            normal_slopes.push(normal.norm());
+        }
+        for unknown in (0..UNKNOWNS).filter(|&unknown| !self.sought[unknown]) {
+            jacobian.column_mut(unknown).fill(0.0);
+        }
+        let sums = self.sums(&state, &residuals, &jacobian)?;
+        Ok(Fitted {
+            state,
+            residuals,
+            jacobian,
+            normal_slopes,
+            sums,
+        })
     }
 
     /// Whitened residuals at a state.
@@ -279,71 +353,31 @@ impl<'a, V: View> Problem<'a, V> {
         Ok(residuals)
     }
 
-    /// Slopes by the unknowns at a state, with its residuals.
-    pub(super) fn jacobian(
-        &self,
-        state: &State,
-        residuals: &Residuals,
-    ) -> Result<Jacobian, PressError> {
-        let mut jacobian = Jacobian::zeros(residuals.len(), UNKNOWNS);
-        for unknown in (0..UNKNOWNS).filter(|&unknown| self.sought[unknown]) {
-            jacobian.set_column(unknown, &self.slopes_by(unknown, state, residuals)?);
-        }
-        Ok(jacobian)
-    }
-
-    /// Slopes of the whitened pictures by one unknown, sought or not.
-    pub(super) fn slopes_by(
-        &self,
-        unknown: usize,
-        state: &State,
-        residuals: &Residuals,
-    ) -> Result<Residuals, PressError> {
-        let scale = match unknown {
-            CURVATURE => 1.0,
-            ALONG | ACROSS => self.fit.markers.skin().radius(),
-            INDENTATION => state.indentation,
-            _ => self.fit.shift_std,
-        };
-        let mut step = Unknowns::zeros();
-        step[unknown] = STEP * scale;
-        let there = self.residuals(&self.stepped(state, &step))?;
-        Ok((residuals - there) / (STEP * scale))
-    }
-
     /// Residuals without what departures of the sensor account for.
     pub(super) fn own(&self, residuals: &Residuals) -> Result<Residuals, PressError> {
         Ok(residuals - &self.common * self.departures(residuals)?)
     }
 
-    /// Part of a sum of squared residuals that what is common to all markers may account for.
-    pub(super) fn shared_part(&self, residuals: &Residuals) -> f64 {
-        (&self.shared * residuals).norm_squared()
+    /// Components of whitened columns, one for each departure, that what is common to all markers may account for.
+    pub(super) fn shared<C: Dim, S: Storage<f64, Dyn, C>>(
+        &self,
+        columns: &Matrix<f64, Dyn, C, S>,
+    ) -> Result<OMatrix<f64, Dyn, C>, PressError>
+    where
+        DefaultAllocator: Allocator<Dyn, C>,
+    {
+        let mut shared = self.common.tr_mul(columns);
+        let is_solved = self.root.solve_lower_triangular_mut(&mut shared);
+        is_solved.then_some(shared).ok_or(PressError::OutOfRange)
     }
 
-    /// Standard deviation of the normal displacement of a marker, of both discs alike, that its own picture tells: the
-    /// median of those that count.
-    pub(super) fn normal_std(&self, state: &State) -> Result<f64, PressError> {
-        let step = 1e-6 * self.fit.markers.skin().radius();
-        let mut moved = self.displaced(state)?;
-        let at = self.pictures(&moved)?;
-        for disc in moved.iter_mut().flatten() {
-            disc.normal += step;
-        }
-        let there = self.pictures(&moved)?;
-        let mut stds: Vec<f64> = Vec::new();
-        for (&marker, whiten) in self.counting.iter().zip(&self.whiten) {
-            if let (Some(at), Some(there)) = (&at[marker], &there[marker]) {
-                let slope = whiten * Vector4::from(difference(there, at)) / step;
-                stds.push(slope.norm().recip());
-            }
-        }
-        stds.sort_by(f64::total_cmp);
-        Ok(stds.get(stds.len() / 2).copied().unwrap_or(f64::INFINITY))
+    /// Sum of squared residuals without the part that what is common to all markers may account for.
+    pub(super) fn own_squares(&self, residuals: &Residuals) -> Result<f64, PressError> {
+        Ok(residuals.norm_squared() - self.shared(residuals)?.norm_squared())
     }
 
     pub(super) fn cost(&self, state: &State, residuals: &Residuals) -> Result<f64, PressError> {
-        let cost = residuals.norm_squared() - self.shared_part(residuals) + self.priors(state).0;
+        let cost = self.own_squares(residuals)? + self.priors(state).0;
         if cost.is_finite() {
             Ok(cost)
         } else {
@@ -357,16 +391,19 @@ impl<'a, V: View> Problem<'a, V> {
         residuals: &Residuals,
         jacobian: &Jacobian,
     ) -> Result<Sums, PressError> {
-        let chi_squared = self.cost(state, residuals)?;
-        let shared = &self.shared * jacobian;
-        let common = &self.shared * residuals;
-        let (_, gradient, hessian) = self.priors(state);
-        let square = jacobian.transpose() * jacobian - shared.transpose() * &shared;
-        let slope = jacobian.transpose() * residuals - shared.transpose() * common;
+        let shared = self.shared(jacobian)?;
+        let common = self.shared(residuals)?;
+        let (off, gradient, hessian) = self.priors(state);
+        let chi_squared = residuals.norm_squared() - common.norm_squared() + off;
+        if !chi_squared.is_finite() {
+            return Err(PressError::OutOfRange);
+        }
+        let square = jacobian.tr_mul(jacobian) - shared.tr_mul(&shared);
+        let slope = jacobian.tr_mul(residuals) - shared.tr_mul(&common);
         let mut sums = Sums {
             chi_squared,
-            gradient: gradient - Unknowns::from_fn(|row, _| slope[row]),
-            hessian: hessian + Square::from_fn(|row, column| square[(row, column)]),
+            gradient: gradient - slope,
+            hessian: hessian + square,
         };
         for unknown in (0..UNKNOWNS).filter(|&unknown| !self.sought[unknown]) {
             sums.hold(unknown);
@@ -397,18 +434,7 @@ impl<'a, V: View> Problem<'a, V> {
 
     /// The state after a step.
     pub(super) fn stepped(&self, state: &State, step: &Unknowns) -> State {
-        let skin = self.fit.markers.skin();
-        let place = if step[ALONG] == 0.0 && step[ACROSS] == 0.0 {
-            state.place
-        } else {
-            skin.place_at(&skin.beyond(&state.place, step[ALONG], step[ACROSS]))
-        };
-        State {
-            log_curvature: state.log_curvature + step[CURVATURE],
-            place,
-            indentation: state.indentation + step[INDENTATION],
-            shift: [0, 1].map(|axis| state.shift[axis] + step[SHIFT + axis]),
-        }
+        state.stepped(self.fit.markers.skin(), step)
     }
 }
 

@@ -58,14 +58,7 @@ fn walk<V: View>(
         let is_near = way[CURVATURE].abs() < 0.3;
         let start = if is_near {
             let residuals = problem.residuals(&start).ok()?;
-            let jacobian = from.0.jacobian.clone();
-            let sums = problem.sums(&start, &residuals, &jacobian).ok()?;
-            Fitted {
-                state: start,
-                residuals,
-                jacobian,
-                sums,
-            }
+            from.0.clone().near(problem, start, residuals).ok()?
         } else {
             Fitted::at(problem, start).ok()?
         };

@@ -2,18 +2,16 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Dyn, Matrix2, OMatrix, U2, Vector4};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Matrix4x2, OMatrix, U2, Vector2, Vector3, Vector4};
 
 use super::frame::KnownFrame;
 use super::settings::ImageFit;
 use super::told::Known;
-use super::view::{MOST_MISALIGNED, NUMBERS, Seen, Sensor, SensorState, View, difference};
+use super::view::{
+    MOST_MISALIGNED, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, Steps, View,
+};
 use crate::{MarkerDisplacement, PressError};
 
-/// Steps by which slopes are found, as shares of the standard deviation.
-const SHARE: f64 = 1e-2;
-/// Step of a misalignment, rad.
-pub(super) const MISALIGNED: f64 = 1e-6;
 const MOST_STEPS: usize = 60;
 const MOST_DAMPING: f64 = 1e9;
 /// Decrease of chi-squared below which nothing is left to find.
@@ -64,14 +62,6 @@ pub(super) struct Local {
     pub(super) spread: Matrix2<f64>,
 }
 
-/// Slopes of the pictures at a state of the sensor.
-pub(super) struct Slopes {
-    /// By the free common departures, in their standard deviations: per marker 4 rows.
-    pub(super) common: Vec<Option<OMatrix<f64, nalgebra::U4, Dyn>>>,
-    /// By the misalignment, per rad.
-    pub(super) local: Vec<Option<nalgebra::Matrix4x2<f64>>>,
-}
-
 impl<V: View> ImageFit<V> {
     /// The sensor as its markers at rest show it: one reading per marker, `None` for those that are not seen.
     ///
@@ -107,95 +97,44 @@ impl<V: View> ImageFit<V> {
             common: DVector::from_iterator(resting.free.len(), common),
             misalignments: sensor.misalignments.clone(),
         };
-        let pictures = resting.pictures(&state)?;
-        let equations = resting.equations(&state, &pictures, 0.0)?;
+        let equations = resting.equations(&state, 0.0)?;
         let likeliest = resting.stepped(&state, &equations)?;
         Some(resting.told(likeliest, equations, rest.chi_squared))
     }
 
-    /// Slopes of pictures by what is not known of the sensor; the markers move by `moved`, and where the discs of one
-    /// colour lie deeper by what `deeper` tells per length.
+    /// Pictures with their slopes by what is not known of the sensor: by free departures, in their standard deviations, and by
+    /// misalignments. The markers move by `moved`, and where the discs of one colour lie deeper by what `per_depth` tells per
+    /// length.
     pub(super) fn slopes(
         &self,
-        common: &[f64],
-        misalignments: &[[f64; 2]],
+        sensor: &SensorState<'_>,
         moved: &[[MarkerDisplacement; 2]],
         per_depth: Option<&[[MarkerDisplacement; 2]]>,
-        at: &[Option<[f64; NUMBERS]>],
-    ) -> Option<Slopes> {
-        let markers = moved.len();
-        let free = self.free();
-        let mut of_common: Vec<_> = at
-            .iter()
-            .map(|at| at.map(|_| OMatrix::<f64, nalgebra::U4, Dyn>::zeros(free.len())))
-            .collect();
-        for (column, &number) in free.iter().enumerate() {
-            let step = SHARE * self.common_stds[number];
-            let mut common = common.to_vec();
-            common[number] += step;
-            let state = SensorState {
-                common: &common,
-                misalignments,
-            };
-            let pictures = match per_depth.filter(|_| number < 2) {
-                Some(per_depth) => {
-                    let shifted: Vec<_> = moved
-                        .iter()
-                        .zip(per_depth)
-                        .map(|(moved, per_depth)| {
-                            let mut moved = *moved;
-                            let (disc, slope) = (&mut moved[number], &per_depth[number]);
-                            disc.normal += step * slope.normal;
-                            for axis in 0..2 {
-                                disc.tangential[axis] += step * slope.tangential[axis];
-                            }
-                            moved
-                        })
-                        .collect();
-                    self.view.pictures(&state, &shifted)?
-                }
-                None => self.view.pictures(&state, moved)?,
-            };
-            for marker in 0..markers {
-                let slopes = of_common[marker].as_mut();
-                if let (Some(slopes), Some(at), Some(there)) =
-                    (slopes, &at[marker], &pictures[marker])
-                {
-                    // Per standard deviation.
-                    slopes.set_column(column, &(Vector4::from(difference(there, at)) / SHARE));
-                }
-            }
-        }
-        let mut of_local: Vec<_> = at
-            .iter()
-            .map(|at| at.map(|_| nalgebra::Matrix4x2::zeros()))
-            .collect();
-        if self.misalignment_std > 0.0 {
-            for axis in 0..2 {
-                let mut beside = misalignments.to_vec();
-                for misalignment in &mut beside {
-                    misalignment[axis] += MISALIGNED;
-                }
-                let state = SensorState {
-                    common,
-                    misalignments: &beside,
+    ) -> Option<PictureSlopes> {
+        let departures = self.free_stds();
+        let steps = Steps {
+            departures: &departures,
+            radius: self.markers.skin().radius(),
+        };
+        let mut slopes = self.view.slopes(sensor, moved, &steps)?;
+        for (column, &(number, std)) in departures.iter().enumerate() {
+            for (marker, both) in per_depth.unwrap_or_default().iter().enumerate() {
+                let Some(deeper) = both.get(number) else {
+                    break;
                 };
-                let pictures = self.view.pictures(&state, moved)?;
-                for marker in 0..markers {
-                    let slopes: Option<&mut nalgebra::Matrix4x2<f64>> = of_local[marker].as_mut();
-                    if let (Some(slopes), Some(at), Some(there)) =
-                        (slopes, &at[marker], &pictures[marker])
-                    {
-                        slopes
-                            .set_column(axis, &(Vector4::from(difference(there, at)) / MISALIGNED));
-                    }
-                }
+                let [x, y] = deeper.tangential;
+                let more = slopes.displacements[marker][number] * Vector3::new(deeper.normal, x, y);
+                let mut rows = slopes
+                    .common
+                    .fixed_view_mut::<NUMBERS, 1>(NUMBERS * marker, column);
+                rows += more;
             }
+            slopes.common.column_mut(column).scale_mut(std);
         }
-        Some(Slopes {
-            common: of_common,
-            local: of_local,
-        })
+        if self.misalignment_std == 0.0 {
+            slopes.misalignments.fill(Matrix4x2::zeros());
+        }
+        Some(slopes)
     }
 }
 
@@ -216,9 +155,6 @@ struct State {
     misalignments: Vec<[f64; 2]>,
 }
 
-/// Pictures of the markers in each frame.
-type Pictures = Vec<Vec<Option<[f64; NUMBERS]>>>;
-
 /// Equations of one step with the misalignments taken out.
 struct Equations {
     information: DMatrix<f64>,
@@ -227,10 +163,52 @@ struct Equations {
 }
 
 /// The part of the equations that is a marker's own.
+#[derive(Clone)]
 struct Own {
+    square: Matrix2<f64>,
+    /// Inverse of it, 0 where discs are aligned.
     inverse: Matrix2<f64>,
     across: OMatrix<f64, U2, Dyn>,
-    right: nalgebra::Vector2<f64>,
+    right: Vector2<f64>,
+}
+
+impl Own {
+    fn new(count: usize) -> Self {
+        Self {
+            square: Matrix2::zeros(),
+            inverse: Matrix2::zeros(),
+            across: OMatrix::<f64, U2, Dyn>::zeros(count),
+            right: Vector2::zeros(),
+        }
+    }
+
+    /// Takes in what is known of misalignments beforehand; `None` where the equations cannot be solved.
+    fn solve(&mut self, misalignment: &[f64; 2], std: f64, damping: f64) -> Option<()> {
+        if std > 0.0 {
+            let per_square = std.powi(-2);
+            self.right -= Vector2::from(*misalignment) * per_square;
+            for axis in 0..2 {
+                self.square[(axis, axis)] += per_square;
+                self.square[(axis, axis)] *= 1.0 + damping;
+            }
+            self.inverse = self.square.try_inverse()?;
+        }
+        Some(())
+    }
+}
+
+/// Product of a matrix, transposed, and another that is such that it is symmetric.
+pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = one.ncols();
+    let mut products = DMatrix::zeros(count, count);
+    for row in 0..count {
+        for column in row..count {
+            let product = one.column(row).dot(&other.column(column));
+            products[(row, column)] = product;
+            products[(column, row)] = product;
+        }
+    }
+    products
 }
 
 impl<V: View> Resting<'_, V> {
@@ -239,23 +217,21 @@ impl<V: View> Resting<'_, V> {
             common: DVector::zeros(self.free.len()),
             misalignments: vec![[0.0; 2]; self.markers()],
         };
-        let mut pictures = self.pictures(&state).ok_or(PressError::OutOfRange)?;
-        let mut cost = self.cost(&state, &pictures);
+        let mut cost = self.cost(&state).ok_or(PressError::OutOfRange)?;
         let mut damping = 1e-3;
         for _ in 0..MOST_STEPS {
             let equations = self
-                .equations(&state, &pictures, damping)
+                .equations(&state, damping)
                 .ok_or(PressError::OutOfRange)?;
             let tried = self.stepped(&state, &equations);
             let better = tried.and_then(|tried| {
-                let pictures = self.pictures(&tried)?;
-                let less = self.cost(&tried, &pictures);
-                (less <= cost).then_some((tried, pictures, less))
+                let less = self.cost(&tried)?;
+                (less <= cost).then_some((tried, less))
             });
             match better {
-                Some((tried, seen, less)) => {
+                Some((tried, less)) => {
                     let gain = cost - less;
-                    (state, pictures, cost) = (tried, seen, less);
+                    (state, cost) = (tried, less);
                     damping *= 0.1;
                     if gain <= ENOUGH {
                         break;
@@ -269,9 +245,7 @@ impl<V: View> Resting<'_, V> {
                 }
             }
         }
-        let equations = self
-            .equations(&state, &pictures, 0.0)
-            .ok_or(PressError::OutOfRange)?;
+        let equations = self.equations(&state, 0.0).ok_or(PressError::OutOfRange)?;
         Ok(self.told(state, equations, cost))
     }
 
@@ -315,23 +289,23 @@ impl<V: View> Resting<'_, V> {
         self.fit.markers.places().len()
     }
 
-    fn pictures(&self, state: &State) -> Option<Pictures> {
+    /// Sum of squares at a state, priors included; `None` where there is no such sensor.
+    fn cost(&self, state: &State) -> Option<f64> {
         let common = self.common(state);
         let sensor = SensorState {
             common: &common,
             misalignments: &state.misalignments,
         };
         let frames = self.frames.iter();
-        frames
-            .map(|frame| self.fit.view.pictures(&sensor, &frame.moved_at(&common)))
-            .collect()
-    }
-
-    fn cost(&self, state: &State, pictures: &Pictures) -> f64 {
+        let pictures = frames.map(|frame| {
+            let moved = frame.moved_at(&common);
+            self.fit.view.pictures(&sensor, &moved)
+        });
+        let pictures: Vec<_> = pictures.collect::<Option<_>>()?;
         let mut cost = state.common.norm_squared();
         for marker in 0..self.markers() {
             let mut is_seen = false;
-            for (frame, pictures) in self.frames.iter().zip(pictures) {
+            for (frame, pictures) in self.frames.iter().zip(&pictures) {
                 let Some(weight) = &frame.weights[marker] else {
                     continue;
                 };
@@ -339,7 +313,7 @@ impl<V: View> Resting<'_, V> {
                 match frame.residual(marker, pictures) {
                     Some(residual) => cost += residual.dot(&(weight * residual)),
                     // A marker that was seen cannot be out of sight.
-                    None => return f64::INFINITY,
+                    None => return Some(f64::INFINITY),
                 }
             }
             if is_seen && self.fit.misalignment_std > 0.0 {
@@ -347,93 +321,81 @@ impl<V: View> Resting<'_, V> {
                 cost += (x * x + y * y) / self.fit.misalignment_std.powi(2);
             }
         }
-        cost
+        Some(cost)
     }
 
-    fn slopes(&self, state: &State, pictures: &Pictures) -> Option<Vec<Slopes>> {
-        let common = self.common(state);
-        let of_frame = |(frame, pictures): (&KnownFrame, &Vec<_>)| {
-            let moved = frame.moved_at(&common);
-            let per_depth = frame.per_depth.as_deref();
-            self.fit
-                .slopes(&common, &state.misalignments, &moved, per_depth, pictures)
-        };
-        self.frames.iter().zip(pictures).map(of_frame).collect()
-    }
-
-    fn equations(&self, state: &State, pictures: &Pictures, damping: f64) -> Option<Equations> {
-        let slopes = self.slopes(state, pictures)?;
+    fn equations(&self, state: &State, damping: f64) -> Option<Equations> {
         let count = self.free.len();
+        let common = self.common(state);
+        let sensor = SensorState {
+            common: &common,
+            misalignments: &state.misalignments,
+        };
         let mut information = DMatrix::<f64>::identity(count, count);
         let mut right = -state.common.clone();
-        let mut reduced = Vec::new();
-        let mut local = Vec::new();
-        for marker in 0..self.markers() {
-            let mut is_seen = false;
-            let mut own = Matrix2::zeros();
-            let mut across = OMatrix::<f64, U2, Dyn>::zeros(count);
-            let mut own_right = nalgebra::Vector2::zeros();
-            for ((frame, pictures), slopes) in self.frames.iter().zip(pictures).zip(&slopes) {
-                let parts = (
-                    &frame.weights[marker],
-                    frame.residual(marker, pictures),
-                    &slopes.common[marker],
-                    &slopes.local[marker],
-                );
-                let (Some(weight), Some(residual), Some(by_common), Some(by_local)) = parts else {
+        let mut owns: Vec<Option<Own>> = vec![None; self.markers()];
+        for frame in self.frames.iter() {
+            let (moved, per_depth) = (frame.moved_at(&common), frame.per_depth.as_deref());
+            let slopes = self.fit.slopes(&sensor, &moved, per_depth)?;
+            let mut weighted = slopes.common.clone();
+            let mut residuals = DVector::zeros(weighted.nrows());
+            for (marker, own) in owns.iter_mut().enumerate() {
+                let first = NUMBERS * marker;
+                let residual = frame.residual(marker, &slopes.pictures);
+                let parts = frame.weights[marker].as_ref().zip(residual);
+                let Some((weight, residual)) = parts else {
+                    weighted.rows_mut(first, NUMBERS).fill(0.0);
                     continue;
                 };
-                is_seen = true;
-                let weighted = weight * by_common;
-                information += by_common.transpose() * &weighted;
-                right += weighted.transpose() * residual;
-                own += by_local.transpose() * weight * by_local;
-                own_right += by_local.transpose() * (weight * residual);
-                across += by_local.transpose() * &weighted;
+                let own = own.get_or_insert_with(|| Own::new(count));
+                let by_local = &slopes.misalignments[marker];
+                let local_weighted = by_local.transpose() * weight;
+                residuals
+                    .fixed_rows_mut::<NUMBERS>(first)
+                    .copy_from(&residual);
+                for column in 0..count {
+                    let mut rows = weighted.fixed_view_mut::<NUMBERS, 1>(first, column);
+                    let by_common: Vector4<f64> = rows.clone_owned();
+                    rows.copy_from(&(weight * by_common));
+                    let mut across = own.across.fixed_view_mut::<2, 1>(0, column);
+                    across += local_weighted * by_common;
+                }
+                own.square += local_weighted * by_local;
+                own.right += local_weighted * residual;
             }
-            if !is_seen {
-                local.push(None);
-                continue;
-            }
-            if self.fit.misalignment_std == 0.0 {
-                local.push(Some(Own {
-                    inverse: Matrix2::zeros(),
-                    across: OMatrix::<f64, U2, Dyn>::zeros(count),
-                    right: nalgebra::Vector2::zeros(),
-                }));
-                continue;
-            }
-            let per_square = self.fit.misalignment_std.powi(-2);
-            own_right -= nalgebra::Vector2::from(state.misalignments[marker]) * per_square;
-            for axis in 0..2 {
-                own[(axis, axis)] += per_square;
-                own[(axis, axis)] *= 1.0 + damping;
-            }
-            let inverse = own.try_inverse()?;
-            reduced.push((
-                across.transpose() * inverse * &across,
-                across.transpose() * (inverse * own_right),
-            ));
-            local.push(Some(Own {
-                inverse,
-                across,
-                right: own_right,
-            }));
+            information += products(&slopes.common, &weighted);
+            right += weighted.tr_mul(&residuals);
         }
         for at in 0..count {
             information[(at, at)] *= 1.0 + damping;
         }
-        for (square, vector) in reduced {
-            information -= square;
-            right -= vector;
+        let mut across = DMatrix::zeros(2 * owns.len(), count);
+        let mut taken = across.clone();
+        let mut taken_right = DVector::zeros(across.nrows());
+        for (marker, own) in owns.iter_mut().enumerate() {
+            let Some(own) = own else { continue };
+            own.solve(
+                &state.misalignments[marker],
+                self.fit.misalignment_std,
+                damping,
+            )?;
+            across.rows_mut(2 * marker, 2).copy_from(&own.across);
+            taken
+                .rows_mut(2 * marker, 2)
+                .copy_from(&(own.inverse * &own.across));
+            taken_right
+                .fixed_rows_mut::<2>(2 * marker)
+                .copy_from(&(own.inverse * own.right));
         }
+        information -= products(&across, &taken);
+        right -= across.tr_mul(&taken_right);
         if let Some(known) = &self.known {
             known.cut(&state.common, &mut information, &mut right)?;
         }
         Some(Equations {
             information,
             right,
-            local,
+            local: owns,
         })
     }
 

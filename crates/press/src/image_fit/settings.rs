@@ -49,12 +49,16 @@ impl<V: View> ImageFit<V> {
         told.map(|told| told.known(&self.common_stds)).transpose()
     }
 
+    /// Numbers of the common departures that are not exact, with their standard deviations.
+    pub(super) fn free_stds(&self) -> Vec<(usize, f64)> {
+        let stds = self.common_stds.iter().copied().enumerate();
+        stds.filter(|(_, std)| *std > 0.0).collect()
+    }
+
     /// Numbers of the common departures that are not exact.
     pub(super) fn free(&self) -> Vec<usize> {
-        let stds = self.common_stds.iter().enumerate();
-        stds.filter(|(_, std)| **std > 0.0)
-            .map(|(number, _)| number)
-            .collect()
+        let free = self.free_stds().into_iter();
+        free.map(|(number, _)| number).collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Pictures of markers that a camera sees, as a fit is told them.
 
-use nalgebra::Matrix4;
+use nalgebra::{DMatrix, Matrix4, Matrix4x2, Matrix4x3, Vector4};
 
 use crate::MarkerDisplacement;
 
@@ -8,6 +8,12 @@ use crate::MarkerDisplacement;
 pub(super) const NUMBERS: usize = 4;
 /// The hue among them, which goes round.
 const HUE: usize = 2;
+
+/// Steps of differences: of departures, in their standard deviations; of misalignments, rad; of displacements, in radii of the
+/// skin.
+const SHARE: f64 = 1e-2;
+const MISALIGNED: f64 = 1e-6;
+const DISPLACED: f64 = 1e-6;
 
 /// A marker as the tracker reads it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +53,28 @@ impl Sensor {
     }
 }
 
+/// Sizes of what pictures have slopes by, for those who find them by differences.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steps<'a> {
+    /// Numbers of the departures that slopes are sought by, with the standard deviation of each.
+    pub departures: &'a [(usize, f64)],
+    /// Radius of the skin.
+    pub radius: f64,
+}
+
+/// Pictures of all markers with their slopes: four rows of each marker, in the order of a picture's numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PictureSlopes {
+    /// Picture of each marker, as of [`View::pictures`].
+    pub pictures: Vec<Option<[f64; 4]>>,
+    /// Slopes of each marker in turn, by the departures that are asked for, a column each; 0 for markers that are not seen.
+    pub common: DMatrix<f64>,
+    /// Slopes by both components of each marker's misalignment, per rad.
+    pub misalignments: Vec<Matrix4x2<f64>>,
+    /// Slopes by the displacements of each marker's magenta and yellow disc, per length: inward, and along both axes.
+    pub displacements: Vec<[Matrix4x3<f64>; 2]>,
+}
+
 /// Law by which a camera sees markers whose discs were displaced.
 pub trait View {
     /// Picture of each marker, as [`Seen`] has it, after the displacements of its magenta and its yellow disc; `None`
@@ -56,6 +84,76 @@ pub trait View {
         sensor: &SensorState<'_>,
         moved: &[[MarkerDisplacement; 2]],
     ) -> Option<Vec<Option<[f64; 4]>>>;
+
+    /// These pictures with their slopes; by differences, unless the law knows better.
+    fn slopes(
+        &self,
+        sensor: &SensorState<'_>,
+        moved: &[[MarkerDisplacement; 2]],
+        steps: &Steps<'_>,
+    ) -> Option<PictureSlopes> {
+        let pictures = self.pictures(sensor, moved)?;
+        let markers = pictures.len();
+        let slopes = |step: f64, beside: &[Option<[f64; 4]>], marker: usize| -> Vector4<f64> {
+            match (&beside[marker], &pictures[marker]) {
+                (Some(beside), Some(at)) => Vector4::from(difference(beside, at)) / step,
+                _ => Vector4::zeros(),
+            }
+        };
+        let mut common = DMatrix::zeros(NUMBERS * markers, steps.departures.len());
+        for (column, &(number, std)) in steps.departures.iter().enumerate() {
+            let step = SHARE * std;
+            let mut departed = sensor.common.to_vec();
+            departed[number] += step;
+            let state = SensorState {
+                common: &departed,
+                ..*sensor
+            };
+            let beside = self.pictures(&state, moved)?;
+            for marker in 0..markers {
+                let mut rows = common.fixed_view_mut::<NUMBERS, 1>(NUMBERS * marker, column);
+                rows.copy_from(&slopes(step, &beside, marker));
+            }
+        }
+        let mut misalignments = vec![Matrix4x2::zeros(); markers];
+        for axis in 0..2 {
+            let mut misaligned = sensor.misalignments.to_vec();
+            for misalignment in &mut misaligned {
+                misalignment[axis] += MISALIGNED;
+            }
+            let state = SensorState {
+                misalignments: &misaligned,
+                ..*sensor
+            };
+            let beside = self.pictures(&state, moved)?;
+            for (marker, by) in misalignments.iter_mut().enumerate() {
+                by.set_column(axis, &slopes(MISALIGNED, &beside, marker));
+            }
+        }
+        let step = DISPLACED * steps.radius;
+        let mut displacements = vec![[Matrix4x3::zeros(); 2]; markers];
+        for disc in 0..2 {
+            for component in 0..3 {
+                let mut displaced = moved.to_vec();
+                for both in &mut displaced {
+                    match component {
+                        0 => both[disc].normal += step,
+                        _ => both[disc].tangential[component - 1] += step,
+                    }
+                }
+                let beside = self.pictures(sensor, &displaced)?;
+                for (marker, by) in displacements.iter_mut().enumerate() {
+                    by[disc].set_column(component, &slopes(step, &beside, marker));
+                }
+            }
+        }
+        Some(PictureSlopes {
+            pictures,
+            common,
+            misalignments,
+            displacements,
+        })
+    }
 }
 
 /// One picture less another.

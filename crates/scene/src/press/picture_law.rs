@@ -1,17 +1,18 @@
 //! The law of a marker's picture, as a fit of pictures takes it: the camera's optics.
 
-use nalgebra::Matrix4;
+use nalgebra::{DMatrix, Matrix4, Matrix4x2, Matrix4x3};
 use palpate_chromatouch::{Departure, DiscMotion, MarkerMotion, Optics, SeenMarker};
-use palpate_press::{MarkerDisplacement, Seen, SensorState, View};
+use palpate_press::{MarkerDisplacement, PictureSlopes, Seen, SensorState, Steps, View};
 use palpate_tracking::{Marker, MarkerErrors};
 
 use super::camera::Spotted;
 
-/// Pictures by optics that depart from what is known of them.
+/// Pictures by optics that depart from what is known of them: the departures common to all markers are the numbers of a
+/// [`Departure`].
 #[derive(Clone, Debug)]
-pub(crate) struct PictureLaw {
+pub struct PictureLaw {
     /// The sensor as it is meant to be.
-    pub(crate) optics: Optics,
+    pub optics: Optics,
 }
 
 impl View for PictureLaw {
@@ -20,30 +21,62 @@ impl View for PictureLaw {
         sensor: &SensorState<'_>,
         moved: &[[MarkerDisplacement; 2]],
     ) -> Option<Vec<Option<[f64; 4]>>> {
-        let motion = |moved: &MarkerDisplacement| DiscMotion {
-            normal: moved.normal,
-            tangential: moved.tangential,
-            ..DiscMotion::default()
-        };
-        let motions: Vec<Option<MarkerMotion>> = moved
-            .iter()
-            .map(|[magenta, yellow]| {
-                Some(MarkerMotion {
-                    magenta: motion(magenta),
-                    yellow: motion(yellow),
-                })
-            })
-            .collect();
-        let numbers: [f64; Departure::NUMBERS] = sensor.common.try_into().ok()?;
         let optics = self.optics.misaligned(sensor.misalignments).ok()?;
-        let optics = optics.departed(&Departure::of(numbers)).ok()?;
-        let seen = optics.projected(&motions).ok()?;
-        Some(
-            seen.iter()
-                .map(|seen| Some(picture(seen.as_ref()?)))
-                .collect(),
-        )
+        let optics = optics.departed(&departure(sensor)?).ok()?;
+        let seen = optics.projected(&motions(moved)).ok()?;
+        let pictures = seen.iter().map(|seen| seen.as_ref().map(picture));
+        Some(pictures.collect())
     }
+
+    fn slopes(
+        &self,
+        sensor: &SensorState<'_>,
+        moved: &[[MarkerDisplacement; 2]],
+        steps: &Steps<'_>,
+    ) -> Option<PictureSlopes> {
+        let numbers: Vec<usize> = steps.departures.iter().map(|(number, _)| *number).collect();
+        let optics = self.optics.misaligned(sensor.misalignments).ok()?;
+        let seen = optics
+            .slopes(&departure(sensor)?, &motions(moved), &numbers)
+            .ok()?;
+        let mut slopes = PictureSlopes {
+            pictures: vec![None; seen.len()],
+            common: DMatrix::zeros(4 * seen.len(), numbers.len()),
+            misalignments: vec![Matrix4x2::zeros(); seen.len()],
+            displacements: vec![[Matrix4x3::zeros(); 2]; seen.len()],
+        };
+        for (marker, seen) in seen.iter().enumerate() {
+            let Some(seen) = seen else { continue };
+            slopes.pictures[marker] = Some(picture(&seen.seen));
+            slopes.misalignments[marker] = seen.by_misalignment;
+            slopes.displacements[marker] = seen.by_motion;
+            let mut rows = slopes.common.rows_mut(4 * marker, 4);
+            for (column, &number) in numbers.iter().enumerate() {
+                rows.set_column(column, &seen.by_departure.column(number));
+            }
+        }
+        Some(slopes)
+    }
+}
+
+fn departure(sensor: &SensorState<'_>) -> Option<Departure> {
+    let numbers: [f64; Departure::NUMBERS] = sensor.common.try_into().ok()?;
+    Some(Departure::of(numbers))
+}
+
+fn motions(moved: &[[MarkerDisplacement; 2]]) -> Vec<Option<MarkerMotion>> {
+    let motion = |moved: &MarkerDisplacement| DiscMotion {
+        normal: moved.normal,
+        tangential: moved.tangential,
+        ..DiscMotion::default()
+    };
+    let motions = moved.iter().map(|[magenta, yellow]| {
+        Some(MarkerMotion {
+            magenta: motion(magenta),
+            yellow: motion(yellow),
+        })
+    });
+    motions.collect()
 }
 
 fn picture(seen: &SeenMarker) -> [f64; 4] {
