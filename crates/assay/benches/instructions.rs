@@ -5,8 +5,9 @@
 use gungraun::{
     Callgrind, EntryPoint, LibraryBenchmarkConfig, library_benchmark, library_benchmark_group, main,
 };
+use palpate_assay::hot::pictures::Step;
 use palpate_assay::hot::rolls::{Chart, Ep1, Model};
-use palpate_assay::hot::{Hot, camera, patches, presses, rolls, texts};
+use palpate_assay::hot::{Hot, camera, patches, pictures, presses, rolls, texts};
 use palpate_ep2::{Penalised, Quadric, TwoPass};
 use palpate_press::Body;
 use palpate_rolling::HeldAxis;
@@ -134,6 +135,28 @@ fn press(mut path: Hot) -> Hot {
     path
 }
 
+fn imaged(body: impl Fn(f64) -> anyhow::Result<Body>, step: Step) -> Hot {
+    ready(pictures::worked(body, step))
+}
+
+fn half_space_at(depth: f64) -> anyhow::Result<Body> {
+    Ok(Body::half_space(0.5, depth)?)
+}
+
+fn layer_at(depth: f64) -> anyhow::Result<Body> {
+    Ok(Body::bonded_layer(5.0, depth)?)
+}
+
+#[library_benchmark]
+#[bench::rest(imaged(layer_at, Step::Rest))]
+#[bench::half_space_fit(imaged(half_space_at, Step::Fit))]
+#[bench::layer_fit(imaged(layer_at, Step::Fit))]
+#[bench::layer_doubts(imaged(layer_at, Step::Doubts))]
+fn images(mut path: Hot) -> Hot {
+    path();
+    path
+}
+
 #[library_benchmark]
 #[bench::projected(ready(camera::projected()))]
 #[bench::rendered_640_px(ready(camera::rendered(640)))]
@@ -154,7 +177,9 @@ fn text(mut path: Hot) -> Hot {
 
 library_benchmark_group!(
     name = hot_paths,
-    benchmarks = [rolling, sensing, trials, runner, ep2, press, sight, text]
+    benchmarks = [
+        rolling, sensing, trials, runner, ep2, press, images, sight, text
+    ]
 );
 main!(
     config = LibraryBenchmarkConfig::default().tool(counted()),

@@ -3,6 +3,7 @@
 
 pub mod camera;
 pub mod patches;
+pub mod pictures;
 pub mod presses;
 pub mod rolls;
 pub mod texts;

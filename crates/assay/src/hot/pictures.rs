@@ -1,0 +1,129 @@
+//! Fits of what a camera sees of a press: 77 markers, of a sensor that is known only roughly.
+
+use std::hint::black_box;
+
+use anyhow::{Context, Result};
+use nalgebra::Matrix4;
+use palpate_chromatouch::Departure;
+use palpate_press::{Body, ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View};
+use palpate_scene::PictureLaw;
+use palpate_sensing::{Channel, Stream};
+
+use super::camera::optics;
+use super::presses::{AT, INDENTATION, OBJECT, SKIN, markers};
+use super::{Hot, warm};
+
+/// Depths of the magenta and the yellow discs under the skin, mm.
+const DEPTHS: [f64; 2] = [3.0, 1.0];
+/// Depth by which discs lie deeper where slopes are found, mm.
+const DEEPER: f64 = 1e-3 * SKIN;
+/// Standard deviations of the numbers of a [`Departure`]: depths, diameters, image's centre, pixels per radian, place and turn
+/// of the camera, and colours, but not of the odd terms of its lens.
+const ROUGHLY: [f64; Departure::NUMBERS] = [
+    0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
+    0.01, 0.01, 0.01, 0.01, 0.0, 0.0,
+];
+/// Standard deviation of either component of a misalignment, rad: discs of 2 mm, misaligned by up to 0.3 of that.
+const MISALIGNED: f64 = 0.5 * 0.3 * 2.0 / 19.0;
+/// Standard deviations of what the tracker reads: centroid, px; hue, turns; logarithm of the size.
+const STDS: [f64; 4] = [0.008, 0.008, 3e-4, 1.5e-3];
+
+/// A press before a camera.
+pub struct Seeing {
+    fit: ImageFit<PictureLaw>,
+    at_rest: Vec<Option<Seen>>,
+    pressed: Vec<Option<Seen>>,
+}
+
+/// What is done with the pictures.
+#[derive(Clone, Copy, Debug)]
+pub enum Step {
+    /// The sensor is told by its frame at rest.
+    Rest,
+    /// The press is fitted.
+    Fit,
+    /// The fit's doubts are sought.
+    Doubts,
+}
+
+impl Seeing {
+    /// The press, of bodies that are made for each depth.
+    ///
+    /// # Errors
+    /// If the body cannot be pressed so.
+    pub fn new(body: impl Fn(f64) -> Result<Body>) -> Result<Self> {
+        let bodies = |deeper: f64| -> Result<[Body; 2]> {
+            let [magenta, yellow] = DEPTHS.map(|depth| body(depth + deeper));
+            Ok([magenta?, yellow?])
+        };
+        let optics = optics(640)?;
+        let misalignments = optics.array().misalignments();
+        let fit = ImageFit {
+            view: PictureLaw {
+                optics: optics.misaligned(&[[0.0; 2]; 77])?,
+            },
+            markers: markers()?,
+            bodies: bodies(0.0)?,
+            deeper: Some((DEEPER, bodies(DEEPER)?)),
+            common_stds: ROUGHLY.to_vec(),
+            told: None,
+            misalignment_std: MISALIGNED,
+            shift_std: 0.0,
+        };
+        let mut noise = Stream::new(1, 1, Channel::Position);
+        let common = ROUGHLY.map(|std| std * noise.standard_normal());
+        let contact = |disc: usize| -> Result<Vec<MarkerDisplacement>> {
+            let body = body(DEPTHS[disc] + common[disc])?;
+            let contact = fit.markers.skin().contact(&body, OBJECT, INDENTATION)?;
+            Ok(fit.markers.displacements(&contact, AT))
+        };
+        let moved = contact(0)?.into_iter().zip(contact(1)?).map(Into::into);
+        let state = SensorState {
+            common: &common,
+            misalignments: &misalignments,
+        };
+        let mut seen = |moved: &[[MarkerDisplacement; 2]]| -> Result<Vec<Option<Seen>>> {
+            let pictures = fit.view.pictures(&state, moved).context("no such sensor")?;
+            let mut read = |picture: [f64; 4]| Seen {
+                picture: std::array::from_fn(|number| {
+                    picture[number] + STDS[number] * noise.standard_normal()
+                }),
+                covariance: Matrix4::from_diagonal(&STDS.map(|std| std * std).into()),
+            };
+            Ok(pictures
+                .into_iter()
+                .map(|picture| picture.map(&mut read))
+                .collect())
+        };
+        let at_rest = seen(&[[MarkerDisplacement::default(); 2]; 77])?;
+        let pressed = seen(&moved.collect::<Vec<_>>())?;
+        Ok(Self {
+            fit,
+            at_rest,
+            pressed,
+        })
+    }
+
+    fn rest(&self) -> Result<Rest> {
+        Ok(self.fit.at_rest(&self.at_rest)?)
+    }
+}
+
+/// Work on the pictures of 77 markers under a press, the indentation unknown.
+///
+/// # Errors
+/// If the body cannot be pressed so.
+pub fn worked(body: impl Fn(f64) -> Result<Body>, step: Step) -> Result<Hot> {
+    let seeing = Seeing::new(body)?;
+    let rest = seeing.rest()?;
+    let estimate = seeing.fit.estimate(&rest, &seeing.pressed, None)?;
+    Ok(match step {
+        Step::Rest => warm(move || seeing.fit.at_rest(black_box(&seeing.at_rest))),
+        Step::Fit => warm(move || seeing.fit.estimate(&rest, black_box(&seeing.pressed), None)),
+        Step::Doubts => warm(move || {
+            seeing
+                .fit
+                .doubts(&rest, black_box(&seeing.pressed), None, &estimate)
+        }),
+    })
+}
