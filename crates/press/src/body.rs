@@ -106,6 +106,18 @@ impl Body {
         BondedLayer::new(thickness, depth).map(|layer| Self::layer(layer, Layers::Tables))
     }
 
+    /// An incompressible layer bonded to a rigid core, seen at each of these depths, in their order; made together, which
+    /// takes little longer than one.
+    ///
+    /// # Errors
+    /// As [`Body::bonded_layer`].
+    pub fn bonded_layers(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
+        let layers = BondedLayer::at_depths(thickness, depths)?.into_iter();
+        Ok(layers
+            .map(|layer| Self::layer(layer, Layers::Tables))
+            .collect())
+    }
+
     /// An incompressible layer bonded to a rigid core, as [`Body::bonded_layer`] but for few contacts: each is solved
     /// for itself, as [`BondedLayer::solved`] does, without tables.
     ///

@@ -13,7 +13,7 @@ mod table;
 mod waves;
 
 use std::f64::consts::PI;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use pressure::Pressure;
 use rings::Term;
@@ -46,8 +46,29 @@ pub struct BondedLayer {
     depth: f64,
     /// Number of nodes for contacts that are solved for themselves, over the number that they need.
     resolution: f64,
-    /// Tables of the ranges of radii, each made when first asked for.
-    tables: [OnceLock<Result<Table, PressError>>; ENDS.len() - 1],
+    /// Layers that this one has its tables with, and its number among them.
+    family: Arc<Family>,
+    number: usize,
+}
+
+/// Tables of one layer at several depths.
+#[derive(Debug)]
+struct Family {
+    /// In thicknesses.
+    depths: Vec<f64>,
+    /// Tables at each depth in each range of radii, made when first asked for.
+    tables: [OnceLock<Result<Vec<Table>, PressError>>; ENDS.len() - 1],
+}
+
+impl Family {
+    fn table(&self, place: usize, number: usize) -> Result<&Table, PressError> {
+        let tables = || Table::all(place, &self.depths);
+        let tables = self.tables[place].get_or_init(tables);
+        tables
+            .as_ref()
+            .map(|tables| &tables[number])
+            .map_err(|error| *error)
+    }
 }
 
 /// A contact with a [`BondedLayer`], per unit relative curvature.
@@ -77,16 +98,33 @@ impl BondedLayer {
     /// [`PressError::BadSetting`] for a `thickness` that is not from 1e-50 to 1e50, or a `depth` that is not from 0 to
     /// the thickness.
     pub fn new(thickness: f64, depth: f64) -> Result<Self, PressError> {
+        let mut layers = Self::at_depths(thickness, &[depth])?;
+        layers.pop().ok_or(PressError::OutOfRange)
+    }
+
+    /// One layer at several depths, in their order. Their tables are made together, which takes little longer than one.
+    ///
+    /// # Errors
+    /// Errors of [`BondedLayer::new`].
+    pub fn at_depths(thickness: f64, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let good = (1e-50..=1e50).contains(&thickness);
         PressError::unless_good("thickness", thickness, good, "from 1e-50 to 1e50")?;
-        let good = (0.0..=thickness).contains(&depth);
-        PressError::unless_good("depth", depth, good, "from 0 to the layer's thickness")?;
-        Ok(Self {
+        for &depth in depths {
+            let good = (0.0..=thickness).contains(&depth);
+            PressError::unless_good("depth", depth, good, "from 0 to the layer's thickness")?;
+        }
+        let family = Arc::new(Family {
+            depths: depths.iter().map(|depth| depth / thickness).collect(),
+            tables: Default::default(),
+        });
+        let layer = |(number, &depth): (usize, &f64)| Self {
             thickness,
             depth,
             resolution: 1.0,
-            tables: Default::default(),
-        })
+            family: Arc::clone(&family),
+            number,
+        };
+        Ok(depths.iter().enumerate().map(layer).collect())
     }
 
     /// This layer, with `resolution` times the nodes for contacts that are solved for themselves: below 1 quicker and
@@ -246,9 +284,7 @@ impl BondedLayer {
     }
 
     fn table(&self, place: usize) -> Result<&Table, PressError> {
-        let table = || Table::new(place, self.depth / self.thickness);
-        let table = self.tables[place].get_or_init(table);
-        table.as_ref().map_err(|error| *error)
+        self.family.table(place, self.number)
     }
 }
 

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use super::pressure::Pressure;
 use super::rings::Term;
-use super::waves::{BEYOND, Wave, bessel};
+use super::waves::{BEYOND, Spectrum, Wave, bessel};
 use crate::{Field, PressError};
 
 /// Ends of the ranges of contact radii that have a table each.
@@ -54,8 +54,8 @@ impl Table {
         ENDS[1..].iter().position(|end| contact <= *end)
     }
 
-    /// Solves the contacts of one of the ranges.
-    pub(super) fn new(place: usize, depth: f64) -> Result<Self, PressError> {
+    /// Tables of one of the ranges at each of these depths, for which the contacts are solved once.
+    pub(super) fn all(place: usize, depths: &[f64]) -> Result<Vec<Self>, PressError> {
         let range = [ENDS[place], ENDS[place + 1]];
         let panels = panels(range[1]);
         let distances: Vec<f64> = panels
@@ -67,35 +67,37 @@ impl Table {
             pressures.push(Pressure::solve(contact, 1.0)?);
         }
         let terms = pressures.iter().map(terms).max().unwrap_or(1);
-        let mut bessels = Vec::new();
-        let mut rows = Vec::new();
+        let deepest = depths.iter().copied().fold(0.0, f64::max);
+        let (mut bessels, polynomials) = (Vec::new(), Polynomials::new());
+        let mut tables: Vec<Self> = depths
+            .iter()
+            .map(|_| Self {
+                range,
+                panels: panels.clone(),
+                terms,
+                rows: Vec::new(),
+            })
+            .collect();
         for pressure in &pressures {
-            // The wavenumbers are those of the widest contact, so that the Bessel functions are evaluated once.
-            let waves = Wave::all(
-                pressure,
-                depth,
-                range[1] + panels[panels.len() - 1] - pressure.contact,
-                1.0,
-            );
-            if bessels.is_empty() {
-                bessels = distances
-                    .iter()
-                    .map(|r| {
-                        waves
-                            .iter()
-                            .map(|wave| bessel(wave.wavenumber * r))
-                            .collect::<Vec<_>>()
-                    })
-                    .collect();
+            // The wavenumbers are those of the widest contact and the deepest place, so that the Bessel functions are
+            // evaluated once.
+            let reach = range[1] + panels[panels.len() - 1] - pressure.contact;
+            let spectrum = Spectrum::new(pressure, deepest, reach, 1.0);
+            for (table, depth) in tables.iter_mut().zip(depths) {
+                let waves = spectrum.waves(*depth);
+                if bessels.is_empty() {
+                    let at = |r: &f64| {
+                        let waves = waves.iter();
+                        waves.map(|wave| bessel(wave.wavenumber * r)).collect()
+                    };
+                    bessels = distances.iter().map(at).collect();
+                }
+                table
+                    .rows
+                    .push(row(pressure, terms, &waves, &bessels, &polynomials));
             }
-            rows.push(row(pressure, terms, &waves, &bessels));
         }
-        Ok(Self {
-            range,
-            panels,
-            terms,
-            rows,
-        })
+        Ok(tables)
     }
 
     /// The contact of this radius, which is within the range.
@@ -175,7 +177,13 @@ impl Panels {
 /// The numbers, the terms of φ and of ∂φ/∂a, and for each panel of distances the Chebyshev coefficients of normal and
 /// radial displacement and of their derivatives by the contact's radius; all divided by the power of the radius that
 /// they go with in small contacts.
-fn row(pressure: &Pressure, terms: usize, waves: &[Wave], bessels: &[Vec<[f64; 3]>]) -> Vec<f64> {
+fn row(
+    pressure: &Pressure,
+    terms: usize,
+    waves: &[Wave],
+    bessels: &[Vec<[f64; 3]>],
+    polynomials: &Polynomials,
+) -> Vec<f64> {
     let a = pressure.contact;
     let mut row = vec![
         pressure.indentation / (a * a),
@@ -204,7 +212,7 @@ fn row(pressure: &Pressure, terms: usize, waves: &[Wave], bessels: &[Vec<[f64; 3
             }
         }
         for (values, power) in values.iter().zip([a * a * a, a * a * a, a * a, a * a]) {
-            row.extend(coefficients(values).map(|c| c / power));
+            row.extend(polynomials.coefficients(values).map(|c| c / power));
         }
     }
     row
@@ -269,16 +277,24 @@ fn lagrange(range: [f64; 2], value: f64) -> [f64; NODES] {
     shares.map(|share| share / sum)
 }
 
-/// Chebyshev coefficients of values at [`nodes`], the first halved.
-fn coefficients(values: &[f64; NODES]) -> [f64; NODES] {
-    std::array::from_fn(|order| {
-        let sum: f64 = values
-            .iter()
-            .enumerate()
-            .map(|(node, value)| value * libm::cos(order as f64 * angle(node)))
-            .sum();
-        sum * if order == 0 { 1.0 } else { 2.0 } / NODES as f64
-    })
+/// Values of the Chebyshev polynomials, in ascending order, at [`nodes`].
+struct Polynomials([[f64; NODES]; NODES]);
+
+impl Polynomials {
+    fn new() -> Self {
+        Self(std::array::from_fn(|order| {
+            std::array::from_fn(|node| libm::cos(order as f64 * angle(node)))
+        }))
+    }
+
+    /// Chebyshev coefficients of values at [`nodes`], the first halved.
+    fn coefficients(&self, values: &[f64; NODES]) -> [f64; NODES] {
+        std::array::from_fn(|order| {
+            let products = values.iter().zip(&self.0[order]);
+            let sum: f64 = products.map(|(value, polynomial)| value * polynomial).sum();
+            sum * if order == 0 { 1.0 } else { 2.0 } / NODES as f64
+        })
+    }
 }
 
 /// A Chebyshev series and its derivative by x, by Clenshaw's recurrence.

@@ -33,16 +33,33 @@ pub(super) struct Wave {
     pub(super) per_contact: [f64; 2],
 }
 
-impl Wave {
-    /// Every wavenumber that the base reflects from this pressure, spaced closely enough for distances up to `reach` at
-    /// resolution 1.
-    pub(super) fn all(pressure: &Pressure, depth: f64, reach: f64, resolution: f64) -> Vec<Self> {
+/// Wavenumbers with their weights, and the transforms of a pressure and of its growth there.
+pub(super) struct Spectrum {
+    nodes: Vec<[f64; 2]>,
+    transforms: Vec<[f64; 2]>,
+}
+
+impl Spectrum {
+    /// Every wavenumber of this pressure that the base reflects down to a depth, spaced closely enough for distances up to
+    /// `reach` at resolution 1.
+    pub(super) fn new(pressure: &Pressure, depth: f64, reach: f64, resolution: f64) -> Self {
         let distance = pressure.contact + reach;
         let nodes = wavenumbers(reflection::reach(depth), distance, resolution);
-        let waves = nodes.into_iter().map(|[wavenumber, weight]| {
-            let [curved, flat] = pressure.transform(wavenumber);
+        let transforms = nodes
+            .iter()
+            .map(|[wavenumber, _]| pressure.transform(*wavenumber));
+        Self {
+            transforms: transforms.collect(),
+            nodes,
+        }
+    }
+
+    /// Waves at a depth.
+    pub(super) fn waves(&self, depth: f64) -> Vec<Wave> {
+        let pairs = self.nodes.iter().zip(&self.transforms);
+        let waves = pairs.map(|(&[wavenumber, weight], [curved, flat])| {
             let share = reflection::at_depth(wavenumber, depth);
-            Self {
+            Wave {
                 wavenumber,
                 strength: share.map(|share| weight * share * curved),
                 per_contact: share.map(|share| weight * share * flat),
@@ -74,8 +91,9 @@ impl Waves {
         let Some((waves, reach)) = band else {
             return Field::default();
         };
-        let waves =
-            waves.get_or_init(|| Wave::all(&self.pressure, self.depth, reach, self.resolution));
+        let waves = waves.get_or_init(|| {
+            Spectrum::new(&self.pressure, self.depth, reach, self.resolution).waves(self.depth)
+        });
         let mut field = Field::default();
         for wave in waves {
             let k = wave.wavenumber;

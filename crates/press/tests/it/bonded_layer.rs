@@ -357,3 +357,35 @@ fn a_finer_resolution_errs_less_and_unusual_ones_are_refused() {
         assert!(layer(bad).is_err(), "{bad}");
     }
 }
+
+/// Layers that share their tables move as those with tables of their own.
+#[test]
+fn a_layer_at_several_depths_is_each_of_them() {
+    let depths = [0.0, 0.2, 0.75, 1.0];
+    let layers = BondedLayer::at_depths(1.0, &depths).unwrap();
+    for (layer, depth) in layers.iter().zip(depths) {
+        assert_eq!(layer.depth(), depth);
+        let alone = BondedLayer::new(1.0, depth).unwrap();
+        for contact in [0.3, 1.2] {
+            let [shared, own] = [layer, &alone].map(|layer| layer.contact(contact).unwrap());
+            let most = own.field(0.0).normal.abs().max(1e-3);
+            for r in [0.0, 0.1, 0.9, 2.0, 6.0] {
+                let (shared, own) = (shared.field(r), own.field(r));
+                let pairs = [
+                    (shared.normal, own.normal),
+                    (shared.radial, own.radial),
+                    (shared.normal_per_a, own.normal_per_a),
+                    (shared.radial_per_r, own.radial_per_r),
+                ];
+                for (shared, own) in pairs {
+                    assert!(
+                        (shared - own).abs() < 1e-8 * most,
+                        "{depth} {r}: {shared} {own}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(BondedLayer::at_depths(1.0, &[0.5, 1.5]).is_err());
+    assert!(BondedLayer::at_depths(1.0, &[]).unwrap().is_empty());
+}

@@ -43,8 +43,8 @@ const SEEN: usize = 1 << 17;
 /// ```
 #[derive(Debug)]
 pub struct Parts {
-    /// Layers by the bits of their thickness and of the depth at which they are read.
-    layers: Kept<[u64; 2], Result<Body, PressError>>,
+    /// Layers by the bits of their thickness and of the depths at which they are read.
+    layers: Kept<Vec<u64>, Result<Vec<Body>, PressError>>,
     at_rest: Kept<RestLook, Result<Seen, PressFailure>>,
     changes: Kept<PressLooks, Result<Changes, PressFailure>>,
 }
@@ -62,9 +62,16 @@ impl Default for Parts {
 impl Parts {
     /// A layer with tables, as [`Body::bonded_layer`] makes it.
     pub(super) fn layer(&self, thickness: f64, depth: f64) -> Result<Body, PressError> {
-        let key = [thickness, depth].map(f64::to_bits);
+        let mut layers = self.layers(thickness, &[depth])?;
+        layers.pop().ok_or(PressError::OutOfRange)
+    }
+
+    /// One layer at several depths, with tables, as [`Body::bonded_layers`] makes it.
+    pub(super) fn layers(&self, thickness: f64, depths: &[f64]) -> Result<Vec<Body>, PressError> {
+        let numbers = [thickness].into_iter().chain(depths.iter().copied());
+        let key = numbers.map(f64::to_bits).collect();
         self.layers
-            .get(key, 1, || Body::bonded_layer(thickness, depth))
+            .get(key, depths.len(), || Body::bonded_layers(thickness, depths))
     }
 
     /// The markers that a camera sees at rest.

@@ -27,8 +27,8 @@ pub(crate) struct PicturePlan<'a> {
     pub(crate) stds: [f64; Departure::NUMBERS],
     /// Departures whose joint covariance something else tells.
     pub(crate) told: Option<Told>,
-    /// Layer of a thickness, with its markers at a depth.
-    pub(crate) layer: &'a dyn Fn(f64, f64) -> Result<Body, PressError>,
+    /// Layer of a thickness, with its markers at each of these depths.
+    pub(crate) layers: &'a dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError>,
 }
 
 impl PicturePlan<'_> {
@@ -49,19 +49,25 @@ impl PicturePlan<'_> {
         }
         let poisson = poisson.unwrap_or(self.model.poisson());
         let DiscDepths { magenta, yellow } = self.sphere.disc_depths()?;
-        let bodies = |deeper: f64| -> Result<[Body; 2], PlanError> {
-            let body = |depth: f64| match thickness {
-                Some(thickness) => (self.layer)(thickness, depth),
-                None => Body::half_space(poisson, depth),
-            };
-            let both = body(magenta + deeper).and_then(|one| Ok([one, body(yellow + deeper)?]));
-            both.map_err(|error| of_body(ESTIMATOR, error))
-        };
         let deeper = DEEPER * self.sphere.radius;
-        let deeper = match self.stds[0] > 0.0 {
-            true => Some((deeper, bodies(deeper)?)),
-            false => None,
+        let mut depths = vec![magenta, yellow];
+        if self.stds[0] > 0.0 {
+            depths.extend([magenta + deeper, yellow + deeper]);
+        }
+        let bodies = match thickness {
+            Some(thickness) => (self.layers)(thickness, &depths),
+            None => depths
+                .iter()
+                .map(|depth| Body::half_space(poisson, *depth))
+                .collect(),
         };
+        let bodies = bodies.map_err(|error| of_body(ESTIMATOR, error))?;
+        let mut pairs = bodies.chunks_exact(2);
+        let mut pair = || match pairs.next() {
+            Some([magenta, yellow]) => Some([magenta.clone(), yellow.clone()]),
+            _ => None,
+        };
+        let missing = || PlanError::at(ESTIMATOR, "no layer at the depths of the discs");
         let aligned = vec![[0.0; 2]; self.optics.array().len()];
         let optics = self.optics.misaligned(&aligned);
         Ok(Some(ImageFit {
@@ -69,8 +75,8 @@ impl PicturePlan<'_> {
                 optics: optics.map_err(|error| of_optics(&error))?,
             },
             markers: self.markers.clone(),
-            bodies: bodies(0.0)?,
-            deeper,
+            bodies: pair().ok_or_else(missing)?,
+            deeper: pair().map(|bodies| (deeper, bodies)),
             common_stds: self.stds.to_vec(),
             told: self.told.clone(),
             misalignment_std: self.sphere.misalignment_std()?,

@@ -87,7 +87,7 @@ pub fn estimate_pictures(
         optics: &meant.seen_from(&known.stand).map_err(of_study)?,
         stds: known.stds,
         told: known.told.clone(),
-        layer: &Body::bonded_layer,
+        layers: &Body::bonded_layers,
     };
     let fit = plan.fit().map_err(of_study)?;
     let fit = fit.ok_or_else(|| at_rest("the estimator takes no pictures".to_owned()))?;

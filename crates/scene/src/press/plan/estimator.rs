@@ -103,7 +103,7 @@ impl EstimatorPlan<'_> {
             optics: &eye.optics,
             stds: self.of_sensor.map_or([0.0; Departure::NUMBERS], stds),
             told: None,
-            layer: &|thickness, depth| self.parts.layer(thickness, depth),
+            layers: &|thickness, depths| self.parts.layers(thickness, depths),
         };
         let Some(fit) = plan.fit()? else {
             return Ok(None);
