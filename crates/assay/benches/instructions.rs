@@ -5,7 +5,7 @@
 use gungraun::{
     Callgrind, EntryPoint, LibraryBenchmarkConfig, library_benchmark, library_benchmark_group, main,
 };
-use palpate_assay::hot::pictures::Step;
+use palpate_assay::hot::pictures::{Bodies, Step, half_spaces, layers};
 use palpate_assay::hot::rolls::{Chart, Ep1, Model};
 use palpate_assay::hot::{Hot, camera, patches, pictures, presses, rolls, texts};
 use palpate_ep2::{Penalised, Quadric, TwoPass};
@@ -135,23 +135,15 @@ fn press(mut path: Hot) -> Hot {
     path
 }
 
-fn imaged(body: impl Fn(f64) -> anyhow::Result<Body>, step: Step) -> Hot {
-    ready(pictures::worked(body, step))
-}
-
-fn half_space_at(depth: f64) -> anyhow::Result<Body> {
-    Ok(Body::half_space(0.5, depth)?)
-}
-
-fn layer_at(depth: f64) -> anyhow::Result<Body> {
-    Ok(Body::bonded_layer(5.0, depth)?)
+fn imaged(bodies: Bodies, step: Step) -> Hot {
+    ready(pictures::worked(bodies, step))
 }
 
 #[library_benchmark]
-#[bench::rest(imaged(layer_at, Step::Rest))]
-#[bench::half_space_fit(imaged(half_space_at, Step::Fit))]
-#[bench::layer_fit(imaged(layer_at, Step::Fit))]
-#[bench::layer_doubts(imaged(layer_at, Step::Doubts))]
+#[bench::rest(imaged(layers, Step::Rest))]
+#[bench::half_space_fit(imaged(half_spaces, Step::Fit))]
+#[bench::layer_fit(imaged(layers, Step::Fit))]
+#[bench::layer_doubts(imaged(layers, Step::Doubts))]
 fn images(mut path: Hot) -> Hot {
     path();
     path

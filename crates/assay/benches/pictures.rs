@@ -2,24 +2,23 @@
 #![allow(missing_docs, unreachable_pub)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use palpate_assay::hot::pictures::{Step, worked};
-use palpate_press::Body;
+use palpate_assay::hot::pictures::{Bodies, Step, half_spaces, layers, worked};
 
 fn pictures(criterion: &mut Criterion) {
-    let half_space = |depth: f64| Ok(Body::half_space(0.5, depth)?);
-    let layer = |depth: f64| Ok(Body::bonded_layer(5.0, depth)?);
+    let bodies: [(&str, Bodies); 2] = [("half-space", half_spaces), ("layer", layers)];
     let steps = [
         ("rest", Step::Rest),
         ("fit", Step::Fit),
+        ("fit, cold", Step::Cold),
         ("doubts", Step::Doubts),
     ];
-    for (name, step) in steps {
-        let mut path = worked(half_space, step).expect("a press");
-        criterion.bench_function(&format!("half-space, {name}"), |bencher| {
-            bencher.iter(&mut path)
-        });
-        let mut path = worked(layer, step).expect("a press");
-        criterion.bench_function(&format!("layer, {name}"), |bencher| bencher.iter(&mut path));
+    for (body, bodies) in bodies {
+        for (name, step) in steps {
+            let mut path = worked(bodies, step).expect("a press");
+            criterion.bench_function(&format!("{body}, {name}"), |bencher| {
+                bencher.iter(&mut path);
+            });
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use nalgebra::Matrix4;
 use palpate_chromatouch::Departure;
 use palpate_press::{Body, ImageFit, MarkerDisplacement, Rest, Seen, SensorState, View};
@@ -28,6 +28,28 @@ const MISALIGNED: f64 = 0.5 * 0.3 * 2.0 / 19.0;
 /// Standard deviations of what the tracker reads: centroid, px; hue, turns; logarithm of the size.
 const STDS: [f64; 4] = [0.008, 0.008, 3e-4, 1.5e-3];
 
+/// Bodies at each of some depths, as they are made for a fit.
+pub type Bodies = fn(&[f64]) -> Result<Vec<Body>>;
+
+/// An incompressible half-space at some depths.
+///
+/// # Errors
+/// A depth that is out of range.
+pub fn half_spaces(depths: &[f64]) -> Result<Vec<Body>> {
+    let bodies = depths
+        .iter()
+        .map(|depth| Ok(Body::half_space(0.5, *depth)?));
+    bodies.collect()
+}
+
+/// A layer of 5 mm at some depths.
+///
+/// # Errors
+/// A depth that is out of range.
+pub fn layers(depths: &[f64]) -> Result<Vec<Body>> {
+    Ok(Body::bonded_layers(5.0, depths)?)
+}
+
 /// A press before a camera.
 pub struct Seeing {
     fit: ImageFit<PictureLaw>,
@@ -40,6 +62,8 @@ pub struct Seeing {
 pub enum Step {
     /// The sensor is told by its frame at rest.
     Rest,
+    /// The press is fitted, by bodies that were just made.
+    Cold,
     /// The press is fitted.
     Fit,
     /// The fit's doubts are sought.
@@ -47,15 +71,12 @@ pub enum Step {
 }
 
 impl Seeing {
-    /// The press, of bodies that are made for each depth.
+    /// The press, of bodies that are made for these depths.
     ///
     /// # Errors
     /// If the body cannot be pressed so.
-    pub fn new(body: impl Fn(f64) -> Result<Body>) -> Result<Self> {
-        let bodies = |deeper: f64| -> Result<[Body; 2]> {
-            let [magenta, yellow] = DEPTHS.map(|depth| body(depth + deeper));
-            Ok([magenta?, yellow?])
-        };
+    pub fn new(bodies: Bodies) -> Result<Self> {
+        let (meant, deeper) = pairs(bodies)?;
         let optics = optics(640)?;
         let misalignments = optics.array().misalignments();
         let fit = ImageFit {
@@ -63,8 +84,8 @@ impl Seeing {
                 optics: optics.misaligned(&[[0.0; 2]; 77])?,
             },
             markers: markers()?,
-            bodies: bodies(0.0)?,
-            deeper: Some((DEEPER, bodies(DEEPER)?)),
+            bodies: meant,
+            deeper: Some((DEEPER, deeper)),
             common_stds: ROUGHLY.to_vec(),
             told: None,
             misalignment_std: MISALIGNED,
@@ -73,8 +94,9 @@ impl Seeing {
         let mut noise = Stream::new(1, 1, Channel::Position);
         let common = ROUGHLY.map(|std| std * noise.standard_normal());
         let contact = |disc: usize| -> Result<Vec<MarkerDisplacement>> {
-            let body = body(DEPTHS[disc] + common[disc])?;
-            let contact = fit.markers.skin().contact(&body, OBJECT, INDENTATION)?;
+            let bodies = bodies(&[DEPTHS[disc] + common[disc]])?;
+            let contact = fit.markers.skin();
+            let contact = contact.contact(&bodies[0], OBJECT, INDENTATION)?;
             Ok(fit.markers.displacements(&contact, AT))
         };
         let moved = contact(0)?.into_iter().zip(contact(1)?).map(Into::into);
@@ -107,18 +129,42 @@ impl Seeing {
     fn rest(&self) -> Result<Rest> {
         Ok(self.fit.at_rest(&self.at_rest)?)
     }
+
+    /// The fit with bodies that no fit has used.
+    fn anew(&self, bodies: Bodies) -> Result<ImageFit<PictureLaw>> {
+        let (meant, deeper) = pairs(bodies)?;
+        Ok(ImageFit {
+            bodies: meant,
+            deeper: Some((DEEPER, deeper)),
+            ..self.fit.clone()
+        })
+    }
+}
+
+/// Bodies at the depths of the discs, and where these lie deeper.
+fn pairs(bodies: Bodies) -> Result<([Body; 2], [Body; 2])> {
+    let [magenta, yellow] = DEPTHS;
+    let bodies = bodies(&[magenta, yellow, magenta + DEEPER, yellow + DEEPER])?;
+    match <[Body; 4]>::try_from(bodies) {
+        Ok([one, other, deep_one, deep_other]) => Ok(([one, other], [deep_one, deep_other])),
+        Err(bodies) => bail!("{} bodies instead of 4", bodies.len()),
+    }
 }
 
 /// Work on the pictures of 77 markers under a press, the indentation unknown.
 ///
 /// # Errors
 /// If the body cannot be pressed so.
-pub fn worked(body: impl Fn(f64) -> Result<Body>, step: Step) -> Result<Hot> {
-    let seeing = Seeing::new(body)?;
+pub fn worked(bodies: Bodies, step: Step) -> Result<Hot> {
+    let seeing = Seeing::new(bodies)?;
     let rest = seeing.rest()?;
     let estimate = seeing.fit.estimate(&rest, &seeing.pressed, None)?;
     Ok(match step {
         Step::Rest => warm(move || seeing.fit.at_rest(black_box(&seeing.at_rest))),
+        Step::Cold => warm(move || {
+            let fit = seeing.anew(bodies)?;
+            Ok::<_, anyhow::Error>(fit.estimate(&rest, &seeing.pressed, None)?)
+        }),
         Step::Fit => warm(move || seeing.fit.estimate(&rest, black_box(&seeing.pressed), None)),
         Step::Doubts => warm(move || {
             seeing
