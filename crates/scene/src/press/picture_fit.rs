@@ -14,6 +14,9 @@ use crate::plan::PlanError;
 const DEEPER: f64 = 1e-3;
 const ESTIMATOR: &str = "scene.estimator";
 
+/// How layers are made: of a thickness, with their markers at each of some depths.
+pub(crate) type Layers<'a> = dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError> + 'a;
+
 /// Estimator by pictures, with the sensor that it is used on.
 pub(crate) struct PicturePlan<'a> {
     pub(crate) estimator: &'a PressEstimatorConfig,
@@ -28,7 +31,7 @@ pub(crate) struct PicturePlan<'a> {
     /// Departures whose joint covariance something else tells.
     pub(crate) told: Option<Told>,
     /// Layer of a thickness, with its markers at each of these depths.
-    pub(crate) layers: &'a dyn Fn(f64, &[f64]) -> Result<Vec<Body>, PressError>,
+    pub(crate) layers: &'a Layers<'a>,
 }
 
 impl PicturePlan<'_> {
