@@ -1,14 +1,14 @@
 //! Tests of a fit against readings that contradict it: score tests.
 
 use nalgebra::SMatrix;
-use palpate_chance::{Explained, LEFT};
+use palpate_chance::{Explained, LEFT, least_likely};
 
 use super::problem::{INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns, finite};
 use super::reading::Reading;
 use super::search::SINGULAR;
 use super::settings::ForwardFit;
 use crate::definite::inverse;
-use crate::score::{BY_INDENTATION, Noise, Patterns, Products, Score, least_likely, patterns};
+use crate::score::{BY_INDENTATION, Noise, Patterns, Products, Score, patterns};
 use crate::{Doubt, PressError, PressEstimate};
 
 /// Noise that is found, as a share of the largest displacement, below which it may be rounding.

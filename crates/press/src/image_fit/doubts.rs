@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix4, OMatrix, SMatrix, U4, Vector4};
 use nalgebra::{DVector, Dyn};
-use palpate_chance::{Explained, LEFT};
+use palpate_chance::{Explained, LEFT, least_likely};
 
 use super::law::State;
 use super::minimise::Fitted;
@@ -13,9 +13,7 @@ use super::rest::Rest;
 use super::settings::ImageFit;
 use super::view::{NUMBERS, Seen, View};
 use crate::definite::inverse;
-use crate::score::{
-    BY_INDENTATION, Noise, PATTERNS, Patterns, Products, Score, least_likely, patterns,
-};
+use crate::score::{BY_INDENTATION, Noise, PATTERNS, Patterns, Products, Score, patterns};
 use crate::{Doubt, GoodnessOfFit, Measured, PressError, PressEstimate};
 
 impl<V: View + Clone> ImageFit<V> {
