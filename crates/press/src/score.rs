@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2};
 use palpate_chance::{Explained, LEFT, doubted};
 
 use crate::markers::Sight;
-use crate::{Contact, Doubt, MarkerDisplacement};
+use crate::{Contact, Doubt, GoodnessOfFit, MarkerDisplacement};
 
 /// Patterns, in this order: what depends on the distance alone, on the direction, and on the indentation.
 pub(crate) const PATTERNS: usize = 8;
@@ -81,6 +81,18 @@ pub(crate) enum Noise {
 }
 
 impl Noise {
+    /// The stated noise, or the noise that the residuals show where they are larger than the stated one makes them: noise
+    /// that is stated too small finds every pattern.
+    pub(crate) fn stated_or_found(goodness: GoodnessOfFit) -> Self {
+        match goodness.is_doubted() {
+            true => Self::Found {
+                chi_squared: goodness.chi_squared,
+                freedom: goodness.freedom,
+            },
+            false => Self::Stated,
+        }
+    }
+
     /// Probability by chance of as much that patterns explain.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {

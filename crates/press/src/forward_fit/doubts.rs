@@ -18,7 +18,8 @@ const FEW: usize = 8;
 
 impl ForwardFit {
     /// Ways in which readings contradict the model, of an estimate that this fit made of them; none for a Gaussian, which
-    /// is no body, and where there are hardly more equations than unknowns.
+    /// is no body, and where there are hardly more equations than unknowns. Where the residuals are larger than the stated
+    /// noise makes them, the other ways are judged by the residuals, not by this noise.
     ///
     /// # Errors
     /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] where the estimate is none of this fit.
@@ -97,13 +98,11 @@ impl<'p, 'a> Test<'p, 'a> {
     }
 
     fn doubts(self, estimate: &PressEstimate) -> Result<Vec<Doubt>, PressError> {
-        let noise = match self.problem.knows_noise() {
-            true => Noise::Stated,
-            false => Noise::Found {
-                chi_squared: self.chi_squared,
-                freedom: self.freedom,
-            },
+        let found = Noise::Found {
+            chi_squared: self.chi_squared,
+            freedom: self.freedom,
         };
+        let noise = estimate.goodness.map_or(found, Noise::stated_or_found);
         let score = Score::new(&self.products()?, &self.covariance, noise);
         let slipped = self.slipped(&score.noise)?;
         Ok(score.doubts(

@@ -70,21 +70,10 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
     }
 
     fn doubts(&self, goodness: GoodnessOfFit) -> Result<Vec<Doubt>, PressError> {
-        let GoodnessOfFit {
-            chi_squared,
-            freedom,
-            p_value,
-        } = goodness;
-        let noise = match p_value < Doubt::LEVEL {
-            true => Noise::Found {
-                chi_squared,
-                freedom,
-            },
-            false => Noise::Stated,
-        };
+        let noise = Noise::stated_or_found(goodness);
         let score = Score::new(&self.products()?, &self.covariance, noise);
         let slipped = self.slipped(&score.noise);
-        Ok(score.doubts(self.indentation(&score.noise), slipped, p_value))
+        Ok(score.doubts(self.indentation(&score.noise), slipped, goodness.p_value))
     }
 
     fn products(&self) -> Result<Products<UNKNOWNS>, PressError> {
