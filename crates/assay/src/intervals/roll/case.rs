@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use anyhow::Result;
+use palpate_chance::{HALF_WIDTHS, student_half_width};
 use palpate_ep1::{ProbeReading, ReadingNoise};
 use palpate_geometry::surfaces::{Ellipsoid, Sphere};
 use palpate_geometry::{CurvatureForm, Shape, Surface};
@@ -117,6 +118,16 @@ impl Family {
         words.join(", ")
     }
 
+    /// Half-widths of the intervals of 50, 80 and 95 %, in standard deviations.
+    pub(super) fn half_widths(&self) -> [f64; 3] {
+        // Two readings of each probe tell three entries of the mobility.
+        let freedom = 2 * self.probes - 3;
+        match self.is_noise_told {
+            true => HALF_WIDTHS,
+            false => [0.5, 0.8, 0.95].map(|share| student_half_width(share, freedom)),
+        }
+    }
+
     /// Whether the readings are those of a sensor as it is told, of whatever rolls.
     pub(super) fn is_sound(&self) -> bool {
         self.flaw == Flaw::None && self.is_noise_told
@@ -138,6 +149,7 @@ pub(super) struct Case {
     /// Radius of the probe and noise as they are told, mm.
     pub(super) radius: f64,
     pub(super) told: ReadingNoise,
+    pub(super) half_widths: [f64; 3],
     /// The object's curvature where it is touched first, per mm.
     pub(super) truth: CurvatureForm,
 }
@@ -217,6 +229,7 @@ impl Case {
             pads,
             seed: seed.wrapping_mul(1000).wrapping_add(number),
             told,
+            half_widths: family.half_widths(),
             truth,
         })
     }
