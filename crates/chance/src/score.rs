@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::{chi_squared_tail, ratio_tail};
+use crate::{DOUBTED, DOUBTED_BY_ALL, chi_squared_tail, ratio_tail};
 
 /// Share of a pattern that the fitted unknowns must leave for it to be looked for: of less, only what bends the model. More
 /// is needed of patterns that are themselves noisy.
@@ -71,9 +71,60 @@ impl Explained {
     }
 }
 
+/// The least likely of alternatives by their probabilities by chance, and the probability that one of them all is as unlikely
+/// (Bonferroni); the first and 1 of none. Alternatives are numbers, as of probes.
+///
+/// ```
+/// let found = palpate_chance::least_likely([(3, 0.5), (7, 0.01)].into_iter());
+/// assert_eq!(found, (7, 0.02));
+/// ```
+pub fn least_likely(chances: impl Iterator<Item = (usize, f64)>) -> (usize, f64) {
+    let (mut most, mut least, mut count) = (0, 1.0, 0.0_f64);
+    for (one, chance) in chances {
+        count += 1.0;
+        if chance < least {
+            (most, least) = (one, chance);
+        }
+    }
+    (most, (least * count.max(1.0)).min(1.0))
+}
+
+/// Doubts that are told: those less likely by chance than [`DOUBTED`], and the likeliest cause among the first `patterns` of
+/// them where all patterns together have less than [`DOUBTED_BY_ALL`]. What no pattern alone tells, all may tell together.
+pub fn doubted<D: Copy>(
+    doubts: &[D],
+    p_value: fn(D) -> f64,
+    patterns: usize,
+    by_all: f64,
+) -> Vec<D> {
+    let chances = doubts.iter().take(patterns).map(|doubt| p_value(*doubt));
+    let least = chances.fold(1.0, f64::min);
+    let is_told_by_all = by_all < DOUBTED_BY_ALL && least < 1.0;
+    let is_doubted = |doubt: &&D| {
+        let chance = p_value(**doubt);
+        chance < DOUBTED || is_told_by_all && chance == least
+    };
+    doubts.iter().filter(is_doubted).copied().collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_likeliest_pattern_is_told_where_all_together_are_unlikely() {
+        let told = |by_all| doubted(&[0.3, 0.05, 0.004, 0.01], |one| one, 3, by_all);
+        assert_eq!(told(0.5), [0.004]);
+        let of_two = |by_all| doubted(&[0.3, 0.05, 0.01], |one| one, 2, by_all);
+        assert_eq!((of_two(0.03), of_two(0.01)), (vec![], vec![0.05]));
+        assert_eq!(doubted(&[1.0, 1.0], |one| one, 2, 0.0), []);
+    }
+
+    #[test]
+    fn the_least_likely_of_many_is_likely() {
+        assert_eq!(least_likely((0..200).map(|one| (one, 0.01))), (0, 1.0));
+        assert_eq!(least_likely(std::iter::empty()), (0, 1.0));
+    }
 
     #[test]
     fn patterns_that_the_unknowns_take_do_not_count() {

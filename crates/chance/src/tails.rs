@@ -55,6 +55,36 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
     .clamp(0.0, 1.0)
 }
 
+/// Half-width of the interval about an estimate that holds the truth with this probability, in standard deviations that were
+/// found from residuals with so many degrees of freedom (Student's t distribution, to 1e-9); infinite without any.
+///
+/// ```
+/// let half_width = palpate_chance::student_half_width(0.95, 5);
+/// assert!((half_width - 2.570582).abs() < 1e-6);
+/// ```
+pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
+    if freedom == 0 || probability >= 1.0 {
+        return f64::INFINITY;
+    }
+    // The square of Student's t is a ratio with one degree of freedom above.
+    let is_inside =
+        |width: f64| ratio_tail(width * width, 1, freedom as f64, freedom) > 1.0 - probability;
+    let mut high = 1.0;
+    while high < f64::MAX.sqrt() && is_inside(high) {
+        high *= 2.0;
+    }
+    let mut low = 0.0;
+    while high - low > 1e-10 * high {
+        let middle = 0.5 * (low + high);
+        if is_inside(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
 /// Difference from 1 of a factor at which the continued fraction is as good as its end, and most factors.
 const CONVERGED: f64 = 1e-13;
 const MOST_FACTORS: usize = 20_000;
@@ -164,6 +194,28 @@ mod tests {
                 (found / probability - 1.0).abs() < 3e-4,
                 "{found} with {of_above} and {of_below}"
             );
+        }
+    }
+
+    /// Percentage points of Student's t, as tables print them (Abramowitz and Stegun, table 26.10).
+    #[test]
+    fn half_widths_are_those_of_tables() {
+        for (freedom, probability, half_width) in [
+            (1, 0.95, 12.706),
+            (5, 0.5, 0.727),
+            (5, 0.8, 1.476),
+            (13, 0.95, 2.160),
+            (30, 0.99, 2.750),
+            (120, 0.95, 1.980),
+        ] {
+            let found = student_half_width(probability, freedom);
+            assert!((found - half_width).abs() < 6e-4, "{found} with {freedom}");
+        }
+        let of_many = student_half_width(0.95, 100_000_000);
+        assert!((of_many - crate::NORMAL_95).abs() < 1e-6, "{of_many}");
+        for (probability, freedom) in [(0.95, 0), (1.0, 7), (1e-9, 3), (0.0, 3)] {
+            let found = student_half_width(probability, freedom);
+            assert!(found >= 0.0, "{found}");
         }
     }
 

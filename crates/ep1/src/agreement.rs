@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector, Vector2};
-use palpate_chance::{Explained, GoodnessOfFit, LEFT};
+use palpate_chance::{Explained, GoodnessOfFit, LEFT, doubted, least_likely};
 
 use crate::{Doubt, Estimate, LeastSquares, ProbeReading, ReadingNoise};
 
@@ -214,21 +214,14 @@ impl Test {
             },
             Doubt::SlippedProbe {
                 probe,
-                p_value: (slipped * self.probes.len() as f64).min(1.0),
+                p_value: slipped,
             },
             large,
         ];
-        let of_patterns = doubts[..3].iter().map(|doubt| doubt.p_value());
-        let least = of_patterns.fold(1.0, f64::min);
-        // What no pattern alone tells, all may tell together.
-        let is_told_by_all = self.pattern(0..PATTERNS) < Doubt::LEVEL_OF_ALL;
-        let is_doubted = |doubt: &Doubt| {
-            let p_value = doubt.p_value();
-            p_value < Doubt::LEVEL || is_told_by_all && least < 1.0 && p_value == least
-        };
+        let by_all = self.pattern(0..PATTERNS);
         Agreement {
             goodness,
-            doubts: doubts.into_iter().filter(is_doubted).collect(),
+            doubts: doubted(&doubts, Doubt::p_value, 3, by_all),
         }
     }
 
@@ -355,20 +348,16 @@ impl Test {
         }
     }
 
-    /// The probe that contradicts the others most, and the probability that chance makes it do as much.
+    /// The probe that contradicts the others most, and the probability that chance makes one do as much.
     fn slipped(&self) -> (usize, f64) {
-        let (mut most, mut least) = (0, 1.0);
-        for (probe, weighted) in &self.probes {
+        least_likely(self.probes.iter().map(|(probe, weighted)| {
             let slopes = weighted.slopes;
             let left = Matrix2::identity() - slopes * self.covariance * slopes.transpose();
             let left = DMatrix::from_fn(2, 2, |row, column| left[(row, column)]);
             let residual = DVector::from_column_slice(weighted.residual.as_slice());
-            let chance = self.chance(Explained::by(&[1.0; 2], &left, &residual, LEFT));
-            if chance < least {
-                (most, least) = (*probe, chance);
-            }
-        }
-        (most, least)
+            let explained = Explained::by(&[1.0; 2], &left, &residual, LEFT);
+            (*probe, self.chance(explained))
+        }))
     }
 }
 

@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
-use palpate_chance::{Explained, GoodnessOfFit, LEFT};
+use palpate_chance::{Explained, GoodnessOfFit, LEFT, least_likely};
 
 use crate::chebyshev::{count, products, values};
 use crate::doubt::Agreement;
@@ -361,17 +361,14 @@ impl<'m, 'a> Test<'m, 'a> {
             patterns
         };
         let [squares, left, found] = self.products(fingers.len(), &patterns)?;
-        let (mut most, mut least) = (0, 1.0);
-        for (place, &finger) in fingers.iter().enumerate() {
+        let chances = fingers.iter().enumerate().map(|(place, &finger)| {
             let own = |all: &DMatrix<f64>| DMatrix::from_element(1, 1, all[(place, place)]);
             let along = DVector::from_element(1, found[(place, 0)]);
             let square = squares[(place, place)];
-            let chance = self.chance(Explained::by(&[square], &own(&left), &along, LEFT));
-            if chance < least {
-                (most, least) = (finger, chance);
-            }
-        }
-        Ok((most, (least * fingers.len() as f64).min(1.0)))
+            let explained = Explained::by(&[square], &own(&left), &along, LEFT);
+            (finger, self.chance(explained))
+        });
+        Ok(least_likely(chances))
     }
 
     fn chance(&self, explained: Explained) -> f64 {

@@ -5,10 +5,10 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2};
-use palpate_chance::{Explained, LEFT};
+use palpate_chance::{Explained, LEFT, doubted};
 
 use crate::markers::Sight;
-use crate::{Contact, Doubt, MarkerDisplacement};
+use crate::{Contact, Doubt, GoodnessOfFit, MarkerDisplacement};
 
 /// Patterns, in this order: what depends on the distance alone, on the direction, and on the indentation.
 pub(crate) const PATTERNS: usize = 8;
@@ -81,6 +81,18 @@ pub(crate) enum Noise {
 }
 
 impl Noise {
+    /// The stated noise, or the noise that the residuals show where they are larger than the stated one makes them: noise
+    /// that is stated too small finds every pattern.
+    pub(crate) fn stated_or_found(goodness: GoodnessOfFit) -> Self {
+        match goodness.is_doubted() {
+            true => Self::Found {
+                chi_squared: goodness.chi_squared,
+                freedom: goodness.freedom,
+            },
+            false => Self::Stated,
+        }
+    }
+
     /// Probability by chance of as much that patterns explain.
     pub(crate) fn chance(&self, explained: Explained) -> f64 {
         match *self {
@@ -179,28 +191,7 @@ impl Score {
             },
             Doubt::LargeResiduals { p_value: large },
         ];
-        let least = doubts[..3]
-            .iter()
-            .map(|doubt| doubt.p_value())
-            .fold(1.0, f64::min);
-        // What no pattern alone tells, all may tell together.
-        let is_told_by_all = self.pattern(0..PATTERNS) < Doubt::LEVEL_OF_ALL;
-        let is_doubted = |doubt: &Doubt| {
-            let p_value = doubt.p_value();
-            p_value < Doubt::LEVEL || is_told_by_all && p_value == least
-        };
-        doubts.into_iter().filter(is_doubted).collect()
+        let by_all = self.pattern(0..PATTERNS);
+        doubted(&doubts, Doubt::p_value, 3, by_all)
     }
-}
-
-/// The likeliest of markers with their probabilities by chance, and the probability that one of them all is as unlikely.
-pub(crate) fn least_likely(chances: impl Iterator<Item = (usize, f64)>) -> (usize, f64) {
-    let (mut most, mut least, mut count) = (0, 1.0, 0.0);
-    for (marker, chance) in chances {
-        count += 1.0;
-        if chance < least {
-            (most, least) = (marker, chance);
-        }
-    }
-    (most, (least * count).min(1.0))
 }

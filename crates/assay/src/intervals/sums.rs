@@ -21,7 +21,12 @@ pub(super) struct Sums {
 
 /// Whether intervals of 50, 80 and 95 % about an estimate with this error and standard deviation hold the truth.
 pub(super) fn within(error: f64, std: f64) -> [bool; 3] {
-    HALF_WIDTHS.map(|width| error.abs() <= width * std)
+    within_widths(error, std, HALF_WIDTHS)
+}
+
+/// Whether intervals of these half-widths, in standard deviations, hold the truth.
+pub(super) fn within_widths(error: f64, std: f64, half_widths: [f64; 3]) -> [bool; 3] {
+    half_widths.map(|width| error.abs() <= width * std)
 }
 
 impl Sums {

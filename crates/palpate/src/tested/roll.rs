@@ -15,6 +15,8 @@ const SHORT: [f64; 2] = [0.1, 0.3];
 const LONG: [f64; 2] = [0.5, 1.2];
 const SHIFT_STDS: [f64; 2] = [0.001, 0.01];
 const ROTATION_STDS: [f64; 2] = [0.005, 0.03];
+/// Smallest and largest bound of a uniform error: √3 standard deviations.
+const ROTATION_BOUNDS: [f64; 2] = [0.008_660_254_037_844_386, 0.051_961_524_227_066_32];
 const PITCHES: [f64; 2] = [0.01, 0.05];
 
 /// Family of random scenes that a roll is like, else why there is none.
@@ -77,22 +79,22 @@ fn angle(motion: &RollMotionConfig, radius: f64, bent: Option<f64>) -> Result<f6
 /// Noise in the words of the families.
 fn of_sensor(roll: &RollConfig, radius: f64, limits: &mut Limits) -> Result<&'static str, String> {
     unless(roll.noise.encoder.is_none(), "rounded rotations")?;
-    let rotations = match &roll.noise.angular_velocity {
-        None => 0.0,
+    let (rotations, drawn, name) = match &roll.noise.angular_velocity {
+        None => (0.0, ROTATION_STDS, ""),
         Some(AngularVelocityNoise::Gaussian {
             fraction,
             when: When::PerProbe,
             ..
-        }) => *fraction,
-        Some(AngularVelocityNoise::Gaussian { .. }) => {
-            return Err("errors of rotations that are drawn at instants".to_owned());
-        }
-        Some(AngularVelocityNoise::Uniform { .. }) => {
-            return Err("errors of rotations that are uniform".to_owned());
-        }
+        }) => (*fraction, ROTATION_STDS, "noise of rotations"),
+        Some(AngularVelocityNoise::Uniform {
+            fraction,
+            when: When::PerProbe,
+            ..
+        }) => (*fraction, ROTATION_BOUNDS, "uniform noise of rotations"),
+        Some(_) => return Err("errors of rotations that are drawn at instants".to_owned()),
     };
     if rotations > 0.0 {
-        limits.within("an error of rotations", rotations, ROTATION_STDS, "");
+        limits.within("an error of rotations", rotations, drawn, "");
     }
     match roll.sensor {
         RollSensorConfig::Pads {
@@ -112,13 +114,15 @@ fn of_sensor(roll: &RollConfig, radius: f64, limits: &mut Limits) -> Result<&'st
         }
         RollSensorConfig::Wrist { std } if std > 0.0 => {
             limits.length_within("an error of shifts", std, scaled(SHIFT_STDS, radius));
-            Ok(if rotations > 0.0 {
-                "noise of both"
-            } else {
-                "noise of shifts"
-            })
+            match (rotations > 0.0, drawn == ROTATION_STDS) {
+                (false, _) => Ok("noise of shifts"),
+                (true, true) => Ok("noise of both"),
+                (true, false) => {
+                    Err("uniform errors of rotations beside errors of shifts".to_owned())
+                }
+            }
         }
-        _ if rotations > 0.0 => Ok("noise of rotations"),
+        _ if rotations > 0.0 => Ok(name),
         _ => Err("no noise".to_owned()),
     }
 }

@@ -1,14 +1,14 @@
 //! Tests of a fit against readings that contradict it: score tests.
 
 use nalgebra::SMatrix;
-use palpate_chance::{Explained, LEFT};
+use palpate_chance::{Explained, LEFT, least_likely};
 
 use super::problem::{INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns, finite};
 use super::reading::Reading;
 use super::search::SINGULAR;
 use super::settings::ForwardFit;
 use crate::definite::inverse;
-use crate::score::{BY_INDENTATION, Noise, Patterns, Products, Score, least_likely, patterns};
+use crate::score::{BY_INDENTATION, Noise, Patterns, Products, Score, patterns};
 use crate::{Doubt, PressError, PressEstimate};
 
 /// Noise that is found, as a share of the largest displacement, below which it may be rounding.
@@ -18,7 +18,8 @@ const FEW: usize = 8;
 
 impl ForwardFit {
     /// Ways in which readings contradict the model, of an estimate that this fit made of them; none for a Gaussian, which
-    /// is no body, and where there are hardly more equations than unknowns.
+    /// is no body, and where there are hardly more equations than unknowns. Where the residuals are larger than the stated
+    /// noise makes them, the other ways are judged by the residuals, not by this noise.
     ///
     /// # Errors
     /// Errors of [`ForwardFit::estimate`], and [`PressError::OutOfRange`] where the estimate is none of this fit.
@@ -97,13 +98,11 @@ impl<'p, 'a> Test<'p, 'a> {
     }
 
     fn doubts(self, estimate: &PressEstimate) -> Result<Vec<Doubt>, PressError> {
-        let noise = match self.problem.knows_noise() {
-            true => Noise::Stated,
-            false => Noise::Found {
-                chi_squared: self.chi_squared,
-                freedom: self.freedom,
-            },
+        let found = Noise::Found {
+            chi_squared: self.chi_squared,
+            freedom: self.freedom,
         };
+        let noise = estimate.goodness.map_or(found, Noise::stated_or_found);
         let score = Score::new(&self.products()?, &self.covariance, noise);
         let slipped = self.slipped(&score.noise)?;
         Ok(score.doubts(

@@ -28,7 +28,7 @@ const ROBUST: f64 = 3.0;
 /// (`ROUGHLY`) and after (`EXACTLY`).
 const ROUGHLY: f64 = 1e-2;
 const EXACTLY: f64 = 1e-8;
-/// Smallest standard deviation of a displacement, as a share of the largest displacement.
+/// Smallest standard deviation of a displacement, as a share of the largest displacement: of less, rounding is more.
 const EXACT: f64 = 1e-10;
 
 /// A search for the press behind a reading.
@@ -146,7 +146,8 @@ impl<'a> Search<'a> {
             return Err(NOTHING);
         }
         let largest = most.abs().max(least.abs());
-        let stated = |std: Option<f64>| std.filter(|&std| std > 0.0);
+        let floored = |std: f64| std.max(EXACT * largest);
+        let stated = |std: Option<f64>| std.filter(|&std| std > 0.0).map(floored);
         let (normal, tangential) = (stated(fit.normal_std), stated(fit.tangential_std));
         problem.normal_std = normal.unwrap_or(0.1 * largest);
         problem.tangential_std = tangential.unwrap_or(problem.normal_std);

@@ -40,9 +40,11 @@ pub struct ForwardFit {
     pub baseline: Prior,
     /// Factor on all normal displacements; ideally 1.
     pub gain: Prior,
-    /// Standard deviation of normal displacements, length; found from the residuals if `None` or 0.
+    /// Standard deviation of normal displacements, length; found from the residuals if `None` or 0. Less than 1e-10 of the
+    /// largest normal displacement counts as that.
     pub normal_std: Option<f64>,
-    /// Standard deviation of either tangential component, length; found from the residuals if `None` or 0.
+    /// Standard deviation of either tangential component, length; found from the residuals if `None` or 0. Less than 1e-10 of
+    /// the largest normal displacement counts as that.
     pub tangential_std: Option<f64>,
     /// Largest distance from the contact at which a marker counts, length; `None` for all markers.
     pub window: Option<f64>,

@@ -1,7 +1,7 @@
 //! Tests of a fit against pictures that contradict it: score tests, in which what is common to all markers takes part.
 
 use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, Vector4};
-use palpate_chance::{Explained, LEFT};
+use palpate_chance::{Explained, LEFT, least_likely};
 
 use super::law::State;
 use super::minimise::Fitted;
@@ -11,9 +11,7 @@ use super::rest::Rest;
 use super::settings::ImageFit;
 use super::view::{NUMBERS, Seen, View};
 use crate::definite::inverse;
-use crate::score::{
-    BY_INDENTATION, Noise, PATTERNS, Patterns, Products, Score, least_likely, patterns,
-};
+use crate::score::{BY_INDENTATION, Noise, PATTERNS, Patterns, Products, Score, patterns};
 use crate::{Doubt, GoodnessOfFit, Measured, PressError, PressEstimate};
 
 impl<V: View + Clone> ImageFit<V> {
@@ -70,21 +68,10 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
     }
 
     fn doubts(&self, goodness: GoodnessOfFit) -> Result<Vec<Doubt>, PressError> {
-        let GoodnessOfFit {
-            chi_squared,
-            freedom,
-            p_value,
-        } = goodness;
-        let noise = match p_value < Doubt::LEVEL {
-            true => Noise::Found {
-                chi_squared,
-                freedom,
-            },
-            false => Noise::Stated,
-        };
+        let noise = Noise::stated_or_found(goodness);
         let score = Score::new(&self.products()?, &self.covariance, noise);
         let slipped = self.slipped(&score.noise)?;
-        Ok(score.doubts(self.indentation(&score.noise), slipped, p_value))
+        Ok(score.doubts(self.indentation(&score.noise), slipped, goodness.p_value))
     }
 
     fn products(&self) -> Result<Products<UNKNOWNS>, PressError> {

@@ -46,6 +46,28 @@ fn sound_readings_are_seldom_doubted() {
     assert!(share(&doubts, None) <= 0.1, "{doubts:?}");
 }
 
+/// Patterns are judged by the noise that there is.
+#[test]
+fn noise_that_is_stated_too_small_makes_no_other_doubt() {
+    let trial = std::cell::Cell::new(1000);
+    let doubts = doubts(&half_space(), &half_space(), |readings| {
+        trial.set(trial.get() + 1);
+        *readings = readings.noisy(2.0 * STD, trial.get());
+    });
+    assert!(doubts.len() > 50, "{}", doubts.len());
+    assert!(share(&doubts, Some("large-residuals")) == 1.0, "{doubts:?}");
+    let others: Vec<Vec<Doubt>> = doubts
+        .into_iter()
+        .map(|one| {
+            one.into_iter()
+                .filter(|doubt| doubt.name() != "large-residuals")
+                .collect()
+        })
+        .collect();
+    // As few as of sound readings.
+    assert!(share(&others, None) <= 0.1, "{others:?}");
+}
+
 #[test]
 fn another_body_is_told() {
     let layer = Body::bonded_layer(20.0, DEPTH).unwrap();

@@ -1,6 +1,6 @@
 //! Goodness of fit of presses.
 
-use palpate_press::{Body, ForwardFit};
+use palpate_press::{Body, ForwardFit, Interval};
 
 use crate::sensor::{Readings, at, exactly, half_space, published};
 
@@ -55,4 +55,46 @@ fn noise_that_is_found_leaves_nothing_to_judge() {
     let readings = Readings::of(&markers, &contact, [0.0; 2]).noisy(0.03, 1);
     let found = ForwardFit::new(body.clone()).estimate(&readings.reading(&markers, exactly(1.2)));
     assert_eq!(found.unwrap().goodness, None);
+}
+
+/// Noise that is stated far too small moves the estimate by nothing to speak of, and is doubted; a press stays a press.
+#[test]
+fn noise_that_is_stated_far_too_small_is_doubted() {
+    let (markers, body) = (published(), half_space());
+    let contact = markers.skin().contact(&body, 0.0, 1.2).unwrap();
+    let exact = Readings::of(&markers, &contact, at(5.0, 40.0));
+    for (press, is_normal_alone) in [(0, true), (1, false), (2, true)] {
+        let readings = exact.noisy_along(0.03, 0.03, press);
+        let mut reading = readings.reading(&markers, exactly(1.2));
+        if is_normal_alone {
+            reading.tangential = None;
+        }
+        let estimate = |std| {
+            let fit = ForwardFit {
+                normal_std: Some(std),
+                tangential_std: Some(std),
+                ..ForwardFit::new(body.clone())
+            };
+            let found = fit.estimate(&reading).unwrap();
+            let doubts = fit.doubts(&reading, &found).unwrap();
+            (found, doubts)
+        };
+        let (due, none) = estimate(0.03);
+        assert_eq!(none, []);
+        for std in [1e-4, 1e-9, 1e-20, 1e-100, 1e-160, 1e-300, f64::MIN_POSITIVE] {
+            let (found, doubts) = estimate(std);
+            let names: Vec<_> = doubts.iter().map(|doubt| doubt.name()).collect();
+            assert_eq!(names, ["large-residuals"], "{std:e}: {doubts:?}");
+            let [one, other] = [&due, &found].map(|found| found.most_likely_curvature);
+            assert!(
+                (one - other).abs() < 0.1 * due.relative_curvature.std,
+                "{std:e}"
+            );
+            let Interval { low, high } = found.relative_curvature.interval;
+            assert!(
+                low < high && found.relative_curvature.std > 0.0,
+                "{found:?}"
+            );
+        }
+    }
 }

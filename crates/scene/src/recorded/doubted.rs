@@ -1,8 +1,5 @@
 //! Doubts about an estimate, as they are told.
 
-use palpate_ep1::Doubt as RollDoubt;
-use palpate_ep2::Doubt as GlideDoubt;
-use palpate_press::Doubt as PressDoubt;
 use serde::Serialize;
 
 /// A way in which the readings contradict the model.
@@ -14,29 +11,17 @@ pub struct ToldDoubt {
     p_value: f64,
 }
 
-impl From<PressDoubt> for ToldDoubt {
-    fn from(doubt: PressDoubt) -> Self {
-        Self {
-            name: doubt.name(),
-            p_value: doubt.p_value(),
+macro_rules! told {
+    ($($doubt:ty),+) => {$(
+        impl From<$doubt> for ToldDoubt {
+            fn from(doubt: $doubt) -> Self {
+                Self {
+                    name: doubt.name(),
+                    p_value: doubt.p_value(),
+                }
+            }
         }
-    }
+    )+};
 }
 
-impl From<RollDoubt> for ToldDoubt {
-    fn from(doubt: RollDoubt) -> Self {
-        Self {
-            name: doubt.name(),
-            p_value: doubt.p_value(),
-        }
-    }
-}
-
-impl From<GlideDoubt> for ToldDoubt {
-    fn from(doubt: GlideDoubt) -> Self {
-        Self {
-            name: doubt.name(),
-            p_value: doubt.p_value(),
-        }
-    }
-}
+told!(palpate_ep1::Doubt, palpate_ep2::Doubt, palpate_press::Doubt);

@@ -15,7 +15,7 @@ use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::glide::GlideReadings;
 use super::origin::agreed_unit;
-use super::patch_doubts::{noise, spacing, words};
+use super::patch_doubts::{noise, of_wrong_normals, spacing, words};
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::stated::FORMAT_VERSION;
 use super::suspicion::{of_directions, of_normals};
@@ -217,6 +217,10 @@ impl<'r> FittedGlide<'r> {
         };
         let of_noise = noise(patch, &options.estimator, unit);
         let directions = of_directions(self.contacts());
+        let doubts = match directions {
+            Some(_) => of_wrong_normals(agreement.doubts),
+            None => agreement.doubts,
+        };
         GlideEstimate {
             format_version: FORMAT_VERSION,
             method: options.estimator.name(),
@@ -271,14 +275,14 @@ impl<'r> FittedGlide<'r> {
             warnings: self
                 .spacing()
                 .into_iter()
-                .chain(words(&agreement.doubts, &of_noise, directions.is_some()))
+                .chain(words(&doubts, &of_noise, directions.is_some()))
                 .chain(unknown)
                 .chain(of_noise.iter().cloned())
                 .chain(of_normals(self.contacts()))
                 .chain(directions)
                 .chain(recorded.note.clone())
                 .collect(),
-            doubts: agreement.doubts.into_iter().map(ToldDoubt::from).collect(),
+            doubts: doubts.into_iter().map(ToldDoubt::from).collect(),
             covariance: stds.map(|stds| {
                 let mixed = stds.correlation * stds.gaussian_std * stds.mean_std;
                 [

@@ -78,6 +78,18 @@ pub(super) fn noise(
     .collect()
 }
 
+/// Doubts where the normals are known to be of another surface: fitted to them, places of fingers are off too.
+pub(super) fn of_wrong_normals(mut doubts: Vec<Doubt>) -> Vec<Doubt> {
+    for doubt in &mut doubts {
+        if let Doubt::DisplacedFinger { p_value, .. } = *doubt {
+            *doubt = Doubt::ContradictingNormals { p_value };
+        }
+    }
+    // Of two, the one of the test of normals comes first.
+    doubts.dedup_by_key(|doubt| doubt.name());
+    doubts
+}
+
 /// Warnings of doubts; those about the noise and about directions are left to warnings that say more, where there are such.
 pub(super) fn words(
     doubts: &[Doubt],

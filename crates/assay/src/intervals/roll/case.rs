@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use anyhow::Result;
+use palpate_chance::{HALF_WIDTHS, student_half_width};
 use palpate_ep1::{ProbeReading, ReadingNoise};
 use palpate_geometry::surfaces::{Ellipsoid, Sphere};
 use palpate_geometry::{CurvatureForm, Shape, Surface};
@@ -23,6 +24,8 @@ const LONG: [f64; 2] = [0.5, 1.2];
 /// Smallest and largest standard deviation of shifts, mm, and of rotations, as a share of them.
 const SHIFT_STDS: [f64; 2] = [0.01, 0.1];
 const ROTATION_STDS: [f64; 2] = [0.005, 0.03];
+/// Bound of a uniform error of unit variance, √3.
+const BOUND: f64 = 1.732_050_807_568_877_2;
 /// Smallest and largest pitch of pads, mm.
 const PITCHES: [f64; 2] = [0.1, 0.5];
 /// Error of the rolls' truth, as a share of the radius.
@@ -33,6 +36,8 @@ const TOLERANCE: f64 = 1e-7;
 enum Sensor {
     Shifts,
     Rotations,
+    /// Rotations whose errors are uniform.
+    Uniform,
     Both,
     Pads,
 }
@@ -74,7 +79,17 @@ impl Family {
             found,
             Self { probes: 4, ..plain },
             Self { probes: 4, ..found },
+            Self {
+                sensor: Sensor::Uniform,
+                ..plain
+            },
         ]);
+        let of_four = [Sensor::Rotations, Sensor::Uniform, Sensor::Pads];
+        all.extend(of_four.map(|sensor| Self {
+            probes: 4,
+            sensor,
+            ..plain
+        }));
         for base in [plain, found] {
             for is_long in [false, true] {
                 all.push(Self {
@@ -93,6 +108,11 @@ impl Family {
             let asked = |flaw: &Flaw| base.is_noise_told || *flaw != Flaw::HalfNoise;
             let flaws = Flaw::ALL.into_iter().filter(asked);
             all.extend(flaws.map(|flaw| Self { flaw, ..base }));
+            all.push(Self {
+                probes: 4,
+                flaw: Flaw::Slipped,
+                ..base
+            });
         }
         all
     }
@@ -103,6 +123,7 @@ impl Family {
         let sensor = match self.sensor {
             Sensor::Shifts => "noise of shifts",
             Sensor::Rotations => "noise of rotations",
+            Sensor::Uniform => "uniform noise of rotations",
             Sensor::Both => "noise of both",
             Sensor::Pads => "pads",
         };
@@ -115,6 +136,16 @@ impl Family {
         ];
         words.extend(self.flaw.name().map(str::to_owned));
         words.join(", ")
+    }
+
+    /// Half-widths of the intervals of 50, 80 and 95 %, in standard deviations.
+    pub(super) fn half_widths(&self) -> [f64; 3] {
+        // Two readings of each probe tell three entries of the mobility.
+        let freedom = 2 * self.probes - 3;
+        match self.is_noise_told {
+            true => HALF_WIDTHS,
+            false => [0.5, 0.8, 0.95].map(|share| student_half_width(share, freedom)),
+        }
     }
 
     /// Whether the readings are those of a sensor as it is told, of whatever rolls.
@@ -133,11 +164,14 @@ pub(super) struct Case {
     /// Readings without noise, mm.
     exact: Vec<ProbeReading>,
     noise: ReadingNoise,
+    /// Draw of an error of rotations of unit variance.
+    of_rotation: fn(&mut Stream) -> f64,
     pads: Option<Pads>,
     seed: u64,
     /// Radius of the probe and noise as they are told, mm.
     pub(super) radius: f64,
     pub(super) told: ReadingNoise,
+    pub(super) half_widths: [f64; 3],
     /// The object's curvature where it is touched first, per mm.
     pub(super) truth: CurvatureForm,
 }
@@ -186,13 +220,16 @@ impl Case {
             FRAC_PI_2,
         )?;
         let pads = (family.sensor == Sensor::Pads).then_some(pads);
-        let has = |sensors: [Sensor; 2], std: f64| match sensors.contains(&family.sensor) {
+        let has = |sensors: &[Sensor], std: f64| match sensors.contains(&family.sensor) {
             true => std,
             false => 0.0,
         };
         let noise = ReadingNoise {
-            relative_rotation_std: has([Sensor::Rotations, Sensor::Both], rotation_std),
-            shift_std: has([Sensor::Shifts, Sensor::Both], shift_std),
+            relative_rotation_std: has(
+                &[Sensor::Rotations, Sensor::Uniform, Sensor::Both],
+                rotation_std,
+            ),
+            shift_std: has(&[Sensor::Shifts, Sensor::Both], shift_std),
             ..ReadingNoise::default()
         };
         family.flaw.spoil(&mut exact, &mut draws);
@@ -214,9 +251,14 @@ impl Case {
             radius: family.flaw.radius(&mut draws),
             exact,
             noise,
+            of_rotation: match family.sensor {
+                Sensor::Uniform => |stream| BOUND * stream.symmetric_uniform(),
+                _ => Stream::standard_normal,
+            },
             pads,
             seed: seed.wrapping_mul(1000).wrapping_add(number),
             told,
+            half_widths: family.half_widths(),
             truth,
         })
     }
@@ -235,7 +277,7 @@ impl Case {
         for reading in &mut readings {
             let rotation_std = self.noise.relative_rotation_std * reading.rotation.norm();
             for angle in reading.rotation.iter_mut() {
-                *angle += rotation_std * stream.standard_normal();
+                *angle += rotation_std * (self.of_rotation)(&mut stream);
             }
             for shift in reading.shift.iter_mut() {
                 *shift += self.noise.shift_std * stream.standard_normal();
@@ -285,13 +327,15 @@ impl Family {
             PITCHES[end] * times
         );
         let ideal = r#"{ kind = "ideal" }"#.to_owned();
-        let rotations = format!(
-            r#"angular_velocity = {{ kind = "gaussian", fraction = {} }}"#,
-            ROTATION_STDS[end] * times
-        );
+        let of_rotations = |kind: &str, fraction: f64| {
+            format!(r#"angular_velocity = {{ kind = "{kind}", fraction = {fraction} }}"#)
+        };
+        let rotation_std = ROTATION_STDS[end] * times;
+        let rotations = of_rotations("gaussian", rotation_std);
         let (sensor, noise) = match self.sensor {
             Sensor::Shifts => (wrist, String::new()),
             Sensor::Rotations => (ideal, rotations),
+            Sensor::Uniform => (ideal, of_rotations("uniform", BOUND * rotation_std)),
             Sensor::Both => (wrist, rotations),
             Sensor::Pads => (pads, String::new()),
         };

@@ -4,16 +4,16 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 use anyhow::Result;
-use palpate_chance::NORMAL_95;
 use palpate_ep1::{LeastSquares, ReadingNoise};
 use serde::Serialize;
 
 use super::super::doubted::{Doubts, Scene, Shares, words};
-use super::super::sums::{HOLDS, Sums, within};
+use super::super::sums::{HOLDS, Sums, within_widths};
 use super::case::{Case, Family};
 use super::flaw::{Flaw, RADIUS};
 
-/// How often the intervals of a family hold, over all its scenes.
+/// How often the intervals of a family hold, over all its scenes: those of the normal distribution where noise is told, of
+/// Student's where it is found from the residuals.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Score {
     /// The family.
@@ -101,7 +101,8 @@ pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
         ];
         for (measured, truth) in both {
             let (error, std) = (measured.value - truth, measured.std.unwrap_or(0.0));
-            tally.sums.add(error, std, within(error, std));
+            let holds = within_widths(error, std, case.half_widths);
+            tally.sums.add(error, std, holds);
         }
     }
     Ok(tally)
@@ -134,7 +135,7 @@ impl Score {
             coverage95: mean(&|one| one.sums.coverage(2)),
             scenes_above_85: mean(&|one| f64::from(u8::from(one.sums.coverage(2) >= HOLDS))),
             lowest: lowest.fold(1.0, f64::min),
-            width: 2.0 * NORMAL_95 * RADIUS * sum(&|one| one.sums.std)
+            width: 2.0 * family.half_widths()[2] * RADIUS * sum(&|one| one.sums.std)
                 / sum(&|one| one.sums.stated),
             below_5_percent: (goodness > 0.0).then(|| sum(&|one| one.unlikely) / goodness),
             scenes_short: shares.short.0,

@@ -43,6 +43,9 @@ first contact that is off), twist (frames that are turned against each other), v
 the object), slipped-probe; 1 set of rolls in 200 has each by chance, and 1 in 50 one of the middle three by all that
 they tell together. What is the same of rolls to and fro changes no curvature: large-residuals alone tells of it.
 
+Where no noise is stated, standard deviations follow from the residuals, of 2n - 3 degrees of freedom with n probes: an
+interval of 95 % is as many of them as Student's t says, 2.57 to either side with 4 probes and 2.16 with 8, not 1.96.
+
 The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
 standard error repeats, tell the doubts, and where the readings contradict what is stated: noise (or a pitch)
 that is too small for the residuals, rotations in degrees, shifts in another unit than the probe's radius. A few rolls
