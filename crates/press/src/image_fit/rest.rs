@@ -14,10 +14,6 @@ use crate::{MarkerDisplacement, PressError};
 const SHARE: f64 = 1e-2;
 /// Step of a misalignment, rad.
 pub(super) const MISALIGNED: f64 = 1e-6;
-const MOST_STEPS: usize = 60;
-const MOST_DAMPING: f64 = 1e9;
-/// Decrease of chi-squared below which nothing is left to find.
-const ENOUGH: f64 = 1e-6;
 
 /// The sensor as its markers at rest show it: misalignments, and what is common to all of them.
 #[derive(Clone, Debug)]
@@ -87,7 +83,7 @@ impl<V: View> ImageFit<V> {
         Resting {
             fit: self,
             free: self.free(),
-            known: self.known()?,
+            known: self.known()?.map(Arc::new),
             frames: frames.into(),
         }
         .rest()
@@ -98,7 +94,7 @@ impl<V: View> ImageFit<V> {
         let resting = Resting {
             fit: self,
             free: self.free(),
-            known: self.known().ok()?,
+            known: self.known().ok()?.map(Arc::new),
             frames: Arc::clone(&rest.frames),
         };
         let free = resting.free.iter();
@@ -108,7 +104,8 @@ impl<V: View> ImageFit<V> {
             misalignments: sensor.misalignments.clone(),
         };
         let pictures = resting.pictures(&state)?;
-        let equations = resting.equations(&state, &pictures, 0.0)?;
+        let slopes = resting.slopes(&state, &pictures)?;
+        let equations = resting.equations(&state, &pictures, &slopes, 0.0)?;
         let likeliest = resting.stepped(&state, &equations)?;
         Some(resting.told(likeliest, equations, rest.chi_squared))
     }
@@ -200,27 +197,27 @@ impl<V: View> ImageFit<V> {
 }
 
 /// The fit of frames that show the sensor: at rest, and in presses that are known.
-struct Resting<'a, V> {
-    fit: &'a ImageFit<V>,
-    free: Vec<usize>,
+pub(super) struct Resting<'a, V> {
+    pub(super) fit: &'a ImageFit<V>,
+    pub(super) free: Vec<usize>,
     /// Departures that something else tells.
-    known: Option<Known>,
+    pub(super) known: Option<Arc<Known>>,
     /// The first is that at rest.
-    frames: Arc<[KnownFrame]>,
+    pub(super) frames: Arc<[KnownFrame]>,
 }
 
 /// Unknowns of the fit: free common departures in standard deviations, and misalignments, rad.
 #[derive(Clone)]
-struct State {
-    common: DVector<f64>,
-    misalignments: Vec<[f64; 2]>,
+pub(super) struct State {
+    pub(super) common: DVector<f64>,
+    pub(super) misalignments: Vec<[f64; 2]>,
 }
 
 /// Pictures of the markers in each frame.
-type Pictures = Vec<Vec<Option<[f64; NUMBERS]>>>;
+pub(super) type Pictures = Vec<Vec<Option<[f64; NUMBERS]>>>;
 
 /// Equations of one step with the misalignments taken out.
-struct Equations {
+pub(super) struct Equations {
     information: DMatrix<f64>,
     right: DVector<f64>,
     local: Vec<Option<Own>>,
@@ -234,49 +231,8 @@ struct Own {
 }
 
 impl<V: View> Resting<'_, V> {
-    fn rest(&self) -> Result<Rest, PressError> {
-        let mut state = State {
-            common: DVector::zeros(self.free.len()),
-            misalignments: vec![[0.0; 2]; self.markers()],
-        };
-        let mut pictures = self.pictures(&state).ok_or(PressError::OutOfRange)?;
-        let mut cost = self.cost(&state, &pictures);
-        let mut damping = 1e-3;
-        for _ in 0..MOST_STEPS {
-            let equations = self
-                .equations(&state, &pictures, damping)
-                .ok_or(PressError::OutOfRange)?;
-            let tried = self.stepped(&state, &equations);
-            let better = tried.and_then(|tried| {
-                let pictures = self.pictures(&tried)?;
-                let less = self.cost(&tried, &pictures);
-                (less <= cost).then_some((tried, pictures, less))
-            });
-            match better {
-                Some((tried, seen, less)) => {
-                    let gain = cost - less;
-                    (state, pictures, cost) = (tried, seen, less);
-                    damping *= 0.1;
-                    if gain <= ENOUGH {
-                        break;
-                    }
-                }
-                None => {
-                    damping *= 10.0;
-                    if damping > MOST_DAMPING {
-                        break;
-                    }
-                }
-            }
-        }
-        let equations = self
-            .equations(&state, &pictures, 0.0)
-            .ok_or(PressError::OutOfRange)?;
-        Ok(self.told(state, equations, cost))
-    }
-
     /// Knowledge of the sensor from equations whose solution is `state`.
-    fn told(&self, state: State, equations: Equations, chi_squared: f64) -> Rest {
+    pub(super) fn told(&self, state: State, equations: Equations, chi_squared: f64) -> Rest {
         let Equations {
             information, local, ..
         } = equations;
@@ -311,11 +267,11 @@ impl<V: View> Resting<'_, V> {
         common
     }
 
-    fn markers(&self) -> usize {
+    pub(super) fn markers(&self) -> usize {
         self.fit.markers.places().len()
     }
 
-    fn pictures(&self, state: &State) -> Option<Pictures> {
+    pub(super) fn pictures(&self, state: &State) -> Option<Pictures> {
         let common = self.common(state);
         let sensor = SensorState {
             common: &common,
@@ -327,30 +283,34 @@ impl<V: View> Resting<'_, V> {
             .collect()
     }
 
-    fn cost(&self, state: &State, pictures: &Pictures) -> f64 {
-        let mut cost = state.common.norm_squared();
-        for marker in 0..self.markers() {
-            let mut is_seen = false;
-            for (frame, pictures) in self.frames.iter().zip(pictures) {
-                let Some(weight) = &frame.weights[marker] else {
-                    continue;
-                };
-                is_seen = true;
-                match frame.residual(marker, pictures) {
-                    Some(residual) => cost += residual.dot(&(weight * residual)),
-                    // A marker that was seen cannot be out of sight.
-                    None => return f64::INFINITY,
-                }
-            }
-            if is_seen && self.fit.misalignment_std > 0.0 {
-                let [x, y] = state.misalignments[marker];
-                cost += (x * x + y * y) / self.fit.misalignment_std.powi(2);
-            }
-        }
-        cost
+    pub(super) fn cost(&self, state: &State, pictures: &Pictures) -> f64 {
+        let own = self.own_costs(state, pictures).into_iter().flatten();
+        state.common.norm_squared() + own.sum::<f64>()
     }
 
-    fn slopes(&self, state: &State, pictures: &Pictures) -> Option<Vec<Slopes>> {
+    /// Sum of the squares of each marker; `None` of those that were not seen.
+    pub(super) fn own_costs(&self, state: &State, pictures: &Pictures) -> Vec<Option<f64>> {
+        let square = |marker: usize, frame: &KnownFrame, pictures: &[Option<[f64; NUMBERS]>]| {
+            let weight = frame.weights[marker].as_ref()?;
+            let residual = frame.residual(marker, pictures);
+            // A marker that was seen cannot be out of sight.
+            Some(residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual))))
+        };
+        let own = |marker: usize| {
+            let frames = self.frames.iter().zip(pictures);
+            let squares = frames.filter_map(|(frame, pictures)| square(marker, frame, pictures));
+            let squares = squares.reduce(|sum, square| sum + square)?;
+            let [x, y] = state.misalignments[marker];
+            let known = match self.fit.misalignment_std {
+                0.0 => 0.0,
+                std => (x * x + y * y) / (std * std),
+            };
+            Some(squares + known)
+        };
+        (0..self.markers()).map(own).collect()
+    }
+
+    pub(super) fn slopes(&self, state: &State, pictures: &Pictures) -> Option<Vec<Slopes>> {
         let common = self.common(state);
         let of_frame = |(frame, pictures): (&KnownFrame, &Vec<_>)| {
             let moved = frame.moved_at(&common);
@@ -361,10 +321,16 @@ impl<V: View> Resting<'_, V> {
         self.frames.iter().zip(pictures).map(of_frame).collect()
     }
 
-    fn equations(&self, state: &State, pictures: &Pictures, damping: f64) -> Option<Equations> {
-        let slopes = self.slopes(state, pictures)?;
+    /// The equations of a step from a state, damped by so many times the information that there is beforehand.
+    pub(super) fn equations(
+        &self,
+        state: &State,
+        pictures: &Pictures,
+        slopes: &[Slopes],
+        damping: f64,
+    ) -> Option<Equations> {
         let count = self.free.len();
-        let mut information = DMatrix::<f64>::identity(count, count);
+        let mut information = DMatrix::<f64>::identity(count, count) * (1.0 + damping);
         let mut right = -state.common.clone();
         let mut reduced = Vec::new();
         let mut local = Vec::new();
@@ -373,7 +339,7 @@ impl<V: View> Resting<'_, V> {
             let mut own = Matrix2::zeros();
             let mut across = OMatrix::<f64, U2, Dyn>::zeros(count);
             let mut own_right = nalgebra::Vector2::zeros();
-            for ((frame, pictures), slopes) in self.frames.iter().zip(pictures).zip(&slopes) {
+            for ((frame, pictures), slopes) in self.frames.iter().zip(pictures).zip(slopes) {
                 let parts = (
                     &frame.weights[marker],
                     frame.residual(marker, pictures),
@@ -406,8 +372,7 @@ impl<V: View> Resting<'_, V> {
             let per_square = self.fit.misalignment_std.powi(-2);
             own_right -= nalgebra::Vector2::from(state.misalignments[marker]) * per_square;
             for axis in 0..2 {
-                own[(axis, axis)] += per_square;
-                own[(axis, axis)] *= 1.0 + damping;
+                own[(axis, axis)] += (1.0 + damping) * per_square;
             }
             let inverse = own.try_inverse()?;
             reduced.push((
@@ -419,9 +384,6 @@ impl<V: View> Resting<'_, V> {
                 across,
                 right: own_right,
             }));
-        }
-        for at in 0..count {
-            information[(at, at)] *= 1.0 + damping;
         }
         for (square, vector) in reduced {
             information -= square;
@@ -437,7 +399,7 @@ impl<V: View> Resting<'_, V> {
         })
     }
 
-    fn stepped(&self, state: &State, equations: &Equations) -> Option<State> {
+    pub(super) fn stepped(&self, state: &State, equations: &Equations) -> Option<State> {
         let step = equations
             .information
             .clone()
