@@ -8,7 +8,7 @@ use super::frame::KnownFrame;
 use super::settings::ImageFit;
 use super::told::Known;
 use super::view::{MOST_MISALIGNED, NUMBERS, Seen, Sensor, SensorState, View, difference};
-use crate::{MarkerDisplacement, PressError};
+use crate::{GoodnessOfFit, MarkerDisplacement, PressError};
 
 /// Steps by which slopes are found, as shares of the standard deviation.
 const SHARE: f64 = 1e-2;
@@ -22,7 +22,7 @@ pub struct Rest {
     pub common: Vec<f64>,
     /// Misalignment of each marker's discs, rad at the sensor's centre, the likeliest.
     pub misalignments: Vec<[f64; 2]>,
-    /// Whether each marker was seen.
+    /// Whether each marker was seen, and contradicts nothing.
     pub seen: Vec<bool>,
     /// Sum of the squares that are left, priors included: about `freedom` where all is as it should be.
     pub chi_squared: f64,
@@ -43,6 +43,12 @@ impl Rest {
             common: self.common.clone(),
             misalignments: self.misalignments.clone(),
         }
+    }
+
+    /// How well the sensor fits the frames that tell it: a small p-value where they contradict each other or what is known of
+    /// the sensor.
+    pub fn goodness(&self) -> GoodnessOfFit {
+        GoodnessOfFit::new(self.chi_squared, self.freedom)
     }
 
     /// Covariance of the common departures that are not exact, in their standard deviations; `None` where it cannot be
@@ -241,7 +247,7 @@ impl<V: View> Resting<'_, V> {
         Rest {
             common: self.common(&state),
             misalignments: state.misalignments,
-            seen: self.frames[0].seen.iter().map(Option::is_some).collect(),
+            seen: self.frames[0].weights.iter().map(Option::is_some).collect(),
             chi_squared,
             // As many numbers are known beforehand as there are unknowns.
             freedom: NUMBERS * count,
