@@ -2,9 +2,10 @@
 
 use nalgebra::DVector;
 
+use super::outcome::WRONG;
 use super::rest::{Pictures, Rest, Resting, State};
 use super::view::{NUMBERS, View};
-use crate::PressError;
+use crate::{GoodnessOfFit, PressError};
 
 const MOST_STEPS: usize = 200;
 /// Damping of a first step: as much information as there is beforehand.
@@ -16,6 +17,10 @@ const ROUGHLY: f64 = 1.0;
 /// Most by which variances are multiplied on the way, and how fast they fall.
 const MOST_VARIANCE: f64 = 1e12;
 const FALL: f64 = 10.0;
+/// Powers of that multiple from which further paths start where the sum of squares stays large.
+const ROOTS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
+/// P-value of a sum of squares that is not large: one sensor in a thousand is sought along further paths in vain.
+const PLAUSIBLE: f64 = 1e-3;
 
 /// The least sum of squares that was found.
 struct Minimum {
@@ -27,28 +32,57 @@ struct Minimum {
 impl<V: View> Resting<'_, V> {
     /// The sensor that is likeliest.
     pub(super) fn rest(&self) -> Result<Rest, PressError> {
-        let mut state = State {
+        let start = State {
             common: DVector::zeros(self.free.len()),
             misalignments: vec![[0.0; 2]; self.markers()],
         };
-        // Far from the least sum of squares are others that only look least, and narrow valleys. Noise as large as what the
-        // start leaves has neither, and as it falls the state stays near the least.
-        let mut variance = self.variance_at(&state).ok_or(PressError::OutOfRange)?;
-        while variance > 1.0 {
-            let noisier = self.noisier(variance);
-            state = noisier.minimised(state, ROUGHLY)?.state;
-            variance /= FALL;
+        let variance = self.variance_at(&start).ok_or(PressError::OutOfRange)?;
+        let mut least: Option<(Minimum, f64)> = None;
+        // Of paths that part where another minimum lies, some end in each.
+        for root in ROOTS {
+            let Ok(minimum) = self.cooled(start.clone(), libm::pow(variance, root)) else {
+                continue;
+            };
+            let square = self.robust(&minimum);
+            if least.as_ref().is_none_or(|(_, least)| square < *least) {
+                least = Some((minimum, square));
+            }
+            let goodness = GoodnessOfFit::new(square, self.freedom());
+            if goodness.p_value >= PLAUSIBLE || variance <= 1.0 {
+                break;
+            }
         }
+        let (minimum, _) = least.ok_or(PressError::OutOfRange)?;
         let Minimum {
             state,
             pictures,
             cost,
-        } = self.minimised(state, ENOUGH)?;
+        } = minimum;
         let equations = self
             .slopes(&state, &pictures)
             .and_then(|slopes| self.equations(&state, &pictures, &slopes, 0.0))
             .ok_or(PressError::OutOfRange)?;
         Ok(self.told(state, equations, cost))
+    }
+
+    /// The least sum of squares by a path from variances so many times as large as those that are stated. Far from it are
+    /// others that only look least, and narrow valleys: noise as large as what the start leaves has neither, and as it falls
+    /// the state stays near the least.
+    fn cooled(&self, mut state: State, mut variance: f64) -> Result<Minimum, PressError> {
+        while variance > 1.0 {
+            let noisier = self.noisier(variance);
+            state = noisier.minimised(state, ROUGHLY)?.state;
+            variance /= FALL;
+        }
+        self.minimised(state, ENOUGH)
+    }
+
+    /// Sum of the squares where no marker counts more than a wrong one.
+    fn robust(&self, minimum: &Minimum) -> f64 {
+        let most = WRONG * self.frames.len() as f64;
+        let own = self.own_costs(&minimum.state, &minimum.pictures);
+        let own = own.into_iter().flatten().map(|square| square.min(most));
+        minimum.state.common.norm_squared() + own.sum::<f64>()
     }
 
     /// Median over the markers of their mean square residual, in stated variances; half of them may be wrong.

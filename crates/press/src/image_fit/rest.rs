@@ -242,15 +242,12 @@ impl<V: View> Resting<'_, V> {
         let Equations {
             information, local, ..
         } = equations;
-        let seen = |frame: &KnownFrame| frame.weights.iter().flatten().count();
-        let count: usize = self.frames.iter().map(seen).sum();
         Rest {
             common: self.common(&state),
             misalignments: state.misalignments,
             seen: self.frames[0].weights.iter().map(Option::is_some).collect(),
             chi_squared,
-            // As many numbers are known beforehand as there are unknowns.
-            freedom: NUMBERS * count,
+            freedom: self.freedom(),
             information,
             local: local
                 .into_iter()
@@ -263,6 +260,11 @@ impl<V: View> Resting<'_, V> {
                 .collect(),
             frames: Arc::clone(&self.frames),
         }
+    }
+
+    /// Degrees of freedom: as many numbers are known beforehand as there are unknowns.
+    pub(super) fn freedom(&self) -> usize {
+        NUMBERS * self.frames.iter().map(KnownFrame::markers).sum::<usize>()
     }
 
     fn common(&self, state: &State) -> Vec<f64> {
