@@ -146,6 +146,31 @@ pub enum PressError {
         /// Distance along the skin, length.
         distance: f64,
     },
+    /// Markers of a press that calibrates a sensor contradict its frame at rest and the other presses: too many to be wrong
+    /// alone.
+    #[error(
+        "calibrating press {press} (counting from 0) contradicts the frame at rest and the other presses: at least {markers} of \
+         its markers do, and at most {most} may; its object, place or indentation is another, or the sensor"
+    )]
+    ContradictingPress {
+        /// Number of the press, counted from 0.
+        press: usize,
+        /// Number of its markers that are known to contradict.
+        markers: usize,
+        /// Number of markers that may be wrong.
+        most: usize,
+    },
+    /// Markers at rest contradict the presses that calibrate a sensor: too many to be wrong alone.
+    #[error(
+        "the frame at rest contradicts the presses that calibrate the sensor: at least {markers} of its markers do, and at most \
+         {most} may; it is of another sensor"
+    )]
+    ContradictingRest {
+        /// Number of its markers that are known to contradict.
+        markers: usize,
+        /// Number of markers that may be wrong.
+        most: usize,
+    },
     /// The readings do not determine the unknowns.
     #[error("the readings do not determine the press: {what}")]
     Undetermined {

@@ -6,6 +6,7 @@
 //! one, by the same law, where and how the sensor is touched. What is left unknown of the sensor is common to all
 //! markers: it stands in the fit as parameters with their covariance, by which the interval is as wide as it must be.
 
+mod descent;
 mod doubts;
 mod frame;
 mod known;

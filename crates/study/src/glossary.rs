@@ -165,6 +165,8 @@ subjects! {
         "one-marker": "One marker moved and the others did not: it is wrong, or a needle under it.";
         "other-body": "The markers moved, but not as a press moves the body that is fitted: its kind, its thickness or the depth of the markers is another. A failure where no press fits, a doubt where one fits badly.";
         "off-markers": "The contact that would explain the readings lies away from all markers.";
+        "contradicting-press": "Markers of a press that calibrates a camera sensor contradict its frame at rest and the other presses, more than one in eight: its object, place or indentation is another.";
+        "contradicting-rest": "Markers at rest contradict the presses that calibrate a camera sensor, more than one in eight: the frame is of another sensor.";
     }
     "Failures of cameras and frames" {
         "folded-lens": "With its odd terms the lens would show angles within its field twice.";

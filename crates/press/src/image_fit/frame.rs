@@ -17,7 +17,20 @@ pub(super) struct KnownFrame {
     pub(super) per_depth: Option<Vec<[MarkerDisplacement; 2]>>,
 }
 
+/// At most one in so many markers of a frame is left out.
+const MOST_WRONG: usize = 8;
+
 impl KnownFrame {
+    /// Number of the markers that count.
+    pub(super) fn markers(&self) -> usize {
+        self.weights.iter().flatten().count()
+    }
+
+    /// Number of its markers that may be wrong; if more seem so, the frame is.
+    pub(super) fn most_wrong(&self) -> usize {
+        (self.markers() / MOST_WRONG).max(1)
+    }
+
     /// Displacements of discs that lie deeper by the first two of these departures.
     pub(super) fn moved_at(&self, common: &[f64]) -> Vec<[MarkerDisplacement; 2]> {
         let mut moved = self.moved.clone();

@@ -10,12 +10,7 @@ use super::told::Known;
 use super::view::{
     MOST_MISALIGNED, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, Steps, View,
 };
-use crate::{MarkerDisplacement, PressError};
-
-const MOST_STEPS: usize = 60;
-const MOST_DAMPING: f64 = 1e9;
-/// Decrease of chi-squared below which nothing is left to find.
-const ENOUGH: f64 = 1e-6;
+use crate::{GoodnessOfFit, MarkerDisplacement, PressError};
 
 /// The sensor as its markers at rest show it: misalignments, and what is common to all of them.
 #[derive(Clone, Debug)]
@@ -24,7 +19,7 @@ pub struct Rest {
     pub common: Vec<f64>,
     /// Misalignment of each marker's discs, rad at the sensor's centre, the likeliest.
     pub misalignments: Vec<[f64; 2]>,
-    /// Whether each marker was seen.
+    /// Whether each marker was seen, and contradicts nothing.
     pub seen: Vec<bool>,
     /// Sum of the squares that are left, priors included: about `freedom` where all is as it should be.
     pub chi_squared: f64,
@@ -45,6 +40,12 @@ impl Rest {
             common: self.common.clone(),
             misalignments: self.misalignments.clone(),
         }
+    }
+
+    /// How well the sensor fits the frames that tell it: a small p-value where they contradict each other or what is known of
+    /// the sensor.
+    pub fn goodness(&self) -> GoodnessOfFit {
+        GoodnessOfFit::new(self.chi_squared, self.freedom)
     }
 
     /// Covariance of the common departures that are not exact, in their standard deviations; `None` where it cannot be
@@ -77,7 +78,7 @@ impl<V: View> ImageFit<V> {
         Resting {
             fit: self,
             free: self.free(),
-            known: self.known()?,
+            known: self.known()?.map(Arc::new),
             frames: frames.into(),
         }
         .rest()
@@ -88,7 +89,7 @@ impl<V: View> ImageFit<V> {
         let resting = Resting {
             fit: self,
             free: self.free(),
-            known: self.known().ok()?,
+            known: self.known().ok()?.map(Arc::new),
             frames: Arc::clone(&rest.frames),
         };
         let free = resting.free.iter();
@@ -97,7 +98,7 @@ impl<V: View> ImageFit<V> {
             common: DVector::from_iterator(resting.free.len(), common),
             misalignments: sensor.misalignments.clone(),
         };
-        let equations = resting.equations(&state, 0.0)?;
+        let equations = resting.equations(&state, &resting.slopes(&state)?, 0.0)?;
         let likeliest = resting.stepped(&state, &equations)?;
         Some(resting.told(likeliest, equations, rest.chi_squared))
     }
@@ -139,24 +140,27 @@ impl<V: View> ImageFit<V> {
 }
 
 /// The fit of frames that show the sensor: at rest, and in presses that are known.
-struct Resting<'a, V> {
-    fit: &'a ImageFit<V>,
-    free: Vec<usize>,
+pub(super) struct Resting<'a, V> {
+    pub(super) fit: &'a ImageFit<V>,
+    pub(super) free: Vec<usize>,
     /// Departures that something else tells.
-    known: Option<Known>,
+    pub(super) known: Option<Arc<Known>>,
     /// The first is that at rest.
-    frames: Arc<[KnownFrame]>,
+    pub(super) frames: Arc<[KnownFrame]>,
 }
 
 /// Unknowns of the fit: free common departures in standard deviations, and misalignments, rad.
 #[derive(Clone)]
-struct State {
-    common: DVector<f64>,
-    misalignments: Vec<[f64; 2]>,
+pub(super) struct State {
+    pub(super) common: DVector<f64>,
+    pub(super) misalignments: Vec<[f64; 2]>,
 }
 
+/// Pictures of the markers in each frame.
+pub(super) type Pictures = Vec<Vec<Option<[f64; NUMBERS]>>>;
+
 /// Equations of one step with the misalignments taken out.
-struct Equations {
+pub(super) struct Equations {
     information: DMatrix<f64>,
     right: DVector<f64>,
     local: Vec<Option<Own>>,
@@ -188,8 +192,7 @@ impl Own {
             let per_square = std.powi(-2);
             self.right -= Vector2::from(*misalignment) * per_square;
             for axis in 0..2 {
-                self.square[(axis, axis)] += per_square;
-                self.square[(axis, axis)] *= 1.0 + damping;
+                self.square[(axis, axis)] += (1.0 + damping) * per_square;
             }
             self.inverse = self.square.try_inverse()?;
         }
@@ -212,57 +215,17 @@ pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64>
 }
 
 impl<V: View> Resting<'_, V> {
-    fn rest(&self) -> Result<Rest, PressError> {
-        let mut state = State {
-            common: DVector::zeros(self.free.len()),
-            misalignments: vec![[0.0; 2]; self.markers()],
-        };
-        let mut cost = self.cost(&state).ok_or(PressError::OutOfRange)?;
-        let mut damping = 1e-3;
-        for _ in 0..MOST_STEPS {
-            let equations = self
-                .equations(&state, damping)
-                .ok_or(PressError::OutOfRange)?;
-            let tried = self.stepped(&state, &equations);
-            let better = tried.and_then(|tried| {
-                let less = self.cost(&tried)?;
-                (less <= cost).then_some((tried, less))
-            });
-            match better {
-                Some((tried, less)) => {
-                    let gain = cost - less;
-                    (state, cost) = (tried, less);
-                    damping *= 0.1;
-                    if gain <= ENOUGH {
-                        break;
-                    }
-                }
-                None => {
-                    damping *= 10.0;
-                    if damping > MOST_DAMPING {
-                        break;
-                    }
-                }
-            }
-        }
-        let equations = self.equations(&state, 0.0).ok_or(PressError::OutOfRange)?;
-        Ok(self.told(state, equations, cost))
-    }
-
     /// Knowledge of the sensor from equations whose solution is `state`.
-    fn told(&self, state: State, equations: Equations, chi_squared: f64) -> Rest {
+    pub(super) fn told(&self, state: State, equations: Equations, chi_squared: f64) -> Rest {
         let Equations {
             information, local, ..
         } = equations;
-        let seen = |frame: &KnownFrame| frame.weights.iter().flatten().count();
-        let count: usize = self.frames.iter().map(seen).sum();
         Rest {
             common: self.common(&state),
             misalignments: state.misalignments,
-            seen: self.frames[0].seen.iter().map(Option::is_some).collect(),
+            seen: self.frames[0].weights.iter().map(Option::is_some).collect(),
             chi_squared,
-            // As many numbers are known beforehand as there are unknowns.
-            freedom: NUMBERS * count,
+            freedom: self.freedom(),
             information,
             local: local
                 .into_iter()
@@ -277,6 +240,11 @@ impl<V: View> Resting<'_, V> {
         }
     }
 
+    /// Degrees of freedom: as many numbers are known beforehand as there are unknowns.
+    pub(super) fn freedom(&self) -> usize {
+        NUMBERS * self.frames.iter().map(KnownFrame::markers).sum::<usize>()
+    }
+
     fn common(&self, state: &State) -> Vec<f64> {
         let mut common = vec![0.0; self.fit.common_stds.len()];
         for (&number, departure) in self.free.iter().zip(state.common.iter()) {
@@ -285,58 +253,74 @@ impl<V: View> Resting<'_, V> {
         common
     }
 
-    fn markers(&self) -> usize {
+    pub(super) fn markers(&self) -> usize {
         self.fit.markers.places().len()
     }
 
-    /// Sum of squares at a state, priors included; `None` where there is no such sensor.
-    fn cost(&self, state: &State) -> Option<f64> {
+    pub(super) fn pictures(&self, state: &State) -> Option<Pictures> {
         let common = self.common(state);
         let sensor = SensorState {
             common: &common,
             misalignments: &state.misalignments,
         };
         let frames = self.frames.iter();
-        let pictures = frames.map(|frame| {
-            let moved = frame.moved_at(&common);
-            self.fit.view.pictures(&sensor, &moved)
-        });
-        let pictures: Vec<_> = pictures.collect::<Option<_>>()?;
-        let mut cost = state.common.norm_squared();
-        for marker in 0..self.markers() {
-            let mut is_seen = false;
-            for (frame, pictures) in self.frames.iter().zip(&pictures) {
-                let Some(weight) = &frame.weights[marker] else {
-                    continue;
-                };
-                is_seen = true;
-                match frame.residual(marker, pictures) {
-                    Some(residual) => cost += residual.dot(&(weight * residual)),
-                    // A marker that was seen cannot be out of sight.
-                    None => return Some(f64::INFINITY),
-                }
-            }
-            if is_seen && self.fit.misalignment_std > 0.0 {
-                let [x, y] = state.misalignments[marker];
-                cost += (x * x + y * y) / self.fit.misalignment_std.powi(2);
-            }
-        }
-        Some(cost)
+        frames
+            .map(|frame| self.fit.view.pictures(&sensor, &frame.moved_at(&common)))
+            .collect()
     }
 
-    fn equations(&self, state: &State, damping: f64) -> Option<Equations> {
-        let count = self.free.len();
+    pub(super) fn cost(&self, state: &State, pictures: &Pictures) -> f64 {
+        let own = self.own_costs(state, pictures).into_iter().flatten();
+        state.common.norm_squared() + own.sum::<f64>()
+    }
+
+    /// Sum of the squares of each marker; `None` of those that were not seen.
+    pub(super) fn own_costs(&self, state: &State, pictures: &Pictures) -> Vec<Option<f64>> {
+        let square = |marker: usize, frame: &KnownFrame, pictures: &[Option<[f64; NUMBERS]>]| {
+            let weight = frame.weights[marker].as_ref()?;
+            let residual = frame.residual(marker, pictures);
+            // A marker that was seen cannot be out of sight.
+            Some(residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual))))
+        };
+        let own = |marker: usize| {
+            let frames = self.frames.iter().zip(pictures);
+            let squares = frames.filter_map(|(frame, pictures)| square(marker, frame, pictures));
+            let squares = squares.reduce(|sum, square| sum + square)?;
+            let [x, y] = state.misalignments[marker];
+            let known = match self.fit.misalignment_std {
+                0.0 => 0.0,
+                std => (x * x + y * y) / (std * std),
+            };
+            Some(squares + known)
+        };
+        (0..self.markers()).map(own).collect()
+    }
+
+    pub(super) fn slopes(&self, state: &State) -> Option<Vec<PictureSlopes>> {
         let common = self.common(state);
         let sensor = SensorState {
             common: &common,
             misalignments: &state.misalignments,
         };
-        let mut information = DMatrix::<f64>::identity(count, count);
+        let of_frame = |frame: &KnownFrame| {
+            let moved = frame.moved_at(&common);
+            self.fit.slopes(&sensor, &moved, frame.per_depth.as_deref())
+        };
+        self.frames.iter().map(of_frame).collect()
+    }
+
+    /// The equations of a step from a state, damped by so many times the information that there is beforehand.
+    pub(super) fn equations(
+        &self,
+        state: &State,
+        slopes: &[PictureSlopes],
+        damping: f64,
+    ) -> Option<Equations> {
+        let count = self.free.len();
+        let mut information = DMatrix::<f64>::identity(count, count) * (1.0 + damping);
         let mut right = -state.common.clone();
         let mut owns: Vec<Option<Own>> = vec![None; self.markers()];
-        for frame in self.frames.iter() {
-            let (moved, per_depth) = (frame.moved_at(&common), frame.per_depth.as_deref());
-            let slopes = self.fit.slopes(&sensor, &moved, per_depth)?;
+        for (frame, slopes) in self.frames.iter().zip(slopes) {
             let mut weighted = slopes.common.clone();
             let mut residuals = DVector::zeros(weighted.nrows());
             for (marker, own) in owns.iter_mut().enumerate() {
@@ -365,9 +349,6 @@ impl<V: View> Resting<'_, V> {
             }
             information += products(&slopes.common, &weighted);
             right += weighted.tr_mul(&residuals);
-        }
-        for at in 0..count {
-            information[(at, at)] *= 1.0 + damping;
         }
         let mut across = DMatrix::zeros(2 * owns.len(), count);
         let mut taken = across.clone();
@@ -399,7 +380,7 @@ impl<V: View> Resting<'_, V> {
         })
     }
 
-    fn stepped(&self, state: &State, equations: &Equations) -> Option<State> {
+    pub(super) fn stepped(&self, state: &State, equations: &Equations) -> Option<State> {
         let step = equations
             .information
             .clone()

@@ -47,10 +47,7 @@ fn departures_scatter_by_their_covariance() {
     let mut sum = 0.0;
     for number in 0..trials {
         let (truth, rest, _) = calibrated(number, 2);
-        let precision = rest.covariance().unwrap().try_inverse().unwrap();
-        let off =
-            nalgebra::DVector::from_fn(5, |at, _| (rest.common[at] - truth.common[at]) / WIDE[at]);
-        sum += off.dot(&(precision * &off));
+        sum += departures_off(&rest, &truth);
     }
     // Chi-squared of 300 degrees of freedom: 8 % is its standard deviation.
     let share = sum / (5 * trials) as f64;
@@ -99,6 +96,110 @@ fn a_wrong_marker_of_a_press_changes_little() {
     for at in 0..5 {
         let std = covariance[(at, at)].sqrt() * WIDE[at];
         assert!((spoilt.common[at] - sound.common[at]).abs() < std, "{at}");
+    }
+}
+
+/// A sensor, its frame at rest, and presses of a plane on it, with noise.
+fn pressed(depths: &[f64]) -> (Truth, Vec<Option<Seen>>, Vec<KnownPress>) {
+    let truth = Truth::drawn(2, WIDE);
+    let mut noise = Stream::new(8, 2, Channel::Centroid);
+    let at_rest = truth.at_rest(Some(&mut noise));
+    let depths = depths.iter();
+    let presses = depths.map(|depth| plane(&truth, *depth, &mut noise));
+    let presses = presses.collect();
+    (truth, at_rest, presses)
+}
+
+/// The square of the departures' error, in what is stated of them.
+fn departures_off(rest: &Rest, truth: &Truth) -> f64 {
+    let precision = rest.covariance().unwrap().try_inverse().unwrap();
+    let off =
+        nalgebra::DVector::from_fn(5, |at, _| (rest.common[at] - truth.common[at]) / WIDE[at]);
+    off.dot(&(precision * &off))
+}
+
+/// Beyond it lies chi-squared of 5 degrees of freedom in one of 1,000 cases.
+const FAR: f64 = 20.5;
+
+#[test]
+fn a_press_that_is_told_wrong_is_named() {
+    let (truth, at_rest, presses) = pressed(&[0.5, 0.8, 1.1]);
+    let told = |presses: &[KnownPress]| fit(None, WIDE).calibrated(&at_rest, presses);
+    let sound = told(&presses).unwrap();
+    assert!(departures_off(&sound, &truth) < FAR);
+    assert!(sound.goodness().p_value > 1e-3, "{:?}", sound.goodness());
+    let wrongs: [fn(&mut KnownPress); 3] = [
+        |press| press.relative_curvature *= 1.5,
+        |press| press.at = [1.0, -1.0],
+        |press| press.indentation *= 1.2,
+    ];
+    for wrong in wrongs {
+        for number in 0..3 {
+            let mut presses = presses.clone();
+            wrong(&mut presses[number]);
+            let error = told(&presses).map(|_| ()).unwrap_err();
+            let PressError::ContradictingPress {
+                press,
+                markers,
+                most,
+            } = error
+            else {
+                panic!("{error}");
+            };
+            assert_eq!((press, most), (number, 10));
+            assert!((11..=81).contains(&markers), "{markers}");
+        }
+    }
+}
+
+/// The only press is named where it contradicts the frame at rest, which is told beforehand.
+#[test]
+fn the_only_press_that_is_told_wrong_is_named() {
+    let (_, at_rest, mut presses) = pressed(&[1.0]);
+    presses[0].at = [2.0, 0.0];
+    let error = fit(None, WIDE)
+        .calibrated(&at_rest, &presses)
+        .map(|_| ())
+        .unwrap_err();
+    let is_named = matches!(error, PressError::ContradictingPress { press: 0, .. });
+    assert!(is_named, "{error}");
+}
+
+#[test]
+fn a_frame_at_rest_of_another_sensor_is_named() {
+    let (_, _, presses) = pressed(&[0.5, 0.8, 1.1]);
+    let other = Truth::drawn(3, WIDE).at_rest(None);
+    let error = fit(None, WIDE)
+        .calibrated(&other, &presses)
+        .map(|_| ())
+        .unwrap_err();
+    let is_named =
+        matches!(error, PressError::ContradictingRest { markers, most: 10 } if markers > 10);
+    assert!(is_named, "{error}");
+}
+
+/// One marker slips in one frame: it alone is left out, and departures err no more than is stated.
+#[test]
+fn a_marker_that_slips_in_one_frame_is_left_out_of_it() {
+    let (truth, at_rest, presses) = pressed(&[0.5, 0.8, 1.1]);
+    let sound = fit(None, WIDE).calibrated(&at_rest, &presses).unwrap();
+    for frame in 0..4 {
+        let (mut at_rest, mut presses) = (at_rest.clone(), presses.clone());
+        let seen = match frame {
+            0 => &mut at_rest[30],
+            _ => &mut presses[frame - 1].seen[30],
+        };
+        if let Some(seen) = seen {
+            seen.picture[1] += 2.0;
+            seen.picture[2] += 0.02;
+        }
+        let rest = fit(None, WIDE).calibrated(&at_rest, &presses).unwrap();
+        assert_eq!(rest.freedom, sound.freedom - 4);
+        assert!(departures_off(&rest, &truth) < FAR, "{frame}");
+        assert!(rest.goodness().p_value > 1e-3, "{frame}");
+        for (marker, seen) in rest.seen.iter().enumerate() {
+            assert_eq!(*seen, frame > 0 || marker != 30);
+        }
     }
 }
 
