@@ -147,7 +147,7 @@ pub(super) struct Glimpse {
 
 impl Glimpse {
     /// A marker that is looked at; `None` unless it is all in the image circle.
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(camera: &Camera, sight: &MarkerSight) -> Option<Self> {
         let MarkerSight { magenta, yellow } = sight;
         let aim = Aim::new(camera, &magenta.direction);
@@ -180,19 +180,19 @@ impl Glimpse {
     }
 
     /// Size, centroid and hue of the marker in these colours.
-    #[inline]
+    #[inline(always)]
     pub(super) fn features(&self, camera: &Camera, contrasts: &Contrasts) -> Option<SeenMarker> {
         features(camera, contrasts, self.discs, self.shared)
     }
 }
 
-#[inline]
+#[inline(always)]
 fn image(camera: &Camera, aim: &Aim, disc: &Sight) -> Image {
     Image::of(aim, &cap(camera.lens, &aim.local, disc.sine, disc.cosine))
 }
 
 /// Image of what the discs of a marker share, near which `aim` looks.
-#[inline]
+#[inline(always)]
 fn shared(camera: &Camera, aim: &Aim, discs: [Image; 2], sight: &MarkerSight) -> Image {
     match overlap(&sight.magenta, &sight.yellow) {
         Overlap::None => Image::default(),
