@@ -123,6 +123,10 @@ def test_a_frame_at_rest_tells_the_camera():
     with pytest.raises(palpate.ReadingsError, match="contradicts"):
         palpate.track(seen.rest, seen.pressed, **known)
     camera = palpate.calibrate_camera(seen.rest, BALL)
+    swept = BALL.with_(sweep=[{"path": "scene.motion.indentation", "values": [0.5, 1.0]}])
+    assert palpate.calibrate_camera(seen.rest, swept, cell=1) == camera
+    with pytest.raises(palpate.ConfigError, match="no cell 2"):
+        palpate.calibrate_camera(seen.rest, swept, cell=2)
     told = camera.to_dict()
     assert np.all(np.abs(np.array(told["place"]) - place) < 4 * np.array(told["place_std"]))
     assert camera.length_unit == "mm" and camera.warnings == [] and "px per rad" in camera.summary

@@ -42,6 +42,16 @@ fn a_frame_at_rest_tells_where_the_camera_is() {
             "{found} {std}"
         );
     }
+    // The second of two cells is of this sensor.
+    let sizes = "[[sweep]]\npath = \"scene.sensor.size_px\"\nvalues = [300, 400]\n";
+    desk.write("sizes.toml", central.clone() + sizes);
+    let run = format!("sensor calibrate --rest t/{frame} --layout sizes.toml");
+    desk.palpate(&format!("{run} --cell 1 --out same.toml"))
+        .printed();
+    assert_eq!(desk.read("same.toml"), desk.read("camera.toml"));
+    desk.palpate(&format!("{run} --out o.toml")).fails(1, "300");
+    desk.palpate(&format!("{run} --cell 2 --out o.toml"))
+        .fails(2, "--cell is 2");
     let other = central.replace("radius = 20.0", "radius = 30.0");
     desk.write("other.toml", other);
     desk.palpate(&format!(
@@ -51,6 +61,7 @@ fn a_frame_at_rest_tells_where_the_camera_is() {
     for (arguments, word) in [
         ("--rest r.png --out o.toml", "--layout"),
         ("--layout central.toml --out o.toml", "--rest"),
+        ("a.csv --cell 1 --out o.toml", "--layout"),
         (
             "a.csv --rest r.png --layout central.toml --out o.toml",
             "--rest",

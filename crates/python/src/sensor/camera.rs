@@ -79,8 +79,10 @@ impl CameraCalibration {
 /// rest : array of uint8, (h, w, 3)
 ///     Frame at rest, red, green and blue.
 /// study : Study
-///     Study of a press by a camera, whose first cell states the layout, the discs, the frame's size and where the camera is
-///     meant to be: it may stand a tenth of the sensor's radius and 5 degrees elsewhere.
+///     Study of a press by a camera, which states the layout, the discs, the frame's size and where the camera is meant to be:
+///     it may stand a tenth of the sensor's radius and 5 degrees elsewhere.
+/// cell : int
+///     Number of the study's cell, from 0.
 ///
 /// Returns
 /// -------
@@ -99,14 +101,16 @@ impl CameraCalibration {
 /// ------
 /// Least squares of centroid, hue and size of the markers, as `palpate sensor calibrate --rest`.
 #[pyfunction]
+#[pyo3(signature = (rest, study, *, cell=0))]
 pub(crate) fn calibrate_camera(
     py: Python<'_>,
     rest: &Bound<'_, PyAny>,
     study: &Bound<'_, Study>,
+    cell: usize,
 ) -> PyResult<CameraCalibration> {
     let rest = frame("rest", rest)?;
-    let study = study.get().study();
-    let camera = py.detach(|| recorded::calibrate_camera(&rest, study));
+    let cell = study.get().study().cell(cell).map_err(error::config)?;
+    let camera = py.detach(|| recorded::calibrate_camera(&rest, &cell.config));
     Ok(CameraCalibration {
         camera: camera.map_err(error::recorded)?,
     })

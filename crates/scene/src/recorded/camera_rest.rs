@@ -13,7 +13,7 @@ pub use written::{parse_camera, read_camera};
 
 use palpate_press::Seen;
 use palpate_study::config::{
-    CameraConfig, LengthUnit, PressConfig, PressSensorConfig, SceneConfig, Study,
+    CameraConfig, LengthUnit, PressConfig, PressSensorConfig, SceneConfig, StudyConfig,
 };
 use palpate_tracking::Found;
 
@@ -29,7 +29,7 @@ const MOST_SATURATED: f64 = 0.5;
 /// Largest standard deviation of an odd term that a frame determines, as a share of that which is known beforehand.
 const DETERMINED: f64 = 0.5;
 
-/// The camera that shows the markers of a study's sensor so at rest. The study is of a press by a camera: its first cell
+/// The camera that shows the markers of a study's sensor so at rest. The study, or one of its cells, is of a press by a camera: it
 /// states layout, discs, the frame's size, the lens and where the camera is meant to be. Odd terms of the lens are fitted as
 /// far as the frame determines them, k3 before k5: to half of what fisheyes differ by, or better; else they stay those of the
 /// study.
@@ -37,17 +37,17 @@ const DETERMINED: f64 = 0.5;
 /// # Errors
 /// [`RecordedError::Readings`] for a study that has no camera, a frame of another size, without the layout's markers, in
 /// other colours, saturated or under-exposed, and one that contradicts the layout; each with its numbers.
-pub fn calibrate_camera(rest: &Frame, study: &Study) -> Result<RestCamera, RecordedError> {
+pub fn calibrate_camera(rest: &Frame, study: &StudyConfig) -> Result<RestCamera, RecordedError> {
     let fail = |message: String| RecordedError::Readings {
         file: rest.file.clone(),
         message,
     };
     let of_study = |error: PlanError| fail(format!("{}: {}", error.path, error.message));
-    let (press, camera) = sensor(&study.config.scene).map_err(of_study)?;
+    let (press, camera) = sensor(&study.scene).map_err(of_study)?;
     let meant = Meant::of(press, camera).map_err(of_study)?;
     usable(rest, camera).map_err(fail)?;
     let found = find(rest)?;
-    let seen = SeenAtRest::of(&meant, &found, study.config.length_unit);
+    let seen = SeenAtRest::of(&meant, &found, study.length_unit);
     seen.map(|seen| seen.camera).map_err(fail)
 }
 

@@ -111,7 +111,7 @@ fn frame(image: RgbImage) -> Frame {
 }
 
 fn refused(image: RgbImage, study: &Study) -> String {
-    calibrate_camera(&frame(image), study)
+    calibrate_camera(&frame(image), &study.config)
         .expect_err("refused")
         .to_string()
 }
@@ -135,7 +135,7 @@ fn one_frame_tells_where_the_camera_is() {
     let (study, truth) = (study(20.0), Truth::default());
     let (mut square, mut count) = (0.0, 0.0);
     for seed in 1..5 {
-        let told = calibrate_camera(&frame(truth.frame(seed)), &study).expect("a camera");
+        let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
         for pull in pulls(&told, &truth) {
             assert!(pull.abs() < 4.0, "{pull}: {told:?}");
             square += pull * pull;
@@ -169,7 +169,7 @@ fn one_frame_tells_the_odd_terms_of_the_lens() {
             terms: OddTerms { k3, k5 },
             ..Truth::default()
         };
-        let told = calibrate_camera(&frame(truth.frame(seed)), &study).expect("a camera");
+        let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
         println!("{k3} {k5}: {}", told.summary());
         let stds = [told.k3_std, told.k5_std].map(|std| std.expect("it is determined"));
         let of_terms = [(told.k3 - k3) / stds[0], (told.k5 - k5) / stds[1]];
@@ -195,7 +195,7 @@ fn one_frame_tells_the_odd_terms_of_the_lens() {
 fn missing_markers_are_told() {
     let (study, mut truth) = (study(20.0), Truth::default());
     truth.lost = 6;
-    let told = calibrate_camera(&frame(truth.frame(1)), &study).expect("a camera");
+    let told = calibrate_camera(&frame(truth.frame(1)), &study.config).expect("a camera");
     assert!((69..=71).contains(&told.residuals_px.len()), "{told:?}");
     assert!(told.warnings[0].contains("6 of the layout's 77 markers are missing"));
     truth.lost = 30;
@@ -210,7 +210,7 @@ fn markers_that_the_rim_cuts_are_not_missing() {
         turn_deg: [1.0, -2.0, 0.0],
         ..Truth::default()
     };
-    let told = calibrate_camera(&frame(truth.frame(1)), &study(20.0)).expect("a camera");
+    let told = calibrate_camera(&frame(truth.frame(1)), &study(20.0).config).expect("a camera");
     assert!(
         told.residuals_px.len() < 77 && told.warnings.is_empty(),
         "{told:?}"

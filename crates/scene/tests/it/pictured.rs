@@ -145,7 +145,7 @@ fn the_camera_of_a_frame_at_rest_serves_presses() {
         );
         let meant = study(seed, "");
         let frames = frames(&scene(&truth), &truth, 0);
-        let camera = calibrate_camera(&frames[0], &meant).expect("a camera");
+        let camera = calibrate_camera(&frames[0], &meant.config).expect("a camera");
         let mut options = options(&meant);
         let said = estimate(&frames, &options).expect_err("another camera");
         assert!(
@@ -245,7 +245,7 @@ fn frames_that_do_not_fit_are_named() {
 fn a_camera_in_another_unit_is_refused() {
     let study = study(3, "");
     let frames = frames(&scene(&study), &study, 0);
-    let camera = calibrate_camera(&frames[0], &study).expect("a camera");
+    let camera = calibrate_camera(&frames[0], &study.config).expect("a camera");
     let mut options = options(&study);
     options.camera = Some((
         "camera.toml".to_owned(),
@@ -266,7 +266,7 @@ fn a_camera_in_another_unit_is_refused() {
 fn cameras_of_extreme_numbers_end() {
     let study = study(3, "");
     let frames = frames(&scene(&study), &study, 0);
-    let good = calibrate_camera(&frames[0], &study).expect("a camera");
+    let good = calibrate_camera(&frames[0], &study.config).expect("a camera");
     let mut count = 0;
     for number in [f64::NAN, 0.0, 1e40] {
         let with = |change: fn(&mut RestCamera, f64)| {

@@ -110,9 +110,12 @@ pub(crate) struct CalibrateArgs {
     /// Instead of displacements, find the camera from this frame at rest: its place, its turn and its scale.
     #[arg(long, value_name = "REST.png", requires = "layout", conflicts_with_all = ["inputs", "normal", "tangential", "per_marker", "px_per_rad"])]
     pub(crate) rest: Option<PathBuf>,
-    /// A study of a press by a camera, whose first cell states the layout, the discs and where the camera is meant to be.
+    /// A study of a press by a camera, which states the layout, the discs and where the camera is meant to be.
     #[arg(long, value_name = "STUDY.toml", requires = "rest")]
     pub(crate) layout: Option<PathBuf>,
+    /// Number of the study's cell that does, counted from 0.
+    #[arg(long, value_name = "I", default_value_t = 0, requires = "layout")]
+    pub(crate) cell: usize,
     /// The calibration to write, a TOML file; - is standard output.
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,

@@ -56,8 +56,11 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<(), Failure> {
 fn camera(args: &CalibrateArgs, rest: &PathBuf, layout: &PathBuf) -> Result<(), Failure> {
     let out = Single::new("--out", &args.out, Guard::new([rest, layout], args.force))?;
     let study = config::load(layout).map_err(Failure::usage)?;
+    let Ok(cell) = study.cell(args.cell) else {
+        return Err(Failure::no_cell(args.cell, &study));
+    };
     let frame = read_frame(rest).map_err(Failure::work)?;
-    let camera = calibrate_camera(&frame, &study).map_err(Failure::work)?;
+    let camera = calibrate_camera(&frame, &cell.config).map_err(Failure::work)?;
     out.write(camera.to_toml().as_bytes())?;
     for warning in &camera.warnings {
         eprintln!("warning: {warning}");
