@@ -16,6 +16,7 @@ mod mean;
 mod minimise;
 mod moved;
 mod outcome;
+mod pictures;
 mod problem;
 mod profile;
 mod rest;

@@ -12,7 +12,7 @@ use super::law::{DiscSlopes, Moving, State};
 use super::minimise::Fitted;
 use super::rest::{Rest, products};
 use super::settings::ImageFit;
-use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, Steps, View, difference};
+use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, View, difference};
 use crate::{MarkerDisplacement, Measured, PressError};
 
 /// Unknowns, in this order: the logarithm of the relative curvature; steps of the contact's place along the axes there;
@@ -138,7 +138,6 @@ impl<'a, V: View> Problem<'a, V> {
         moved: &[[MarkerDisplacement; 2]],
     ) -> Result<Vec<Option<[f64; NUMBERS]>>, PressError> {
         self.fit
-            .view
             .pictures(&self.sensor.state(), moved)
             .ok_or(PressError::OutOfRange)
     }
@@ -281,11 +280,7 @@ impl<'a, V: View> Problem<'a, V> {
         &self,
         moved: &[[MarkerDisplacement; 2]],
     ) -> Result<PictureSlopes, PressError> {
-        let steps = Steps {
-            departures: &[],
-            radius: self.fit.markers.skin().radius(),
-        };
-        let slopes = self.fit.view.slopes(&self.sensor.state(), moved, &steps);
+        let slopes = self.fit.slopes_by(&[], &self.sensor.state(), moved);
         slopes.ok_or(PressError::OutOfRange)
     }
 
