@@ -8,6 +8,7 @@
 
 mod descent;
 mod doubts;
+mod fitted;
 mod frame;
 mod known;
 mod law;
@@ -23,6 +24,7 @@ mod rest;
 mod settings;
 mod start;
 mod told;
+mod unknowns;
 mod view;
 
 pub use known::KnownPress;
