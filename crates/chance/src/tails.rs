@@ -56,15 +56,20 @@ pub fn ratio_tail(above: f64, of_above: usize, below: f64, of_below: usize) -> f
 }
 
 /// Half-width of the interval about an estimate that holds the truth with this probability, in standard deviations that were
-/// found from residuals with so many degrees of freedom (Student's t distribution, to 1e-9); infinite without any.
+/// found from residuals with so many degrees of freedom (Student's t distribution, to 1e-9); infinite without any, and for a
+/// probability that is not below 1; 0 for one that is not above 0.
 ///
 /// ```
 /// let half_width = palpate_chance::student_half_width(0.95, 5);
 /// assert!((half_width - 2.570582).abs() < 1e-6);
 /// ```
 pub fn student_half_width(probability: f64, freedom: usize) -> f64 {
-    if freedom == 0 || probability >= 1.0 {
+    let is_finite = freedom > 0 && probability < 1.0;
+    if !is_finite {
         return f64::INFINITY;
+    }
+    if probability <= 0.0 {
+        return 0.0;
     }
     // The square of Student's t is a ratio with one degree of freedom above.
     let is_inside =
@@ -213,10 +218,16 @@ mod tests {
         }
         let of_many = student_half_width(0.95, 100_000_000);
         assert!((of_many - crate::NORMAL_95).abs() < 1e-6, "{of_many}");
-        for (probability, freedom) in [(0.95, 0), (1.0, 7), (1e-9, 3), (0.0, 3)] {
-            let found = student_half_width(probability, freedom);
-            assert!(found >= 0.0, "{found}");
+        for (probability, freedom) in [(0.95, 0), (1.0, 7), (f64::NAN, 3)] {
+            assert_eq!(student_half_width(probability, freedom), f64::INFINITY);
         }
+        for probability in [0.0, -1.0, f64::NEG_INFINITY] {
+            assert_eq!(student_half_width(probability, 3), 0.0);
+        }
+        // The density of 3 degrees of freedom at 0 is 2/(π√3).
+        let narrow = student_half_width(1e-9, 3);
+        let due = 0.5e-9 * 0.5 * std::f64::consts::PI * 3_f64.sqrt();
+        assert!((narrow - due).abs() < 1e-6 * due, "{narrow:e} {due:e}");
     }
 
     #[test]

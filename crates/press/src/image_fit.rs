@@ -8,6 +8,7 @@
 
 mod descent;
 mod doubts;
+mod fitted;
 mod frame;
 mod known;
 mod law;
@@ -16,12 +17,14 @@ mod mean;
 mod minimise;
 mod moved;
 mod outcome;
+mod pictures;
 mod problem;
 mod profile;
 mod rest;
 mod settings;
 mod start;
 mod told;
+mod unknowns;
 mod view;
 
 pub use known::KnownPress;

@@ -17,8 +17,8 @@ use super::{Hot, warm};
 const DEPTHS: [f64; 2] = [3.0, 1.0];
 /// Depth by which discs lie deeper where slopes are found, mm.
 const DEEPER: f64 = 1e-3 * SKIN;
-/// Standard deviations of the numbers of a [`Departure`]: depths, diameters, image's centre, pixels per radian, place and turn
-/// of the camera, and colours, but not of the odd terms of its lens.
+/// Standard deviations of the numbers of a [`Departure`]: depths, diameters, image's centre, pixels per radian, place and
+/// turn of the camera, and colours, but not of the odd terms of its lens.
 const ROUGHLY: [f64; Departure::NUMBERS] = [
     0.03, 0.03, 0.01, 0.01, 0.3, 0.3, 0.002, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005, 0.01, 0.01,
     0.01, 0.01, 0.01, 0.01, 0.0, 0.0,
@@ -172,4 +172,50 @@ pub fn worked(bodies: Bodies, step: Step) -> Result<Hot> {
                 .doubts(&rest, black_box(&seeing.pressed), None, &estimate)
         }),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same law, whose slopes are told by differences.
+    #[derive(Clone)]
+    struct Differences(PictureLaw);
+
+    impl View for Differences {
+        fn pictures(
+            &self,
+            sensor: &SensorState<'_>,
+            moved: &[[MarkerDisplacement; 2]],
+        ) -> Option<Vec<Option<[f64; 4]>>> {
+            self.0.pictures(sensor, moved)
+        }
+    }
+
+    #[test]
+    fn slopes_in_closed_form_fit_as_differences_do() {
+        for bodies in [half_spaces as Bodies, layers] {
+            let seeing = Seeing::new(bodies).unwrap();
+            let rest = seeing.rest().unwrap();
+            let own = seeing.fit.estimate(&rest, &seeing.pressed, None).unwrap();
+            let fit = seeing.fit;
+            let fit = ImageFit {
+                view: Differences(fit.view),
+                markers: fit.markers,
+                bodies: fit.bodies,
+                deeper: fit.deeper,
+                common_stds: fit.common_stds,
+                told: fit.told,
+                misalignment_std: fit.misalignment_std,
+                shift_std: fit.shift_std,
+            };
+            let rest = fit.at_rest(&seeing.at_rest).unwrap();
+            let other = fit.estimate(&rest, &seeing.pressed, None).unwrap();
+            let [own, other] = [own, other].map(|one| one.relative_curvature);
+            let off = (own.value - other.value).abs() / own.std;
+            let of_std = (own.std / other.std - 1.0).abs();
+            println!("{off:e} standard deviations, {of_std:e} of these");
+            assert!(off < 1e-3 && of_std < 1e-4, "{off} {of_std}");
+        }
+    }
 }

@@ -36,7 +36,7 @@ pub struct MarkerSlopes {
     pub by_motion: [Matrix4x3<f64>; 2],
 }
 
-/// What slopes of all markers share.
+/// Parts that the slopes of all markers share.
 struct Shared<'a> {
     optics: &'a Optics,
     departure: &'a Departure,
@@ -53,13 +53,18 @@ impl Optics {
     /// Slopes are right to about 5e-5 of the largest, but where the edges of two discs touch, at which pictures bend.
     ///
     /// # Errors
-    /// Errors of [`Optics::departed`] and of [`Optics::projected`].
+    /// Errors of [`Optics::departed`] and of [`Optics::projected`]; [`OpticsError::BadSetting`] for `asked` unless each is less
+    /// than [`Departure::NUMBERS`].
     pub fn slopes(
         &self,
         departure: &Departure,
         motions: &[Option<MarkerMotion>],
         asked: &[usize],
     ) -> Result<Vec<Option<MarkerSlopes>>, OpticsError> {
+        for &number in asked {
+            let good = number < Departure::NUMBERS;
+            OpticsError::unless(good, "asked", number as f64, "the number of a departure")?;
+        }
         let optics = self.departed(departure)?;
         let is_colour = |number: &&usize| (COLOURS..ODD_TERMS).contains(*number);
         let colours = asked.iter().filter(is_colour).map(|&number| {

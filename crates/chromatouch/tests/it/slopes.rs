@@ -195,6 +195,10 @@ fn slopes_that_are_not_asked_for_are_none() {
         .known()
         .slopes(&departure, &scene.motions(), &[4])
         .unwrap();
+    let beyond = scene
+        .known()
+        .slopes(&departure, &scene.motions(), &[Departure::NUMBERS]);
+    assert!(beyond.is_err(), "{beyond:?}");
     for slopes in slopes.iter().flatten() {
         for number in 0..Departure::NUMBERS {
             let expected = if number == 4 {

@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::frame::KnownFrame;
 use super::outcome::WRONG;
 use super::rest::{Pictures, Rest, Resting, State};
 use super::view::{NUMBERS, View};
@@ -26,7 +27,33 @@ const PLAUSIBLE: f64 = 1e-3;
 struct Minimum {
     state: State,
     pictures: Pictures,
-    cost: f64,
+    cost: Cost,
+}
+
+/// Cost of a state, the least of which is sought: first the markers that were seen and should be out of sight, then the sum of
+/// the squares of all others.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+struct Cost {
+    hidden: usize,
+    squares: f64,
+}
+
+impl Cost {
+    /// How much less another is.
+    fn less(self, other: Self) -> f64 {
+        match self.hidden == other.hidden {
+            true => self.squares - other.squares,
+            false => f64::INFINITY,
+        }
+    }
+
+    /// Sum of all squares: infinite where a marker that was seen should be out of sight.
+    fn sum(self) -> f64 {
+        match self.hidden {
+            0 => self.squares,
+            _ => f64::INFINITY,
+        }
+    }
 }
 
 impl<V: View> Resting<'_, V> {
@@ -58,7 +85,7 @@ impl<V: View> Resting<'_, V> {
             .slopes(&state)
             .and_then(|slopes| self.equations(&state, &slopes, 0.0))
             .ok_or(PressError::OutOfRange)?;
-        Ok(self.told(state, equations, cost))
+        Ok(self.told(state, equations, cost.sum()))
     }
 
     /// The least sum of squares by a path from variances so many times as large as those that are stated. Far from it are
@@ -71,6 +98,37 @@ impl<V: View> Resting<'_, V> {
             variance /= FALL;
         }
         self.minimised(state, ENOUGH)
+    }
+
+    fn cost(&self, state: &State, pictures: &Pictures) -> Cost {
+        let own = self.own_costs(state, pictures).into_iter().flatten();
+        let (seen, hidden): (Vec<f64>, Vec<f64>) = own.partition(|square| square.is_finite());
+        Cost {
+            hidden: hidden.len(),
+            squares: state.common.norm_squared() + seen.into_iter().sum::<f64>(),
+        }
+    }
+
+    /// Sum of the squares of each marker, infinite where it should be out of sight; `None` of those that were not seen.
+    fn own_costs(&self, state: &State, pictures: &Pictures) -> Vec<Option<f64>> {
+        let square = |marker: usize, frame: &KnownFrame, pictures: &[Option<[f64; NUMBERS]>]| {
+            let weight = frame.weights[marker].as_ref()?;
+            let residual = frame.residual(marker, pictures);
+            // A marker that was seen cannot be out of sight.
+            Some(residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual))))
+        };
+        let own = |marker: usize| {
+            let frames = self.frames.iter().zip(pictures);
+            let squares = frames.filter_map(|(frame, pictures)| square(marker, frame, pictures));
+            let squares = squares.reduce(|sum, square| sum + square)?;
+            let [x, y] = state.misalignments[marker];
+            let known = match self.fit.misalignment_std {
+                0.0 => 0.0,
+                std => (x * x + y * y) / (std * std),
+            };
+            Some(squares + known)
+        };
+        (0..self.markers()).map(own).collect()
     }
 
     /// Sum of the squares where no marker counts more than a wrong one.
@@ -124,7 +182,7 @@ impl<V: View> Resting<'_, V> {
             });
             match better {
                 Some((tried, seen, less)) => {
-                    let gain = cost - less;
+                    let gain = cost.less(less);
                     (state, pictures, cost) = (tried, seen, less);
                     // Small steps gain little anywhere.
                     if gain <= enough && damping <= DAMPING {

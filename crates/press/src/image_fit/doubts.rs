@@ -3,12 +3,13 @@
 use nalgebra::{DMatrix, DVector, Matrix4, SMatrix, Vector4};
 use palpate_chance::{Explained, LEFT, least_likely};
 
+use super::fitted::Fitted;
 use super::law::State;
-use super::minimise::Fitted;
 use super::outcome::{SINGULAR, settle};
-use super::problem::{INDENTATION, Jacobian, Problem, Square, UNKNOWNS};
+use super::problem::Problem;
 use super::rest::Rest;
 use super::settings::ImageFit;
+use super::unknowns::{INDENTATION, Jacobian, Square, UNKNOWNS};
 use super::view::{NUMBERS, Seen, View};
 use crate::definite::inverse;
 use crate::score::{BY_INDENTATION, Noise, PATTERNS, Patterns, Products, Score, patterns};

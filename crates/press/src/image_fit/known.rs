@@ -88,15 +88,15 @@ impl<V: View> ImageFit<V> {
         let (mut most, mut worst) = (WRONG, None);
         for (number, frame) in frames.iter().enumerate() {
             let moved = frame.moved_at(&sensor.common);
-            let pictures = self.view.pictures(&sensor.state(), &moved);
+            let pictures = self.pictures(&sensor.state(), &moved);
             let pictures = pictures.ok_or(PressError::OutOfRange)?;
             for (marker, weight) in frame.weights.iter().enumerate() {
-                if let (Some(weight), Some(residual)) = (weight, frame.residual(marker, &pictures))
-                {
-                    let square = residual.dot(&(weight * residual));
-                    if square > most {
-                        (most, worst) = (square, Some((number, marker)));
-                    }
+                let Some(weight) = weight else { continue };
+                // A marker that was seen cannot be out of sight.
+                let residual = frame.residual(marker, &pictures);
+                let square = residual.map_or(f64::INFINITY, |off| off.dot(&(weight * off)));
+                if square > most {
+                    (most, worst) = (square, Some((number, marker)));
                 }
             }
         }
@@ -154,8 +154,10 @@ impl<V: View> ImageFit<V> {
         let slopes = slopes.ok_or(impossible)?;
         let unknown = rest.covariance().ok_or(impossible)?;
         let is_off = |marker: usize| {
-            let residual = frame.residual(marker, &slopes.pictures)?;
             let (seen, local) = (frame.seen[marker]?, rest.local[marker].as_ref()?);
+            let Some(residual) = frame.residual(marker, &slopes.pictures) else {
+                return Some(true);
+            };
             let by_local = slopes.misalignments[marker];
             let by_common =
                 slopes.common.fixed_rows::<NUMBERS>(NUMBERS * marker) + by_local * &local.follows;

@@ -2,8 +2,8 @@
 
 use nalgebra::{SMatrix, Vector2};
 
-use super::problem::{ACROSS, ALONG, CURVATURE, INDENTATION, SHIFT, UNKNOWNS, Unknowns};
 use super::settings::ImageFit;
+use super::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, SHIFT, UNKNOWNS, Unknowns};
 use super::view::View;
 use crate::press_slopes::PressSlopes;
 use crate::shear::stuck_shift;

@@ -8,8 +8,9 @@ use std::borrow::Cow;
 
 use nalgebra::{DVector, Vector2};
 
-use super::minimise::Fitted;
-use super::problem::{Problem, Residuals};
+use super::fitted::Fitted;
+use super::problem::Problem;
+use super::unknowns::Residuals;
 use super::view::{MOST_MISALIGNED, NUMBERS, Sensor, View};
 use crate::PressError;
 

@@ -5,9 +5,10 @@
 //! tells by how much: the mean lies −½ C ∇ ln det H beside the mode, with the Hessian H of half of chi-squared by all that is
 //! unknown, and its inverse C (Tierney, Kass and Kadane 1989, to the same order).
 
+use super::fitted::Fitted;
 use super::law::State;
-use super::minimise::Fitted;
-use super::problem::{CURVATURE, Problem, Square, Unknowns};
+use super::problem::Problem;
+use super::unknowns::{CURVATURE, Square, Unknowns};
 use super::view::View;
 use crate::definite::inverse;
 

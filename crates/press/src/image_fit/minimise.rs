@@ -1,24 +1,15 @@
 //! Levenberg and Marquardt's method on pictures.
 
+use super::fitted::Fitted;
 use super::law::State;
-use super::problem::{Jacobian, Problem, Residuals, Sums, UNKNOWNS};
+use super::problem::Problem;
+use super::unknowns::{Residuals, UNKNOWNS};
 use super::view::View;
 use crate::PressError;
 use crate::definite::solve;
 
 const MOST_STEPS: usize = 60;
 const MOST_DAMPING: f64 = 1e9;
-
-/// A state with all that was computed there.
-#[derive(Clone)]
-pub(super) struct Fitted {
-    pub(super) state: State,
-    pub(super) residuals: Residuals,
-    pub(super) jacobian: Jacobian,
-    /// Slope of each counting marker's whitened picture by an inward displacement of both discs, its size.
-    pub(super) normal_slopes: Vec<f64>,
-    pub(super) sums: Sums,
-}
 
 impl Fitted {
     pub(super) fn at<V: View>(problem: &Problem<'_, V>, state: State) -> Result<Self, PressError> {
@@ -38,24 +29,6 @@ impl Fitted {
             residuals,
             ..self
         })
-    }
-
-    /// Standard deviation of the normal displacement of a marker, of both discs alike, that its own picture tells: the
-    /// median of those that count.
-    pub(super) fn normal_std(&self) -> f64 {
-        let mut stds: Vec<f64> = self
-            .normal_slopes
-            .iter()
-            .map(|slope| slope.recip())
-            .collect();
-        stds.sort_by(f64::total_cmp);
-        stds.get(stds.len() / 2).copied().unwrap_or(f64::INFINITY)
-    }
-
-    /// Fall of chi-squared that a whole step promises; 0 where there is none.
-    pub(super) fn promise(&self) -> f64 {
-        let gradient = self.sums.gradient;
-        solve(&self.sums.hessian, &gradient).map_or(0.0, |step| gradient.dot(&step))
     }
 }
 

@@ -2,12 +2,14 @@
 
 use palpate_chance::NORMAL_95;
 
+use super::fitted::Fitted;
 use super::law::State;
-use super::minimise::{Fitted, minimise};
-use super::problem::{ACROSS, ALONG, CURVATURE, INDENTATION, Problem, Square};
+use super::minimise::minimise;
+use super::problem::Problem;
 use super::profile::profile;
 use super::rest::Rest;
 use super::settings::ImageFit;
+use super::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, Square};
 use super::view::{NUMBERS, Seen, View};
 use crate::definite::inverse;
 use crate::{Estimated, GoodnessOfFit, Interval, Measured, PressError, PressEstimate, Verdict};

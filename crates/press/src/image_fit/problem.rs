@@ -4,28 +4,16 @@ use std::borrow::Cow;
 
 use nalgebra::allocator::Allocator;
 use nalgebra::{
-    DMatrix, DVector, DefaultAllocator, Dim, Dyn, Matrix, Matrix4, Matrix4x2, MatrixXx6, OMatrix,
-    SMatrix, SVector, Storage, Vector4,
+    DMatrix, DefaultAllocator, Dim, Dyn, Matrix, Matrix4, Matrix4x2, OMatrix, Storage, Vector4,
 };
 
+use super::fitted::Fitted;
 use super::law::{DiscSlopes, Moving, State};
-use super::minimise::Fitted;
 use super::rest::{Rest, products};
 use super::settings::ImageFit;
-use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, Steps, View, difference};
+use super::unknowns::{INDENTATION, Jacobian, Residuals, SHIFT, Square, Sums, UNKNOWNS, Unknowns};
+use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, View, difference};
 use crate::{MarkerDisplacement, Measured, PressError};
-
-/// Unknowns, in this order: the logarithm of the relative curvature; steps of the contact's place along the axes there;
-/// indentation; both components of the shift.
-pub(super) const UNKNOWNS: usize = 6;
-pub(super) const CURVATURE: usize = 0;
-pub(super) const ALONG: usize = 1;
-pub(super) const ACROSS: usize = 2;
-pub(super) const INDENTATION: usize = 3;
-pub(super) const SHIFT: usize = 4;
-
-pub(super) type Unknowns = SVector<f64, UNKNOWNS>;
-pub(super) type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
 /// The least-squares problem: the pictures, their weights at some state, and the unknowns that are sought.
 #[derive(Clone)]
@@ -57,25 +45,12 @@ pub(super) struct Problem<'a, V> {
     pub(super) root: DMatrix<f64>,
 }
 
-/// Residuals, whitened, of the markers that count.
-pub(super) type Residuals = DVector<f64>;
-/// Slopes of the whitened pictures by the unknowns.
-pub(super) type Jacobian = MatrixXx6<f64>;
-
 /// A state that is tried, with what is needed to go on from it.
 pub(super) struct Tried {
     pub(super) state: State,
     pub(super) residuals: Residuals,
     pub(super) cost: f64,
     moving: Moving,
-}
-
-/// Chi-squared and half its gradient and Hessian.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sums {
-    pub(super) chi_squared: f64,
-    pub(super) gradient: Unknowns,
-    pub(super) hessian: Square,
 }
 
 impl<'a, V: View> Problem<'a, V> {
@@ -138,7 +113,6 @@ impl<'a, V: View> Problem<'a, V> {
         moved: &[[MarkerDisplacement; 2]],
     ) -> Result<Vec<Option<[f64; NUMBERS]>>, PressError> {
         self.fit
-            .view
             .pictures(&self.sensor.state(), moved)
             .ok_or(PressError::OutOfRange)
     }
@@ -281,11 +255,7 @@ impl<'a, V: View> Problem<'a, V> {
         &self,
         moved: &[[MarkerDisplacement; 2]],
     ) -> Result<PictureSlopes, PressError> {
-        let steps = Steps {
-            departures: &[],
-            radius: self.fit.markers.skin().radius(),
-        };
-        let slopes = self.fit.view.slopes(&self.sensor.state(), moved, &steps);
+        let slopes = self.fit.slopes_by(&[], &self.sensor.state(), moved);
         slopes.ok_or(PressError::OutOfRange)
     }
 
@@ -435,15 +405,5 @@ impl<'a, V: View> Problem<'a, V> {
     /// The state after a step.
     pub(super) fn stepped(&self, state: &State, step: &Unknowns) -> State {
         state.stepped(self.fit.markers.skin(), step)
-    }
-}
-
-impl Sums {
-    /// Holds an unknown where it is.
-    pub(super) fn hold(&mut self, held: usize) {
-        self.gradient[held] = 0.0;
-        self.hessian.row_mut(held).fill(0.0);
-        self.hessian.column_mut(held).fill(0.0);
-        self.hessian[(held, held)] = 1.0;
     }
 }

@@ -1,8 +1,10 @@
 //! Interval of the relative curvature by profile likelihood, from pictures.
 
+use super::fitted::Fitted;
 use super::law::State;
-use super::minimise::{Fitted, minimise};
-use super::problem::{CURVATURE, INDENTATION, Problem, Unknowns};
+use super::minimise::minimise;
+use super::problem::Problem;
+use super::unknowns::{CURVATURE, INDENTATION, Unknowns};
 use super::view::View;
 use crate::Interval;
 use crate::definite::solve;

@@ -2,15 +2,13 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Dyn, Matrix2, Matrix4x2, OMatrix, U2, Vector2, Vector3, Vector4};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix2, OMatrix, U2, Vector2, Vector4};
 
 use super::frame::KnownFrame;
 use super::settings::ImageFit;
 use super::told::Known;
-use super::view::{
-    MOST_MISALIGNED, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, Steps, View,
-};
-use crate::{GoodnessOfFit, MarkerDisplacement, PressError};
+use super::view::{MOST_MISALIGNED, NUMBERS, PictureSlopes, Seen, Sensor, SensorState, View};
+use crate::{GoodnessOfFit, PressError};
 
 /// The sensor as its markers at rest show it: misalignments, and what is common to all of them.
 #[derive(Clone, Debug)]
@@ -101,41 +99,6 @@ impl<V: View> ImageFit<V> {
         let equations = resting.equations(&state, &resting.slopes(&state)?, 0.0)?;
         let likeliest = resting.stepped(&state, &equations)?;
         Some(resting.told(likeliest, equations, rest.chi_squared))
-    }
-
-    /// Pictures with their slopes by what is not known of the sensor: by free departures, in their standard deviations, and by
-    /// misalignments. The markers move by `moved`, and where the discs of one colour lie deeper by what `per_depth` tells per
-    /// length.
-    pub(super) fn slopes(
-        &self,
-        sensor: &SensorState<'_>,
-        moved: &[[MarkerDisplacement; 2]],
-        per_depth: Option<&[[MarkerDisplacement; 2]]>,
-    ) -> Option<PictureSlopes> {
-        let departures = self.free_stds();
-        let steps = Steps {
-            departures: &departures,
-            radius: self.markers.skin().radius(),
-        };
-        let mut slopes = self.view.slopes(sensor, moved, &steps)?;
-        for (column, &(number, std)) in departures.iter().enumerate() {
-            for (marker, both) in per_depth.unwrap_or_default().iter().enumerate() {
-                let Some(deeper) = both.get(number) else {
-                    break;
-                };
-                let [x, y] = deeper.tangential;
-                let more = slopes.displacements[marker][number] * Vector3::new(deeper.normal, x, y);
-                let mut rows = slopes
-                    .common
-                    .fixed_view_mut::<NUMBERS, 1>(NUMBERS * marker, column);
-                rows += more;
-            }
-            slopes.common.column_mut(column).scale_mut(std);
-        }
-        if self.misalignment_std == 0.0 {
-            slopes.misalignments.fill(Matrix4x2::zeros());
-        }
-        Some(slopes)
     }
 }
 
@@ -265,35 +228,8 @@ impl<V: View> Resting<'_, V> {
         };
         let frames = self.frames.iter();
         frames
-            .map(|frame| self.fit.view.pictures(&sensor, &frame.moved_at(&common)))
+            .map(|frame| self.fit.pictures(&sensor, &frame.moved_at(&common)))
             .collect()
-    }
-
-    pub(super) fn cost(&self, state: &State, pictures: &Pictures) -> f64 {
-        let own = self.own_costs(state, pictures).into_iter().flatten();
-        state.common.norm_squared() + own.sum::<f64>()
-    }
-
-    /// Sum of the squares of each marker; `None` of those that were not seen.
-    pub(super) fn own_costs(&self, state: &State, pictures: &Pictures) -> Vec<Option<f64>> {
-        let square = |marker: usize, frame: &KnownFrame, pictures: &[Option<[f64; NUMBERS]>]| {
-            let weight = frame.weights[marker].as_ref()?;
-            let residual = frame.residual(marker, pictures);
-            // A marker that was seen cannot be out of sight.
-            Some(residual.map_or(f64::INFINITY, |residual| residual.dot(&(weight * residual))))
-        };
-        let own = |marker: usize| {
-            let frames = self.frames.iter().zip(pictures);
-            let squares = frames.filter_map(|(frame, pictures)| square(marker, frame, pictures));
-            let squares = squares.reduce(|sum, square| sum + square)?;
-            let [x, y] = state.misalignments[marker];
-            let known = match self.fit.misalignment_std {
-                0.0 => 0.0,
-                std => (x * x + y * y) / (std * std),
-            };
-            Some(squares + known)
-        };
-        (0..self.markers()).map(own).collect()
     }
 
     pub(super) fn slopes(&self, state: &State) -> Option<Vec<PictureSlopes>> {

@@ -56,9 +56,9 @@ impl Sensor {
 /// Sizes of what pictures have slopes by, for those who find them by differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps<'a> {
-    /// Numbers of the departures that slopes are sought by, with the standard deviation of each.
+    /// Numbers of the departures that slopes are sought by, from 0, with the standard deviation of each, > 0.
     pub departures: &'a [(usize, f64)],
-    /// Radius of the skin.
+    /// Radius of the skin, length.
     pub radius: f64,
 }
 
@@ -75,7 +75,18 @@ pub struct PictureSlopes {
     pub displacements: Vec<[Matrix4x3<f64>; 2]>,
 }
 
-/// Law by which a camera sees markers whose discs were displaced.
+impl PictureSlopes {
+    /// Whether there are so many markers, and slopes by so many departures.
+    pub(super) fn are_of(&self, markers: usize, departures: usize) -> bool {
+        self.pictures.len() == markers
+            && self.common.shape() == (NUMBERS * markers, departures)
+            && self.misalignments.len() == markers
+            && self.displacements.len() == markers
+    }
+}
+
+/// Law by which a camera sees markers whose discs were displaced. What is of another number of markers than was moved counts
+/// as no pictures.
 pub trait View {
     /// Picture of each marker, as [`Seen`] has it, after the displacements of its magenta and its yellow disc; `None`
     /// for markers that are not seen. `None` altogether where there is no such sensor or no such motion.
@@ -95,8 +106,8 @@ pub trait View {
         let pictures = self.pictures(sensor, moved)?;
         let markers = pictures.len();
         let slopes = |step: f64, beside: &[Option<[f64; 4]>], marker: usize| -> Vector4<f64> {
-            match (&beside[marker], &pictures[marker]) {
-                (Some(beside), Some(at)) => Vector4::from(difference(beside, at)) / step,
+            match (beside.get(marker), &pictures[marker]) {
+                (Some(Some(beside)), Some(at)) => Vector4::from(difference(beside, at)) / step,
                 _ => Vector4::zeros(),
             }
         };
@@ -104,7 +115,7 @@ pub trait View {
         for (column, &(number, std)) in steps.departures.iter().enumerate() {
             let step = SHARE * std;
             let mut departed = sensor.common.to_vec();
-            departed[number] += step;
+            *departed.get_mut(number)? += step;
             let state = SensorState {
                 common: &departed,
                 ..*sensor

@@ -203,6 +203,73 @@ fn a_marker_that_slips_in_one_frame_is_left_out_of_it() {
     }
 }
 
+/// A camera with a marker out of its sight, or one that tells of another number of markers.
+#[derive(Clone)]
+struct Partial {
+    whole: Ideal,
+    hidden: Option<usize>,
+    told: usize,
+}
+
+impl View for Partial {
+    fn pictures(
+        &self,
+        sensor: &SensorState<'_>,
+        moved: &[[MarkerDisplacement; 2]],
+    ) -> Option<Vec<Option<[f64; 4]>>> {
+        let mut pictures = self.whole.pictures(sensor, moved)?;
+        if let Some(hidden) = self.hidden {
+            pictures[hidden] = None;
+        }
+        pictures.resize(self.told, None);
+        Some(pictures)
+    }
+}
+
+fn partial(hidden: Option<usize>, told: usize) -> ImageFit<Partial> {
+    let fit = fit(None, WIDE);
+    ImageFit {
+        view: Partial {
+            whole: fit.view,
+            hidden,
+            told,
+        },
+        markers: fit.markers,
+        bodies: fit.bodies,
+        deeper: fit.deeper,
+        common_stds: fit.common_stds,
+        told: fit.told,
+        misalignment_std: fit.misalignment_std,
+        shift_std: fit.shift_std,
+    }
+}
+
+/// What is read where no marker can be seen contradicts the sensor in every frame.
+#[test]
+fn a_reading_out_of_sight_is_left_out() {
+    let (truth, at_rest, presses) = pressed(&[0.5, 0.8, 1.1]);
+    let rest = partial(Some(30), 81)
+        .calibrated(&at_rest, &presses)
+        .unwrap();
+    assert_eq!(rest.freedom, 4 * 4 * 80);
+    assert!(!rest.seen[30]);
+    assert!(departures_off(&rest, &truth) < FAR);
+    assert!(rest.goodness().p_value > 1e-3, "{:?}", rest.goodness());
+}
+
+#[test]
+fn laws_of_another_number_of_markers_are_refused() {
+    let (_, at_rest, presses) = pressed(&[0.5]);
+    let rest = partial(None, 81).at_rest(&at_rest).unwrap();
+    for told in [0, 80, 82] {
+        let fit = partial(None, told);
+        assert!(fit.at_rest(&at_rest).is_err(), "{told}");
+        assert!(fit.calibrated(&at_rest, &presses).is_err(), "{told}");
+        let estimate = fit.estimate(&rest, &presses[0].seen, None);
+        assert!(estimate.is_err(), "{told}");
+    }
+}
+
 #[test]
 fn presses_that_cannot_be_are_refused() {
     let (truth, _, mut noise) = calibrated(0, 0);
