@@ -119,8 +119,12 @@ impl<V: View> ImageFit<V> {
         for (number, (frame, left_out)) in frames.iter().zip(left_out).enumerate().skip(skipped) {
             let mut others = frames.to_vec();
             others.remove(number);
-            let rest = self.told_by(others)?;
-            let (markers, most) = (*left_out.max(&self.off(&rest, frame)?), frame.most_wrong());
+            // The others may tell no sensor at all.
+            let Ok(rest) = self.told_by(others) else {
+                continue;
+            };
+            let off = self.off(&rest, frame)?;
+            let (markers, most) = (*left_out.max(&off), frame.most_wrong());
             let share = rest.chi_squared / rest.freedom as f64;
             if markers > most && share < least {
                 least = share;

@@ -31,10 +31,10 @@ impl<V: View> ImageFit<V> {
     /// Refuses settings that are out of range.
     pub(super) fn validate(&self) -> Result<(), PressError> {
         for std in &self.common_stds {
-            at_least_0("common_stds", *std)?;
+            squarable("common_stds", *std)?;
         }
-        at_least_0("misalignment_std", self.misalignment_std)?;
-        at_least_0("shift_std", self.shift_std)?;
+        squarable("misalignment_std", self.misalignment_std)?;
+        squarable("shift_std", self.shift_std)?;
         self.known()?;
         if let Some((deeper, _)) = self.deeper {
             let good = deeper > 0.0 && deeper <= 1e50;
@@ -62,7 +62,7 @@ impl<V: View> ImageFit<V> {
     }
 }
 
-fn at_least_0(setting: &'static str, std: f64) -> Result<(), PressError> {
-    let good = (0.0..=1e100).contains(&std);
-    PressError::unless_good(setting, std, good, "at least 0 and at most 1e100").map(|_| ())
+fn squarable(setting: &'static str, std: f64) -> Result<(), PressError> {
+    let good = std == 0.0 || (1e-100..=1e100).contains(&std);
+    PressError::unless_good(setting, std, good, "0 or from 1e-100 to 1e100").map(|_| ())
 }

@@ -398,6 +398,16 @@ fn what_is_no_number_is_refused_by_its_marker() {
         fit.estimate(&rest, &good[..80], None),
         Err(PressError::BadSetting(_))
     ));
+    for std in [-1.0, f64::NAN, f64::INFINITY, 1e-160] {
+        let wrong = ImageFit {
+            misalignment_std: std,
+            ..fit.clone()
+        };
+        assert!(matches!(
+            wrong.at_rest(&good),
+            Err(PressError::BadSetting(_))
+        ));
+    }
 }
 
 proptest! {
