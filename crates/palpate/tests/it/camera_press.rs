@@ -302,7 +302,7 @@ fn frames_and_arguments_that_do_not_fit_are_named() {
         (
             "--like other.toml --method image",
             1,
-            "rest.png: does not show the layout",
+            "rest.png: contradicts the layout",
         ),
         (
             "--like size.toml --method image",
