@@ -38,7 +38,7 @@ fn interrupted(
         let desk = Desk::with(&slow(times));
         let arguments = arguments(times);
         let mut child = begun(&desk, &arguments);
-        if grown(&desk, &mut child, bytes) {
+        if grown(&desk, &mut child, bytes) && paused(&desk, &mut child) {
             stop(&desk, &mut child);
             if child.wait().unwrap().code() != Some(0) {
                 return (desk, child, arguments);
@@ -46,6 +46,12 @@ fn interrupted(
         }
     }
     panic!("every run ended before it was stopped");
+}
+
+/// Stops a run where it is; whether it had not ended before.
+fn paused(desk: &Desk, child: &mut Child) -> bool {
+    desk.shell(&format!("kill -STOP {}", child.id()));
+    child.try_wait().unwrap().is_none()
 }
 
 fn killed(bytes: u64, arguments: impl Fn(u32) -> String) -> (Desk, String) {
@@ -128,7 +134,6 @@ fn a_journal_that_is_torn_anywhere_is_cut_and_done_again() {
 fn signals_end_a_run_in_good_order() {
     for (signal, status) in [("INT", 130), ("TERM", 143)] {
         let (desk, child, _) = interrupted(2_000, on_one_thread, |desk, child| {
-            desk.shell(&format!("kill -STOP {}", child.id()));
             let said = desk.palpate("status o").printed();
             assert!(said.contains("state    running"), "{said}");
             desk.shell(&format!(
@@ -160,7 +165,6 @@ fn signals_end_a_run_in_good_order() {
 #[test]
 fn another_run_is_refused_and_what_was_done_stays() {
     let (desk, ..) = interrupted(3_000, on_one_thread, |desk, child| {
-        desk.shell(&format!("kill -STOP {}", child.id()));
         let said = desk.palpate("run c.toml --out o --seed 8").said(1);
         assert!(said.contains("o is held by process"), "{said}");
         child.kill().unwrap();
