@@ -111,20 +111,6 @@ pub enum PressError {
         /// Smallest improvement that counts as a contact.
         needed: f64,
     },
-    /// One marker moved and the others did not: it is wrong, or the object is a needle under it.
-    #[error(
-        "only marker {marker} (counting from 0) moved: a contact explains the others only \
-         {improvement:.1} better than none does (chi-squared; {needed} are needed)",
-        improvement = Number(*improvement)
-    )]
-    OneMarker {
-        /// Number of the marker, counted from 0.
-        marker: usize,
-        /// Chi-squared of the others without a contact minus that with one.
-        improvement: f64,
-        /// Smallest improvement that counts as a contact.
-        needed: f64,
-    },
     /// The markers moved, but not as a press moves this body: it explains them no better than none does.
     #[error(
         "the markers moved, but not as a press moves this body: residuals have a chi-squared of {chi_squared:.1}, where noise \

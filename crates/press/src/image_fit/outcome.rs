@@ -372,6 +372,7 @@ fn outcome<V: View + Clone>(
             (problem.equations() + problem.known()).saturating_sub(problem.unknowns()),
         )),
         is_seen: true,
+        only_marker: None,
         verdict: Verdict::of(interval, skin.curvature()),
     })
 }
