@@ -144,6 +144,7 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
         best = problem.weigh(&best.state)?;
     }
     best = learn(&mut problem, best)?;
+    let weighed = best.clone();
     for _ in 0..4 {
         best = minimise(&problem, best, EXACTLY, None, true)?;
         let covariance = inverse(&best.sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
@@ -163,7 +164,14 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
             Ok(interval) => {
                 let reached = problem.fit.contact(&problem.fit.bodies[0], &best.state)?;
                 problem.fit.markers.see(&best.state.place, reached.radius)?;
-                return outcome(&problem, &best, &covariance, interval, unmoved, wrong);
+                return outcome(
+                    &problem,
+                    (&weighed, &best),
+                    &covariance,
+                    interval,
+                    unmoved,
+                    wrong,
+                );
             }
             Err(better) => best = Fitted::at(&problem, better)?,
         }
@@ -216,7 +224,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<Fitted, Press
         improvement: 0.0,
         needed: SEEN,
     };
-    for (_, start) in starts.into_iter().take(3) {
+    for start in starts.into_iter().take(3) {
         let fitted = Fitted::at(problem, start)
             .and_then(|fitted| minimise(problem, fitted, ROUGHLY, None, false));
         match fitted {
@@ -299,7 +307,7 @@ impl<V: View> Problem<'_, V> {
 
 fn outcome<V: View + Clone>(
     problem: &Problem<'_, V>,
-    best: &Fitted,
+    (weighed, best): (&Fitted, &Fitted),
     covariance: &Square,
     interval: Interval,
     unmoved: f64,
@@ -335,7 +343,7 @@ fn outcome<V: View + Clone>(
     let log_variance = variance(CURVATURE, CURVATURE);
     let freedom = (problem.equations() - problem.unknowns()).max(1);
     // The interval goes with the mean.
-    let factor = libm::exp(problem.mean_beside(best, covariance));
+    let factor = libm::exp(problem.mean_beside(weighed, covariance));
     let Interval { low, high } = interval;
     let interval = Interval {
         low: low.map(|low| low * factor),

@@ -45,6 +45,23 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
+    /// Departs further, by what one sensor departs from another.
+    pub(super) fn shift(&mut self, to: &Self, from: &Self) {
+        for ((one, to), from) in self.common.iter_mut().zip(&to.common).zip(&from.common) {
+            *one += to - from;
+        }
+        let all = self
+            .misalignments
+            .iter_mut()
+            .zip(&to.misalignments)
+            .zip(&from.misalignments);
+        for ((one, to), from) in all {
+            for axis in 0..2 {
+                one[axis] += to[axis] - from[axis];
+            }
+        }
+    }
+
     pub(super) fn state(&self) -> SensorState<'_> {
         SensorState {
             common: &self.common,
