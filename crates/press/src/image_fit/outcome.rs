@@ -37,7 +37,8 @@ const EXACTLY: f64 = 1e-6;
 
 impl<V: View + Clone> ImageFit<V> {
     /// The press behind the pictures of one frame, `None` for markers that are not seen, of a sensor whose markers at
-    /// rest are known.
+    /// rest are known. Of pictures without error, of any size and stated to be exact or not, the likeliest curvature is right
+    /// to a thousandth of its standard deviation, where that is less than the curvature.
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for what is given;
@@ -78,12 +79,8 @@ impl<V: View> ImageFit<V> {
             PressError::unless_good("readings", given as f64, good, "one for each marker")?;
         }
         for (marker, seen) in seen.iter().enumerate() {
-            let sound = |seen: &Seen| {
-                let numbers = seen.picture.iter().chain(seen.covariance.iter());
-                numbers.copied().all(|number| number.abs() <= 1e50)
-            };
-            if !seen.as_ref().is_none_or(sound) {
-                return Err(PressError::NotFinite { marker });
+            if let Some(seen) = seen {
+                seen.check(marker)?;
             }
         }
         if let Some(Measured { value, std }) = indentation {
@@ -164,6 +161,9 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
             Ok(interval) => {
                 let reached = problem.fit.contact(&problem.fit.bodies[0], &best.state)?;
                 problem.fit.markers.see(&best.state.place, reached.radius)?;
+                if best.is_stuck() {
+                    break;
+                }
                 return outcome(
                     &problem,
                     (&weighed, &best),

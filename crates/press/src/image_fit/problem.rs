@@ -173,7 +173,7 @@ impl<'a, V: View> Problem<'a, V> {
                 return Err(PressError::OutOfRange);
             };
             let by_local = &slopes.misalignments[marker];
-            let covariance = seen.covariance + by_local * local.spread * by_local.transpose();
+            let covariance = seen.errors() + by_local * local.spread * by_local.transpose();
             let factor = covariance
                 .cholesky()
                 .ok_or(PressError::NotFinite { marker })?;
