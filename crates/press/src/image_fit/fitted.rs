@@ -1,7 +1,7 @@
 //! A state of a fit of pictures, with all that was computed there.
 
 use super::law::State;
-use super::unknowns::{Jacobian, Residuals, Sums};
+use super::unknowns::{Residuals, Slopes, Sums};
 use crate::definite::solve;
 
 /// Least fall of chi-squared by a step that is far: four standard deviations.
@@ -12,7 +12,7 @@ const STUCK: f64 = 16.0;
 pub(super) struct Fitted {
     pub(super) state: State,
     pub(super) residuals: Residuals,
-    pub(super) jacobian: Jacobian,
+    pub(super) slopes: Slopes,
     /// Slope of each counting marker's whitened picture by an inward displacement of both discs, its size.
     pub(super) normal_slopes: Vec<f64>,
     pub(super) sums: Sums,

@@ -42,7 +42,7 @@ impl<V: View + Clone> Problem<'_, V> {
 
     /// Logarithm of the determinant after a step of the unknowns, which the sensor follows.
     fn stepped_aside(&self, weighed: &Fitted, step: &Unknowns) -> Option<f64> {
-        let moved = &weighed.jacobian * step;
+        let moved = &weighed.slopes.jacobian * step;
         let mut sensor = self.learnt(&(&weighed.residuals - moved)).ok()?;
         // The sensor about which weights were given follows as far as that which is likeliest.
         sensor.shift(&self.sensor, &self.learnt(&weighed.residuals).ok()?);

@@ -24,7 +24,7 @@ impl Fitted {
         residuals: Residuals,
     ) -> Result<Self, PressError> {
         Ok(Self {
-            sums: problem.sums(&state, &residuals, &self.jacobian)?,
+            sums: problem.sums(&state, &residuals, &self.slopes)?,
             state,
             residuals,
             ..self

@@ -11,7 +11,9 @@ use super::fitted::Fitted;
 use super::law::{DiscSlopes, Moving, State};
 use super::rest::{Rest, products};
 use super::settings::ImageFit;
-use super::unknowns::{INDENTATION, Jacobian, Residuals, SHIFT, Square, Sums, UNKNOWNS, Unknowns};
+use super::unknowns::{
+    INDENTATION, Jacobian, Residuals, SHIFT, Slopes, Square, Sums, UNKNOWNS, Unknowns,
+};
 use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, View, difference};
 use crate::{MarkerDisplacement, Measured, PressError};
 
@@ -282,13 +284,13 @@ impl<'a, V: View> Problem<'a, V> {
         for unknown in (0..UNKNOWNS).filter(|&unknown| !self.sought[unknown]) {
             jacobian.column_mut(unknown).fill(0.0);
         }
-        let sums = self.sums(&state, &residuals, &jacobian)?;
+        let slopes = self.slopes(jacobian)?;
         Ok(Fitted {
+            sums: self.sums(&state, &residuals, &slopes)?,
             state,
             residuals,
-            jacobian,
+            slopes,
             normal_slopes,
-            sums,
         })
     }
 
@@ -359,26 +361,34 @@ impl<'a, V: View> Problem<'a, V> {
         &self,
         state: &State,
         residuals: &Residuals,
-        jacobian: &Jacobian,
+        slopes: &Slopes,
     ) -> Result<Sums, PressError> {
-        let shared = self.shared(jacobian)?;
         let common = self.shared(residuals)?;
         let (off, gradient, hessian) = self.priors(state);
         let chi_squared = residuals.norm_squared() - common.norm_squared() + off;
         if !chi_squared.is_finite() {
             return Err(PressError::OutOfRange);
         }
-        let square = jacobian.tr_mul(jacobian) - shared.tr_mul(&shared);
-        let slope = jacobian.tr_mul(residuals) - shared.tr_mul(&common);
+        let slope = slopes.jacobian.tr_mul(residuals) - slopes.shared.tr_mul(&common);
         let mut sums = Sums {
             chi_squared,
             gradient: gradient - slope,
-            hessian: hessian + square,
+            hessian: hessian + slopes.square,
         };
         for unknown in (0..UNKNOWNS).filter(|&unknown| !self.sought[unknown]) {
             sums.hold(unknown);
         }
         Ok(sums)
+    }
+
+    /// Slopes with what is common to all markers taken out of their products.
+    fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
+        let shared = self.shared(&jacobian)?;
+        Ok(Slopes {
+            square: jacobian.tr_mul(&jacobian) - shared.tr_mul(&shared),
+            jacobian,
+            shared,
+        })
     }
 
     /// Sum of squares of the deviations from prior knowledge, with half its gradient and half its Hessian.
