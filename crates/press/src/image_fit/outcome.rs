@@ -78,6 +78,9 @@ impl<V: View> ImageFit<V> {
             let good = given == markers;
             PressError::unless_good("readings", given as f64, good, "one for each marker")?;
         }
+        let told = rest.information.nrows();
+        let expected = "as many departures that are not exact as the fit has that is told it";
+        PressError::unless_good("rest", told as f64, told == self.free().len(), expected)?;
         for (marker, seen) in seen.iter().enumerate() {
             if let Some(seen) = seen {
                 seen.check(marker)?;

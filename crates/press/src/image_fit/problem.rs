@@ -1,6 +1,7 @@
 //! The sum of squares that a fit of pictures makes least.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use nalgebra::allocator::Allocator;
 use nalgebra::{
@@ -132,34 +133,22 @@ impl<'a, V: View> Problem<'a, V> {
             }
         }
         let moved = self.deeper(moving.moved);
-        let slopes = self.weigh_at(&moved, per_depth.as_deref())?;
+        let slopes = self
+            .fit
+            .slopes(&self.sensor.state(), &moved, per_depth.as_deref())
+            .ok_or(PressError::OutOfRange)?;
+        self.weigh_by(&slopes)?;
         let residuals = self.whitened(|marker| slopes.pictures[marker])?;
         self.fitted(*state, residuals, &slopes, &moving.slopes)
     }
 
     /// Weighs the equations by the errors of markers that are at rest.
     pub(super) fn weigh_at_rest(&mut self) -> Result<(), PressError> {
-        self.weigh_at(&self.still(), None).map(|_| ())
+        let slopes = Arc::clone(&self.rest.slopes);
+        self.weigh_by(&slopes)
     }
 
-    fn still(&self) -> Vec<[MarkerDisplacement; 2]> {
-        vec![[MarkerDisplacement::default(); 2]; self.seen.len()]
-    }
-
-    /// Pictures at rest, by the law.
-    pub(super) fn pictures_at_rest(&self) -> Result<Vec<Option<[f64; NUMBERS]>>, PressError> {
-        self.pictures(&self.still())
-    }
-
-    fn weigh_at(
-        &mut self,
-        moved: &[[MarkerDisplacement; 2]],
-        per_depth: Option<&[[MarkerDisplacement; 2]]>,
-    ) -> Result<PictureSlopes, PressError> {
-        let slopes = self
-            .fit
-            .slopes(&self.sensor.state(), moved, per_depth)
-            .ok_or(PressError::OutOfRange)?;
+    fn weigh_by(&mut self, slopes: &PictureSlopes) -> Result<(), PressError> {
         let Rest {
             local, information, ..
         } = &*self.rest;
@@ -200,7 +189,7 @@ impl<'a, V: View> Problem<'a, V> {
         }
         let both = information + products(&self.common, &self.common);
         self.root = both.cholesky().ok_or(PressError::OutOfRange)?.unpack();
-        Ok(slopes)
+        Ok(())
     }
 
     /// Displacements of discs that lie as deep as the frame at rest has them.
@@ -303,8 +292,7 @@ impl<'a, V: View> Problem<'a, V> {
 
     /// Whitened residuals where nothing moves.
     pub(super) fn residuals_at_rest(&self) -> Result<Residuals, PressError> {
-        let pictures = self.pictures_at_rest()?;
-        self.whitened(|marker| pictures[marker])
+        self.whitened(|marker| self.rest.slopes.pictures[marker])
     }
 
     fn whitened(

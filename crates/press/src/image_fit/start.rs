@@ -18,7 +18,7 @@ impl<V: View> Problem<'_, V> {
     /// States, the likeliest first.
     pub(super) fn starts(&self) -> Result<Vec<State>, PressError> {
         let skin = self.fit.markers.skin();
-        let at_rest = self.pictures_at_rest()?;
+        let at_rest = &self.rest.slopes.pictures;
         // Seen from the centre, a disc that comes nearer by a share of its distance grows by that share.
         let mut inward: Vec<(f64, usize)> = Vec::new();
         for &marker in &self.counting {
