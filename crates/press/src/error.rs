@@ -102,7 +102,7 @@ pub enum PressError {
     /// All markers moved alike, or not beyond their noise.
     #[error(
         "no contact to be seen: the best fit explains the readings only {improvement:.1} better \
-         than none does (chi-squared; {needed} are needed)",
+         than none does (chi-squared; {needed:.1} are needed)",
         improvement = Number(*improvement)
     )]
     NoContact {
