@@ -2,4 +2,3 @@
 
 mod layouts;
 mod optics;
-mod slopes;

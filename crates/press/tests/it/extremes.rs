@@ -3,6 +3,5 @@
 mod fit;
 mod half_space;
 mod layer;
-mod pictures;
 mod shear;
 mod skin;

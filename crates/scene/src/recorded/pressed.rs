@@ -127,9 +127,6 @@ pub fn estimate_press(
         stated.and_then(|(_, warning)| warning),
         left_out,
         (!estimate.is_seen).then(|| stated::UNSEEN.to_owned()),
-        estimate
-            .only_marker
-            .map(|marker| stated::alone(marker, &recorded.origin)),
     ]
     .into_iter()
     .flatten()
@@ -363,7 +360,7 @@ fn refused_for(
             let indentation = wording.with("indentation", "D");
             format!("{error}; give the indentation with {indentation} if it is known")
         }
-        PressError::NoContact { .. } if stand_out(recorded) => {
+        PressError::NoContact { .. } | PressError::OneMarker { .. } if stand_out(recorded) => {
             format!(
                 "{error}; but some markers moved much more than the others: are the method, the thickness, the depth of the markers and the indentation those of the sensor?"
             )
@@ -376,9 +373,9 @@ fn refused_for(
         .fold(message, |message, more| format!("{message}; {more}"));
     let message = explained(message, error.name());
     match error {
-        PressError::NotFinite { marker } | PressError::OffSkin { marker, .. } => {
-            origin.fail_at(*marker, message)
-        }
+        PressError::NotFinite { marker }
+        | PressError::OffSkin { marker, .. }
+        | PressError::OneMarker { marker, .. } => origin.fail_at(*marker, message),
         _ => origin.fail(message),
     }
 }
