@@ -178,7 +178,7 @@ pub fn worked(bodies: Bodies, step: Step) -> Result<Hot> {
 mod tests {
     use super::*;
 
-    /// The same law, whose slopes are told by differences.
+    /// Law of pictures whose slopes are told by differences.
     #[derive(Clone)]
     struct Differences(PictureLaw);
 
@@ -214,7 +214,6 @@ mod tests {
             let [own, other] = [own, other].map(|one| one.relative_curvature);
             let off = (own.value - other.value).abs() / own.std;
             let of_std = (own.std / other.std - 1.0).abs();
-            println!("{off:e} standard deviations, {of_std:e} of these");
             assert!(off < 1e-3 && of_std < 1e-4, "{off} {of_std}");
         }
     }

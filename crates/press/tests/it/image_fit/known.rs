@@ -244,7 +244,7 @@ fn partial(hidden: Option<usize>, told: usize) -> ImageFit<Partial> {
     }
 }
 
-/// What is read where no marker can be seen contradicts the sensor in every frame.
+/// Reading of a marker that cannot be seen, which contradicts the sensor in every frame.
 #[test]
 fn a_reading_out_of_sight_is_left_out() {
     let (truth, at_rest, presses) = pressed(&[0.5, 0.8, 1.1]);
