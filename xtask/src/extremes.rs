@@ -13,7 +13,7 @@ use crate::palpate::{FEATURES, PYTHON, target_dir};
 pub(crate) const FOLDER: &str = "PALPATE_EXTREMES";
 const COMMITTED: &str = "results/extremes.csv";
 /// Crates whose tests write tables, in the order of their rows.
-const CRATES: [&str; 10] = [
+const CRATES: [&str; 11] = [
     "palpate-geometry",
     "palpate-rolling",
     "palpate-sensing",
@@ -24,6 +24,7 @@ const CRATES: [&str; 10] = [
     "palpate-tracking",
     "palpate-scene",
     "palpate-sweep",
+    "palpate-chance",
 ];
 /// Rows that are printed where tables differ.
 const SHOWN: usize = 20;

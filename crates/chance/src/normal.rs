@@ -19,7 +19,8 @@ pub fn normal_tail(score: f64) -> f64 {
     0.5 * libm::erfc(score * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// Score above which a standard normal number is with this probability, to 1e-12; at most [`CERTAIN`].
+/// Score above which a standard normal number is with this probability, to 1e-12; at most [`CERTAIN`]. The
+/// opposite of that for a probability that rounding takes to 1, and for what is not a number.
 ///
 /// ```
 /// assert!((palpate_chance::score_of_tail(0.025) - 1.959964).abs() < 1e-6);

@@ -102,25 +102,11 @@ pub enum PressError {
     /// All markers moved alike, or not beyond their noise.
     #[error(
         "no contact to be seen: the best fit explains the readings only {improvement:.1} better \
-         than none does (chi-squared; {needed} are needed)",
+         than none does (chi-squared; {needed:.1} are needed)",
         improvement = Number(*improvement)
     )]
     NoContact {
         /// Chi-squared without a contact minus that with one.
-        improvement: f64,
-        /// Smallest improvement that counts as a contact.
-        needed: f64,
-    },
-    /// One marker moved and the others did not: it is wrong, or the object is a needle under it.
-    #[error(
-        "only marker {marker} (counting from 0) moved: a contact explains the others only \
-         {improvement:.1} better than none does (chi-squared; {needed} are needed)",
-        improvement = Number(*improvement)
-    )]
-    OneMarker {
-        /// Number of the marker, counted from 0.
-        marker: usize,
-        /// Chi-squared of the others without a contact minus that with one.
         improvement: f64,
         /// Smallest improvement that counts as a contact.
         needed: f64,

@@ -129,6 +129,9 @@ pub struct PressEstimate {
     /// curvature is that of all contacts on the markers that the readings leave, mostly without an upper end, and the place
     /// is not known.
     pub is_seen: bool,
+    /// Marker, counted from 0, without which the readings show no contact, though it moved beyond noise: it is wrong, or the
+    /// object presses where no other feels it.
+    pub only_marker: Option<usize>,
     /// Sign of the object's curvature, as far as the readings tell it.
     pub verdict: Verdict,
 }

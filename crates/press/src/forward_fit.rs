@@ -40,8 +40,7 @@ impl ForwardFit {
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for what is given;
-    /// [`PressError::NoContact`] and [`PressError::OneMarker`] where no more than one marker moved beyond noise, or all
-    /// moved alike; [`PressError::OtherBody`] where they moved otherwise than in any press of this body;
+    /// [`PressError::NoContact`] where no marker moved beyond noise, or all moved alike; [`PressError::OtherBody`] where they moved otherwise than in any press of this body;
     /// [`PressError::OffMarkers`], [`PressError::Undetermined`] and those of [`Body::press`] where the readings fit no
     /// press.
     pub fn estimate(&self, reading: &Reading<'_>) -> Result<PressEstimate, PressError> {

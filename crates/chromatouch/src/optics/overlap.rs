@@ -24,6 +24,8 @@ pub(super) struct Part {
     /// Unit tangent there, from the middle of the magenta disc to that of the yellow one.
     pub(super) axis: Vector3<f64>,
     moments: Moments,
+    /// Half-angles of the segments of the magenta and the yellow disc that make it up.
+    pub(super) angles: [HalfAngle; 2],
 }
 
 /// Moments of an area about a point, along an axis of symmetry and across it.
@@ -35,8 +37,46 @@ struct Moments {
     second_across: f64,
 }
 
+/// Half-angle of a segment, with its sine and cosine times any positive number.
+#[derive(Clone, Copy)]
+pub(super) struct HalfAngle {
+    angle: f64,
+    sine: f64,
+    cosine: f64,
+}
+
+impl HalfAngle {
+    fn new(sine: f64, cosine: f64) -> Self {
+        Self {
+            angle: libm::atan2(sine, cosine),
+            sine,
+            cosine,
+        }
+    }
+
+    /// Half-angle of these, which is likely near to this one.
+    fn beside(&self, sine: f64, cosine: f64) -> Self {
+        let [across, along] = [
+            sine * self.cosine - cosine * self.sine,
+            cosine * self.cosine + sine * self.sine,
+        ];
+        if across.abs() < 1e-3 * along {
+            let tangent = across / along;
+            // To a relative error of 1e-13.
+            let step = tangent * (1.0 - tangent * tangent * (1.0 / 3.0 - 0.2 * tangent * tangent));
+            return Self {
+                angle: self.angle + step,
+                sine,
+                cosine,
+            };
+        }
+        Self::new(sine, cosine)
+    }
+}
+
+/// What the discs of a marker share; `near` are the half-angles of both segments of a pair that is likely near.
 #[inline]
-pub(super) fn overlap(magenta: &Sight, yellow: &Sight) -> Overlap {
+pub(super) fn overlap(magenta: &Sight, yellow: &Sight, near: Option<&[HalfAngle; 2]>) -> Overlap {
     let step = yellow.direction - magenta.direction;
     let square = step.norm_squared();
     let chord = square.sqrt();
@@ -57,7 +97,7 @@ pub(super) fn overlap(magenta: &Sight, yellow: &Sight) -> Overlap {
     if chord >= chord_of(products[0] + products[1], products[2] - products[3]) {
         return Overlap::None;
     }
-    Overlap::Part(part(magenta, yellow, &step, square))
+    Overlap::Part(part(magenta, yellow, &step, square, near))
 }
 
 /// Chord of an angle in (−180°, 180°), of which sine and cosine are given: 2 sin(angle/2).
@@ -67,7 +107,13 @@ fn chord_of(sine: f64, cosine: f64) -> f64 {
 }
 
 #[inline]
-fn part(magenta: &Sight, yellow: &Sight, step: &Vector3<f64>, square: f64) -> Part {
+fn part(
+    magenta: &Sight,
+    yellow: &Sight,
+    step: &Vector3<f64>,
+    square: f64,
+    near: Option<&[HalfAngle; 2]>,
+) -> Part {
     let chord = square.sqrt();
     // About half-way between the edges that bound what is shared; any direction near it would do.
     let wider = chord_of(magenta.sine, magenta.cosine) - chord_of(yellow.sine, yellow.cosine);
@@ -85,39 +131,56 @@ fn part(magenta: &Sight, yellow: &Sight, step: &Vector3<f64>, square: f64) -> Pa
         let centre = side * away * sine * scale * scale_there;
         (centre, disc.sine * scale_there)
     };
+    let (moments, angles) = lens(
+        circle(magenta, -1.0, share),
+        circle(yellow, 1.0, rest),
+        near,
+    );
     Part {
         direction,
         axis: along / along.norm(),
-        moments: lens(circle(magenta, -1.0, share), circle(yellow, 1.0, rest)),
+        moments,
+        angles,
     }
 }
 
-/// Moments of the overlap of two circles that cross each other, each given as (centre on the axis, radius); the second
-/// centre is farther along.
+/// Moments of the overlap of two circles that cross each other, each given as (centre on the axis, radius), and the half-angles
+/// of its segments; the second centre is farther along.
 #[inline]
-fn lens((first, first_radius): (f64, f64), (second, second_radius): (f64, f64)) -> Moments {
+fn lens(
+    (first, first_radius): (f64, f64),
+    (second, second_radius): (f64, f64),
+    near: Option<&[HalfAngle; 2]>,
+) -> (Moments, [HalfAngle; 2]) {
     let distance = second - first;
     let power = (first_radius - second_radius) / distance * (first_radius + second_radius);
     let [to_first, to_second] = [0.5 * (distance + power), 0.5 * (distance - power)];
     let half_square = (first_radius - to_first) * (first_radius + to_first);
     let half = half_square.max(0.0).sqrt();
-    let one = segment(first_radius, to_first, half).about(first);
-    let other = segment(second_radius, to_second, half)
-        .mirrored()
-        .about(second);
-    Moments {
+    let angles = match near {
+        Some([one, other]) => [one.beside(half, to_first), other.beside(half, to_second)],
+        None => [to_first, to_second].map(|to_chord| HalfAngle::new(half, to_chord)),
+    };
+    let one = segment(first_radius, &angles[0]).about(first);
+    let other = segment(second_radius, &angles[1]).mirrored().about(second);
+    let moments = Moments {
         area: one.area + other.area,
         first: one.first + other.first,
         second_along: one.second_along + other.second_along,
         second_across: one.second_across + other.second_across,
-    }
+    };
+    (moments, angles)
 }
 
-/// Moments about a circle's centre of its segment beyond a chord this far from the centre, with this half-length; the
-/// segment of half-angle β is farther along.
+/// Moments about a circle's centre of its segment of a half-angle, with its half-length and its chord's distance from the
+/// centre for sine and cosine; the segment is farther along.
 #[inline]
-fn segment(radius: f64, to_chord: f64, half: f64) -> Moments {
-    let angle = libm::atan2(half, to_chord);
+fn segment(radius: f64, half_angle: &HalfAngle) -> Moments {
+    let &HalfAngle {
+        angle,
+        sine: half,
+        cosine: to_chord,
+    } = half_angle;
     let square = radius * radius;
     // r² sin β cos β, r² sin² β.
     let (triangle, half_square) = (half * to_chord, half * half);

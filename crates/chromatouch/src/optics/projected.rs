@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::array::{MarkerSight, Sight};
 use super::colours::Contrasts;
 use super::lens::{Local, Region, cap};
-use super::overlap::{Overlap, overlap};
+use super::overlap::{HalfAngle, Overlap, overlap};
 use super::sines::small_angle;
 use super::{Camera, MarkerMotion, Optics, OpticsError, SeenMarker};
 
@@ -143,6 +143,8 @@ pub(super) struct Glimpse {
     aims: [Aim; 2],
     discs: [Image; 2],
     shared: Image,
+    /// Half-angles of what they share, where they share a part.
+    angles: Option<[HalfAngle; 2]>,
 }
 
 impl Glimpse {
@@ -158,10 +160,12 @@ impl Glimpse {
         }
         let discs =
             [(&aim, magenta), (&beside, yellow)].map(|(aim, disc)| image(camera, aim, disc));
+        let (shared, angles) = shared(camera, &aim, discs, sight, None);
         Some(Self {
-            shared: shared(camera, &aim, discs, sight),
             aims: [aim, beside],
             discs,
+            shared,
+            angles,
         })
     }
 
@@ -172,10 +176,12 @@ impl Glimpse {
         let (mut aims, mut discs) = (self.aims, self.discs);
         aims[disc] = aims[disc].beside(camera, &changed.direction);
         discs[disc] = image(camera, &aims[disc], changed);
+        let (shared, angles) = shared(camera, &aims[0], discs, sight, self.angles.as_ref());
         Self {
-            shared: shared(camera, &aims[0], discs, sight),
             aims,
             discs,
+            shared,
+            angles,
         }
     }
 
@@ -191,17 +197,25 @@ fn image(camera: &Camera, aim: &Aim, disc: &Sight) -> Image {
     Image::of(aim, &cap(camera.lens, &aim.local, disc.sine, disc.cosine))
 }
 
-/// Image of what the discs of a marker share, near which `aim` looks.
+/// Image of what the discs of a marker share, near which `aim` looks, and its half-angles where it is a part of either; `near`
+/// are those of a marker that is likely near.
 #[inline(always)]
-fn shared(camera: &Camera, aim: &Aim, discs: [Image; 2], sight: &MarkerSight) -> Image {
-    match overlap(&sight.magenta, &sight.yellow) {
-        Overlap::None => Image::default(),
-        Overlap::AllOfMagenta => discs[0],
-        Overlap::AllOfYellow => discs[1],
+fn shared(
+    camera: &Camera,
+    aim: &Aim,
+    discs: [Image; 2],
+    sight: &MarkerSight,
+    near: Option<&[HalfAngle; 2]>,
+) -> (Image, Option<[HalfAngle; 2]>) {
+    match overlap(&sight.magenta, &sight.yellow, near) {
+        Overlap::None => (Image::default(), None),
+        Overlap::AllOfMagenta => (discs[0], None),
+        Overlap::AllOfYellow => (discs[1], None),
         Overlap::Part(part) => {
             let between = aim.beside(camera, &part.direction);
             let axis = between.components(&part.axis);
-            Image::of(&between, &part.seen(&between.local, axis))
+            let image = Image::of(&between, &part.seen(&between.local, axis));
+            (image, Some(part.angles))
         }
     }
 }

@@ -490,3 +490,26 @@ fn the_examples_are_what_they_say() {
         assert!(number(&told["r_squared"]) > 0.85, "{told}");
     }
 }
+
+#[test]
+fn a_press_that_one_marker_alone_shows_is_told() {
+    let desk = Desk::new();
+    let mut readings = "x,y,normal_displacement\n".to_owned();
+    for marker in 0..36 {
+        let [x, y] = [marker / 6, marker % 6].map(|step| 4 * step - 10);
+        let moved = if marker == 14 {
+            0.5
+        } else {
+            0.01 * libm::sin(7.0 * f64::from(marker))
+        };
+        readings += &format!("{x},{y},{moved:.4}\n");
+    }
+    desk.write("slip.csv", readings);
+    let layer = "--sensor-radius 20 --length-unit mm --method bonded-layer --thickness 4 --depth 2";
+    let said = desk.palpate(&format!(
+        "estimate press slip.csv {layer} --noise stated --normal-std 0.02"
+    ));
+    assert_eq!(said.status, Some(0), "{said:?}");
+    let told = "warning: only the marker of row 15, line 16 moved: it is wrong, or";
+    assert!(said.stderr.contains(told), "{said:?}");
+}

@@ -67,6 +67,7 @@ pub(super) fn outcome(
         reduced_chi_squared: sums.chi_squared / freedom.max(1) as f64,
         goodness: problem.goodness(sums),
         is_seen: true,
+        only_marker: None,
         verdict: Verdict::of(interval, skin.curvature()),
     })
 }

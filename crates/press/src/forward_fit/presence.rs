@@ -6,25 +6,43 @@ use crate::PressError;
 use crate::markers::see;
 use palpate_chance::chi_squared_tail;
 
-/// Least improvement of chi-squared by a contact, against none, that counts as one.
-const SEEN: f64 = 16.0;
+/// Share of the presses in which nothing touches that may be taken for a contact.
+const FALSE_ALARMS: f64 = 0.04;
 /// Least improvement without a marker that chance alone does not move so far, since it may as well be wrong.
 const SEEN_BY_OTHERS: f64 = 9.0;
 /// Probability of chance below which markers moved.
 const MOVED: f64 = 1e-6;
 
-/// The refusal where even the start explains nothing.
-pub(super) const NOTHING: PressError = PressError::NoContact {
-    improvement: 0.0,
-    needed: SEEN,
-};
+impl Problem<'_> {
+    /// Least improvement of chi-squared by a contact, against none, that counts as one.
+    ///
+    /// At each marker chance alone finds a contact of the best depth and width that improves chi-squared by two degrees of
+    /// freedom, and of the depths half are outward. The markers are the independent places where one is looked for, at most
+    /// (Bonferroni). Noise that is found from the residuals makes it Fisher's ratio.
+    pub(super) fn needed(&self) -> f64 {
+        let odds = libm::log(self.counting().count() as f64 / (2.0 * FALSE_ALARMS));
+        if self.knows_noise() {
+            return 2.0 * odds;
+        }
+        let freedom = self.equations().saturating_sub(self.unknowns()).max(1) as f64;
+        freedom * libm::expm1(2.0 * odds / freedom)
+    }
 
-/// Refuses a state whose contact does not explain the readings clearly better than none.
+    /// The refusal where even the start explains nothing.
+    pub(super) fn nothing(&self) -> PressError {
+        PressError::NoContact {
+            improvement: 0.0,
+            needed: self.needed(),
+        }
+    }
+}
+
+/// Refuses a state whose contact does not explain the readings clearly better than none, and tells the one marker that moved
+/// beyond chance while all others stay where they were, if it is so.
 ///
 /// # Errors
-/// [`PressError::NoContact`], or [`PressError::OtherBody`] where the markers moved all the same; [`PressError::OneMarker`]
-/// where one marker moved beyond chance and all others stay where they were.
-pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<(), PressError> {
+/// [`PressError::NoContact`], or [`PressError::OtherBody`] where the markers moved all the same.
+pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<Option<usize>, PressError> {
     let baseline = resting(problem);
     let contact = problem.contact(state)?;
     let (mut improvement, mut most, mut marker) = (0.0, 0.0, 0);
@@ -36,7 +54,8 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<(), PressErro
             (most, marker) = (gain, index);
         }
     }
-    if improvement < SEEN {
+    let needed = problem.needed();
+    if improvement < needed {
         let (chi_squared, freedom) = moved(problem, baseline);
         let is_moved = problem.knows_noise() && chi_squared_tail(chi_squared, freedom) < MOVED;
         return Err(match is_moved {
@@ -46,18 +65,12 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<(), PressErro
             },
             false => PressError::NoContact {
                 improvement,
-                needed: SEEN,
+                needed,
             },
         });
     }
-    if most > WRONG * WRONG && improvement - most < SEEN_BY_OTHERS {
-        return Err(PressError::OneMarker {
-            marker,
-            improvement: improvement - most,
-            needed: SEEN_BY_OTHERS,
-        });
-    }
-    Ok(())
+    let is_alone = most > WRONG * WRONG && improvement - most < SEEN_BY_OTHERS;
+    Ok(is_alone.then_some(marker))
 }
 
 fn squared(residuals: [f64; 3]) -> f64 {

@@ -6,7 +6,7 @@ use palpate_chance::NORMAL_95;
 use super::minimise::minimise;
 use super::misfit::Misfit;
 use super::outcome::outcome;
-use super::presence::{NOTHING, on_markers, seen};
+use super::presence::{on_markers, seen};
 use super::problem::{ACROSS, BASELINE, GAIN, INDENTATION, Problem, State, Sums, WRONG};
 use super::profile::{Profile, profile};
 use super::reading::Reading;
@@ -143,7 +143,7 @@ impl<'a> Search<'a> {
             .copied()
             .fold(f64::NEG_INFINITY, f64::max);
         if least == most {
-            return Err(NOTHING);
+            return Err(problem.nothing());
         }
         let largest = most.abs().max(least.abs());
         let floored = |std: f64| std.max(EXACT * largest);
@@ -164,15 +164,19 @@ impl<'a> Search<'a> {
         let (mut state, mut sums) = self.begin()?;
         // The profile may find a better fit than the one it starts from.
         for _ in 0..4 {
-            if let Err(refusal) = seen(&self.problem, &state) {
-                if matches!(refusal, PressError::OtherBody { .. }) {
-                    return Err(refusal);
-                }
-                match self.unseen(refusal)? {
-                    Found::Contact(found) => (self, state, sums) = *found,
-                    Found::Left(estimate) => return Ok(*estimate),
-                }
-            }
+            let shown = seen(&self.problem, &state);
+            let only_marker = match shown {
+                Ok(None) => None,
+                Err(refusal @ PressError::OtherBody { .. }) => return Err(refusal),
+                _ => match self.unseen(shown.unwrap_or_default()) {
+                    Some(Found::Contact(found)) => {
+                        (self, state, sums) = *found;
+                        None
+                    }
+                    Some(Found::Left(estimate)) => return Ok(*estimate),
+                    None => shown?,
+                },
+            };
             let covariance = inverse(&sums.hessian, SINGULAR).ok_or(PressError::Undetermined {
                 what: "some combination of curvature, place, indentation, baseline and gain is free",
             })?;
@@ -181,7 +185,12 @@ impl<'a> Search<'a> {
                 Profile::Interval(interval) => match self.with_rivals(&state, &sums, interval) {
                     Profile::Interval(interval) => {
                         on_markers(&self.problem, &state)?;
-                        return outcome(&self.problem, &state, &sums, &covariance, interval, limit);
+                        let found =
+                            outcome(&self.problem, &state, &sums, &covariance, interval, limit)?;
+                        return Ok(PressEstimate {
+                            only_marker,
+                            ..found
+                        });
                     }
                     Profile::Better(better) => state = better,
                 },
@@ -194,33 +203,33 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Contact of readings that show none where the fits have led: one that they do show elsewhere, or the curvatures that
-    /// they leave to one whose indentation is given, on the markers.
-    fn unseen(&self, refusal: PressError) -> Result<Found<'a>, PressError> {
+    /// Contact of readings that show none where the fits have led, or by one marker alone: one that they do show elsewhere, or
+    /// the curvatures that they leave to one whose indentation is given, on the markers; `None` where there is neither.
+    fn unseen(&self, only_marker: Option<usize>) -> Option<Found<'a>> {
         let mut problem = self.problem.clone();
-        if let PressError::OneMarker { marker, .. } = refusal {
+        if let Some(marker) = only_marker {
             // Without it the others say what a needle under it would not contradict.
             problem.kept[marker] = false;
         }
         if problem.equations() < problem.unknowns() {
-            return Err(refusal);
+            return None;
         }
-        let unseen = Unseen::new(&problem).ok_or(refusal)?;
+        let unseen = Unseen::new(&problem)?;
         let mut missed = self.clone();
         if let Some(mut state) = unseen.likeliest()
             && let Ok(sums) = missed.settle(&mut state)
-            && seen(&missed.problem, &state).is_ok()
+            && matches!(seen(&missed.problem, &state), Ok(None))
         {
-            return Ok(Found::Contact(Box::new((missed, state, sums))));
+            return Some(Found::Contact(Box::new((missed, state, sums))));
         }
         let limit = self.limit();
-        let (state, sums, interval) = unseen.left(limit * limit).ok_or(refusal)?;
-        let covariance = inverse(&sums.hessian, SINGULAR).ok_or(refusal)?;
-        let estimate = outcome(&problem, &state, &sums, &covariance, interval, limit)?;
+        let (state, sums, interval) = unseen.left(limit * limit)?;
+        let covariance = inverse(&sums.hessian, SINGULAR)?;
+        let estimate = outcome(&problem, &state, &sums, &covariance, interval, limit).ok()?;
         // Noise makes readings that show nothing look sharp; so far from a clear minimum no bias the other way is told.
         let corrected = estimate.relative_curvature;
         let value = corrected.value.min(estimate.most_likely_curvature);
-        Ok(Found::Left(Box::new(PressEstimate {
+        Some(Found::Left(Box::new(PressEstimate {
             is_seen: false,
             relative_curvature: Estimated {
                 value,
@@ -311,7 +320,7 @@ impl<'a> Search<'a> {
         let mut fits: Vec<(f64, State)> = Vec::new();
         let middling = 0.1 * self.problem.reading.markers.skin().radius();
         let unsolved = self.problem.fit.body.unit_contact(middling).err();
-        let mut failure = unsolved.unwrap_or(NOTHING);
+        let mut failure = unsolved.unwrap_or_else(|| self.problem.nothing());
         let few = if self.find_normal { 6 } else { 2 };
         for start in starts(&problem, few) {
             problem.keep_window(&start);

@@ -81,11 +81,15 @@ impl<V: View> Resting<'_, V> {
         }
         let (minimum, _) = least.ok_or(PressError::OutOfRange)?;
         let Minimum { state, cost, .. } = minimum;
-        let equations = self
-            .slopes(&state)
-            .and_then(|slopes| self.equations(&state, &slopes, 0.0))
-            .ok_or(PressError::OutOfRange)?;
-        Ok(self.told(state, equations, cost.sum()))
+        let slopes = self.slopes(&state).ok_or(PressError::OutOfRange)?;
+        let equations = self.equations(&state, &slopes, 0.0);
+        let rest = self.told(
+            state,
+            equations.ok_or(PressError::OutOfRange)?,
+            slopes,
+            cost.sum(),
+        );
+        rest.ok_or(PressError::OutOfRange)
     }
 
     /// The least sum of squares by a path from variances so many times as large as those that are stated. Far from it are

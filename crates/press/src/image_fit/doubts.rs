@@ -77,14 +77,12 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
 
     fn products(&self) -> Result<Products<UNKNOWNS>, PressError> {
         let Fitted {
-            residuals,
-            jacobian,
-            ..
+            residuals, slopes, ..
         } = self.best;
         let patterns = self.patterns()?;
         let problem = self.problem;
         let common = problem.shared(&patterns)?;
-        let by_slopes = jacobian.tr_mul(&patterns) - problem.shared(jacobian)?.tr_mul(&common);
+        let by_slopes = slopes.jacobian.tr_mul(&patterns) - slopes.shared.tr_mul(&common);
         let by_patterns = patterns.tr_mul(&patterns) - common.tr_mul(&common);
         let by_residuals = patterns.tr_mul(residuals) - common.tr_mul(&problem.shared(residuals)?);
         Ok(Products {
@@ -135,9 +133,7 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
     /// The marker that contradicts the others most, and the probability that chance makes one do as much.
     fn slipped(&self, noise: &Noise) -> Result<(usize, f64), PressError> {
         let Fitted {
-            residuals,
-            jacobian,
-            ..
+            residuals, slopes, ..
         } = self.best;
         let problem = self.problem;
         let shared = problem
@@ -145,7 +141,7 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
             .solve_lower_triangular(&problem.common.transpose());
         let shared = shared.ok_or(PressError::OutOfRange)?;
         let of_residuals: DVector<f64> = problem.own(residuals)?;
-        let of_slopes: Jacobian = jacobian - shared.tr_mul(&problem.shared(jacobian)?);
+        let of_slopes: Jacobian = &slopes.jacobian - shared.tr_mul(&slopes.shared);
         let chance = |(at, &marker): (usize, &usize)| {
             let first = NUMBERS * at;
             let score: Vector4<f64> = of_residuals.fixed_rows::<NUMBERS>(first).into();

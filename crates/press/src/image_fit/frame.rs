@@ -59,20 +59,11 @@ impl KnownFrame {
 /// Inverse covariance of each marker's reading.
 pub(super) fn weights(seen: &[Option<Seen>]) -> Result<Vec<Option<Matrix4<f64>>>, PressError> {
     let weight = |(marker, seen): (usize, &Option<Seen>)| {
-        let Some(Seen {
-            picture,
-            covariance,
-        }) = seen
-        else {
-            return Ok(None);
-        };
-        let inverse = covariance.cholesky().map(|factor| factor.inverse());
-        let inverse = inverse.filter(|inverse| inverse.iter().all(|entry| entry.is_finite()));
-        let sound = picture.iter().all(|number| number.abs() <= 1e50);
-        match inverse.filter(|_| sound) {
-            Some(inverse) => Ok(Some(inverse)),
-            None => Err(PressError::NotFinite { marker }),
-        }
+        let Some(seen) = seen else { return Ok(None) };
+        seen.check(marker)?;
+        let factor = seen.errors().cholesky();
+        let factor = factor.ok_or(PressError::NotFinite { marker })?;
+        Ok(Some(factor.inverse()))
     };
     seen.iter().enumerate().map(weight).collect()
 }

@@ -20,44 +20,48 @@ const VAGUE: f64 = 1.0;
 const FURTHEST: f64 = 1.0;
 
 impl<V: View + Clone> Problem<'_, V> {
-    /// Distance of the mean of the logarithm of the curvature from its likeliest value; 0 where it cannot be told.
-    pub(super) fn mean_beside(&self, best: &Fitted, covariance: &Square) -> f64 {
+    /// Distance of the mean of the logarithm of the curvature from its likeliest value, found from where weights were given; 0
+    /// where it cannot be told.
+    pub(super) fn mean_beside(&self, weighed: &Fitted, covariance: &Square) -> f64 {
         let variance = covariance[(CURVATURE, CURVATURE)];
         let std = variance.sqrt();
         if variance >= VAGUE {
             return 0.0;
         }
         let along = covariance.column(CURVATURE) / std;
-        let of_step = |step: f64| self.log_determinant(best, &(along * step));
-        match (of_step(STEP), of_step(-STEP)) {
-            (Some(there), Some(back)) => {
-                let slope = (there - back) / (2.0 * STEP);
-                let beside = -0.5 * slope;
-                match beside.is_finite() {
-                    true => std * beside.clamp(-FURTHEST, FURTHEST),
-                    false => 0.0,
-                }
-            }
-            _ => 0.0,
+        let slope = || {
+            let aside = self.stepped_aside(weighed, &(along * STEP))?;
+            Some((aside - self.log_determinant(weighed)?) / STEP)
+        };
+        let beside = -0.5 * slope().unwrap_or(0.0);
+        match beside.is_finite() {
+            true => std * beside.clamp(-FURTHEST, FURTHEST),
+            false => 0.0,
         }
     }
 
-    /// Logarithm of the determinant of the Hessian by all that is unknown, but for a constant: after a step of the unknowns,
-    /// which the sensor follows.
-    fn log_determinant(&self, best: &Fitted, step: &Unknowns) -> Option<f64> {
-        let moved = &best.jacobian * step;
-        let sensor = self.learnt(&(&best.residuals - moved)).ok()?;
-        let state: State = self.stepped(&best.state, step);
+    /// Logarithm of the determinant after a step of the unknowns, which the sensor follows.
+    fn stepped_aside(&self, weighed: &Fitted, step: &Unknowns) -> Option<f64> {
+        let moved = &weighed.slopes.jacobian * step;
+        let mut sensor = self.learnt(&(&weighed.residuals - moved)).ok()?;
+        // The sensor about which weights were given follows as far as that which is likeliest.
+        sensor.shift(&self.sensor, &self.learnt(&weighed.residuals).ok()?);
+        let state: State = self.stepped(&weighed.state, step);
         let mut there = self.clone();
         if !there.take(sensor) {
             return None;
         }
-        let hessian = there.weigh(&state).ok()?.sums.hessian;
-        let of_press = inverse(&hessian, 0.0)?.determinant();
-        let mut sum = 2.0 * there.root.diagonal().map(libm::log).sum() - libm::log(of_press);
-        for (&marker, whiten) in there.counting.iter().zip(&there.whiten) {
+        let fitted = there.weigh(&state).ok()?;
+        there.log_determinant(&fitted)
+    }
+
+    /// Logarithm of the determinant of the Hessian by all that is unknown, but for a constant, where weights were given.
+    fn log_determinant(&self, fitted: &Fitted) -> Option<f64> {
+        let of_press = inverse(&fitted.sums.hessian, 0.0)?.determinant();
+        let mut sum = 2.0 * self.root.diagonal().map(libm::log).sum() - libm::log(of_press);
+        for (&marker, whiten) in self.counting.iter().zip(&self.whiten) {
             sum -= 2.0 * whiten.diagonal().map(libm::log).sum();
-            let spread = there.rest.local[marker].as_ref()?.spread.determinant();
+            let spread = self.rest.local[marker].as_ref()?.spread.determinant();
             // Where discs are aligned there is nothing to be known of it.
             if spread > 0.0 {
                 sum -= libm::log(spread);

@@ -24,7 +24,7 @@ impl Fitted {
         residuals: Residuals,
     ) -> Result<Self, PressError> {
         Ok(Self {
-            sums: problem.sums(&state, &residuals, &self.jacobian)?,
+            sums: problem.sums(&state, &residuals, &self.slopes)?,
             state,
             residuals,
             ..self
@@ -71,8 +71,11 @@ pub(super) fn minimise<V: View>(
         match problem.tried(state) {
             Ok(tried) if tried.cost <= best.sums.chi_squared => {
                 let gain = best.sums.chi_squared - tried.cost;
-                // Slopes that foretell badly are made anew.
-                frozen &= gain > 0.3 * promise;
+                // Slopes that foretell badly are made anew, those that foretell well serve on.
+                frozen = match frozen {
+                    true => gain > 0.3 * promise,
+                    false => (gain - promise).abs() < 0.2 * promise,
+                };
                 best = if frozen {
                     best.near(problem, state, tried.residuals)?
                 } else {

@@ -1,6 +1,7 @@
 //! The sum of squares that a fit of pictures makes least.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use nalgebra::allocator::Allocator;
 use nalgebra::{
@@ -11,7 +12,9 @@ use super::fitted::Fitted;
 use super::law::{DiscSlopes, Moving, State};
 use super::rest::{Rest, products};
 use super::settings::ImageFit;
-use super::unknowns::{INDENTATION, Jacobian, Residuals, SHIFT, Square, Sums, UNKNOWNS, Unknowns};
+use super::unknowns::{
+    INDENTATION, Jacobian, Residuals, SHIFT, Slopes, Square, Sums, UNKNOWNS, Unknowns,
+};
 use super::view::{NUMBERS, PictureSlopes, Seen, Sensor, View, difference};
 use crate::{MarkerDisplacement, Measured, PressError};
 
@@ -130,34 +133,22 @@ impl<'a, V: View> Problem<'a, V> {
             }
         }
         let moved = self.deeper(moving.moved);
-        let slopes = self.weigh_at(&moved, per_depth.as_deref())?;
+        let slopes = self
+            .fit
+            .slopes(&self.sensor.state(), &moved, per_depth.as_deref())
+            .ok_or(PressError::OutOfRange)?;
+        self.weigh_by(&slopes)?;
         let residuals = self.whitened(|marker| slopes.pictures[marker])?;
         self.fitted(*state, residuals, &slopes, &moving.slopes)
     }
 
     /// Weighs the equations by the errors of markers that are at rest.
     pub(super) fn weigh_at_rest(&mut self) -> Result<(), PressError> {
-        self.weigh_at(&self.still(), None).map(|_| ())
+        let slopes = Arc::clone(&self.rest.slopes);
+        self.weigh_by(&slopes)
     }
 
-    fn still(&self) -> Vec<[MarkerDisplacement; 2]> {
-        vec![[MarkerDisplacement::default(); 2]; self.seen.len()]
-    }
-
-    /// Pictures at rest, by the law.
-    pub(super) fn pictures_at_rest(&self) -> Result<Vec<Option<[f64; NUMBERS]>>, PressError> {
-        self.pictures(&self.still())
-    }
-
-    fn weigh_at(
-        &mut self,
-        moved: &[[MarkerDisplacement; 2]],
-        per_depth: Option<&[[MarkerDisplacement; 2]]>,
-    ) -> Result<PictureSlopes, PressError> {
-        let slopes = self
-            .fit
-            .slopes(&self.sensor.state(), moved, per_depth)
-            .ok_or(PressError::OutOfRange)?;
+    fn weigh_by(&mut self, slopes: &PictureSlopes) -> Result<(), PressError> {
         let Rest {
             local, information, ..
         } = &*self.rest;
@@ -173,7 +164,7 @@ impl<'a, V: View> Problem<'a, V> {
                 return Err(PressError::OutOfRange);
             };
             let by_local = &slopes.misalignments[marker];
-            let covariance = seen.covariance + by_local * local.spread * by_local.transpose();
+            let covariance = seen.errors() + by_local * local.spread * by_local.transpose();
             let factor = covariance
                 .cholesky()
                 .ok_or(PressError::NotFinite { marker })?;
@@ -198,7 +189,7 @@ impl<'a, V: View> Problem<'a, V> {
         }
         let both = information + products(&self.common, &self.common);
         self.root = both.cholesky().ok_or(PressError::OutOfRange)?.unpack();
-        Ok(slopes)
+        Ok(())
     }
 
     /// Displacements of discs that lie as deep as the frame at rest has them.
@@ -282,13 +273,13 @@ impl<'a, V: View> Problem<'a, V> {
         for unknown in (0..UNKNOWNS).filter(|&unknown| !self.sought[unknown]) {
             jacobian.column_mut(unknown).fill(0.0);
         }
-        let sums = self.sums(&state, &residuals, &jacobian)?;
+        let slopes = self.slopes(jacobian)?;
         Ok(Fitted {
+            sums: self.sums(&state, &residuals, &slopes)?,
             state,
             residuals,
-            jacobian,
+            slopes,
             normal_slopes,
-            sums,
         })
     }
 
@@ -301,8 +292,7 @@ impl<'a, V: View> Problem<'a, V> {
 
     /// Whitened residuals where nothing moves.
     pub(super) fn residuals_at_rest(&self) -> Result<Residuals, PressError> {
-        let pictures = self.pictures_at_rest()?;
-        self.whitened(|marker| pictures[marker])
+        self.whitened(|marker| self.rest.slopes.pictures[marker])
     }
 
     fn whitened(
@@ -359,26 +349,34 @@ impl<'a, V: View> Problem<'a, V> {
         &self,
         state: &State,
         residuals: &Residuals,
-        jacobian: &Jacobian,
+        slopes: &Slopes,
     ) -> Result<Sums, PressError> {
-        let shared = self.shared(jacobian)?;
         let common = self.shared(residuals)?;
         let (off, gradient, hessian) = self.priors(state);
         let chi_squared = residuals.norm_squared() - common.norm_squared() + off;
         if !chi_squared.is_finite() {
             return Err(PressError::OutOfRange);
         }
-        let square = jacobian.tr_mul(jacobian) - shared.tr_mul(&shared);
-        let slope = jacobian.tr_mul(residuals) - shared.tr_mul(&common);
+        let slope = slopes.jacobian.tr_mul(residuals) - slopes.shared.tr_mul(&common);
         let mut sums = Sums {
             chi_squared,
             gradient: gradient - slope,
-            hessian: hessian + square,
+            hessian: hessian + slopes.square,
         };
         for unknown in (0..UNKNOWNS).filter(|&unknown| !self.sought[unknown]) {
             sums.hold(unknown);
         }
         Ok(sums)
+    }
+
+    /// Slopes with what is common to all markers taken out of their products.
+    fn slopes(&self, jacobian: Jacobian) -> Result<Slopes, PressError> {
+        let shared = self.shared(&jacobian)?;
+        Ok(Slopes {
+            square: jacobian.tr_mul(&jacobian) - shared.tr_mul(&shared),
+            jacobian,
+            shared,
+        })
     }
 
     /// Sum of squares of the deviations from prior knowledge, with half its gradient and half its Hessian.

@@ -27,6 +27,8 @@ pub struct Rest {
     pub(super) information: DMatrix<f64>,
     /// How each marker's misalignment follows the free common departures, and its covariance beyond that.
     pub(super) local: Vec<Option<Local>>,
+    /// Pictures at rest with their slopes, about the sensor by which both are told.
+    pub(super) slopes: Arc<PictureSlopes>,
     /// The frames that tell it.
     frames: Arc<[KnownFrame]>,
 }
@@ -96,9 +98,10 @@ impl<V: View> ImageFit<V> {
             common: DVector::from_iterator(resting.free.len(), common),
             misalignments: sensor.misalignments.clone(),
         };
-        let equations = resting.equations(&state, &resting.slopes(&state)?, 0.0)?;
+        let slopes = resting.slopes(&state)?;
+        let equations = resting.equations(&state, &slopes, 0.0)?;
         let likeliest = resting.stepped(&state, &equations)?;
-        Some(resting.told(likeliest, equations, rest.chi_squared))
+        resting.told(likeliest, equations, slopes, rest.chi_squared)
     }
 }
 
@@ -178,12 +181,18 @@ pub(super) fn products(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64>
 }
 
 impl<V: View> Resting<'_, V> {
-    /// Knowledge of the sensor from equations whose solution is `state`.
-    pub(super) fn told(&self, state: State, equations: Equations, chi_squared: f64) -> Rest {
+    /// Knowledge of the sensor from equations whose solution is `state`, and the slopes of all frames that they are made of.
+    pub(super) fn told(
+        &self,
+        state: State,
+        equations: Equations,
+        slopes: Vec<PictureSlopes>,
+        chi_squared: f64,
+    ) -> Option<Rest> {
         let Equations {
             information, local, ..
         } = equations;
-        Rest {
+        Some(Rest {
             common: self.common(&state),
             misalignments: state.misalignments,
             seen: self.frames[0].weights.iter().map(Option::is_some).collect(),
@@ -199,8 +208,9 @@ impl<V: View> Resting<'_, V> {
                     })
                 })
                 .collect(),
+            slopes: Arc::new(slopes.into_iter().next()?),
             frames: Arc::clone(&self.frames),
-        }
+        })
     }
 
     /// Degrees of freedom: as many numbers are known beforehand as there are unknowns.

@@ -11,14 +11,14 @@ use crate::PressError;
 const RADII: [f64; 4] = [0.08, 0.14, 0.22, 0.35];
 /// The size among a picture's numbers.
 const SIZE: usize = 3;
-/// Places that are tried.
-const PLACES: usize = 3;
+/// Markers that moved most at which contacts are tried too.
+const BESIDE: usize = 2;
 
 impl<V: View> Problem<'_, V> {
-    /// States with their costs, the likeliest first.
-    pub(super) fn starts(&self) -> Result<Vec<(f64, State)>, PressError> {
+    /// States, the likeliest first.
+    pub(super) fn starts(&self) -> Result<Vec<State>, PressError> {
         let skin = self.fit.markers.skin();
-        let at_rest = self.pictures_at_rest()?;
+        let at_rest = &self.rest.slopes.pictures;
         // Seen from the centre, a disc that comes nearer by a share of its distance grows by that share.
         let mut inward: Vec<(f64, usize)> = Vec::new();
         for &marker in &self.counting {
@@ -37,32 +37,32 @@ impl<V: View> Problem<'_, V> {
         let mean: Vector3<f64> = among
             .map(|&(moved, marker)| direction(marker) * (moved * moved))
             .sum();
-        let mut directions = vec![mean];
-        directions.extend(inward.iter().take(PLACES - 1).map(|one| direction(one.1)));
         let known = self.indentation.map(|known| known.value);
         let deepest = known.unwrap_or(1.15 * most);
-        let mut states = Vec::new();
-        for direction in directions {
-            let place = skin.place_at(&direction);
-            for share in RADII {
-                let Ok([unit, _]) = self.fit.bodies[0].indentation_of(share * skin.radius()) else {
-                    continue;
-                };
-                let state = State {
-                    log_curvature: libm::log(deepest / unit),
-                    place,
-                    indentation: deepest,
-                    shift: [0.0; 2],
-                };
-                let cost = self
-                    .residuals(&state)
-                    .and_then(|residuals| self.cost(&state, &residuals));
-                if let Ok(cost) = cost {
-                    states.push((cost, state));
-                }
-            }
+        let state = |direction: &Vector3<f64>, share: f64| {
+            let [unit, _] = self.fit.bodies[0]
+                .indentation_of(share * skin.radius())
+                .ok()?;
+            let state = State {
+                log_curvature: libm::log(deepest / unit),
+                place: skin.place_at(direction),
+                indentation: deepest,
+                shift: [0.0; 2],
+            };
+            let residuals = self.residuals(&state).ok()?;
+            Some((self.cost(&state, &residuals).ok()?, share, state))
+        };
+        let mut states: Vec<_> = RADII
+            .iter()
+            .filter_map(|&share| state(&mean, share))
+            .collect();
+        // The width that serves best there is tried at the markers that moved most.
+        let best = states.iter().min_by(|one, other| one.0.total_cmp(&other.0));
+        if let Some(&(_, width, _)) = best {
+            let beside = inward.iter().take(BESIDE);
+            states.extend(beside.filter_map(|one| state(&direction(one.1), width)));
         }
         states.sort_by(|one, other| one.0.total_cmp(&other.0));
-        Ok(states)
+        Ok(states.into_iter().map(|(_, _, state)| state).collect())
     }
 }

@@ -19,6 +19,16 @@ pub(super) type Residuals = DVector<f64>;
 /// Slopes of the whitened pictures by the unknowns.
 pub(super) type Jacobian = MatrixXx6<f64>;
 
+/// Slopes with what sums over the pictures need of them.
+#[derive(Clone, Debug)]
+pub(super) struct Slopes {
+    pub(super) jacobian: Jacobian,
+    /// Components that what is common to all markers may account for.
+    pub(super) shared: Jacobian,
+    /// Products of the slopes by two unknowns, without these.
+    pub(super) square: Square,
+}
+
 /// Chi-squared and half its gradient and Hessian.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sums {

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Matrix4, Matrix4x2, Matrix4x3, Vector4};
 
-use crate::MarkerDisplacement;
+use crate::{MarkerDisplacement, PressError};
 
 /// Numbers of a marker's picture: both coordinates of the centroid, px; hue, turns; logarithm of the size.
 pub(super) const NUMBERS: usize = 4;
@@ -15,13 +15,40 @@ const SHARE: f64 = 1e-2;
 const MISALIGNED: f64 = 1e-6;
 const DISPLACED: f64 = 1e-6;
 
+/// Relative error of a picture's numbers, or error of those below 1, by the rounding of all that a law computes them by.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// A marker as the tracker reads it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// Both coordinates of the centroid, px; mean hue, turns; natural logarithm of the size in px².
     pub picture: [f64; 4],
-    /// Covariance of the errors of these numbers.
+    /// Covariance of the errors of these numbers, positive definite.
     pub covariance: Matrix4<f64>,
+}
+
+impl Seen {
+    /// Refuses what is no reading of this marker.
+    pub(super) fn check(&self, marker: usize) -> Result<(), PressError> {
+        let mut numbers = self.picture.iter().chain(&self.covariance);
+        if !numbers.all(|number| number.abs() <= 1e50) {
+            return Err(PressError::NotFinite { marker });
+        }
+        let good = self.covariance.cholesky().is_some();
+        let least = self.covariance.diagonal().min();
+        let expected = "positive, the least variance of a positive definite matrix for each marker";
+        PressError::unless_good("covariance", least, good, expected).map(|_| ())
+    }
+
+    /// Covariance of the errors of these numbers, none of which is less than rounding leaves: fits to less have no minimum.
+    pub(super) fn errors(&self) -> Matrix4<f64> {
+        let mut errors = self.covariance;
+        for (at, number) in self.picture.iter().enumerate() {
+            let rounding = ROUNDING * number.abs().max(1.0);
+            errors[(at, at)] = errors[(at, at)].max(rounding * rounding);
+        }
+        errors
+    }
 }
 
 /// Properties of a sensor that are known only roughly, at some values.
@@ -45,6 +72,23 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
+    /// Departs further, by what one sensor departs from another.
+    pub(super) fn shift(&mut self, to: &Self, from: &Self) {
+        for ((one, to), from) in self.common.iter_mut().zip(&to.common).zip(&from.common) {
+            *one += to - from;
+        }
+        let all = self
+            .misalignments
+            .iter_mut()
+            .zip(&to.misalignments)
+            .zip(&from.misalignments);
+        for ((one, to), from) in all {
+            for axis in 0..2 {
+                one[axis] += to[axis] - from[axis];
+            }
+        }
+    }
+
     pub(super) fn state(&self) -> SensorState<'_> {
         SensorState {
             common: &self.common,

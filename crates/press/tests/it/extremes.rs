@@ -3,5 +3,6 @@
 mod fit;
 mod half_space;
 mod layer;
+mod pictures;
 mod shear;
 mod skin;

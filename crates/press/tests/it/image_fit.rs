@@ -8,87 +8,28 @@ use palpate_press::{
 use palpate_sensing::{Channel, GaussianError, Stream};
 use proptest::prelude::*;
 
+use crate::ideal::{Ideal, RADIUS, ROUGHLY, STDS};
+
 mod doubts;
 mod known;
 mod told;
 
-const RADIUS: f64 = 20.0;
 const CURVATURE: f64 = 1.0 / 80.0;
-/// Standard deviations of centroid, hue and logarithm of the size.
-const STDS: [f64; 4] = [0.01, 0.01, 1e-4, 4e-4];
-/// Standard deviations of what is known only roughly: depths of the discs, image's centre, pixels per radian.
-const ROUGHLY: [f64; 5] = [0.02, 0.02, 0.3, 0.3, 0.01];
 
-/// A camera that sees the middle between the discs, hue by how far they are apart, and size by how near they are.
-#[derive(Clone, Debug)]
-struct Ideal {
-    places: Vec<[f64; 2]>,
-}
-
-impl View for Ideal {
-    fn pictures(
-        &self,
-        sensor: &SensorState<'_>,
-        moved: &[[MarkerDisplacement; 2]],
-    ) -> Option<Vec<Option<[f64; 4]>>> {
-        let [magenta_deeper, yellow_deeper, x, y, scale] = sensor.common.try_into().ok()?;
-        let markers = self.places.iter().zip(moved).zip(sensor.misalignments);
-        let picture =
-            |((place, discs), misaligned): ((&[f64; 2], &[MarkerDisplacement; 2]), &[f64; 2])| {
-                let [magenta, yellow] = discs;
-                let along = |axis: usize| {
-                    let middle = 0.5 * (magenta.tangential[axis] + yellow.tangential[axis]);
-                    300.0
-                        * (1.0 + scale)
-                        * ((place[axis] + middle) / RADIUS + 0.5 * misaligned[axis])
-                };
-                let apart = |axis: usize| {
-                    misaligned[axis] + (yellow.tangential[axis] - magenta.tangential[axis]) / RADIUS
-                };
-                let near = [
-                    17.0 - magenta_deeper - magenta.normal,
-                    19.0 - yellow_deeper - yellow.normal,
-                ];
-                let nearness = libm::log(near[0] * near[1]);
-                let gap = near[1] - near[0];
-                Some([
-                    x + along(0),
-                    -y - along(1),
-                    (0.95 + 0.02 * gap + 0.3 * apart(0) + 0.2 * apart(1)).rem_euclid(1.0),
-                    6.0 - nearness,
-                ])
-            };
-        Some(markers.map(picture).collect())
-    }
+fn ideal() -> Ideal {
+    Ideal::new(1.0)
 }
 
 fn places() -> Vec<[f64; 2]> {
-    (0..81)
-        .map(|i| [2.0 * f64::from(i % 9 - 4), 2.0 * f64::from(i / 9 - 4)])
-        .collect()
+    ideal().places
 }
 
 fn bodies(layer: Option<f64>, deeper: f64) -> [Body; 2] {
-    [3.0, 1.0].map(|depth| {
-        match layer {
-            Some(thickness) => Body::bonded_layer(thickness, depth + deeper),
-            None => Body::half_space(0.5, depth + deeper),
-        }
-        .unwrap()
-    })
+    ideal().bodies(layer, [deeper; 2])
 }
 
 fn fit(layer: Option<f64>, common_stds: [f64; 5]) -> ImageFit<Ideal> {
-    ImageFit {
-        view: Ideal { places: places() },
-        markers: Markers::new(Skin::new(RADIUS).unwrap(), &places()).unwrap(),
-        bodies: bodies(layer, 0.0),
-        deeper: Some((0.02, bodies(layer, 0.02))),
-        common_stds: common_stds.to_vec(),
-        told: None,
-        misalignment_std: 0.02,
-        shift_std: 0.0,
-    }
+    ideal().fit(layer, common_stds)
 }
 
 /// The sensor as it truly is.
@@ -117,7 +58,7 @@ impl Truth {
             common: &self.common,
             misalignments: &self.misalignments,
         };
-        let pictures = Ideal { places: places() }.pictures(&state, moved).unwrap();
+        let pictures = ideal().pictures(&state, moved).unwrap();
         let mut noise = noise;
         let mut covariance = Matrix4::zeros();
         for number in 0..4 {

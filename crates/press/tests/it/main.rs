@@ -8,6 +8,7 @@ mod extremes;
 mod forward_fit;
 mod goodness;
 mod half_space;
+mod ideal;
 mod image_fit;
 mod refusals;
 mod sensor;

@@ -169,3 +169,40 @@ fn intervals_off_the_markers_hold_the_truth_or_are_refused() {
         );
     }
 }
+
+/// A thin layer moves only what is under the contact; a marker that slips looks like a needle under it.
+#[test]
+fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
+    let (markers, std) = (published(), 0.03);
+    let body = Body::bonded_layer(4.0, DEPTH).unwrap();
+    let fit = ForwardFit {
+        normal_std: Some(std),
+        ..ForwardFit::new(body.clone())
+    };
+    let contact = markers.skin().contact(&body, 0.15, 0.6).unwrap();
+    let pressed = Readings::of(&markers, &contact, at(23.8, 45.0));
+    let felt = pressed.normal.iter().filter(|normal| **normal > std);
+    assert_eq!(felt.count(), 1);
+    let mut slipped = pressed.clone();
+    slipped.normal.fill(0.0);
+    slipped.normal[7] = 0.5;
+    // Of 40 presses, how many only this marker shows, and in how many of these the interval holds the curvature.
+    let told = |readings: &Readings, marker: usize, curvature: f64| {
+        let (mut told, mut held) = (0, 0);
+        for trial in 0..40 {
+            let found = fit.estimate(&readings.noisy(std, trial).reading(&markers, None));
+            if let Ok(found) = found
+                && found.only_marker == Some(marker)
+            {
+                told += 1;
+                held += u32::from(found.relative_curvature.interval.holds(curvature));
+            }
+        }
+        (told, held)
+    };
+    let under = pressed.normal.iter().position(|normal| *normal > std);
+    let (of_press, held) = told(&pressed, under.unwrap(), 0.15 + 1.0 / RADIUS);
+    assert!(of_press >= 36 && held >= 33, "{held} of {of_press}");
+    let (of_slip, _) = told(&slipped, 7, 0.0);
+    assert!(of_slip >= 36, "{of_slip}");
+}

@@ -127,6 +127,9 @@ pub fn estimate_press(
         stated.and_then(|(_, warning)| warning),
         left_out,
         (!estimate.is_seen).then(|| stated::UNSEEN.to_owned()),
+        estimate
+            .only_marker
+            .map(|marker| stated::alone(marker, &recorded.origin)),
     ]
     .into_iter()
     .flatten()
@@ -360,7 +363,7 @@ fn refused_for(
             let indentation = wording.with("indentation", "D");
             format!("{error}; give the indentation with {indentation} if it is known")
         }
-        PressError::NoContact { .. } | PressError::OneMarker { .. } if stand_out(recorded) => {
+        PressError::NoContact { .. } if stand_out(recorded) => {
             format!(
                 "{error}; but some markers moved much more than the others: are the method, the thickness, the depth of the markers and the indentation those of the sensor?"
             )
@@ -373,9 +376,9 @@ fn refused_for(
         .fold(message, |message, more| format!("{message}; {more}"));
     let message = explained(message, error.name());
     match error {
-        PressError::NotFinite { marker }
-        | PressError::OffSkin { marker, .. }
-        | PressError::OneMarker { marker, .. } => origin.fail_at(*marker, message),
+        PressError::NotFinite { marker } | PressError::OffSkin { marker, .. } => {
+            origin.fail_at(*marker, message)
+        }
         _ => origin.fail(message),
     }
 }

@@ -1,5 +1,7 @@
 //! Warnings where something that a user states does not agree with the readings.
 
+use std::fmt::Display;
+
 use palpate_number::Number;
 use palpate_press::{Doubt, Measured, PressError, PressEstimate};
 
@@ -52,8 +54,11 @@ pub(super) fn contradiction(
     unit: &str,
 ) -> Option<String> {
     let found = match alone {
+        Ok(estimate) if estimate.only_marker.is_some() => {
+            return Some(unchecked("only one marker moved"));
+        }
         Ok(estimate) => estimate.indentation,
-        Err(error) => return Some(unchecked(&error)),
+        Err(error) => return Some(unchecked(error)),
     };
     let off = (told.value - found.value).abs() / libm::hypot(told.std, found.std);
     if off <= APART {
@@ -70,8 +75,8 @@ pub(super) fn contradiction(
     ))
 }
 
-fn unchecked(error: &PressError) -> String {
-    format!("the readings alone tell no indentation, so the stated one cannot be checked: {error}")
+fn unchecked(why: impl Display) -> String {
+    format!("the readings alone tell no indentation, so the stated one cannot be checked: {why}")
 }
 
 /// The warning of markers that were left out as wrong; `distances` are those of all markers from the contact, and
@@ -115,6 +120,20 @@ pub(super) fn left_out(
 /// The warning where only the stated indentation says that there is a contact.
 pub(super) const UNSEEN: &str = "the displacements do not show a contact of themselves: the interval is that of all objects that they leave to one of the stated indentation somewhere on the markers, whose place is not known";
 
+/// The warning where one marker alone shows the contact.
+pub(super) fn alone(marker: usize, origin: &Origin) -> String {
+    let row = row(marker, origin);
+    format!(
+        "only the marker of {row} moved: it is wrong, or the object presses where no other marker feels it"
+    )
+}
+
+fn row(marker: usize, origin: &Origin) -> String {
+    let line = origin.line(marker);
+    let line = line.map_or(String::new(), |line| format!(", line {line}"));
+    format!("row {}{line}", marker + 1)
+}
+
 /// Warnings of doubts; the one about the indentation is left to the warning that says by how much it is off, the one about
 /// large residuals to that about the noise.
 pub(super) fn doubts(
@@ -126,11 +145,9 @@ pub(super) fn doubts(
         Doubt::OtherIndentation { .. } if is_contradicted => None,
         Doubt::LargeResiduals { .. } => None,
         Doubt::SlippedMarker { marker, .. } => {
-            let line = origin.line(*marker);
-            let line = line.map_or(String::new(), |line| format!(", line {line}"));
+            let row = row(*marker, origin);
             Some(format!(
-                "the marker of row {}{line} contradicts the others, by too little to be left out",
-                marker + 1
+                "the marker of {row} contradicts the others, by too little to be left out"
             ))
         }
         _ => Some(doubt.to_string()),

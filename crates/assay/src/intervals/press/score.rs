@@ -1,6 +1,5 @@
 //! How often intervals of presses hold, and how wide they are.
 
-use std::collections::BTreeSet;
 use std::fmt;
 
 use anyhow::Result;
@@ -21,9 +20,11 @@ pub struct Score {
     pub scenes: usize,
     /// Share of trials whose readings show a contact of themselves; false alarms where nothing touches.
     pub seen: f64,
+    /// Largest share of trials in which any test with 5 % false alarms could see the contact.
+    pub detectable: f64,
     /// Share of trials that gave no interval; a miss of each.
     pub failed: f64,
-    /// Names of what went wrong in them.
+    /// Names of what went wrong in them, with the share of trials that each did.
     pub failures: String,
     /// Share of intervals of 50 % that hold the truth.
     pub coverage50: f64,
@@ -64,8 +65,9 @@ pub(super) struct Tally {
     /// Intervals with no, one and two ends.
     ends: [f64; 3],
     widths: Vec<f64>,
-    failures: BTreeSet<&'static str>,
+    failures: Doubts,
     seen: f64,
+    detectable: f64,
     refused: f64,
     doubts: Doubts,
 }
@@ -89,6 +91,7 @@ impl Tally {
 pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
     let mut tally = Tally::default();
     tally.sums.asked = trials as f64;
+    tally.detectable = case.readings.detectable(case.std, ALARMS);
     for trial in 0..trials {
         let readings = case.readings.noisy(case.std, case.seed, trial);
         let mut stream = Stream::new(case.seed, trial, Channel::Indentation);
@@ -100,7 +103,7 @@ pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
         let estimate = match case.fit.estimate(&reading) {
             Ok(estimate) => estimate,
             Err(error) => {
-                tally.failures.insert(error.name());
+                tally.failures.add(std::iter::once(error.name()));
                 tally.refused += f64::from(u8::from(matches!(error, PressError::OtherBody { .. })));
                 continue;
             }
@@ -137,7 +140,7 @@ impl Score {
         let ends = |count: usize| mean(&|one| one.ends[count] / one.sums.asked);
         let mut widths: Vec<f64> = scenes.iter().flat_map(|one| one.widths.clone()).collect();
         widths.sort_by(f64::total_cmp);
-        let failures: BTreeSet<&str> = scenes.iter().flat_map(|one| one.failures.clone()).collect();
+        let asked = scenes.iter().map(|one| one.sums.asked).sum();
         let lowest = scenes.iter().map(|one| one.sums.coverage(2));
         let told: Vec<Scene> = scenes
             .iter()
@@ -152,8 +155,9 @@ impl Score {
             family: family.name(),
             scenes: scenes.len(),
             seen: mean(&|one| one.seen / one.sums.asked),
+            detectable: mean(&|one| one.detectable),
             failed: mean(&|one| 1.0 - one.sums.stated / one.sums.asked),
-            failures: failures.into_iter().collect::<Vec<_>>().join(" "),
+            failures: words(scenes.iter().map(|one| &one.failures), asked),
             coverage50: mean(&|one| one.sums.coverage(0)),
             coverage80: mean(&|one| one.sums.coverage(1)),
             coverage95: mean(&|one| one.sums.coverage(2)),
@@ -190,11 +194,12 @@ impl fmt::Display for Score {
         let percent = |share: f64| 100.0 * share;
         write!(
             f,
-            "{}: seen {:.1} %, {:.1} % covered (50: {:.1}, 80: {:.1}), {:.0} % of scenes above 85 %, lowest {:.1} %, width {:.2}, closed \
+            "{}: seen {:.1} % (at most {:.1}), {:.1} % covered (50: {:.1}, 80: {:.1}), {:.0} % of scenes above 85 %, lowest {:.1} %, width {:.2}, closed \
              {:.1} %, one-sided {:.1} %, open {:.1} %, failed {:.1} % {}, doubted {:.1} % in {} scenes short, {:.1} % in {} \
              covered ({})",
             self.family,
             percent(self.seen),
+            percent(self.detectable),
             percent(self.coverage95),
             percent(self.coverage50),
             percent(self.coverage80),

@@ -176,7 +176,7 @@ fn bounds(std: f64) -> Option<Answer> {
     Some(Answer::all_near(found.into_iter().zip(bounds_of(1.0).unwrap())).within(EXACT))
 }
 
-fn numbers(found: &PressEstimate) -> Vec<f64> {
+pub(super) fn numbers(found: &PressEstimate) -> Vec<f64> {
     let estimates = [
         found.relative_curvature,
         found.object_curvature(),

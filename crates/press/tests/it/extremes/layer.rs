@@ -1,7 +1,7 @@
 //! Bonded layers, from contacts much narrower than they are thick to the widest that are solved.
 
 use palpate_press::{Body, BondedLayer, PressError};
-use palpate_verdict::{Answer, rows};
+use palpate_verdict::{Answer, NO_LENGTHS, rows};
 
 const NEW: &str = "press::BondedLayer::new";
 const CONTACT: &str = "press::BondedLayer::contact";
@@ -9,6 +9,10 @@ const RADIUS: &str = "press::BondedLayer::contact_radius";
 const INDENTATION: &str = "press::BondedLayer::indentation_of";
 const FIELD: &str = "press::LayerContact::field";
 const PRESS: &str = "press::Body::press";
+const AT_DEPTHS: &str = "press::BondedLayer::at_depths";
+const LAYERS: &str = "press::Body::bonded_layers";
+/// Depths that are made together, in thicknesses.
+const DEPTHS: [f64; 3] = [0.0, 0.4, 1.0];
 /// Thicknesses, length.
 const THICKNESSES: [f64; 5] = [1e-40, 1e-6, 1.0, 1e6, 1e40];
 /// Radii of the contact, in thicknesses.
@@ -53,6 +57,19 @@ rows! {
     PRESS, "layer of thickness 1e-6, indentation as much", "too-deep" => pressed(1.0, 1e-6);
     PRESS, "layer of thickness 1e-6, relative curvature 1e-9, indentation 1e-9", "layer-too-thin" =>
         pressed(1e-9, 1e-9);
+    AT_DEPTHS, "thickness {thickness:e}, depths 0 to all of it: as each alone" => together(thickness),
+        for thickness in [1e-40, 1e40];
+    LAYERS, "thickness {thickness:e}, depths 0 to all of it: as each alone" => bodies_together(thickness),
+        for thickness in [1e-40, 1e40];
+    AT_DEPTHS, "thickness {thickness:e}, no depths: no layers" =>
+        BondedLayer::at_depths(thickness, &[]).map(|layers| Answer::holds(layers.is_empty())),
+        for thickness in THICKNESSES;
+    AT_DEPTHS, "thickness {thickness:e}, depths 0 and {depth:e}", "bad-setting" =>
+        BondedLayer::at_depths(thickness, &[0.0, depth]), for (thickness, depth) in NO_LAYERS;
+    LAYERS, "thickness {thickness:e}, depths 0 and {depth:e}", "bad-setting" =>
+        Body::bonded_layers(thickness, &[0.0, depth]), for (thickness, depth) in NO_LAYERS;
+    LAYERS, "thickness {thickness:e}, no depths", "bad-setting" => Body::bonded_layers(thickness, &[]),
+        for thickness in NO_LENGTHS;
 }
 
 fn layer(thickness: f64) -> BondedLayer {
@@ -131,4 +148,44 @@ fn extremely_narrow(a: f64) -> Result<Answer, PressError> {
         .also([contact.force(), contact.peak_pressure(), field.radial])
         .also([slope, field.normal, field.normal_per_a, field.normal_per_r])
         .within(1e-300))
+}
+
+/// Displacements under layers that are made together, with those under each made alone, over a²: of contacts half and
+/// thirteen times as wide as the layer is thick.
+fn together(thickness: f64) -> Result<Answer, PressError> {
+    let depths = DEPTHS.map(|share| share * thickness);
+    let mut pairs = Vec::new();
+    for (one, depth) in BondedLayer::at_depths(thickness, &depths)?
+        .iter()
+        .zip(depths)
+    {
+        let alone = BondedLayer::new(thickness, depth)?;
+        for a in [0.5, 13.0].map(|ratio| ratio * thickness) {
+            let [one, alone] = [one.contact(a)?, alone.contact(a)?];
+            for r in [0.0, 0.5, 1.0, 2.0].map(|share| share * a) {
+                let [one, alone] = [one.field(r), alone.field(r)];
+                pairs.push((one.normal / a / a, alone.normal / a / a));
+                pairs.push((one.radial / a / a, alone.radial / a / a));
+            }
+        }
+    }
+    Ok(Answer::all_at_scale(pairs, 1.0))
+}
+
+/// Displacements of bodies made together, with those of each made alone, in thicknesses.
+fn bodies_together(thickness: f64) -> Result<Answer, PressError> {
+    let depths = DEPTHS.map(|share| share * thickness);
+    let mut pairs = Vec::new();
+    for (one, depth) in Body::bonded_layers(thickness, &depths)?.iter().zip(depths) {
+        let alone = Body::bonded_layer(thickness, depth)?;
+        let (curvature, indentation) = (0.1 / thickness, 0.05 * thickness);
+        let one = one.press(curvature, indentation)?;
+        let alone = alone.press(curvature, indentation)?;
+        for r in [0.0, 0.5, 1.0, 2.0].map(|share| share * thickness) {
+            let [one, alone] = [one.displacement(r), alone.displacement(r)];
+            pairs.push((one.normal / thickness, alone.normal / thickness));
+            pairs.push((one.radial / thickness, alone.radial / thickness));
+        }
+    }
+    Ok(Answer::all_at_scale(pairs, 1.0))
 }

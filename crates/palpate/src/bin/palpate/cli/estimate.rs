@@ -123,7 +123,7 @@ radii in case the object is convex and one in case it is concave, in which null 
 is what the interval leaves open: convex, concave, flat-within-noise or not-resolved.
 `wrong_markers` are the rows that contradict the others and were left out. `contact_seen` is false where
 only the stated indentation says that there is a contact: the interval is then that of all objects that the readings
-leave. `doubts` are the ways in which the readings contradict the model, each with its p-value:
+leave; where one marker alone shows it, a warning names that marker. `doubts` are the ways in which the readings contradict the model, each with its p-value:
 large-residuals, other-body, not-round, other-indentation, slipped-marker; 1 press in 200 has each by chance,
 and 1 in 50 one of the middle three by all that they tell together.
 

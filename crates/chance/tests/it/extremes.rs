@@ -1,0 +1,3 @@
+//! Probabilities from certain to impossible, degrees of freedom from none to more than can be counted.
+
+mod tails;

@@ -1,0 +1,3 @@
+//! Tails of distributions against closed forms.
+
+mod extremes;
