@@ -1,6 +1,7 @@
 //! Random presses whose displacements are read directly, and how many of the objects' curvatures are within the intervals
 //! that the fit states: seen well and barely, where nothing touches, and where the readings are not what the fit believes.
 
+mod best_test;
 mod case;
 mod readings;
 mod score;

@@ -6,6 +6,7 @@ use palpate_press::{Body, ForwardFit, Markers, Measured, Skin};
 use palpate_sensing::Channel;
 
 use super::super::draws::Draws;
+use super::best_test::BestTest;
 use super::readings::{Flaw, Readings};
 
 /// Radius of the sensor, and depth of its markers, mm.
@@ -22,6 +23,10 @@ const NOISES: [f64; 2] = [0.01, 0.1];
 const INDENTATION_STD: f64 = 0.04;
 /// Cramér–Rao standard deviations of faint presses, in curvatures of the sensor.
 const FAINT: [f64; 2] = [0.3, 1.0];
+/// Largest share of false alarms.
+pub(super) const ALARMS: f64 = 0.05;
+/// Number of presses in whose mean a test is the best.
+const OTHERS: u64 = 1000;
 /// Smallest and largest thickness of layers, mm.
 pub(super) const THICKNESSES: [f64; 2] = [4.0, 20.0];
 
@@ -183,10 +188,33 @@ impl Family {
     }
 }
 
+/// A press as all families draw it.
+struct Press {
+    /// Relative curvature, per mm.
+    curvature: f64,
+    indentation: f64,
+    at: [f64; 2],
+}
+
+impl Press {
+    fn random(draws: &mut Draws) -> Self {
+        let curvature = draws.log_between(CURVATURES);
+        let indentation = draws.between(INDENTATIONS);
+        let polar = draws.between(POLAR_ANGLES).to_radians();
+        let (sine, cosine) = libm::sincos(draws.between([0.0, std::f64::consts::TAU]));
+        Self {
+            curvature,
+            indentation,
+            at: [cosine, sine].map(|along| RADIUS * polar * along),
+        }
+    }
+}
+
 /// A press of a family.
 pub(super) struct Case {
     pub(super) markers: Markers,
     pub(super) readings: Readings,
+    pub(super) best_test: BestTest,
     pub(super) fit: ForwardFit,
     /// Relative curvature, per mm.
     pub(super) relative_curvature: f64,
@@ -203,10 +231,11 @@ impl Case {
     /// None that a family makes.
     pub(super) fn random(family: Family, seed: u64, number: u64) -> Result<Self> {
         let mut draws = Draws::new(seed, number, Channel::PadOffset);
-        let curvature = draws.log_between(CURVATURES);
-        let indentation = draws.between(INDENTATIONS);
-        let polar = draws.between(POLAR_ANGLES).to_radians();
-        let azimuth = draws.between([0.0, std::f64::consts::TAU]);
+        let Press {
+            curvature,
+            indentation,
+            at,
+        } = Press::random(&mut draws);
         let noise = draws.log_between(NOISES);
         let faint = draws.log_between(FAINT);
         let thickness = draws.log_between(THICKNESSES);
@@ -219,8 +248,6 @@ impl Case {
         let markers = Markers::new(skin, &places)?;
         let pressed = body(family.pressed)?;
         let contact = skin.contact(&pressed, curvature - 1.0 / RADIUS, indentation)?;
-        let (sine, cosine) = libm::sincos(azimuth);
-        let at = [cosine, sine].map(|along| RADIUS * polar * along);
         let mut fit = ForwardFit::new(body(family.believed.unwrap_or(family.pressed))?);
         let mut known = Draws::new(seed, number, Channel::Indentation);
         let known = known.between([-INDENTATION_STD, INDENTATION_STD]).max(0.0);
@@ -247,7 +274,24 @@ impl Case {
             Seen::Nothing => Readings::of_nothing(&markers),
             _ => Readings::of(&markers, &contact, at, family.flaw, &mut draws),
         };
+        let others = (0..OTHERS).map(|other| {
+            let mut draws = Draws::new(seed.wrapping_add(number), other, Channel::Position);
+            let press = Press::random(&mut draws);
+            let indentation = known.map_or(press.indentation, |_| indentation);
+            let contact = skin.contact(&pressed, press.curvature - 1.0 / RADIUS, indentation)?;
+            let read = Readings::of(&markers, &contact, press.at, Flaw::None, &mut draws);
+            Ok(read.reading_along(family.reads_along))
+        });
+        let nothing = Readings::of_nothing(&markers).reading_along(family.reads_along);
+        let best_test = BestTest::new(
+            &others.collect::<Result<Vec<_>>>()?,
+            &nothing,
+            std,
+            ALARMS,
+            seed,
+        );
         Ok(Self {
+            best_test,
             readings: readings.reading_along(family.reads_along),
             markers,
             fit,

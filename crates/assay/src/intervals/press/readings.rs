@@ -1,6 +1,5 @@
 //! Readings of a press, with flaws that they may have.
 
-use palpate_chance::{normal_tail, score_of_tail};
 use palpate_press::{Contact, Markers, Measured, Reading};
 use palpate_sensing::{Channel, Stream};
 
@@ -101,12 +100,10 @@ impl Readings {
         }
     }
 
-    /// Largest share of trials in which a test can tell these readings, with noise, from those of no contact: Neyman and
-    /// Pearson's, to which the press and its place are known, with this share of false alarms.
-    pub(super) fn detectable(&self, std: f64, false_alarms: f64) -> f64 {
+    /// All that is read, mm.
+    pub(super) fn all(&self) -> impl Iterator<Item = f64> {
         let along = self.tangential.iter().flatten().flatten();
-        let squares = self.normal.iter().chain(along).map(|moved| moved * moved);
-        normal_tail(score_of_tail(false_alarms) - squares.sum::<f64>().sqrt() / std)
+        self.normal.iter().chain(along).copied()
     }
 
     /// These readings with the noise of a trial.
@@ -192,18 +189,6 @@ mod tests {
         let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
         let mut draws = Draws::new(3, number, Channel::PadOffset);
         Readings::of(markers, &contact, [0.0; 2], flaw, &mut draws)
-    }
-
-    #[test]
-    fn nothing_is_detected_at_the_rate_of_false_alarms() {
-        let markers = markers();
-        let nothing = Readings::of_nothing(&markers).detectable(0.1, 0.05);
-        assert!((nothing - 0.05).abs() < 1e-12, "{nothing}");
-        // Displacements of 1.645 noise altogether are seen every other time.
-        let readings = readings(&markers, Flaw::None, 0).reading_along(false);
-        let size = readings.normal.iter().map(|one| one * one).sum::<f64>();
-        let every_other = readings.detectable(size.sqrt() / 1.644_853_626_951_472_2, 0.05);
-        assert!((every_other - 0.5).abs() < 1e-9, "{every_other}");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::super::doubted::{Doubts, Scene, Shares, words};
 use super::super::sums::{HOLDS, Sums, within};
-use super::case::{Case, Family, RADIUS};
+use super::case::{ALARMS, Case, Family, RADIUS};
 
 /// How often the intervals of a family hold, over all its scenes. Lengths are mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -20,7 +20,7 @@ pub struct Score {
     pub scenes: usize,
     /// Share of trials whose readings show a contact of themselves; false alarms where nothing touches.
     pub seen: f64,
-    /// Largest share of trials in which any test with 5 % false alarms could see the contact.
+    /// Share of trials in which the best test with 5 % false alarms sees the contact, to which its place is unknown.
     pub detectable: f64,
     /// Share of trials that gave no interval; a miss of each.
     pub failed: f64,
@@ -91,7 +91,6 @@ impl Tally {
 pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
     let mut tally = Tally::default();
     tally.sums.asked = trials as f64;
-    tally.detectable = case.readings.detectable(case.std, ALARMS);
     for trial in 0..trials {
         let readings = case.readings.noisy(case.std, case.seed, trial);
         let mut stream = Stream::new(case.seed, trial, Channel::Indentation);
@@ -99,6 +98,7 @@ pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
             value: known.value + known.std * stream.standard_normal(),
             ..known
         });
+        tally.detectable += f64::from(u8::from(case.best_test.sees(&readings)));
         let reading = readings.reading(&case.markers, indentation);
         let estimate = match case.fit.estimate(&reading) {
             Ok(estimate) => estimate,
@@ -128,8 +128,6 @@ pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
 /// Limits of the coverage of intervals of 95 %.
 const SEEN: [f64; 2] = [0.92, 0.97];
 const FAINT: [f64; 2] = [0.92, 0.98];
-/// Largest share of false alarms.
-const ALARMS: f64 = 0.05;
 
 impl Score {
     /// The score of a family from its scenes.
@@ -155,7 +153,7 @@ impl Score {
             family: family.name(),
             scenes: scenes.len(),
             seen: mean(&|one| one.seen / one.sums.asked),
-            detectable: mean(&|one| one.detectable),
+            detectable: mean(&|one| one.detectable / one.sums.asked),
             failed: mean(&|one| 1.0 - one.sums.stated / one.sums.asked),
             failures: words(scenes.iter().map(|one| &one.failures), asked),
             coverage50: mean(&|one| one.sums.coverage(0)),
