@@ -157,6 +157,15 @@ pub enum PressError {
         /// Number of markers that may be wrong.
         most: usize,
     },
+    /// A marker was seen at rest where the sensor that the others tell hides it from the camera.
+    #[error(
+        "marker {marker} (counting from 0) was seen at rest, but no camera that the others allow sees it; the layout or the \
+         camera is another"
+    )]
+    HiddenMarker {
+        /// Number of the first such marker.
+        marker: usize,
+    },
     /// The readings do not determine the unknowns.
     #[error("the readings do not determine the press: {what}")]
     Undetermined {

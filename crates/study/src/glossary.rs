@@ -166,6 +166,7 @@ subjects! {
         "off-markers": "The contact that would explain the readings lies away from all markers.";
         "contradicting-press": "Markers of a press that calibrates a camera sensor contradict its frame at rest and the other presses, more than one in eight: its object, place or indentation is another.";
         "contradicting-rest": "Markers at rest contradict the presses that calibrate a camera sensor, more than one in eight: the frame is of another sensor.";
+        "hidden-marker": "A marker was seen in the frame at rest where no camera like the one that is meant sees it: the layout or the camera is another.";
     }
     "Failures of cameras and frames" {
         "folded-lens": "With its odd terms the lens would show angles within its field twice.";

@@ -68,7 +68,8 @@ impl<V: View> ImageFit<V> {
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`] for what is given; [`PressError::TooFewMarkers`] without
-    /// a marker; [`PressError::OutOfRange`] where there is no such sensor.
+    /// a marker; [`PressError::HiddenMarker`] where one that was seen should be out of sight; [`PressError::OutOfRange`] where
+    /// there is no such sensor.
     pub fn at_rest(&self, seen: &[Option<Seen>]) -> Result<Rest, PressError> {
         self.calibrated(seen, &[])
     }

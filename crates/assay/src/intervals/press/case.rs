@@ -1,6 +1,7 @@
 //! Presses, and what the fit believes of them.
 
 use anyhow::Result;
+use palpate_chance::{normal_tail, score_of_tail};
 use palpate_chromatouch::Layout;
 use palpate_press::{Body, ForwardFit, Markers, Measured, Skin};
 use palpate_sensing::Channel;
@@ -302,6 +303,26 @@ impl Case {
             }),
             std,
             seed: seed.wrapping_mul(1000).wrapping_add(number),
+        })
+    }
+}
+
+impl Case {
+    /// Largest share of trials in which a test with 5 % of false alarms could tell the readings from those of any press that the
+    /// fit believes in: Neyman and Pearson's, against the press that is nearest to them. 1 where none is near.
+    pub(super) fn tellable(&self) -> f64 {
+        let fit = ForwardFit {
+            normal_std: Some(self.std),
+            tangential_std: Some(self.std),
+            ..self.fit.clone()
+        };
+        let nearest = fit.estimate(&self.readings.reading(&self.markers, self.indentation));
+        let distance = match nearest {
+            Ok(nearest) if nearest.wrong_markers.is_empty() => nearest.goodness,
+            _ => None,
+        };
+        distance.map_or(1.0, |squares| {
+            normal_tail(score_of_tail(ALARMS) - squares.chi_squared.sqrt())
         })
     }
 }

@@ -52,6 +52,9 @@ pub struct Score {
     pub scenes_covered: usize,
     /// Share of doubted estimates in these.
     pub doubted_where_covered: f64,
+    /// Mean over the former scenes of the largest share of trials in which a test with 5 % of false alarms could tell the
+    /// readings from those of any press that the fit believes in.
+    pub tellable_where_short: f64,
     /// Names of the doubts, with the share of estimates that have each.
     pub doubts: String,
     /// Whether the figures are within the limits; `None` where none are set.
@@ -68,6 +71,7 @@ pub(super) struct Tally {
     failures: Doubts,
     seen: f64,
     detectable: f64,
+    tellable: f64,
     refused: f64,
     doubts: Doubts,
 }
@@ -91,6 +95,7 @@ impl Tally {
 pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
     let mut tally = Tally::default();
     tally.sums.asked = trials as f64;
+    tally.tellable = case.tellable();
     for trial in 0..trials {
         let readings = case.readings.noisy(case.std, case.seed, trial);
         let mut stream = Stream::new(case.seed, trial, Channel::Indentation);
@@ -148,6 +153,8 @@ impl Score {
             })
             .collect();
         let shares = Shares::of(&told);
+        let short = scenes.iter().filter(|one| one.coverage_of_stated() < HOLDS);
+        let tellable = short.map(|one| one.tellable).sum::<f64>() / shares.short.0 as f64;
         let stated = scenes.iter().map(|one| one.sums.stated).sum();
         let score = Self {
             family: family.name(),
@@ -169,6 +176,7 @@ impl Score {
             doubted_where_short: shares.short.1,
             scenes_covered: shares.covered.0,
             doubted_where_covered: shares.covered.1,
+            tellable_where_short: tellable,
             doubts: words(scenes.iter().map(|one| &one.doubts), stated),
             is_within_limits: None,
         };
@@ -193,8 +201,8 @@ impl fmt::Display for Score {
         write!(
             f,
             "{}: seen {:.1} % (at most {:.1}), {:.1} % covered (50: {:.1}, 80: {:.1}), {:.0} % of scenes above 85 %, lowest {:.1} %, width {:.2}, closed \
-             {:.1} %, one-sided {:.1} %, open {:.1} %, failed {:.1} % {}, doubted {:.1} % in {} scenes short, {:.1} % in {} \
-             covered ({})",
+             {:.1} %, one-sided {:.1} %, open {:.1} %, failed {:.1} % {}, doubted {:.1} % in {} scenes short (at most {:.1}), {:.1} % \
+             in {} covered ({})",
             self.family,
             percent(self.seen),
             percent(self.detectable),
@@ -211,6 +219,7 @@ impl fmt::Display for Score {
             self.failures,
             percent(self.doubted_where_short),
             self.scenes_short,
+            percent(self.tellable_where_short),
             percent(self.doubted_where_covered),
             self.scenes_covered,
             self.doubts,

@@ -2,8 +2,8 @@
 
 use nalgebra::Matrix4;
 use palpate_press::{
-    Doubt, ImageFit, MarkerDisplacement, Measured, PressError, PressEstimate, Rest, Seen,
-    SensorState, View,
+    Doubt, ImageFit, KnownPress, MarkerDisplacement, Measured, PressError, PressEstimate, Rest,
+    Seen, SensorState, View,
 };
 use palpate_verdict::{Answer, NOT_FINITE, rows};
 
@@ -12,6 +12,8 @@ use crate::ideal::{Ideal, RADIUS, ROUGHLY, STDS};
 
 const ESTIMATE: &str = "press::ImageFit::estimate";
 const AT_REST: &str = "press::ImageFit::at_rest";
+const CALIBRATED: &str = "press::ImageFit::calibrated";
+const BEYOND: &str = "press::ImageFit::beyond";
 const BOUND: &str = "press::ImageFit::std_bound";
 const DOUBTS: &str = "press::ImageFit::doubts";
 const MARKERS: usize = 81;
@@ -51,6 +53,16 @@ const NO_DEPTHS: [(f64, &str); 6] = [
     (RADIUS, "too-deep"),
     (0.0, "no-indentation"),
     (-1.0, "no-indentation"),
+];
+
+/// Indentations that no press that is known has.
+const NO_KNOWN_DEPTHS: [(f64, &str); 6] = [
+    (f64::NAN, "out-of-range"),
+    (f64::NEG_INFINITY, "out-of-range"),
+    (f64::INFINITY, "out-of-range"),
+    (-1.0, "out-of-range"),
+    (0.0, "no-indentation"),
+    (RADIUS, "too-deep"),
 ];
 
 rows! {
@@ -113,6 +125,34 @@ rows! {
         ImageFit { shift_std: bad, ..fit() }.at_rest(&PRESS.at_rest()), for bad in NO_STDS;
     AT_REST, "{count} departures of a camera that has 5", "out-of-range" =>
         ImageFit { common_stds: vec![0.01; count], ..fit() }.at_rest(&PRESS.at_rest()), for count in [0, 4, 6];
+    CALIBRATED, "unit {unit:e}, one press: departures of the image's centre and of pixels per radian" =>
+        calibrated(unit), for unit in UNITS;
+    CALIBRATED, "press of curvature {bad:e}", "bad-setting" => by(|press| press.relative_curvature = bad),
+        for bad in NOT_FINITE.into_iter().chain([0.0, -1.0, 1e51]);
+    CALIBRATED, "press at ({bad:e}, 0)", "out-of-range" => by(|press| press.at[0] = bad),
+        for bad in NOT_FINITE.into_iter().chain([1e51]);
+    CALIBRATED, "press of indentation {bad:e}", error => by(|press| press.indentation = bad),
+        for (bad, error) in NO_KNOWN_DEPTHS;
+    CALIBRATED, "press of {times} times its curvature", "contradicting-press" =>
+        by(|press| press.relative_curvature *= times), for times in [0.3, 0.5, 2.0];
+    CALIBRATED, "press of another place, {x} further", "contradicting-press" => by(|press| press.at[0] += x),
+        for x in [-1.0, 1.0, 5.0];
+    CALIBRATED, "number {place} of a press's picture is {bad:e}", "not-finite" => by(|press| press.seen = spoilt(place, bad)),
+        for bad in NO_READINGS, for place in 0..4;
+    CALIBRATED, "{count} readings of a press, 81 markers", "bad-setting" => by(|press| press.seen = vec![None; count]),
+        for count in [0, 80, 82];
+    CALIBRATED, "press of which {count} markers are seen: departures that are 0" =>
+        by(|press| press.seen = few(count)).map(|rest| none_of(&rest.common, 1e-6)), for count in [0, 1, 3];
+    BEYOND, "unit {unit:e}, sensor known {how}, pictures without error: none, in units" =>
+        beyond(&Press { unit, known, ..PRESS }, |_| ()), for unit in UNITS, for (how, known) in SENSORS;
+    BEYOND, "estimate whose curvature is {curvature:e}", error =>
+        beyond(&PRESS, |estimate| estimate.most_likely_curvature = curvature),
+        for (curvature, error) in [(0.0, "conforming"), (1e-9, "too-wide"), (f64::NAN, "out-of-range"), (-1.0, "out-of-range")];
+    BEYOND, "estimate whose indentation is {depth:e}", error =>
+        beyond(&PRESS, |estimate| estimate.indentation.value = depth),
+        for (depth, error) in NO_DEPTHS.into_iter().filter(|(depth, _)| depth.is_finite());
+    BEYOND, "estimate whose indentation is {bad:e}", "out-of-range" =>
+        beyond(&PRESS, |estimate| estimate.indentation.value = bad), for bad in NOT_FINITE;
     BOUND, "unit {unit:e}: in proportion to 1/unit" => bound_of_unit(unit), for unit in UNITS;
     BOUND, "stated errors of {stated:e} of the usual ones: in proportion to them" => bound_of(stated),
         for stated in [1e-9, 1e-3, 1e3, 1e9];
@@ -189,6 +229,10 @@ impl Press {
     }
 
     fn pressed(&self) -> Vec<Option<Seen>> {
+        self.seen(&EXACT, &self.moved())
+    }
+
+    fn moved(&self) -> Vec<[MarkerDisplacement; 2]> {
         let ideal = Ideal::new(self.unit);
         let (skin, markers) = (ideal.skin(), ideal.markers());
         let [magenta, yellow] = ideal.bodies(None, [0.0; 2]).map(|body| {
@@ -197,8 +241,17 @@ impl Press {
             let at = self.at.map(|along| along * self.unit);
             markers.displacements(&contact.unwrap(), at)
         });
-        let moved: Vec<_> = magenta.into_iter().zip(yellow).map(Into::into).collect();
-        self.seen(&EXACT, &moved)
+        magenta.into_iter().zip(yellow).map(Into::into).collect()
+    }
+
+    /// The press where all of it is known, before a sensor that departs so.
+    fn told(&self, common: &[f64; 5]) -> KnownPress {
+        KnownPress {
+            seen: self.seen(common, &self.moved()),
+            relative_curvature: self.relative_curvature(),
+            at: self.at.map(|along| along * self.unit),
+            indentation: self.depth * RADIUS * self.unit,
+        }
     }
 
     fn read(
@@ -288,26 +341,74 @@ fn given(value: f64, std: f64) -> Result<PressEstimate, PressError> {
     PRESS.read(&PRESS.pressed(), Some(Measured { value, std }))
 }
 
+/// Departures of a sensor: of the image's centre and of pixels per radian.
+const DEPARTED: [f64; 5] = [0.0, 0.0, 0.3, -0.2, 0.005];
+
 /// 81 markers leave the prior a share of 1e-5.
+fn departures(rest: &Rest) -> Answer {
+    let pairs = (2..5).map(|number| {
+        (
+            rest.common[number] / ROUGHLY[number],
+            DEPARTED[number] / ROUGHLY[number],
+        )
+    });
+    let answer = Answer::all_at_scale(pairs, 1.0).within(1e-4);
+    answer
+        .also(rest.misalignments.iter().copied().flatten())
+        .also([rest.chi_squared])
+}
+
 fn at_rest(unit: f64) -> Result<Answer, PressError> {
     let press = Press {
         unit,
         known: ROUGHLY,
         ..PRESS
     };
-    let truth = [0.0, 0.0, 0.3, -0.2, 0.005];
     let still = [[MarkerDisplacement::default(); 2]; MARKERS];
-    let rest = press.fit().at_rest(&press.seen(&truth, &still))?;
-    let pairs = (2..5).map(|number| {
-        (
-            rest.common[number] / ROUGHLY[number],
-            truth[number] / ROUGHLY[number],
-        )
+    let rest = press.fit().at_rest(&press.seen(&DEPARTED, &still))?;
+    Ok(departures(&rest))
+}
+
+fn calibrated(unit: f64) -> Result<Answer, PressError> {
+    let press = Press {
+        unit,
+        known: ROUGHLY,
+        ..PRESS
+    };
+    let still = [[MarkerDisplacement::default(); 2]; MARKERS];
+    let at_rest = press.seen(&DEPARTED, &still);
+    let rest = press.fit().calibrated(&at_rest, &[press.told(&DEPARTED)])?;
+    Ok(departures(&rest))
+}
+
+/// A sensor that is known roughly, by a press that is changed.
+fn by(change: impl Fn(&mut KnownPress)) -> Result<Rest, PressError> {
+    let mut told = PRESS.told(&EXACT);
+    change(&mut told);
+    let press = Press {
+        known: ROUGHLY,
+        ..PRESS
+    };
+    press.fit().calibrated(&PRESS.at_rest(), &[told])
+}
+
+/// Numbers that are to be 0.
+fn none_of(numbers: &[f64], within: f64) -> Answer {
+    let pairs = numbers.iter().map(|&number| (number, 0.0));
+    Answer::all_at_scale(pairs, 1.0).within(within)
+}
+
+/// What markers moved beyond a press, of an estimate of it that is changed; in units of length.
+fn beyond(press: &Press, change: impl Fn(&mut PressEstimate)) -> Result<Answer, PressError> {
+    let (rest, seen) = (press.rest(), press.pressed());
+    let mut estimate = press.read(&seen, None)?;
+    change(&mut estimate);
+    let beyond = press.fit().beyond(&rest, &seen, &estimate)?;
+    let numbers = beyond.into_iter().flatten().flat_map(|more| {
+        let [x, y] = more.tangential;
+        [more.normal, x, y].map(|along| along / press.unit)
     });
-    let answer = Answer::all_at_scale(pairs, 1.0).within(1e-4);
-    Ok(answer
-        .also(rest.misalignments.into_iter().flatten())
-        .also([rest.chi_squared]))
+    Ok(none_of(&numbers.collect::<Vec<_>>(), 1e-3))
 }
 
 fn bound(press: &Press, at: (f64, [f64; 2], f64)) -> Result<f64, PressError> {

@@ -258,6 +258,13 @@ fn a_reading_out_of_sight_is_left_out() {
 }
 
 #[test]
+fn a_reading_out_of_sight_is_named_without_presses() {
+    let (_, at_rest, _) = pressed(&[0.5]);
+    let error = partial(Some(30), 81).at_rest(&at_rest).map(|_| ());
+    assert_eq!(error, Err(PressError::HiddenMarker { marker: 30 }));
+}
+
+#[test]
 fn laws_of_another_number_of_markers_are_refused() {
     let (_, at_rest, presses) = pressed(&[0.5]);
     let rest = partial(None, 81).at_rest(&at_rest).unwrap();
