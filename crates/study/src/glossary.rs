@@ -161,7 +161,7 @@ subjects! {
         "too-wide": "The contact would be wider than the sensor.";
         "layer-too-thin": "The contact is so much wider than the layer is thick that its equations cannot be solved.";
         "too-few-markers": "Fewer readings of markers than unknowns.";
-        "no-contact": "All markers moved alike, or not beyond their noise: the best fit of a press explains them hardly better than none. A deeper press or less noise helps; of recorded readings, inward displacements are positive.";
+        "no-contact": "All markers moved alike, or not beyond their noise: the best fit of a press explains them hardly better than none. Where nothing touches, noise passes for a press in fewer than 5 of 100. A deeper press or less noise helps; of recorded readings, inward displacements are positive.";
         "other-body": "The markers moved, but not as a press moves the body that is fitted: its kind, its thickness or the depth of the markers is another. A failure where no press fits, a doubt where one fits badly.";
         "off-markers": "The contact that would explain the readings lies away from all markers.";
         "contradicting-press": "Markers of a press that calibrates a camera sensor contradict its frame at rest and the other presses, more than one in eight: its object, place or indentation is another.";
