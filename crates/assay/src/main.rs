@@ -127,8 +127,7 @@ struct Scenes {
     /// Number of scenes, of each case where there are several.
     #[arg(long, alias = "surfaces", default_value = "60", value_parser = at_least_one())]
     scenes: u64,
-    /// Trials of each scene; before a camera a tenth where the model is wrong or presses calibrate the sensor [default: 12 of
-    /// EP2 and glides, else 300]
+    /// Trials of each scene; before a camera a tenth where the model is wrong [default: 12 of EP2 and glides, else 300]
     #[arg(long, value_parser = at_least_one())]
     trials: Option<u64>,
     /// Only cases whose names hold each of these words.

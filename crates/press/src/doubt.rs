@@ -7,7 +7,7 @@ use strum::{IntoStaticStr, VariantNames};
 
 /// Way in which readings contradict the model of a press. Where the model holds each arises by chance in
 /// [`Doubt::LEVEL`] of all presses, and the likeliest of `OtherIndentation`, `OtherBody` and `NotRound` where these
-/// together are as unlikely as [`Doubt::LEVEL_OF_ALL`].
+/// together, or presses in a row as of an edge, are as unlikely as [`Doubt::LEVEL_OF_ALL`].
 ///
 /// A wrong gain of all displacements makes none of these where the indentation is fitted: no reading tells it from another
 /// curvature and indentation.
@@ -48,7 +48,8 @@ impl Doubt {
     /// Probability with which each doubt arises where the model holds.
     pub const LEVEL: f64 = palpate_chance::DOUBTED;
 
-    /// Probability by chance of all that depends on distance and direction together, below which the likeliest cause is told.
+    /// Probability by chance of all that depends on distance and direction together, or of presses in a row, below which the
+    /// likeliest cause is told.
     pub const LEVEL_OF_ALL: f64 = palpate_chance::DOUBTED_BY_ALL;
 
     /// The stable name.

@@ -2,30 +2,38 @@
 //!
 //! The answer is what the residuals have of a pattern, after the unknowns that were fitted have taken of it what they can.
 
-use std::f64::consts::FRAC_1_SQRT_2;
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector, Vector2, Vector3};
 use palpate_chance::{Explained, LEFT, doubted};
 
 use crate::markers::Sight;
-use crate::{Contact, Doubt, GoodnessOfFit, MarkerDisplacement};
+use crate::{Contact, Doubt, GoodnessOfFit};
 
-/// Patterns, in this order: what depends on the distance alone, on the direction, and on the indentation.
-pub(crate) const PATTERNS: usize = 8;
+/// Patterns, in this order: what depends on the distance alone, on the direction, what a row of contacts has in all directions,
+/// and what depends on the indentation.
+pub(crate) const PATTERNS: usize = 9;
 const BY_DISTANCE: std::ops::Range<usize> = 0..5;
 const BY_DIRECTION: std::ops::Range<usize> = 5..7;
+const WIDER: usize = 7;
 /// Pattern of an indentation that is taken for exact.
-pub(crate) const BY_INDENTATION: usize = 7;
+pub(crate) const BY_INDENTATION: usize = 8;
+
+/// Number of directions, of half a turn, in which contacts in a row are sought.
+const ROWS: usize = 60;
+
+/// Share of a pattern that the unknowns must leave for it to be looked for: what bends the model where the unknowns are known
+/// badly has as much of what they leave less of.
+const LEFT_OF_PATTERN: f64 = 0.1;
 
 pub(crate) type Patterns = SVector<f64, PATTERNS>;
 
-/// Directions along and across which contacts are longer, as angles from the bearing's first axis.
-const AXES: [[[f64; 2]; 2]; 2] = [
-    [[1.0, 0.0], [0.0, 1.0]],
-    [
-        [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
-        [-FRAC_1_SQRT_2, FRAC_1_SQRT_2],
-    ],
+/// Directions at 0, 45, 90 and 135 degrees from the bearing's first axis.
+const AXES: [[f64; 2]; 4] = [
+    [1.0, 0.0],
+    [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [0.0, 1.0],
+    [-FRAC_1_SQRT_2, FRAC_1_SQRT_2],
 ];
 
 /// Patterns of a marker's displacement by a contact, of any scale: inward, and along the axes at the marker.
@@ -39,37 +47,45 @@ pub(crate) fn patterns(contact: &Contact<'_>, sight: &Sight) -> [Patterns; 3] {
     radial[3] = field.radial;
     radial[4] = sight.distance * field.radial_per_r;
     let mut all = [normal, radial * sight.outward.x, radial * sight.outward.y];
-    for (pattern, axes) in BY_DIRECTION.zip(AXES) {
-        let longer = elongation(contact, sight, axes);
-        let [x, y] = longer.tangential;
-        for (all, longer) in all.iter_mut().zip([longer.normal, x, y]) {
-            all[pattern] = longer;
-        }
+    let here = at_shifted(contact, sight, Vector2::zeros());
+    let rows = AXES.map(|axis| {
+        let side = Vector2::from(axis) * contact.radius;
+        at_shifted(contact, sight, side) + at_shifted(contact, sight, -side) - 2.0 * here
+    });
+    for (component, all) in all.iter_mut().enumerate() {
+        let [along, oblique, across, other] = rows.map(|row| row[component]);
+        all[BY_DIRECTION.start] = along - across;
+        all[BY_DIRECTION.start + 1] = oblique - other;
+        all[WIDER] = 0.5 * (along + oblique + across + other);
     }
     all
 }
 
-/// Displacements by a contact that is longer along one axis than along the other, less those of a round one: by contacts one
-/// radius to either side along one, less those along the other.
-fn elongation(contact: &Contact<'_>, sight: &Sight, axes: [[f64; 2]; 2]) -> MarkerDisplacement {
-    let mut sum = MarkerDisplacement::default();
-    for (axis, sign) in axes.into_iter().zip([1.0, -1.0]) {
-        for side in [contact.radius, -contact.radius] {
-            let from = sight.bearing * sight.distance - Vector2::from(axis) * side;
-            let distance = from.norm();
-            let moved = contact.displacement(distance);
-            sum.normal += sign * moved.normal;
-            if distance > 0.0 {
-                // The marker's own axes are turned against the bearing's by as much as its outward direction is.
-                let along = [from.dot(&sight.bearing), sight.bearing.perp(&from)];
-                let [cosine, sine] = along.map(|one| one / distance);
-                let [x, y] = [sight.outward.x, sight.outward.y];
-                sum.tangential[0] += sign * moved.radial * (cosine * x - sine * y);
-                sum.tangential[1] += sign * moved.radial * (sine * x + cosine * y);
-            }
-        }
+/// Displacement, inward and along the axes at the marker, by the contact shifted by so much.
+fn at_shifted(contact: &Contact<'_>, sight: &Sight, by: Vector2<f64>) -> Vector3<f64> {
+    let from = sight.bearing * sight.distance - by;
+    let distance = from.norm();
+    let moved = contact.displacement(distance);
+    if distance == 0.0 {
+        return Vector3::new(moved.normal, 0.0, 0.0);
     }
-    sum
+    // The marker's own axes are turned against the bearing's by as much as its outward direction is.
+    let along = [from.dot(&sight.bearing), sight.bearing.perp(&from)];
+    let [cosine, sine] = along.map(|one| one / distance);
+    let [x, y] = [sight.outward.x, sight.outward.y];
+    let along = Vector2::new(cosine * x - sine * y, sine * x + cosine * y) * moved.radial;
+    Vector3::new(moved.normal, along.x, along.y)
+}
+
+/// Pattern of contacts in a row along a direction at this angle: to second order in their distance, what all directions have in
+/// common and a second harmonic.
+fn row_at(angle: f64) -> Patterns {
+    let (sine, cosine) = libm::sincos(2.0 * angle);
+    let mut weights = Patterns::zeros();
+    weights[BY_DIRECTION.start] = cosine;
+    weights[BY_DIRECTION.start + 1] = sine;
+    weights[WIDER] = 1.0;
+    weights
 }
 
 /// Noise that residuals are judged by.
@@ -129,17 +145,19 @@ pub(crate) struct Products<const UNKNOWNS: usize> {
 /// Share that residuals of a fit have of patterns.
 pub(crate) struct Score {
     found: Patterns,
-    /// Squares of the patterns, and products of what the unknowns leave of them.
-    squares: Patterns,
+    /// Products of the patterns, and of what the unknowns leave of them.
+    all: SMatrix<f64, PATTERNS, PATTERNS>,
     left: SMatrix<f64, PATTERNS, PATTERNS>,
     pub(crate) noise: Noise,
 }
 
 impl Score {
-    /// The score of a fit whose unknowns have this covariance.
+    /// The score of a fit whose unknowns have this covariance, and by which half of chi-squared has this gradient. It is zero but
+    /// where the best fit is at a limit of its unknowns; what lies beyond the limit is no share of the patterns (Neyman's C(α)).
     pub(crate) fn new<const UNKNOWNS: usize>(
         products: &Products<UNKNOWNS>,
         covariance: &SMatrix<f64, UNKNOWNS, UNKNOWNS>,
+        gradient: &SVector<f64, UNKNOWNS>,
         noise: Noise,
     ) -> Self {
         let Products {
@@ -147,23 +165,55 @@ impl Score {
             by_patterns,
             by_residuals,
         } = products;
+        let taken = by_slopes.transpose() * covariance;
         Self {
-            found: *by_residuals,
-            squares: by_patterns.diagonal(),
-            left: by_patterns - by_slopes.transpose() * covariance * by_slopes,
+            found: by_residuals + taken * gradient,
+            all: *by_patterns,
+            left: by_patterns - taken * by_slopes,
             noise,
         }
     }
 
     /// Probability by chance of as much of these patterns as the residuals have.
     pub(crate) fn pattern(&self, range: std::ops::Range<usize>) -> f64 {
-        let squares: Vec<f64> = range.clone().map(|one| self.squares[one]).collect();
+        let squares: Vec<f64> = range.clone().map(|one| self.all[(one, one)]).collect();
         let left = DMatrix::from_fn(range.len(), range.len(), |row, column| {
             self.left[(range.start + row, range.start + column)]
         });
         let found = DVector::from_fn(range.len(), |row, _| self.found[range.start + row]);
-        let explained = Explained::by(&squares, &left, &found, LEFT);
+        let explained = Explained::by(&squares, &left, &found, LEFT_OF_PATTERN);
         self.noise.chance(explained)
+    }
+
+    /// Probability by chance of as much of contacts in a row, of the direction that has most, as the residuals have: at most
+    /// that of the tube about the curve that the patterns of all directions make (Hotelling; Naiman where the noise is found).
+    /// `None` where the unknowns leave too little of what makes a row wider than a round contact.
+    fn rows(&self) -> Option<f64> {
+        let rows: [Patterns; ROWS] =
+            std::array::from_fn(|one| row_at(PI * one as f64 / ROWS as f64));
+        let is_left =
+            |row: &Patterns| self.left_of(row) > LEFT_OF_PATTERN * row.dot(&(self.all * row));
+        let wider = rows.iter().sum::<Patterns>();
+        if !is_left(&wider) || !rows.iter().all(is_left) {
+            return None;
+        }
+        let rows = rows.map(|row| row / self.left_of(&row).sqrt());
+        let (mut most, mut length) = (0.0_f64, 0.0);
+        for (row, last) in rows.iter().zip(rows.iter().cycle().skip(ROWS - 1)) {
+            most = most.max(row.dot(&self.found));
+            length += libm::acos(row.dot(&(self.left * last)).clamp(-1.0, 1.0));
+        }
+        // Where a closed curve nowhere comes out of the tube, its mean is in it too.
+        let mean = rows.iter().sum::<Patterns>() / ROWS as f64;
+        let chance = |fall, freedom| self.noise.chance(Explained { fall, freedom });
+        let squared = most * most;
+        let beside = 0.5 * chance(squared / self.left_of(&mean), 1);
+        Some((length / TAU * chance(squared, 2) + beside).min(1.0))
+    }
+
+    /// Square of what the unknowns leave of a sum of patterns.
+    fn left_of(&self, weights: &Patterns) -> f64 {
+        weights.dot(&(self.left * weights))
     }
 
     /// Doubts about the fit. `indentation` is the probability by chance of one that was fitted about the given one, `slipped`
@@ -192,6 +242,82 @@ impl Score {
             Doubt::LargeResiduals { p_value: large },
         ];
         let by_all = self.pattern(0..PATTERNS);
+        let by_all = self.rows().map_or(by_all, |rows| rows.min(by_all));
         doubted(&doubts, Doubt::p_value, 3, by_all)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use palpate_sensing::{Channel, Stream};
+
+    use super::*;
+
+    /// Numbers of both signs that no rule relates.
+    fn scattered(number: usize) -> f64 {
+        libm::sin(1.7 * (number * number) as f64 + 0.3)
+    }
+
+    #[test]
+    fn what_lies_beyond_a_limit_of_the_unknowns_is_no_pattern() {
+        const READINGS: usize = 20;
+        let slopes =
+            SMatrix::<f64, READINGS, 2>::from_fn(|row, column| scattered(2 * row + column));
+        let patterns = SMatrix::<f64, READINGS, PATTERNS>::from_fn(|row, column| {
+            scattered(90 + 9 * row + column)
+        });
+        // At a limit the residuals keep what the unknowns would take of them.
+        let residuals = slopes * SVector::from([40.0, -70.0]);
+        let products = Products {
+            by_slopes: slopes.tr_mul(&patterns),
+            by_patterns: patterns.tr_mul(&patterns),
+            by_residuals: patterns.tr_mul(&residuals),
+        };
+        let covariance = slopes.tr_mul(&slopes).try_inverse().unwrap();
+        let gradient = -slopes.tr_mul(&residuals);
+        let score = Score::new(&products, &covariance, &gradient, Noise::Stated);
+        assert!(score.pattern(0..PATTERNS) > 0.999_999);
+        let unheld = Score::new(&products, &covariance, &SVector::zeros(), Noise::Stated);
+        assert!(unheld.pattern(0..PATTERNS) < 1e-6);
+    }
+
+    /// Score of residuals that have as much of each pattern; the unknowns take of patterns by direction a share.
+    fn found(found: Patterns, taken: f64) -> Score {
+        let all = SMatrix::identity();
+        let mut left = all;
+        for one in BY_DIRECTION.start..=WIDER {
+            left[(one, one)] -= taken;
+        }
+        let noise = Noise::Stated;
+        Score {
+            found,
+            all,
+            left,
+            noise,
+        }
+    }
+
+    #[test]
+    fn rows_are_found_by_chance_as_often_as_said() {
+        const TRIALS: u64 = 20_000;
+        let mut told = 0.0;
+        for trial in 0..TRIALS {
+            let mut stream = Stream::new(2020, trial, Channel::Normal);
+            let noise = Patterns::from_fn(|_, _| 0.5_f64.sqrt() * stream.standard_normal());
+            let p_value = found(noise, 0.5).rows().unwrap();
+            told += f64::from(p_value < Doubt::LEVEL_OF_ALL) / TRIALS as f64;
+        }
+        // Four standard deviations of this count of trials.
+        assert!((told - Doubt::LEVEL_OF_ALL).abs() < 0.004, "{told}");
+    }
+
+    #[test]
+    fn a_row_tells_more_by_its_width_too() {
+        let row = row_at(1.1) * 2.4;
+        let along = found(row, 0.0);
+        assert!(along.rows().unwrap() < 0.3 * along.pattern(BY_DIRECTION));
+        let narrow = Patterns::from_fn(|one, _| if one == WIDER { -row[one] } else { row[one] });
+        assert!(found(narrow, 0.0).rows().unwrap() > along.pattern(BY_DIRECTION));
+        assert_eq!(found(row, 0.95).rows(), None);
     }
 }

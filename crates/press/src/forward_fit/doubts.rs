@@ -73,6 +73,7 @@ struct Test<'p, 'a> {
     problem: &'p Problem<'a>,
     state: &'p State,
     covariance: Square,
+    gradient: Unknowns,
     chi_squared: f64,
     freedom: usize,
 }
@@ -92,6 +93,7 @@ impl<'p, 'a> Test<'p, 'a> {
             problem,
             state,
             covariance,
+            gradient: sums.gradient,
             chi_squared: sums.chi_squared,
             freedom,
         }))
@@ -103,7 +105,7 @@ impl<'p, 'a> Test<'p, 'a> {
             freedom: self.freedom,
         };
         let noise = estimate.goodness.map_or(found, Noise::stated_or_found);
-        let score = Score::new(&self.products()?, &self.covariance, noise);
+        let score = Score::new(&self.products()?, &self.covariance, &self.gradient, noise);
         let slipped = self.slipped(&score.noise)?;
         Ok(score.doubts(
             self.indentation(&score.noise),

@@ -70,7 +70,8 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
 
     fn doubts(&self, goodness: GoodnessOfFit) -> Result<Vec<Doubt>, PressError> {
         let noise = Noise::stated_or_found(goodness);
-        let score = Score::new(&self.products()?, &self.covariance, noise);
+        let gradient = &self.best.sums.gradient;
+        let score = Score::new(&self.products()?, &self.covariance, gradient, noise);
         let slipped = self.slipped(&score.noise)?;
         Ok(score.doubts(self.indentation(&score.noise), slipped, goodness.p_value))
     }

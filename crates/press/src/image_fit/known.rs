@@ -29,7 +29,8 @@ impl<V: View> ImageFit<V> {
     /// or one of fewer: a marker that is left out at rest counts as one that is not seen there. Without presses none is left out.
     ///
     /// # Errors
-    /// Errors of [`ImageFit::at_rest`], but for [`PressError::HiddenMarker`] where there are presses, and of [`Body::press`](crate::Body::press) for a press that cannot be;
+    /// Errors of [`ImageFit::at_rest`], but for [`PressError::HiddenMarker`] where there are presses, and of
+    /// [`Body::press`](crate::Body::press) for a press that cannot be;
     /// [`PressError::ContradictingPress`] and [`PressError::ContradictingRest`] where more markers of a frame contradict.
     pub fn calibrated(
         &self,
@@ -55,13 +56,13 @@ impl<V: View> ImageFit<V> {
             frames.push(self.pressed(press)?);
         }
         if presses.is_empty() {
-            let rest = self.told_by(frames.clone())?;
+            let rest = self.told_by(frames)?;
             if rest.chi_squared.is_finite() {
                 return Ok(rest);
             }
-            let hidden = self.worst(&rest, &frames)?;
-            let marker = hidden.map_or(0, |(_, marker)| marker);
-            return Err(PressError::HiddenMarker { marker });
+            let hidden = self.worst(&rest, &rest.frames)?;
+            let named = |(_, marker)| PressError::HiddenMarker { marker };
+            return Err(hidden.map_or(PressError::OutOfRange, named));
         }
         self.agreeing(&frames)
     }

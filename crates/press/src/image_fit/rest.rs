@@ -30,7 +30,7 @@ pub struct Rest {
     /// Pictures at rest with their slopes, about the sensor by which both are told.
     pub(super) slopes: Arc<PictureSlopes>,
     /// The frames that tell it.
-    frames: Arc<[KnownFrame]>,
+    pub(super) frames: Arc<[KnownFrame]>,
 }
 
 impl Rest {

@@ -57,12 +57,11 @@ impl Family {
         matches!(self, Self::LayerForHalfSpace | Self::HalfSpaceForLayer)
     }
 
-    /// Trials of each scene, of those that are asked for: few tell whether a wrong model is doubted, and sensors that are
-    /// calibrated in every trial take long.
+    /// Trials of each scene, of those that are asked for: few tell whether a wrong model is doubted.
     pub(super) fn trials(self, asked: u64) -> u64 {
-        match self {
-            Self::Sound => asked,
-            _ => asked.div_ceil(FEWER),
+        match self.is_wrong() {
+            true => asked.div_ceil(FEWER),
+            false => asked,
         }
     }
 

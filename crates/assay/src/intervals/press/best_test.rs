@@ -9,7 +9,8 @@ const QUIET: u64 = 1000;
 
 /// Test of the likelihood of readings, in the mean over presses of a family, against that where nothing touches.
 ///
-/// With its share of false alarms no other sees more of the presses that the family draws (Neyman and Pearson, of the mixture).
+/// With its share of false alarms no other sees more of the presses that the family draws (Neyman and Pearson, of the mixture),
+/// but for what chance makes of a mean over so many of them and of a threshold by so many draws.
 pub(super) struct BestTest {
     /// Readings without noise over the noise, a row for each press.
     presses: DMatrix<f64>,
@@ -104,6 +105,10 @@ mod tests {
             let (std, press) = (size / scores, at([0.0; 2]));
             let expected = normal_tail(score_of_tail(ALARMS) - scores);
             let known = BestTest::new(&[at([0.0; 2])], &nothing, std, ALARMS, 1);
+            let own = 0.5 * scores * scores;
+            assert!((known.evidence(&press) - own).abs() < 1e-9);
+            let twice = BestTest::new(&[at([0.0; 2]), at([0.0; 2])], &nothing, std, ALARMS, 1);
+            assert!((twice.evidence(&press) - own - std::f64::consts::LN_2).abs() < 1e-9);
             let share = seen(&known, &press);
             assert!((share - expected).abs() < 0.04, "{share} for {expected}");
             // False alarms as many as are allowed, and fewer presses where their place is unknown.

@@ -403,6 +403,20 @@ mod tests {
     }
 
     #[test]
+    fn readings_are_told_from_those_of_presses_where_they_are_none() {
+        let tellable = |word: &str| {
+            let named = |family: &Family| family.name().contains(word);
+            let family = Family::all().into_iter().find(named).unwrap();
+            Case::random(family, 1, 0).unwrap().tellable()
+        };
+        // As often as a sound press is doubted wrongly, and nearly always.
+        let sound = tellable("half-space, indentation known");
+        assert!((sound - ALARMS).abs() < 1e-3, "{sound}");
+        let edge = tellable("an edge");
+        assert!((0.9..=1.0).contains(&edge), "{edge}");
+    }
+
+    #[test]
     fn names_tell_families_apart() {
         let mut names: Vec<String> = Family::all().iter().map(Family::name).collect();
         let count = names.len();

@@ -55,6 +55,9 @@ const NO_DEPTHS: [(f64, &str); 6] = [
     (-1.0, "no-indentation"),
 ];
 
+/// Departures of a sensor: of the image's centre and of pixels per radian.
+const DEPARTED: [f64; 5] = [0.0, 0.0, 0.3, -0.2, 0.005];
+
 /// Indentations that no press that is known has.
 const NO_KNOWN_DEPTHS: [(f64, &str); 6] = [
     (f64::NAN, "out-of-range"),
@@ -109,8 +112,8 @@ rows! {
         for bad in NOT_FINITE.into_iter().chain([-1.0]);
     ESTIMATE, "indentation known to {std:e}" => given(1.0, std).map(|found| found_near(&found, &PRESS)),
         for std in [0.0, 1e-300, 1e-11, 1e-6, 1.0, 1e100];
-    AT_REST, "unit {unit:e}: departures of the image's centre and of pixels per radian" => at_rest(unit),
-        for unit in UNITS;
+    AT_REST, "unit {unit:e}: departures of the image's centre and of pixels per radian" =>
+        departed(unit, |press, seen| press.fit().at_rest(seen)), for unit in UNITS;
     AT_REST, "number {place} of a picture is {bad:e}", "not-finite" => fit().at_rest(&spoilt(place, bad)),
         for bad in NO_READINGS, for place in 0..4;
     AT_REST, "covariance {bad:e}", "bad-setting" => fit().at_rest(&erring(bad)), for bad in [0.0, -0.0, -1.0];
@@ -126,7 +129,7 @@ rows! {
     AT_REST, "{count} departures of a camera that has 5", "out-of-range" =>
         ImageFit { common_stds: vec![0.01; count], ..fit() }.at_rest(&PRESS.at_rest()), for count in [0, 4, 6];
     CALIBRATED, "unit {unit:e}, one press: departures of the image's centre and of pixels per radian" =>
-        calibrated(unit), for unit in UNITS;
+        departed(unit, |press, seen| press.fit().calibrated(seen, &[press.told(&DEPARTED)])), for unit in UNITS;
     CALIBRATED, "press of curvature {bad:e}", "bad-setting" => by(|press| press.relative_curvature = bad),
         for bad in NOT_FINITE.into_iter().chain([0.0, -1.0, 1e51]);
     CALIBRATED, "press at ({bad:e}, 0)", "out-of-range" => by(|press| press.at[0] = bad),
@@ -341,11 +344,18 @@ fn given(value: f64, std: f64) -> Result<PressEstimate, PressError> {
     PRESS.read(&PRESS.pressed(), Some(Measured { value, std }))
 }
 
-/// Departures of a sensor: of the image's centre and of pixels per radian.
-const DEPARTED: [f64; 5] = [0.0, 0.0, 0.3, -0.2, 0.005];
-
-/// 81 markers leave the prior a share of 1e-5.
-fn departures(rest: &Rest) -> Answer {
+/// Departures that a fit finds of a sensor; 81 markers leave the prior a share of 1e-5.
+fn departed(
+    unit: f64,
+    find: impl Fn(&Press, &[Option<Seen>]) -> Result<Rest, PressError>,
+) -> Result<Answer, PressError> {
+    let press = Press {
+        unit,
+        known: ROUGHLY,
+        ..PRESS
+    };
+    let still = [[MarkerDisplacement::default(); 2]; MARKERS];
+    let rest = find(&press, &press.seen(&DEPARTED, &still))?;
     let pairs = (2..5).map(|number| {
         (
             rest.common[number] / ROUGHLY[number],
@@ -353,32 +363,9 @@ fn departures(rest: &Rest) -> Answer {
         )
     });
     let answer = Answer::all_at_scale(pairs, 1.0).within(1e-4);
-    answer
-        .also(rest.misalignments.iter().copied().flatten())
-        .also([rest.chi_squared])
-}
-
-fn at_rest(unit: f64) -> Result<Answer, PressError> {
-    let press = Press {
-        unit,
-        known: ROUGHLY,
-        ..PRESS
-    };
-    let still = [[MarkerDisplacement::default(); 2]; MARKERS];
-    let rest = press.fit().at_rest(&press.seen(&DEPARTED, &still))?;
-    Ok(departures(&rest))
-}
-
-fn calibrated(unit: f64) -> Result<Answer, PressError> {
-    let press = Press {
-        unit,
-        known: ROUGHLY,
-        ..PRESS
-    };
-    let still = [[MarkerDisplacement::default(); 2]; MARKERS];
-    let at_rest = press.seen(&DEPARTED, &still);
-    let rest = press.fit().calibrated(&at_rest, &[press.told(&DEPARTED)])?;
-    Ok(departures(&rest))
+    Ok(answer
+        .also(rest.misalignments.into_iter().flatten())
+        .also([rest.chi_squared]))
 }
 
 /// A sensor that is known roughly, by a press that is changed.
@@ -398,15 +385,16 @@ fn none_of(numbers: &[f64], within: f64) -> Answer {
     Answer::all_at_scale(pairs, 1.0).within(within)
 }
 
-/// What markers moved beyond a press, of an estimate of it that is changed; in units of length.
+/// Displacements of all markers beyond a press, of an estimate of it that is changed; in units of length.
 fn beyond(press: &Press, change: impl Fn(&mut PressEstimate)) -> Result<Answer, PressError> {
     let (rest, seen) = (press.rest(), press.pressed());
     let mut estimate = press.read(&seen, None)?;
     change(&mut estimate);
     let beyond = press.fit().beyond(&rest, &seen, &estimate)?;
-    let numbers = beyond.into_iter().flatten().flat_map(|more| {
-        let [x, y] = more.tangential;
-        [more.normal, x, y].map(|along| along / press.unit)
+    let numbers = beyond.into_iter().flat_map(|more| {
+        let more = more.map(|more| [more.normal, more.tangential[0], more.tangential[1]]);
+        more.unwrap_or([f64::NAN; 3])
+            .map(|along| along / press.unit)
     });
     Ok(none_of(&numbers.collect::<Vec<_>>(), 1e-3))
 }
