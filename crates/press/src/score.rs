@@ -225,6 +225,7 @@ impl Score {
         large: f64,
     ) -> Vec<Doubt> {
         let of_pattern = || self.pattern(BY_INDENTATION..BY_INDENTATION + 1);
+        let (of_direction, of_rows) = (self.pattern(BY_DIRECTION), self.rows());
         let doubts = [
             Doubt::OtherIndentation {
                 p_value: indentation.unwrap_or_else(of_pattern),
@@ -233,7 +234,9 @@ impl Score {
                 p_value: self.pattern(BY_DISTANCE),
             },
             Doubt::NotRound {
-                p_value: self.pattern(BY_DIRECTION),
+                p_value: of_rows.map_or(of_direction, |of_rows| {
+                    (2.0 * of_rows.min(of_direction)).min(1.0)
+                }),
             },
             Doubt::SlippedMarker {
                 marker,
@@ -242,7 +245,7 @@ impl Score {
             Doubt::LargeResiduals { p_value: large },
         ];
         let by_all = self.pattern(0..PATTERNS);
-        let by_all = self.rows().map_or(by_all, |rows| rows.min(by_all));
+        let by_all = of_rows.map_or(by_all, |of_rows| of_rows.min(by_all));
         doubted(&doubts, Doubt::p_value, 3, by_all)
     }
 }
