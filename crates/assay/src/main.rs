@@ -47,13 +47,7 @@ enum Harness {
     /// Holds the intervals of EP2 against the truth on random surfaces, of which every fifth is a ball.
     Intervals(Scenes),
     /// Holds the intervals of presses by a camera against the truth on random scenes, with another sensor in every trial.
-    CameraIntervals {
-        #[command(flatten)]
-        scenes: Scenes,
-        /// Threads that run trials.
-        #[arg(long, default_value = "2", value_parser = at_least_one())]
-        threads: u64,
-    },
+    CameraIntervals(Scenes),
     /// Holds the intervals and the doubts of presses that are read directly against the truth on random scenes.
     PressIntervals(Scenes),
     /// Writes the table from which `palpate check` tells whether intervals were tested, from those of the harnesses.
@@ -127,7 +121,8 @@ struct Scenes {
     /// Number of scenes, of each case where there are several.
     #[arg(long, alias = "surfaces", default_value = "60", value_parser = at_least_one())]
     scenes: u64,
-    /// Trials of each scene; before a camera a tenth where the model is wrong [default: 12 of EP2 and glides, else 300]
+    /// Trials of each scene; before a camera a third where presses calibrate the sensor, and a tenth where the model is
+    /// wrong [default: 12 of EP2 and glides, else 300]
     #[arg(long, value_parser = at_least_one())]
     trials: Option<u64>,
     /// Only cases whose names hold each of these words.
@@ -201,9 +196,9 @@ fn main() -> Result<()> {
             println!("{}", intervals::summary(&scores));
             scenes.write(&scores)
         }
-        Harness::CameraIntervals { scenes, threads } => {
+        Harness::CameraIntervals(scenes) => {
             let options = scenes.options(300);
-            let scores = intervals::camera::scores(options, threads, |score| println!("{score}"))?;
+            let scores = intervals::camera::scores(options, |score| println!("{score}"))?;
             for summary in intervals::camera::summaries(&scores) {
                 println!("{summary}");
             }

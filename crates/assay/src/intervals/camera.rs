@@ -12,6 +12,7 @@ pub use summary::Summary;
 use anyhow::{Result, bail};
 use palpate_scene::{Parts, PressScene, Scene, Scenes};
 use palpate_study::config::parse;
+use rayon::prelude::*;
 
 use super::options::Options;
 use case::{Case, Family};
@@ -23,11 +24,11 @@ pub(super) const SOUND: &str = Family::Sound.name();
 /// Trials that share the place of the contact.
 const JITTERED: u64 = 5;
 
-/// The scores of all scenes, each with its trials on so many threads; `say` is told each as it is known.
+/// The scores of all scenes; `say` is told each as it is known.
 ///
 /// # Errors
 /// A scene that cannot be asked.
-pub fn scores(options: Options<'_>, threads: u64, say: impl Fn(&Score)) -> Result<Vec<Score>> {
+pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> {
     let mut scores = Vec::new();
     for family in Family::ALL {
         for number in 0..options.scenes {
@@ -38,7 +39,7 @@ pub fn scores(options: Options<'_>, threads: u64, say: impl Fn(&Score)) -> Resul
                 .split_whitespace()
                 .all(|word| name.contains(word));
             if is_asked {
-                let score = score(&case, options, threads)?;
+                let score = score(&case, options)?;
                 say(&score);
                 scores.push(score);
             }
@@ -56,37 +57,18 @@ pub fn summaries(scores: &[Score]) -> Vec<Summary> {
     Family::ALL.into_iter().filter_map(of_family).collect()
 }
 
-fn score(case: &Case, options: Options<'_>, threads: u64) -> Result<Score> {
+fn score(case: &Case, options: Options<'_>) -> Result<Score> {
     let parts = Parts::default();
     let pixel_bound = press(case, 0, options.seed, &parts)?.pixel_std_bound();
     let trials = case.family.trials(options.trials);
-    let blocks = trials.div_ceil(JITTERED);
-    let of_thread = |thread: u64| -> Result<Vec<_>> {
-        let mut judged = Vec::new();
-        for block in (thread..blocks).step_by(threads.max(1) as usize) {
-            let scene = press(case, block, options.seed, &parts)?;
-            let end = trials.min((block + 1) * JITTERED);
-            for trial in block * JITTERED..end {
-                judged.push((trial, trial_of(&scene, case, trial)));
-            }
-        }
-        Ok(judged)
+    let of_block = |block: u64| -> Result<Vec<Judged>> {
+        let scene = press(case, block, options.seed, &parts)?;
+        let numbers = block * JITTERED..trials.min((block + 1) * JITTERED);
+        Ok(numbers.map(|trial| trial_of(&scene, case, trial)).collect())
     };
-    let mut judged = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..threads.max(1))
-            .map(|thread| scope.spawn(move || of_thread(thread)))
-            .collect();
-        let mut all = Vec::new();
-        for thread in threads {
-            match thread.join() {
-                Ok(judged) => all.extend(judged?),
-                Err(_) => bail!("a trial of {} broke down", case.name()),
-            }
-        }
-        Ok(all)
-    })?;
-    judged.sort_by_key(|(trial, _)| *trial);
-    let judged: Vec<_> = judged.into_iter().map(|(_, judged)| judged).collect();
+    let blocks = (0..trials.div_ceil(JITTERED)).into_par_iter();
+    let blocks = blocks.map(of_block).collect::<Result<Vec<_>>>()?;
+    let judged: Vec<Judged> = blocks.into_iter().flatten().collect();
     Ok(score::score(case, &judged, pixel_bound))
 }
 

@@ -9,6 +9,7 @@ mod score;
 pub use score::Score;
 
 use anyhow::Result;
+use rayon::prelude::*;
 
 use super::options::Options;
 use case::{Case, Family};
@@ -38,12 +39,12 @@ pub fn scores(options: Options<'_>, say: impl Fn(&Score)) -> Result<Vec<Score>> 
         {
             continue;
         }
-        let mut of_scenes = Vec::new();
-        for number in 0..options.scenes {
+        let of_scene = |number| {
             let case = Case::random(family, options.seed, number)?;
-            of_scenes.push(score::tally(&case, options.trials)?);
-        }
-        let score = Score::of(&family, &of_scenes);
+            score::tally(&case, options.trials)
+        };
+        let numbers = (0..options.scenes).into_par_iter();
+        let score = Score::of(&family, &numbers.map(of_scene).collect::<Result<Vec<_>>>()?);
         say(&score);
         scores.push(score);
     }

@@ -1,4 +1,5 @@
-//! Best test for whether anything touches, to which place, curvature and indentation of a press are unknown.
+//! Best test for whether anything touches, to which place, curvature and indentation of a press are unknown, and for whether
+//! anything is wrong with a press.
 
 use nalgebra::{DMatrix, DVector};
 

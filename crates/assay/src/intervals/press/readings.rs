@@ -1,6 +1,6 @@
 //! Readings of a press, with flaws that they may have.
 
-use palpate_press::{Contact, Markers, Measured, Reading};
+use palpate_press::{Contact, MarkerDisplacement, Markers, Measured, Reading};
 use palpate_sensing::{Channel, Stream};
 
 use super::super::draws::Draws;
@@ -97,6 +97,33 @@ impl Readings {
         Self {
             tangential: self.tangential.filter(|_| does),
             ..self
+        }
+    }
+
+    /// These readings beyond the displacements of a press, with one more as of an inward displacement.
+    pub(super) fn beyond(&self, press: &[MarkerDisplacement], more: f64) -> Self {
+        let normal = self.normal.iter().zip(press);
+        let along = |all: &Vec<[f64; 2]>| {
+            let pairs = all.iter().zip(press);
+            pairs
+                .map(|([x, y], press)| [x - press.tangential[0], y - press.tangential[1]])
+                .collect()
+        };
+        Self {
+            normal: normal
+                .map(|(normal, press)| normal - press.normal)
+                .chain([more])
+                .collect(),
+            tangential: self.tangential.as_ref().map(along),
+        }
+    }
+
+    /// As many readings where nothing touches.
+    pub(super) fn of_nothing_alike(&self) -> Self {
+        let none = |all: &Vec<[f64; 2]>| vec![[0.0; 2]; all.len()];
+        Self {
+            normal: vec![0.0; self.normal.len()],
+            tangential: self.tangential.as_ref().map(none),
         }
     }
 

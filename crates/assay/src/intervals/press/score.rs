@@ -52,8 +52,8 @@ pub struct Score {
     pub scenes_covered: usize,
     /// Share of doubted estimates in these.
     pub doubted_where_covered: f64,
-    /// Mean over the scenes that fall short of the largest share of trials in which a test with 5 % of false alarms could tell
-    /// the readings from those of any press that the fit believes in; NaN where they are those of one.
+    /// Mean over the scenes that fall short of the share of trials in which the best test with 5 % of false alarms tells the
+    /// readings from those of any press that the fit believes in; NaN where they are those of one.
     pub tellable_where_short: f64,
     /// Names of the doubts, with the share of estimates that have each.
     pub doubts: String,
@@ -154,10 +154,7 @@ impl Score {
             .collect();
         let shares = Shares::of(&told);
         let short = scenes.iter().filter(|one| one.coverage_of_stated() < HOLDS);
-        let tellable = match family.is_wrong() {
-            true => short.map(|one| one.tellable).sum::<f64>() / shares.short.0 as f64,
-            false => f64::NAN,
-        };
+        let tellable = short.map(|one| one.tellable).sum::<f64>() / shares.short.0 as f64;
         let stated = scenes.iter().map(|one| one.sums.stated).sum();
         let score = Self {
             family: family.name(),
