@@ -75,7 +75,7 @@ impl SeenAtRest {
         let optics = optics.map_err(|error| format!("{}: {}", error.path, error.message))?;
         let told = |unknown: usize| -> Result<Self, String> {
             let meant = meant.with_terms(unknown);
-            let (matched, optics) = Matched::of(&meant, optics.clone(), found)?;
+            let (matched, optics) = Matched::of(&meant, &optics, found)?;
             Ok(Self {
                 camera: matched.camera(&meant, &optics, unit)?,
                 missing: matched.warning(),

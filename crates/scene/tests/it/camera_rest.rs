@@ -12,6 +12,10 @@ use palpate_study::config::{Study, parse};
 const SIZE: u32 = 500;
 
 fn study(radius: f64) -> Study {
+    misaligned(radius, 0.25)
+}
+
+fn misaligned(radius: f64, misalignment: f64) -> Study {
     let text = format!(
         r#"
         name = "sensor"
@@ -24,7 +28,7 @@ fn study(radius: f64) -> Study {
         kind = "marker-sphere"
         radius = {radius}
         marker_depth = 2.0
-        discs = {{ magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0, misalignment = 0.25 }}
+        discs = {{ magenta_diameter = 2.0, yellow_diameter = 2.0, separation = 2.0, misalignment = {misalignment} }}
         "#
     );
     parse("sensor.toml", &text).expect("a study")
@@ -41,6 +45,7 @@ struct Truth {
     /// Markers that are not there.
     lost: usize,
     white: f64,
+    misalignment: f64,
     /// Odd terms of the lens.
     terms: OddTerms,
 }
@@ -54,6 +59,7 @@ impl Default for Truth {
             yellow: 2.0,
             lost: 0,
             white: 0.96,
+            misalignment: 0.25,
             terms: OddTerms::default(),
         }
     }
@@ -73,7 +79,7 @@ impl Truth {
             yellow: 1.0,
         };
         let array = MarkerArray::new(20.0, &places, Discs { magenta, yellow }, depths);
-        let array = array.and_then(|array| array.misaligned(0.25, seed));
+        let array = array.and_then(|array| array.misaligned(self.misalignment, seed));
         let camera = self.lens();
         let camera = camera.adjusted([0.0; 2], camera.px_per_rad() * (1.0 + self.scale));
         let blemishes = Blemishes {
@@ -189,6 +195,30 @@ fn one_frame_tells_the_odd_terms_of_the_lens() {
     }
     let spread = f64::sqrt(square / count);
     assert!((0.15..2.0).contains(&spread), "{spread}");
+}
+
+#[test]
+fn a_camera_far_above_or_below_the_centre_is_found() {
+    let study = misaligned(20.0, 0.0);
+    for (seed, height) in (1..).zip([-3.0, -2.0, -1.5, -1.3, -1.8, 2.0]) {
+        let truth = Truth {
+            place: [0.0, 0.0, height],
+            turn_deg: [0.0; 3],
+            scale: 0.0,
+            misalignment: 0.0,
+            ..Truth::default()
+        };
+        let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
+        println!(
+            "{height}: {} {:?} {}",
+            told.summary(),
+            told.warnings,
+            told.reduced_chi_squared
+        );
+        for pull in pulls(&told, &truth) {
+            assert!(pull.abs() < 4.0, "{height}, {pull}: {told:?}");
+        }
+    }
 }
 
 #[test]

@@ -42,6 +42,12 @@ const MOST_TURNED: f64 = 0.06;
 /// Chi-squared per degree of freedom beyond which the frame contradicts the layout, and beyond which errors count for more.
 pub(in crate::recorded) const CONTRADICTED: f64 = 25.0;
 pub(in crate::recorded) const DOUBTED: f64 = 1.5;
+/// Heights of the camera from which the fit starts, in standard deviations of what is known of it.
+const HEIGHTS: [f64; 5] = [0.0, -1.0, 1.0, -2.0, 2.0];
+/// Number of a departure that is the camera's height.
+const HEIGHT: usize = 9;
+/// Question about a frame in which the layout is not found.
+const ELSEWHERE: &str = "is it of another layout or camera, or does the camera stand elsewhere than `place`, `turn_deg` and `field_deg` of the study's `scene.sensor` say?";
 /// Fits about the optics that the last one led to, and the gain in chi-squared that ends them.
 const MOST_FITS: usize = 12;
 const SETTLED: f64 = 1e-3;
@@ -55,12 +61,33 @@ pub(super) struct Matched {
 }
 
 impl Matched {
-    /// Matches the markers about the optics that are meant, roughly at first; with the optics that they are matched about.
+    /// Matches the markers about the optics that are meant, or those of a camera that is higher or lower, where scale and lens
+    /// make up for it in a minimum that is not the least; with the optics that they are matched about.
     pub(super) fn of(
         meant: &Meant<'_>,
-        optics: Optics,
+        optics: &Optics,
         found: &Found,
     ) -> Result<(Self, Optics), String> {
+        let mut best: Result<(Self, Optics), String> = Err(String::new());
+        for height in HEIGHTS {
+            let mut raised = [0.0; Departure::NUMBERS];
+            raised[HEIGHT] = height * meant.stds[HEIGHT];
+            let raised = optics.departed(&Departure::of(raised));
+            let tried = raised
+                .map_err(other_layout)
+                .and_then(|optics| Self::about(meant, optics, found));
+            best = match (best, tried) {
+                (Ok(best), Ok(tried)) if tried.0.reduced() < best.0.reduced() => Ok(tried),
+                (Err(_), Ok(tried)) => Ok(tried),
+                (Err(said), Err(refused)) if said.is_empty() => Err(refused),
+                (best, _) => best,
+            };
+        }
+        best
+    }
+
+    /// Matches the markers about optics, roughly at first.
+    fn about(meant: &Meant<'_>, optics: Optics, found: &Found) -> Result<(Self, Optics), String> {
         let mut optics = optics;
         for _ in 0..ROUNDS {
             let fit = meant.fit(&optics)?;
@@ -115,7 +142,7 @@ impl Matched {
         }
         let squares = residuals_px.iter().map(|one| one.px * one.px);
         let residual_px = (squares.sum::<f64>() / residuals_px.len() as f64).sqrt();
-        let reduced = self.rest.chi_squared / self.rest.freedom.max(1) as f64;
+        let reduced = self.reduced();
         if reduced > CONTRADICTED {
             let worst = residuals_px
                 .iter()
@@ -193,6 +220,11 @@ impl Matched {
         })
     }
 
+    /// Chi-squared per degree of freedom.
+    fn reduced(&self) -> f64 {
+        self.rest.chi_squared / self.rest.freedom.max(1) as f64
+    }
+
     /// The warning where markers are missing.
     pub(super) fn warning(&self) -> Option<String> {
         let all = self.seen.len();
@@ -242,7 +274,7 @@ fn settled(
 }
 
 fn other_layout(error: impl std::fmt::Display) -> String {
-    format!("does not show the layout: {error}; is it of another layout or camera?")
+    format!("does not show the layout: {error}; {ELSEWHERE}")
 }
 
 /// Pictures of the markers at rest, of the sensor that is meant or that a frame tells.
@@ -320,7 +352,7 @@ fn told(
     let few = (there as f64) < least * wanted as f64;
     if few || beside as f64 > (1.0 - least) * wanted as f64 {
         return Err(format!(
-            "shows {there} of the {wanted} markers of the layout that the camera should see, and {beside} others: is it of another layout or camera?"
+            "shows {there} of the {wanted} markers of the layout that the camera should see, and {beside} others: {ELSEWHERE}"
         ));
     }
     let turns = expected.iter().zip(seen).filter_map(|(expected, seen)| {

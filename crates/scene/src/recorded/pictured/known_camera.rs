@@ -169,7 +169,15 @@ impl<'a> KnownCamera<'a> {
             .map(|factor| apart.dot(&factor.solve(&apart)));
         // Numbers that nearly make up for each other contradict it together.
         let is_contradicted = square.is_some_and(|square| square > CONTRADICTED_BY_ALL);
-        if pull(worst) > CONTRADICTED || is_contradicted {
+        let is_alone = pull(worst) > CONTRADICTED;
+        let difference = match square {
+            Some(square) if !is_alone => format!(
+                "its {count} numbers differ from those of the frame together (chi-squared {}), though none alone, most of all: {difference}",
+                Number::rounded(square)
+            ),
+            _ => difference,
+        };
+        if is_alone || is_contradicted {
             return Err(RecordedError::Readings {
                 file: self.file.unwrap_or(&rest.file).to_owned(),
                 message: format!("contradicts the frame at rest: {difference}; {remedy}"),
@@ -178,7 +186,7 @@ impl<'a> KnownCamera<'a> {
         let is_doubtful = square.is_some_and(|square| square > DOUBTFUL[count - SURE]);
         Ok(is_doubtful.then(|| {
             format!(
-                "the camera is not the one that {} shows, most of all: {difference}; {remedy}",
+                "the camera is not the one that {} shows: {difference}; {remedy}",
                 rest.file
             )
         }))
