@@ -102,7 +102,7 @@ impl Optics {
     ///
     /// # Errors
     /// [`OpticsError::BadSetting`] for `place` unless the camera stands nearer to the sensor's centre than 0.9 times the
-    /// nearest disc, and for `tilt_rad` unless each part is from -1 to 1.
+    /// nearest disc, and for `turn_rad` unless each part is from -1 to 1.
     pub fn seen_from(mut self, pose: Pose) -> Result<Self, OpticsError> {
         self.pose = pose.checked(0.9 * self.array.nearest())?;
         Ok(self)

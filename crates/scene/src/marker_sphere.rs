@@ -3,6 +3,7 @@
 use palpate_chromatouch::{
     DiscDepths, Discs, Layout, LayoutError, MarkerArray, OpticsError, Seams,
 };
+use palpate_number::Number;
 use palpate_study::config::{
     DiscsConfig, LayoutConfig, LayoutTable, NamedLayout, PressProbeConfig,
 };
@@ -165,6 +166,15 @@ fn of_layout(error: &LayoutError) -> PlanError {
 
 /// Error at the setting of markers or of a camera that is out of its range.
 pub(crate) fn of_optics(error: &OpticsError) -> PlanError {
+    if let OpticsError::BadSetting(bad) = error
+        && bad.setting == "turn_rad"
+    {
+        let [turn, most] = [bad.value, 1.0].map(|angle| Number::rounded(angle.to_degrees()));
+        let message = format!(
+            "is {turn} deg about an axis; it must be from -{most} to {most} deg about each"
+        );
+        return PlanError::at("scene.sensor.turn_deg", message);
+    }
     let path = match error.setting() {
         Some(
             setting @ ("magenta_diameter" | "yellow_diameter" | "separation" | "misalignment"),

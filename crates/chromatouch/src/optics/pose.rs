@@ -71,7 +71,7 @@ impl Pose {
         )?;
         for part in self.turn.iter() {
             let good = part.abs() <= 1.0;
-            OpticsError::unless(good, "tilt_rad", *part, "from -1 to 1 rad")?;
+            OpticsError::unless(good, "turn_rad", *part, "from -1 to 1 rad")?;
         }
         let is_central = distance == 0.0 && self.turn == Vector3::zeros();
         Ok((!is_central).then_some(self))
