@@ -119,7 +119,6 @@ impl Test {
         let noise = fit.noise();
         let is_noise_told = noise.is_stated();
         let has_pads = noise.shift_resolution > 0.0;
-        let unknowns = if has_pads { WITH_PADS } else { OF_MOBILITY };
         let (residual, _) = estimate.residual(readings);
         let noise = match is_noise_told {
             true => noise,
@@ -158,6 +157,12 @@ impl Test {
             normal += weighted.slopes.tr_mul(&weighted.slopes);
             along += weighted.slopes.tr_mul(&weighted.residual);
         }
+        // What rounding of the first contact shifts all probes by is uniform over a pad.
+        let start = noise.shift_resolution * estimate.probe_curvature / (12.0_f64.sqrt() * least);
+        let per_start = if has_pads { start.powi(-2) } else { 0.0 };
+        for common in OF_MOBILITY..WITH_PADS {
+            normal[(common, common)] += per_start;
+        }
         let covariance = inverse(normal)?;
         let change = covariance * along;
         for (_, weighted) in &mut probes {
@@ -171,8 +176,9 @@ impl Test {
             .iter()
             .map(|reading| square(reading.rotation.norm() / turned));
         let mean = turns.sum::<f64>() / readings.len() as f64;
-        let chi_squared = squares.sum();
-        let freedom = (2 * probes.len()).saturating_sub(unknowns);
+        let of_start = change.fixed_rows::<2>(OF_MOBILITY).norm_squared() * per_start;
+        let chi_squared = squares.sum::<f64>() + of_start;
+        let freedom = (2 * probes.len()).saturating_sub(OF_MOBILITY);
         let goodness = GoodnessOfFit::new(chi_squared, freedom);
         Some(Self {
             rotation_noise: square(noise.relative_rotation_std)

@@ -183,6 +183,31 @@ const FLAWS: [Flaw; 5] = [
 ];
 
 #[test]
+fn pads_round_the_first_contact_by_no_more_than_a_pad() {
+    const PITCH: f64 = 0.002;
+    let told = ReadingNoise {
+        shift_std: PITCH / 6.0_f64.sqrt(),
+        shift_resolution: PITCH,
+        ..ReadingNoise::default()
+    };
+    let shifted = |by: f64| {
+        let mut read = readings(1.0, &FORM, &one_way());
+        read.iter_mut().for_each(|one| one.shift.x += by);
+        agreement(told, &read)
+    };
+    assert!(shifted(0.5 * PITCH).doubts.is_empty());
+    let beyond = shifted(6.0 * PITCH);
+    assert!(beyond.goodness.unwrap().p_value < 1e-3, "{beyond:?}");
+    assert!(
+        beyond
+            .doubts
+            .iter()
+            .any(|doubt| doubt.name() == "common-shift"),
+        "{beyond:?}"
+    );
+}
+
+#[test]
 fn each_flaw_is_named() {
     let mut draws = Draws(17);
     for (flaw, name) in FLAWS {
@@ -273,10 +298,10 @@ fn first_contacts_between_pads_are_no_common_shift() {
     };
     let mut draws = Draws(37);
     let mut read = draws.noisy(&readings(1.0, &FORM, &around()), &OF_SHIFTS);
-    read.iter_mut().for_each(|one| one.shift.x += 0.02);
+    read.iter_mut().for_each(|one| one.shift.x += 4e-4);
     let found = agreement(told, &read);
     assert_eq!(found.doubts, []);
-    assert_eq!(found.goodness.unwrap().freedom, 11);
+    assert_eq!(found.goodness.unwrap().freedom, 13);
 }
 
 #[test]
