@@ -85,6 +85,7 @@ subjects! {
         "growth": "Change of the logarithm of a marker's diameter: it grows as it comes towards the camera.";
         "tracked": "Status of a marker that was found again in the pressed frame.";
         "lost": "Status of a marker that was not found again.";
+        "cut_at_rest": "Number of markers at the rim of the image circle that the frame at rest does not show whole, and that are left out.";
         "merged": "Status of a marker that was found grown together with another.";
         "split": "Status of a marker that was found in pieces.";
         "new": "Status of a marker without a counterpart in the frame at rest.";
@@ -96,6 +97,7 @@ subjects! {
     "Estimators" {
         "least-squares": "Estimator of rolls: the curvature form that explains the rotations and shifts of all probes best.";
         "quadric": "Estimator of glides: one paraboloid for the whole patch; few unknowns, and blind to what a quadric cannot show.";
+        "image": "Estimator of presses before a camera: what the camera sees of each marker, its place, hue and size, is fitted without displacements in between.";
         "penalised": "Estimator of glides: a spline through contacts and normals whose roughness is penalised by as much as the noise asks for.";
         "two-pass": "Estimator of glides, the 1996 paper's: two smoothing splines, one over the fingers' paths and one across. It counts lengths in inter-finger distances (IFD).";
         "std": "Standard deviation that the estimator reports of its own value, from the noise that is stated or from the residuals.";
@@ -104,6 +106,10 @@ subjects! {
         "flat-within-noise": "Verdict of a press: the interval of the object's curvature holds 0 and is narrower than the sensor's own curvature.";
         "not-resolved": "Verdict of a press: the interval of the object's curvature holds 0 and is at least as wide as the sensor's own curvature, so that the press tells next to nothing.";
         "amplification": "Factor by which a relative error of the readings grows to one of the curvature, 1 + R_object/R_probe: the flatter the object, the larger.";
+        "baseline": "Displacement that all markers have in common beside that of the press, length; fitted where it is asked for.";
+        "gain": "Factor on all inward displacements, 1 where they are read as they are; fitted where it is asked for. No reading tells it from another curvature and indentation.";
+        "contact_seen": "Whether the readings show a contact of themselves. Where they do not, but an indentation is stated, the interval has the curvatures of all contacts that would hide in the noise.";
+        "radius below": "Status of rolls whose contact stayed on one pad in some direction: the object's radius there is below a bound, and no more is known of it.";
         "wrong markers": "Markers that contradict the others so much that the fit leaves them out.";
         "chi-squared": "Sum of squared residuals over their variances; the reduced one is about 1 where residuals are as large as the noise.";
         "polynomial": "Status of two-pass: a polynomial without knots meets the smoothing sum already.";
