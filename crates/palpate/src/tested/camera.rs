@@ -33,13 +33,17 @@ pub(super) fn family(press: &PressConfig, unit: LengthUnit) -> Likeness {
         is_plain(camera),
         "a camera that is not the usual one in the very centre",
     )?;
-    limits.within("an image", f64::from(*size_px), SIZES_PX, " px");
+    unless(
+        camera.frames == 1 && camera.calibration.rest_frames == 1,
+        "more than one frame of a press (`frames`) or at rest (`calibration.rest_frames`, 16 by default)",
+    )?;
+    limits.within("image", f64::from(*size_px), SIZES_PX, " px");
     let pixel = press.noise.pixel.as_ref();
     let pixel = pixel.map_or(0.0, |PixelNoise::Gaussian { std }| *std);
     limits.within("noise of pixels", pixel, NOISES, " levels");
     let PressProbeConfig::MarkerSphere { discs, .. } = &press.probe;
     let misalignment = discs.as_ref().map_or(0.0, |discs| discs.misalignment);
-    limits.within("a misalignment", misalignment, MISALIGNMENTS, " diameters");
+    limits.within("misalignment", misalignment, MISALIGNMENTS, " diameters");
     let SensorNoise {
         centre_px,
         scale,
@@ -50,36 +54,46 @@ pub(super) fn family(press: &PressConfig, unit: LengthUnit) -> Likeness {
         colour,
     } = press.noise.sensor.clone().unwrap_or_default();
     limits.within(
-        "a centre of the image known to",
+        "uncertainty of the image's centre",
         centre_px,
         [0.0, 0.29],
         " px",
     );
-    limits.within("px per radian known to", scale, [0.0, 0.002], "");
+    limits.within("uncertainty of px per radian", scale, [0.0, 0.002], "");
     limits.length_within(
-        "a camera's place known to",
+        "uncertainty of the camera's place",
         place,
         scaled([0.0, PLACE], radius),
     );
-    limits.within("a camera's turn known to", turn_deg, [0.0, 0.3], " deg");
+    limits.within(
+        "uncertainty of the camera's turn",
+        turn_deg,
+        [0.0, 0.3],
+        " deg",
+    );
     limits.length_within(
-        "discs' depths known to",
+        "uncertainty of discs' depths",
         disc_depth,
         scaled([0.0, DISC_DEPTH], radius),
     );
-    limits.within("discs' diameters known to", disc_diameter, [0.0, 0.01], "");
-    limits.within("colours known to", colour, [0.0, 0.01], "");
+    limits.within(
+        "uncertainty of discs' diameters",
+        disc_diameter,
+        [0.0, 0.01],
+        "",
+    );
+    limits.within("uncertainty of colours", colour, [0.0, 0.01], "");
     let is_known = of_indentation(press, scaled(INDENTATION_STDS, radius), &mut limits)?;
     let thickness = of_body(press)?;
     let Some(thickness) = thickness else {
         return Err("pictures of a half-space".to_owned());
     };
-    limits.length_within("a layer", thickness, scaled(THICKNESSES, radius));
+    limits.length_within("layer", thickness, scaled(THICKNESSES, radius));
     let known = if is_known { "known" } else { "fitted" };
     limits.likeness(format!("pictures of layers, indentation {known}"))
 }
 
-/// Whether a camera is as those of the random scenes, but for its pixels, and calibrated as they are.
+/// Whether a camera is as those of the random scenes, but for its pixels and frames.
 fn is_plain(camera: &CameraConfig) -> bool {
     let CameraConfig {
         k3,
@@ -89,13 +103,9 @@ fn is_plain(camera: &CameraConfig) -> bool {
         seam_width,
         place,
         turn_deg,
-        calibration,
         ..
     } = camera;
     let lens = [*k3, *k5, *blur_px, *seam_width, light_at_rim - 1.0];
     let stand = place.iter().chain(turn_deg);
-    lens.iter().chain(stand).all(|one| *one == 0.0)
-        && camera.field_deg == FIELD_DEG
-        && camera.frames == 1
-        && calibration.rest_frames == 1
+    lens.iter().chain(stand).all(|one| *one == 0.0) && camera.field_deg == FIELD_DEG
 }

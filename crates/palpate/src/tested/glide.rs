@@ -51,7 +51,7 @@ pub(super) fn family(glide: &GlideConfig, unit: LengthUnit) -> Likeness {
         });
     let spread = 0.5 * (ends[1] - ends[0]);
     limits.length_within(
-        "a spread of fingers",
+        "spread of fingers",
         2.0 * spread,
         ASPECTS.map(|aspect| 2.0 * aspect * half),
     );
@@ -117,7 +117,7 @@ fn of_object(
 ) -> Result<&'static str, String> {
     let bent = match *object {
         ObjectConfig::Sphere { radius } => {
-            limits.length_within("a radius", radius, RADII.map(|one| one * length));
+            limits.length_within("radius", radius, RADII.map(|one| one * length));
             return Ok("ball");
         }
         ObjectConfig::Dish { radius } | ObjectConfig::Cylinder { radius, .. } => radius.recip(),

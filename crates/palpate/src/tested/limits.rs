@@ -33,8 +33,9 @@ impl Limits {
                 true => least,
                 false => format!("{least} to {most}"),
             };
-            self.beyond
-                .push(format!("{what} of {number}{unit} ({drawn}{unit})"));
+            self.beyond.push(format!(
+                "{what} of {number}{unit} (they have {drawn}{unit})"
+            ));
         }
     }
 
@@ -47,7 +48,7 @@ impl Limits {
     /// Asks that a curvature lie between two.
     pub(super) fn curvature_within(&mut self, curvature: f64, between: [f64; 2]) {
         let unit = format!(" per {}", self.unit);
-        self.within("a curvature", curvature, between, &unit);
+        self.within("curvature", curvature, between, &unit);
     }
 
     /// The family's name, with what lies beyond.

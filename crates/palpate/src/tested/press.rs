@@ -64,7 +64,7 @@ pub(super) fn family(press: &PressConfig, unit: LengthUnit) -> Likeness {
     };
     if let Some(thickness) = thickness {
         limits.length_within(
-            "a layer",
+            "layer",
             thickness,
             scaled([THICKNESSES[0], THICKNESSES[5]], radius),
         );
@@ -88,7 +88,7 @@ pub(super) fn of_probe(press: &PressConfig, limits: &mut Limits) -> Result<f64, 
     let is_published = *layout == LayoutConfig::Named(NamedLayout::Published);
     unless(is_published, "another layout of markers")?;
     limits.length_within(
-        "a depth of markers",
+        "depth of markers",
         *marker_depth,
         scaled([DEPTH; 2], *radius),
     );
@@ -109,12 +109,12 @@ pub(super) fn of_motion(
     let between = RELATIVE_CURVATURES.map(|relative| (relative - 1.0) / radius);
     limits.curvature_within(curvature, between);
     limits.length_within(
-        "an indentation",
+        "indentation",
         press.motion.indentation,
         scaled(INDENTATIONS, radius),
     );
     limits.within(
-        "a polar angle",
+        "polar angle",
         press.motion.contact_deg[0],
         POLAR_ANGLES_DEG,
         " deg",
@@ -136,7 +136,7 @@ pub(super) fn of_indentation(
             (error - priors.indentation_std).abs() <= 1e-9 * error,
             "an indentation that errs otherwise than the estimator is told",
         )?;
-        limits.length_within("an error of the indentation", error, stds);
+        limits.length_within("error of the indentation", error, stds);
     }
     Ok(is_known)
 }

@@ -34,7 +34,7 @@ pub(super) fn family(roll: &RollConfig, unit: LengthUnit) -> Likeness {
     // On balls, on which curvature is the same everywhere, short rolls alone.
     let is_long = object != "balls" && angle > (SHORT[1] * LONG[0]).sqrt();
     let angles = if is_long { LONG } else { SHORT };
-    limits.within("a rotation", angle, angles, " rad");
+    limits.within("rotation", angle, angles, " rad");
     let sensor = of_sensor(roll, radius, &mut limits)?;
     let rolls = if is_long { "long rolls" } else { "short rolls" };
     limits.likeness(format!(
@@ -50,12 +50,12 @@ fn of_object(
 ) -> Result<(&'static str, Option<f64>), String> {
     match object {
         ObjectConfig::Sphere { radius } => {
-            limits.length_within("a radius", *radius, scaled(RADII, probe));
+            limits.length_within("radius", *radius, scaled(RADII, probe));
             Ok(("balls", Some(radius.recip())))
         }
         ObjectConfig::Ellipsoid { semi_axes } => {
             for axis in semi_axes {
-                limits.length_within("a semi-axis", *axis, scaled(SEMI_AXES, probe));
+                limits.length_within("semi-axis", *axis, scaled(SEMI_AXES, probe));
             }
             Ok(("ellipsoids", None))
         }
@@ -94,7 +94,7 @@ fn of_sensor(roll: &RollConfig, radius: f64, limits: &mut Limits) -> Result<&'st
         Some(_) => return Err("errors of rotations that are drawn at instants".to_owned()),
     };
     if rotations > 0.0 {
-        limits.within("an error of rotations", rotations, drawn, "");
+        limits.within("error of rotations", rotations, drawn, "");
     }
     match roll.sensor {
         RollSensorConfig::Pads {
@@ -109,11 +109,11 @@ fn of_sensor(roll: &RollConfig, radius: f64, limits: &mut Limits) -> Result<&'st
                 "pads that are not square or whose places are not random",
             )?;
             unless(rotations == 0.0, "pads with errors of rotations")?;
-            limits.length_within("a pitch", pitch, scaled(PITCHES, radius));
+            limits.length_within("pitch", pitch, scaled(PITCHES, radius));
             Ok("pads")
         }
         RollSensorConfig::Wrist { std } if std > 0.0 => {
-            limits.length_within("an error of shifts", std, scaled(SHIFT_STDS, radius));
+            limits.length_within("error of shifts", std, scaled(SHIFT_STDS, radius));
             match (rotations > 0.0, drawn == ROTATION_STDS) {
                 (false, _) => Ok("noise of shifts"),
                 (true, true) => Ok("noise of both"),

@@ -110,15 +110,15 @@ fn intervals(tested: &Tested) -> [Option<String>; 2] {
         let is_short = family.coverage95 < Family::HOLDS[0];
         let only = if is_short { "only " } else { "" };
         format!(
-            "held the truth in {only}{share:.1} % of trials of {} random scenes (in the worst scene {lowest:.0} %): {}",
+            "of {} random scenes they held the truth in {only}{share:.1} % of trials, in the worst scene in {lowest:.0} % ({})",
             family.scenes, family.name
         )
     };
     match tested {
-        Tested::On(family) => [Some(measured(family)), None],
+        Tested::On(family) => [Some(format!("tested: {}", measured(family))), None],
         Tested::Beyond(family, beyond) => [
-            Some(measured(family)),
-            Some(format!("none of which has {beyond}")),
+            Some(format!("not tested: random scenes have no {beyond}")),
+            Some(format!("nearest to them: {}", measured(family))),
         ],
         Tested::Not(why) => [Some(format!("not tested: {why}")), None],
     }
