@@ -4,6 +4,8 @@ use palpate_number::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
+use super::odd_terms::MOST_TERM;
+
 /// Why a camera sees nothing.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]
 #[strum(serialize_all = "kebab-case")]
@@ -13,8 +15,8 @@ pub enum OpticsError {
     BadSetting(#[from] BadSetting),
     /// A lens whose odd terms let the image turn back within its field: angles beyond would be seen twice.
     #[error(
-        "with k3 = {} and k5 = {} the lens sees angles once up to {reach_deg:.4} degrees from its axis, and its field ends at {field_deg:.4}; for this field k3 must be at least {least_k3:.4} beside this k5",
-        Number(*k3), Number(*k5)
+        "with k3 = {} and k5 = {} the lens sees angles once up to {reach_deg:.4} degrees from its axis, and its field ends at {field_deg:.4}; {}",
+        Number(*k3), Number(*k5), remedy(*least_k3)
     )]
     FoldedLens {
         /// Term of the third power.
@@ -125,5 +127,16 @@ impl OpticsError {
             Self::FoldedLens { .. } => Some("k3"),
             _ => None,
         }
+    }
+}
+
+/// Advice on the term of the third power that would be right, rounded up so that it is.
+fn remedy(least_k3: f64) -> String {
+    match least_k3 <= MOST_TERM {
+        true => format!(
+            "for this field k3 must be at least {:.4} beside this k5",
+            (least_k3 * 1e4).ceil() / 1e4
+        ),
+        false => "for this field no k3 is large enough beside this k5".to_owned(),
     }
 }

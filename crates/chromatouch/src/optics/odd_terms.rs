@@ -7,7 +7,7 @@ use super::OpticsError;
 /// Least slope of a lens, as a share of that on its axis: where it is less, no picture tells angles.
 const LEAST_SLOPE: f64 = 0.01;
 /// Largest size of a term.
-const MOST: f64 = 100.0;
+pub(super) const MOST_TERM: f64 = 100.0;
 /// Steps of Newton's method; halving the bracket, as it does in between, has found the last digit after these.
 const STEPS: usize = 64;
 
@@ -116,7 +116,7 @@ impl OddTerms {
     /// These terms, where a lens can have them that sees up to an angle, rad.
     pub(super) fn checked(self, rim: f64) -> Result<Self, OpticsError> {
         for (setting, term) in [("k3", self.k3), ("k5", self.k5)] {
-            OpticsError::unless(term.abs() <= MOST, setting, term, "from -100 to 100")?;
+            OpticsError::unless(term.abs() <= MOST_TERM, setting, term, "from -100 to 100")?;
         }
         let reach = self.reach();
         if rim <= reach {
@@ -220,6 +220,12 @@ mod tests {
             let at_least = |k3| OddTerms { k3, k5 }.checked(1.2);
             at_least(least_k3 + 1e-9).unwrap();
             at_least(least_k3 - 1e-9).unwrap_err();
+            let said = OpticsError::to_string(&OddTerms { k3, k5 }.checked(1.2).unwrap_err());
+            let told = said
+                .split("at least ")
+                .nth(1)
+                .and_then(|rest| rest.split(' ').next());
+            at_least(told.unwrap().parse().unwrap()).unwrap();
         }
         for k3 in [f64::NAN, f64::INFINITY, 101.0] {
             let refused = OddTerms { k3, k5: 0.0 }.checked(1.0);

@@ -1,6 +1,7 @@
 //! Fit of pictures, from the settings of an estimator and what is known of the sensor.
 
 use palpate_chromatouch::{Departure, DiscDepths, Optics};
+use palpate_number::Number;
 use palpate_press::{Body, ImageFit, Markers, PressError, Told};
 use palpate_study::config::{PressEstimatorConfig, PressModelConfig};
 
@@ -47,11 +48,20 @@ impl PicturePlan<'_> {
             return Ok(None);
         };
         let thickness = thickness(self.estimator, self.model);
+        let DiscDepths { magenta, yellow } = self.sphere.disc_depths()?;
         if let Some(thickness) = thickness {
-            within_sensor("scene.estimator.thickness", thickness, self.sphere.radius)?;
+            let path = "scene.estimator.thickness";
+            within_sensor(path, thickness, self.sphere.radius)?;
+            let deepest = magenta.max(yellow);
+            if thickness < deepest {
+                let [thickness, deepest] = [thickness, deepest].map(Number);
+                let message = format!(
+                    "is {thickness}; the layer must reach to the deepest discs, {deepest} under the skin"
+                );
+                return Err(PlanError::at(path, message));
+            }
         }
         let poisson = poisson.unwrap_or(self.model.poisson());
-        let DiscDepths { magenta, yellow } = self.sphere.disc_depths()?;
         let deeper = DEEPER * self.sphere.radius;
         let mut depths = vec![magenta, yellow];
         if self.stds[0] > 0.0 {

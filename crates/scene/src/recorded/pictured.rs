@@ -103,7 +103,10 @@ pub fn estimate_pictures(
     let indentation = measured.as_ref().map(|(indentation, _)| *indentation);
     let refused = |error: PressError| scene.refused(&error, wording);
     let widened = Widened::of(fit, &seen.seen, matched.pressed(tracked), indentation);
-    let widened = widened.map_err(refused)?;
+    let widened = widened.map_err(|(error, at_rest)| match widened::reason(rest, at_rest) {
+        Some(reason) => failure(press, explained(format!("{error}; {reason}"), error.name())),
+        None => refused(error),
+    })?;
     let moved = scene.moved(&widened).map_err(refused)?;
     let sensed = scene.sensed(tracked, &moved, file)?;
     let contradiction =
@@ -112,6 +115,7 @@ pub fn estimate_pictures(
     let missing = seen.missing.into_iter();
     let warnings = missing
         .chain(doubt)
+        .chain(options.other_body())
         .chain(widened.warnings(scene.frames))
         .chain(contradiction)
         .chain(measured.and_then(|(_, warning)| warning))

@@ -1,5 +1,6 @@
 //! Options of a fit of frames.
 
+use palpate_number::Number;
 use palpate_study::config::{LengthUnit, PressConfig, PressEstimatorConfig, StudyConfig, in_unit};
 use serde_json::{Map, Value as Json};
 
@@ -50,6 +51,18 @@ impl PictureOptions {
     /// Thickness of the layer, if the body has one.
     pub(in crate::recorded) fn thickness(&self) -> Option<f64> {
         crate::press::thickness(&self.press.estimator, &self.press.model)
+    }
+
+    /// Warning that the body that is fitted is not that of the study's model, which has a layer.
+    pub(super) fn other_body(&self) -> Option<String> {
+        let layer = self.press.model.thickness()?;
+        self.thickness().is_none().then(|| {
+            format!(
+                "a half-space is fitted, since Poisson's ratio is given without a thickness, though the study's model is a layer of {} {}",
+                Number(layer),
+                self.unit().as_str()
+            )
+        })
     }
 
     /// Poisson's ratio of a body without a layer.

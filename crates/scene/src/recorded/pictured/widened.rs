@@ -23,14 +23,17 @@ pub(super) struct Widened {
 
 impl Widened {
     /// The estimate from markers at rest and pressed, with errors that explain how they scatter.
+    ///
+    /// # Errors
+    /// Errors of the fit, with the scatter at rest.
     pub(super) fn of(
         fit: ImageFit<PictureLaw>,
         rest: &[Option<Seen>],
         mut pictures: Pictures,
         indentation: Option<Measured>,
-    ) -> Result<Self, PressError> {
+    ) -> Result<Self, (PressError, f64)> {
         let mut method = PictureMethod::new(fit.clone(), rest.to_vec());
-        let at_rest = method.rest()?;
+        let at_rest = method.rest().map_err(|error| (error, 1.0))?;
         let at_rest = scatter(at_rest.chi_squared / at_rest.freedom.max(1) as f64);
         if at_rest > 1.0 {
             let mut rest = rest.to_vec();
@@ -38,6 +41,15 @@ impl Widened {
             widen(&mut pictures.pressed, at_rest);
             method = PictureMethod::new(fit, rest);
         }
+        Self::pressed(method, pictures, indentation, at_rest).map_err(|error| (error, at_rest))
+    }
+
+    fn pressed(
+        method: PictureMethod,
+        mut pictures: Pictures,
+        indentation: Option<Measured>,
+        at_rest: f64,
+    ) -> Result<Self, PressError> {
         let stated = method.estimate(&pictures, indentation)?;
         let doubts = method.doubts(&pictures, indentation, &stated)?;
         let is_large = |doubt: &Doubt| matches!(doubt, Doubt::LargeResiduals { .. });
@@ -79,19 +91,12 @@ impl Widened {
                     true => ", and the curvature is not to be trusted",
                     false => "",
                 };
-                format!(
-                    "the markers of {} scatter {} times as much as the frame's noise explains; uncertainties are as much wider{doubt}: {cause}",
-                    frame.file,
-                    Number::rounded(scatter)
-                )
+                let scattered = scattered(frame, scatter);
+                format!("{scattered}; uncertainties are as much wider{doubt}: {cause}")
             })
         };
         let [rest, press] = frames;
-        let of_rest = warning(
-            at_rest,
-            rest,
-            "are the camera and the discs those of the sensor?",
-        );
+        let of_rest = warning(at_rest, rest, OF_REST);
         let of_press = warning(
             if pressed > at_rest { pressed } else { 1.0 },
             press,
@@ -99,6 +104,22 @@ impl Widened {
         );
         of_rest.into_iter().chain(of_press).collect()
     }
+}
+
+/// Question about markers that scatter at rest.
+const OF_REST: &str = "are the camera and the discs those of the sensor?";
+
+/// Reason of a failure to fit a press where markers scatter at rest; nothing where noise explains them.
+pub(super) fn reason(rest: &Frame, scatter: f64) -> Option<String> {
+    (scatter > 1.0).then(|| format!("{}: {OF_REST}", scattered(rest, scatter)))
+}
+
+fn scattered(frame: &Frame, scatter: f64) -> String {
+    format!(
+        "the markers of {} scatter {} times as much as the frame's noise explains",
+        frame.file,
+        Number::rounded(scatter)
+    )
 }
 
 /// Root of a reduced chi-squared that is no chance; 1 of others.
