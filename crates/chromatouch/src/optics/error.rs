@@ -4,7 +4,8 @@ use palpate_number::{BadSetting, Number};
 use strum::{IntoStaticStr, VariantNames};
 use thiserror::Error;
 
-use super::odd_terms::MOST_TERM;
+/// Largest size of an odd term of a lens.
+pub(super) const MOST_TERM: f64 = 100.0;
 
 /// Why a camera sees nothing.
 #[derive(Clone, Debug, Error, IntoStaticStr, PartialEq, VariantNames)]

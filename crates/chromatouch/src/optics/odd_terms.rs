@@ -2,12 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::OpticsError;
+use super::error::{MOST_TERM, OpticsError};
 
 /// Least slope of a lens, as a share of that on its axis: where it is less, no picture tells angles.
 const LEAST_SLOPE: f64 = 0.01;
-/// Largest size of a term.
-pub(super) const MOST_TERM: f64 = 100.0;
 /// Steps of Newton's method; halving the bracket, as it does in between, has found the last digit after these.
 const STEPS: usize = 64;
 
