@@ -98,8 +98,8 @@ pub enum Ep2Error {
     },
     /// The outward direction lies in the patch's plane and fixes no side of it.
     #[error(
-        "the outward direction lies in the patch's plane (within {angle_deg:.1e} degrees): it does \
-         not tell the outside"
+        "the outward direction lies in the patch's plane (within {} degrees): it does not tell the outside",
+        Number::rounded(*angle_deg)
     )]
     NoSide {
         /// Angle between the direction and the plane, degrees.

@@ -14,8 +14,9 @@ const LEAST_MEAN_NORMAL: f64 = 0.1;
 /// Points that spread more than this across their principal plane, relative to the smaller spread
 /// within it, have no plane.
 const MOST_SPREAD_ACROSS: f64 = 0.7;
-/// An outward direction nearer than this to the patch's plane fixes no side of it, rad.
-const LEAST_SIDE_RAD: f64 = 1e-6;
+/// An outward direction nearer than this to the patch's plane fixes no side of it, rad: noise of the contacts turns the
+/// plane by as much.
+const LEAST_SIDE_RAD: f64 = 0.02;
 /// A patch that spreads so many times as far along as across shows its sides by its spread.
 const LONG: f64 = 1.15;
 /// The contacts of fingers that travel vary so many times as much along as across.

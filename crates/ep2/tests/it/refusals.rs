@@ -152,12 +152,16 @@ fn closed_shapes_and_walls() {
         })
         .collect();
     assert_eq!(outcomes(&wall), ["result"; 3]);
-    // Without normals, upwards does not say on which side of a wall the outside is.
-    let bare_wall = plain((0..36).map(|index| {
-        let (y, z) = (f64::from(index % 6), f64::from(index / 6));
-        [0.0, y, z]
-    }));
-    assert_eq!(outcomes(&bare_wall), ["no-side"; 3]);
+    // Without normals, upwards does not say on which side of a wall the outside is, unless the wall leans.
+    let bare_wall = |lean: f64| {
+        plain((0..36).map(|index| {
+            let (y, z) = (f64::from(index % 6), f64::from(index / 6));
+            [lean * z, y, z]
+        }))
+    };
+    assert_eq!(outcomes(&bare_wall(0.0)), ["no-side"; 3]);
+    assert_eq!(outcomes(&bare_wall(0.01)), ["no-side"; 3]);
+    assert_eq!(outcomes(&bare_wall(0.1))[..2], ["result"; 2]);
 }
 
 #[test]
