@@ -42,8 +42,8 @@ const MOST_TURNED: f64 = 0.06;
 /// Chi-squared per degree of freedom beyond which the frame contradicts the layout, and beyond which errors count for more.
 pub(in crate::recorded) const CONTRADICTED: f64 = 25.0;
 pub(in crate::recorded) const DOUBTED: f64 = 1.5;
-/// Heights of the camera from which the fit starts, in standard deviations of what is known of it.
-const HEIGHTS: [f64; 5] = [0.0, -1.0, 1.0, -2.0, 2.0];
+/// Heights of the camera from which the fit starts too, beside that which is meant, in standard deviations of what is known of it.
+const HEIGHTS: [f64; 4] = [-1.0, 1.0, -2.0, 2.0];
 /// Number of a departure that is the camera's height.
 const HEIGHT: usize = 9;
 /// Question about a frame in which the layout is not found.
@@ -68,22 +68,23 @@ impl Matched {
         optics: &Optics,
         found: &Found,
     ) -> Result<(Self, Optics), String> {
-        let mut best: Result<(Self, Optics), String> = Err(String::new());
-        for height in HEIGHTS {
+        let from = |height: f64| {
             let mut raised = [0.0; Departure::NUMBERS];
             raised[HEIGHT] = height * meant.stds[HEIGHT];
             let raised = optics.departed(&Departure::of(raised));
-            let tried = raised
-                .map_err(other_layout)
-                .and_then(|optics| Self::about(meant, optics, found));
-            best = match (best, tried) {
-                (Ok(best), Ok(tried)) if tried.0.reduced() < best.0.reduced() => Ok(tried),
-                (Err(_), Ok(tried)) => Ok(tried),
-                (Err(said), Err(refused)) if said.is_empty() => Err(refused),
-                (best, _) => best,
-            };
-        }
-        best
+            Self::about(meant, raised.map_err(other_layout)?, found)
+        };
+        HEIGHTS
+            .into_iter()
+            .map(from)
+            .fold(from(0.0), |best, tried| {
+                let is_better = match (&best, &tried) {
+                    (Ok((best, _)), Ok((tried, _))) => tried.reduced() < best.reduced(),
+                    (Err(_), tried) => tried.is_ok(),
+                    (Ok(_), Err(_)) => false,
+                };
+                if is_better { tried } else { best }
+            })
     }
 
     /// Matches the markers about optics, roughly at first.
