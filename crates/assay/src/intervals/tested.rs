@@ -162,7 +162,7 @@ mod tests {
         for (name, text) in [press::texts(1.01), roll::texts(1.01)].concat() {
             let why = family_of(&text).expect_err(&name);
             assert!(
-                why.contains("a curvature of ") || why.contains("a rotation of "),
+                why.contains("curvature of ") || why.contains("rotation of "),
                 "{why}"
             );
         }
