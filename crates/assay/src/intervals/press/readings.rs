@@ -118,7 +118,7 @@ impl Readings {
         }
     }
 
-    /// As many readings where nothing touches.
+    /// Readings where nothing touches, as many as these.
     pub(super) fn of_nothing_alike(&self) -> Self {
         let none = |all: &Vec<[f64; 2]>| vec![[0.0; 2]; all.len()];
         Self {
