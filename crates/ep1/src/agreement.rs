@@ -27,7 +27,14 @@ const THIRD_POWERS: Range<usize> = 7..12;
 /// Powers of the rotations in the patterns.
 const DEGREES: [f64; PATTERNS] = [0.0, 0.0, 2.0, 2.0, 2.0, 2.0, 1.0, 3.0, 3.0, 3.0, 3.0, 3.0];
 /// Probability of what patterns leave above which it is of chance.
-const UNREMARKABLE: f64 = 0.05;
+const UNREMARKABLE: f64 = 0.1;
+/// Probability that noise which is larger than stated gives patterns as much beside what they leave, below which they are large.
+const REMARKABLE: f64 = 0.2;
+/// Most that squares of the rotations are of a shift where an object's curvature varies, as a share of the angle that its
+/// surface turns by along the roll.
+const MOST_SQUARES: f64 = 0.5;
+/// Third powers of a roll where the curvature varies, as a share of that angle's square.
+const THIRD_POWERS_OF_BEND: f64 = 1.0 / 16.0;
 /// Noise that is found, as a share of the longest shift, below which it may be rounding.
 const ROUNDING: f64 = 1e-3;
 /// Least share of an unknown or of noise in a direction that tells it from rounding.
@@ -52,6 +59,8 @@ struct Weighted {
     residual: Vector2<f64>,
     /// Square of the whole shift.
     signal: f64,
+    /// Square of the angle that the object's surface turns by along the roll.
+    bend: f64,
     slopes: Slopes,
     patterns: Patterns,
 }
@@ -194,12 +203,9 @@ impl Test {
     }
 
     fn agreement(mut self) -> Agreement {
-        let goodness = GoodnessOfFit::new(self.chi_squared, self.freedom);
-        let goodness = self.is_noise_told.then_some(goodness);
-        let large = Doubt::LargeResiduals {
-            p_value: goodness.map_or(1.0, |goodness| goodness.p_value),
-        };
+        let goodness = self.goodness();
         if self.freedom == 0 || !self.chi_squared.is_finite() {
+            let large = self.large();
             let is_large = large.p_value() < Doubt::LEVEL;
             return Agreement {
                 goodness,
@@ -222,7 +228,7 @@ impl Test {
                 probe,
                 p_value: slipped,
             },
-            large,
+            self.large(),
         ];
         let by_all = self.pattern(0..PATTERNS);
         Agreement {
@@ -231,40 +237,55 @@ impl Test {
         }
     }
 
+    /// Goodness of fit of what was not put aside.
+    fn goodness(&self) -> Option<GoodnessOfFit> {
+        let goodness = GoodnessOfFit::new(self.chi_squared, self.freedom);
+        self.is_noise_told.then_some(goodness)
+    }
+
+    fn large(&self) -> Doubt {
+        Doubt::LargeResiduals {
+            p_value: self.goodness().map_or(1.0, |goodness| goodness.p_value),
+        }
+    }
+
     /// Probability by chance of as much of the squares as the residuals have. Where the probes roll as far to as fro, those and
-    /// a common shift change no curvature, and are put aside; squares then count where they have consequences.
+    /// a common shift change no curvature, and are put aside; they then count where they have consequences.
     fn of_squares(&mut self) -> f64 {
         let alone = self.pattern(SQUARES);
         let [common, even] = [COMMON, 0..EVEN].map(|range| self.products(range).explained());
+        let (chi_squared, freedom) = (self.chi_squared, self.freedom);
+        if !self.put_aside(even) {
+            return alone;
+        }
         // A common shift looks like squares of rolls that are as far in all directions.
-        let beyond = Explained {
-            fall: (even.fall - common.fall).max(0.0),
-            freedom: even.freedom.saturating_sub(common.freedom),
-        };
-        let of_beyond = self.chance(beyond);
-        match (self.put_aside(), self.is_consequential(beyond)) {
-            (false, _) => alone,
-            (true, true) => of_beyond,
-            (true, false) => 1.0,
+        match self.is_consequential(even.fall - common.fall) {
+            true if self.is_noise_told => even.p_value(),
+            true => even.p_value_beside(chi_squared, freedom),
+            false => 1.0,
         }
     }
 
     /// Takes patterns that are the same of a roll to and fro out of the residuals, where the probes roll as far to as fro, so
-    /// that they change no curvature, and where they alone are large. Tells whether that is so.
-    fn put_aside(&mut self) -> bool {
+    /// that they change no curvature, and where they alone are large, but not larger than an object's curvature may vary. Tells
+    /// whether that is so.
+    fn put_aside(&mut self, explained: Explained) -> bool {
         let products = self.products(0..EVEN);
         let is_taken = |(place, square): (usize, &f64)| {
             square - products.left[(place, place)] > products.least * square
         };
-        let explained = products.explained();
         let left = GoodnessOfFit::new(
             (self.chi_squared - explained.fall).max(0.0),
             self.freedom.saturating_sub(explained.freedom),
         );
         // Where the others are too large as well, all are of one cause.
-        let is_alone = !self.is_noise_told || left.p_value > UNREMARKABLE;
+        let beside = explained.p_value_beside(self.chi_squared, self.freedom);
+        let is_large = beside < REMARKABLE && left.p_value > UNREMARKABLE;
+        let is_alone = !self.is_noise_told || is_large || beside < Doubt::LEVEL;
         let is_balanced = !products.squares.iter().enumerate().any(is_taken);
-        if self.has_pads || !is_balanced || !is_alone {
+        let most =
+            MOST_SQUARES * MOST_SQUARES * self.sum(|weighted| weighted.signal * weighted.bend);
+        if self.has_pads || !is_balanced || !is_alone || explained.fall > most {
             return false;
         }
         let size = |place: usize| match products.squares[place] > 0.0 {
@@ -308,16 +329,18 @@ impl Test {
         true
     }
 
-    /// Whether squares of the rotations make third powers likely that change the curvature by a standard deviation. Where the
-    /// squares are the share ε of the shifts, third powers are about 2 ε² if the curvature changes evenly, and 16 ε² on an
-    /// object that is touched anywhere within half its size from where it is symmetric: taken is half of that.
-    fn is_consequential(&self, squares: Explained) -> bool {
-        let signal: f64 = self
-            .probes
-            .iter()
-            .map(|(_, weighted)| weighted.signal)
-            .sum();
-        8.0 * squares.fall >= signal.sqrt()
+    /// Whether squares of the rotations that explain this much make third powers likely that change the curvature by a standard
+    /// deviation. Where the squares are the share ε of the shifts, third powers are about 2 ε² if the curvature changes evenly,
+    /// and 16 ε² on an object that is touched anywhere within half its size from where it is symmetric: taken is half of
+    /// that. Where it is touched near there, they follow from how far the roll goes round it.
+    fn is_consequential(&self, squares: f64) -> bool {
+        let signal = self.sum(|weighted| weighted.signal);
+        let bent = self.sum(|weighted| weighted.signal * weighted.bend * weighted.bend);
+        8.0 * squares >= signal.sqrt() || THIRD_POWERS_OF_BEND * bent.sqrt() >= 1.0
+    }
+
+    fn sum(&self, part: fn(&Weighted) -> f64) -> f64 {
+        self.probes.iter().map(|(_, weighted)| part(weighted)).sum()
     }
 
     /// Probability by chance of as much of these patterns as the residuals have.
@@ -417,6 +440,7 @@ impl Weighted {
         let signal = root.solve_lower_triangular(&(mobility * drive / size))?;
         let weighted = Self {
             signal: signal.norm_squared(),
+            bend: (estimate.curvature.matrix() * reading.shift).norm_squared(),
             residual: root.solve_lower_triangular(&(residual / size))?,
             slopes: root.solve_lower_triangular(&slopes)? * weight,
             patterns: root.solve_lower_triangular(&patterns)? * weight,
