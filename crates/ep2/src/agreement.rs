@@ -40,9 +40,10 @@ pub(crate) struct Model<'a> {
     pub(crate) told: &'a Noise,
     /// Degree of the series that the surface is.
     pub(crate) degree: usize,
-    /// The series' coefficients behind the quadrics, a column for each independent factor of unit variance.
-    pub(crate) process: DMatrix<f64>,
 }
+
+/// Process beside quadrics: the series' coefficients behind the quadrics, a column for each independent factor of unit variance.
+pub(crate) type Process = DMatrix<f64>;
 
 /// Variances of positions and normals, in the patch's unit.
 #[derive(Clone, Copy)]
@@ -55,9 +56,19 @@ struct Variances {
 struct Weighted {
     /// Deviation from the first surface.
     values: DVector<f64>,
-    /// Slopes by the factors of quadric and process.
+    /// Slopes by the coefficients of the series.
     slopes: DMatrix<f64>,
     root: DMatrix<f64>,
+}
+
+/// Sums over contacts of products of patterns.
+struct Products {
+    /// With each other.
+    by_patterns: DMatrix<f64>,
+    /// With slopes by the coefficients of the series, a column for each pattern.
+    by_slopes: DMatrix<f64>,
+    /// With the deviations.
+    by_values: DVector<f64>,
 }
 
 /// Sums over contacts of products.
@@ -69,24 +80,29 @@ struct Sums {
 }
 
 impl Model<'_> {
-    /// Goodness of fit and doubts.
+    /// Goodness of fit and doubts, by the process that is likeliest, and by that which is where a finger stands `apart`: of which
+    /// the distance from the others is not known.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] where the numbers leave the range of doubles.
-    pub(crate) fn agreement(&self) -> Result<Agreement, Ep2Error> {
+    pub(crate) fn agreement(
+        &self,
+        process: &Process,
+        apart: impl Fn(usize) -> Result<Process, Ep2Error>,
+    ) -> Result<Agreement, Ep2Error> {
         let Some(variances) = self.variances() else {
             return Ok(Agreement::default());
         };
         let sums = self.sums(variances)?;
-        let test = Test::new(self, variances, &sums).ok_or(Ep2Error::OutOfRange)?;
+        let test = Test::new(self, process, &sums)?;
         let goodness = self.is_noise_told().then_some(test.goodness);
-        let (finger, displaced) = test.displaced()?;
+        let (finger, displaced) = self.displaced(&test, variances, &sums, apart)?;
         let doubts = [
             Doubt::LargeResiduals {
                 p_value: goodness.map_or(1.0, |goodness| goodness.p_value),
             },
             Doubt::ContradictingNormals {
-                p_value: test.of_normals()?,
+                p_value: self.of_normals(&test, variances)?,
             },
             Doubt::DisplacedFinger {
                 finger,
@@ -98,6 +114,63 @@ impl Model<'_> {
             goodness,
             doubts: doubts.into_iter().filter(is_doubted).collect(),
         })
+    }
+
+    /// Probability by chance that the normals differ as much from the slopes that the positions tell.
+    fn of_normals(&self, test: &Test<'_>, variances: Variances) -> Result<f64, Ep2Error> {
+        if !self.patch.has_normals() {
+            return Ok(1.0);
+        }
+        let patterns = |_: &Sample, jet: &Jet| {
+            let (p, q) = (jet.u, jet.v);
+            DMatrix::from_row_slice(
+                OBSERVED,
+                OF_NORMALS,
+                &[
+                    [0.0; OF_NORMALS],
+                    [1.0, 0.0, p, q, 0.0, 0.0],
+                    [0.0, 1.0, 0.0, 0.0, p, q],
+                ]
+                .concat(),
+            )
+        };
+        let products = self.products(variances, OF_NORMALS, &patterns)?;
+        Ok(test.chance_of(&products))
+    }
+
+    /// The finger that is displaced most, and the probability that chance displaces one of all as far. A finger that is displaced
+    /// makes the surface seem rougher than it is, so that it is judged by the roughness that the others tell.
+    fn displaced(
+        &self,
+        test: &Test<'_>,
+        variances: Variances,
+        sums: &Sums,
+        apart: impl Fn(usize) -> Result<Process, Ep2Error>,
+    ) -> Result<(usize, f64), Ep2Error> {
+        let fingers: BTreeSet<usize> = self.samples().map(|sample| sample.finger).collect();
+        let fingers: Vec<usize> = fingers.into_iter().collect();
+        if !(2..=MOST_FINGERS).contains(&fingers.len()) {
+            return Ok((0, 1.0));
+        }
+        let patterns = |sample: &Sample, _: &Jet| {
+            let rows = if sample.slopes.is_some() { OBSERVED } else { 1 };
+            let mut patterns = DMatrix::zeros(rows, fingers.len());
+            if let Ok(place) = fingers.binary_search(&sample.finger) {
+                patterns[(0, place)] = 1.0;
+            }
+            patterns
+        };
+        let products = self.products(variances, fingers.len(), &patterns)?;
+        let mut chances = Vec::new();
+        for (place, &finger) in fingers.iter().enumerate() {
+            let one = products.of(place);
+            let by_others = match apart(finger) {
+                Ok(process) => Test::new(self, &process, sums)?.chance_of(&one),
+                Err(_) => test.chance_of(&one),
+            };
+            chances.push((finger, by_others));
+        }
+        Ok(least_likely(chances.into_iter()))
     }
 
     /// Variances of the contacts; `None` where nothing tells them apart from rounding.
@@ -139,11 +212,6 @@ impl Model<'_> {
         self.fit.spline.jet(sample.u, sample.v)
     }
 
-    /// Number of factors of quadric and process.
-    fn size(&self) -> usize {
-        UNKNOWNS + self.process.ncols()
-    }
-
     /// Observations of a contact in standard deviations of its noise.
     fn weighted(&self, sample: &Sample, variances: Variances) -> Result<Weighted, Ep2Error> {
         let jet = self.jet(sample);
@@ -155,17 +223,9 @@ impl Model<'_> {
             Some([along_u, along_v]) => vec![sample.w, along_u, along_v],
             None => vec![sample.w],
         };
-        let series = series(self.square, self.degree, sample);
-        let mut slopes = DMatrix::zeros(rows, self.size());
-        slopes
-            .columns_mut(0, UNKNOWNS)
-            .copy_from(&series.view((0, 0), (rows, UNKNOWNS)));
-        let rough = series.view((0, UNKNOWNS), (rows, series.ncols() - UNKNOWNS));
-        if self.process.ncols() > 0 {
-            slopes
-                .columns_mut(UNKNOWNS, self.process.ncols())
-                .copy_from(&(rough * &self.process));
-        }
+        let slopes = series(self.square, self.degree, sample)
+            .rows(0, rows)
+            .into_owned();
         let values = DVector::from_vec(read);
         Ok(Weighted {
             values: root
@@ -197,8 +257,34 @@ impl Model<'_> {
         Some(covariance.cholesky()?.l())
     }
 
+    /// Sums over the contacts of products of patterns, each of an observation with the jet there.
+    fn products(
+        &self,
+        variances: Variances,
+        patterns: usize,
+        of: &dyn Fn(&Sample, &Jet) -> DMatrix<f64>,
+    ) -> Result<Products, Ep2Error> {
+        let mut products = Products {
+            by_patterns: DMatrix::zeros(patterns, patterns),
+            by_slopes: DMatrix::zeros(count(self.degree), patterns),
+            by_values: DVector::zeros(patterns),
+        };
+        for sample in self.samples() {
+            let weighted = self.weighted(sample, variances)?;
+            let patterns = of(sample, &self.jet(sample));
+            let patterns = weighted
+                .root
+                .solve_lower_triangular(&patterns)
+                .ok_or(Ep2Error::OutOfRange)?;
+            products.by_patterns += patterns.tr_mul(&patterns);
+            products.by_slopes += weighted.slopes.tr_mul(&patterns);
+            products.by_values += patterns.tr_mul(&weighted.values);
+        }
+        Ok(products)
+    }
+
     fn sums(&self, variances: Variances) -> Result<Sums, Ep2Error> {
-        let size = self.size();
+        let size = count(self.degree);
         let mut sums = Sums {
             information: DMatrix::zeros(size, size),
             right: DVector::zeros(size),
@@ -250,10 +336,20 @@ fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
     rows
 }
 
-/// A fit with all that its tests ask for.
-struct Test<'m, 'a> {
-    model: &'m Model<'a>,
-    variances: Variances,
+impl Products {
+    /// Those of one pattern.
+    fn of(&self, place: usize) -> Self {
+        Self {
+            by_patterns: DMatrix::from_element(1, 1, self.by_patterns[(place, place)]),
+            by_slopes: self.by_slopes.columns(place, 1).into_owned(),
+            by_values: DVector::from_element(1, self.by_values[place]),
+        }
+    }
+}
+
+/// A fit of quadric and process with all that its tests ask for.
+struct Test<'p> {
+    process: &'p Process,
     covariance: DMatrix<f64>,
     /// The most likely factors.
     factors: DVector<f64>,
@@ -261,31 +357,41 @@ struct Test<'m, 'a> {
     /// Rest of all contacts, of which the process explains as much as it may, and its degrees of freedom.
     chi_squared: f64,
     freedom: usize,
+    /// Whether the noise is told, and explains the residuals.
+    is_noise_trusted: bool,
 }
 
-impl<'m, 'a> Test<'m, 'a> {
-    fn new(model: &'m Model<'a>, variances: Variances, sums: &Sums) -> Option<Self> {
-        let size = model.size();
+impl<'p> Test<'p> {
+    /// The tests of a model by a process.
+    ///
+    /// # Errors
+    /// [`Ep2Error::OutOfRange`] where the equations do not determine the quadric.
+    fn new(model: &Model<'_>, process: &'p Process, sums: &Sums) -> Result<Self, Ep2Error> {
+        let is_noise_told = model.is_noise_told();
+        Self::of(process, sums, is_noise_told).ok_or(Ep2Error::OutOfRange)
+    }
+
+    fn of(process: &'p Process, sums: &Sums, is_noise_told: bool) -> Option<Self> {
+        let half = by_factors(process, &sums.information);
+        let information = by_factors(process, &half.transpose());
+        let rights = DMatrix::from_column_slice(sums.right.len(), 1, sums.right.as_slice());
+        let rights = by_factors(process, &rights).column(0).into_owned();
+        let size = rights.len();
         let rough = size - UNKNOWNS;
-        let quadrics = sums
-            .information
-            .view((0, 0), (UNKNOWNS, UNKNOWNS))
-            .into_owned();
-        let cross = sums
-            .information
+        let quadrics = information.view((0, 0), (UNKNOWNS, UNKNOWNS)).into_owned();
+        let cross = information
             .view((0, UNKNOWNS), (UNKNOWNS, rough))
             .into_owned();
         let quadrics = quadrics.cholesky()?;
-        let own = sums.right.rows(0, UNKNOWNS).into_owned();
+        let own = rights.rows(0, UNKNOWNS).into_owned();
         let start = quadrics.solve(&own);
         let replaced = quadrics.solve(&cross);
-        let rest =
-            sums.information.view((UNKNOWNS, UNKNOWNS), (rough, rough)) - cross.tr_mul(&replaced);
-        let right = sums.right.rows(UNKNOWNS, rough) - cross.tr_mul(&start);
+        let rest = information.view((UNKNOWNS, UNKNOWNS), (rough, rough)) - cross.tr_mul(&replaced);
+        let right = rights.rows(UNKNOWNS, rough) - cross.tr_mul(&start);
         let square = (sums.square - own.dot(&start)).max(0.0);
         let freedom = sums.equations.saturating_sub(UNKNOWNS);
         let (mut noisy, mut all) = (square, square);
-        let mut process = 0;
+        let mut outweighing = 0;
         // A quadric alone has no modes.
         let eigen = (rough > 0).then(|| rest.symmetric_eigen());
         let modes = eigen.iter().flat_map(|eigen| {
@@ -299,108 +405,52 @@ impl<'m, 'a> Test<'m, 'a> {
             // What the process outweighs is of the surface.
             if told >= 1.0 {
                 noisy -= along * along / told;
-                process += 1;
+                outweighing += 1;
             } else {
                 noisy -= explained;
             }
         }
-        let mut information = sums.information.clone();
+        let mut information = information;
         for factor in UNKNOWNS..size {
             information[(factor, factor)] += 1.0;
         }
         let root = information.cholesky()?;
+        let goodness = GoodnessOfFit::new(noisy.max(0.0), freedom.saturating_sub(outweighing));
         Some(Self {
-            model,
-            variances,
-            factors: root.solve(&sums.right),
+            process,
+            factors: root.solve(&rights),
             covariance: root.inverse(),
-            goodness: GoodnessOfFit::new(noisy.max(0.0), freedom.saturating_sub(process)),
+            goodness,
             chi_squared: all.max(0.0),
             freedom,
+            is_noise_trusted: is_noise_told && !goodness.is_doubted(),
         })
     }
 
-    /// Probability by chance that the normals differ as much from the slopes that the positions tell.
-    fn of_normals(&self) -> Result<f64, Ep2Error> {
-        if !self.model.patch.has_normals() {
-            return Ok(1.0);
-        }
-        let patterns = |_: &Sample, jet: &Jet| {
-            let (p, q) = (jet.u, jet.v);
-            DMatrix::from_row_slice(
-                OBSERVED,
-                OF_NORMALS,
-                &[
-                    [0.0; OF_NORMALS],
-                    [1.0, 0.0, p, q, 0.0, 0.0],
-                    [0.0, 1.0, 0.0, 0.0, p, q],
-                ]
-                .concat(),
-            )
-        };
-        let [squares, left, found] = self.products(OF_NORMALS, &patterns)?;
-        let squares: Vec<f64> = squares.diagonal().iter().copied().collect();
-        let explained = Explained::by(&squares, &left, &found.column(0).into_owned(), LEFT);
-        Ok(self.chance(explained))
-    }
-
-    /// The finger that is displaced most, and the probability that chance displaces one of all as far.
-    fn displaced(&self) -> Result<(usize, f64), Ep2Error> {
-        let samples = self.model.samples();
-        let fingers: BTreeSet<usize> = samples.map(|sample| sample.finger).collect();
-        let fingers: Vec<usize> = fingers.into_iter().collect();
-        if !(2..=MOST_FINGERS).contains(&fingers.len()) {
-            return Ok((0, 1.0));
-        }
-        let patterns = |sample: &Sample, _: &Jet| {
-            let rows = if sample.slopes.is_some() { OBSERVED } else { 1 };
-            let mut patterns = DMatrix::zeros(rows, fingers.len());
-            if let Ok(place) = fingers.binary_search(&sample.finger) {
-                patterns[(0, place)] = 1.0;
-            }
-            patterns
-        };
-        let [squares, left, found] = self.products(fingers.len(), &patterns)?;
-        let chances = fingers.iter().enumerate().map(|(place, &finger)| {
-            let own = |all: &DMatrix<f64>| DMatrix::from_element(1, 1, all[(place, place)]);
-            let along = DVector::from_element(1, found[(place, 0)]);
-            let square = squares[(place, place)];
-            let explained = Explained::by(&[square], &own(&left), &along, LEFT);
-            (finger, self.chance(explained))
-        });
-        Ok(least_likely(chances))
-    }
-
-    fn chance(&self, explained: Explained) -> f64 {
-        match self.model.is_noise_told() && !self.goodness.is_doubted() {
+    /// Probability by chance of as much of patterns as the contacts have, after the factors have taken what they can.
+    fn chance_of(&self, products: &Products) -> f64 {
+        let by_slopes = by_factors(self.process, &products.by_slopes);
+        let taken = by_slopes.tr_mul(&(&self.covariance * &by_slopes));
+        let left = &products.by_patterns - taken;
+        let found = &products.by_values - by_slopes.tr_mul(&self.factors);
+        let squares: Vec<f64> = products.by_patterns.diagonal().iter().copied().collect();
+        let explained = Explained::by(&squares, &left, &found, LEFT);
+        match self.is_noise_trusted {
             true => explained.p_value(),
             false => explained.p_value_beside(self.chi_squared, self.freedom),
         }
     }
+}
 
-    /// Products of patterns with each other, the same after factors have taken what they can, and products with what is left.
-    fn products(
-        &self,
-        patterns: usize,
-        of: &dyn Fn(&Sample, &Jet) -> DMatrix<f64>,
-    ) -> Result<[DMatrix<f64>; 3], Ep2Error> {
-        let mut by_patterns = DMatrix::zeros(patterns, patterns);
-        let mut by_slopes = DMatrix::zeros(self.model.size(), patterns);
-        let mut by_residuals = DMatrix::zeros(patterns, 1);
-        for sample in self.model.samples() {
-            let weighted = self.model.weighted(sample, self.variances)?;
-            let patterns = of(sample, &self.model.jet(sample));
-            let patterns = weighted
-                .root
-                .solve_lower_triangular(&patterns)
-                .ok_or(Ep2Error::OutOfRange)?;
-            let residual = &weighted.values - &weighted.slopes * &self.factors;
-            by_patterns += patterns.tr_mul(&patterns);
-            by_slopes += weighted.slopes.tr_mul(&patterns);
-            by_residuals += patterns.tr_mul(&residual);
-        }
-        let taken = by_slopes.tr_mul(&(&self.covariance * &by_slopes));
-        let left = &by_patterns - taken;
-        Ok([by_patterns, left, by_residuals])
+/// Rows of the coefficients of a series as those of the factors of quadric and process.
+fn by_factors(process: &Process, rows: &DMatrix<f64>) -> DMatrix<f64> {
+    let rough = rows.nrows() - UNKNOWNS;
+    let mut all = DMatrix::zeros(UNKNOWNS + process.ncols(), rows.ncols());
+    all.rows_mut(0, UNKNOWNS).copy_from(&rows.rows(0, UNKNOWNS));
+    if process.ncols() > 0 {
+        let rest = rows.rows(UNKNOWNS, rough);
+        all.rows_mut(UNKNOWNS, process.ncols())
+            .copy_from(&process.tr_mul(&rest));
     }
+    all
 }

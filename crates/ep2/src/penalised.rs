@@ -87,16 +87,26 @@ impl Method for Penalised {
         if !estimated.told {
             return Ok(Agreement::default());
         }
-        let (degree, process) = estimated.with_equations(patch, mixture::likeliest)?;
+        let degree = estimated.degree();
         let model = Model {
             patch,
             square: estimated.square,
             fit: &estimated.fit,
             told: &self.noise,
             degree,
-            process,
         };
-        model.agreement()
+        let equations = estimated.equations(patch);
+        let process = estimated.with(&equations, patch, mixture::likeliest)?;
+        model.agreement(&process, |finger| {
+            let Estimated {
+                quadric,
+                square,
+                variances,
+                ..
+            } = &estimated;
+            let apart = equations.apart(quadric, patch, square, variances, degree, finger);
+            estimated.with(&apart, patch, mixture::likeliest)
+        })
     }
 }
 
@@ -206,27 +216,36 @@ impl Estimated {
         if !self.told {
             return Ok(None);
         }
-        self.with_equations(patch, mixture::posterior).map(Some)
+        let equations = self.equations(patch);
+        self.with(&equations, patch, mixture::posterior).map(Some)
     }
 
-    /// Sums that are asked of the equations of the series that the posterior is of.
-    fn with_equations<T>(
+    /// Degree of the series that the posterior is of.
+    fn degree(&self) -> usize {
+        let least = coefficients(self.intervals) + MORE_COEFFICIENTS;
+        (0..).find(|&degree| count(degree) >= least).unwrap_or(0)
+    }
+
+    /// The equations of that series.
+    fn equations(&self, patch: &Patch) -> SeriesEquations {
+        let (quadric, square) = (&self.quadric, &self.square);
+        SeriesEquations::around(quadric, patch, square, &self.variances, self.degree())
+    }
+
+    /// An answer that is asked of equations.
+    fn with<T>(
         &self,
+        equations: &SeriesEquations,
         patch: &Patch,
         ask: impl FnOnce(&Given<'_>) -> Result<T, Ep2Error>,
     ) -> Result<T, Ep2Error> {
-        let least = coefficients(self.intervals) + MORE_COEFFICIENTS;
-        let degree = (0..).find(|&degree| count(degree) >= least).unwrap_or(0);
-        let (quadric, square) = (&self.quadric, self.square);
-        let equations = SeriesEquations::around(quadric, patch, &square, &self.variances, degree);
         ask(&Given {
-            equations: &equations,
-            degree,
+            equations,
+            degree: self.degree(),
             observations: patch.equations(),
             is_known: self.is_known,
-            square,
-            quadric: quadric.series(),
-            bend: quadric.bend(),
+            square: self.square,
+            quadric: self.quadric.series(),
         })
     }
 }

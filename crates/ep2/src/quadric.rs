@@ -28,6 +28,13 @@ const SERIES: Gram = Gram::new(
     0.0, 0.0, 0.0, 0.0, 0.0, 0.5,
 );
 
+/// Root of the mean over the directions of the square of the second derivative of a quadric that is a series, in units of the
+/// square.
+pub(crate) fn bend(series: &[f64; UNKNOWNS]) -> f64 {
+    let [aa, ab, bb] = [4.0 * series[3], series[4], 4.0 * series[5]];
+    (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
+}
+
 /// The quadric w = c₀ + c₁a + c₂b + c₃a² + c₄ab + c₅b² that fits heights and slopes best, weighted
 /// by their noise.
 ///
@@ -88,9 +95,9 @@ impl Method for Quadric {
             fit: &self.fit(patch)?,
             told: &self.noise,
             degree: 2,
-            process: DMatrix::zeros(0, 0),
         };
-        model.agreement()
+        let none = DMatrix::zeros(0, 0);
+        model.agreement(&none, |_| Ok(none.clone()))
     }
 }
 
@@ -250,16 +257,6 @@ impl SquareQuadric {
                 slope_weights,
             }
         })
-    }
-
-    /// Root of the mean over the directions of the square of the second derivative, in units of the square.
-    pub(crate) fn bend(&self) -> f64 {
-        let [aa, ab, bb] = [
-            2.0 * self.unknowns[3],
-            self.unknowns[4],
-            2.0 * self.unknowns[5],
-        ];
-        (0.5 * (aa * aa + 2.0 * ab * ab + bb * bb)).sqrt()
     }
 
     /// The quadric as a series of products of Chebyshev polynomials.

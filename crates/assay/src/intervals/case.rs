@@ -90,7 +90,12 @@ impl Sweep {
             .collect()
     }
 
-    fn touched(&self, surface: &Surface, fingers: usize) -> impl Iterator<Item = (usize, Place)> {
+    /// Fingers, and the places that they touch.
+    pub(super) fn touched(
+        &self,
+        surface: &Surface,
+        fingers: usize,
+    ) -> impl Iterator<Item = (usize, Place)> {
         (0..fingers * self.contacts).map(move |index| {
             let (finger, contact) = (index / self.contacts, index % self.contacts);
             let x = self.half * share(contact, self.contacts);

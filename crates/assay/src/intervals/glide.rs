@@ -1,6 +1,7 @@
 //! Random glides over the surfaces of EP2, and whether contacts that contradict the model are doubted, where the intervals of
 //! curvatures hold and where they do not.
 
+mod best_test;
 mod family;
 mod flaw;
 mod score;

@@ -2,14 +2,14 @@
 
 use std::f64::consts::LN_2;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
 
 use super::process;
 use super::product::{add_symmetric, product};
 use super::series::SeriesEquations;
 use super::tridiagonal::{Factors, Tridiagonal};
 use crate::chebyshev::count;
-use crate::quadric::UNKNOWNS;
+use crate::quadric::{UNKNOWNS, bend};
 use crate::square::Square;
 use crate::{Ep2Error, Posterior};
 
@@ -48,8 +48,6 @@ pub(super) struct Given<'a> {
     pub(super) square: Square,
     /// The quadric as a series.
     pub(super) quadric: [f64; UNKNOWNS],
-    /// Root-mean-square second derivative of the quadric over the square.
-    pub(super) bend: f64,
 }
 
 /// The equations of the rough products where the quadrics are those that fit best beside them.
@@ -167,7 +165,7 @@ impl Parted {
             gram: left,
             degrees: given.observations as f64 - UNKNOWNS as f64,
             is_known: given.is_known,
-            expected_amplitude: EXPECTED_AMPLITUDE * given.bend,
+            expected_amplitude: EXPECTED_AMPLITUDE * bend(&given.quadric),
         };
         Ok(Self {
             quadrics,
@@ -178,24 +176,35 @@ impl Parted {
     }
 }
 
-/// Degree of the series, and the process that is the most probable of all lengths and amplitudes: its coefficients behind the
-/// quadrics, a column for each independent factor of unit variance.
+/// The process of the most probable length, of the mean square amplitude there: its coefficients behind the quadrics, a column for each independent factor of unit variance.
 ///
 /// # Errors
 /// Errors of [`posterior`].
-pub(super) fn likeliest(given: &Given<'_>) -> Result<(usize, DMatrix<f64>), Ep2Error> {
-    let rest = Parted::of(given)?.rest.blurred()?;
-    let mut best = (f64::NEG_INFINITY, LONGEST, 0.0);
+pub(super) fn likeliest(given: &Given<'_>) -> Result<DMatrix<f64>, Ep2Error> {
+    let Parted { start, rest, .. } = Parted::of(given)?;
+    let quadric = std::array::from_fn(|place| given.quadric[place] + start[place]);
+    let rest = Rest {
+        expected_amplitude: EXPECTED_AMPLITUDE * bend(&quadric),
+        ..rest
+    };
+    let rest = rest.blurred()?;
+    let mut best = (f64::NEG_INFINITY, LONGEST, Vec::new());
     for length in lengths(given.degree) {
-        for one in Process::of(length, given.degree, &rest).candidates(&rest) {
-            if one.log_probability > best.0 {
-                best = (one.log_probability, length, one.square_amplitude);
-            }
+        let candidates = Process::of(length, given.degree, &rest).candidates(&rest);
+        let probabilities = candidates.iter().map(|one| one.log_probability);
+        let most = probabilities.fold(f64::NEG_INFINITY, f64::max);
+        if most > best.0 {
+            best = (most, length, candidates);
         }
     }
-    let (_, length, square_amplitude) = best;
+    let (most, length, candidates) = best;
+    let shares = candidates.iter().map(|one| {
+        let share = libm::exp(one.log_probability - most);
+        Vector2::new(share, share * one.square_amplitude)
+    });
+    let sums: Vector2<f64> = shares.sum();
     let process = process::factors(length, given.degree).matrix();
-    Ok((given.degree, process * square_amplitude.sqrt()))
+    Ok(process * (sums.y / sums.x.max(1.0) / EVIDENCE).sqrt())
 }
 
 /// Mean and covariance of the rough products, and mean scale, over all candidates.

@@ -122,6 +122,26 @@ fn the_finger_that_is_displaced_is_told() {
 }
 
 #[test]
+fn a_finger_of_three_is_told_from_the_roughness_that_it_looks_like() {
+    let sweep = Sweep {
+        fingers: 3,
+        ..SWEEP
+    };
+    let is_named = |trial, by: f64| {
+        let mut contacts = sweep.contacts(SADDLE, trial);
+        let those = contacts.iter_mut().filter(|one| one.finger == 1);
+        those.for_each(|one| one.position.z += by * sweep.position_std);
+        let doubts = agreement(&penalised(told(&sweep)), &contacts).doubts;
+        doubts
+            .iter()
+            .any(|doubt| doubt.name() == "displaced-finger")
+    };
+    let named = |by| (0..100).filter(|trial| is_named(*trial, by)).count();
+    let [none, far] = [0.0, 12.0].map(named);
+    assert!(none < 5 && far > 90, "{none} {far}");
+}
+
+#[test]
 fn noise_that_is_told_too_small_is_named() {
     let half = Noise {
         position_std: Some(0.5 * SWEEP.position_std),

@@ -8,7 +8,7 @@ use super::super::case::Case;
 use super::super::draws::Draws;
 
 /// Smallest and largest displacement of a finger, in standard deviations of a position.
-const DISPLACED: [f64; 2] = [3.0, 15.0];
+pub(super) const DISPLACED: [f64; 2] = [3.0, 15.0];
 /// Smallest and largest turn of the normals' frame, degrees.
 const TURNED: [f64; 2] = [5.0, 20.0];
 
@@ -56,16 +56,15 @@ impl Flaw {
 
     /// Changes the contacts of the scene of this number.
     pub(super) fn spoil(self, case: &Case, contacts: &mut [Contact], seed: u64, number: u64) {
-        let mut draws = Draws::new(seed, number, Channel::Indentation);
         match self {
             Self::None | Self::HalfNoise => (),
             Self::Displaced => {
-                let finger = draws.between([0.0, case.fingers as f64]) as usize;
-                let by = draws.between(DISPLACED) * case.position_std;
+                let (finger, by) = displacement(case, seed, number);
                 let those = contacts.iter_mut().filter(|one| one.finger == finger);
                 those.for_each(|one| one.position.z += by);
             }
             Self::Turned => {
+                let mut draws = draws(seed, number);
                 let axis = Vector3::from_fn(|_, _| draws.between([-1.0, 1.0]));
                 let angle = draws.between(TURNED).to_radians();
                 let turn = Rotation3::from_axis_angle(&Unit::new_normalize(axis), angle);
@@ -75,4 +74,15 @@ impl Flaw {
             }
         }
     }
+}
+
+/// The finger that is displaced in the scene of this number, and how far.
+pub(super) fn displacement(case: &Case, seed: u64, number: u64) -> (usize, f64) {
+    let mut draws = draws(seed, number);
+    let finger = draws.between([0.0, case.fingers as f64]) as usize;
+    (finger, draws.between(DISPLACED) * case.position_std)
+}
+
+fn draws(seed: u64, number: u64) -> Draws {
+    Draws::new(seed, number, Channel::Indentation)
 }

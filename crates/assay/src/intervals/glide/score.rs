@@ -13,8 +13,9 @@ use super::super::doubted::{Doubts, Scene, Shares, words};
 use super::super::options::Options;
 use super::super::sums::{HOLDS, Sums, within};
 use super::super::surface::Surface;
+use super::best_test::BestTest;
 use super::family::Family;
-use super::flaw::Flaw;
+use super::flaw::{Flaw, displacement};
 
 /// How often the estimates of a family are doubted, over all its scenes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -45,6 +46,9 @@ pub struct Score {
     pub scenes_covered: usize,
     /// Share of doubted estimates in these.
     pub doubted_where_covered: f64,
+    /// Mean over the scenes that fall short of the share of glides in which the best test with 5 % of false alarms tells that a
+    /// finger is displaced; NaN where none is.
+    pub tellable_where_short: f64,
     /// Names of the doubts, with the share of estimates that have each.
     pub doubts: String,
     /// Whether the doubts are within the limits.
@@ -60,6 +64,14 @@ pub(super) struct Tally {
     estimates: f64,
     goodness: f64,
     unlikely: f64,
+    tellable: f64,
+}
+
+impl Tally {
+    /// Coverage of intervals of 95 % among those that are stated.
+    fn coverage(&self) -> f64 {
+        self.sums.within[2] / self.sums.stated
+    }
 }
 
 /// The trials of the scene of this number.
@@ -71,7 +83,15 @@ pub(super) fn tally(family: &Family, number: u64, options: Options<'_>) -> Resul
     let surface = Surface::random(options.seed, number);
     let sweep = Sweep::random(options.seed, number);
     let asked = sweep.asked(&surface);
-    let mut tally = Tally::default();
+    let mut tally = Tally {
+        tellable: f64::NAN,
+        ..Tally::default()
+    };
+    if *flaw == Flaw::Displaced {
+        let test = BestTest::new(case, &sweep, &surface, options.seed);
+        let (finger, by) = displacement(case, options.seed, number);
+        tally.tellable = test.map_or(f64::NAN, |test| test.tells(finger, by));
+    }
     for trial in 0..options.trials {
         let place = number * options.trials + trial;
         let mut contacts = case.contacts(&surface, &sweep, options.seed, place)?;
@@ -129,12 +149,14 @@ impl Score {
             .iter()
             .filter(|one| one.estimates > 0.0)
             .map(|one| Scene {
-                coverage: one.sums.within[2] / one.sums.stated,
+                coverage: one.coverage(),
                 doubted: one.doubts.doubted() / one.estimates,
             })
             .collect();
         let shares = Shares::of(&told);
         let goodness = sum(&|one| one.goodness);
+        let short = scenes.iter().filter(|one| one.coverage() < HOLDS);
+        let tellable = short.map(|one| one.tellable).sum::<f64>() / shares.short.0 as f64;
         Self {
             family: family.name(),
             scenes: scenes.len(),
@@ -149,6 +171,7 @@ impl Score {
             doubted_where_short: shares.short.1,
             scenes_covered: shares.covered.0,
             doubted_where_covered: shares.covered.1,
+            tellable_where_short: tellable,
             doubts: words(
                 scenes.iter().map(|one| &one.doubts),
                 sum(&|one| one.estimates),
@@ -167,7 +190,7 @@ impl fmt::Display for Score {
         write!(
             f,
             "{}: {:.1} % covered, {:.0} % of scenes above 85 %, failed {:.1} % {}, p below 5 %: {:.1} %, doubted {:.1} % in {} \
-             scenes short, {:.1} % in {} covered ({})",
+             scenes short (the best test tells {:.1} %), {:.1} % in {} covered ({})",
             self.family,
             percent(self.coverage95),
             percent(self.scenes_above_85),
@@ -176,6 +199,7 @@ impl fmt::Display for Score {
             percent(self.below_5_percent.unwrap_or(f64::NAN)),
             percent(self.doubted_where_short),
             self.scenes_short,
+            percent(self.tellable_where_short),
             percent(self.doubted_where_covered),
             self.scenes_covered,
             self.doubts,
