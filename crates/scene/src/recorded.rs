@@ -28,6 +28,7 @@ mod pictured;
 mod press;
 mod pressed;
 mod pressed_object;
+mod repeated;
 mod roll;
 mod roll_agreement;
 mod roll_estimate;

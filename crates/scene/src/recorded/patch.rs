@@ -17,6 +17,7 @@ use super::glide::GlideReadings;
 use super::origin::agreed_unit;
 use super::patch_doubts::{noise, of_wrong_normals, spacing, words};
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
+use super::repeated::repeated;
 use super::stated::FORMAT_VERSION;
 use super::suspicion::{of_directions, of_normals};
 use super::wording::Wording;
@@ -280,6 +281,7 @@ impl<'r> FittedGlide<'r> {
                 .chain(of_noise.iter().cloned())
                 .chain(of_normals(self.contacts()))
                 .chain(directions)
+                .chain(copies(recorded))
                 .chain(recorded.note.clone())
                 .collect(),
             doubts: doubts.into_iter().map(ToldDoubt::from).collect(),
@@ -292,6 +294,17 @@ impl<'r> FittedGlide<'r> {
             }),
         }
     }
+}
+
+/// Warning of contacts that are there twice.
+fn copies(recorded: &GlideReadings) -> Option<String> {
+    let contacts = recorded.contacts.iter().map(|contact| {
+        let [x, y, z] = contact.position.into();
+        let [along_x, along_y, along_z] = contact.normal.unwrap_or_default().into();
+        let finger = contact.finger as f64;
+        [finger, x, y, z, along_x, along_y, along_z]
+    });
+    repeated(&recorded.origin, "contact", contacts)
 }
 
 /// Contacts that follow from the points of round tips, where there are such.

@@ -8,6 +8,7 @@ use super::error::{RecordedError, explained};
 use super::origin::agreed_unit;
 use super::press::PressReadings;
 use super::pressed_object::{Described, PressedObject, Row};
+use super::repeated::repeated;
 use super::stated::{self, FORMAT_VERSION};
 use super::suspicion::{Sensor, of_press};
 use super::wording::Wording;
@@ -127,6 +128,7 @@ pub fn estimate_press(
         stated.and_then(|(_, warning)| warning),
         left_out,
         (!estimate.is_seen).then(|| stated::UNSEEN.to_owned()),
+        copies(recorded),
         estimate
             .only_marker
             .map(|marker| stated::alone(marker, &recorded.origin)),
@@ -152,6 +154,17 @@ pub fn estimate_press(
             warnings,
         },
     ))
+}
+
+/// Warning of markers that are there twice.
+fn copies(recorded: &PressReadings) -> Option<String> {
+    let along = recorded.tangential.as_deref();
+    let each = recorded.places.iter().zip(&recorded.normal).enumerate();
+    let markers = each.map(|(marker, (&[x, y], &normal))| {
+        let [along_x, along_y] = along.map_or([0.0; 2], |along| along[marker]);
+        [x, y, normal, along_x, along_y]
+    });
+    repeated(&recorded.origin, "marker", markers)
 }
 
 /// Readings without those that are wrong whatever the indentation is.

@@ -176,7 +176,6 @@ fn one_frame_tells_the_odd_terms_of_the_lens() {
             ..Truth::default()
         };
         let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
-        println!("{k3} {k5}: {}", told.summary());
         let stds = [told.k3_std, told.k5_std].map(|std| std.expect("it is determined"));
         let of_terms = [(told.k3 - k3) / stds[0], (told.k5 - k5) / stds[1]];
         for pull in pulls(&told, &truth).into_iter().chain(of_terms) {
@@ -209,12 +208,6 @@ fn a_camera_far_above_or_below_the_centre_is_found() {
             ..Truth::default()
         };
         let told = calibrate_camera(&frame(truth.frame(seed)), &study.config).expect("a camera");
-        println!(
-            "{height}: {} {:?} {}",
-            told.summary(),
-            told.warnings,
-            told.reduced_chi_squared
-        );
         for pull in pulls(&told, &truth) {
             assert!(pull.abs() < 4.0, "{height}, {pull}: {told:?}");
         }

@@ -1,0 +1,56 @@
+//! Warning of rows that are there twice.
+
+use std::collections::HashSet;
+
+use super::origin::Origin;
+
+/// Warning of readings that say the same as one before them to the last digit, each as its numbers.
+pub(super) fn repeated<const N: usize>(
+    origin: &Origin,
+    what: &str,
+    readings: impl Iterator<Item = [f64; N]>,
+) -> Option<String> {
+    // Adding 0 makes −0 what it equals.
+    let bits = |numbers: [f64; N]| numbers.map(|number| (number + 0.0).to_bits());
+    let mut known = HashSet::new();
+    let again: Vec<usize> = readings
+        .enumerate()
+        .filter_map(|(place, numbers)| (!known.insert(bits(numbers))).then_some(place))
+        .collect();
+    let first = *again.first()?;
+    let line = origin
+        .line(first)
+        .map_or_else(String::new, |line| format!(", line {line}"));
+    let rows = match again.len() {
+        1 => format!("row {}{line} repeats a {what} of a row", first + 1),
+        count => format!(
+            "{count} rows, the first of them row {}{line}, repeat {what}s of rows",
+            first + 1
+        ),
+    };
+    Some(format!(
+        "{rows} before to the last digit: copies are no new readings, and make the stated uncertainty too small"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_are_told_and_repeated_measurements_are_not() {
+        let origin = Origin::File {
+            name: "r.csv".to_owned(),
+            lines: vec![2, 3, 5, 6],
+        };
+        let told = |rows: &[[f64; 2]]| repeated(&origin, "marker", rows.iter().copied());
+        assert_eq!(told(&[[0.0, 1.0], [0.0, 1.1], [1.0, 1.0]]), None);
+        let one = told(&[[0.0, 1.0], [2.0, 3.0], [-0.0, 1.0]]).unwrap();
+        assert!(
+            one.starts_with("row 3, line 5 repeats a marker of a row before to the last digit")
+        );
+        let two = told(&[[0.0; 2], [0.0; 2], [1.0; 2], [0.0; 2]]).unwrap();
+        let rows = "2 rows, the first of them row 2, line 3, repeat markers of rows before";
+        assert!(two.starts_with(rows), "{two}");
+    }
+}
