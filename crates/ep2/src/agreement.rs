@@ -26,6 +26,10 @@ const OF_NORMALS: usize = 6;
 const MOST_CONTACTS: usize = 2000;
 /// Most fingers that are tested one by one.
 const MOST_FINGERS: usize = 64;
+/// Most fingers for each of which the roughness is found anew: those that seem displaced most.
+const MOST_APART: usize = 8;
+/// Most contacts that are tested one by one: those with the largest residuals.
+const MOST_SUSPECTED: usize = 32;
 /// Noise of positions that is found below which it may be rounding, or what the series does not follow, in the patch's unit.
 const ROUNDING: f64 = 1e-4;
 /// Least share of the noise of normals that is found that is not from positions.
@@ -97,6 +101,7 @@ impl Model<'_> {
         let test = Test::new(self, process, &sums)?;
         let goodness = self.is_noise_told().then_some(test.goodness);
         let (finger, displaced) = self.displaced(&test, variances, &sums, apart)?;
+        let (contact, stray) = self.stray(&test, variances)?;
         let doubts = [
             Doubt::LargeResiduals {
                 p_value: goodness.map_or(1.0, |goodness| goodness.p_value),
@@ -108,8 +113,12 @@ impl Model<'_> {
                 finger,
                 p_value: displaced,
             },
+            Doubt::StrayContact {
+                contact,
+                p_value: stray,
+            },
         ];
-        let is_doubted = |doubt: &Doubt| doubt.p_value() < Doubt::LEVEL;
+        let is_doubted = |doubt: &Doubt| doubt.p_value() < doubt.level();
         Ok(Agreement {
             goodness,
             doubts: doubts.into_iter().filter(is_doubted).collect(),
@@ -161,16 +170,47 @@ impl Model<'_> {
             patterns
         };
         let products = self.products(variances, fingers.len(), &patterns)?;
-        let mut chances = Vec::new();
-        for (place, &finger) in fingers.iter().enumerate() {
-            let one = products.of(place);
-            let by_others = match apart(finger) {
-                Ok(process) => Test::new(self, &process, sums)?.chance_of(&one),
-                Err(_) => test.chance_of(&one),
-            };
-            chances.push((finger, by_others));
+        let ones = fingers.iter().enumerate();
+        let mut chances: Vec<(usize, f64, Products)> = ones
+            .map(|(place, &finger)| {
+                let one = products.of(place);
+                (finger, test.chance_of(&one), one)
+            })
+            .collect();
+        chances.sort_by(|(_, one, _), (_, other, _)| one.total_cmp(other));
+        for (finger, chance, one) in chances.iter_mut().take(MOST_APART) {
+            if let Ok(process) = apart(*finger) {
+                *chance = Test::new(self, &process, sums)?.chance_of(one);
+            }
         }
-        Ok(least_likely(chances.into_iter()))
+        let chances = chances.iter().map(|(finger, chance, _)| (*finger, *chance));
+        Ok(least_likely(chances))
+    }
+
+    /// The contact that contradicts the others most, and the probability that chance makes one of all do as much.
+    fn stray(&self, test: &Test<'_>, variances: Variances) -> Result<(usize, f64), Ep2Error> {
+        let mut far = Vec::new();
+        for (place, sample) in self.samples().enumerate() {
+            let Weighted { values, slopes, .. } = self.weighted(sample, variances)?;
+            let slopes = by_factors(test.process, &slopes.transpose());
+            let residual = values - slopes.tr_mul(&test.factors);
+            far.push((place, residual, slopes));
+        }
+        let count = far.len();
+        far.sort_by(|(_, one, _), (_, other, _)| other.norm().total_cmp(&one.norm()));
+        let chances = far
+            .iter()
+            .take(MOST_SUSPECTED)
+            .map(|(place, residual, slopes)| {
+                let left = -slopes.tr_mul(&(&test.covariance * slopes));
+                let rows = residual.len();
+                let left = left + DMatrix::identity(rows, rows);
+                let explained = Explained::by(&vec![1.0; rows], &left, residual, LEFT);
+                (place * self.step(), test.chance(explained))
+            });
+        let (contact, chance) = least_likely(chances);
+        let all = count as f64 / count.clamp(1, MOST_SUSPECTED) as f64;
+        Ok((contact, (chance * all).min(1.0)))
     }
 
     /// Variances of the contacts; `None` where nothing tells them apart from rounding.
@@ -202,10 +242,12 @@ impl Model<'_> {
 
     /// Contacts that are tested.
     fn samples(&self) -> impl Iterator<Item = &Sample> {
-        let samples = &self.patch.samples;
-        samples
-            .iter()
-            .step_by(samples.len().div_ceil(MOST_CONTACTS).max(1))
+        self.patch.samples.iter().step_by(self.step())
+    }
+
+    /// Number of contacts of which one is tested.
+    fn step(&self) -> usize {
+        self.patch.samples.len().div_ceil(MOST_CONTACTS).max(1)
     }
 
     fn jet(&self, sample: &Sample) -> Jet {
@@ -434,7 +476,10 @@ impl<'p> Test<'p> {
         let left = &products.by_patterns - taken;
         let found = &products.by_values - by_slopes.tr_mul(&self.factors);
         let squares: Vec<f64> = products.by_patterns.diagonal().iter().copied().collect();
-        let explained = Explained::by(&squares, &left, &found, LEFT);
+        self.chance(Explained::by(&squares, &left, &found, LEFT))
+    }
+
+    fn chance(&self, explained: Explained) -> f64 {
         match self.is_noise_trusted {
             true => explained.p_value(),
             false => explained.p_value_beside(self.chi_squared, self.freedom),

@@ -16,7 +16,7 @@ pub struct Agreement {
 }
 
 /// Way in which contacts contradict the model of a fit. Where the model holds each arises by chance in [`Doubt::LEVEL`] of
-/// all glides.
+/// all glides, a stray contact in a tenth of that: one that matters is far off.
 ///
 /// A wrong radius of round tips makes none of these: their lowest points and centres lie on a surface too, with the same
 /// normals. Nor does a gain of all positions, or without normals one finger of three that is displaced.
@@ -40,11 +40,26 @@ pub enum Doubt {
         /// Probability that one of all fingers is displaced as far where the model holds.
         p_value: f64,
     },
+    /// One contact contradicts the others.
+    StrayContact {
+        /// Its number, counted from 0.
+        contact: usize,
+        /// Probability that one of all contacts contradicts the others as much where the model holds.
+        p_value: f64,
+    },
 }
 
 impl Doubt {
-    /// Probability with which each doubt arises where the model holds.
+    /// Probability with which each doubt arises where the model holds, but that of a stray contact.
     pub const LEVEL: f64 = palpate_chance::DOUBTED;
+
+    /// Probability with which this doubt arises where the model holds.
+    pub const fn level(self) -> f64 {
+        match self {
+            Self::StrayContact { .. } => 0.1 * Self::LEVEL,
+            _ => Self::LEVEL,
+        }
+    }
 
     /// The stable name.
     pub fn name(self) -> &'static str {
@@ -56,7 +71,8 @@ impl Doubt {
         match self {
             Self::LargeResiduals { p_value }
             | Self::ContradictingNormals { p_value }
-            | Self::DisplacedFinger { p_value, .. } => p_value,
+            | Self::DisplacedFinger { p_value, .. }
+            | Self::StrayContact { p_value, .. } => p_value,
         }
     }
 }
@@ -75,6 +91,10 @@ impl fmt::Display for Doubt {
             Self::DisplacedFinger { finger, .. } => {
                 write!(f, "finger {finger} is displaced against the others")
             }
+            Self::StrayContact { contact, .. } => write!(
+                f,
+                "contact {contact} (counting from 0) contradicts the others"
+            ),
         }?;
         write!(
             f,

@@ -129,6 +129,7 @@ subjects! {
         "slipped-probe": "Doubt about rolls: one probe contradicts the others.";
         "contradicting-normals": "Doubt about glides: normals and positions tell different slopes, as in frames that are turned against each other.";
         "displaced-finger": "Doubt about glides: one finger is displaced against the others.";
+        "stray-contact": "Doubt about glides: one contact contradicts the others.";
         "not-round": "Doubt about presses: displacements depend on the direction from the contact, as by an edge, a cylinder or a saddle.";
         "other-indentation": "Doubt about presses: the stated indentation is not the one that the displacements tell.";
         "slipped-marker": "Doubt about presses: one marker contradicts the others, by too little to be left out.";

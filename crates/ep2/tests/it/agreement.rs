@@ -142,6 +142,24 @@ fn a_finger_of_three_is_told_from_the_roughness_that_it_looks_like() {
 }
 
 #[test]
+fn a_contact_that_strays_is_told() {
+    for noise in [told(&SWEEP), Noise::default()] {
+        let named = (0..20).filter(|&trial| {
+            let mut contacts = SWEEP.contacts(SADDLE, trial);
+            contacts[16].position.z += 0.2;
+            let doubts = agreement(&penalised(noise), &contacts).doubts;
+            let told = doubts.iter().find_map(|doubt| match doubt {
+                Doubt::StrayContact { contact, .. } => Some(*contact),
+                _ => None,
+            });
+            told == Some(16)
+        });
+        let count = named.count();
+        assert!(count >= 18, "{count} with {noise:?}");
+    }
+}
+
+#[test]
 fn noise_that_is_told_too_small_is_named() {
     let half = Noise {
         position_std: Some(0.5 * SWEEP.position_std),

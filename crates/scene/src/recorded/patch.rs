@@ -276,7 +276,12 @@ impl<'r> FittedGlide<'r> {
             warnings: self
                 .spacing()
                 .into_iter()
-                .chain(words(&doubts, &of_noise, directions.is_some()))
+                .chain(words(
+                    &doubts,
+                    &of_noise,
+                    directions.is_some(),
+                    &recorded.origin,
+                ))
                 .chain(unknown)
                 .chain(of_noise.iter().cloned())
                 .chain(of_normals(self.contacts()))

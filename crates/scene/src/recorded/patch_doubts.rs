@@ -1,10 +1,12 @@
 //! Warnings where what is stated of a patch is not what its contacts show.
 
+use palpate_chance::Share;
 use palpate_ep2::{Doubt, Method, Patch};
 use palpate_number::Number;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
-use super::stated::LARGE_RESIDUALS;
+use super::origin::Origin;
+use super::stated::{LARGE_RESIDUALS, row};
 use crate::glide::AnyMethod;
 
 /// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.
@@ -81,7 +83,8 @@ pub(super) fn noise(
 /// Doubts where the normals are known to be of another surface: fitted to them, places of fingers are off too.
 pub(super) fn of_wrong_normals(mut doubts: Vec<Doubt>) -> Vec<Doubt> {
     for doubt in &mut doubts {
-        if let Doubt::DisplacedFinger { p_value, .. } = *doubt {
+        if let Doubt::DisplacedFinger { p_value, .. } | Doubt::StrayContact { p_value, .. } = *doubt
+        {
             *doubt = Doubt::ContradictingNormals { p_value };
         }
     }
@@ -95,10 +98,16 @@ pub(super) fn words(
     doubts: &[Doubt],
     of_noise: &[String],
     has_directions: bool,
+    origin: &Origin,
 ) -> impl Iterator<Item = String> {
     doubts.iter().filter_map(move |doubt| match doubt {
         Doubt::LargeResiduals { .. } if !of_noise.is_empty() => None,
         Doubt::ContradictingNormals { .. } if has_directions => None,
+        Doubt::StrayContact { contact, p_value } => Some(format!(
+            "the contact of {} contradicts the others (chance does as much in {} of glides)",
+            row(*contact, origin),
+            Share(*p_value)
+        )),
         _ => Some(doubt.to_string()),
     })
 }

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use super::origin::Origin;
+use super::stated::row;
 
 /// Warning of readings that say the same as one before them to the last digit, each as its numbers.
 pub(super) fn repeated<const N: usize>(
@@ -17,16 +18,10 @@ pub(super) fn repeated<const N: usize>(
         .enumerate()
         .filter_map(|(place, numbers)| (!known.insert(bits(numbers))).then_some(place))
         .collect();
-    let first = *again.first()?;
-    let line = origin
-        .line(first)
-        .map_or_else(String::new, |line| format!(", line {line}"));
+    let first = row(*again.first()?, origin);
     let rows = match again.len() {
-        1 => format!("row {}{line} repeats a {what} of a row", first + 1),
-        count => format!(
-            "{count} rows, the first of them row {}{line}, repeat {what}s of rows",
-            first + 1
-        ),
+        1 => format!("{first} repeats a {what} of a row"),
+        count => format!("{count} rows, the first of them {first}, repeat {what}s of rows"),
     };
     Some(format!(
         "{rows} before to the last digit: copies are no new readings, and make the stated uncertainty too small"

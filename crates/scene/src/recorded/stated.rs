@@ -128,10 +128,11 @@ pub(super) fn alone(marker: usize, origin: &Origin) -> String {
     )
 }
 
-fn row(marker: usize, origin: &Origin) -> String {
-    let line = origin.line(marker);
+/// Words for the row of a reading.
+pub(super) fn row(reading: usize, origin: &Origin) -> String {
+    let line = origin.line(reading);
     let line = line.map_or(String::new(), |line| format!(", line {line}"));
-    format!("row {}{line}", marker + 1)
+    format!("row {}{line}", reading + 1)
 }
 
 /// Warnings of doubts; the one about the indentation is left to the warning that says by how much it is off, the one about
