@@ -187,26 +187,51 @@ impl Model<'_> {
         Ok(least_likely(chances))
     }
 
-    /// The contact that contradicts the others most, and the probability that chance makes one of all do as much.
+    /// The contact that contradicts the others most, and the probability that chance makes one of all do as much. Where noise is
+    /// found, a contact that is far off spoils that of positions and with it that of normals: heights count beside heights then,
+    /// and slopes beside slopes.
     fn stray(&self, test: &Test<'_>, variances: Variances) -> Result<(usize, f64), Ep2Error> {
         let mut far = Vec::new();
+        let mut sums = [0.0; 2];
         for (place, sample) in self.samples().enumerate() {
             let Weighted { values, slopes, .. } = self.weighted(sample, variances)?;
             let slopes = by_factors(test.process, &slopes.transpose());
             let residual = values - slopes.tr_mul(&test.factors);
-            far.push((place, residual, slopes));
+            let height = residual[0] * residual[0];
+            let squares = [height, residual.norm_squared() - height];
+            sums = [sums[0] + squares[0], sums[1] + squares[1]];
+            far.push((place, squares, residual, slopes));
         }
         let count = far.len();
-        far.sort_by(|(_, one, _), (_, other, _)| other.norm().total_cmp(&one.norm()));
+        let share = |squares: &[f64; 2]| -> f64 {
+            let parts = squares.iter().zip(sums);
+            parts
+                .map(|(square, sum)| square / sum.max(f64::MIN_POSITIVE))
+                .sum()
+        };
+        far.sort_by(|(_, one, ..), (_, other, ..)| share(other).total_cmp(&share(one)));
         let chances = far
             .iter()
             .take(MOST_SUSPECTED)
-            .map(|(place, residual, slopes)| {
+            .map(|(place, _, residual, slopes)| {
                 let left = -slopes.tr_mul(&(&test.covariance * slopes));
                 let rows = residual.len();
                 let left = left + DMatrix::identity(rows, rows);
-                let explained = Explained::by(&vec![1.0; rows], &left, residual, LEFT);
-                (place * self.step(), test.chance(explained))
+                let explained = |first: usize, rows: usize| {
+                    let left = left.view((first, first), (rows, rows)).into_owned();
+                    let residual = residual.rows(first, rows).into_owned();
+                    Explained::by(&vec![1.0; rows], &left, &residual, LEFT)
+                };
+                let chance = match test.is_noise_trusted {
+                    true => explained(0, rows).p_value(),
+                    false => {
+                        let free = |rows: usize| (rows * count).saturating_sub(UNKNOWNS);
+                        let height = explained(0, 1).p_value_beside(sums[0], free(1));
+                        let slopes = explained(1, rows - 1).p_value_beside(sums[1], free(rows - 1));
+                        (2.0 * height.min(slopes)).min(1.0)
+                    }
+                };
+                (place * self.step(), chance)
             });
         let (contact, chance) = least_likely(chances);
         let all = count as f64 / count.clamp(1, MOST_SUSPECTED) as f64;
@@ -379,7 +404,7 @@ fn series(square: Square, degree: usize, sample: &Sample) -> DMatrix<f64> {
 }
 
 impl Products {
-    /// Those of one pattern.
+    /// Sums of one pattern alone.
     fn of(&self, place: usize) -> Self {
         Self {
             by_patterns: DMatrix::from_element(1, 1, self.by_patterns[(place, place)]),
@@ -476,10 +501,7 @@ impl<'p> Test<'p> {
         let left = &products.by_patterns - taken;
         let found = &products.by_values - by_slopes.tr_mul(&self.factors);
         let squares: Vec<f64> = products.by_patterns.diagonal().iter().copied().collect();
-        self.chance(Explained::by(&squares, &left, &found, LEFT))
-    }
-
-    fn chance(&self, explained: Explained) -> f64 {
+        let explained = Explained::by(&squares, &left, &found, LEFT);
         match self.is_noise_trusted {
             true => explained.p_value(),
             false => explained.p_value_beside(self.chi_squared, self.freedom),

@@ -226,7 +226,7 @@ impl Estimated {
         (0..).find(|&degree| count(degree) >= least).unwrap_or(0)
     }
 
-    /// The equations of that series.
+    /// Equations of the series that the posterior is of.
     fn equations(&self, patch: &Patch) -> SeriesEquations {
         let (quadric, square) = (&self.quadric, &self.square);
         SeriesEquations::around(quadric, patch, square, &self.variances, self.degree())

@@ -176,7 +176,8 @@ impl Parted {
     }
 }
 
-/// The process of the most probable length, of the mean square amplitude there: its coefficients behind the quadrics, a column for each independent factor of unit variance.
+/// The process of the most probable length, whose square amplitude is the mean there over [`EVIDENCE`]: its coefficients behind the
+/// quadrics, a column for each independent factor of unit variance.
 ///
 /// # Errors
 /// Errors of [`posterior`].

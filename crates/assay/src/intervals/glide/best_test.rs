@@ -9,7 +9,7 @@ use super::flaw::DISPLACED;
 
 /// Number of random surfaces whose mean square is that of what the test believes in.
 const SURFACES: u64 = 2000;
-/// Number of draws of noise by which the threshold is set, and of those that are told.
+/// Number of draws of noise by which the threshold is set, and of those that the test is asked of.
 const DRAWS: u64 = 1000;
 /// Share of false alarms.
 const ALARMS: f64 = 0.05;

@@ -41,7 +41,8 @@ stated or too few probes leave any. Errors of pads are no independent noise: the
 the ways in which the readings contradict the model, each with its p-value: large-residuals, common-shift (a slip or a
 first contact that is off), twist (frames that are turned against each other), varying-curvature (rolls too long for
 the object), slipped-probe; 1 set of rolls in 200 has each by chance, and 1 in 50 one of the middle three by all that
-they tell together. What is the same of rolls to and fro changes no curvature: large-residuals alone tells of it.
+they tell together. Where probes roll as far to as fro, a curvature that changes along them cancels: it makes
+`p_value` small, but is a doubt only where the rolls are so long that it is likely to change the estimate.
 
 Where no noise is stated, standard deviations follow from the residuals, of 2n - 3 degrees of freedom with n probes: an
 interval of 95 % is as many of them as Student's t says, 2.57 to either side with 4 probes and 2.16 with 8, not 1.96.
