@@ -212,7 +212,8 @@ proptest! {
             prop_assert!(is_finite(&numbers), "{slope:?}");
         }
         let arc = paraboloid.arc_length(t).unwrap();
-        prop_assert!(arc.is_finite() && arc >= t, "{arc:e}");
+        // No shorter than its shadow, within what an arc length is exact to.
+        prop_assert!(arc.is_finite() && arc >= t * (1.0 - 1e-15), "{arc:e}");
     }
 
     #[test]
