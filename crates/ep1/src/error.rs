@@ -18,7 +18,8 @@ pub enum Ep1Error {
     #[strum(serialize = "unresolvable-set")]
     #[error(
         "the {probes} probes do not span the tangent plane: across their main direction they turn \
-         {spread:.1e} times as far as along it; add a probe across it"
+         {} times as far as along it; add a probe across it",
+        Number::rounded(*spread)
     )]
     Unresolvable {
         /// Number of probes given.
@@ -37,9 +38,10 @@ pub enum Ep1Error {
     },
     /// The contact moved against the roll in some direction, which no rolling contact does.
     #[error(
-        "at {:.1} degrees from u the contact moved {travel_per_radian:e} per radian, against the \
-         roll: not a rolling contact",
-        direction_rad.to_degrees()
+        "at {:.1} degrees from u the contact moved {} per radian, against the roll: not a rolling \
+         contact",
+        direction_rad.to_degrees(),
+        Number::rounded(*travel_per_radian)
     )]
     NotRolling {
         /// Direction, from u towards v, rad.

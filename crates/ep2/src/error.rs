@@ -42,7 +42,8 @@ pub enum Ep2Error {
     },
     /// A normal of no length, or of one too small to have a direction.
     #[error(
-        "contact {contact} (counting from 0): the largest component of the normal is {length:e}"
+        "contact {contact} (counting from 0): the normal has no direction: its largest component is {length}",
+        length = Number(*length)
     )]
     BadNormal {
         /// Number of the contact, counted from 0.
@@ -57,7 +58,7 @@ pub enum Ep2Error {
         contact: usize,
     },
     /// All contacts lie on one point.
-    #[error("all {contacts} contacts lie on one point, within {extent:e}")]
+    #[error("all {contacts} contacts lie on one point, within {}", Number::rounded(*extent))]
     Coincident {
         /// Number of contacts given.
         contacts: usize,
@@ -66,8 +67,8 @@ pub enum Ep2Error {
     },
     /// All contacts lie on one line: nothing tells the shape across it.
     #[error(
-        "all {contacts} contacts lie on a line: across it they spread {spread:.1e} times as far \
-         as along it"
+        "all {contacts} contacts lie on a line: across it they spread {} times as far as along it",
+        Number::rounded(*spread)
     )]
     Collinear {
         /// Number of contacts given.

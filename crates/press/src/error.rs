@@ -81,7 +81,8 @@ pub enum PressError {
     },
     /// The contact is so much wider than the layer is thick that the equations cannot be solved.
     #[error(
-        "the contact is {ratio:.3e} times as wide as the layer is thick; at most {limit} can be solved"
+        "the contact is {} times as wide as the layer is thick; at most {limit} can be solved",
+        Number::rounded(*ratio)
     )]
     LayerTooThin {
         /// Radius of the contact over the thickness.
@@ -127,7 +128,7 @@ pub enum PressError {
     /// The contact that would explain the readings lies away from all markers.
     #[error(
         "the contact lies {distance} from the nearest marker, off the sensor's markers",
-        distance = Number(*distance)
+        distance = Number::rounded(*distance)
     )]
     OffMarkers {
         /// Distance along the skin, length.

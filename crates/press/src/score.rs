@@ -26,6 +26,15 @@ const ROWS: usize = 60;
 /// badly has as much of what they leave less of.
 const LEFT_OF_PATTERN: f64 = 0.1;
 
+/// Standard deviations by which a marker may slip before it is left out, about.
+const LEFT_OUT: f64 = 5.0;
+
+/// Whether a slip too small for the marker to be left out moves the curvature by a standard deviation. `moves` is the square of
+/// what standard deviations of its readings move it by; a slip of others spoils no interval.
+pub(crate) fn matters(moves: f64, variance: f64) -> bool {
+    LEFT_OUT * LEFT_OUT * moves >= variance
+}
+
 pub(crate) type Patterns = SVector<f64, PATTERNS>;
 
 /// Directions at 0, 45, 90 and 135 degrees from the bearing's first axis.
@@ -298,6 +307,12 @@ mod tests {
             left,
             noise,
         }
+    }
+
+    #[test]
+    fn a_marker_matters_whose_slip_may_spoil_the_curvature() {
+        // A tenth of the variance is of this marker, a hundredth of that one.
+        assert!(matters(0.1 * 0.3, 0.3) && !matters(0.01 * 0.3, 0.3));
     }
 
     #[test]

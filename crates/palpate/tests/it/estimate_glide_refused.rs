@@ -108,7 +108,7 @@ fn contacts_that_tell_no_patch() {
     let same = format!("{BARE}\n{}", "0,1,2,3\n".repeat(50_000));
     assert_eq!(
         said_of(&same),
-        "r.csv: all 50000 contacts lie on one point, within 0e0"
+        "r.csv: all 50000 contacts lie on one point, within 0"
     );
     let line = said_of(&grid(BARE, 6, |x, _| format!("{x},{x},{x}")));
     assert!(
@@ -134,7 +134,7 @@ fn normals_that_cannot_be() {
         |normal: &str| said_of(&flat.replacen("-1,-1,0,0,0,1", &format!("-1,-1,0,{normal}"), 1));
     assert_eq!(
         with("0,0,0"),
-        "r.csv:2: contact 0 (counting from 0): the largest component of the normal is 0e0"
+        "r.csv:2: contact 0 (counting from 0): the normal has no direction: its largest component is 0"
     );
     let tangent = with("1,0,0");
     assert!(

@@ -3,12 +3,12 @@
 use nalgebra::SMatrix;
 use palpate_chance::{Explained, LEFT, least_likely};
 
-use super::problem::{INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns, finite};
+use super::problem::{CURVATURE, INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns, finite};
 use super::reading::Reading;
 use super::search::SINGULAR;
 use super::settings::ForwardFit;
 use crate::definite::inverse;
-use crate::score::{BY_INDENTATION, Noise, Patterns, Products, Score, patterns};
+use crate::score::{BY_INDENTATION, Noise, Patterns, Products, Score, matters, patterns};
 use crate::{Doubt, PressError, PressEstimate};
 
 /// Noise that is found, as a share of the largest displacement, below which it may be rounding.
@@ -170,26 +170,29 @@ impl<'p, 'a> Test<'p, 'a> {
             .then(|| noise.of_indentation(off, told.std * told.std, variance))
     }
 
-    /// The marker that contradicts the others most, and the probability that chance makes one do as much.
+    /// Marker that contradicts the others most, of those that matter, and the probability that chance makes one do as much.
     fn slipped(&self, noise: &Noise) -> Result<(usize, f64), PressError> {
         let (problem, state) = (self.problem, self.state);
         let contact = problem.contact(state)?;
         let components = if problem.uses_tangential() { 3 } else { 1 };
         let slopes = problem.slopes(state)?;
+        let variance = self.covariance[(CURVATURE, CURVATURE)];
         let chance = |(marker, slopes): (usize, [Unknowns; 3])| {
             let residuals = problem.residuals_at(&contact, state, marker);
-            let mut square = 0.0;
+            let (mut square, mut moves) = (0.0, 0.0);
             for (residual, slopes) in residuals.iter().zip(&slopes) {
                 let slopes = self.sought(slopes);
-                let leverage = slopes.dot(&(self.covariance * slopes));
-                square += residual * residual / (1.0 - leverage).max(LEFT);
+                let by = self.covariance * slopes;
+                square += residual * residual / (1.0 - slopes.dot(&by)).max(LEFT);
+                moves += by[CURVATURE] * by[CURVATURE];
             }
             let explained = Explained {
                 fall: square,
                 freedom: components,
             };
-            (marker, noise.chance(explained))
+            matters(moves, variance).then(|| (marker, noise.chance(explained)))
         };
-        Ok(least_likely(problem.counting().zip(slopes).map(chance)))
+        let counting = problem.counting().zip(slopes);
+        Ok(least_likely(counting.filter_map(chance)))
     }
 }

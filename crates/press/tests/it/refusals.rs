@@ -205,4 +205,17 @@ fn a_press_that_one_marker_alone_feels_is_estimated_and_told() {
     assert!(of_press >= 36 && held >= 33, "{held} of {of_press}");
     let (of_slip, _) = told(&slipped, 7, 0.0);
     assert!(of_slip >= 36, "{of_slip}");
+    // Where an indentation is told, the others leave less of the curvatures; the marker is not said to be wrong.
+    let indentation = exactly(0.6);
+    let estimates = (0..40).filter_map(|trial| {
+        let readings = pressed.noisy(std, trial);
+        fit.estimate(&readings.reading(&markers, indentation)).ok()
+    });
+    let unseen: Vec<_> = estimates.filter(|found| !found.is_seen).collect();
+    let told = unseen.iter().filter(|found| found.only_marker == under);
+    let wrong = unseen
+        .iter()
+        .filter(|found| !found.wrong_markers.is_empty());
+    let counts = (unseen.len(), told.count(), wrong.count());
+    assert!(counts.1 >= 20 && counts.2 <= 4, "{counts:?}");
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Point3, Vector3};
 use palpate_chance::GoodnessOfFit;
 use palpate_ep1::{ProbeReading, ReadingNoise};
 use palpate_ep2::{Contact, Method, Patch, Quadric};
@@ -220,6 +220,47 @@ const FEWEST: usize = 8;
 /// those of the fit by three times as much as they are.
 const FIT_BETTER: f64 = 9.0;
 
+/// Spread of places across the curve that they lie along, over how far they stand off the surface through them, from which on
+/// they tell normals: about a curve alone any surface may turn.
+const TELLS_NORMALS: f64 = 10.0;
+
+/// Spread across that files of few digits may make, as a share of the spread along.
+const ROUNDED: f64 = 1e-6;
+
+/// The root-mean-square spread of places across the parabola that they lie along most, in the plane that they lie in most;
+/// 0 where rounding hides it.
+fn spread_across(places: &[Point3<f64>]) -> f64 {
+    let count = places.len() as f64;
+    let mean = places
+        .iter()
+        .map(|place| place.coords)
+        .sum::<Vector3<f64>>()
+        / count;
+    let spread: Matrix3<f64> = places
+        .iter()
+        .map(|place| place.coords - mean)
+        .map(|arm| arm * arm.transpose())
+        .sum();
+    let eigen = spread.symmetric_eigen();
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|&one, &other| eigen.eigenvalues[other].total_cmp(&eigen.eigenvalues[one]));
+    let [along, across, _] = axes.map(|axis| eigen.eigenvectors.column(axis));
+    let length = eigen.eigenvalues[axes[0]].sqrt();
+    let parabola = DMatrix::from_fn(places.len(), 3, |row, power| {
+        let along = along.dot(&(places[row].coords - mean)) / length;
+        along.powi(power as i32)
+    });
+    let across = DVector::from_fn(places.len(), |row, _| {
+        across.dot(&(places[row].coords - mean))
+    });
+    let fitted = parabola.clone().svd(true, true).solve(&across, 1e-12);
+    let left = fitted.map_or(0.0, |fitted| (across - parabola * fitted).norm());
+    match left > ROUNDED * length {
+        true => left / count.sqrt(),
+        false => 0.0,
+    }
+}
+
 /// The mistake of signs or columns that the normals of contacts look like, held against a quadric through their places alone.
 pub(super) fn of_directions(contacts: &[Contact]) -> Option<String> {
     let normals: Option<Vec<Vector3<f64>>> = contacts
@@ -236,6 +277,10 @@ pub(super) fn of_directions(contacts: &[Contact]) -> Option<String> {
     let sides = [Vector3::z(), Vector3::x(), Vector3::y()];
     let patch = sides.iter().find_map(|side| Patch::new(&bare, side).ok())?;
     let fit = Quadric::default().fit(&patch).ok()?;
+    let off = fit.noise.map_or(0.0, |noise| noise.position_std);
+    if spread_across(&places) <= TELLS_NORMALS * off {
+        return None;
+    }
     let shown: Vec<Vector3<f64>> = fit
         .points_at(&places)
         .ok()?
@@ -288,4 +333,40 @@ fn changes() -> [(Matrix3<f64>, &'static str); 6] {
         (swap(0, 2), "normal_x and normal_z swapped"),
         (swap(1, 2), "normal_y and normal_z swapped"),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use palpate_sensing::{Channel, Stream};
+
+    use super::*;
+
+    /// Contacts with their normals on a ball of 30 mm, on lines so far apart, with noise of 0.02 mm and 1 degree.
+    fn on_a_ball(apart: f64, seen: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Vec<Contact> {
+        let mut stream = Stream::new(1996, 0, Channel::Position);
+        let mut noise = |std: f64| Vector3::from_fn(|_, _| std * stream.standard_normal());
+        let contacts = (0..63).map(|number| {
+            let [x, y] = [
+                f64::from(number % 21) - 10.0,
+                apart * f64::from(number / 21),
+            ];
+            let normal = Vector3::new(x, y, (900.0 - x * x - y * y).sqrt()) / 30.0;
+            let place = Point3::from(normal * 30.0 + noise(0.02));
+            let normal = seen((normal + noise(0.017)).normalize());
+            Contact::new(number as usize / 21, place, Some(normal))
+        });
+        contacts.collect()
+    }
+
+    #[test]
+    fn swapped_normals_are_told_by_a_patch_and_not_by_a_line() {
+        let swapped = |normal: Vector3<f64>| Vector3::new(normal.x, normal.z, normal.y);
+        for apart in [1.0, 4.0] {
+            assert_eq!(of_directions(&on_a_ball(apart, |normal| normal)), None);
+            let told = of_directions(&on_a_ball(apart, swapped)).unwrap();
+            assert!(told.contains("normal_y and normal_z swapped"), "{told}");
+        }
+        // The plane that an arc lies in is none that its normals stand on.
+        assert_eq!(of_directions(&on_a_ball(0.0, |normal| normal)), None);
+    }
 }

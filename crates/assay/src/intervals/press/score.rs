@@ -46,15 +46,17 @@ pub struct Score {
     pub open: f64,
     /// Number of scenes whose intervals of 95 % hold in less than 85 %.
     pub scenes_short: usize,
-    /// Share of doubted estimates in these; of those that failed too.
+    /// Share of doubted estimates in these, of those that failed too; those that leave markers out say what is wrong.
     pub doubted_where_short: f64,
     /// Number of scenes whose intervals of 95 % hold in at least 92 % of the estimates.
     pub scenes_covered: usize,
-    /// Share of doubted estimates in these.
+    /// Share of doubted estimates in these; where no marker slipped, of those that leave one out too.
     pub doubted_where_covered: f64,
     /// Mean over the scenes that fall short of the share of trials in which the best test with 5 % of false alarms tells the
     /// readings from those of any press that the fit believes in; NaN where they are those of one.
     pub tellable_where_short: f64,
+    /// Share of estimates that leave markers out as wrong.
+    pub left_out: f64,
     /// Names of the doubts, with the share of estimates that have each.
     pub doubts: String,
     /// Whether the figures are within the limits; `None` where none are set.
@@ -74,6 +76,9 @@ pub(super) struct Tally {
     tellable: f64,
     refused: f64,
     doubts: Doubts,
+    /// Estimates that leave markers out, and those of them that are not doubted.
+    left_out: f64,
+    only_left_out: f64,
 }
 
 impl Tally {
@@ -82,9 +87,11 @@ impl Tally {
         self.sums.within[2] / (self.sums.stated + self.refused)
     }
 
-    /// Share that is doubted of the estimates and of the presses that are refused as those of another body.
-    fn doubted(&self) -> f64 {
-        (self.doubts.doubted() + self.refused) / (self.sums.stated + self.refused)
+    /// Share that is doubted of the estimates and of the presses that are refused as those of another body; an estimate that
+    /// leaves markers out says so, which is a doubt but where it `mends` what is wrong.
+    fn doubted(&self, mends: bool) -> f64 {
+        let left_out = if mends { 0.0 } else { self.only_left_out };
+        (self.doubts.doubted() + left_out + self.refused) / (self.sums.stated + self.refused)
     }
 }
 
@@ -116,6 +123,9 @@ pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
         tally.seen += f64::from(u8::from(estimate.is_seen));
         let doubts = case.fit.doubts(&reading, &estimate)?;
         tally.doubts.add(doubts.iter().map(|doubt| doubt.name()));
+        let is_left_out = !estimate.wrong_markers.is_empty();
+        tally.left_out += f64::from(u8::from(is_left_out));
+        tally.only_left_out += f64::from(u8::from(is_left_out && doubts.is_empty()));
         let curvature = estimate.relative_curvature;
         let error = curvature.value - case.relative_curvature;
         let [half, most, _] = within(error, curvature.std);
@@ -149,7 +159,7 @@ impl Score {
             .iter()
             .map(|one| Scene {
                 coverage: one.coverage_of_stated(),
-                doubted: one.doubted(),
+                doubted: one.doubted(family.may_be_mended() && one.coverage_of_stated() >= HOLDS),
             })
             .collect();
         let shares = Shares::of(&told);
@@ -177,6 +187,7 @@ impl Score {
             scenes_covered: shares.covered.0,
             doubted_where_covered: shares.covered.1,
             tellable_where_short: tellable,
+            left_out: scenes.iter().map(|one| one.left_out).sum::<f64>() / stated,
             doubts: words(scenes.iter().map(|one| &one.doubts), stated),
             is_within_limits: None,
         };
@@ -202,7 +213,7 @@ impl fmt::Display for Score {
             f,
             "{}: seen {:.1} % (at most {:.1}), {:.1} % covered (50: {:.1}, 80: {:.1}), {:.0} % of scenes above 85 %, lowest {:.1} %, width {:.2}, closed \
              {:.1} %, one-sided {:.1} %, open {:.1} %, failed {:.1} % {}, doubted {:.1} % in {} scenes short (at most {:.1}), {:.1} % \
-             in {} covered ({})",
+             in {} covered, {:.1} % leave markers out ({})",
             self.family,
             percent(self.seen),
             percent(self.detectable),
@@ -222,6 +233,7 @@ impl fmt::Display for Score {
             percent(self.tellable_where_short),
             percent(self.doubted_where_covered),
             self.scenes_covered,
+            percent(self.left_out),
             self.doubts,
         )?;
         match self.is_within_limits {
