@@ -248,7 +248,7 @@ fn spread_across(places: &[Point3<f64>]) -> f64 {
     let length = eigen.eigenvalues[axes[0]].sqrt();
     let parabola = DMatrix::from_fn(places.len(), 3, |row, power| {
         let along = along.dot(&(places[row].coords - mean)) / length;
-        along.powi(power as i32)
+        [1.0, along, along * along][power]
     });
     let across = DVector::from_fn(places.len(), |row, _| {
         across.dot(&(places[row].coords - mean))
