@@ -229,7 +229,7 @@ impl<'a> Search<'a> {
         // Noise makes readings that show nothing look sharp; so far from a clear minimum no bias the other way is told.
         let corrected = estimate.relative_curvature;
         let value = corrected.value.min(estimate.most_likely_curvature);
-        let mut wrong_markers = estimate.wrong_markers.clone();
+        let mut wrong_markers = estimate.wrong_markers;
         wrong_markers.retain(|&marker| Some(marker) != only_marker);
         Some(Found::Left(Box::new(PressEstimate {
             is_seen: false,

@@ -231,32 +231,30 @@ const ROUNDED: f64 = 1e-6;
 /// 0 where rounding hides it.
 fn spread_across(places: &[Point3<f64>]) -> f64 {
     let count = places.len() as f64;
-    let mean = places
+    let sum: Vector3<f64> = places.iter().map(|place| place.coords).sum();
+    let arms: Vec<Vector3<f64>> = places
         .iter()
-        .map(|place| place.coords)
-        .sum::<Vector3<f64>>()
-        / count;
-    let spread: Matrix3<f64> = places
-        .iter()
-        .map(|place| place.coords - mean)
-        .map(|arm| arm * arm.transpose())
-        .sum();
+        .map(|place| place.coords - sum / count)
+        .collect();
+    let size = arms.iter().fold(0.0, |most: f64, arm| most.max(arm.amax()));
+    if !(size > 0.0 && size.is_finite()) {
+        return 0.0;
+    }
+    let arms: Vec<Vector3<f64>> = arms.iter().map(|arm| arm / size).collect();
+    let spread: Matrix3<f64> = arms.iter().map(|arm| arm * arm.transpose()).sum();
     let eigen = spread.symmetric_eigen();
     let mut axes = [0, 1, 2];
     axes.sort_by(|&one, &other| eigen.eigenvalues[other].total_cmp(&eigen.eigenvalues[one]));
     let [along, across, _] = axes.map(|axis| eigen.eigenvectors.column(axis));
-    let length = eigen.eigenvalues[axes[0]].sqrt();
-    let parabola = DMatrix::from_fn(places.len(), 3, |row, power| {
-        let along = along.dot(&(places[row].coords - mean)) / length;
+    let parabola = DMatrix::from_fn(arms.len(), 3, |row, power| {
+        let along = along.dot(&arms[row]);
         [1.0, along, along * along][power]
     });
-    let across = DVector::from_fn(places.len(), |row, _| {
-        across.dot(&(places[row].coords - mean))
-    });
+    let across = DVector::from_fn(arms.len(), |row, _| across.dot(&arms[row]));
     let fitted = parabola.clone().svd(true, true).solve(&across, 1e-12);
     let left = fitted.map_or(0.0, |fitted| (across - parabola * fitted).norm());
-    match left > ROUNDED * length {
-        true => left / count.sqrt(),
+    match left > ROUNDED * eigen.eigenvalues[axes[0]].sqrt() {
+        true => size * left / count.sqrt(),
         false => 0.0,
     }
 }
@@ -368,5 +366,20 @@ mod tests {
         }
         // The plane that an arc lies in is none that its normals stand on.
         assert_eq!(of_directions(&on_a_ball(0.0, |normal| normal)), None);
+    }
+    #[test]
+    fn places_of_any_size_spread_as_they_do() {
+        let grid = |size: f64| -> Vec<Point3<f64>> {
+            let place =
+                |number: u32| Point3::new(f64::from(number % 5), f64::from(number / 5), 0.0);
+            (0..15).map(|number| place(number) * size).collect()
+        };
+        let one = spread_across(&grid(1.0));
+        // Of rows at 0, 1 and 2.
+        assert!((one - (2.0_f64 / 3.0).sqrt()).abs() < 1e-12, "{one}");
+        for size in [1e-200, 1e-3, 1e150] {
+            assert!((spread_across(&grid(size)) / size / one - 1.0).abs() < 1e-9);
+        }
+        assert_eq!(spread_across(&grid(0.0)), 0.0);
     }
 }

@@ -288,6 +288,22 @@ mod tests {
     }
 
     #[test]
+    fn markers_that_are_left_out_tell_what_is_wrong_but_where_they_mend_it() {
+        let leaving_out = |covered: u64| {
+            let mut tally = scene(0, covered, 20, 2);
+            (tally.left_out, tally.only_left_out) = (10.0, 8.0);
+            tally
+        };
+        let score = |word: &str| {
+            let score = Score::of(&family(word), &[leaving_out(4), leaving_out(19)]);
+            assert_eq!(score.left_out, 0.5);
+            [score.doubted_where_short, score.doubted_where_covered]
+        };
+        assert_eq!(score("a slipped marker"), [0.5, 0.1]);
+        assert_eq!(score("half-space, indentation known"), [0.5, 0.5]);
+    }
+
+    #[test]
     fn wrong_models_are_judged_by_their_doubts() {
         let edge = family("an edge");
         let of = |scenes: &[Tally]| Score::of(&edge, scenes).is_within_limits;
