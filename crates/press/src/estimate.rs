@@ -94,7 +94,8 @@ impl Verdict {
 pub struct PressEstimate {
     /// Curvature of the sensor, 1/length.
     pub sensor_curvature: f64,
-    /// 1/R_s + 1/R_o, 1/length: without the bias of least squares; the interval by profile likelihood.
+    /// 1/R_s + 1/R_o, 1/length: without the bias of least squares; the interval by profile likelihood. Where one marker's
+    /// displacement contradicts the others by too little to be left out, it also holds what the others tell alone.
     pub relative_curvature: Estimated,
     /// The relative curvature that fits best, bias and all, 1/length.
     pub most_likely_curvature: f64,

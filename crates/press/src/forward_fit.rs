@@ -11,6 +11,7 @@ mod profile;
 mod reading;
 mod search;
 mod settings;
+mod slip;
 mod start;
 mod unseen;
 

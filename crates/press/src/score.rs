@@ -98,6 +98,7 @@ fn row_at(angle: f64) -> Patterns {
 }
 
 /// Noise that residuals are judged by.
+#[derive(Clone, Copy)]
 pub(crate) enum Noise {
     /// Its size is stated.
     Stated,

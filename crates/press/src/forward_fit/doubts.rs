@@ -1,20 +1,14 @@
 //! Tests of a fit against readings that contradict it: score tests.
 
 use nalgebra::SMatrix;
-use palpate_chance::{Explained, LEFT, least_likely};
 
-use super::problem::{CURVATURE, INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns, finite};
+use super::problem::{INDENTATION, Problem, Square, State, UNKNOWNS, Unknowns, finite};
 use super::reading::Reading;
 use super::search::SINGULAR;
 use super::settings::ForwardFit;
 use crate::definite::inverse;
-use crate::score::{BY_INDENTATION, Noise, Patterns, Products, Score, matters, patterns};
+use crate::score::{BY_INDENTATION, Noise, Patterns, Products, Score, patterns};
 use crate::{Doubt, PressError, PressEstimate};
-
-/// Noise that is found, as a share of the largest displacement, below which it may be rounding.
-const ROUNDING: f64 = 1e-3;
-/// Least number of equations beyond the unknowns by which noise that is found can be told from patterns.
-const FEW: usize = 8;
 
 impl ForwardFit {
     /// Ways in which readings contradict the model, of an estimate that this fit made of them; none for a Gaussian, which
@@ -29,9 +23,6 @@ impl ForwardFit {
         estimate: &PressEstimate,
     ) -> Result<Vec<Doubt>, PressError> {
         self.validate(reading)?;
-        if self.body.is_approximate() {
-            return Ok(Vec::new());
-        }
         let mut problem = Problem::new(self, reading);
         let skin = reading.markers.skin();
         let place = problem.place_at(skin.place(estimate.contact).direction.as_ref());
@@ -50,21 +41,17 @@ impl ForwardFit {
         }
         problem.normal_std = estimate.normal_std;
         problem.tangential_std = estimate.tangential_std.unwrap_or(problem.tangential_std);
+        let large = Doubt::LargeResiduals {
+            p_value: estimate.goodness.map_or(1.0, |goodness| goodness.p_value),
+        };
         match Test::new(&problem, &state)? {
             // Patterns are sought about the best of all fits, which a press that is not seen is not.
-            Some(test) if estimate.is_seen => test.doubts(estimate),
+            Some(test) if estimate.is_seen => test.doubts(large),
             _ => {
-                let large = large(estimate);
                 let is_large = large.p_value() < Doubt::LEVEL;
                 Ok(is_large.then_some(large).into_iter().collect())
             }
         }
-    }
-}
-
-fn large(estimate: &PressEstimate) -> Doubt {
-    Doubt::LargeResiduals {
-        p_value: estimate.goodness.map_or(1.0, |goodness| goodness.p_value),
     }
 }
 
@@ -74,44 +61,44 @@ struct Test<'p, 'a> {
     state: &'p State,
     covariance: Square,
     gradient: Unknowns,
-    chi_squared: f64,
-    freedom: usize,
+    noise: Noise,
 }
 
 impl<'p, 'a> Test<'p, 'a> {
     /// The tests of a fit; `None` where there is nothing to be tested.
     fn new(problem: &'p Problem<'a>, state: &'p State) -> Result<Option<Self>, PressError> {
-        let freedom = problem.equations().saturating_sub(problem.unknowns());
-        let largest = problem.reading.normal.iter();
-        let largest = largest.fold(0.0, |most: f64, one| most.max(one.abs()));
-        let is_rounding = !problem.knows_noise() && problem.normal_std <= ROUNDING * largest;
-        if freedom < FEW || is_rounding {
-            return Ok(None);
-        }
         let sums = problem.sums(state)?;
-        Ok(inverse(&sums.hessian, SINGULAR).map(|covariance| Self {
+        let told = problem.noise(&sums).zip(inverse(&sums.hessian, SINGULAR));
+        Ok(told.map(|(noise, covariance)| Self {
             problem,
             state,
             covariance,
             gradient: sums.gradient,
-            chi_squared: sums.chi_squared,
-            freedom,
+            noise,
         }))
     }
 
-    fn doubts(self, estimate: &PressEstimate) -> Result<Vec<Doubt>, PressError> {
-        let found = Noise::Found {
-            chi_squared: self.chi_squared,
-            freedom: self.freedom,
-        };
-        let noise = estimate.goodness.map_or(found, Noise::stated_or_found);
-        let score = Score::new(&self.products()?, &self.covariance, &self.gradient, noise);
-        let slipped = self.slipped(&score.noise)?;
-        Ok(score.doubts(
-            self.indentation(&score.noise),
-            slipped,
-            large(estimate).p_value(),
-        ))
+    fn doubts(&self, large: Doubt) -> Result<Vec<Doubt>, PressError> {
+        let (problem, state) = (self.problem, self.state);
+        let slipped = problem.slipped(state, &self.covariance, &self.noise)?;
+        let doubts = self.beside(slipped, large)?;
+        let is_less_likely = |doubt: &Doubt| doubt.p_value() < slipped.1;
+        if slipped.1 < Doubt::LEVEL
+            && !doubts.iter().any(is_less_likely)
+            && let Some((others, state, _)) = problem.without(slipped.0, state)
+            && let Some(test) = Test::new(&others, &state)?
+        {
+            // What its slip explains is no sign of another body.
+            return test.beside(slipped, large);
+        }
+        Ok(doubts)
+    }
+
+    /// Doubts by the markers that count, beside a marker that may have slipped.
+    fn beside(&self, slipped: (usize, f64), large: Doubt) -> Result<Vec<Doubt>, PressError> {
+        let products = self.products()?;
+        let score = Score::new(&products, &self.covariance, &self.gradient, self.noise);
+        Ok(score.doubts(self.indentation(), slipped, large.p_value()))
     }
 
     fn products(&self) -> Result<Products<UNKNOWNS>, PressError> {
@@ -141,7 +128,7 @@ impl<'p, 'a> Test<'p, 'a> {
                 if is_given {
                     patterns[BY_INDENTATION] = slopes[INDENTATION];
                 }
-                products.by_slopes += self.sought(slopes) * patterns.transpose();
+                products.by_slopes += problem.of_sought(slopes) * patterns.transpose();
                 products.by_patterns += *patterns * patterns.transpose();
                 products.by_residuals += *patterns * residual;
             }
@@ -152,47 +139,15 @@ impl<'p, 'a> Test<'p, 'a> {
         Ok(products)
     }
 
-    /// Slopes by the unknowns that were fitted.
-    fn sought(&self, slopes: &Unknowns) -> Unknowns {
-        Unknowns::from_fn(|unknown, _| match self.problem.sought[unknown] {
-            true => slopes[unknown],
-            false => 0.0,
-        })
-    }
-
     /// Probability by chance of a given indentation as far from the one that the displacements tell, where it was fitted
     /// too; `None` where it was not.
-    fn indentation(&self, noise: &Noise) -> Option<f64> {
+    fn indentation(&self) -> Option<f64> {
         let told = self.problem.reading.indentation?;
         let off = self.state.indentation - told.value;
         let variance = self.covariance[(INDENTATION, INDENTATION)];
-        self.problem.sought[INDENTATION]
-            .then(|| noise.of_indentation(off, told.std * told.std, variance))
-    }
-
-    /// Marker that contradicts the others most, of those that matter, and the probability that chance makes one do as much.
-    fn slipped(&self, noise: &Noise) -> Result<(usize, f64), PressError> {
-        let (problem, state) = (self.problem, self.state);
-        let contact = problem.contact(state)?;
-        let components = if problem.uses_tangential() { 3 } else { 1 };
-        let slopes = problem.slopes(state)?;
-        let variance = self.covariance[(CURVATURE, CURVATURE)];
-        let chance = |(marker, slopes): (usize, [Unknowns; 3])| {
-            let residuals = problem.residuals_at(&contact, state, marker);
-            let (mut square, mut moves) = (0.0, 0.0);
-            for (residual, slopes) in residuals.iter().zip(&slopes) {
-                let slopes = self.sought(slopes);
-                let by = self.covariance * slopes;
-                square += residual * residual / (1.0 - slopes.dot(&by)).max(LEFT);
-                moves += by[CURVATURE] * by[CURVATURE];
-            }
-            let explained = Explained {
-                fall: square,
-                freedom: components,
-            };
-            matters(moves, variance).then(|| (marker, noise.chance(explained)))
-        };
-        let counting = problem.counting().zip(slopes);
-        Ok(least_likely(counting.filter_map(chance)))
+        self.problem.sought[INDENTATION].then(|| {
+            self.noise
+                .of_indentation(off, told.std * told.std, variance)
+        })
     }
 }

@@ -4,6 +4,8 @@ use super::problem::{Problem, State, Sums, UNKNOWNS, Unknowns};
 use crate::PressError;
 use crate::definite::solve;
 
+/// Least decrease of chi-squared that a further step must promise, of a fit that is to be exact.
+pub(super) const EXACTLY: f64 = 1e-8;
 const MOST_STEPS: usize = 200;
 /// Smallest step that is worth taking, as a share of the unknowns.
 const SMALLEST_STEP: f64 = 1e-13;

@@ -74,7 +74,7 @@ pub(super) fn outcome(
 
 impl Problem<'_> {
     /// Goodness of a fit whose noise is stated.
-    fn goodness(&self, sums: &Sums) -> Option<GoodnessOfFit> {
+    pub(super) fn goodness(&self, sums: &Sums) -> Option<GoodnessOfFit> {
         let fit = self.fit;
         let is_given = [
             (INDENTATION, self.reading.indentation.is_some()),

@@ -3,11 +3,11 @@
 use nalgebra::Vector3;
 use palpate_chance::NORMAL_95;
 
-use super::minimise::minimise;
+use super::minimise::{EXACTLY, minimise};
 use super::misfit::Misfit;
 use super::outcome::outcome;
 use super::presence::{on_markers, seen};
-use super::problem::{ACROSS, BASELINE, GAIN, INDENTATION, Problem, State, Sums, WRONG};
+use super::problem::{ACROSS, BASELINE, GAIN, INDENTATION, Problem, Square, State, Sums, WRONG};
 use super::profile::{Profile, profile};
 use super::reading::Reading;
 use super::settings::{ForwardFit, Prior};
@@ -22,12 +22,12 @@ pub(super) const SINGULAR: f64 = 1e-7;
 const MOST_WRONG: f64 = 1.0 / 8.0;
 /// Markers are in a row where they spread (squared) less across it than this share of what they do along it.
 const ROW: f64 = 1e-5;
+/// Probability by chance of what a marker says against the others below which they may be right.
+const SUSPECT: f64 = 0.05;
 /// Residual, in standard deviations, beyond which the weight falls while it is not known which markers are wrong.
 const ROBUST: f64 = 3.0;
-/// Least decrease of chi-squared that a further step must promise, before it is known which markers are wrong
-/// (`ROUGHLY`) and after (`EXACTLY`).
+/// Least decrease of chi-squared that a further step must promise, before it is known which markers are wrong.
 const ROUGHLY: f64 = 1e-2;
-const EXACTLY: f64 = 1e-8;
 /// Smallest standard deviation of a displacement, as a share of the largest displacement: of less, rounding is more.
 const EXACT: f64 = 1e-10;
 
@@ -185,6 +185,12 @@ impl<'a> Search<'a> {
                 Profile::Interval(interval) => match self.with_rivals(&state, &sums, interval) {
                     Profile::Interval(interval) => {
                         on_markers(&self.problem, &state)?;
+                        let interval = match only_marker {
+                            Some(_) => interval,
+                            None => {
+                                self.or_without_slipped(&state, &sums, &covariance, interval)?
+                            }
+                        };
                         let found =
                             outcome(&self.problem, &state, &sums, &covariance, interval, limit)?;
                         return Ok(PressEstimate {
@@ -271,6 +277,33 @@ impl<'a> Search<'a> {
             };
         }
         Profile::Interval(hull)
+    }
+
+    /// An interval that also holds what the other markers tell where one of them contradicts them.
+    fn or_without_slipped(
+        &self,
+        state: &State,
+        sums: &Sums,
+        covariance: &Square,
+        interval: Interval,
+    ) -> Result<Interval, PressError> {
+        let problem = &self.problem;
+        let Some(noise) = problem.noise(sums) else {
+            return Ok(interval);
+        };
+        let (marker, chance) = problem.slipped(state, covariance, &noise)?;
+        if chance >= SUSPECT {
+            return Ok(interval);
+        }
+        let limit = self.limit() * self.limit();
+        let told = problem
+            .without(marker, state)
+            .map(|(others, state, sums)| profile(&others, &state, &sums, limit));
+        Ok(match told {
+            Some(Profile::Interval(without)) => interval.hull(without),
+            // Nothing that the others tell bounds the curvature.
+            Some(Profile::Better(_)) | None => Interval::UNBOUNDED,
+        })
     }
 
     /// Whether two fits are one and the same.

@@ -9,10 +9,10 @@ use super::outcome::{SINGULAR, settle};
 use super::problem::Problem;
 use super::rest::Rest;
 use super::settings::ImageFit;
-use super::unknowns::{INDENTATION, Jacobian, Square, UNKNOWNS};
+use super::unknowns::{CURVATURE, INDENTATION, Jacobian, Square, UNKNOWNS};
 use super::view::{NUMBERS, Seen, View};
 use crate::definite::inverse;
-use crate::score::{BY_INDENTATION, Noise, PATTERNS, Patterns, Products, Score, patterns};
+use crate::score::{BY_INDENTATION, Noise, PATTERNS, Patterns, Products, Score, matters, patterns};
 use crate::{Doubt, GoodnessOfFit, Measured, PressError, PressEstimate};
 
 impl<V: View + Clone> ImageFit<V> {
@@ -131,7 +131,7 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
             .then(|| noise.of_indentation(off, told.std * told.std, variance))
     }
 
-    /// The marker that contradicts the others most, and the probability that chance makes one do as much.
+    /// Marker that contradicts the others most, of those that matter, and the probability that chance makes one do as much.
     fn slipped(&self, noise: &Noise) -> Result<(usize, f64), PressError> {
         let Fitted {
             residuals, slopes, ..
@@ -143,13 +143,15 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
         let shared = shared.ok_or(PressError::OutOfRange)?;
         let of_residuals: DVector<f64> = problem.own(residuals)?;
         let of_slopes: Jacobian = &slopes.jacobian - shared.tr_mul(&slopes.shared);
+        let variance = self.covariance[(CURVATURE, CURVATURE)];
         let chance = |(at, &marker): (usize, &usize)| {
             let first = NUMBERS * at;
             let score: Vector4<f64> = of_residuals.fixed_rows::<NUMBERS>(first).into();
             let slopes: SMatrix<f64, NUMBERS, UNKNOWNS> =
                 of_slopes.fixed_rows::<NUMBERS>(first).into();
             let common = shared.fixed_columns::<NUMBERS>(first);
-            let taken = slopes * self.covariance * slopes.transpose() + common.tr_mul(&common);
+            let by = slopes * self.covariance;
+            let taken = by * slopes.transpose() + common.tr_mul(&common);
             let left = Matrix4::identity() - taken;
             let eigen = left.symmetric_eigen();
             let pairs = eigen
@@ -161,10 +163,10 @@ impl<'p, 'a, V: View> Test<'p, 'a, V> {
                 fall: parts.sum(),
                 freedom: NUMBERS,
             };
-            (marker, noise.chance(explained))
+            let moves = by.column(CURVATURE).norm_squared();
+            matters(moves, variance).then(|| (marker, noise.chance(explained)))
         };
-        Ok(least_likely(
-            problem.counting.iter().enumerate().map(chance),
-        ))
+        let counting = problem.counting.iter().enumerate();
+        Ok(least_likely(counting.filter_map(chance)))
     }
 }

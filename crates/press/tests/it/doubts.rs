@@ -1,6 +1,6 @@
 //! Doubts about estimates: none where the model holds, named ones where it does not.
 
-use palpate_press::{Body, Doubt, ForwardFit, Measured, PressEstimate};
+use palpate_press::{Body, Doubt, ForwardFit, Interval, Measured, PressEstimate};
 
 use crate::sensor::{DEPTH, Readings, at, half_space, published};
 
@@ -90,12 +90,19 @@ fn what_no_press_of_the_body_does_is_refused_by_that_name() {
     assert_eq!(refused.unwrap_err().name(), "other-body");
 }
 
-/// A marker beside the contact may move the curvature; one far from it does not.
-#[test]
-fn one_marker_among_sound_ones_is_named_where_it_matters() {
+/// Markers, the nearest to the contact first.
+fn nearest(count: usize) -> Vec<usize> {
     let distances = published().distances(at(6.0, 20.0));
     let mut order: Vec<usize> = (0..distances.len()).collect();
     order.sort_by(|&one, &other| distances[one].total_cmp(&distances[other]));
+    order.truncate(count);
+    order
+}
+
+/// A marker beside the contact may move the curvature; one far from it does not.
+#[test]
+fn one_marker_among_sound_ones_is_named_where_it_matters() {
+    let order = nearest(61);
     let told = |slipped: usize| {
         let doubts = doubts(&half_space(), &half_space(), |readings| {
             readings.normal[slipped] += 4.6 * STD;
@@ -109,6 +116,37 @@ fn one_marker_among_sound_ones_is_named_where_it_matters() {
     // It is left out where noise adds to it.
     let [near, far] = [order[3], order[60]].map(told);
     assert!(near > 0.3 && far == 0.0, "{near} {far}");
+}
+
+/// Curvatures that the others tell without the marker belong to the interval, since either may be right.
+#[test]
+fn an_interval_holds_what_the_others_tell_where_one_marker_contradicts_them() {
+    let (markers, body) = (published(), half_space());
+    let contact = markers.skin().contact(&body, 1.0 / 40.0, 1.0).unwrap();
+    let fit = ForwardFit {
+        normal_std: Some(STD),
+        ..ForwardFit::new(body.clone())
+    };
+    let exact = Readings::of(&markers, &contact, at(6.0, 20.0));
+    let marker = nearest(4)[3];
+    let interval = |slip: f64| {
+        let mut readings = exact.noisy(0.0, 0);
+        readings.normal[marker] += slip * STD;
+        let reading = readings.reading(&markers, Some(TOLD));
+        let found = fit.estimate(&reading).unwrap();
+        assert!(found.wrong_markers.is_empty());
+        let Interval { low, high } = found.relative_curvature.interval;
+        [low.unwrap(), high.unwrap()]
+    };
+    let [sound, little, much] = [0.0, 2.0, 5.0].map(interval);
+    assert!(
+        little[0] < sound[0] && little[1] < sound[1],
+        "{little:?} {sound:?}"
+    );
+    assert!(
+        much[0] < little[0] && much[1] > sound[1],
+        "{much:?} {sound:?}"
+    );
 }
 
 #[test]

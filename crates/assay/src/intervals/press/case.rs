@@ -185,11 +185,6 @@ impl Family {
         self.flaw == Flaw::Gain
     }
 
-    /// Whether leaving a marker out mends what is wrong.
-    pub(super) fn may_be_mended(&self) -> bool {
-        self.flaw == Flaw::Slipped
-    }
-
     /// Whether the readings are not what the fit believes.
     pub(super) fn is_wrong(&self) -> bool {
         self.believed.is_some() || self.flaw != Flaw::None

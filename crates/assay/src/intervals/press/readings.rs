@@ -40,6 +40,8 @@ impl Flaw {
 pub(super) struct Readings {
     normal: Vec<f64>,
     tangential: Option<Vec<[f64; 2]>>,
+    /// The marker that slipped.
+    pub(super) slipped: Option<usize>,
 }
 
 impl Readings {
@@ -49,6 +51,7 @@ impl Readings {
         Self {
             normal: vec![0.0; count],
             tangential: Some(vec![[0.0; 2]; count]),
+            slipped: None,
         }
     }
 
@@ -69,6 +72,7 @@ impl Readings {
         };
         let (mut normal, tangential): (Vec<f64>, Vec<[f64; 2]>) = moved.into_iter().unzip();
         let is_more = draws.between([-1.0, 1.0]) > 0.0;
+        let mut slipped = None;
         match flaw {
             Flaw::None | Flaw::Edge => {}
             Flaw::Gain => {
@@ -84,11 +88,13 @@ impl Readings {
                 let marker = order[draws.between([0.0, 10.0]) as usize];
                 let slip = draws.between(SLIPS);
                 normal[marker] += if is_more { slip } else { -slip };
+                slipped = Some(marker);
             }
         }
         Self {
             normal,
             tangential: Some(tangential),
+            slipped,
         }
     }
 
@@ -115,6 +121,7 @@ impl Readings {
                 .chain([more])
                 .collect(),
             tangential: self.tangential.as_ref().map(along),
+            slipped: None,
         }
     }
 
@@ -124,6 +131,7 @@ impl Readings {
         Self {
             normal: vec![0.0; self.normal.len()],
             tangential: self.tangential.as_ref().map(none),
+            slipped: None,
         }
     }
 
@@ -149,6 +157,7 @@ impl Readings {
                     .map(|both| both.map(|one| one + error(&mut along)))
                     .collect()
             }),
+            slipped: self.slipped,
         }
     }
 

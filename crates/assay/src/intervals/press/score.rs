@@ -3,7 +3,7 @@
 use std::fmt;
 
 use anyhow::Result;
-use palpate_press::{Interval, Measured, PressError};
+use palpate_press::{Doubt, Interval, Measured, PressError};
 use palpate_sensing::{Channel, Stream};
 use serde::Serialize;
 
@@ -46,11 +46,11 @@ pub struct Score {
     pub open: f64,
     /// Number of scenes whose intervals of 95 % hold in less than 85 %.
     pub scenes_short: usize,
-    /// Share of doubted estimates in these, of those that failed too; those that leave markers out say what is wrong.
+    /// Share of doubted estimates in these, of those that failed too; those that leave markers out are.
     pub doubted_where_short: f64,
     /// Number of scenes whose intervals of 95 % hold in at least 92 % of the estimates.
     pub scenes_covered: usize,
-    /// Share of doubted estimates in these; where no marker slipped, of those that leave one out too.
+    /// Share of doubted estimates in these, but for those that name the marker that slipped and no more.
     pub doubted_where_covered: f64,
     /// Mean over the scenes that fall short of the share of trials in which the best test with 5 % of false alarms tells the
     /// readings from those of any press that the fit believes in; NaN where they are those of one.
@@ -76,9 +76,10 @@ pub(super) struct Tally {
     tellable: f64,
     refused: f64,
     doubts: Doubts,
-    /// Estimates that leave markers out, and those of them that are not doubted.
     left_out: f64,
-    only_left_out: f64,
+    /// Estimates that are doubted or leave markers out, and those of them that name the marker that slipped and no more.
+    doubted: f64,
+    rightly: f64,
 }
 
 impl Tally {
@@ -87,11 +88,11 @@ impl Tally {
         self.sums.within[2] / (self.sums.stated + self.refused)
     }
 
-    /// Share that is doubted of the estimates and of the presses that are refused as those of another body; an estimate that
-    /// leaves markers out says so, which is a doubt but where it `mends` what is wrong.
-    fn doubted(&self, mends: bool) -> f64 {
-        let left_out = if mends { 0.0 } else { self.only_left_out };
-        (self.doubts.doubted() + left_out + self.refused) / (self.sums.stated + self.refused)
+    /// Share that is doubted of the estimates and of the presses that are refused as those of another body; where intervals
+    /// `hold` all the same, without those that name the marker that slipped and no more.
+    fn doubted(&self, hold: bool) -> f64 {
+        let rightly = if hold { self.rightly } else { 0.0 };
+        (self.doubted - rightly + self.refused) / (self.sums.stated + self.refused)
     }
 }
 
@@ -123,9 +124,16 @@ pub(super) fn tally(case: &Case, trials: u64) -> Result<Tally> {
         tally.seen += f64::from(u8::from(estimate.is_seen));
         let doubts = case.fit.doubts(&reading, &estimate)?;
         tally.doubts.add(doubts.iter().map(|doubt| doubt.name()));
-        let is_left_out = !estimate.wrong_markers.is_empty();
-        tally.left_out += f64::from(u8::from(is_left_out));
-        tally.only_left_out += f64::from(u8::from(is_left_out && doubts.is_empty()));
+        let left_out = &estimate.wrong_markers;
+        tally.left_out += f64::from(u8::from(!left_out.is_empty()));
+        if !(left_out.is_empty() && doubts.is_empty()) {
+            let slipped = case.readings.slipped;
+            let is_right = |doubt: &Doubt| matches!(doubt, Doubt::SlippedMarker { marker, .. } if Some(*marker) == slipped);
+            let is_rightly = doubts.iter().all(is_right)
+                && left_out.iter().all(|&marker| Some(marker) == slipped);
+            tally.doubted += 1.0;
+            tally.rightly += f64::from(u8::from(is_rightly));
+        }
         let curvature = estimate.relative_curvature;
         let error = curvature.value - case.relative_curvature;
         let [half, most, _] = within(error, curvature.std);
@@ -159,7 +167,7 @@ impl Score {
             .iter()
             .map(|one| Scene {
                 coverage: one.coverage_of_stated(),
-                doubted: one.doubted(family.may_be_mended() && one.coverage_of_stated() >= HOLDS),
+                doubted: one.doubted(one.coverage_of_stated() >= HOLDS),
             })
             .collect();
         let shares = Shares::of(&told);
@@ -256,7 +264,7 @@ mod tests {
             tally.sums.add(0.01, 0.01, [false, holds, holds]);
         }
         tally.seen = seen as f64;
-        (0..doubted).for_each(|_| tally.doubts.add(["a"].into_iter()));
+        tally.doubted = doubted as f64;
         tally
     }
 
@@ -288,19 +296,15 @@ mod tests {
     }
 
     #[test]
-    fn markers_that_are_left_out_tell_what_is_wrong_but_where_they_mend_it() {
-        let leaving_out = |covered: u64| {
-            let mut tally = scene(0, covered, 20, 2);
-            (tally.left_out, tally.only_left_out) = (10.0, 8.0);
+    fn a_slipped_marker_that_is_named_is_no_false_doubt() {
+        let named = |covered: u64| {
+            let mut tally = scene(0, covered, 20, 0);
+            (tally.doubted, tally.rightly) = (10.0, 8.0);
             tally
         };
-        let score = |word: &str| {
-            let score = Score::of(&family(word), &[leaving_out(4), leaving_out(19)]);
-            assert_eq!(score.left_out, 0.5);
-            [score.doubted_where_short, score.doubted_where_covered]
-        };
-        assert_eq!(score("a slipped marker"), [0.5, 0.1]);
-        assert_eq!(score("half-space, indentation known"), [0.5, 0.5]);
+        let score = Score::of(&family("a slipped marker"), &[named(4), named(19)]);
+        let shares = [score.doubted_where_short, score.doubted_where_covered];
+        assert_eq!(shares, [0.5, 0.1]);
     }
 
     #[test]

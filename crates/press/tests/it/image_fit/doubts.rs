@@ -169,24 +169,25 @@ fn a_stated_indentation_that_is_another_is_told() {
     }
 }
 
-/// A marker that is off by too little to be left out.
+/// A marker that is off by too little to be left out, but enough to move the curvature; one that moves nothing is left in peace.
 #[test]
-fn one_marker_among_sound_ones_is_named() {
-    const SLIPPED: usize = 24;
-    let doubts = doubts(
-        40,
-        || fit(None, ROUGHLY),
-        None,
-        |moved| {
-            for disc in &mut moved[SLIPPED] {
-                disc.tangential[0] += 0.0045;
-            }
-        },
-    );
-    let is_it =
-        |doubt: &Doubt| matches!(doubt, Doubt::SlippedMarker { marker, .. } if *marker == SLIPPED);
-    let named = doubts.iter().filter(|one| one.iter().any(is_it)).count();
-    assert!(named > 10, "{named} of {}", doubts.len());
+fn one_marker_that_matters_is_named() {
+    let named = |slipped: usize| {
+        let doubts = doubts(
+            40,
+            || fit(None, ROUGHLY),
+            None,
+            |moved| {
+                for disc in &mut moved[slipped] {
+                    disc.tangential[0] += 0.0045;
+                }
+            },
+        );
+        let is_it = |doubt: &Doubt| matches!(doubt, Doubt::SlippedMarker { marker, .. } if *marker == slipped);
+        doubts.iter().filter(|one| one.iter().any(is_it)).count()
+    };
+    let [near, far] = [42, 24].map(named);
+    assert!(near > 15 && far == 0, "{near} and {far} of 40");
 }
 
 #[test]

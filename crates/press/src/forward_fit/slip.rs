@@ -1,0 +1,82 @@
+//! Markers that contradict the others.
+
+use palpate_chance::{Explained, LEFT, least_likely};
+
+use super::minimise::{EXACTLY, minimise};
+use super::problem::{CURVATURE, Problem, Square, State, Sums, Unknowns};
+use crate::PressError;
+use crate::score::{Noise, matters};
+
+/// Noise that is found, as a share of the largest displacement, below which it may be rounding.
+const ROUNDING: f64 = 1e-3;
+/// Least number of equations beyond the unknowns by which noise that is found can be told from patterns.
+const FEW: usize = 8;
+
+impl Problem<'_> {
+    /// Noise that residuals of a fit are judged by; `None` of a Gaussian, which is no body, where there are hardly more equations
+    /// than unknowns, and where the noise that is found may be rounding.
+    pub(super) fn noise(&self, sums: &Sums) -> Option<Noise> {
+        let freedom = self.equations().saturating_sub(self.unknowns());
+        let largest = self.reading.normal.iter();
+        let largest = largest.fold(0.0, |most: f64, one| most.max(one.abs()));
+        let is_rounding = !self.knows_noise() && self.normal_std <= ROUNDING * largest;
+        if freedom < FEW || is_rounding || self.fit.body.is_approximate() {
+            return None;
+        }
+        let found = Noise::Found {
+            chi_squared: sums.chi_squared,
+            freedom,
+        };
+        Some(self.goodness(sums).map_or(found, Noise::stated_or_found))
+    }
+
+    /// Marker that contradicts the others most about this fit, of those that matter, and the probability that chance makes one
+    /// do as much.
+    pub(super) fn slipped(
+        &self,
+        state: &State,
+        covariance: &Square,
+        noise: &Noise,
+    ) -> Result<(usize, f64), PressError> {
+        let contact = self.contact(state)?;
+        let components = if self.uses_tangential() { 3 } else { 1 };
+        let slopes = self.slopes(state)?;
+        let variance = covariance[(CURVATURE, CURVATURE)];
+        let chance = |(marker, slopes): (usize, [Unknowns; 3])| {
+            let residuals = self.residuals_at(&contact, state, marker);
+            let (mut square, mut moves) = (0.0, 0.0);
+            for (residual, slopes) in residuals.iter().zip(&slopes) {
+                let slopes = self.of_sought(slopes);
+                let by = covariance * slopes;
+                square += residual * residual / (1.0 - slopes.dot(&by)).max(LEFT);
+                moves += by[CURVATURE] * by[CURVATURE];
+            }
+            let explained = Explained {
+                fall: square,
+                freedom: components,
+            };
+            matters(moves, variance).then(|| (marker, noise.chance(explained)))
+        };
+        let counting = self.counting().zip(slopes);
+        Ok(least_likely(counting.filter_map(chance)))
+    }
+
+    /// Fit to all markers that count but this one, from a fit to all; `None` where they do not determine it.
+    pub(super) fn without(&self, marker: usize, state: &State) -> Option<(Self, State, Sums)> {
+        let mut others = self.clone();
+        others.kept[marker] = false;
+        if others.equations() < others.unknowns() {
+            return None;
+        }
+        let (state, sums) = minimise(&others, *state, EXACTLY, None).ok()?;
+        Some((others, state, sums))
+    }
+
+    /// Slopes by the unknowns that are fitted.
+    pub(super) fn of_sought(&self, slopes: &Unknowns) -> Unknowns {
+        Unknowns::from_fn(|unknown, _| match self.sought[unknown] {
+            true => slopes[unknown],
+            false => 0.0,
+        })
+    }
+}
