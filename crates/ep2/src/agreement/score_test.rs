@@ -1,0 +1,119 @@
+//! Test of contacts by a quadric and a process beside it.
+
+use nalgebra::{DMatrix, DVector};
+use palpate_chance::{Explained, GoodnessOfFit, LEFT};
+
+use super::{Model, Process, Products, Sums, UNKNOWNS};
+use crate::Ep2Error;
+
+/// A fit of quadric and process with all that its tests ask for.
+pub(super) struct Test<'p> {
+    pub(super) process: &'p Process,
+    pub(super) covariance: DMatrix<f64>,
+    /// The most likely factors.
+    pub(super) factors: DVector<f64>,
+    pub(super) goodness: GoodnessOfFit,
+    /// Rest of all contacts, of which the process explains as much as it may, and its degrees of freedom.
+    chi_squared: f64,
+    freedom: usize,
+    /// Whether the noise is told, and explains the residuals.
+    pub(super) is_noise_trusted: bool,
+}
+
+impl<'p> Test<'p> {
+    /// The tests of a model by a process.
+    ///
+    /// # Errors
+    /// [`Ep2Error::OutOfRange`] where the equations do not determine the quadric.
+    pub(super) fn new(
+        model: &Model<'_>,
+        process: &'p Process,
+        sums: &Sums,
+    ) -> Result<Self, Ep2Error> {
+        let is_noise_told = model.is_noise_told();
+        Self::of(process, sums, is_noise_told).ok_or(Ep2Error::OutOfRange)
+    }
+
+    fn of(process: &'p Process, sums: &Sums, is_noise_told: bool) -> Option<Self> {
+        let half = by_factors(process, &sums.information);
+        let information = by_factors(process, &half.transpose());
+        let rights = DMatrix::from_column_slice(sums.right.len(), 1, sums.right.as_slice());
+        let rights = by_factors(process, &rights).column(0).into_owned();
+        let size = rights.len();
+        let rough = size - UNKNOWNS;
+        let quadrics = information.view((0, 0), (UNKNOWNS, UNKNOWNS)).into_owned();
+        let cross = information
+            .view((0, UNKNOWNS), (UNKNOWNS, rough))
+            .into_owned();
+        let quadrics = quadrics.cholesky()?;
+        let own = rights.rows(0, UNKNOWNS).into_owned();
+        let start = quadrics.solve(&own);
+        let replaced = quadrics.solve(&cross);
+        let rest = information.view((UNKNOWNS, UNKNOWNS), (rough, rough)) - cross.tr_mul(&replaced);
+        let right = rights.rows(UNKNOWNS, rough) - cross.tr_mul(&start);
+        let square = (sums.square - own.dot(&start)).max(0.0);
+        let freedom = sums.equations.saturating_sub(UNKNOWNS);
+        let (mut noisy, mut all) = (square, square);
+        let mut outweighing = 0;
+        // A quadric alone has no modes.
+        let eigen = (rough > 0).then(|| rest.symmetric_eigen());
+        let modes = eigen.iter().flat_map(|eigen| {
+            let vectors = eigen.eigenvectors.column_iter();
+            eigen.eigenvalues.iter().zip(vectors)
+        });
+        for (&told, mode) in modes {
+            let along = mode.dot(&right);
+            let explained = along * along / (1.0 + told.max(0.0));
+            all -= explained;
+            // What the process outweighs is of the surface.
+            if told >= 1.0 {
+                noisy -= along * along / told;
+                outweighing += 1;
+            } else {
+                noisy -= explained;
+            }
+        }
+        let mut information = information;
+        for factor in UNKNOWNS..size {
+            information[(factor, factor)] += 1.0;
+        }
+        let root = information.cholesky()?;
+        let goodness = GoodnessOfFit::new(noisy.max(0.0), freedom.saturating_sub(outweighing));
+        Some(Self {
+            process,
+            factors: root.solve(&rights),
+            covariance: root.inverse(),
+            goodness,
+            chi_squared: all.max(0.0),
+            freedom,
+            is_noise_trusted: is_noise_told && !goodness.is_doubted(),
+        })
+    }
+
+    /// Probability by chance of as much of patterns as the contacts have, after the factors have taken what they can.
+    pub(super) fn chance_of(&self, products: &Products) -> f64 {
+        let by_slopes = by_factors(self.process, &products.by_slopes);
+        let taken = by_slopes.tr_mul(&(&self.covariance * &by_slopes));
+        let left = &products.by_patterns - taken;
+        let found = &products.by_values - by_slopes.tr_mul(&self.factors);
+        let squares: Vec<f64> = products.by_patterns.diagonal().iter().copied().collect();
+        let explained = Explained::by(&squares, &left, &found, LEFT);
+        match self.is_noise_trusted {
+            true => explained.p_value(),
+            false => explained.p_value_beside(self.chi_squared, self.freedom),
+        }
+    }
+}
+
+/// Rows of the coefficients of a series as those of the factors of quadric and process.
+pub(super) fn by_factors(process: &Process, rows: &DMatrix<f64>) -> DMatrix<f64> {
+    let rough = rows.nrows() - UNKNOWNS;
+    let mut all = DMatrix::zeros(UNKNOWNS + process.ncols(), rows.ncols());
+    all.rows_mut(0, UNKNOWNS).copy_from(&rows.rows(0, UNKNOWNS));
+    if process.ncols() > 0 {
+        let rest = rows.rows(UNKNOWNS, rough);
+        all.rows_mut(UNKNOWNS, process.ncols())
+            .copy_from(&process.tr_mul(&rest));
+    }
+    all
+}
