@@ -23,6 +23,7 @@ mod score;
 pub mod shear;
 mod skin;
 mod spheroidal;
+mod unexplained;
 
 pub use body::{Body, Contact, Displacement};
 pub use bonded_layer::{BondedLayer, LayerContact};

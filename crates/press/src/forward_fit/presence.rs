@@ -4,15 +4,13 @@ use super::problem::{Problem, State, WRONG};
 use super::settings::Prior;
 use crate::PressError;
 use crate::markers::see;
-use palpate_chance::chi_squared_tail;
+use crate::unexplained::unexplained;
 
 /// Share of the presses in which nothing touches that are taken for a contact where one is looked for at the markers alone; a
 /// thin layer's hides between them too, and fits find that in about 0.005 more.
 const FALSE_ALARMS: f64 = 0.04;
 /// Least improvement without a marker that chance alone does not move so far, since it may as well be wrong.
 const SEEN_BY_OTHERS: f64 = 9.0;
-/// Probability of chance below which markers moved.
-const MOVED: f64 = 1e-6;
 
 impl Problem<'_> {
     /// Least improvement of chi-squared by a contact, against none, that counts as one.
@@ -57,18 +55,11 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<Option<usize>
     }
     let needed = problem.needed();
     if improvement < needed {
-        let (chi_squared, freedom) = moved(problem, baseline);
-        let is_moved = problem.knows_noise() && chi_squared_tail(chi_squared, freedom) < MOVED;
-        return Err(match is_moved {
-            true => PressError::OtherBody {
-                chi_squared,
-                freedom,
-            },
-            false => PressError::NoContact {
-                improvement,
-                needed,
-            },
-        });
+        let squares = (0..problem.kept.len())
+            .filter(|_| problem.knows_noise())
+            .map(|marker| squared(problem.readings_of(marker, baseline)));
+        let each = if problem.uses_tangential() { 3 } else { 1 };
+        return Err(unexplained((improvement, needed), squares, each));
     }
     let is_alone = most > WRONG * WRONG && improvement - most < SEEN_BY_OTHERS;
     Ok(is_alone.then_some(marker))
@@ -76,17 +67,6 @@ pub(super) fn seen(problem: &Problem<'_>, state: &State) -> Result<Option<usize>
 
 fn squared(residuals: [f64; 3]) -> f64 {
     residuals.iter().map(|one| one * one).sum()
-}
-
-/// Chi-squared against rest of all markers but the one that moved most, which may be wrong, and the number of readings.
-fn moved(problem: &Problem<'_>, baseline: f64) -> (f64, usize) {
-    let markers = problem.kept.len();
-    let squares = (0..markers).map(|marker| squared(problem.readings_of(marker, baseline)));
-    let (sum, most) = squares.fold((0.0, 0.0), |(sum, most): (f64, f64), one| {
-        (sum + one, most.max(one))
-    });
-    let each = if problem.uses_tangential() { 3 } else { 1 };
-    (sum - most, each * markers.saturating_sub(1))
 }
 
 /// Normal displacement of all markers where nothing touches: the mean reading, or 0 if the baseline is known to be

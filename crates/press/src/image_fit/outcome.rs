@@ -9,9 +9,10 @@ use super::problem::Problem;
 use super::profile::profile;
 use super::rest::Rest;
 use super::settings::ImageFit;
-use super::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, Square};
+use super::unknowns::{ACROSS, ALONG, CURVATURE, INDENTATION, Residuals, Square};
 use super::view::{NUMBERS, Seen, View};
 use crate::definite::inverse;
+use crate::unexplained::unexplained;
 use crate::{Estimated, GoodnessOfFit, Interval, Measured, PressError, PressEstimate, Verdict};
 
 /// Least entry on the diagonal of the scaled factor of information that can be inverted.
@@ -31,6 +32,8 @@ const LEARNT: usize = 5;
 const SETTLED: f64 = 2.5e-3;
 /// Least improvement of chi-squared by a contact, against none, that counts as one.
 const SEEN: f64 = 16.0;
+/// Standard deviation of the logarithm of the curvature from which on pictures leave any needle.
+const ANY: f64 = 10.0;
 /// Least decrease of chi-squared that a further step must promise: roughly, and at last.
 const ROUGHLY: f64 = 1e-1;
 const EXACTLY: f64 = 1e-6;
@@ -42,7 +45,8 @@ impl<V: View + Clone> ImageFit<V> {
     ///
     /// # Errors
     /// [`PressError::BadSetting`], [`PressError::NotFinite`], [`PressError::TooFewMarkers`] for what is given;
-    /// [`PressError::NoContact`] where the markers are as at rest; [`PressError::OffMarkers`],
+    /// [`PressError::NoContact`] where the markers are as at rest; [`PressError::OtherBody`] where they moved otherwise than in
+    /// any press of this body; [`PressError::OffMarkers`],
     /// [`PressError::Undetermined`] and those of [`Body::press`](crate::Body::press) where the pictures fit no press.
     pub fn estimate(
         &self,
@@ -154,12 +158,17 @@ fn search<V: View + Clone>(mut problem: Problem<'_, V>) -> Result<PressEstimate,
         let unmoved = problem.own_squares(&at_rest)?;
         let improvement = unmoved - best.sums.chi_squared;
         if improvement < SEEN {
-            return Err(PressError::NoContact {
-                improvement,
-                needed: SEEN,
-            });
+            return Err(problem.unexplained(improvement));
         }
         let std = covariance[(CURVATURE, CURVATURE)].sqrt();
+        let goodness = problem.goodness(&best);
+        let noise = goodness.chi_squared / goodness.freedom.max(1) as f64;
+        if goodness.is_doubted() && (improvement < SEEN * noise || std > ANY) {
+            return Err(PressError::OtherBody {
+                chi_squared: goodness.chi_squared,
+                freedom: goodness.freedom,
+            });
+        }
         match profile(&problem, &best, std, NORMAL_95) {
             Ok(interval) => {
                 let reached = problem.fit.contact(&problem.fit.bodies[0], &best.state)?;
@@ -223,10 +232,7 @@ fn learn<V: View + Clone>(
 fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<Fitted, PressError> {
     let starts = problem.starts()?;
     let mut best: Option<Fitted> = None;
-    let mut failure = PressError::NoContact {
-        improvement: 0.0,
-        needed: SEEN,
-    };
+    let mut failure = problem.unexplained(0.0);
     for start in starts.into_iter().take(3) {
         let fitted = Fitted::at(problem, start)
             .and_then(|fitted| minimise(problem, fitted, ROUGHLY, None, false));
@@ -252,7 +258,7 @@ fn robust<V: View + Clone>(problem: &mut Problem<'_, V>) -> Result<Fitted, Press
     // Where the fit is bad, a few markers may be to blame.
     let mut is_weighed = false;
     for _ in 0..ROUNDS {
-        let squares = problem.squares(&best)?;
+        let squares = problem.squares(&best.residuals)?;
         let mut is_new = false;
         for (trust, square) in problem.trust.iter_mut().zip(&squares) {
             let square = square / (*trust * *trust);
@@ -283,7 +289,7 @@ fn drop_wrong<V: View>(
     problem: &mut Problem<'_, V>,
     best: &Fitted,
 ) -> Result<Vec<usize>, PressError> {
-    let squares = problem.squares(best)?;
+    let squares = problem.squares(&best.residuals)?;
     let most = (MOST_WRONG * squares.len() as f64).max(1.0) as usize;
     let pairs = problem.counting.iter().zip(&squares);
     let wrong: Vec<usize> = pairs
@@ -299,9 +305,23 @@ fn drop_wrong<V: View>(
 }
 
 impl<V: View> Problem<'_, V> {
+    fn goodness(&self, fitted: &Fitted) -> GoodnessOfFit {
+        let freedom = (self.equations() + self.known()).saturating_sub(self.unknowns());
+        GoodnessOfFit::new(fitted.sums.chi_squared, freedom)
+    }
+
+    /// Refusal of pictures that a contact explains only so much better than none does.
+    fn unexplained(&self, improvement: f64) -> PressError {
+        let at_rest = self.residuals_at_rest();
+        match at_rest.and_then(|at_rest| self.squares(&at_rest)) {
+            Ok(squares) => unexplained((improvement, SEEN), squares.into_iter(), NUMBERS),
+            Err(error) => error,
+        }
+    }
+
     /// Sum of squares of each counting marker's residuals, what is common to all taken out.
-    fn squares(&self, best: &Fitted) -> Result<Vec<f64>, PressError> {
-        let own = self.own(&best.residuals)?;
+    fn squares(&self, residuals: &Residuals) -> Result<Vec<f64>, PressError> {
+        let own = self.own(residuals)?;
         Ok((0..self.counting.len())
             .map(|at| own.rows(NUMBERS * at, NUMBERS).norm_squared())
             .collect())
@@ -378,10 +398,7 @@ fn outcome<V: View + Clone>(
         tangential_std: None,
         r_squared: 1.0 - best.sums.chi_squared / unmoved.max(f64::MIN_POSITIVE),
         reduced_chi_squared: best.sums.chi_squared / freedom as f64,
-        goodness: Some(GoodnessOfFit::new(
-            best.sums.chi_squared,
-            (problem.equations() + problem.known()).saturating_sub(problem.unknowns()),
-        )),
+        goodness: Some(problem.goodness(best)),
         is_seen: true,
         only_marker: None,
         verdict: Verdict::of(interval, skin.curvature()),

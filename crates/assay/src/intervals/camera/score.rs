@@ -3,6 +3,7 @@
 use std::fmt;
 
 use palpate_chance::NORMAL_95;
+use palpate_number::Number;
 use palpate_press::Interval;
 use palpate_scene::JudgedCurvature;
 use serde::Serialize;
@@ -16,6 +17,9 @@ pub(super) type Judged = Result<JudgedCurvature, &'static str>;
 
 /// P-value below which residuals are large.
 const SMALL: f64 = 0.05;
+/// Name of the refusal of presses that the body does not make.
+const REFUSED: &str = "other-body";
+
 /// How often the intervals of a scene hold. Lengths are mm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Score {
@@ -69,7 +73,7 @@ pub struct Score {
     pub one_sided: f64,
     /// Share of intervals without end.
     pub open: f64,
-    /// Share of doubted estimates.
+    /// Share of doubted estimates, and of presses that are refused as those of another body.
     pub doubted: f64,
     /// Names of the doubts, with the share of estimates that have each.
     pub doubts: String,
@@ -113,6 +117,7 @@ pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) ->
             bounds += 1.0;
         }
     }
+    let refused = failures.iter().filter(|&&name| name == REFUSED).count() as f64;
     failures.sort_unstable();
     failures.dedup();
     let rms = sums.rms();
@@ -143,7 +148,7 @@ pub(super) fn score(case: &Case, judged: &[Judged], pixel_bound: Option<f64>) ->
         closed: ends[2] / sums.asked,
         one_sided: ends[1] / sums.asked,
         open: ends[0] / sums.asked,
-        doubted: doubts.doubted() / sums.stated,
+        doubted: (doubts.doubted() + refused) / (sums.stated + refused),
         doubts: words([&doubts].into_iter(), sums.stated),
         small_p_values: small as f64 / p_values.len() as f64,
         p_value_distance: distance_from_uniform(p_values),
@@ -188,6 +193,8 @@ impl fmt::Display for Score {
             true => "fitted",
             false => "known",
         };
+        let [rms_per_bound, rms_per_pixel_bound] =
+            [rms_per_bound, rms_per_pixel_bound].map(|ratio| Number(*ratio));
         write!(
             f,
             "{}, {scene}: 1/R {object_curvature:.3}, {indentation:.2} mm deep ({known}), {polar_deg:.0} deg, layer \

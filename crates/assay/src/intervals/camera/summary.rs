@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use palpate_number::Number;
+
 use super::super::doubted::{Scene, Shares};
 use super::super::sums::HOLDS;
 use super::case::Family;
@@ -120,6 +122,8 @@ impl fmt::Display for Summary {
             doubted,
         } = self;
         let [closed, one_sided, open, failed] = shares.map(|share| 100.0 * share);
+        let [rms_per_bound, rms_per_pixel_bound] =
+            [rms_per_bound, rms_per_pixel_bound].map(|ratio| Number(*ratio));
         let limits = match self.is_within_limits() {
             true => "within the limits",
             false => "beyond the limits",

@@ -92,7 +92,7 @@ rows! {
         for x in [24.0, 31.0, 40.0, 62.0];
     ESTIMATE, "unit {unit:e}, nothing pressed", "no-contact" =>
         Press { unit, ..PRESS }.read(&PRESS.at_rest(), None), for unit in UNITS;
-    ESTIMATE, "all pictures alike", "undetermined" => PRESS.read(&alike(), None);
+    ESTIMATE, "all pictures alike", "other-body" => PRESS.read(&alike(), None);
     ESTIMATE, "no markers seen", "too-few-markers" => PRESS.read(&few(0), None);
     ESTIMATE, "one marker seen, object that may have moved", "too-few-markers" =>
         ImageFit { shift_std: 1.0, ..fit() }.estimate(&PRESS.rest(), &few(1), None);

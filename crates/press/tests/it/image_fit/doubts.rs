@@ -125,6 +125,30 @@ fn another_body_is_told() {
     assert!(share(&doubts, Some("other-body")) > 0.9, "{doubts:?}");
 }
 
+/// Markers that move outward, or each another way: no contact is like that, however sharp.
+#[test]
+fn what_no_press_does_is_refused_by_that_name() {
+    let refused = |change: fn(&mut [[MarkerDisplacement; 2]])| {
+        let press = Press::of(1, fit(None, ROUGHLY), change);
+        [None, Some(TOLD)].map(|told| press.estimate(told).unwrap_err().name())
+    };
+    let outward = refused(|moved| {
+        for disc in moved.iter_mut().flatten() {
+            disc.normal = -disc.normal;
+            disc.tangential = disc.tangential.map(|along| -along);
+        }
+    });
+    let apart = refused(|moved| {
+        for (marker, discs) in moved.iter_mut().enumerate() {
+            for disc in discs {
+                disc.normal = if marker % 2 == 0 { 0.2 } else { -0.2 };
+                disc.tangential = [0.0; 2];
+            }
+        }
+    });
+    assert_eq!([outward, apart], [["other-body"; 2]; 2]);
+}
+
 /// Two more contacts at either side, shallow.
 #[test]
 fn an_elongated_press_is_not_round() {
