@@ -18,7 +18,7 @@ use super::origin::wording;
 use super::pressed::{force_and_pressure, too_large};
 use super::pressed_object::{Described, PressedObject, Row};
 use super::sensed::{Sensed, TrackedPress};
-use super::stated::{self, FORMAT_VERSION};
+use super::stated::{self, Contradiction, FORMAT_VERSION};
 use super::tracked::{Frame, TrackedFrames};
 use super::wording::Wording;
 use crate::plan::PlanError;
@@ -103,21 +103,24 @@ pub fn estimate_pictures(
     let indentation = measured.as_ref().map(|(indentation, _)| *indentation);
     let refused = |error: PressError| scene.refused(&error, wording);
     let widened = Widened::of(fit, &seen.seen, matched.pressed(tracked), indentation);
-    let widened = widened.map_err(|(error, at_rest)| match widened::reason(rest, at_rest) {
+    let mut widened = widened.map_err(|(error, at_rest)| match widened::reason(rest, at_rest) {
         Some(reason) => failure(press, explained(format!("{error}; {reason}"), error.name())),
         None => refused(error),
     })?;
     let moved = scene.moved(&widened).map_err(refused)?;
     let sensed = scene.sensed(tracked, &moved, file)?;
     let contradiction =
-        indentation.and_then(|told| stated::contradiction(widened.alone(), told, scene.unit()));
+        indentation.and_then(|told| Contradiction::of(widened.alone(), told, scene.unit()));
     let is_contradicted = contradiction.is_some();
+    if let Some(contradiction) = &contradiction {
+        widened.doubts = contradiction.doubts(widened.doubts);
+    }
     let missing = seen.missing.into_iter();
     let warnings = missing
         .chain(doubt)
         .chain(options.other_body())
         .chain(widened.warnings(scene.frames))
-        .chain(contradiction)
+        .chain(contradiction.map(|contradiction| contradiction.words))
         .chain(measured.and_then(|(_, warning)| warning))
         .collect();
     let object = scene.object(&widened, &moved, (warnings, is_contradicted), &sensed)?;

@@ -9,7 +9,7 @@ use super::origin::agreed_unit;
 use super::press::PressReadings;
 use super::pressed_object::{Described, PressedObject, Row};
 use super::repeated::repeated;
-use super::stated::{self, FORMAT_VERSION};
+use super::stated::{self, Contradiction, FORMAT_VERSION};
 use super::suspicion::{Sensor, of_press};
 use super::wording::Wording;
 use crate::press::{Assumed, body_of, large_contact};
@@ -97,16 +97,19 @@ pub fn estimate_press(
     });
     let contradiction = indentation.and_then(|told| {
         let sound = Sound::of(&reading, estimate.as_ref().ok());
-        stated::contradiction(alone.estimate(&sound.reading()), told, unit.as_str())
+        Contradiction::of(alone.estimate(&sound.reading()), told, unit.as_str())
     });
-    let estimate = estimate
-        .map_err(|error| refused_for(recorded, options, &error, contradiction.as_deref()))?;
+    let estimate =
+        estimate.map_err(|error| refused_for(recorded, options, &error, contradiction.as_ref()))?;
     let is_contradicted = contradiction.is_some();
     let told = Reading {
         indentation,
         ..reading
     };
-    let doubts = fit.doubts(&told, &estimate).map_err(refused)?;
+    let mut doubts = fit.doubts(&told, &estimate).map_err(refused)?;
+    if let Some(contradiction) = &contradiction {
+        doubts = contradiction.doubts(doubts);
+    }
     let wrong_markers: Vec<Row> = estimate
         .wrong_markers
         .iter()
@@ -124,7 +127,7 @@ pub fn estimate_press(
     );
     let warnings = [
         suspicion(recorded, options, unit),
-        contradiction,
+        contradiction.map(|contradiction| contradiction.words),
         stated.and_then(|(_, warning)| warning),
         left_out,
         (!estimate.is_seen).then(|| stated::UNSEEN.to_owned()),
@@ -351,7 +354,7 @@ fn refused_for(
     recorded: &PressReadings,
     options: &PressOptions,
     error: &PressError,
-    contradiction: Option<&str>,
+    contradiction: Option<&Contradiction>,
 ) -> RecordedError {
     let unit = recorded.unit.or(options.length_unit).unwrap_or_default();
     let (suspicion, contradiction) = match error {
@@ -383,6 +386,7 @@ fn refused_for(
         }
         _ => error.to_string(),
     };
+    let contradiction = contradiction.map(|contradiction| contradiction.words.as_str());
     let message = [suspicion.as_deref(), contradiction]
         .into_iter()
         .flatten()

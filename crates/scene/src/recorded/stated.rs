@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 
+use palpate_chance::normal_tail;
 use palpate_number::Number;
 use palpate_press::{Doubt, Measured, PressError, PressEstimate};
 
@@ -47,36 +48,66 @@ pub(super) fn indentation(
     (Measured { value, std }, Some(warning))
 }
 
-/// The warning where a stated indentation is not that of the estimate from the readings `alone`, which are given none.
-pub(super) fn contradiction(
-    alone: Result<PressEstimate, PressError>,
-    told: Measured,
-    unit: &str,
-) -> Option<String> {
-    let found = match alone {
-        Ok(estimate) if estimate.only_marker.is_some() => {
-            return Some(unchecked("only one marker moved"));
-        }
-        Ok(estimate) => estimate.indentation,
-        Err(error) => return Some(unchecked(error)),
-    };
-    let off = (told.value - found.value).abs() / libm::hypot(told.std, found.std);
-    if off <= APART {
-        return None;
-    }
-    let [value, fitted, std] = [told.value, found.value, found.std].map(Number::rounded);
-    if !off.is_finite() {
-        return Some(format!(
-            "the readings alone do not bound the indentation: the stated one, {value} {unit}, cannot be checked"
-        ));
-    }
-    Some(format!(
-        "the indentation is stated as {value} {unit}, but the readings alone say {fitted} +- {std} {unit}: they differ by {off:.1} standard deviations, and the curvature is not to be trusted"
-    ))
+/// Contradiction of a stated indentation by the readings alone, or why they cannot tell of one.
+pub(super) struct Contradiction {
+    /// The warning.
+    pub(super) words: String,
+    /// Probability that chance takes the two as far apart, where both are known.
+    p_value: Option<f64>,
 }
 
-fn unchecked(why: impl Display) -> String {
-    format!("the readings alone tell no indentation, so the stated one cannot be checked: {why}")
+impl Contradiction {
+    /// The contradiction where a stated indentation is not that of the estimate from the readings `alone`, which are given none.
+    pub(super) fn of(
+        alone: Result<PressEstimate, PressError>,
+        told: Measured,
+        unit: &str,
+    ) -> Option<Self> {
+        let unchecked = |why: &dyn Display| {
+            let words = format!(
+                "the readings alone tell no indentation, so the stated one cannot be checked: {why}"
+            );
+            let p_value = None;
+            Some(Self { words, p_value })
+        };
+        let found = match alone {
+            Ok(estimate) if estimate.only_marker.is_some() => {
+                return unchecked(&"only one marker moved");
+            }
+            Ok(estimate) => estimate.indentation,
+            Err(error) => return unchecked(&error),
+        };
+        let off = (told.value - found.value).abs() / libm::hypot(told.std, found.std);
+        if off <= APART {
+            return None;
+        }
+        let [value, fitted, std] = [told.value, found.value, found.std].map(Number::rounded);
+        let (words, p_value) = match off.is_finite() {
+            true => (
+                format!(
+                    "the indentation is stated as {value} {unit}, but the readings alone say {fitted} +- {std} {unit}: they differ by {off:.1} standard deviations, and the curvature is not to be trusted"
+                ),
+                Some(2.0 * normal_tail(off)),
+            ),
+            false => (
+                format!(
+                    "the readings alone do not bound the indentation: the stated one, {value} {unit}, cannot be checked"
+                ),
+                None,
+            ),
+        };
+        Some(Self { words, p_value })
+    }
+
+    /// Doubts with that about the indentation, where a fit by the stated one does not see it.
+    pub(super) fn doubts(&self, doubts: Vec<Doubt>) -> Vec<Doubt> {
+        let is_told = |doubt: &Doubt| matches!(doubt, Doubt::OtherIndentation { .. });
+        let more = self
+            .p_value
+            .filter(|&p_value| p_value < Doubt::LEVEL && !doubts.iter().any(is_told))
+            .map(|p_value| Doubt::OtherIndentation { p_value });
+        more.into_iter().chain(doubts).collect()
+    }
 }
 
 /// The warning of markers that were left out as wrong; `distances` are those of all markers from the contact, and
@@ -159,9 +190,10 @@ pub(super) fn doubts(
 /// about the number of equations beyond the unknowns.
 pub(super) fn noise(estimate: &PressEstimate, freedom: usize) -> Option<String> {
     let ratio = estimate.reduced_chi_squared.sqrt();
-    // Its standard deviation by chance is about 1/√(2 freedom).
-    let chance = 1.0 + 3.0 / (2.0 * freedom.max(1) as f64).sqrt();
-    if ratio > LARGE_RESIDUALS.max(chance) {
+    if estimate
+        .goodness
+        .is_some_and(|goodness| goodness.is_doubted())
+    {
         return Some(format!(
             "the residuals are {:.1} times the noise that is given: intervals are too narrow",
             Number(ratio)
