@@ -15,6 +15,7 @@ use palpate_chance::{Explained, LEFT, least_likely};
 use crate::chebyshev::{count, products, values};
 use crate::doubt::Agreement;
 use crate::patch::Sample;
+use crate::quadric::SquareQuadric;
 use crate::square::Square;
 use crate::{Doubt, Ep2Error, Fit, Jet, Noise, Patch};
 use score_test::{Test, by_factors};
@@ -23,8 +24,9 @@ use score_test::{Test, by_factors};
 const UNKNOWNS: usize = count(2);
 /// Observations of a contact: its height, and both slopes.
 const OBSERVED: usize = 3;
-/// Patterns of normals: turns about both tangents, and linear maps of the slopes.
-const OF_NORMALS: usize = 6;
+/// Patterns of normals: of their slopes, turns about both tangents and linear maps; of heights, quadrics, which are the same turns
+/// and some of these maps where noise leaves more of heights than of slopes.
+const OF_NORMALS: usize = 11;
 /// Most contacts that are tested: of more, as many are taken evenly, which takes no longer than a fit.
 const MOST_CONTACTS: usize = 2000;
 /// Most fingers that are tested one by one.
@@ -128,20 +130,26 @@ impl Model<'_> {
         })
     }
 
-    /// Probability by chance that the normals differ as much from the slopes that the positions tell.
+    /// Probability by chance that the normals differ as much from the slopes that the positions tell: those of the quadric
+    /// through the positions, since a fit follows normals too, whatever they are.
     fn of_normals(&self, test: &Test<'_>, variances: Variances) -> Result<f64, Ep2Error> {
         if !self.patch.has_normals() {
             return Ok(1.0);
         }
-        let patterns = |_: &Sample, jet: &Jet| {
-            let (p, q) = (jet.u, jet.v);
+        let positions = self.patch.of_positions();
+        let known = self.told.in_patch(&self.patch.frame)?;
+        let quadric = SquareQuadric::of(&positions, &self.square, &known).ok();
+        let patterns = |sample: &Sample, jet: &Jet| {
+            let of_quadric = |quadric: &SquareQuadric| quadric.slopes(&self.square, sample);
+            let [p, q] = quadric.as_ref().map_or([jet.u, jet.v], of_quadric);
+            let (u, v) = (sample.u, sample.v);
             DMatrix::from_row_slice(
                 OBSERVED,
                 OF_NORMALS,
                 &[
-                    [0.0; OF_NORMALS],
-                    [1.0, 0.0, p, q, 0.0, 0.0],
-                    [0.0, 1.0, 0.0, 0.0, p, q],
+                    [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, u, v, u * u, u * v, v * v],
+                    [1.0, 0.0, p, q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                    [0.0, 1.0, 0.0, 0.0, p, q, 0.0, 0.0, 0.0, 0.0, 0.0],
                 ]
                 .concat(),
             )
@@ -191,48 +199,35 @@ impl Model<'_> {
     }
 
     /// The contact that contradicts the others most, and the probability that chance makes one of all do as much. Where noise is
-    /// found, a contact that is far off spoils that of positions and with it that of normals: heights count beside heights then,
-    /// and slopes beside slopes.
+    /// found, a contact that is far off spoils that of positions and with it that of normals: its height and its slopes count one
+    /// by one then.
     fn stray(&self, test: &Test<'_>, variances: Variances) -> Result<(usize, f64), Ep2Error> {
         let mut far = Vec::new();
-        let mut sums = [0.0; 2];
         for (place, sample) in self.samples().enumerate() {
             let Weighted { values, slopes, .. } = self.weighted(sample, variances)?;
             let slopes = by_factors(test.process, &slopes.transpose());
             let residual = values - slopes.tr_mul(&test.factors);
-            let height = residual[0] * residual[0];
-            let squares = [height, residual.norm_squared() - height];
-            sums = [sums[0] + squares[0], sums[1] + squares[1]];
-            far.push((place, squares, residual, slopes));
+            far.push((place, residual, slopes));
         }
         let count = far.len();
-        let share = |squares: &[f64; 2]| -> f64 {
-            let parts = squares.iter().zip(sums);
-            parts
-                .map(|(square, sum)| square / sum.max(f64::MIN_POSITIVE))
-                .sum()
-        };
-        far.sort_by(|(_, one, ..), (_, other, ..)| share(other).total_cmp(&share(one)));
+        far.sort_by(|(_, one, _), (_, other, _)| {
+            other.norm_squared().total_cmp(&one.norm_squared())
+        });
         let chances = far
             .iter()
             .take(MOST_SUSPECTED)
-            .map(|(place, _, residual, slopes)| {
-                let left = -slopes.tr_mul(&(&test.covariance * slopes));
+            .map(|(place, residual, slopes)| {
                 let rows = residual.len();
-                let left = left + DMatrix::identity(rows, rows);
-                let explained = |first: usize, rows: usize| {
+                let left =
+                    DMatrix::identity(rows, rows) - slopes.tr_mul(&(&test.covariance * slopes));
+                let chance = |first: usize, rows: usize| {
                     let left = left.view((first, first), (rows, rows)).into_owned();
                     let residual = residual.rows(first, rows).into_owned();
-                    Explained::by(&vec![1.0; rows], &left, &residual, LEFT)
+                    test.chance(Explained::by(&vec![1.0; rows], &left, &residual, LEFT))
                 };
                 let chance = match test.is_noise_trusted {
-                    true => explained(0, rows).p_value(),
-                    false => {
-                        let free = |rows: usize| (rows * count).saturating_sub(UNKNOWNS);
-                        let height = explained(0, 1).p_value_beside(sums[0], free(1));
-                        let slopes = explained(1, rows - 1).p_value_beside(sums[1], free(rows - 1));
-                        (2.0 * height.min(slopes)).min(1.0)
-                    }
+                    true => chance(0, rows),
+                    false => (2.0 * chance(0, 1).min(chance(1, rows - 1))).min(1.0),
                 };
                 (place * self.step(), chance)
             });

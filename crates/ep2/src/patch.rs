@@ -116,6 +116,15 @@ impl Patch {
         self.samples[0].slopes.is_some()
     }
 
+    /// The patch as its positions alone tell it.
+    pub(crate) fn of_positions(&self) -> Self {
+        let mut patch = self.clone();
+        for sample in &mut patch.samples {
+            sample.slopes = None;
+        }
+        patch
+    }
+
     /// One equation per contact, three where it has a normal.
     pub fn equations(&self) -> usize {
         self.samples.len() * if self.has_normals() { 3 } else { 1 }

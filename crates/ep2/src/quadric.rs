@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, SMatrix, SVector, SymmetricEigen};
 use crate::agreement::Model;
 use crate::noise::{Kinds, Noise, NoiseEstimate, Variances};
 use crate::square::Square;
-use crate::{Agreement, Ep2Error, Fit, Knots, Method, Patch, Posterior, TensorSpline};
+use crate::{Agreement, Ep2Error, Fit, Knots, Method, Patch, Posterior, Sample, TensorSpline};
 
 /// Unknowns of a quadric: 1, a, b, a², ab, b².
 pub(crate) const UNKNOWNS: usize = 6;
@@ -219,6 +219,14 @@ impl SquareQuadric {
             c[1] + 2.0 * a * c[3] + b * c[4],
             c[2] + a * c[4] + 2.0 * b * c[5],
         ]
+    }
+
+    /// Slopes along u and v at a contact.
+    pub(crate) fn slopes(&self, square: &Square, sample: &Sample) -> [f64; 2] {
+        let [a, b] = square.place([sample.u, sample.v]);
+        let [half_u, half_v] = square.half();
+        let [_, along_a, along_b] = self.value_and_slopes(a, b);
+        [along_a / half_u, along_b / half_v]
     }
 
     /// The observations of a patch that is nearly this quadric, of its deviation from it.

@@ -97,7 +97,11 @@ impl<'p> Test<'p> {
         let left = &products.by_patterns - taken;
         let found = &products.by_values - by_slopes.tr_mul(&self.factors);
         let squares: Vec<f64> = products.by_patterns.diagonal().iter().copied().collect();
-        let explained = Explained::by(&squares, &left, &found, LEFT);
+        self.chance(Explained::by(&squares, &left, &found, LEFT))
+    }
+
+    /// Probability by chance of as much that patterns explain.
+    pub(super) fn chance(&self, explained: Explained) -> f64 {
         match self.is_noise_trusted {
             true => explained.p_value(),
             false => explained.p_value_beside(self.chi_squared, self.freedom),
