@@ -27,6 +27,10 @@ const OBSERVED: usize = 3;
 /// Patterns of normals: of their slopes, turns about both tangents and linear maps; of heights, quadrics, which are the same turns
 /// and some of these maps where noise leaves more of heights than of slopes.
 const OF_NORMALS: usize = 11;
+/// Share of the doubts about normals that the roughness of the positions alone may make by chance, of which they tell less.
+const SHARE_APART: f64 = 0.1;
+/// Fewest contacts that tell noise from patterns.
+const FEWEST: usize = 10;
 /// Most contacts that are tested: of more, as many are taken evenly, which takes no longer than a fit.
 const MOST_CONTACTS: usize = 2000;
 /// Most fingers that are tested one by one.
@@ -53,6 +57,15 @@ pub(crate) struct Model<'a> {
 
 /// Process beside quadrics: the series' coefficients behind the quadrics, a column for each independent factor of unit variance.
 pub(crate) type Process = DMatrix<f64>;
+
+/// What contradicts the rest, and is no sign of roughness then.
+#[derive(Clone, Copy)]
+pub(crate) enum Apart {
+    /// The finger of this number, of which the distance from the others is not known.
+    Finger(usize),
+    /// The normals.
+    Normals,
+}
 
 /// Variances of positions and normals, in the patch's unit.
 #[derive(Clone, Copy)]
@@ -89,15 +102,14 @@ struct Sums {
 }
 
 impl Model<'_> {
-    /// Goodness of fit and doubts, by the process that is likeliest, and by that which is where a finger stands `apart`: of which
-    /// the distance from the others is not known.
+    /// Goodness of fit and doubts, by the process that is likeliest, and by that which is where something stands `apart`.
     ///
     /// # Errors
     /// [`Ep2Error::OutOfRange`] where the numbers leave the range of doubles.
     pub(crate) fn agreement(
         &self,
         process: &Process,
-        apart: impl Fn(usize) -> Result<Process, Ep2Error>,
+        apart: impl Fn(Apart) -> Result<Process, Ep2Error>,
     ) -> Result<Agreement, Ep2Error> {
         let Some(variances) = self.variances() else {
             return Ok(Agreement::default());
@@ -105,14 +117,14 @@ impl Model<'_> {
         let sums = self.sums(variances)?;
         let test = Test::new(self, process, &sums)?;
         let goodness = self.is_noise_told().then_some(test.goodness);
-        let (finger, displaced) = self.displaced(&test, variances, &sums, apart)?;
+        let (finger, displaced) = self.displaced(&test, variances, &sums, &apart)?;
         let (contact, stray) = self.stray(&test, variances)?;
         let doubts = [
             Doubt::LargeResiduals {
                 p_value: goodness.map_or(1.0, |goodness| goodness.p_value),
             },
             Doubt::ContradictingNormals {
-                p_value: self.of_normals(&test, variances)?,
+                p_value: self.of_normals(&test, variances, &sums, &apart)?,
             },
             Doubt::DisplacedFinger {
                 finger,
@@ -132,7 +144,13 @@ impl Model<'_> {
 
     /// Probability by chance that the normals differ as much from the slopes that the positions tell: those of the quadric
     /// through the positions, since a fit follows normals too, whatever they are.
-    fn of_normals(&self, test: &Test<'_>, variances: Variances) -> Result<f64, Ep2Error> {
+    fn of_normals(
+        &self,
+        test: &Test<'_>,
+        variances: Variances,
+        sums: &Sums,
+        apart: impl Fn(Apart) -> Result<Process, Ep2Error>,
+    ) -> Result<f64, Ep2Error> {
         if !self.patch.has_normals() {
             return Ok(1.0);
         }
@@ -155,7 +173,16 @@ impl Model<'_> {
             )
         };
         let products = self.products(variances, OF_NORMALS, &patterns)?;
-        Ok(test.chance_of(&products))
+        let chance = test.chance_of(&products);
+        match apart(Apart::Normals) {
+            Ok(process) => {
+                let apart = Test::new(self, &process, sums)?.chance_of(&products);
+                Ok((chance / (1.0 - SHARE_APART))
+                    .min(apart / SHARE_APART)
+                    .min(1.0))
+            }
+            Err(_) => Ok(chance),
+        }
     }
 
     /// The finger that is displaced most, and the probability that chance displaces one of all as far. A finger that is displaced
@@ -165,7 +192,7 @@ impl Model<'_> {
         test: &Test<'_>,
         variances: Variances,
         sums: &Sums,
-        apart: impl Fn(usize) -> Result<Process, Ep2Error>,
+        apart: impl Fn(Apart) -> Result<Process, Ep2Error>,
     ) -> Result<(usize, f64), Ep2Error> {
         let fingers: BTreeSet<usize> = self.samples().map(|sample| sample.finger).collect();
         let fingers: Vec<usize> = fingers.into_iter().collect();
@@ -190,7 +217,7 @@ impl Model<'_> {
             .collect();
         chances.sort_by(|(_, one, _), (_, other, _)| one.total_cmp(other));
         for (finger, chance, one) in chances.iter_mut().take(MOST_APART) {
-            if let Ok(process) = apart(*finger) {
+            if let Ok(process) = apart(Apart::Finger(*finger)) {
                 *chance = Test::new(self, &process, sums)?.chance_of(one);
             }
         }
@@ -243,7 +270,8 @@ impl Model<'_> {
         let told = self.told.normal_std_rad.map(square);
         let position = self.told.position_std.unwrap_or(noise.position_std);
         let position = position / self.fit.frame.scale();
-        if !self.is_noise_told() && position <= ROUNDING {
+        let is_told = position > ROUNDING && self.patch.samples.len() >= FEWEST;
+        if !(self.is_noise_told() || is_told) {
             return None;
         }
         let position = square(position);

@@ -11,7 +11,7 @@ use strum::{IntoStaticStr, VariantNames};
 pub struct Agreement {
     /// Goodness of fit; `None` where the noise is found and not stated.
     pub goodness: Option<GoodnessOfFit>,
-    /// Ways in which the contacts contradict the model.
+    /// Ways in which the contacts contradict the model; none where the noise is found of fewer than 10 contacts.
     pub doubts: Vec<Doubt>,
 }
 

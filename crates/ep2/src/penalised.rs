@@ -12,7 +12,7 @@ mod weight;
 
 pub use weight::Criterion;
 
-use crate::agreement::Model;
+use crate::agreement::{Apart, Model};
 use crate::chebyshev::count;
 use crate::noise::{Noise, Variances};
 use crate::quadric::SquareQuadric;
@@ -97,15 +97,26 @@ impl Method for Penalised {
         };
         let equations = estimated.equations(patch);
         let process = estimated.with(&equations, patch, mixture::likeliest)?;
-        model.agreement(&process, |finger| {
+        model.agreement(&process, |apart| {
             let Estimated {
                 quadric,
                 square,
                 variances,
                 ..
             } = &estimated;
-            let apart = equations.apart(quadric, patch, square, variances, degree, finger);
-            estimated.with(&apart, patch, mixture::likeliest)
+            let (patch, equations) = match apart {
+                Apart::Finger(finger) => {
+                    let apart = equations.apart(quadric, patch, square, variances, degree, finger);
+                    (patch.clone(), apart)
+                }
+                Apart::Normals => {
+                    let positions = patch.of_positions();
+                    let equations =
+                        SeriesEquations::around(quadric, &positions, square, variances, degree);
+                    (positions, equations)
+                }
+            };
+            estimated.with(&equations, &patch, mixture::likeliest)
         })
     }
 }
