@@ -108,6 +108,76 @@ fn each_flaw_is_named() {
     }
 }
 
+/// Slopes that the surface follows rather than the positions, since they scatter less.
+#[test]
+fn normals_of_another_size_of_slopes_are_told() {
+    for share in [0.0, 0.5] {
+        for noise in [told(&SWEEP), Noise::default()] {
+            let named = (0..10).filter(|&trial| {
+                let mut contacts = SWEEP.contacts(SADDLE, trial);
+                for normal in contacts.iter_mut().filter_map(|one| one.normal.as_mut()) {
+                    (normal.x, normal.y) = (share * normal.x, share * normal.y);
+                }
+                let doubts = agreement(&penalised(noise), &contacts).doubts;
+                doubts
+                    .iter()
+                    .any(|doubt| doubt.name() == "contradicting-normals")
+            });
+            assert!(named.count() >= 9, "{share} with {noise:?}");
+        }
+    }
+}
+
+/// A surface that is taken for so rough that it follows positions and normals alike.
+#[test]
+fn normals_of_a_turned_frame_are_no_roughness() {
+    let sweep = Sweep {
+        fingers: 3,
+        contacts_per_finger: 10,
+        ..SWEEP
+    };
+    let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), 0.17);
+    let named = (0..10).filter(|&trial| {
+        let mut contacts = sweep.contacts(&QUADRIC_LIKE[0], trial);
+        for normal in contacts.iter_mut().filter_map(|one| one.normal.as_mut()) {
+            *normal = turn * *normal;
+        }
+        let doubts = agreement(&penalised(told(&sweep)), &contacts).doubts;
+        doubts
+            .iter()
+            .any(|doubt| doubt.name() == "contradicting-normals")
+    });
+    assert_eq!(named.count(), 10);
+}
+
+/// What the process explains of few contacts is no part of their noise.
+#[test]
+fn few_sound_contacts_are_seldom_doubted() {
+    for (fingers, contacts_per_finger) in [(3, 2), (3, 3), (3, 4), (4, 4)] {
+        let sweep = Sweep {
+            fingers,
+            contacts_per_finger,
+            ..SWEEP
+        };
+        for has_normals in [false, true] {
+            let doubted = (0..100).filter(|&trial| {
+                let mut contacts = sweep.contacts(&QUADRIC_LIKE[0], trial);
+                if !has_normals {
+                    contacts.iter_mut().for_each(|one| one.normal = None);
+                }
+                let patch = Patch::new(&contacts, &Vector3::z()).unwrap();
+                let found = Penalised::default().agreement(&patch);
+                found.is_ok_and(|found| !found.doubts.is_empty())
+            });
+            let doubted = doubted.count();
+            assert!(
+                doubted <= 5,
+                "{doubted} of {fingers} x {contacts_per_finger}"
+            );
+        }
+    }
+}
+
 #[test]
 fn the_finger_that_is_displaced_is_told() {
     let mut contacts = SWEEP.contacts(SADDLE, 1);
