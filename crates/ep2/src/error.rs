@@ -13,7 +13,7 @@ pub(crate) const LARGEST: f64 = 1e150;
 pub enum Ep2Error {
     /// Fewer contacts than the method has unknowns to find.
     #[error(
-        "{contacts} contact(s) give {equations} equation(s); the method needs at least {needed}"
+        "{contacts} contact(s) give {equations} equation(s); the method needs at least 3 contacts and {needed} equations"
     )]
     TooFewContacts {
         /// Number of contacts given.

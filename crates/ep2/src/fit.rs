@@ -12,8 +12,8 @@ pub trait Method {
     /// [`Ep2Error`] where the contacts do not determine it, or a setting is out of its range.
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error>;
 
-    /// Goodness of the fit to a patch, and the ways in which the contacts contradict its model; neither of methods that
-    /// state no uncertainty. Takes about as long as the fit, which it makes anew.
+    /// Goodness of the fit to a patch, and the ways in which the contacts contradict its model; neither of methods that do
+    /// not test it. Takes about as long as the fit, which it makes anew.
     ///
     /// # Errors
     /// Errors of [`Method::fit`].

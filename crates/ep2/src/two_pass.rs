@@ -6,8 +6,8 @@ use palpate_number::BadSetting;
 use crate::error::LARGEST;
 use crate::knots::MAX_DEGREE;
 use crate::{
-    Ep2Error, Fit, Method, Patch, Sample, Smoothed, SmoothingSpline, Status, TensorSpline,
-    WeightedPoint,
+    Agreement, Ep2Error, Fit, Method, Patch, Penalised, Sample, Smoothed, SmoothingSpline, Status,
+    TensorSpline, WeightedPoint,
 };
 
 /// The normals to which the tangents of the second pass are perpendicular.
@@ -113,6 +113,11 @@ pub struct TwoPassFit {
 impl Method for TwoPass {
     fn fit(&self, patch: &Patch) -> Result<Fit, Ep2Error> {
         Ok(self.fit_passes(patch)?.fit)
+    }
+
+    /// Contacts that contradict each other do so whatever is fitted to them: those of [`Penalised`].
+    fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
+        Penalised::default().agreement(patch)
     }
 }
 

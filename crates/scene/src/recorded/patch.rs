@@ -15,7 +15,7 @@ use super::error::{RecordedError, explained};
 use super::extra::Extras;
 use super::glide::GlideReadings;
 use super::origin::agreed_unit;
-use super::patch_doubts::{noise, of_wrong_normals, spacing, words};
+use super::patch_doubts::{alone, noise, of_wrong_normals, spacing, words};
 use super::patch_estimate::{GlideEstimate, GlideMap, PatchNoise, PatchRegion, Thresholds, tidy};
 use super::repeated::repeated;
 use super::stated::FORMAT_VERSION;
@@ -200,6 +200,17 @@ impl<'r> FittedGlide<'r> {
         spacing(&self.patch, *inter_finger_distance, estimator, self.unit)
     }
 
+    /// The warning where the method would state uncertainties, but the contacts are too few.
+    fn few(&self) -> Option<String> {
+        let states = !matches!(self.options.estimator, GlideEstimatorConfig::TwoPass { .. });
+        let is_untold = self.centre.curvature.uncertainty.is_none();
+        let contacts = self.patch.samples.len();
+        (states && is_untold).then(|| {
+            let noise = self.recorded.origin.wording().name("position_std");
+            format!("there are no standard deviations: {contacts} contacts do not tell their noise; state it ({noise})")
+        })
+    }
+
     /// The estimate with these regions.
     fn told(&self, regions: &Regions) -> GlideEstimate {
         let (recorded, options, centre) = (&self.recorded, &self.options, &self.centre);
@@ -283,6 +294,8 @@ impl<'r> FittedGlide<'r> {
                     &recorded.origin,
                 ))
                 .chain(unknown)
+                .chain(self.few())
+                .chain(alone(self.contacts(), &recorded.origin))
                 .chain(of_noise.iter().cloned())
                 .chain(of_normals(self.contacts()))
                 .chain(directions)
@@ -359,7 +372,7 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
         _ => None,
     };
     let origin = &recorded.origin;
-    let message = remedied(error, origin.wording());
+    let message = remedied(error, recorded.fingers, origin.wording());
     let doubt = match error {
         Ep2Error::Folded { .. } | Ep2Error::NoSide { .. } => of_directions(&recorded.contacts),
         _ => None,
@@ -373,7 +386,7 @@ fn refused(recorded: &GlideReadings, error: &Ep2Error) -> RecordedError {
 }
 
 /// The error with the setting that helps where there is one.
-fn remedied(error: &Ep2Error, wording: Wording) -> String {
+fn remedied(error: &Ep2Error, fingers: usize, wording: Wording) -> String {
     let distance = wording.name("inter_finger_distance");
     match error {
         Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
@@ -389,6 +402,9 @@ fn remedied(error: &Ep2Error, wording: Wording) -> String {
         Ep2Error::Folded { angle_deg, .. } if *angle_deg > 90.0 => {
             format!("{error}: does its normal point inward?")
         }
+        Ep2Error::NoSide { .. } if fingers == 1 => format!(
+            "{error}; contacts of one finger along one curve do not tell the surface beside it"
+        ),
         Ep2Error::NoSide { .. } => {
             let outward = wording.with("outward", "X,Y,Z");
             format!("{error}; give another with {outward}")

@@ -1,7 +1,7 @@
 //! Warnings where what is stated of a patch is not what its contacts show.
 
 use palpate_chance::Share;
-use palpate_ep2::{Doubt, Method, Patch};
+use palpate_ep2::{Contact, Doubt, Method, Patch};
 use palpate_number::Number;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
@@ -11,6 +11,15 @@ use crate::glide::AnyMethod;
 
 /// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.
 const FAR_OFF: f64 = 3.0;
+
+/// Number of unknowns of a quadric.
+const UNKNOWNS: usize = 6;
+
+/// Ratio of a contact's distance from the nearest other to the largest such distance of all others past which it may be no contact
+/// of the patch.
+const ALONE: f64 = 3.0;
+/// Most contacts whose distances are compared.
+const MOST_COMPARED: usize = 3000;
 
 /// The warning where the fingers of the readings are not as far apart as is stated.
 pub(super) fn spacing(
@@ -29,6 +38,36 @@ pub(super) fn spacing(
         let unit = unit.as_str();
         format!(
             "the distance between fingers is stated as {stated} {unit}, but those of the readings are {found} {unit} apart: is the unit right?"
+        )
+    })
+}
+
+/// The warning of a contact far from all others: a surface passes through it whatever it is.
+pub(super) fn alone(contacts: &[Contact], origin: &Origin) -> Option<String> {
+    if contacts.len() > MOST_COMPARED {
+        return None;
+    }
+    let nearest = |place: usize| {
+        let others = contacts
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != place);
+        others
+            .map(|(_, other)| (other.position - contacts[place].position).norm())
+            .fold(f64::INFINITY, f64::min)
+    };
+    let mut distances: Vec<(f64, usize)> = (0..contacts.len())
+        .map(|place| (nearest(place), place))
+        .collect();
+    distances.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+    let [(far, contact), (next, _), ..] = distances[..] else {
+        return None;
+    };
+    (far > ALONE * next && next > 0.0).then(|| {
+        let [far, next] = [far, next].map(Number::rounded);
+        format!(
+            "the contact of {} lies {far} from the nearest other, where no other is farther than {next} from its own: is it a contact?",
+            row(contact, origin)
         )
     })
 }
@@ -66,10 +105,14 @@ pub(super) fn noise(
         found.normal_std_rad.map(f64::to_degrees),
     ];
     let names = [("positions", unit.as_str()), ("normals", "degrees")];
-    let both = stated.into_iter().zip(found).zip(names);
-    both.filter_map(|((stated, found), (what, unit))| {
+    let each = [1, 2].map(|each| each * patch.samples.len());
+    let all = stated.into_iter().zip(found).zip(names).zip(each);
+    all.filter_map(|(((stated, found), (what, unit)), readings)| {
         let (stated, found) = stated.zip(found)?;
-        let near = found / LARGE_RESIDUALS..=found * LARGE_RESIDUALS;
+        // The standard deviation of what is found is about 1/√(2 freedom) of it.
+        let freedom = readings.saturating_sub(UNKNOWNS) as f64;
+        let ratio = (1.0 + 3.0 / (2.0 * freedom).sqrt()).max(LARGE_RESIDUALS);
+        let near = found / ratio..=found * ratio;
         let [stated_shown, found] = [stated, found].map(Number::rounded);
         (!near.contains(&stated)).then(|| {
             format!(

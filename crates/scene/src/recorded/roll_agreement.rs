@@ -9,8 +9,9 @@ use palpate_study::config::LengthUnit;
 use serde::{Serialize, Serializer};
 
 use super::doubted::ToldDoubt;
+use super::repeated::repeated;
 use super::roll::{RollOptions, RollReadings};
-use super::suspicion::{of_pitch, of_small_residuals};
+use super::suspicion::{of_pitch, of_rotation_noise, of_small_residuals};
 
 /// Agreement of readings with their estimate, found when it is first told: it takes longer than the estimate.
 #[derive(Clone, Debug)]
@@ -31,6 +32,7 @@ struct Estimated {
     /// Root mean square of the residuals, length.
     residual: f64,
     suspicion: Option<String>,
+    copies: Option<String>,
     note: Option<String>,
 }
 
@@ -76,6 +78,7 @@ impl RollAgreement {
             unit,
             residual,
             suspicion,
+            copies: copies(recorded),
             note: recorded.note.clone(),
         };
         Self {
@@ -83,6 +86,15 @@ impl RollAgreement {
             told: OnceLock::new(),
         }
     }
+}
+
+/// Warning of rolls that are there twice.
+fn copies(recorded: &RollReadings) -> Option<String> {
+    let rolls = recorded.readings.iter().map(|reading| {
+        let ([x, y], [u, v]) = (reading.rotation.into(), reading.shift.into());
+        [x, y, u, v]
+    });
+    repeated(&recorded.origin, "roll", rolls)
 }
 
 impl Estimated {
@@ -104,6 +116,8 @@ impl Estimated {
             .chain(in_words)
             .chain(small)
             .chain(of_pitch(readings, noise.shift_resolution, *unit))
+            .chain(of_rotation_noise(readings, noise))
+            .chain(self.copies.clone())
             .chain(self.note.clone())
             .collect();
         Told {

@@ -105,7 +105,7 @@ pub fn estimate_roll(
     };
     let half_way = PI * options.probe_radius;
     for (probe, reading) in recorded.probes.iter().zip(readings) {
-        let shift = reading.shift.norm();
+        let shift = libm::hypot(reading.shift.x, reading.shift.y);
         if shift > half_way * (1.0 + 1e-9) {
             let unit = unit.as_str();
             return Err(fail(format!(

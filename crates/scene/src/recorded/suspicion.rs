@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{DMatrix, DVector, Matrix3, Point3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Point3, RowDVector, Vector3};
 use palpate_chance::GoodnessOfFit;
 use palpate_ep1::{ProbeReading, ReadingNoise};
 use palpate_ep2::{Contact, Method, Patch, Quadric};
@@ -142,6 +142,22 @@ const TOO_SMALL: f64 = 3e-5;
 /// Ratio of the stated noise to the residuals from which on the one is far too large.
 const FAR_TOO_LARGE: f64 = 4.0;
 
+/// The warning of noise of rotations that is stated larger than any of them.
+pub(super) fn of_rotation_noise(
+    readings: &[ProbeReading],
+    stated: &ReadingNoise,
+) -> Option<String> {
+    let turns = readings.iter().map(|reading| reading.rotation.norm());
+    let most = turns.fold(0.0, f64::max);
+    let noise = stated.rotation_std_rad;
+    (noise > most).then(|| {
+        let [noise, most] = [noise, most].map(Number::rounded);
+        format!(
+            "the noise of rotations is stated as {noise} rad, but no probe turned by more than {most} rad: is it in degrees?"
+        )
+    })
+}
+
 /// The warning of residuals of rolls that are far smaller than the noise of shifts that is stated. Errors of pads are no
 /// noise: they may all be the same, or none at all.
 pub(super) fn of_small_residuals(
@@ -222,7 +238,7 @@ const FIT_BETTER: f64 = 9.0;
 
 /// Spread of places across the curve that they lie along, over how far they stand off the surface through them, from which on
 /// they tell normals: about a curve alone any surface may turn.
-const TELLS_NORMALS: f64 = 10.0;
+const SPREADS: f64 = 10.0;
 
 /// Spread across that files of few digits may make, as a share of the spread along.
 const ROUNDED: f64 = 1e-6;
@@ -259,6 +275,47 @@ fn spread_across(places: &[Point3<f64>]) -> f64 {
     }
 }
 
+/// Least ratio of the squares by which normals are off to those of the slopes' own errors, for the places to tell normals:
+/// across two lines any surface may turn.
+const TELLS_NORMALS: f64 = 9.0;
+
+/// Least singular value of places that determine a quadric, as a share of the largest.
+const DETERMINED: f64 = 1e-9;
+
+/// Mean square of the errors of the slopes that a quadric through the places of a patch has, where these stand off it by
+/// `off`; infinite where they leave it open.
+fn slope_errors(patch: &Patch, off: f64) -> f64 {
+    let samples = &patch.samples;
+    let heights = DMatrix::from_fn(samples.len(), 6, |row, column| {
+        let (u, v) = (samples[row].u, samples[row].v);
+        [1.0, u, v, u * u, u * v, v * v][column]
+    });
+    let svd = heights.svd(false, true);
+    let Some(directions) = svd.v_t else {
+        return f64::INFINITY;
+    };
+    let largest = svd.singular_values.max();
+    let square = |along: &RowDVector<f64>| -> f64 {
+        let parts = directions.row_iter().zip(&svd.singular_values);
+        parts
+            .map(|(direction, size)| match *size > DETERMINED * largest {
+                true => libm::pow(direction.dot(along) * off / size, 2.0),
+                false => f64::INFINITY,
+            })
+            .sum()
+    };
+    let errors = samples.iter().map(|sample| {
+        let (u, v) = (sample.u, sample.v);
+        let rows = [
+            [0.0, 1.0, 0.0, 2.0 * u, v, 0.0],
+            [0.0, 0.0, 1.0, 0.0, u, 2.0 * v],
+        ];
+        let rows = rows.map(|row| square(&RowDVector::from_row_slice(&row)));
+        rows.iter().sum::<f64>()
+    });
+    errors.sum::<f64>() / samples.len() as f64
+}
+
 /// The mistake of signs or columns that the normals of contacts look like, held against a quadric through their places alone.
 pub(super) fn of_directions(contacts: &[Contact]) -> Option<String> {
     let normals: Option<Vec<Vector3<f64>>> = contacts
@@ -276,9 +333,10 @@ pub(super) fn of_directions(contacts: &[Contact]) -> Option<String> {
     let patch = sides.iter().find_map(|side| Patch::new(&bare, side).ok())?;
     let fit = Quadric::default().fit(&patch).ok()?;
     let off = fit.noise.map_or(0.0, |noise| noise.position_std);
-    if spread_across(&places) <= TELLS_NORMALS * off {
+    if spread_across(&places) <= SPREADS * off {
         return None;
     }
+    let errors = slope_errors(&patch, off / patch.frame.scale());
     let shown: Vec<Vector3<f64>> = fit
         .points_at(&places)
         .ok()?
@@ -304,7 +362,8 @@ pub(super) fn of_directions(contacts: &[Contact]) -> Option<String> {
     }
     let (least, name) = best;
     let own = off(&Matrix3::identity());
-    (own > FIT_BETTER * least && own.is_finite()).then(|| {
+    let is_told = own > TELLS_NORMALS * errors * normals.len() as f64;
+    (own > FIT_BETTER * least && is_told && own.is_finite()).then(|| {
         let times = match least > 0.0 {
             true => format!("{} times ", Number::rounded((own / least).sqrt())),
             false => String::new(),
@@ -367,6 +426,17 @@ mod tests {
         // The plane that an arc lies in is none that its normals stand on.
         assert_eq!(of_directions(&on_a_ball(0.0, |normal| normal)), None);
     }
+
+    #[test]
+    fn two_lines_tell_no_normals_across() {
+        let told = |line: usize| {
+            let on_lines = on_a_ball(4.0, |normal| normal);
+            let two = on_lines.into_iter().filter(|one| one.finger != line);
+            of_directions(&two.collect::<Vec<_>>())
+        };
+        assert_eq!([0, 1, 2].map(told), [None, None, None]);
+    }
+
     #[test]
     fn places_of_any_size_spread_as_they_do() {
         let grid = |size: f64| -> Vec<Point3<f64>> {
