@@ -11,7 +11,7 @@ use super::problem::{ACROSS, BASELINE, GAIN, INDENTATION, Problem, Square, State
 use super::profile::{Profile, profile};
 use super::reading::Reading;
 use super::settings::{ForwardFit, Prior};
-use super::start::{median, starts};
+use super::start::{RADII, Shapes, median, starts};
 use super::unseen::Unseen;
 use crate::definite::inverse;
 use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
@@ -20,6 +20,8 @@ use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 pub(super) const SINGULAR: f64 = 1e-7;
 /// Largest share of the markers that can be wrong; if more seem so, the model is.
 const MOST_WRONG: f64 = 1.0 / 8.0;
+/// Number of wrong markers of which one that counts may be the cause.
+const SEVERAL: usize = 2;
 /// Markers are in a row where they spread (squared) less across it than this share of what they do along it.
 const ROW: f64 = 1e-5;
 /// Probability by chance of what a marker says against the others below which they may be right.
@@ -101,6 +103,19 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
+    /// Sum of squares of all markers' residuals, of each as much as a wrong one has at least; infinite where there is no such contact.
+    fn unexplained(&self, state: &State) -> f64 {
+        let Ok(contact) = self.contact(state) else {
+            return f64::INFINITY;
+        };
+        let square = |marker: usize| {
+            let residuals = self.residuals_at(&contact, state, marker);
+            let square: f64 = residuals.iter().map(|residual| residual * residual).sum();
+            square.min(WRONG * WRONG)
+        };
+        (0..self.kept.len()).map(square).sum()
+    }
+
     /// Chi-squared of the markers that do not count, taken as unmoved.
     fn left_out(&self) -> f64 {
         let mut misfit = Misfit::new(self.tolerance);
@@ -345,7 +360,47 @@ impl<'a> Search<'a> {
         }
         let (settled, state, sums) = best.ok_or(failure)?;
         *self = settled;
-        Ok((state, sums))
+        Ok(self.without_nearest(&state).unwrap_or((state, sums)))
+    }
+
+    /// A fit that explains more markers than one that leaves several out: that without the marker nearest to the contact, which one
+    /// that slipped makes a needle under it.
+    fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
+        let kept = &self.problem.kept;
+        if self.find_normal || kept.iter().filter(|kept| !**kept).count() < SEVERAL {
+            return None;
+        }
+        let markers = self.problem.reading.markers.places().iter();
+        let distances = markers.map(|place| {
+            let sight = self.problem.reading.markers.sight(&state.place, place);
+            sight.distance
+        });
+        let near = |(_, one): &(usize, f64), (_, other): &(usize, f64)| one.total_cmp(other);
+        let (nearest, _) = distances.enumerate().min_by(near)?;
+        let mut others = self.clone();
+        others.problem.kept.fill(true);
+        others.problem.keep_window(state);
+        others.problem.kept[nearest] = false;
+        let mut least = self.problem.unexplained(state);
+        let mut best = None;
+        let shapes = Shapes::new(&others.problem, &RADII).states(&others.problem, state.place);
+        for (_, start) in shapes.into_iter().flatten() {
+            let mut without = others.clone();
+            let Ok((mut there, _)) = minimise(&without.problem, start, ROUGHLY, None) else {
+                continue;
+            };
+            let Ok(sums) = without.settle(&mut there) else {
+                continue;
+            };
+            let unexplained = without.problem.unexplained(&there);
+            if unexplained < least {
+                least = unexplained;
+                best = Some((without, there, sums));
+            }
+        }
+        let (without, there, sums) = best?;
+        *self = without;
+        Some((there, sums))
     }
 
     /// Fits that no few markers can lead astray, one for each place to which they lead, the best first.

@@ -16,7 +16,7 @@ const BEYOND: [f64; 3] = [0.2, 0.7, 1.5];
 /// A start that costs so much more than another in chi-squared is not worth beginning from.
 const MUCH: f64 = 50.0;
 /// Radii of the contact that are tried, in radii of the sensor, a middling one first.
-const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
+pub(super) const RADII: [f64; 5] = [0.14, 0.03, 0.07, 0.24, 0.4];
 /// Number of directions in which all radii are tried.
 const VIEWS: usize = 3;
 
@@ -137,9 +137,10 @@ fn of_shape(
     // The readings in multiples of the displacements.
     let amplitude = || {
         let (mut product, mut square) = (0.0, 0.0);
-        for (read, moved) in problem.reading.normal.iter().zip(&moved) {
-            product += (read - baseline) * moved.normal;
-            square += moved.normal * moved.normal;
+        for marker in problem.counting() {
+            let (read, moved) = (problem.reading.normal[marker], moved[marker].normal);
+            product += (read - baseline) * moved;
+            square += moved * moved;
         }
         (product > 0.0 && square > 0.0).then(|| product / square)
     };
@@ -171,10 +172,10 @@ fn of_shape(
     Some((cost, state))
 }
 
-/// The directions of the markers that moved most, the furthest first.
+/// The directions of the markers that moved most of those that count, the furthest first.
 fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let normal = problem.reading.normal;
-    let mut order: Vec<usize> = (0..normal.len()).collect();
+    let mut order: Vec<usize> = problem.counting().collect();
     let by_displacement = |one: &usize, other: &usize| normal[*other].total_cmp(&normal[*one]);
     if order.len() > MARKERS {
         order.select_nth_unstable_by(MARKERS - 1, by_displacement);
