@@ -236,13 +236,14 @@ impl Score {
     ) -> Vec<Doubt> {
         let of_pattern = || self.pattern(BY_INDENTATION..BY_INDENTATION + 1);
         let (of_direction, of_rows) = (self.pattern(BY_DIRECTION), self.rows());
+        let of_body = self.pattern(BY_DISTANCE);
+        // Another body is wider or narrower too, and round all the same.
+        let of_rows = of_rows.filter(|_| of_body >= Doubt::LEVEL);
         let doubts = [
             Doubt::OtherIndentation {
                 p_value: indentation.unwrap_or_else(of_pattern),
             },
-            Doubt::OtherBody {
-                p_value: self.pattern(BY_DISTANCE),
-            },
+            Doubt::OtherBody { p_value: of_body },
             Doubt::NotRound {
                 p_value: of_rows.map_or(of_direction, |of_rows| {
                     (2.0 * of_rows.min(of_direction)).min(1.0)

@@ -12,6 +12,10 @@ const ROUNDING: f64 = 1e-3;
 /// Least number of equations beyond the unknowns by which noise that is found can be told from patterns.
 const FEW: usize = 8;
 
+/// Share of a reading's noise that the fit leaves, below which the marker is fitted whatever it says: only a fit without it tells
+/// what it explains.
+const ALONE: f64 = 0.1;
+
 impl Problem<'_> {
     /// Noise that residuals of a fit are judged by; `None` of a Gaussian, which is no body, where there are hardly more equations
     /// than unknowns, and where the noise that is found may be rounding.
@@ -41,15 +45,22 @@ impl Problem<'_> {
         let contact = self.contact(state)?;
         let components = if self.uses_tangential() { 3 } else { 1 };
         let slopes = self.slopes(state)?;
+        let sums = self.sums(state)?;
         let variance = covariance[(CURVATURE, CURVATURE)];
         let chance = |(marker, slopes): (usize, [Unknowns; 3])| {
             let residuals = self.residuals_at(&contact, state, marker);
-            let (mut square, mut moves) = (0.0, 0.0);
+            let (mut square, mut moves, mut left) = (0.0, 0.0, 1.0_f64);
             for (residual, slopes) in residuals.iter().zip(&slopes) {
                 let slopes = self.of_sought(slopes);
                 let by = covariance * slopes;
+                left = left.min(1.0 - slopes.dot(&by));
                 square += residual * residual / (1.0 - slopes.dot(&by)).max(LEFT);
                 moves += by[CURVATURE] * by[CURVATURE];
+            }
+            if left < ALONE && matters(moves, variance) {
+                let without = self.without(marker, state);
+                let chi_squared = without.map_or(f64::INFINITY, |(_, _, sums)| sums.chi_squared);
+                square = square.max(sums.chi_squared - chi_squared);
             }
             let explained = Explained {
                 fall: square,

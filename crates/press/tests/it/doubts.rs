@@ -1,6 +1,6 @@
 //! Doubts about estimates: none where the model holds, named ones where it does not.
 
-use palpate_press::{Body, Doubt, ForwardFit, Interval, Measured, PressEstimate};
+use palpate_press::{Body, Doubt, ForwardFit, Interval, Measured, PressEstimate, Reading};
 
 use crate::sensor::{DEPTH, Readings, at, half_space, published};
 
@@ -76,7 +76,70 @@ fn another_body_is_told() {
     assert!(share(&doubts, None) > 0.9, "{doubts:?}");
 }
 
-/// A layer's markers hardly move beside the contact, where those of a half-space would.
+/// A fit to displacements in all directions, with errors of this size and two fifths of it.
+fn in_all_directions(body: &Body, std: f64) -> ForwardFit {
+    ForwardFit {
+        normal_std: Some(std),
+        tangential_std: Some(0.4 * std),
+        ..ForwardFit::new(body.clone())
+    }
+}
+
+/// A thinner layer than the pressed one is another body, and its press as round.
+#[test]
+fn a_round_press_of_another_layer_is_not_called_an_edge() {
+    let markers = published();
+    let [thin, thick] = [4.0, 5.0].map(|thickness| Body::bonded_layer(thickness, DEPTH).unwrap());
+    let contact = markers.skin().contact(&thick, 1.0 / 30.0, 1.5).unwrap();
+    let exact = Readings::of(&markers, &contact, [0.0; 2]);
+    let told = Measured {
+        value: 1.5,
+        std: 0.02,
+    };
+    let reading = Reading {
+        tangential: Some(&exact.tangential),
+        ..exact.reading(&markers, Some(told))
+    };
+    let fit = in_all_directions(&thin, 0.05);
+    let doubts = fit
+        .doubts(&reading, &fit.estimate(&reading).unwrap())
+        .unwrap();
+    let names: Vec<&str> = doubts.iter().map(|doubt| doubt.name()).collect();
+    assert!(names.contains(&"other-body"), "{names:?}");
+    assert!(!names.contains(&"not-round"), "{names:?}");
+}
+
+/// A slip of the marker under which the object presses fits a needle there, but for the markers beside it.
+#[test]
+fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
+    let (markers, body) = (published(), half_space());
+    let contact = markers.skin().contact(&body, 1.0 / 30.0, 1.5).unwrap();
+    let exact = Readings::of(&markers, &contact, [0.0; 2]);
+    let distances = markers.distances([0.0; 2]);
+    let apex = distances
+        .iter()
+        .position(|&distance| distance == 0.0)
+        .unwrap();
+    let told = |std: f64, trial: u64| {
+        let mut readings = exact.noisy_along(std, 0.4 * std, trial);
+        readings.normal[apex] += 1.0;
+        let reading = Reading {
+            tangential: Some(&readings.tangential),
+            ..readings.reading(&markers, None)
+        };
+        let fit = in_all_directions(&body, std);
+        fit.estimate(&reading).unwrap()
+    };
+    let is_left_out = |trial: &u64| told(0.01, *trial).wrong_markers == [apex];
+    assert!((0..20).filter(is_left_out).count() >= 17);
+    // More noise hides how much it contradicts the others, but not that it does.
+    let is_held = |trial: &u64| {
+        let curvature = told(0.05, *trial).relative_curvature;
+        curvature.interval.holds(contact.relative_curvature)
+    };
+    assert!((0..20).filter(is_held).count() >= 15);
+}
+
 #[test]
 fn what_no_press_of_the_body_does_is_refused_by_that_name() {
     let (markers, layer) = (published(), Body::bonded_layer(5.0, DEPTH).unwrap());
