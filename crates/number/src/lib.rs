@@ -22,6 +22,31 @@ impl Number {
     pub fn rounded(number: f64) -> Self {
         Self(format!("{number:.2e}").parse().unwrap_or(number))
     }
+
+    /// The nearest number with the decimals of a standard deviation of two digits, or with three digits if that is more.
+    ///
+    /// ```
+    /// use palpate_number::Number;
+    ///
+    /// let shown = [0.00456, 2.0, 500.0].map(|std| Number::known_to(320.0347, std).to_string());
+    /// assert_eq!(shown, ["320.0347", "320", "320"]);
+    /// ```
+    #[must_use]
+    pub fn known_to(number: f64, std: f64) -> Self {
+        let size = |number: f64| libm::floor(libm::log10(number.abs()));
+        let digits = size(number) - size(std) + 1.0;
+        // As many as tell doubles apart, at most.
+        let digits = if digits.is_finite() {
+            digits.clamp(2.0, 16.0)
+        } else {
+            2.0
+        };
+        Self(
+            format!("{number:.*e}", digits as usize)
+                .parse()
+                .unwrap_or(number),
+        )
+    }
 }
 
 impl fmt::Display for Number {

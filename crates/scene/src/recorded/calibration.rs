@@ -224,6 +224,7 @@ pub fn calibrate(
     let all = Calibration::new(normal_part, lateral_part, options.markers);
     let calibration = all.map_err(|error| normal.refused(points, &error))?;
     Ok(CalibrationReport {
+        copies: normal.copies() + lateral.copies(),
         calibration,
         length_unit,
         normal: normal.series(|points| {
@@ -298,7 +299,13 @@ struct Pooled<P> {
     files: Vec<String>,
 }
 
-impl<P: Copy> Pooled<P> {
+impl<P: Copy + PartialEq> Pooled<P> {
+    /// Number of points that say the same as one before them.
+    fn copies(&self) -> usize {
+        let before = |place: &usize| self.points[..*place].contains(&self.points[*place]);
+        (0..self.points.len()).filter(before).count()
+    }
+
     fn of(
         files: &[CalibrationPoints],
         part: impl Fn(&CalibrationPoints) -> &Vec<Known<P>>,

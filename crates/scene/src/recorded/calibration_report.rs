@@ -16,6 +16,8 @@ pub struct CalibrationReport {
     pub normal: Vec<(String, Result<Fitted, CalibrationError>)>,
     /// The lateral ones.
     pub lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
+    /// Number of points that say the same as one before them to the last digit.
+    pub copies: usize,
 }
 
 /// The two lines of a set of points.
@@ -29,6 +31,9 @@ pub struct Fitted {
 
 /// Residuals of more than this share of the largest displacement are told.
 const LARGE_RESIDUAL: f64 = 0.1;
+
+/// Share of the variance by which a line with an intercept may explain more than one through rest without a word.
+const OFF_REST: f64 = 0.3;
 
 /// Slopes of series that differ by more than this share are told.
 const LARGE_SPREAD: f64 = 0.2;
@@ -101,15 +106,35 @@ impl CalibrationReport {
         let parts = [
             normal.map(|part| {
                 let residual = part.line.residual_rms;
-                ("normal", residual, part.line, part.range, &self.normal)
+                let lines = [Some(part.line), part.with_intercept];
+                ("normal", residual, lines, part.range, &self.normal)
             }),
             lateral.map(|part| {
                 let residual = part.residual_rms;
-                ("tangential", residual, part.line, part.range, &self.lateral)
+                let lines = [Some(part.line), part.with_intercept];
+                ("tangential", residual, lines, part.range, &self.lateral)
             }),
         ];
         let mut warnings = Vec::new();
-        for (what, residual, line, range, series) in parts.into_iter().flatten() {
+        if self.copies > 0 {
+            warnings.push(format!(
+                "{} points repeat points before them to the last digit: copies are no new readings, and make the stated uncertainty too small",
+                self.copies
+            ));
+        }
+        for (what, residual, [line, with_intercept], range, series) in parts.into_iter().flatten() {
+            let Some(line) = line else {
+                continue;
+            };
+            if let Some(free) =
+                with_intercept.filter(|free| free.r_squared - line.r_squared > OFF_REST)
+            {
+                warnings.push(format!(
+                    "a line with an intercept explains the {what} points far better (R^2 {}) than one through rest (R^2 {}): are they changes from rest, and in the order of the displacements?",
+                    figures(free.r_squared, 3),
+                    figures(line.r_squared, 3)
+                ));
+            }
             let largest = range[0].abs().max(range[1].abs());
             let percent = 100.0 * residual / largest;
             if residual > LARGE_RESIDUAL * largest {

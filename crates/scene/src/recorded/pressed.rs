@@ -1,6 +1,6 @@
 //! The curvature of an object from a recorded press.
 
-use palpate_number::BadSetting;
+use palpate_number::{BadSetting, Number};
 use palpate_press::{Body, ForwardFit, Markers, PressError, PressEstimate, Prior, Reading, Skin};
 
 use super::Value;
@@ -10,7 +10,7 @@ use super::press::PressReadings;
 use super::pressed_object::{Described, PressedObject, Row};
 use super::repeated::repeated;
 use super::stated::{self, Contradiction, FORMAT_VERSION};
-use super::suspicion::{Sensor, of_press};
+use super::suspicion::{Sensor, along_skin, of_press};
 use super::wording::Wording;
 use crate::press::{Assumed, body_of, large_contact};
 use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig, PressModelConfig};
@@ -110,6 +110,7 @@ pub fn estimate_press(
     if let Some(contradiction) = &contradiction {
         doubts = contradiction.doubts(doubts);
     }
+    let mistake = along_skin(&fit, &told, &estimate, !doubts.is_empty());
     let wrong_markers: Vec<Row> = estimate
         .wrong_markers
         .iter()
@@ -127,6 +128,7 @@ pub fn estimate_press(
     );
     let warnings = [
         suspicion(recorded, options, unit),
+        mistake,
         contradiction.map(|contradiction| contradiction.words),
         stated.and_then(|(_, warning)| warning),
         left_out,
@@ -329,6 +331,12 @@ fn warnings(
     large.into_iter().chain(residuals).chain(unexplained)
 }
 
+/// Largest normal displacement, either way.
+fn most_moved(recorded: &PressReadings) -> f64 {
+    let moved = recorded.normal.iter();
+    moved.fold(0.0, |most: f64, one| most.max(one.abs()))
+}
+
 /// Whether a few displacements are many times the median one.
 fn stand_out(recorded: &PressReadings) -> bool {
     const FEW: usize = 3;
@@ -361,6 +369,8 @@ fn refused_for(
         PressError::BadSetting(_) => (None, None),
         _ => (suspicion(recorded, options, unit), contradiction),
     };
+    // What the readings alone tell no indentation for is what the error says.
+    let contradiction = contradiction.filter(|contradiction| contradiction.is_told());
     let origin = &recorded.origin;
     let wording = origin.wording();
     let message = match error {
@@ -378,6 +388,15 @@ fn refused_for(
         PressError::Undetermined { .. } if options.indentation.is_none() => {
             let indentation = wording.with("indentation", "D");
             format!("{error}; give the indentation with {indentation} if it is known")
+        }
+        PressError::NoContact { .. } if options.normal_std > Some(most_moved(recorded)) => {
+            let [noise, moved] =
+                [options.normal_std.unwrap_or(0.0), most_moved(recorded)].map(Number::rounded);
+            let unit = unit.as_str();
+            format!(
+                "{error}; the noise is stated as {noise} {unit} ({}), and no marker moved by more than {moved} {unit}",
+                wording.name("normal_std")
+            )
         }
         PressError::NoContact { .. } if stand_out(recorded) => {
             format!(

@@ -31,6 +31,22 @@ pub struct SensorOptions {
     pub px_per_rad: Option<f64>,
 }
 
+/// Relative standard error of a calibration's slope past which it widens what the displacements tell.
+const VAGUE: f64 = 0.05;
+
+/// The warning of a slope of normal displacements that the calibration tells only roughly.
+fn of_slope(calibration: &Calibration, wording: Wording) -> Option<String> {
+    let line = calibration.normal_part()?.line;
+    let share = (line.slope_std? / line.slope).abs();
+    (share > VAGUE).then(|| {
+        let gain = wording.with("gain_std", &Number::rounded(share).to_string());
+        format!(
+            "the calibration tells its slope to {:.0} % only, a gain of all normal displacements that the intervals do not count unless it is stated: {gain}",
+            100.0 * share
+        )
+    })
+}
+
 /// Factor between scales of a camera past which one of them is wrong.
 const FAR_OFF: f64 = 1.25;
 
@@ -43,8 +59,8 @@ pub struct Sensed {
     has_tangential: bool,
     fates: Fates,
     field: Field,
-    /// Doubt about the camera's scale.
-    scale: Option<String>,
+    /// Doubts about the camera's scale and the calibration's slope.
+    doubts: Vec<String>,
 }
 
 /// Output of `sensor track`.
@@ -122,7 +138,10 @@ impl Sensed {
             )
         });
         Ok(Self {
-            scale,
+            doubts: scale
+                .into_iter()
+                .chain(of_slope(calibration, origin.wording()))
+                .collect(),
             field,
             unit,
             radius: options.radius,
@@ -143,7 +162,7 @@ impl Sensed {
         let origin = origin(frames, file);
         let field = Field::new(displaced).map_err(|error| no_field(&origin, error))?;
         Ok(Self {
-            scale: None,
+            doubts: Vec::new(),
             field,
             unit,
             radius,
@@ -173,7 +192,8 @@ impl Sensed {
     }
 
     /// The object that pressed the markers, with what the markers themselves tell.
-    pub(super) fn pressed_by(&self, object: PressedObject) -> TrackedPress {
+    pub(super) fn pressed_by(&self, mut object: PressedObject) -> TrackedPress {
+        object.warnings.extend(self.fates.warning());
         let outward = self.field.outward().mean.filter(|_| self.has_tangential);
         TrackedPress {
             frames: self.fates,
@@ -238,7 +258,7 @@ impl Sensed {
             extras: Extras::default(),
         };
         let mut object = estimate_press(&readings, options)?;
-        object.warnings.extend(self.scale.clone());
+        object.warnings.extend(self.doubts.iter().cloned());
         Ok(self.pressed_by(object))
     }
 }

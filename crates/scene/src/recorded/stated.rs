@@ -99,6 +99,11 @@ impl Contradiction {
         Some(Self { words, p_value })
     }
 
+    /// Whether the readings alone tell an indentation.
+    pub(super) const fn is_told(&self) -> bool {
+        self.p_value.is_some()
+    }
+
     /// Doubts with that about the indentation, where a fit by the stated one does not see it.
     pub(super) fn doubts(&self, doubts: Vec<Doubt>) -> Vec<Doubt> {
         let is_told = |doubt: &Doubt| matches!(doubt, Doubt::OtherIndentation { .. });

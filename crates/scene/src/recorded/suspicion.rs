@@ -1,12 +1,15 @@
 //! Mistakes of sign and unit, recognised by what the readings would otherwise mean.
 
+mod normals;
+
+pub(super) use normals::{of_directions, of_normals};
+
 use std::f64::consts::TAU;
 
-use nalgebra::{DMatrix, DVector, Matrix3, Point3, RowDVector, Vector3};
 use palpate_chance::GoodnessOfFit;
 use palpate_ep1::{ProbeReading, ReadingNoise};
-use palpate_ep2::{Contact, Method, Patch, Quadric};
 use palpate_number::Number;
+use palpate_press::{ForwardFit, PressEstimate, Reading};
 use palpate_study::config::LengthUnit;
 
 use super::press::PressReadings;
@@ -82,6 +85,60 @@ pub(super) fn of_press(
     });
     (sensor.has_baseline && all > 1.0 && outward >= NEARLY_ALL * all).then(|| {
         "the displacements point outward, and positive is inward: is the sign wrong?".to_owned()
+    })
+}
+
+/// Ratio of sums of squares from which on displacements along the skin fit better with their columns changed, and share of the
+/// largest of them past which noise that is found is none.
+const FIT_BETTER: f64 = 4.0;
+const NO_NOISE: f64 = 0.2;
+
+/// The mistake of signs or columns that displacements along the skin look like, where the fit does not follow them.
+pub(super) fn along_skin(
+    fit: &ForwardFit,
+    reading: &Reading<'_>,
+    estimate: &PressEstimate,
+    is_doubted: bool,
+) -> Option<String> {
+    let along = reading.tangential?;
+    let own = estimate.tangential_std?;
+    let most = along.iter().flatten();
+    let most = most.fold(0.0, |most: f64, one| most.max(one.abs()));
+    if !is_doubted && own <= NO_NOISE * most {
+        return None;
+    }
+    let is_found = fit.tangential_std.is_none_or(|std| std <= 0.0);
+    let misfit = |estimate: &PressEstimate| match is_found {
+        true => estimate
+            .tangential_std
+            .map_or(f64::INFINITY, |std| std * std),
+        false => estimate.reduced_chi_squared,
+    };
+    let changed = |change: fn([f64; 2]) -> [f64; 2]| {
+        let along: Vec<[f64; 2]> = along.iter().map(|along| change(*along)).collect();
+        let changed = Reading {
+            tangential: Some(&along),
+            ..*reading
+        };
+        fit.estimate(&changed)
+            .map_or(f64::INFINITY, |found| misfit(&found))
+    };
+    let changes: [(&str, fn([f64; 2]) -> [f64; 2]); 4] = [
+        ("tangential_x and tangential_y swapped", |[x, y]| [y, x]),
+        ("the sign of tangential_x turned", |[x, y]| [-x, y]),
+        ("the sign of tangential_y turned", |[x, y]| [x, -y]),
+        ("both signs turned", |[x, y]| [-x, -y]),
+    ];
+    let all = changes.map(|(name, change)| (name, changed(change)));
+    let (name, least) = all
+        .into_iter()
+        .min_by(|(_, one), (_, other)| one.total_cmp(other))?;
+    let ratio = misfit(estimate) / least;
+    (ratio > FIT_BETTER && ratio.is_finite()).then(|| {
+        let times = Number::rounded(ratio.sqrt());
+        format!(
+            "the displacements along the skin contradict those into it, which they would fit {times} times better with {name}: are columns swapped, or is a sign wrong?"
+        )
     })
 }
 
@@ -201,255 +258,4 @@ pub(super) fn of_pitch(
             "a contact moved by {shortest} {unit}, less than from one pad to the next at a pitch of {resolution} {unit}: is the pitch right, and are the shifts in {unit}?"
         )
     })
-}
-
-/// Length by which a normal may differ from 1, of rounding or of a sensor's noise in its components.
-const LENGTH_OFF: f64 = 0.1;
-
-/// Mistakes that the normals of contacts look like.
-pub(super) fn of_normals(contacts: &[Contact]) -> impl Iterator<Item = String> {
-    let normals = || contacts.iter().filter_map(|contact| contact.normal);
-    let mut lengths: Vec<f64> = normals().map(|normal| normal.norm()).collect();
-    lengths.sort_by(f64::total_cmp);
-    let middle = lengths.get(lengths.len() / 2).copied();
-    let length = middle.filter(|length| (length - 1.0).abs() > LENGTH_OFF);
-    let length = length.map(|length| {
-        format!(
-            "the normals have lengths of about {}, not 1: are they unit vectors, and no angles?",
-            Number::rounded(length)
-        )
-    });
-    let mean: Vector3<f64> = normals()
-        .filter_map(|normal| normal.try_normalize(0.0))
-        .sum();
-    let is_down = mean.z < -0.5 * contacts.len() as f64;
-    let inward = is_down.then(|| {
-        "the normals point to -z, out of an object that is touched from below: do they point inward? then convex and concave are swapped".to_owned()
-    });
-    length.into_iter().chain(inward)
-}
-
-/// Fewest contacts whose normals are held against the shape that their places tell.
-const FEWEST: usize = 8;
-
-/// Ratio of sums of squares from which on normals fit the places better with their components changed: they differ from
-/// those of the fit by three times as much as they are.
-const FIT_BETTER: f64 = 9.0;
-
-/// Spread of places across the curve that they lie along, over how far they stand off the surface through them, from which on
-/// they tell normals: about a curve alone any surface may turn.
-const SPREADS: f64 = 10.0;
-
-/// Spread across that files of few digits may make, as a share of the spread along.
-const ROUNDED: f64 = 1e-6;
-
-/// The root-mean-square spread of places across the parabola that they lie along most, in the plane that they lie in most;
-/// 0 where rounding hides it.
-fn spread_across(places: &[Point3<f64>]) -> f64 {
-    let count = places.len() as f64;
-    let sum: Vector3<f64> = places.iter().map(|place| place.coords).sum();
-    let arms: Vec<Vector3<f64>> = places
-        .iter()
-        .map(|place| place.coords - sum / count)
-        .collect();
-    let size = arms.iter().fold(0.0, |most: f64, arm| most.max(arm.amax()));
-    if !(size > 0.0 && size.is_finite()) {
-        return 0.0;
-    }
-    let arms: Vec<Vector3<f64>> = arms.iter().map(|arm| arm / size).collect();
-    let spread: Matrix3<f64> = arms.iter().map(|arm| arm * arm.transpose()).sum();
-    let eigen = spread.symmetric_eigen();
-    let mut axes = [0, 1, 2];
-    axes.sort_by(|&one, &other| eigen.eigenvalues[other].total_cmp(&eigen.eigenvalues[one]));
-    let [along, across, _] = axes.map(|axis| eigen.eigenvectors.column(axis));
-    let parabola = DMatrix::from_fn(arms.len(), 3, |row, power| {
-        let along = along.dot(&arms[row]);
-        [1.0, along, along * along][power]
-    });
-    let across = DVector::from_fn(arms.len(), |row, _| across.dot(&arms[row]));
-    let fitted = parabola.clone().svd(true, true).solve(&across, 1e-12);
-    let left = fitted.map_or(0.0, |fitted| (across - parabola * fitted).norm());
-    match left > ROUNDED * eigen.eigenvalues[axes[0]].sqrt() {
-        true => size * left / count.sqrt(),
-        false => 0.0,
-    }
-}
-
-/// Least ratio of the squares by which normals are off to those of the slopes' own errors, for the places to tell normals:
-/// across two lines any surface may turn.
-const TELLS_NORMALS: f64 = 9.0;
-
-/// Least singular value of places that determine a quadric, as a share of the largest.
-const DETERMINED: f64 = 1e-9;
-
-/// Mean square of the errors of the slopes that a quadric through the places of a patch has, where these stand off it by
-/// `off`; infinite where they leave it open.
-fn slope_errors(patch: &Patch, off: f64) -> f64 {
-    let samples = &patch.samples;
-    let heights = DMatrix::from_fn(samples.len(), 6, |row, column| {
-        let (u, v) = (samples[row].u, samples[row].v);
-        [1.0, u, v, u * u, u * v, v * v][column]
-    });
-    let svd = heights.svd(false, true);
-    let Some(directions) = svd.v_t else {
-        return f64::INFINITY;
-    };
-    let largest = svd.singular_values.max();
-    let square = |along: &RowDVector<f64>| -> f64 {
-        let parts = directions.row_iter().zip(&svd.singular_values);
-        parts
-            .map(|(direction, size)| match *size > DETERMINED * largest {
-                true => libm::pow(direction.dot(along) * off / size, 2.0),
-                false => f64::INFINITY,
-            })
-            .sum()
-    };
-    let errors = samples.iter().map(|sample| {
-        let (u, v) = (sample.u, sample.v);
-        let rows = [
-            [0.0, 1.0, 0.0, 2.0 * u, v, 0.0],
-            [0.0, 0.0, 1.0, 0.0, u, 2.0 * v],
-        ];
-        let rows = rows.map(|row| square(&RowDVector::from_row_slice(&row)));
-        rows.iter().sum::<f64>()
-    });
-    errors.sum::<f64>() / samples.len() as f64
-}
-
-/// The mistake of signs or columns that the normals of contacts look like, held against a quadric through their places alone.
-pub(super) fn of_directions(contacts: &[Contact]) -> Option<String> {
-    let normals: Option<Vec<Vector3<f64>>> = contacts
-        .iter()
-        .map(|contact| contact.normal?.try_normalize(0.0))
-        .collect();
-    let normals = normals.filter(|normals| normals.len() >= FEWEST)?;
-    let bare: Vec<Contact> = contacts
-        .iter()
-        .map(|contact| Contact::new(contact.finger, contact.position, None))
-        .collect();
-    let places: Vec<Point3<f64>> = contacts.iter().map(|contact| contact.position).collect();
-    // Whichever side is outside: both are compared.
-    let sides = [Vector3::z(), Vector3::x(), Vector3::y()];
-    let patch = sides.iter().find_map(|side| Patch::new(&bare, side).ok())?;
-    let fit = Quadric::default().fit(&patch).ok()?;
-    let off = fit.noise.map_or(0.0, |noise| noise.position_std);
-    if spread_across(&places) <= SPREADS * off {
-        return None;
-    }
-    let errors = slope_errors(&patch, off / patch.frame.scale());
-    let shown: Vec<Vector3<f64>> = fit
-        .points_at(&places)
-        .ok()?
-        .iter()
-        .map(|point| point.normal)
-        .collect();
-    let off = |change: &Matrix3<f64>| -> f64 {
-        let pairs = normals.iter().zip(&shown);
-        let squares = |sign: f64| -> f64 {
-            let pairs = pairs.clone();
-            pairs
-                .map(|(normal, shown)| (change * normal * sign - shown).norm_squared())
-                .sum()
-        };
-        squares(1.0).min(squares(-1.0))
-    };
-    let mut best = (f64::INFINITY, "");
-    for (change, name) in changes() {
-        let off = off(&change);
-        if off < best.0 {
-            best = (off, name);
-        }
-    }
-    let (least, name) = best;
-    let own = off(&Matrix3::identity());
-    let is_told = own > TELLS_NORMALS * errors * normals.len() as f64;
-    (own > FIT_BETTER * least && is_told && own.is_finite()).then(|| {
-        let times = match least > 0.0 {
-            true => format!("{} times ", Number::rounded((own / least).sqrt())),
-            false => String::new(),
-        };
-        format!(
-            "the normals contradict the places of the contacts, which they would fit {times}better with {name}: are columns swapped, or is a sign wrong?"
-        )
-    })
-}
-
-/// Mistakes that swap two components or turn the sign of one, whichever side is outside.
-fn changes() -> [(Matrix3<f64>, &'static str); 6] {
-    let signs = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
-    let swap = |one: usize, other: usize| {
-        let mut change = Matrix3::identity();
-        change.swap_columns(one, other);
-        change
-    };
-    [
-        (signs(-1.0, 1.0, 1.0), "the sign of normal_x turned"),
-        (signs(1.0, -1.0, 1.0), "the sign of normal_y turned"),
-        (signs(1.0, 1.0, -1.0), "the sign of normal_z turned"),
-        (swap(0, 1), "normal_x and normal_y swapped"),
-        (swap(0, 2), "normal_x and normal_z swapped"),
-        (swap(1, 2), "normal_y and normal_z swapped"),
-    ]
-}
-
-#[cfg(test)]
-mod tests {
-    use palpate_sensing::{Channel, Stream};
-
-    use super::*;
-
-    /// Contacts with their normals on a ball of 30 mm, on lines so far apart, with noise of 0.02 mm and 1 degree.
-    fn on_a_ball(apart: f64, seen: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Vec<Contact> {
-        let mut stream = Stream::new(1996, 0, Channel::Position);
-        let mut noise = |std: f64| Vector3::from_fn(|_, _| std * stream.standard_normal());
-        let contacts = (0..63).map(|number| {
-            let [x, y] = [
-                f64::from(number % 21) - 10.0,
-                apart * f64::from(number / 21),
-            ];
-            let normal = Vector3::new(x, y, (900.0 - x * x - y * y).sqrt()) / 30.0;
-            let place = Point3::from(normal * 30.0 + noise(0.02));
-            let normal = seen((normal + noise(0.017)).normalize());
-            Contact::new(number as usize / 21, place, Some(normal))
-        });
-        contacts.collect()
-    }
-
-    #[test]
-    fn swapped_normals_are_told_by_a_patch_and_not_by_a_line() {
-        let swapped = |normal: Vector3<f64>| Vector3::new(normal.x, normal.z, normal.y);
-        for apart in [1.0, 4.0] {
-            assert_eq!(of_directions(&on_a_ball(apart, |normal| normal)), None);
-            let told = of_directions(&on_a_ball(apart, swapped)).unwrap();
-            assert!(told.contains("normal_y and normal_z swapped"), "{told}");
-        }
-        // The plane that an arc lies in is none that its normals stand on.
-        assert_eq!(of_directions(&on_a_ball(0.0, |normal| normal)), None);
-    }
-
-    #[test]
-    fn two_lines_tell_no_normals_across() {
-        let told = |line: usize| {
-            let on_lines = on_a_ball(4.0, |normal| normal);
-            let two = on_lines.into_iter().filter(|one| one.finger != line);
-            of_directions(&two.collect::<Vec<_>>())
-        };
-        assert_eq!([0, 1, 2].map(told), [None, None, None]);
-    }
-
-    #[test]
-    fn places_of_any_size_spread_as_they_do() {
-        let grid = |size: f64| -> Vec<Point3<f64>> {
-            let place =
-                |number: u32| Point3::new(f64::from(number % 5), f64::from(number / 5), 0.0);
-            (0..15).map(|number| place(number) * size).collect()
-        };
-        let one = spread_across(&grid(1.0));
-        // Of rows at 0, 1 and 2.
-        assert!((one - (2.0_f64 / 3.0).sqrt()).abs() < 1e-12, "{one}");
-        for size in [1e-200, 1e-3, 1e150] {
-            assert!((spread_across(&grid(size)) / size / one - 1.0).abs() < 1e-9);
-        }
-        assert_eq!(spread_across(&grid(0.0)), 0.0);
-    }
 }

@@ -56,6 +56,22 @@ pub struct Fates {
     pub cut_at_rest: usize,
 }
 
+/// Share of the markers that may get lost without a word.
+const FEW_LOST: f64 = 0.1;
+
+impl Fates {
+    /// The warning where many markers were not found again.
+    pub(super) fn warning(&self) -> Option<String> {
+        let missed = self.at_rest - self.tracked;
+        (missed as f64 > FEW_LOST * self.at_rest as f64).then(|| {
+            format!(
+                "{missed} of {} markers were not found again in the pressed frame ({} lost, {} merged, {} split): is it as bright and as sharp as the frame at rest?",
+                self.at_rest, self.lost, self.merged, self.split
+            )
+        })
+    }
+}
+
 /// Difference of green, of 255 levels, that has the full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 

@@ -127,6 +127,23 @@ impl Matched {
         told(&expected, &seen, found, least).map(|_| seen)
     }
 
+    /// What the markers differ most in from those that the layout makes.
+    fn most_off(&self) -> &'static str {
+        let mut squares = [0.0; 3];
+        for (seen, law) in self.seen.iter().zip(&self.law) {
+            if let (Some(seen), Some(law)) = (seen, law) {
+                for (number, law) in law.iter().enumerate() {
+                    let off = seen.picture[number] - law;
+                    squares[number.saturating_sub(1)] +=
+                        off * off / seen.covariance[(number, number)];
+                }
+            }
+        }
+        let most =
+            (0..squares.len()).max_by(|&one, &other| squares[one].total_cmp(&squares[other]));
+        ["places", "hues", "sizes"][most.unwrap_or(0)]
+    }
+
     pub(super) fn camera(
         &self,
         meant: &Meant<'_>,
@@ -150,7 +167,8 @@ impl Matched {
                 .max_by(|one, other| one.px.total_cmp(&other.px));
             let worst = worst.map_or(0, |one| one.marker);
             return Err(format!(
-                "contradicts the layout: chi-squared is {} per degree of freedom (at most {CONTRADICTED}), the markers lie {} px from where they should be seen, most of all number {worst}",
+                "contradicts the layout, by the {} of the markers most of all: chi-squared is {} per degree of freedom (at most {CONTRADICTED}), the markers lie {} px from where they should be seen, number {worst} the farthest: {ELSEWHERE}",
+                self.most_off(),
                 Number::rounded(reduced),
                 Number::rounded(residual_px)
             ));

@@ -141,8 +141,10 @@ impl<'a> KnownCamera<'a> {
         let worst = worst.unwrap_or(0);
         let (name, unit) = NAMES[worst];
         let unit = unit.unwrap_or(self.unit);
+        // As many digits as tell the two apart.
+        let apart = here[worst] - there[worst];
         let told = |value: f64, std: f64| {
-            let value = Number::rounded(value);
+            let value = Number::known_to(value, 0.1 * apart);
             let told = match std > 0.0 {
                 true => format!("{value} +- {} {unit}", Number::rounded(std)),
                 false => format!("{value} {unit}"),
