@@ -335,6 +335,29 @@ fn points_that_calibrate_nothing_are_refused() {
 }
 
 #[test]
+fn points_that_calibrate_badly_are_told() {
+    let desk = Desk::new();
+    let told = |rows: &str| {
+        desk.write("t.csv", format!("normal_displacement_mm,hue_turns\n{rows}"));
+        let ended = desk.palpate("sensor calibrate t.csv --out c.toml --force");
+        assert_eq!(ended.status, Some(0), "{ended:?}");
+        ended.stderr
+    };
+    let good = "0.5,0.0126\n1,0.0249\n1.5,0.0377\n2,0.05\n";
+    assert_eq!(told(good), "");
+    let twice = told(&format!("{good}{good}"));
+    assert!(
+        twice.contains("4 points repeat points before them"),
+        "{twice}"
+    );
+    let absolute = told("0.5,0.3126\n1,0.3249\n1.5,0.3377\n2,0.35\n");
+    assert!(
+        absolute.contains("are they changes from rest"),
+        "{absolute}"
+    );
+}
+
+#[test]
 fn files_that_are_no_calibration_are_refused() {
     let desk = desk();
     let good = desk.read("c.toml");

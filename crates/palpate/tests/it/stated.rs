@@ -145,6 +145,124 @@ fn stated_quantities_that_the_readings_contradict() {
 }
 
 #[test]
+fn a_stated_indentation_that_the_readings_contradict_is_doubted() {
+    for (indentation, is_doubted) in [("1.5", false), ("1", true), ("2", true), ("3", true)] {
+        let ended = desk(PRESS).palpate(&format!("{SENSOR} --indentation {indentation}"));
+        let json: Value = serde_json::from_str(&ended.stdout).unwrap();
+        let doubts = json["doubts"].as_array().unwrap();
+        let is_it = |doubt: &Value| doubt["name"] == "other-indentation";
+        assert_eq!(
+            doubts.iter().any(is_it),
+            is_doubted,
+            "{indentation}: {json}"
+        );
+    }
+}
+
+#[test]
+fn noise_that_is_stated_a_little_too_small_is_told() {
+    let ended = desk(PRESS).palpate(&format!(
+        "{SENSOR} --normal-std 0.0385 --tangential-std 0.0155"
+    ));
+    let json: Value = serde_json::from_str(&ended.stdout).unwrap();
+    assert_eq!(json["doubts"][0]["name"], "large-residuals", "{json}");
+    let said = json["warnings"].to_string();
+    assert!(said.contains("times the noise that is given"), "{said}");
+}
+
+#[test]
+fn noise_larger_than_all_that_moved_is_told() {
+    let said = told(
+        &desk(PRESS),
+        &format!("{SENSOR} --normal-std 5 --tangential-std 5"),
+    );
+    let words = "the noise is stated as 5 mm (--normal-std), and no marker moved by more than";
+    assert!(said.contains(words), "{said}");
+    let roll = "estimate roll r.csv --probe-radius 10 --rotation-std-rad";
+    let said = told(&desk(ROLL), &format!("{roll} 0.5"));
+    assert!(said.contains("is it in degrees?"), "{said}");
+    assert!(!told(&desk(ROLL), &format!("{roll} 0.01")).contains("degrees"));
+}
+
+/// Rows of a table with two of its columns in each other's place.
+fn swapped(csv: &str, one: usize, other: usize) -> String {
+    let mut lines = csv.lines();
+    let mut text = format!("{}\n", lines.next().unwrap());
+    for line in lines {
+        let mut fields: Vec<&str> = line.split(',').collect();
+        fields.swap(one, other);
+        text += &format!("{}\n", fields.join(","));
+    }
+    text
+}
+
+#[test]
+fn mistakes_of_displacements_along_the_skin() {
+    let said = |csv: &str| told(&desk(csv), SENSOR);
+    for (csv, words) in [
+        (
+            swapped(PRESS, 3, 4),
+            "with tangential_x and tangential_y swapped",
+        ),
+        (
+            scaled(PRESS, &[3], -1.0),
+            "with the sign of tangential_x turned",
+        ),
+        (
+            scaled(PRESS, &[4], -1.0),
+            "with the sign of tangential_y turned",
+        ),
+        (scaled(PRESS, &[3, 4], -1.0), "with both signs turned"),
+    ] {
+        let said = said(&csv);
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    assert!(!said(PRESS).contains("along the skin"));
+}
+
+#[test]
+fn rolls_that_are_there_twice() {
+    let mut twice = ROLL.to_owned();
+    let shifted = ROLL.lines().skip(1).map(|line| {
+        let (probe, rest) = line.split_once(',').unwrap();
+        format!("{},{rest}\n", probe.parse::<u32>().unwrap() + 100)
+    });
+    twice.extend(shifted);
+    let said = told(&desk(&twice), "estimate roll r.csv --probe-radius 10");
+    assert!(said.contains("repeat rolls of rows before"), "{said}");
+}
+
+#[test]
+fn contacts_that_are_no_part_of_the_patch_or_too_few() {
+    let lost = format!("{}0,0,0,0,0,0,1\n", scaled(GLIDE, &[1], 1.0));
+    let far = scaled(&lost, &[], 1.0).replace("0,0,0,0,0,0,1", "0,300,0,0,0,0,1");
+    let said = told(&desk(&far), "estimate glide r.csv");
+    assert!(
+        said.contains("lies") && said.contains("from the nearest other"),
+        "{said}"
+    );
+    assert!(!told(&desk(GLIDE), "estimate glide r.csv").contains("nearest other"));
+    let three = "finger,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z\n0,0,0,0,0,0,1\n1,5,0,-0.3,0.1,0,1\n2,0,5,-0.3,0,0.1,1\n";
+    let said = told(&desk(three), "estimate glide r.csv");
+    assert!(
+        said.contains("3 contacts do not tell their noise"),
+        "{said}"
+    );
+    let line: String = (0..12)
+        .map(|at| f64::from(at) - 6.0)
+        .map(|x| format!("0,{x},0,{}\n", -0.01 * x * x))
+        .collect();
+    let said = told(
+        &desk(&format!("finger,x_mm,y_mm,z_mm\n{line}")),
+        "estimate glide r.csv",
+    );
+    assert!(
+        said.contains("contacts of one finger along one curve"),
+        "{said}"
+    );
+}
+
+#[test]
 fn mistakes_of_sign_and_unit() {
     for (columns, factor, words) in [
         (&[2][..], -1.0, "positive is inward: is the sign wrong?"),

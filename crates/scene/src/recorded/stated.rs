@@ -195,10 +195,13 @@ pub(super) fn doubts(
 /// about the number of equations beyond the unknowns.
 pub(super) fn noise(estimate: &PressEstimate, freedom: usize) -> Option<String> {
     let ratio = estimate.reduced_chi_squared.sqrt();
-    if estimate
-        .goodness
-        .is_some_and(|goodness| goodness.is_doubted())
-    {
+    // Where the noise of some readings is found, its standard deviation by chance is about 1/√(2 freedom).
+    let chance = 1.0 + 3.0 / (2.0 * freedom.max(1) as f64).sqrt();
+    let is_large = match estimate.goodness {
+        Some(goodness) => goodness.is_doubted(),
+        None => ratio > LARGE_RESIDUALS.max(chance),
+    };
+    if is_large {
         return Some(format!(
             "the residuals are {:.1} times the noise that is given: intervals are too narrow",
             Number(ratio)
