@@ -72,6 +72,10 @@ impl Fates {
     }
 }
 
+/// Median shift of markers past which they moved, px, and how many times the scatter about it makes it one of all alike.
+const ALIKE_PX: f64 = 0.5;
+const ALIKE: f64 = 2.5;
+
 /// Difference of green, of 255 levels, that has the full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
 
@@ -199,7 +203,13 @@ impl TrackedFrames {
                 "the marker that changed most shrank by {percent:.1} %: a press brings it nearer; are {rest} and {pressed} swapped?"
             )
         });
-        moved.into_iter().chain(swapped).collect()
+        let alike = self.moved_alike().filter(|_| moved.is_none());
+        let alike = alike.map(|how| {
+            format!(
+                "all markers of {rest} {how} in {pressed}: did the camera move? what they have in common is no press"
+            )
+        });
+        moved.into_iter().chain(alike).chain(swapped).collect()
     }
 
     fn changes(&self) -> impl Iterator<Item = Change> {
@@ -227,6 +237,39 @@ impl TrackedFrames {
         let spacing = median(places.iter().map(|&place| away(place)))?;
         let shift = median(shifts)?;
         (shift > 0.25 * spacing).then_some((shift, spacing))
+    }
+
+    /// The way in which all markers moved alike, as a camera that moved shows them: shifted, or turned about the middle.
+    fn moved_alike(&self) -> Option<String> {
+        let shifts: Vec<([f64; 2], [f64; 2])> = self
+            .tracks
+            .iter()
+            .filter_map(|track| {
+                let [x, y] = track.rest?.centroid_px;
+                let arm = [x - self.centre_px[0], y - self.centre_px[1]];
+                Some((arm, track.change()?.shift_px))
+            })
+            .collect();
+        let of_axis = |axis: usize| median(shifts.iter().map(|(_, shift)| shift[axis]));
+        let [x, y] = [of_axis(0)?, of_axis(1)?];
+        let apart = |(_, shift): &([f64; 2], [f64; 2])| libm::hypot(shift[0] - x, shift[1] - y);
+        let size = libm::hypot(x, y);
+        if size > ALIKE_PX && size > ALIKE * median(shifts.iter().map(apart))? {
+            return Some(format!("moved by about ({x:.1}, {y:.1}) px"));
+        }
+        let turn = |([x, y], [along_x, along_y]): &([f64; 2], [f64; 2])| {
+            (x * along_y - y * along_x) / (x * x + y * y)
+        };
+        let all = median(shifts.iter().map(turn))?;
+        let apart = median(shifts.iter().map(|shift| (turn(shift) - all).abs()))?;
+        let arm = median(shifts.iter().map(|(arm, _)| libm::hypot(arm[0], arm[1])))?;
+        let is_turned = all.abs() * arm > ALIKE_PX && all.abs() > ALIKE * apart;
+        is_turned.then(|| {
+            format!(
+                "turned about the middle by about {:.1} degrees",
+                all.to_degrees()
+            )
+        })
     }
 
     /// The growth of the marker that grew or shrank the most, where it shrank by more than the others scatter.

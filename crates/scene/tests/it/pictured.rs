@@ -166,6 +166,47 @@ fn the_camera_of_a_frame_at_rest_serves_presses() {
     assert!((0.3..2.0).contains(&spread), "{spread}");
 }
 
+/// A frame whose pixel at each place is that of another place, white outside.
+fn seen_from(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
+    let (width, height) = frame.image.dimensions();
+    let image = RgbImage::from_fn(width, height, |x, y| {
+        let [x, y] = from(f64::from(x), f64::from(y)).map(f64::round);
+        let is_inside =
+            (0.0..f64::from(width)).contains(&x) && (0.0..f64::from(height)).contains(&y);
+        match is_inside {
+            true => *frame.image.get_pixel(x as u32, y as u32),
+            false => Rgb([255; 3]),
+        }
+    });
+    Frame {
+        file: frame.file.clone(),
+        image,
+    }
+}
+
+/// What all markers have in common is told of the camera, not of the press; what a press moves is not.
+#[test]
+fn a_camera_that_moved_between_the_frames_is_told() {
+    let study = study(3, "");
+    let [rest, pressed] = frames(&scene(&study), &study, 0);
+    let told = |pressed: &Frame| {
+        let tracked = track_frames(&rest, pressed).expect("tracks");
+        tracked.warnings().join("; ")
+    };
+    assert_eq!(told(&pressed), "");
+    let shifted = told(&seen_from(&pressed, |x, y| [x - 4.0, y]));
+    assert!(shifted.contains("moved by about (4.0, "), "{shifted}");
+    let (sine, cosine) = 0.04_f64.sin_cos();
+    let turned = told(&seen_from(&pressed, |x, y| {
+        let (x, y) = (x - 199.5, y - 199.5);
+        [199.5 + cosine * x + sine * y, 199.5 - sine * x + cosine * y]
+    }));
+    assert!(
+        turned.contains("turned about the middle by about 2.3 degrees"),
+        "{turned}"
+    );
+}
+
 fn painted(frame: &Frame, paint: impl Fn([u8; 3]) -> [u8; 3]) -> Frame {
     let mut image = frame.image.clone();
     for pixel in image.pixels_mut() {
