@@ -102,7 +102,7 @@ is named, and nothing is written. The shards stay; merging again gives the same.
     /// Estimate curvature from recorded readings; prints JSON.
     #[command(subcommand)]
     #[command(after_help = "Examples:
-  palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5
+  palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.2
   palpate estimate glide examples/glide-readings.csv --map map.csv
   palpate estimate press examples/press-readings.csv --sensor-radius 20 --depth 2 --indentation 1.5")]
     Estimate(Estimator),

@@ -57,8 +57,8 @@ With --like STUDY.toml probe, noise and estimator are those of a study of kind r
 unit; flags override them.
 
 Examples:
-  palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.5
-  palpate estimate roll examples/roll-readings.csv --like examples/pads-for-a-ball.toml --pitch 0.5"))]
+  palpate estimate roll examples/roll-readings.csv --probe-radius 10 --pitch 0.2
+  palpate estimate roll examples/roll-readings.csv --like examples/pads-for-a-ball.toml --pitch 0.2"))]
     Roll(EstimateRollArgs),
     /// Curvature over a patch from sliding fingers (EP2).
     #[command(
@@ -126,8 +126,8 @@ is what the interval leaves open: convex, concave, flat-within-noise or not-reso
 `wrong_markers` are the rows that contradict the others and were left out. `contact_seen` is false where
 only the stated indentation says that there is a contact: the interval is then that of all objects that the readings
 leave; where one marker alone shows it, a warning names that marker. `doubts` are the ways in which the readings contradict the model, each with its p-value:
-large-residuals, other-body, not-round, other-indentation, slipped-marker; 1 press in 200 has each by chance,
-and 1 in 50 one of the middle three by all that they tell together.
+large-residuals, other-body, not-round, other-indentation, slipped-marker (of which the interval then holds what the others
+tell too); 1 press in 200 has each by chance, and 1 in 50 one of the middle three by all that they tell together.
 
 The JSON has `format_version` 1, which rises when a key goes or changes its meaning. `warnings`, which
 standard error repeats, tell where the readings contradict what is stated: the indentation, by
