@@ -40,6 +40,32 @@ fn cells_trials_models_and_time() {
 }
 
 #[test]
+fn rolls_off_the_pads_are_told() {
+    for (arc, is_off) in [(9.0, false), (15.0, true)] {
+        let desk = Desk::with(&format!(
+            r#"
+            name = "off"
+            length_unit = "mm"
+            trials = 2
+            [scene]
+            kind = "roll"
+            probe = {{ kind = "sphere", radius = 10.0 }}
+            object = {{ kind = "sphere", radius = 30.0 }}
+            motion = {{ arc_length = {arc} }}
+            sensor = {{ kind = "pads", pitch = 0.5, cap_deg = 60.0 }}
+            "#
+        ));
+        let ended = desk.palpate("check c.toml");
+        let said = format!("{}{}", ended.stdout, ended.stderr);
+        assert_eq!(
+            said.contains("trials fail as `beyond-pads`"),
+            is_off,
+            "{said}"
+        );
+    }
+}
+
+#[test]
 fn each_combination_of_models_stands_once() {
     let objects = "[{ label = \"a\", kind = \"plane\" }, { label = \"b\", kind = \"saddle\", a = 0.01 }, \
                    { label = \"c\", kind = \"plane\" }]";

@@ -310,6 +310,9 @@ fn mistakes_of_sign_and_unit() {
         );
         assert!(said.contains(words), "{factor}: {said}");
     }
+    let still = scaled(ROLL, &[1, 2], 0.0);
+    let said = told(&desk(&still), "estimate roll r.csv --probe-radius 10");
+    assert!(said.contains("no probe turned"), "{said}");
     let one_inward = GLIDE.replacen(GLIDE.lines().nth(1).unwrap(), &inward(GLIDE), 1);
     let said = told(&desk(&one_inward), "estimate glide r.csv");
     assert!(said.contains("does its normal point inward?"), "{said}");

@@ -157,6 +157,9 @@ pub(super) fn of_roll(
         .iter()
         .map(|reading| reading.rotation.norm())
         .fold(0.0, f64::max);
+    if most == 0.0 {
+        return Some("no probe turned: all rotations are 0".to_owned());
+    }
     let turned = readings
         .iter()
         .filter(|reading| reading.shift.norm() > 0.0 && reading.rotation.norm() > 0.0);

@@ -346,6 +346,10 @@ impl Trials for RollScene {
                     .to_owned(),
             );
         }
+        let furthest = Vector2::new(self.truth.arc_length, 0.0);
+        if let Err(error) = self.sensor.noiseless().begin(0, 0).read(&furthest) {
+            lines.push(format!("warning: {error}: trials fail as `beyond-pads`"));
+        }
         lines
     }
 
