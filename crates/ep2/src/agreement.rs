@@ -58,7 +58,7 @@ pub(crate) struct Model<'a> {
 /// Process beside quadrics: the series' coefficients behind the quadrics, a column for each independent factor of unit variance.
 pub(crate) type Process = DMatrix<f64>;
 
-/// What contradicts the rest, and is no sign of roughness then.
+/// Part of the contacts that contradicts the rest, and is no sign of roughness then.
 #[derive(Clone, Copy)]
 pub(crate) enum Apart {
     /// The finger of this number, of which the distance from the others is not known.
@@ -263,7 +263,7 @@ impl Model<'_> {
         Ok((contact, (chance * all).min(1.0)))
     }
 
-    /// Variances of the contacts; `None` where nothing tells them apart from rounding.
+    /// Variances of the contacts; `None` where they are found and nothing tells them from rounding, or of too few contacts.
     fn variances(&self) -> Option<Variances> {
         let noise = self.fit.noise?;
         let square = |std: f64| std * std;

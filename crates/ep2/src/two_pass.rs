@@ -115,9 +115,10 @@ impl Method for TwoPass {
         Ok(self.fit_passes(patch)?.fit)
     }
 
-    /// Contacts that contradict each other do so whatever is fitted to them: those of [`Penalised`].
+    /// Doubts of [`Penalised`] of unknown noise: contacts that contradict each other do so whatever is fitted to them. None where
+    /// they do not determine its spline.
     fn agreement(&self, patch: &Patch) -> Result<Agreement, Ep2Error> {
-        Penalised::default().agreement(patch)
+        Ok(Penalised::default().agreement(patch).unwrap_or_default())
     }
 }
 

@@ -113,7 +113,8 @@ pub enum PressError {
         /// Smallest improvement that counts as a contact.
         needed: f64,
     },
-    /// The markers moved, but not as a press moves this body: it explains them no better than none does.
+    /// The markers moved, but not as a press moves this body: it explains them no better than none does, or as a needle of any
+    /// sharpness does.
     #[error(
         "the markers moved, but not as a press moves this body: residuals have a chi-squared of {chi_squared:.1}, where noise \
          of the stated size leaves about {freedom}; the body, its thickness or the depth of the markers is another, or noise is larger \
@@ -121,9 +122,9 @@ pub enum PressError {
         chi_squared = Number(*chi_squared)
     )]
     OtherBody {
-        /// Chi-squared of the readings against a sensor at rest.
+        /// Chi-squared of the readings against a sensor at rest, or against the fit.
         chi_squared: f64,
-        /// Number of readings.
+        /// Degrees of freedom, about which chi-squared would be.
         freedom: usize,
     },
     /// The contact that would explain the readings lies away from all markers.

@@ -257,7 +257,7 @@ fn contacts_that_are_no_part_of_the_patch_or_too_few() {
         "estimate glide r.csv",
     );
     assert!(
-        said.contains("contacts of one finger along one curve"),
+        said.contains("if the contacts lie along one curve"),
         "{said}"
     );
 }

@@ -311,14 +311,19 @@ impl<'a> Search<'a> {
             return Ok(interval);
         }
         let limit = self.limit() * self.limit();
-        let told = problem
-            .without(marker, state)
-            .map(|(others, state, sums)| profile(&others, &state, &sums, limit));
-        Ok(match told {
-            Some(Profile::Interval(without)) => interval.hull(without),
-            // Nothing that the others tell bounds the curvature.
-            Some(Profile::Better(_)) | None => Interval::UNBOUNDED,
-        })
+        let mut told = problem.without(marker, state);
+        // The profile may find a better fit than the one it starts from.
+        for _ in 0..4 {
+            let Some((others, state, sums)) = told else {
+                break;
+            };
+            match profile(&others, &state, &sums, limit) {
+                Profile::Interval(without) => return Ok(interval.hull(without)),
+                Profile::Better(better) => told = others.without(marker, &better),
+            }
+        }
+        // Nothing that the others tell bounds the curvature.
+        Ok(Interval::UNBOUNDED)
     }
 
     /// Whether two fits are one and the same.
@@ -366,8 +371,11 @@ impl<'a> Search<'a> {
     /// A fit that explains more markers than one that leaves several out: that without the marker nearest to the contact, which one
     /// that slipped makes a needle under it.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
-        let kept = &self.problem.kept;
-        if self.find_normal || kept.iter().filter(|kept| !**kept).count() < SEVERAL {
+        let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
+        // Markers outside a window are not wrong, and fits that find other noise are not to be compared by their residuals.
+        let finds_noise =
+            self.find_normal || self.find_tangential && self.problem.uses_tangential();
+        if finds_noise || self.problem.fit.window.is_some() || wrong < SEVERAL {
             return None;
         }
         let markers = self.problem.reading.markers.places().iter();
@@ -379,7 +387,6 @@ impl<'a> Search<'a> {
         let (nearest, _) = distances.enumerate().min_by(near)?;
         let mut others = self.clone();
         others.problem.kept.fill(true);
-        others.problem.keep_window(state);
         others.problem.kept[nearest] = false;
         let mut least = self.problem.unexplained(state);
         let mut best = None;

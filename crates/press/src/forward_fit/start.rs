@@ -137,10 +137,9 @@ fn of_shape(
     // The readings in multiples of the displacements.
     let amplitude = || {
         let (mut product, mut square) = (0.0, 0.0);
-        for marker in problem.counting() {
-            let (read, moved) = (problem.reading.normal[marker], moved[marker].normal);
-            product += (read - baseline) * moved;
-            square += moved * moved;
+        for (read, moved) in problem.reading.normal.iter().zip(&moved) {
+            product += (read - baseline) * moved.normal;
+            square += moved.normal * moved.normal;
         }
         (product > 0.0 && square > 0.0).then(|| product / square)
     };
@@ -172,10 +171,10 @@ fn of_shape(
     Some((cost, state))
 }
 
-/// The directions of the markers that moved most of those that count, the furthest first.
+/// The directions of the markers that moved most, the furthest first.
 fn most_moved(problem: &Problem<'_>) -> Vec<Vector3<f64>> {
     let normal = problem.reading.normal;
-    let mut order: Vec<usize> = problem.counting().collect();
+    let mut order: Vec<usize> = (0..normal.len()).collect();
     let by_displacement = |one: &usize, other: &usize| normal[*other].total_cmp(&normal[*one]);
     if order.len() > MARKERS {
         order.select_nth_unstable_by(MARKERS - 1, by_displacement);

@@ -140,6 +140,7 @@ fn a_slip_at_the_contact_is_not_taken_for_a_needle() {
     assert!((0..20).filter(is_held).count() >= 15);
 }
 
+/// A layer's markers hardly move beside the contact, where those of a half-space would.
 #[test]
 fn what_no_press_of_the_body_does_is_refused_by_that_name() {
     let (markers, layer) = (published(), Body::bonded_layer(5.0, DEPTH).unwrap());

@@ -1,5 +1,6 @@
 //! Calibration of a camera sensor from tables of known displacements.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use palpate_tracking::{
@@ -224,7 +225,7 @@ pub fn calibrate(
     let all = Calibration::new(normal_part, lateral_part, options.markers);
     let calibration = all.map_err(|error| normal.refused(points, &error))?;
     Ok(CalibrationReport {
-        copies: normal.copies() + lateral.copies(),
+        copies: copies(&normal, &lateral),
         calibration,
         length_unit,
         normal: normal.series(|points| {
@@ -242,6 +243,26 @@ pub fn calibrate(
             })
         }),
     })
+}
+
+/// Number of points that say the same as one before them, of the kind that has more; 0 where these are less than half.
+fn copies(normal: &Pooled<NormalPoint>, lateral: &Pooled<LateralPoint>) -> usize {
+    let of_normal = normal.copies(|point| {
+        let marker = point.marker.map_or(-1.0, |marker| marker as f64);
+        [marker, point.normal, point.hue_turns, point.growth]
+    });
+    let of_lateral = lateral.copies(|point| {
+        let ([along, across], [x, y]) = (point.tangential, point.shift_px);
+        [along, across, x, y, point.normal.unwrap_or(0.0)]
+    });
+    let all = [
+        (of_normal, normal.points.len()),
+        (of_lateral, lateral.points.len()),
+    ];
+    let many = all
+        .into_iter()
+        .filter(|(copies, points)| 2 * copies >= *points);
+    many.map(|(copies, _)| copies).max().unwrap_or(0)
 }
 
 /// The unit that headers or `--length-unit` state.
@@ -299,11 +320,17 @@ struct Pooled<P> {
     files: Vec<String>,
 }
 
-impl<P: Copy + PartialEq> Pooled<P> {
-    /// Number of points that say the same as one before them.
-    fn copies(&self) -> usize {
-        let before = |place: &usize| self.points[..*place].contains(&self.points[*place]);
-        (0..self.points.len()).filter(before).count()
+impl<P: Copy> Pooled<P> {
+    /// Number of points beyond rest that say the same as one before them of the same series, each as its numbers.
+    fn copies<const N: usize>(&self, numbers: impl Fn(&P) -> [f64; N]) -> usize {
+        let mut known = HashSet::new();
+        let points = self.points.iter().zip(&self.sources);
+        let is_again = |(point, (_, series, _)): &(&P, &(usize, Option<u64>, Option<usize>))| {
+            let numbers = numbers(point);
+            let is_at_rest = numbers.iter().all(|number| *number == 0.0);
+            !is_at_rest && !known.insert((*series, numbers.map(f64::to_bits)))
+        };
+        points.filter(is_again).count()
     }
 
     fn of(

@@ -16,7 +16,7 @@ pub struct CalibrationReport {
     pub normal: Vec<(String, Result<Fitted, CalibrationError>)>,
     /// The lateral ones.
     pub lateral: Vec<(String, Result<Fitted, CalibrationError>)>,
-    /// Number of points that say the same as one before them to the last digit.
+    /// Number of points that say the same as one before them to the last digit; 0 where these are less than half.
     pub copies: usize,
 }
 
@@ -106,26 +106,23 @@ impl CalibrationReport {
         let parts = [
             normal.map(|part| {
                 let residual = part.line.residual_rms;
-                let lines = [Some(part.line), part.with_intercept];
+                let lines = (part.line, part.with_intercept);
                 ("normal", residual, lines, part.range, &self.normal)
             }),
             lateral.map(|part| {
                 let residual = part.residual_rms;
-                let lines = [Some(part.line), part.with_intercept];
+                let lines = (part.line, part.with_intercept);
                 ("tangential", residual, lines, part.range, &self.lateral)
             }),
         ];
         let mut warnings = Vec::new();
         if self.copies > 0 {
             warnings.push(format!(
-                "{} points repeat points before them to the last digit: copies are no new readings, and make the stated uncertainty too small",
+                "{} points repeat others to the last digit: copies are no new readings, and make the stated uncertainty too small",
                 self.copies
             ));
         }
-        for (what, residual, [line, with_intercept], range, series) in parts.into_iter().flatten() {
-            let Some(line) = line else {
-                continue;
-            };
+        for (what, residual, (line, with_intercept), range, series) in parts.into_iter().flatten() {
             if let Some(free) =
                 with_intercept.filter(|free| free.r_squared - line.r_squared > OFF_REST)
             {

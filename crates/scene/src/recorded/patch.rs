@@ -295,7 +295,7 @@ impl<'r> FittedGlide<'r> {
                 ))
                 .chain(unknown)
                 .chain(self.few())
-                .chain(alone(self.contacts(), &recorded.origin))
+                .chain(alone(self.contacts(), unit, &recorded.origin))
                 .chain(of_noise.iter().cloned())
                 .chain(of_normals(self.contacts()))
                 .chain(directions)
@@ -322,7 +322,7 @@ fn copies(recorded: &GlideReadings) -> Option<String> {
         let finger = contact.finger as f64;
         [finger, x, y, z, along_x, along_y, along_z]
     });
-    repeated(&recorded.origin, "contact", contacts)
+    repeated(&recorded.origin, "contact", contacts, 0.0)
 }
 
 /// Contacts that follow from the points of round tips, where there are such.
@@ -402,12 +402,15 @@ fn remedied(error: &Ep2Error, fingers: usize, wording: Wording) -> String {
         Ep2Error::Folded { angle_deg, .. } if *angle_deg > 90.0 => {
             format!("{error}: does its normal point inward?")
         }
-        Ep2Error::NoSide { .. } if fingers == 1 => format!(
-            "{error}; contacts of one finger along one curve do not tell the surface beside it"
-        ),
         Ep2Error::NoSide { .. } => {
             let outward = wording.with("outward", "X,Y,Z");
-            format!("{error}; give another with {outward}")
+            let curve = match fingers {
+                1 => {
+                    "; if the contacts lie along one curve, they do not tell the surface beside it"
+                }
+                _ => "",
+            };
+            format!("{error}; give another with {outward}{curve}")
         }
         _ => error.to_string(),
     }

@@ -12,9 +12,6 @@ use crate::glide::AnyMethod;
 /// Factor between the stated distance of the fingers and that of the readings past which one of them is wrong.
 const FAR_OFF: f64 = 3.0;
 
-/// Number of unknowns of a quadric.
-const UNKNOWNS: usize = 6;
-
 /// Ratio of a contact's distance from the nearest other to the largest such distance of all others past which it may be no contact
 /// of the patch.
 const ALONE: f64 = 3.0;
@@ -43,7 +40,7 @@ pub(super) fn spacing(
 }
 
 /// The warning of a contact far from all others: a surface passes through it whatever it is.
-pub(super) fn alone(contacts: &[Contact], origin: &Origin) -> Option<String> {
+pub(super) fn alone(contacts: &[Contact], unit: LengthUnit, origin: &Origin) -> Option<String> {
     if contacts.len() > MOST_COMPARED {
         return None;
     }
@@ -64,9 +61,9 @@ pub(super) fn alone(contacts: &[Contact], origin: &Origin) -> Option<String> {
         return None;
     };
     (far > ALONE * next && next > 0.0).then(|| {
-        let [far, next] = [far, next].map(Number::rounded);
+        let ([far, next], unit) = ([far, next].map(Number::rounded), unit.as_str());
         format!(
-            "the contact of {} lies {far} from the nearest other, where no other is farther than {next} from its own: is it a contact?",
+            "the contact of {} lies {far} {unit} from the nearest other, where no other is farther than {next} {unit} from its own: is it a contact?",
             row(contact, origin)
         )
     })
@@ -97,9 +94,12 @@ pub(super) fn noise(
         return Vec::new();
     }
     let fit = AnyMethod::of(&estimator, None).fit(patch).ok();
-    let Some(found) = fit.and_then(|fit| fit.noise) else {
+    let Some((found, unknowns)) = fit.and_then(|fit| Some((fit.noise?, fit.effective_unknowns)))
+    else {
         return Vec::new();
     };
+    // Share of the readings that the fit leaves.
+    let left = 1.0 - unknowns / patch.equations() as f64;
     let found = [
         Some(found.position_std),
         found.normal_std_rad.map(f64::to_degrees),
@@ -110,7 +110,7 @@ pub(super) fn noise(
     all.filter_map(|(((stated, found), (what, unit)), readings)| {
         let (stated, found) = stated.zip(found)?;
         // The standard deviation of what is found is about 1/√(2 freedom) of it.
-        let freedom = readings.saturating_sub(UNKNOWNS) as f64;
+        let freedom = (left * readings as f64).max(1.0);
         let ratio = (1.0 + 3.0 / (2.0 * freedom).sqrt()).max(LARGE_RESIDUALS);
         let near = found / ratio..=found * ratio;
         let [stated_shown, found] = [stated, found].map(Number::rounded);

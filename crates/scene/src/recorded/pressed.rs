@@ -169,7 +169,7 @@ fn copies(recorded: &PressReadings) -> Option<String> {
         let [along_x, along_y] = along.map_or([0.0; 2], |along| along[marker]);
         [x, y, normal, along_x, along_y]
     });
-    repeated(&recorded.origin, "marker", markers)
+    repeated(&recorded.origin, "marker", markers, 0.0)
 }
 
 /// Readings without those that are wrong whatever the indentation is.

@@ -78,7 +78,7 @@ impl RollAgreement {
             unit,
             residual,
             suspicion,
-            copies: copies(recorded),
+            copies: copies(recorded, &options.noise),
             note: recorded.note.clone(),
         };
         Self {
@@ -88,13 +88,16 @@ impl RollAgreement {
     }
 }
 
-/// Warning of rolls that are there twice.
-fn copies(recorded: &RollReadings) -> Option<String> {
+/// Warning of rolls that are there twice: half of them or more, since pads may report the same again.
+fn copies(recorded: &RollReadings, noise: &ReadingNoise) -> Option<String> {
+    if noise.shift_resolution > 0.0 {
+        return None;
+    }
     let rolls = recorded.readings.iter().map(|reading| {
         let ([x, y], [u, v]) = (reading.rotation.into(), reading.shift.into());
         [x, y, u, v]
     });
-    repeated(&recorded.origin, "roll", rolls)
+    repeated(&recorded.origin, "roll", rolls, 0.5)
 }
 
 impl Estimated {

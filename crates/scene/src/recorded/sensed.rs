@@ -31,20 +31,14 @@ pub struct SensorOptions {
     pub px_per_rad: Option<f64>,
 }
 
-/// Relative standard error of a calibration's slope past which it widens what the displacements tell.
+/// Share of the slope from which on its standard error widens what the displacements tell.
 const VAGUE: f64 = 0.05;
 
-/// The warning of a slope of normal displacements that the calibration tells only roughly.
-fn of_slope(calibration: &Calibration, wording: Wording) -> Option<String> {
-    let line = calibration.normal_part()?.line;
-    let share = (line.slope_std? / line.slope).abs();
-    (share > VAGUE).then(|| {
-        let gain = wording.with("gain_std", &Number::rounded(share).to_string());
-        format!(
-            "the calibration tells its slope to {:.0} % only, a gain of all normal displacements that the intervals do not count unless it is stated: {gain}",
-            100.0 * share
-        )
-    })
+/// Standard error of a calibration's slope of normal displacements, as a share of it; 0 where it is not known.
+fn slope_share(calibration: &Calibration) -> f64 {
+    let line = calibration.normal_part().map(|part| part.line);
+    line.and_then(|line| Some((line.slope_std? / line.slope).abs()))
+        .unwrap_or(0.0)
 }
 
 /// Factor between scales of a camera past which one of them is wrong.
@@ -59,8 +53,10 @@ pub struct Sensed {
     has_tangential: bool,
     fates: Fates,
     field: Field,
-    /// Doubts about the camera's scale and the calibration's slope.
-    doubts: Vec<String>,
+    /// Doubt about the camera's scale.
+    scale: Option<String>,
+    /// Standard error of the slope of normal displacements, as a share of it.
+    slope_share: f64,
 }
 
 /// Output of `sensor track`.
@@ -138,10 +134,8 @@ impl Sensed {
             )
         });
         Ok(Self {
-            doubts: scale
-                .into_iter()
-                .chain(of_slope(calibration, origin.wording()))
-                .collect(),
+            scale,
+            slope_share: slope_share(calibration),
             field,
             unit,
             radius: options.radius,
@@ -162,7 +156,8 @@ impl Sensed {
         let origin = origin(frames, file);
         let field = Field::new(displaced).map_err(|error| no_field(&origin, error))?;
         Ok(Self {
-            doubts: Vec::new(),
+            scale: None,
+            slope_share: 0.0,
             field,
             unit,
             radius,
@@ -192,8 +187,7 @@ impl Sensed {
     }
 
     /// The object that pressed the markers, with what the markers themselves tell.
-    pub(super) fn pressed_by(&self, mut object: PressedObject) -> TrackedPress {
-        object.warnings.extend(self.fates.warning());
+    pub(super) fn pressed_by(&self, object: PressedObject) -> TrackedPress {
         let outward = self.field.outward().mean.filter(|_| self.has_tangential);
         TrackedPress {
             frames: self.fates,
@@ -239,6 +233,19 @@ impl Sensed {
         table
     }
 
+    /// The warning where the calibration tells the displacements' scale only roughly, and the estimator is not told so.
+    fn gain(&self, options: &PressOptions) -> Option<String> {
+        let told = options.estimator.priors().gain_std?;
+        (self.slope_share > VAGUE.max(told)).then(|| {
+            let share = Number::rounded(self.slope_share).to_string();
+            format!(
+                "the calibration tells its slope to {:.0} % only, a gain of all normal displacements that the intervals do not count: state it with {}",
+                100.0 * self.slope_share,
+                self.wording().with("gain_std", &share)
+            )
+        })
+    }
+
     /// The curvature of the object.
     ///
     /// # Errors
@@ -258,7 +265,8 @@ impl Sensed {
             extras: Extras::default(),
         };
         let mut object = estimate_press(&readings, options)?;
-        object.warnings.extend(self.doubts.iter().cloned());
+        object.warnings.extend(self.scale.clone());
+        object.warnings.extend(self.gain(options));
         Ok(self.pressed_by(object))
     }
 }

@@ -203,8 +203,8 @@ pub(super) fn noise(estimate: &PressEstimate, freedom: usize) -> Option<String> 
     };
     if is_large {
         return Some(format!(
-            "the residuals are {:.1} times the noise that is given: intervals are too narrow",
-            Number(ratio)
+            "the residuals are {} times the noise that is given: intervals are too narrow",
+            Number::rounded(ratio)
         ));
     }
     (ratio * LARGE_RESIDUALS < 1.0 && freedom >= MANY).then(|| {

@@ -60,10 +60,16 @@ pub struct Fates {
 const FEW_LOST: f64 = 0.1;
 
 impl Fates {
+    /// Whether enough markers were found again for both frames to be of one sensor.
+    const fn are_of_one_sensor(&self) -> bool {
+        2 * self.tracked >= self.at_rest
+    }
+
     /// The warning where many markers were not found again.
-    pub(super) fn warning(&self) -> Option<String> {
+    fn warning(&self) -> Option<String> {
         let missed = self.at_rest - self.tracked;
-        (missed as f64 > FEW_LOST * self.at_rest as f64).then(|| {
+        let are_many = missed as f64 > FEW_LOST * self.at_rest as f64;
+        (are_many && self.are_of_one_sensor()).then(|| {
             format!(
                 "{missed} of {} markers were not found again in the pressed frame ({} lost, {} merged, {} split): is it as bright and as sharp as the frame at rest?",
                 self.at_rest, self.lost, self.merged, self.split
@@ -75,6 +81,8 @@ impl Fates {
 /// Median shift of markers past which they moved, px, and how many times the scatter about it makes it one of all alike.
 const ALIKE_PX: f64 = 0.5;
 const ALIKE: f64 = 2.5;
+/// Fewest markers that tell what all have in common.
+const FEWEST: usize = 8;
 
 /// Difference of green, of 255 levels, that has the full colour in a difference image.
 const FULL_LEVELS: NonZeroU8 = NonZeroU8::new(128).expect("is not 0");
@@ -174,13 +182,14 @@ impl TrackedFrames {
     /// # Errors
     /// [`RecordedError::Readings`] where fewer than half of the markers are found again.
     pub fn of_one_sensor(&self) -> Result<(), RecordedError> {
-        let Fates {
-            at_rest, tracked, ..
-        } = self.fates();
+        let fates = self.fates();
         let [rest, pressed] = &self.files;
-        if 2 * tracked >= at_rest {
+        if fates.are_of_one_sensor() {
             return Ok(());
         }
+        let Fates {
+            at_rest, tracked, ..
+        } = fates;
         Err(RecordedError::Readings {
             file: pressed.clone(),
             message: format!(
@@ -209,7 +218,9 @@ impl TrackedFrames {
                 "all markers of {rest} {how} in {pressed}: did the camera move? what they have in common is no press"
             )
         });
-        moved.into_iter().chain(alike).chain(swapped).collect()
+        let lost = self.fates().warning();
+        let moved = moved.into_iter().chain(alike);
+        moved.chain(swapped).chain(lost).collect()
     }
 
     fn changes(&self) -> impl Iterator<Item = Change> {
@@ -250,6 +261,9 @@ impl TrackedFrames {
                 Some((arm, track.change()?.shift_px))
             })
             .collect();
+        if shifts.len() < FEWEST {
+            return None;
+        }
         let of_axis = |axis: usize| median(shifts.iter().map(|(_, shift)| shift[axis]));
         let [x, y] = [of_axis(0)?, of_axis(1)?];
         let apart = |(_, shift): &([f64; 2], [f64; 2])| libm::hypot(shift[0] - x, shift[1] - y);

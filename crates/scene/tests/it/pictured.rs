@@ -184,7 +184,7 @@ fn seen_from(frame: &Frame, from: impl Fn(f64, f64) -> [f64; 2]) -> Frame {
     }
 }
 
-/// What all markers have in common is told of the camera, not of the press; what a press moves is not.
+/// A motion that all markers have in common is one of the camera, not of the press.
 #[test]
 fn a_camera_that_moved_between_the_frames_is_told() {
     let study = study(3, "");

@@ -127,7 +127,7 @@ impl Matched {
         told(&expected, &seen, found, least).map(|_| seen)
     }
 
-    /// What the markers differ most in from those that the layout makes.
+    /// Kind of number in which the markers differ most from those that the layout makes.
     fn most_off(&self) -> &'static str {
         let mut squares = [0.0; 3];
         for (seen, law) in self.seen.iter().zip(&self.law) {
