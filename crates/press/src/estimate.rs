@@ -138,6 +138,18 @@ pub struct PressEstimate {
 }
 
 impl PressEstimate {
+    /// Estimate with another interval of the relative curvature.
+    pub(crate) fn holding(self, interval: Interval) -> Self {
+        Self {
+            relative_curvature: Estimated {
+                interval,
+                ..self.relative_curvature
+            },
+            verdict: Verdict::of(interval, self.sensor_curvature),
+            ..self
+        }
+    }
+
     /// R = 1/C_r of the best fit, length: radii are nearly without bias as they are, unlike curvatures.
     pub fn effective_radius(&self) -> Estimated {
         let Estimated {

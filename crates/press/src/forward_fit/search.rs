@@ -200,14 +200,13 @@ impl<'a> Search<'a> {
                 Profile::Interval(interval) => match self.with_rivals(&state, &sums, interval) {
                     Profile::Interval(interval) => {
                         on_markers(&self.problem, &state)?;
-                        let interval = match only_marker {
-                            Some(_) => interval,
-                            None => {
-                                self.or_without_slipped(&state, &sums, &covariance, interval)?
-                            }
-                        };
                         let found =
                             outcome(&self.problem, &state, &sums, &covariance, interval, limit)?;
+                        if only_marker.is_none() {
+                            let held =
+                                self.or_without_slipped(&state, &sums, &covariance, interval)?;
+                            return Ok(found.holding(held));
+                        }
                         return Ok(PressEstimate {
                             only_marker,
                             ..found
@@ -368,8 +367,8 @@ impl<'a> Search<'a> {
         Ok(self.without_nearest(&state).unwrap_or((state, sums)))
     }
 
-    /// A fit that explains more markers than one that leaves several out: that without the marker nearest to the contact, which one
-    /// that slipped makes a needle under it.
+    /// A fit that explains the markers where one that leaves several out does so worse: that without the marker nearest to the
+    /// contact, which makes a needle under it where it slipped.
     fn without_nearest(&mut self, state: &State) -> Option<(State, Sums)> {
         let wrong = self.problem.kept.iter().filter(|kept| !**kept).count();
         // Markers outside a window are not wrong, and fits that find other noise are not to be compared by their residuals.
@@ -400,7 +399,9 @@ impl<'a> Search<'a> {
                 continue;
             };
             let unexplained = without.problem.unexplained(&there);
-            if unexplained < least {
+            let goodness = without.problem.goodness(&sums);
+            let is_good = goodness.is_some_and(|goodness| !goodness.is_doubted());
+            if is_good && unexplained < least {
                 least = unexplained;
                 best = Some((without, there, sums));
             }
